@@ -1,0 +1,43 @@
+# The house's three rules for targets.
+
+add_compile_options(-Wall -Wextra -Werror -Wno-error=maybe-uninitialized)
+if(MM_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+
+# mm_library(<folder> [DEPENDS <folders or targets>]): a static library of every .cpp of src/<folder>.
+# Only ros_bridge, nodes and tools may ask for `catkin`.
+function(mm_library name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "_main\\.cpp$")
+  add_library(mm_${name} STATIC ${sources})
+  set_target_properties(mm_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(mm_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src)
+  mm_link(mm_${name} PUBLIC ${ARG_DEPENDS})
+endfunction()
+
+# mm_link(<target> <PUBLIC|PRIVATE> <folders or targets>): `catkin` brings ROS and the generated messages.
+function(mm_link target visibility)
+  foreach(dependency ${ARGN})
+    if(dependency STREQUAL "catkin")
+      target_include_directories(${target} SYSTEM ${visibility} ${catkin_INCLUDE_DIRS}
+                                 ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_INCLUDE_DESTINATION})
+      target_link_libraries(${target} ${visibility} ${catkin_LIBRARIES})
+      add_dependencies(${target} ${PROJECT_NAME}_generate_messages_cpp)
+    elseif(TARGET mm_${dependency})
+      target_link_libraries(${target} ${visibility} mm_${dependency})
+    else()
+      target_link_libraries(${target} ${visibility} ${dependency})
+    endif()
+  endforeach()
+endfunction()
+
+# mm_executable(<name> <source> [DEPENDS …]): an installed program of the package.
+function(mm_executable name source)
+  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  add_executable(${name} ${source})
+  mm_link(${name} PRIVATE ${ARG_DEPENDS})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endfunction()

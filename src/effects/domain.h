@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "machine/machine.h"
+
+namespace mm {
+
+/// The part of a session that the effects need to know: what there is, and over which range it was observed.
+/// It is kept in the calibration file, so that an effect means the same later. SI units.
+struct Domain {
+  std::vector<Joint> joints;
+  std::vector<double> lower, upper;            // observed range of each joint's reading
+  std::vector<std::vector<double>> positions;  // a joint: distinct positions measured (ascending, at most 64)
+  std::vector<std::string> sensors;            // temperatures
+  std::vector<double> sensorLower, sensorUpper;  // degC
+  std::vector<std::string> covariates;
+  std::vector<double> covariateLower, covariateUpper;
+  std::vector<std::string> features;           // balls and points of the artifact
+  double duration = 0.0;                       // s
+  double maxSpeed = 0.0;                       // m/s or rad/s, largest joint velocity seen
+  Eigen::Vector3d tipLower = Eigen::Vector3d::Zero(), tipUpper = Eigen::Vector3d::Zero();  // box of the nominal tip, m
+  bool laser = false;
+  double artifactExpansion = 0.0;
+
+  int findJoint(const std::string& name) const;
+  int findSensor(const std::string& name) const;
+  int findCovariate(const std::string& name) const;
+  int findFeature(const std::string& name) const;
+};
+
+}  // namespace mm

@@ -1,0 +1,69 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "effects/domain.h"
+#include "effects/effect_spec.h"
+#include "effects/state.h"
+
+namespace mm {
+
+/// One unknown constant of an effect. All values in SI (rad, m, 1/K …); `unit` and `toUnit` are for people.
+struct Parameter {
+  std::string name;
+  std::string unit;      // "um", "arcsec", "um/m", "1" …
+  double toUnit = 1.0;   // value in `unit` = SI value * toUnit
+  double scale = 1.0;    // a typical size
+  double bound = 1.0;    // largest plausible magnitude; a direction with a larger standard deviation is lost
+  double start = 0.0;
+};
+
+/// Where the contribution of an effect is added. Used in two ways: values only, or values and derivatives.
+class ErrorSink {
+ public:
+  virtual ~ErrorSink() = default;
+  /// Adds to slot `slot` of the ErrorLayout the product parameter * basis.
+  virtual void add(int slot, int parameter, double parameterValue, double basis) = 0;
+  /// Adds a value that is not linear; its derivatives are given by `derivative`.
+  virtual void value(int slot, double value) = 0;
+  virtual void derivative(int slot, int parameter, double derivative) = 0;
+  /// False when only values are wanted: derivatives may then be left out.
+  virtual bool wantsDerivatives() const = 0;
+};
+
+enum class Stage { kAxis, kJoint, kProbe, kVolume, kArtifact };
+
+/// One physical effect: a small error as a function of the state and of a few unknown constants.
+/// Immutable after construction and safe to call from several threads.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  const EffectSpec& spec() const { return spec_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  int parameterCount() const { return static_cast<int>(parameters_.size()); }
+
+  virtual Stage stage() const = 0;
+  /// True when the error is linear in all parameters.
+  virtual bool linear() const { return true; }
+  /// Composites are never candidates of a diagnosis.
+  virtual bool composite() const { return false; }
+  /// Adds the error at `state` with parameters `p` (SI) to the sink. An input that is not known contributes NaN.
+  virtual void evaluate(const State& state, const double* p, ErrorSink& sink) const = 0;
+  /// Parameters that enter nonlinearly (a period, a time constant): indices; empty for linear effects.
+  virtual std::vector<int> nonlinearParameters() const { return {}; }
+
+  virtual std::string cause() const = 0;    // physical cause, in plain words
+  virtual std::string remedy() const = 0;   // in the workshop
+  virtual std::string shownBy() const = 0;  // what a session must contain to show it
+
+ protected:
+  EffectSpec spec_;
+  std::vector<Parameter> parameters_;
+};
+
+using EffectPtr = std::shared_ptr<const Effect>;
+
+}  // namespace mm

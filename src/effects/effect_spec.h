@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mm {
+
+/// What a user writes to name an effect: `{type: backlash, axis: x}`. Keys keep their order; values are scalars or
+/// lists of scalars, kept as text.
+class EffectSpec {
+ public:
+  struct Value {
+    std::vector<std::string> items;
+    bool list = false;
+    bool operator==(const Value& o) const { return items == o.items && list == o.list; }
+  };
+
+  EffectSpec() = default;
+  explicit EffectSpec(std::string type) : type(std::move(type)) {}
+
+  std::string type;
+  std::vector<std::pair<std::string, Value>> keys;
+
+  EffectSpec& set(const std::string& key, const std::string& value);
+  EffectSpec& set(const std::string& key, double value);  // shortest text that reads back the same
+  EffectSpec& setList(const std::string& key, std::vector<std::string> items);
+  const Value* find(const std::string& key) const;
+  std::string text(const std::string& key) const;  // empty when absent
+
+  bool operator==(const EffectSpec& o) const { return type == o.type && keys == o.keys; }
+
+  /// One line of YAML: `{type: backlash, axis: x}`.
+  std::string yaml() const;
+};
+
+}  // namespace mm

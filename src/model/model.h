@@ -1,0 +1,46 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "effects/effect.h"
+#include "machine/machine.h"
+
+namespace mm {
+
+/// Machine + effects: where the probe really is, as a function of a state and of the effects' parameters.
+/// Immutable; `corrected` may be called from several threads with a workspace each.
+class Model {
+ public:
+  /// Buffers of one thread.
+  struct Workspace {
+    std::vector<double> errors;
+    Eigen::Matrix<double, 6, Eigen::Dynamic> bySlot;
+  };
+
+  Model(Machine machine, Domain domain, std::vector<EffectPtr> effects);
+
+  const Machine& machine() const { return machine_; }
+  const Domain& domain() const { return domain_; }
+  const std::vector<EffectPtr>& effects() const { return effects_; }
+  int parameterCount() const { return parameterCount_; }
+  int offset(int effect) const { return offsets_[effect]; }
+  const Parameter& parameter(int index) const { return effects_[effectOf_[index]]->parameters()[index - offsets_[effectOf_[index]]]; }
+  int effectOf(int parameter) const { return effectOf_[parameter]; }
+  Eigen::VectorXd start() const;
+
+  /// Pose of the probe with the effects applied; corrected = nominal + delta (MMT eq. 14).
+  /// @param parameters parameterCount() values, SI. @param byParameter if not null, 6 x parameterCount():
+  /// derivative of position (m) and orientation (rotation vector, rad).
+  ProbePose corrected(const State& state, const double* parameters, Workspace& work,
+                      Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter = nullptr) const;
+
+ private:
+  Machine machine_;
+  Domain domain_;
+  std::vector<EffectPtr> effects_;
+  std::vector<int> offsets_, effectOf_;
+  int parameterCount_ = 0;
+};
+
+}  // namespace mm

@@ -1,0 +1,88 @@
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "machine/machine.h"
+
+namespace mm {
+
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+enum class FeatureKind { kBall, kPoint };
+
+/// A ball or a point of the artifact. Lengths in m, in the artifact's frame.
+struct Feature {
+  FeatureKind kind = FeatureKind::kBall;
+  std::string name;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // ball's centre or the point; a start value when free
+  bool known = true;
+  double positionStd = 0.0;  // of a known position; 0: exact
+  double radius = 0.0;
+  double radiusStd = 0.0;  // 0: exact
+};
+
+/// What is measured. With `poseKnown` its frame is `workpiece`, else its pose is estimated.
+struct Artifact {
+  std::string name;
+  bool poseKnown = true;
+  std::vector<Feature> features;
+  double tipRadius = 0.0;              // m
+  double repeatability = kNotMeasured;  // m, standard deviation of one contact
+  double expansion = 0.0;              // 1/K
+  std::string temperatureSensor;
+  int findFeature(const std::string& name) const;  // -1 when absent
+};
+
+/// A logged quantity against time, e.g. a temperature (degC) or a covariate (its own unit).
+struct Series {
+  std::string name;
+  std::string unit;
+  std::vector<double> time;   // s from the session's start, ascending
+  std::vector<double> value;
+  /// Linear between the neighbouring stamps, constant beyond the ends; NaN where nothing was logged.
+  double at(double time) const;
+};
+
+enum class ObservationKind { kContact, kPosition, kDeviation };
+
+/// One contact of the probe, or one measurement by an independent instrument. SI units.
+struct Observation {
+  ObservationKind kind = ObservationKind::kContact;
+  double time = 0.0;             // s from the session's start
+  std::int64_t row = 0;          // where it came from: line of the CSV, or index of the message in its topic (from 1)
+  std::vector<double> position;  // uncorrected readings in the order of the machine's joints
+  std::vector<double> velocity;  // NaN: not known
+  std::vector<double> travel;    // -1, +1: direction of the last motion; 0: not known. Made by Session::prepare
+  Eigen::Vector3d approach = Eigen::Vector3d::Constant(kNotMeasured);  // unit vector in workpiece; NaN: not known
+  double laserReading = kNotMeasured;                                  // m
+  int feature = -1;                                                    // kContact: index in the artifact
+  Eigen::Vector3d reference = Eigen::Vector3d::Constant(kNotMeasured);  // kPosition: true position, artifact frame
+  std::vector<double> deviation;     // kDeviation: true minus indicated a joint, m or rad; NaN: not measured
+  std::vector<double> deviationStd;  // NaN: not stated
+  int setup = -1;                    // index in Session::setups: rows that share an unknown zero
+};
+
+/// A measurement session, whatever it was read from (bag, CSV, live topics).
+struct Session {
+  Machine machine;
+  Artifact artifact;
+  std::vector<Observation> observations;  // ascending in time
+  std::vector<Series> temperatures;       // degC
+  std::vector<Series> covariates;
+  std::vector<std::string> setups;
+  double epoch = 0.0;   // s, stamp of the session's start (t = 0)
+  std::string source;   // path, for messages
+  std::string warning;  // e.g. "read up to the damage at message 812"; empty: none
+
+  explicit Session(Machine m) : machine(std::move(m)) {}
+
+  /// Sorts by time (stable), derives the direction of travel (at standstill that of the last motion), checks
+  /// every value. Called by each reader. @throw InputError naming source, row and field of a bad value.
+  void prepare();
+  bool hasLaser() const;
+};
+
+}  // namespace mm
