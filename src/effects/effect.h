@@ -54,6 +54,9 @@ class Effect {
   virtual void evaluate(const State& state, const double* p, ErrorSink& sink) const = 0;
   /// Parameters that enter nonlinearly (a period, a time constant): indices; empty for linear effects.
   virtual std::vector<int> nonlinearParameters() const { return {}; }
+  /// Start values (SI) of the nonlinear parameters that cover their plausible range closely enough for a descent
+  /// from the nearest to reach the optimum: one vector a start, in the order of nonlinearParameters().
+  virtual std::vector<std::vector<double>> searchStarts() const { return {}; }
 
   virtual std::string cause() const = 0;    // physical cause, in plain words
   virtual std::string remedy() const = 0;   // in the workshop

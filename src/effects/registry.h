@@ -1,0 +1,30 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "effects/effect.h"
+
+namespace mm {
+
+/// One type of effect: how it is made from its keys, and which members of the family a diagnosis should try.
+struct EffectType {
+  std::string type;
+  /// @throw InputError for a missing, unknown or unfit key, naming it.
+  std::function<EffectPtr(const EffectSpec&, const Domain&)> create;
+  /// Every member that makes sense on this machine with these inputs, whether or not the data can show it;
+  /// physics restricts the list (gravity acts along the vertical, …). Empty for composites.
+  std::function<std::vector<EffectSpec>(const Domain&)> candidates;
+  bool composite = false;
+};
+
+/// The catalogue, in its fixed order: one line an effect (registry.cpp).
+const std::vector<EffectType>& effectRegistry();
+
+/// Adds a type at run time (a user's plugin). @throw InputError when the name is taken.
+void registerEffectType(EffectType type);
+
+/// @throw InputError: unknown type (names the nearest known one), missing or unknown keys.
+EffectPtr createEffect(const EffectSpec& spec, const Domain& domain);
+
+}  // namespace mm
