@@ -12,26 +12,41 @@ namespace mm {
 /// Immutable; `corrected` may be called from several threads with a workspace each.
 class Model {
  public:
-  /// Buffers of one thread.
+  /// One derivative of an error with respect to a parameter, in SI.
+  struct Derivative {
+    int slot = 0;       // of the ErrorLayout
+    int parameter = 0;  // of the model
+    double value = 0.0;
+  };
+
+  /// Buffers of one thread. After `corrected`: the errors by slot (m, rad), and, when derivatives were asked
+  /// for, those of the pose by slot and of the slots by parameter. The slots `distance` and `feature` do not
+  /// move the pose: who compares the pose with a feature reads them from here.
   struct Workspace {
     std::vector<double> errors;
     Eigen::Matrix<double, 6, Eigen::Dynamic> bySlot;
+    std::vector<Derivative> derivatives;
   };
 
   Model(Machine machine, Domain domain, std::vector<EffectPtr> effects);
+  /// The effects named by `specs`, made by the registry. @throw InputError as createEffect.
+  Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs);
 
   const Machine& machine() const { return machine_; }
   const Domain& domain() const { return domain_; }
   const std::vector<EffectPtr>& effects() const { return effects_; }
   int parameterCount() const { return parameterCount_; }
   int offset(int effect) const { return offsets_[effect]; }
-  const Parameter& parameter(int index) const { return effects_[effectOf_[index]]->parameters()[index - offsets_[effectOf_[index]]]; }
+  const Parameter& parameter(int index) const {
+    return effects_[effectOf_[index]]->parameters()[index - offsets_[effectOf_[index]]];
+  }
   int effectOf(int parameter) const { return effectOf_[parameter]; }
   Eigen::VectorXd start() const;
 
   /// Pose of the probe with the effects applied; corrected = nominal + delta (MMT eq. 14).
   /// @param parameters parameterCount() values, SI. @param byParameter if not null, 6 x parameterCount():
-  /// derivative of position (m) and orientation (rotation vector, rad).
+  /// derivative of position (m) and orientation (rotation vector, rad). An input that an effect needs and the
+  /// state does not have makes the pose NaN. No allocation once the workspace has been used.
   ProbePose corrected(const State& state, const double* parameters, Workspace& work,
                       Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter = nullptr) const;
 

@@ -9,9 +9,9 @@ namespace mm {
 
 /// What a model file says: `machine: M`, `effects: [ {type: …}, … ]`, optionally `repeatability_um`.
 struct ModelSpec {
-  std::string machine;              // as written; may be empty when the session brings the machine
+  std::string machine;  // as written; may be empty when the session brings the machine
   std::vector<EffectSpec> effects;
-  double repeatability = -1.0;      // m; negative: not stated
+  double repeatability = -1.0;  // m; negative: not stated
 };
 
 /// @throw InputError naming file, line and key for malformed YAML, unknown keys or effects without a type.

@@ -1,0 +1,83 @@
+#include "model/model.h"
+
+#include <limits>
+
+#include "effects/registry.h"
+
+namespace mm {
+namespace {
+
+/// Gathers the errors of one state by slot, and their derivatives when a list is given.
+class Collector final : public ErrorSink {
+ public:
+  Collector(double* errors, std::vector<Model::Derivative>* derivatives)
+      : errors_(errors), derivatives_(derivatives) {}
+
+  /// Index of the first parameter of the effect that is evaluated next.
+  void startAt(int offset) { offset_ = offset; }
+
+  void add(int slot, int parameter, double parameterValue, double basis) override {
+    errors_[slot] += parameterValue * basis;
+    if (derivatives_ != nullptr) derivatives_->push_back({slot, offset_ + parameter, basis});
+  }
+  void value(int slot, double value) override { errors_[slot] += value; }
+  void derivative(int slot, int parameter, double derivative) override {
+    if (derivatives_ != nullptr) derivatives_->push_back({slot, offset_ + parameter, derivative});
+  }
+  bool wantsDerivatives() const override { return derivatives_ != nullptr; }
+
+ private:
+  double* errors_;
+  std::vector<Model::Derivative>* derivatives_;
+  int offset_ = 0;
+};
+
+std::vector<EffectPtr> create(const std::vector<EffectSpec>& specs, const Domain& domain) {
+  std::vector<EffectPtr> effects;
+  effects.reserve(specs.size());
+  for (const EffectSpec& spec : specs) effects.push_back(createEffect(spec, domain));
+  return effects;
+}
+
+}  // namespace
+
+Model::Model(Machine machine, Domain domain, std::vector<EffectPtr> effects)
+    : machine_(std::move(machine)), domain_(std::move(domain)), effects_(std::move(effects)) {
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    offsets_.push_back(parameterCount_);
+    parameterCount_ += effects_[e]->parameterCount();
+    effectOf_.resize(static_cast<std::size_t>(parameterCount_), static_cast<int>(e));
+  }
+}
+
+Model::Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs)
+    : Model(std::move(machine), domain, create(specs, domain)) {}
+
+Eigen::VectorXd Model::start() const {
+  Eigen::VectorXd start(parameterCount_);
+  for (int i = 0; i < parameterCount_; ++i) start[i] = parameter(i).start;
+  return start;
+}
+
+ProbePose Model::corrected(const State& state, const double* parameters, Workspace& work,
+                           Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter) const {
+  work.errors.assign(static_cast<std::size_t>(machine_.layout().size()), 0.0);
+  work.derivatives.clear();
+  Collector collector(work.errors.data(), byParameter != nullptr ? &work.derivatives : nullptr);
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    collector.startAt(offsets_[e]);
+    effects_[e]->evaluate(state, parameters + offsets_[e], collector);
+  }
+  // NaN: a touch probe, which has no beam.
+  const double reading = domain_.laser ? state.laserReading : std::numeric_limits<double>::quiet_NaN();
+  const ProbePose pose = machine_.measure(state.position.data(), reading, work.errors.data(),
+                                          byParameter != nullptr ? &work.bySlot : nullptr);
+  if (byParameter != nullptr) {
+    byParameter->setZero(6, parameterCount_);
+    for (const Derivative& d : work.derivatives)
+      byParameter->col(d.parameter) += work.bySlot.col(d.slot) * d.value;
+  }
+  return pose;
+}
+
+}  // namespace mm
