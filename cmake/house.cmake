@@ -19,10 +19,16 @@ function(mm_library name)
 endfunction()
 
 # mm_link(<target> <PUBLIC|PRIVATE> <folders or targets>): `catkin` brings ROS and the generated messages.
+# The visibility PLAIN is for targets that catkin has linked in the plain signature already (its gtests).
 function(mm_link target visibility)
+  set(include_visibility ${visibility})
+  if(visibility STREQUAL "PLAIN")
+    set(include_visibility PRIVATE)
+    set(visibility "")
+  endif()
   foreach(dependency ${ARGN})
     if(dependency STREQUAL "catkin")
-      target_include_directories(${target} SYSTEM ${visibility} ${catkin_INCLUDE_DIRS}
+      target_include_directories(${target} SYSTEM ${include_visibility} ${catkin_INCLUDE_DIRS}
                                  ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_INCLUDE_DESTINATION})
       target_link_libraries(${target} ${visibility} ${catkin_LIBRARIES})
       add_dependencies(${target} ${PROJECT_NAME}_generate_messages_cpp)
