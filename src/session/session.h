@@ -29,9 +29,9 @@ struct Artifact {
   std::string name;
   bool poseKnown = true;
   std::vector<Feature> features;
-  double tipRadius = 0.0;              // m
+  double tipRadius = 0.0;               // m
   double repeatability = kNotMeasured;  // m, standard deviation of one contact
-  double expansion = 0.0;              // 1/K
+  double expansion = 0.0;               // 1/K
   std::string temperatureSensor;
   int findFeature(const std::string& name) const;  // -1 when absent
 };
@@ -40,7 +40,7 @@ struct Artifact {
 struct Series {
   std::string name;
   std::string unit;
-  std::vector<double> time;   // s from the session's start, ascending
+  std::vector<double> time;  // s from the session's start, ascending
   std::vector<double> value;
   /// Linear between the neighbouring stamps, constant beyond the ends; NaN where nothing was logged.
   double at(double time) const;
@@ -51,15 +51,17 @@ enum class ObservationKind { kContact, kPosition, kDeviation };
 /// One contact of the probe, or one measurement by an independent instrument. SI units.
 struct Observation {
   ObservationKind kind = ObservationKind::kContact;
-  double time = 0.0;             // s from the session's start
-  std::int64_t row = 0;          // where it came from: line of the CSV, or index of the message in its topic (from 1)
+  double time = 0.0;     // s from the session's start
+  std::int64_t row = 0;  // where it came from: line of the CSV, or index of the message in its topic (from 1)
   std::vector<double> position;  // uncorrected readings in the order of the machine's joints
   std::vector<double> velocity;  // NaN: not known
-  std::vector<double> travel;    // -1, +1: direction of the last motion; 0: not known. Made by Session::prepare
-  Eigen::Vector3d approach = Eigen::Vector3d::Constant(kNotMeasured);  // unit vector in workpiece; NaN: not known
-  double laserReading = kNotMeasured;                                  // m
-  int feature = -1;                                                    // kContact: index in the artifact
-  Eigen::Vector3d reference = Eigen::Vector3d::Constant(kNotMeasured);  // kPosition: true position, artifact frame
+  std::vector<double> travel;  // -1, +1: direction of the last motion; 0: not known. Made by Session::prepare
+  Eigen::Vector3d approach =
+      Eigen::Vector3d::Constant(kNotMeasured);  // unit vector in workpiece; NaN: not known
+  double laserReading = kNotMeasured;           // m
+  int feature = -1;                             // kContact: index in the artifact
+  Eigen::Vector3d reference =
+      Eigen::Vector3d::Constant(kNotMeasured);  // kPosition: true position, artifact frame
   std::vector<double> deviation;     // kDeviation: true minus indicated a joint, m or rad; NaN: not measured
   std::vector<double> deviationStd;  // NaN: not stated
   int setup = -1;                    // index in Session::setups: rows that share an unknown zero

@@ -1,0 +1,135 @@
+#include "session/session.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+/// Where a value came from, in words for people.
+std::string place(const Session& session, const Observation& o) {
+  return session.source + ": row " + std::to_string(o.row);
+}
+
+void fail(const Session& session, const Observation& o, const std::string& what) {
+  throw InputError(place(session, o) + ": " + what);
+}
+
+/// True when every value is a number or NaN for "not measured"; an infinite one is never meant.
+template <typename Range>
+bool anyInfinite(const Range& values) {
+  return std::any_of(values.begin(), values.end(), [](double v) { return std::isinf(v); });
+}
+
+void checkSizes(const Session& session, Observation& o) {
+  const std::size_t joints = session.machine.joints().size();
+  if (o.position.size() != joints)
+    fail(session, o,
+         std::to_string(o.position.size()) + " joint readings, but machine '" + session.machine.name() +
+             "' has " + std::to_string(joints) + " joints");
+  if (o.velocity.empty()) o.velocity.assign(joints, kNotMeasured);
+  if (o.velocity.size() != joints) fail(session, o, "as many velocities as joints are needed, or none");
+  if (o.kind == ObservationKind::kDeviation) {
+    if (o.deviation.size() != joints) fail(session, o, "one deviation a joint is needed (NaN: not measured)");
+    if (o.deviationStd.empty()) o.deviationStd.assign(joints, kNotMeasured);
+    if (o.deviationStd.size() != joints)
+      fail(session, o, "as many deviation_std as joints are needed, or none");
+  }
+}
+
+void checkValues(const Session& session, const Observation& o) {
+  if (!std::isfinite(o.time)) fail(session, o, "the time is not a number");
+  for (std::size_t j = 0; j < o.position.size(); ++j)
+    if (!std::isfinite(o.position[j]))
+      fail(session, o, "the reading of joint '" + session.machine.joints()[j].name + "' is not a number");
+  if (anyInfinite(o.velocity)) fail(session, o, "a velocity is infinite");
+  if (std::isinf(o.laserReading)) fail(session, o, "the laser's reading is infinite");
+  if (o.setup >= static_cast<int>(session.setups.size())) fail(session, o, "its setup is not in the session");
+  switch (o.kind) {
+    case ObservationKind::kContact:
+      if (o.feature < 0 || o.feature >= static_cast<int>(session.artifact.features.size()))
+        fail(session, o, "its feature is not in artifact '" + session.artifact.name + "'");
+      break;
+    case ObservationKind::kPosition:
+      if (anyInfinite(o.reference)) fail(session, o, "a reference position is infinite");
+      if (o.reference.array().isNaN().all()) fail(session, o, "no component of the reference was measured");
+      break;
+    case ObservationKind::kDeviation:
+      if (anyInfinite(o.deviation)) fail(session, o, "a deviation is infinite");
+      if (std::all_of(o.deviation.begin(), o.deviation.end(), [](double v) { return std::isnan(v); }))
+        fail(session, o, "no deviation was measured");
+      for (const double std : o.deviationStd)
+        if (std <= 0.0 || std::isinf(std))
+          fail(session, o, "a deviation's standard deviation must be above 0");
+      break;
+  }
+}
+
+void checkSeries(const Session& session, const Series& series) {
+  if (series.time.size() != series.value.size())
+    throw InputError(session.source + ": series '" + series.name +
+                     "' has unequal numbers of times and values");
+  if (!std::is_sorted(series.time.begin(), series.time.end()))
+    throw InputError(session.source + ": series '" + series.name + "' is not ascending in time");
+  for (std::size_t i = 0; i < series.time.size(); ++i)
+    if (!std::isfinite(series.time[i]) || !std::isfinite(series.value[i]))
+      throw InputError(session.source + ": series '" + series.name + "': value " + std::to_string(i + 1) +
+                       " is not a number");
+}
+
+/// Direction of the last motion of each joint, row by row. A reader that knows more than the rows do (from
+/// /joint_states) has already put it into `travel`.
+void deriveTravel(Session& session) {
+  std::vector<double> last(session.machine.joints().size(), 0.0);
+  for (Observation& o : session.observations) {
+    o.travel.resize(last.size(), 0.0);
+    for (std::size_t j = 0; j < last.size(); ++j) {
+      const double v = o.velocity[j];
+      if (v != 0.0 && !std::isnan(v))
+        o.travel[j] = v > 0.0 ? 1.0 : -1.0;
+      else if (v == 0.0 && o.travel[j] == 0.0)
+        o.travel[j] = last[j];
+      if (o.travel[j] != 0.0) last[j] = o.travel[j];
+    }
+  }
+}
+
+}  // namespace
+
+int Artifact::findFeature(const std::string& name) const {
+  for (std::size_t i = 0; i < features.size(); ++i)
+    if (features[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+double Series::at(double t) const {
+  if (time.empty()) return kNotMeasured;
+  const auto after = std::lower_bound(time.begin(), time.end(), t);
+  if (after == time.end()) return value.back();
+  const std::size_t i = after - time.begin();
+  if (i == 0 || time[i] == t) return value[i];
+  const double part = (t - time[i - 1]) / (time[i] - time[i - 1]);
+  return value[i - 1] + part * (value[i] - value[i - 1]);
+}
+
+void Session::prepare() {
+  for (Observation& o : observations) {
+    checkSizes(*this, o);
+    checkValues(*this, o);
+  }
+  for (const Series& s : temperatures) checkSeries(*this, s);
+  for (const Series& s : covariates) checkSeries(*this, s);
+  const auto earlier = [](const Observation& a, const Observation& b) { return a.time < b.time; };
+  if (!std::is_sorted(observations.begin(), observations.end(), earlier))
+    std::stable_sort(observations.begin(), observations.end(), earlier);
+  deriveTravel(*this);
+}
+
+bool Session::hasLaser() const {
+  return std::any_of(observations.begin(), observations.end(),
+                     [](const Observation& o) { return !std::isnan(o.laserReading); });
+}
+
+}  // namespace mm

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace mm {
+
+// One function a subcommand of `mm`, each in a file of its own: it declares the options and, when the
+// subcommand is the one that was typed, does the work from the callback of CLI11. Bad input is thrown
+// (InputError, NumericalError); a result whose answer is no sets `exitStatus` to 1.
+
+}  // namespace mm

@@ -1,0 +1,45 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "machine/error.h"
+#include "tools/commands.h"
+#include "tools/one_line.h"
+
+namespace {
+
+constexpr int kDone = 0;        // also: help and version
+constexpr int kAnswerIsNo = 1;  // not converged, a parameter lost, cancelled: the output is still written
+constexpr int kBadInput = 2;    // bad input or usage
+
+int fail(int status, const std::string& message) {
+  std::cerr << "mm: error: " << mm::oneLine(message) << std::endl;
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Calibrates a measuring machine and finds the physical effect that its model misses.", "mm"};
+  app.set_version_flag("--version", "mm " MM_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  app.footer(
+      "A session:  mm import contacts.csv --artifact artifact.yaml --machine three_axis -o session.bag\n"
+      "Each subcommand explains itself: mm import --help");
+  int exitStatus = kDone;
+  try {
+    app.parse(argc, argv);
+    std::cout.flush();
+    if (!std::cout) return fail(kBadInput, "standard output cannot be written; is the disk full?");
+    return exitStatus;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    return fail(kBadInput, std::string(e.what()) + "; see mm --help");
+  } catch (const mm::InputError& e) {
+    return fail(kBadInput, e.what());
+  } catch (const mm::Error& e) {  // NumericalError, Cancelled
+    return fail(kAnswerIsNo, e.what());
+  } catch (const std::exception& e) {
+    return fail(kBadInput, std::string("unexpected: ") + e.what());
+  }
+}

@@ -1,0 +1,9 @@
+#pragma once
+#include <string>
+
+namespace mm {
+
+/// A message on one line: line breaks and runs of blanks become one blank.
+std::string oneLine(const std::string& text);
+
+}  // namespace mm
