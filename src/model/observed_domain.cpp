@@ -1,0 +1,78 @@
+#include "model/observed_domain.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mm {
+namespace {
+
+constexpr double kSamePosition = 1e-6;  // m or rad
+constexpr std::size_t kMostPositions = 64;
+
+/// Means of the groups of values no further than kSamePosition from the lowest of their group.
+std::vector<double> distinctPositions(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  std::vector<double> distinct;
+  for (std::size_t first = 0; first < values.size();) {
+    std::size_t last = first;
+    double sum = 0.0;
+    while (last < values.size() && values[last] - values[first] <= kSamePosition) sum += values[last++];
+    distinct.push_back(sum / static_cast<double>(last - first));
+    if (distinct.size() > kMostPositions) return {};
+    first = last;
+  }
+  return distinct;
+}
+
+/// Names and ranges at the observations of what was logged against time.
+void addRanges(const std::vector<Series>& logged, const std::vector<Observation>& observations,
+               std::vector<std::string>& names, std::vector<double>& lower, std::vector<double>& upper) {
+  for (const Series& series : logged) {
+    double low = kNotMeasured, high = kNotMeasured;
+    for (const Observation& o : observations) {
+      const double value = series.at(o.time);
+      low = std::fmin(low, value);  // fmin and fmax pass over NaN
+      high = std::fmax(high, value);
+    }
+    names.push_back(series.name);
+    lower.push_back(low);
+    upper.push_back(high);
+  }
+}
+
+}  // namespace
+
+Domain observedDomain(const Session& session) {
+  Domain domain;
+  domain.joints = session.machine.joints();
+  for (int j = 0; j < session.machine.jointCount(); ++j) {
+    std::vector<double> values;
+    values.reserve(session.observations.size());
+    for (const Observation& o : session.observations) values.push_back(o.position[j]);
+    const auto range = std::minmax_element(values.begin(), values.end());
+    domain.lower.push_back(values.empty() ? 0.0 : *range.first);
+    domain.upper.push_back(values.empty() ? 0.0 : *range.second);
+    domain.positions.push_back(distinctPositions(std::move(values)));
+  }
+  addRanges(session.temperatures, session.observations, domain.sensors, domain.sensorLower,
+            domain.sensorUpper);
+  addRanges(session.covariates, session.observations, domain.covariates, domain.covariateLower,
+            domain.covariateUpper);
+  for (const Feature& feature : session.artifact.features) domain.features.push_back(feature.name);
+
+  bool first = true;
+  for (const Observation& o : session.observations) {
+    domain.duration = std::max(domain.duration, o.time);
+    for (const double v : o.velocity)
+      if (std::isfinite(v)) domain.maxSpeed = std::max(domain.maxSpeed, std::abs(v));
+    const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), kNotMeasured).position;
+    domain.tipLower = first ? tip : domain.tipLower.cwiseMin(tip);
+    domain.tipUpper = first ? tip : domain.tipUpper.cwiseMax(tip);
+    first = false;
+  }
+  domain.laser = session.hasLaser();
+  domain.artifactExpansion = session.artifact.expansion;
+  return domain;
+}
+
+}  // namespace mm

@@ -1,0 +1,112 @@
+#include "model/session_states.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+const Series* findSeries(const std::vector<Series>& logged, const std::string& name) {
+  const auto found =
+      std::find_if(logged.begin(), logged.end(), [&](const Series& s) { return s.name == name; });
+  return found == logged.end() ? nullptr : &*found;
+}
+
+std::vector<const Series*> inOrder(const std::vector<Series>& logged, const std::vector<std::string>& names) {
+  std::vector<const Series*> ordered;
+  for (const std::string& name : names) ordered.push_back(findSeries(logged, name));
+  return ordered;
+}
+
+std::vector<double> valuesAt(const std::vector<const Series*>& logged, double time) {
+  std::vector<double> values;
+  values.reserve(logged.size());
+  for (const Series* series : logged) values.push_back(series == nullptr ? kNotMeasured : series->at(time));
+  return values;
+}
+
+std::string names(const std::vector<Joint>& joints) {
+  std::string text;
+  for (const Joint& joint : joints) text += (text.empty() ? "" : ", ") + joint.name;
+  return text;
+}
+
+void checkJoints(const Session& session, const Domain& domain) {
+  const std::vector<Joint>& own = session.machine.joints();
+  const bool same =
+      own.size() == domain.joints.size() &&
+      std::equal(own.begin(), own.end(), domain.joints.begin(),
+                 [](const Joint& a, const Joint& b) { return a.name == b.name && a.kind == b.kind; });
+  if (!same)
+    throw InputError(session.source + ": the session's machine has the joints " + names(own) +
+                     ", the model's " + names(domain.joints) +
+                     "; use a session of the machine that was calibrated");
+}
+
+}  // namespace
+
+std::vector<Series> temperaturesOf(const Session& session, const Domain& domain) {
+  std::vector<Series> ordered;
+  for (const std::string& sensor : domain.sensors) {
+    const Series* series = findSeries(session.temperatures, sensor);
+    ordered.push_back(series == nullptr ? Series{} : *series);
+    ordered.back().name = sensor;
+  }
+  return ordered;
+}
+
+SessionStates::SessionStates(const Session& session, const Domain& domain) {
+  checkJoints(session, domain);
+  history_ = std::make_shared<SeriesHistory>(temperaturesOf(session, domain));
+  const std::vector<const Series*> temperatures = inOrder(session.temperatures, domain.sensors);
+  const std::vector<const Series*> covariates = inOrder(session.covariates, domain.covariates);
+  std::vector<int> featureOf;
+  for (const Feature& feature : session.artifact.features)
+    featureOf.push_back(domain.findFeature(feature.name));
+
+  states_.reserve(session.observations.size());
+  for (const Observation& o : session.observations) {
+    State state;
+    state.time = o.time;
+    state.position = o.position;
+    state.velocity = o.velocity;
+    state.velocity.resize(o.position.size(), kNotMeasured);
+    state.travel = o.travel;
+    state.travel.resize(o.position.size(), 0.0);
+    state.temperature = valuesAt(temperatures, o.time);
+    state.covariate = valuesAt(covariates, o.time);
+    state.laserReading = o.laserReading;
+    state.history = history_.get();
+    if (o.feature >= 0) {
+      const Feature& feature = session.artifact.features[o.feature];
+      state.feature = featureOf[o.feature];
+      state.featurePosition = feature.position;
+      state.featureRadius = feature.radius;
+    }
+    // The lever is that of the probe itself: the machine adds the reach of a laser's beam.
+    const ProbePose nominal = session.machine.nominal(o.position.data(), kNotMeasured);
+    state.tip = nominal.position;
+    state.orientation = nominal.orientation;
+    const bool laser = !std::isnan(o.laserReading);
+    const bool recorded = o.approach.allFinite();
+    if (laser)
+      state.approach = nominal.orientation.col(2);
+    else if (recorded)
+      state.approach = o.approach;
+    aimAt_.push_back(laser || recorded || o.kind != ObservationKind::kContact ? -1 : o.feature);
+    states_.push_back(std::move(state));
+  }
+}
+
+void SessionStates::aim(const std::vector<Eigen::Vector3d>& centres) {
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (aimAt_[i] < 0) continue;
+    const Eigen::Vector3d towards = centres[aimAt_[i]] - states_[i].tip;
+    const double distance = towards.norm();
+    if (distance > 0.0) states_[i].approach = towards / distance;
+  }
+}
+
+}  // namespace mm

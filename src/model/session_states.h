@@ -1,0 +1,38 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "effects/domain.h"
+#include "effects/state.h"
+#include "model/series_history.h"
+#include "session/session.h"
+
+namespace mm {
+
+/// The inputs of the effects at every observation of a session, in its order. The states point to a history
+/// that this object keeps: it must outlive them.
+class SessionStates {
+ public:
+  /// @param domain of the model: gives the order of sensors, covariates and features; one that the session
+  /// does not have is NaN (or -1) in the states. @throw InputError when its joints are not those of the
+  /// session's machine.
+  SessionStates(const Session& session, const Domain& domain);
+
+  const std::vector<State>& states() const { return states_; }
+  const State& operator[](std::size_t observation) const { return states_[observation]; }
+  std::size_t size() const { return states_.size(); }
+
+  /// Points the contacts of a touch probe whose approach was not recorded from the nominal tip to the centre
+  /// of their feature. @param centres in workpiece (m), one a feature of the session's artifact.
+  void aim(const std::vector<Eigen::Vector3d>& centres);
+
+ private:
+  std::shared_ptr<const SeriesHistory> history_;
+  std::vector<State> states_;
+  std::vector<int> aimAt_;  // an observation: feature of the artifact to aim at, or -1
+};
+
+/// The session's temperatures in the order of the domain's sensors; empty series for those it does not have.
+std::vector<Series> temperaturesOf(const Session& session, const Domain& domain);
+
+}  // namespace mm
