@@ -1,0 +1,138 @@
+#include "estimation/genetic_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+/// Chromosomes that one thread takes at a time: enough to use a contact's data often while it is in the
+/// cache, few enough to keep the threads equally busy. Part of no result.
+constexpr std::size_t kBlock = 64;
+
+std::size_t blocksOf(std::size_t count) { return (count + kBlock - 1) / kBlock; }
+
+}  // namespace
+
+void checkSetting(const char* algorithm, const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  std::ostringstream message;
+  message << algorithm << ": " << name << " = " << value << " is not within " << low << " to " << high
+          << "; correct the setting or leave it out for its default";
+  throw InputError(message.str());
+}
+
+void checkSettings(const char* algorithm, const GeneticSettings& settings) {
+  checkSetting(algorithm, "population", static_cast<double>(settings.population), 2, 1e7);
+  checkSetting(algorithm, "generations", static_cast<double>(settings.generations), 0, 1e7);
+  checkSetting(algorithm, "threads", settings.threads, 0, 1024);
+  checkSetting(algorithm, "target_cost", settings.targetCost, 0, std::numeric_limits<double>::max());
+}
+
+GeneticRun::GeneticRun(const char* algorithm, GeneticFitness& fitness, const GeneticRanges& ranges,
+                       const GeneticSettings& settings, const GeneticControl& control)
+    : algorithm_(algorithm),
+      fitness_(fitness),
+      ranges_(ranges),
+      settings_(settings),
+      control_(control),
+      dimension_(fitness.dimension()),
+      threads_(settings.threads, blocksOf(settings.population)) {
+  ranges.validate(dimension_);
+  if (!settings.start.empty() && settings.start.size() != dimension_)
+    throw InputError(std::string(algorithm) + ": start has " + std::to_string(settings.start.size()) +
+                     " genes where the problem has " + std::to_string(dimension_));
+  for (std::size_t i = 0; i < settings.start.size(); ++i)
+    if (!(settings.start[i] >= ranges.low[i] && settings.start[i] <= ranges.high[i]))
+      throw InputError(std::string(algorithm) + ": start of gene " + std::to_string(i) + " = " +
+                       std::to_string(settings.start[i]) + " is outside its range; widen the range");
+  current_.resize(settings.population * dimension_);
+  next_.resize(current_.size());
+  costs_.resize(settings.population);
+  order_.resize(settings.population);
+  result_.best.resize(dimension_);
+  result_.curve.reserve(settings.generations + 1);
+  result_.seed = settings.seed;
+
+  std::vector<double> first = settings.start;
+  if (first.empty())
+    for (std::size_t i = 0; i < dimension_; ++i) first.push_back(0.5 * (ranges.low[i] + ranges.high[i]));
+  fitness_.newGeneration(first.data());
+}
+
+void GeneticRun::fillRandom(double* chromosome, GeneticRandom& random) const {
+  for (std::size_t i = 0; i < dimension_; ++i)
+    chromosome[i] = random.between(ranges_.low[i], ranges_.high[i]);
+}
+
+void GeneticRun::fillFirst() {
+  for (std::size_t i = 0; i < population(); ++i) {
+    GeneticRandom stream = random(i);
+    fillRandom(chromosome(i), stream);
+  }
+  std::copy(settings_.start.begin(), settings_.start.end(), chromosome(0));
+}
+
+void GeneticRun::evaluate() {
+  const std::size_t count = population();
+  threads_.run(blocksOf(count), [&](std::size_t block) {
+    const std::size_t first = block * kBlock;
+    fitness_.evaluate(current_.data() + first * dimension_, std::min(kBlock, count - first),
+                      costs_.data() + first);
+  });
+  result_.evaluations += count;
+}
+
+void GeneticRun::rank() {
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    order_[i] = i;
+    if (!std::isfinite(costs_[i])) costs_[i] = std::numeric_limits<double>::infinity();
+  }
+  // The index settles ties, so that the order is the same in every sort.
+  std::sort(order_.begin(), order_.end(), [this](std::size_t a, std::size_t b) {
+    return costs_[a] < costs_[b] || (costs_[a] == costs_[b] && a < b);
+  });
+}
+
+bool GeneticRun::closeGeneration() {
+  std::swap(current_, next_);
+  evaluate();
+  rank();
+  const double cost = rankedCost(0);
+  if (!std::isfinite(cost))
+    throw NumericalError(std::string(algorithm_) + ": no chromosome of generation " +
+                         std::to_string(generation_) + " has a finite cost; narrow the ranges");
+  std::copy_n(ranked(0), dimension_, result_.best.begin());
+  result_.curve.push_back(cost);
+  result_.generations = generation_;
+  result_.cost = cost;
+  changed_ = fitness_.newGeneration(result_.best.data());
+  if (control_.progress)
+    control_.progress({generation_, settings_.generations, result_.evaluations, cost, result_.best.data()});
+  if (generation_ >= settings_.generations) return false;
+  if (settings_.targetCost > 0.0 && cost <= settings_.targetCost) {
+    result_.stop = GeneticStop::kTargetCost;
+    return false;
+  }
+  if (control_.cancelled && control_.cancelled()) {
+    result_.stop = GeneticStop::kCancelled;
+    return false;
+  }
+  ++generation_;
+  return true;
+}
+
+GeneticResult GeneticRun::result() {
+  if (changed_) {
+    fitness_.evaluate(result_.best.data(), 1, &result_.cost);
+    ++result_.evaluations;
+  }
+  result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  return std::move(result_);
+}
+
+}  // namespace mm

@@ -1,0 +1,101 @@
+#include "estimation/genetic_staged_mutation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "estimation/genetic_run.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+constexpr const char* kName = "staged_mutation";
+
+/// A gene that leaves its range is reflected at the bound; what is still outside takes the bound itself.
+double within(double value, double low, double high) {
+  if (value < low) value = 2.0 * low - value;
+  if (value > high) value = 2.0 * high - value;
+  return std::clamp(value, low, high);
+}
+
+std::vector<double> axesOfGenes(const GeneticRanges& ranges) {
+  const std::size_t n = ranges.dimension();
+  std::vector<double> axes(n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) axes[i * n + i] = 0.5 * (ranges.high[i] - ranges.low[i]);
+  return axes;
+}
+
+}  // namespace
+
+void StagedMutationSettings::validate() const {
+  checkSettings(kName, *this);
+  checkSetting(kName, "father_share", fatherShare, 1e-6, 1.0);
+  checkSetting(kName, "survivor_share", survivorShare, 0.0, fatherShare);
+  checkSetting(kName, "gene_share", geneShare, 0.0, 1.0);
+  checkSetting(kName, "reach", reach, 1e-12, 1.0);
+  if (stages.empty()) throw InputError("staged_mutation: stages is empty; give at least one stage");
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const std::string name = "stages[" + std::to_string(i) + "]";
+    checkSetting(kName, (name + ".fraction").c_str(), stages[i].fraction, 0.0, 2.0);
+    if (stages[i].lastGeneration <= last)
+      throw InputError("staged_mutation: " + name +
+                       ".last_generation = " + std::to_string(stages[i].lastGeneration) + " is not above " +
+                       std::to_string(last) + "; list the stages in rising order");
+    last = stages[i].lastGeneration;
+  }
+}
+
+StagedMutation::StagedMutation(StagedMutationSettings settings) : settings_(std::move(settings)) {
+  settings_.validate();
+}
+
+double StagedMutation::fractionOf(std::size_t generation) const {
+  for (const MutationStage& stage : settings_.stages)
+    if (generation <= stage.lastGeneration) return stage.fraction;
+  return settings_.stages.back().fraction;
+}
+
+GeneticResult StagedMutation::run(GeneticFitness& fitness, const GeneticRanges& ranges,
+                                  const GeneticControl& control) const {
+  GeneticRun run(kName, fitness, ranges, settings_, control);
+  const std::size_t n = run.dimension();
+  const std::vector<double> axes = settings_.axes.empty() ? axesOfGenes(ranges) : settings_.axes;
+  if (axes.size() % n != 0)
+    throw InputError("staged_mutation: axes has " + std::to_string(axes.size()) +
+                     " values; it needs a multiple of the problem's " + std::to_string(n) + " genes");
+  const bool diagonal = settings_.axes.empty();
+  const std::size_t axisCount = axes.size() / n;
+  const auto shareOf = [&](double share) {
+    return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(run.population())));
+  };
+  const std::size_t fathers = shareOf(settings_.fatherShare);
+  const std::size_t survivors = shareOf(settings_.survivorShare);
+
+  run.fillFirst();
+  while (run.closeGeneration()) {
+    const double fraction = fractionOf(run.generation());
+    for (std::size_t i = 0; i < run.population(); ++i) {
+      double* child = run.chromosome(i);
+      std::copy_n(run.ranked(i < survivors ? i : (i - survivors) % fathers), n, child);
+      if (i < survivors) continue;
+      GeneticRandom random = run.random(i);
+      const double step = fraction * std::pow(settings_.reach, random.unit());
+      const std::size_t certain = random.below(axisCount);
+      for (std::size_t a = 0; a < axisCount; ++a) {
+        if (a != certain && settings_.geneShare < 1.0 && random.unit() >= settings_.geneShare) continue;
+        const double amount = step * random.symmetric();
+        const double* axis = axes.data() + a * n;
+        if (diagonal)
+          child[a] += amount * axis[a];
+        else
+          for (std::size_t j = 0; j < n; ++j) child[j] += amount * axis[j];
+      }
+      for (std::size_t j = 0; j < n; ++j) child[j] = within(child[j], ranges.low[j], ranges.high[j]);
+    }
+  }
+  return run.result();
+}
+
+}  // namespace mm
