@@ -1,0 +1,87 @@
+#include "thermal/ridge.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+
+namespace mm {
+namespace {
+
+/// The decomposition that all penalties share.
+struct Decomposition {
+  Eigen::RowVectorXd meanX, meanY, deviation;
+  Eigen::MatrixXd vectors, projected;  // of the correlation matrix; projected right-hand side
+  Eigen::VectorXd values;
+
+  Decomposition(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+    const double n = static_cast<double>(x.rows());
+    meanX = x.colwise().mean();
+    meanY = y.colwise().mean();
+    Eigen::MatrixXd centred = x.rowwise() - meanX;
+    deviation = (centred.colwise().squaredNorm() / n).cwiseSqrt();
+    for (Eigen::Index i = 0; i < deviation.size(); ++i)
+      centred.col(i) *= deviation(i) > 0.0 ? 1.0 / deviation(i) : 0.0;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred.transpose() * centred / n);
+    vectors = solver.eigenvectors();
+    values = solver.eigenvalues().cwiseMax(0.0);
+    projected = vectors.transpose() * (centred.transpose() * (y.rowwise() - meanY)) / n;
+  }
+
+  RidgeModel model(double lambda) const {
+    RidgeModel m;
+    m.lambda = lambda;
+    // A direction in which the inputs do not vary beyond rounding says nothing: its slope is 0.
+    const double floor = 1e-13 * std::max(1.0, values.maxCoeff());
+    Eigen::VectorXd inverse(values.size());
+    for (Eigen::Index i = 0; i < values.size(); ++i)
+      inverse(i) = values(i) > floor ? 1.0 / (values(i) + lambda) : 0.0;
+    m.slopes = vectors * (inverse.asDiagonal() * projected);
+    for (Eigen::Index i = 0; i < deviation.size(); ++i)
+      m.slopes.row(i) *= deviation(i) > 0.0 ? 1.0 / deviation(i) : 0.0;
+    m.offset = (meanY - meanX * m.slopes).transpose();
+    return m;
+  }
+};
+
+}  // namespace
+
+Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& matrix, const std::vector<int>& rows) {
+  Eigen::MatrixXd result(static_cast<Eigen::Index>(rows.size()), matrix.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    result.row(static_cast<Eigen::Index>(i)) = matrix.row(rows[i]);
+  return result;
+}
+
+RidgeModel fitRidge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, double lambda) {
+  return Decomposition(x, y).model(lambda);
+}
+
+RidgeValidation validateRidge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                              const std::vector<Fold>& folds, const std::vector<double>& lambdas) {
+  const std::size_t count = lambdas.size();
+  std::vector<double> sum(count, 0.0);
+  std::vector<std::vector<double>> foldRms(count);
+  double held = 0.0;
+  for (const Fold& fold : folds) {
+    const Decomposition decomposition(rowsOf(x, fold.train), rowsOf(y, fold.train));
+    const Eigen::MatrixXd testX = rowsOf(x, fold.test), testY = rowsOf(y, fold.test);
+    held += static_cast<double>(testY.size());
+    for (std::size_t l = 0; l < count; ++l) {
+      const double squares = (testY - decomposition.model(lambdas[l]).evaluate(testX)).squaredNorm();
+      sum[l] += squares;
+      foldRms[l].push_back(std::sqrt(squares / static_cast<double>(testY.size())));
+    }
+  }
+  std::size_t best = 0;
+  for (std::size_t l = 1; l < count; ++l)
+    if (sum[l] < sum[best]) best = l;
+  return {lambdas[best], std::sqrt(sum[best] / held), foldRms[best]};
+}
+
+std::vector<double> ridgeLadder() {
+  std::vector<double> ladder;
+  for (double exponent = -8.0; exponent <= 0.0; exponent += 0.5) ladder.push_back(std::pow(10.0, exponent));
+  return ladder;
+}
+
+}  // namespace mm

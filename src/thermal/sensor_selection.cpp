@@ -1,0 +1,261 @@
+#include "thermal/sensor_selection.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <thread>
+
+#include "machine/error.h"
+#include "thermal/blocked_folds.h"
+#include "thermal/ridge.h"
+
+namespace mm {
+namespace {
+
+using Subset = std::vector<int>;
+
+double binomial(int n, int k) {
+  double count = 1.0;
+  for (int i = 0; i < k; ++i) count = count * (n - i) / (i + 1);
+  return std::round(count);
+}
+
+std::vector<Subset> allSubsets(int n, int size) {
+  std::vector<Subset> subsets;
+  Subset subset(static_cast<std::size_t>(size));
+  std::iota(subset.begin(), subset.end(), 0);
+  for (;;) {
+    subsets.push_back(subset);
+    int i = size - 1;
+    while (i >= 0 && subset[static_cast<std::size_t>(i)] == n - size + i) --i;
+    if (i < 0) return subsets;
+    int next = ++subset[static_cast<std::size_t>(i)];
+    for (std::size_t j = static_cast<std::size_t>(i) + 1; j < subset.size(); ++j) subset[j] = ++next;
+  }
+}
+
+/// Runs work(0) … work(count - 1) on all cores, in blocks; `tick` is called from the caller's thread.
+void parallel(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work,
+              const std::function<void(double)>& tick) {
+  constexpr std::size_t kBlock = 16;
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> stop{false};
+  const auto loop = [&](bool first) {
+    for (std::size_t begin; !stop && (begin = next.fetch_add(kBlock)) < count;) {
+      for (std::size_t i = begin; i < std::min(count, begin + kBlock); ++i) work(i);
+      if (first) tick(static_cast<double>(begin) / static_cast<double>(count));
+    }
+  };
+  std::vector<std::thread> others;
+  struct Join {
+    std::vector<std::thread>& threads;
+    std::atomic<bool>& stop;
+    ~Join() {
+      stop = stop || std::uncaught_exceptions() > 0;
+      for (std::thread& t : threads) t.join();
+    }
+  } join{others, stop};
+  for (unsigned t = 1; t < threads; ++t) others.emplace_back(loop, false);
+  loop(true);
+}
+
+/// One selection under way: the series without constant sensors.
+class Selector {
+ public:
+  Selector(const Eigen::MatrixXd& temperatures, const Eigen::VectorXd& displacement,
+           const std::vector<int>& varying, const SelectionSettings& settings,
+           const SelectionProgress& progress)
+      : settings_(settings),
+        progress_(progress),
+        temperatures_(columns(temperatures, varying)),
+        displacement_(displacement),
+        information_(thinned(temperatures_), thinned(displacement), settings.information),
+        gaussian_(temperatures_, displacement, gaussianSettings()),
+        folds_(blockedFolds(static_cast<int>(displacement.size()),
+                            std::min(settings.blocks, static_cast<int>(displacement.size())), settings.gap)) {
+  }
+
+  SensorSelection run() {
+    SensorSelection result;
+    const int sensors = information_.sensors();
+    const int largest = std::min(settings_.largestSize, sensors);
+    for (int s = 0; s < sensors; ++s)
+      result.singles.push_back({s, information_.joint({s}), information_.correlation(s)});
+    std::stable_sort(result.singles.begin(), result.singles.end(),
+                     [](const auto& a, const auto& b) { return a.information > b.information; });
+    for (int size = 1; size <= largest; ++size) {
+      stage_ = "sets of " + std::to_string(size);
+      begin_ = static_cast<double>(size - 1) / largest;
+      share_ = 1.0 / largest;
+      const bool all = binomial(sensors, size) <= settings_.enumerationLimit;
+      tried_ = 0;
+      result.sets.push_back(choose(all ? ranked(allSubsets(sensors, size)) : searched(size)));
+      result.exhaustive.push_back(all);
+      result.subsetsTried.push_back(static_cast<double>(tried_));
+    }
+    const auto least =
+        std::min_element(result.sets.begin(), result.sets.end(),
+                         [](const auto& a, const auto& b) { return a.heldOutRms < b.heldOutRms; });
+    const double enough = least->heldOutRms * (1.0 + settings_.accuracyMargin);
+    while (result.sets[result.recommended].heldOutRms > enough) ++result.recommended;
+    report(1.0);
+    return result;
+  }
+
+  double correlation(int a, int b) const {
+    const Eigen::VectorXd x = temperatures_.col(a).array() - temperatures_.col(a).mean();
+    const Eigen::VectorXd y = temperatures_.col(b).array() - temperatures_.col(b).mean();
+    return std::abs(x.dot(y)) / std::sqrt(x.squaredNorm() * y.squaredNorm());
+  }
+
+ private:
+  static Eigen::MatrixXd columns(const Eigen::MatrixXd& matrix, const std::vector<int>& chosen) {
+    Eigen::MatrixXd result(matrix.rows(), static_cast<Eigen::Index>(chosen.size()));
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      result.col(static_cast<Eigen::Index>(i)) = matrix.col(chosen[i]);
+    return result;
+  }
+
+  Eigen::MatrixXd thinned(const Eigen::MatrixXd& all) const {
+    const Eigen::Index keep = std::min<Eigen::Index>(all.rows(), std::max(10, settings_.informationSamples));
+    Eigen::MatrixXd result(keep, all.cols());
+    for (Eigen::Index i = 0; i < keep; ++i) result.row(i) = all.row(i * all.rows() / keep);
+    return result;
+  }
+
+  InformationSettings gaussianSettings() const {
+    InformationSettings settings = settings_.information;
+    settings.estimator = InformationEstimator::kCorrelation;
+    return settings;
+  }
+
+  void report(double fraction) const {
+    if (progress_ && !progress_(begin_ + share_ * fraction, stage_))
+      throw Cancelled("sensor selection: cancelled at the " + stage_);
+  }
+
+  /// What proposes a set. The held-out judge is linear, so that linear information has a say as well.
+  double proposal(const Subset& subset) const {
+    const double information = information_.joint(subset);
+    return settings_.crossValidate ? information + gaussian_.joint(subset) : information;
+  }
+
+  std::vector<Subset> ranked(std::vector<Subset> subsets) {
+    tried_ += subsets.size();
+    std::vector<double> score(subsets.size());
+    parallel(
+        subsets.size(), settings_.threads, [&](std::size_t i) { score[i] = proposal(subsets[i]); },
+        [&](double fraction) { report(0.8 * fraction); });
+    std::vector<std::size_t> order(subsets.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const std::size_t keep =
+        std::min(order.size(), static_cast<std::size_t>(std::max(1, settings_.shortlist)));
+    std::partial_sort(
+        order.begin(), order.begin() + static_cast<long>(keep), order.end(),
+        [&](std::size_t a, std::size_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
+    std::vector<Subset> best;
+    for (std::size_t i = 0; i < keep; ++i) best.push_back(std::move(subsets[order[i]]));
+    return best;
+  }
+
+  std::vector<Subset> searched(int size) {
+    if (!settings_.search)
+      throw InputError("sensor selection: " + std::to_string(information_.sensors()) +
+                       " sensors in sets of " + std::to_string(size) +
+                       " are too many to try all; ask for smaller sets");
+    std::atomic<std::size_t> evaluations{0};
+    const SubsetScore score = [&](const Subset& subset) {
+      ++evaluations;
+      return proposal(subset);
+    };
+    std::vector<Subset> best =
+        settings_.search(information_.sensors(), size, std::max(1, settings_.shortlist), settings_.seed,
+                         score, [&](double f) { report(0.8 * f); });
+    if (best.empty())
+      throw NumericalError("sensor selection: the search found no set of " + std::to_string(size));
+    tried_ += evaluations;
+    for (Subset& subset : best) std::sort(subset.begin(), subset.end());
+    return best;
+  }
+
+  /// The set of a shortlist (best proposal first) with the largest information - log(held-out error).
+  SensorSet choose(const std::vector<Subset>& shortlist) {
+    const std::size_t judged = settings_.crossValidate ? shortlist.size() : 1;
+    const std::vector<double> ladder = ridgeLadder();
+    std::vector<SensorSet> sets(judged);
+    parallel(
+        judged, settings_.threads,
+        [&](std::size_t i) {
+          const double rms =
+              validateRidge(columns(temperatures_, shortlist[i]), displacement_, folds_, ladder).rms;
+          sets[i] = {shortlist[i], information_.joint(shortlist[i]), rms};
+        },
+        [&](double fraction) { report(0.8 + 0.2 * fraction); });
+    const auto merit = [](const SensorSet& s) {
+      return s.information - std::log(std::max(s.heldOutRms, 1e-300));
+    };
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < judged; ++i)
+      if (merit(sets[i]) > merit(sets[best])) best = i;
+    return sets[best];
+  }
+
+  const SelectionSettings& settings_;
+  const SelectionProgress& progress_;
+  Eigen::MatrixXd temperatures_;
+  Eigen::VectorXd displacement_;
+  SensorInformation information_, gaussian_;
+  std::vector<Fold> folds_;
+  std::string stage_ = "single sensors";
+  double begin_ = 0.0, share_ = 0.0;
+  std::size_t tried_ = 0;
+};
+
+bool varies(const Eigen::VectorXd& v) { return v.maxCoeff() > v.minCoeff(); }
+
+}  // namespace
+
+SensorSelection selectSensors(const Eigen::MatrixXd& temperatures, const Eigen::VectorXd& displacement,
+                              const SelectionSettings& settings, const SelectionProgress& progress) {
+  if (temperatures.rows() != displacement.size())
+    throw InputError("sensor selection: " + std::to_string(temperatures.rows()) +
+                     " samples of temperature and " + std::to_string(displacement.size()) +
+                     " of displacement; the series must have the same length");
+  if (displacement.size() < 4)
+    throw InputError("sensor selection: " + std::to_string(displacement.size()) +
+                     " samples say nothing about information; at least 4 are needed, 100 are usual");
+  if (!temperatures.allFinite() || !displacement.allFinite())
+    throw InputError(
+        "sensor selection: a value is not a finite number; fill the gap or leave the sample out");
+  if (!varies(displacement))
+    throw InputError("sensor selection: the displacement does not vary, so no temperature can explain it");
+  if (settings.largestSize < 1 || settings.blocks < 2)
+    throw InputError("sensor selection: the largest set has " + std::to_string(settings.largestSize) +
+                     " sensors and there are " + std::to_string(settings.blocks) +
+                     " blocks; at least 1 sensor and 2 blocks are needed");
+  std::vector<int> varying, constant;
+  for (int s = 0; s < temperatures.cols(); ++s)
+    (varies(temperatures.col(s)) ? varying : constant).push_back(s);
+  if (varying.empty())
+    throw InputError("sensor selection: none of the temperatures varies; there is nothing to choose");
+
+  Selector selector(temperatures, displacement, varying, settings, progress);
+  SensorSelection result = selector.run();
+  result.constant = constant;
+  const auto original = [&](int s) { return varying[static_cast<std::size_t>(s)]; };
+  for (int chosen : result.sets.back().sensors) {
+    std::vector<int> others;
+    for (int s = 0; s < static_cast<int>(varying.size()); ++s)
+      if (s != chosen && selector.correlation(s, chosen) >= settings.equivalent)
+        others.push_back(original(s));
+    if (!others.empty()) result.equivalent.emplace_back(original(chosen), others);
+  }
+  for (SensorScore& single : result.singles) single.sensor = original(single.sensor);
+  for (SensorSet& set : result.sets)
+    for (int& s : set.sensors) s = original(s);
+  return result;
+}
+
+}  // namespace mm
