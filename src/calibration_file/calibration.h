@@ -11,29 +11,30 @@ namespace mm {
 
 /// One step of the ledger: what was done to the model and what it did to the error.
 struct LedgerEntry {
-  std::string action;  // "calibrate", "add" or "remove"
-  EffectSpec effect;   // empty type for "calibrate"
-  std::string time;    // ISO 8601, UTC
-  double rmsBefore = 0, rmsAfter = 0;          // m (rad where the session has angular residuals only); NaN: none
+  std::string action;                  // "calibrate", "add" or "remove"
+  EffectSpec effect;                   // empty type for "calibrate"
+  std::string time;                    // ISO 8601, UTC
+  double rmsBefore = 0, rmsAfter = 0;  // m (rad where the session has angular residuals only); NaN: none
   double heldOutBefore = 0, heldOutAfter = 0;  // m
-  std::string calibration;                     // id of the calibration before the step: what it can be taken back to
+  std::string calibration;  // id of the calibration before the step: what it can be taken back to
 };
 
-/// A calibration: the model, its parameters and where it holds. Complete in itself (the URDF is inside). SI units.
+/// A calibration: the model, its parameters and where it holds. Complete in itself (the URDF is inside). SI
+/// units.
 struct Calibration {
   struct Value {
     int effect = 0;  // index in `effects`
     std::string name;
-    std::string unit;       // for people
-    double toUnit = 1.0;    // value in unit = SI * toUnit
-    double value = 0.0;     // SI
-    double std = 0.0;       // SI; 0 when fixed
-    bool fixed = false;     // by a gauge convention
+    std::string unit;     // for people
+    double toUnit = 1.0;  // value in unit = SI * toUnit
+    double value = 0.0;   // SI
+    double std = 0.0;     // SI; 0 when fixed
+    bool fixed = false;   // by a gauge convention
   };
 
-  std::string id;         // made by the writer: UTC stamp and first digits of the checksum
-  std::string created;    // ISO 8601, UTC
-  std::string software;   // package version
+  std::string id;        // made by the writer: UTC stamp and first digits of the checksum
+  std::string created;   // ISO 8601, UTC
+  std::string software;  // package version
   std::string machineName;
   std::string urdf;
   Domain domain;
@@ -49,8 +50,8 @@ struct Calibration {
   double rms = 0, heldOutRms = 0;                // m; NaN: no residuals in m
   double rmsAngular = 0, heldOutRmsAngular = 0;  // rad; NaN: no angular residuals
   double chi2PerDof = 0;
-  double repeatability = 0;          // m (or rad), as used
-  std::string repeatabilityFrom;     // declared, repeated or estimated
+  double repeatability = 0;       // m (or rad), as used
+  std::string repeatabilityFrom;  // declared, repeated or estimated
   std::vector<LedgerEntry> ledger;
 };
 

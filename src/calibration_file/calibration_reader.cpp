@@ -1,0 +1,218 @@
+#include <charconv>
+
+#include "calibration_file/atomic_file.h"
+#include "calibration_file/calibration_yaml.h"
+#include "calibration_file/checksum.h"
+#include "calibration_file/yaml_keys.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+template <typename Integer>
+Integer integer(YamlKeys& keys, const std::string& key) {
+  const std::string text = keys.text(key);
+  Integer value = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (read.ec != std::errc() || read.ptr != text.data() + text.size())
+    throw InputError("'" + key + "' is '" + text + "', which is not a whole number in its range");
+  return value;
+}
+
+EffectSpec effectOf(const YAML::Node& node, const YamlKeys& in, const std::string& where, std::size_t index) {
+  in.item(node, where, index);  // a map without doubled keys
+  EffectSpec spec;
+  for (const auto& pair : node) {
+    const std::string& key = pair.first.Scalar();
+    if (key == "type") {
+      spec.type = pair.second.Scalar();
+      continue;
+    }
+    EffectSpec::Value value;
+    value.list = pair.second.IsSequence();
+    if (value.list)
+      for (const YAML::Node& item : pair.second) value.items.push_back(item.Scalar());
+    else
+      value.items.push_back(pair.second.Scalar());
+    spec.keys.emplace_back(key, std::move(value));
+  }
+  if (spec.type.empty()) in.refuse(node, "an effect without 'type'");
+  return spec;
+}
+
+void readModel(YamlKeys& root, Calibration& c) {
+  const std::vector<YAML::Node> effects = root.list("effects");
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    c.effects.push_back(effectOf(effects[e], root, "effects", e));
+  const std::vector<YAML::Node> parameters = root.list("parameters");
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    YamlKeys keys = root.item(parameters[p], "parameters", p);
+    Calibration::Value v;
+    v.effect = integer<int>(keys, "effect");
+    v.name = keys.text("name");
+    v.value = keys.number("value_si");
+    v.std = keys.number("std_si");
+    v.unit = keys.text("unit");
+    v.toUnit = keys.number("to_unit");
+    v.fixed = keys.flag("fixed");
+    keys.finish();
+    if (v.effect < 0 || v.effect >= static_cast<int>(c.effects.size()))
+      root.refuse(parameters[p], "parameter '" + v.name + "' belongs to effect " + std::to_string(v.effect) +
+                                     " of " + std::to_string(c.effects.size()));
+    c.values.push_back(std::move(v));
+  }
+  const std::vector<YAML::Node> rows = root.list("covariance_si");
+  const std::size_t n = c.values.size();
+  if (rows.size() != n) root.refuse(root.take("covariance_si"), "'covariance_si' needs one row a parameter");
+  c.covariance.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::vector<double> row = root.numbersOf(rows[i], "covariance_si");
+    if (row.size() != n && row.size() != i + 1)
+      root.refuse(rows[i], "a row of 'covariance_si' has the wrong length");
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      c.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = row[j];
+      if (row.size() == i + 1)
+        c.covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) = row[j];
+    }
+  }
+}
+
+void readRanges(YamlKeys& in, const char* key, const std::string& unit, std::vector<std::string>& names,
+                std::vector<double>& lower, std::vector<double>& upper) {
+  const std::vector<YAML::Node> items = in.list(key);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    YamlKeys keys = in.item(items[i], key, i);
+    names.push_back(keys.text("name"));
+    lower.push_back(keys.number("lower" + unit));
+    upper.push_back(keys.number("upper" + unit));
+    keys.finish();
+  }
+}
+
+Eigen::Vector3d vectorOf(YamlKeys& in, const char* key) {
+  const std::vector<double> v = in.numbers(key);
+  if (v.size() != 3) in.refuse(in.take(key), std::string("'") + key + "' needs three numbers");
+  return {v[0], v[1], v[2]};
+}
+
+void readDomain(YamlKeys in, Domain& d) {
+  const std::vector<YAML::Node> joints = in.list("joints");
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    YamlKeys keys = in.item(joints[j], "domain.joints", j);
+    Joint joint;
+    joint.name = keys.text("name");
+    const std::string kind = keys.text("kind");
+    if (kind != "linear" && kind != "rotary")
+      keys.refuse(joints[j], "'kind' must be linear or rotary, not " + kind);
+    joint.kind = kind == "rotary" ? JointKind::kRotary : JointKind::kLinear;
+    joint.lower = keys.number("limit_lower_si");
+    joint.upper = keys.number("limit_upper_si");
+    joint.maxVelocity = keys.number("limit_velocity_si");
+    d.joints.push_back(joint);
+    d.lower.push_back(keys.number("observed_lower_si"));
+    d.upper.push_back(keys.number("observed_upper_si"));
+    d.positions.push_back(keys.numbers("positions_si"));
+    keys.finish();
+  }
+  readRanges(in, "sensors", "_degC", d.sensors, d.sensorLower, d.sensorUpper);
+  readRanges(in, "covariates", "", d.covariates, d.covariateLower, d.covariateUpper);
+  for (const YAML::Node& name : in.list("features")) d.features.push_back(name.Scalar());
+  d.duration = in.number("duration_s");
+  d.maxSpeed = in.number("max_speed_si");
+  d.tipLower = vectorOf(in, "tip_lower_m");
+  d.tipUpper = vectorOf(in, "tip_upper_m");
+  d.laser = in.flag("laser");
+  d.artifactExpansion = in.number("artifact_expansion_per_K");
+  in.finish();
+}
+
+void readLedger(YamlKeys& root, std::vector<LedgerEntry>& ledger) {
+  const std::vector<YAML::Node> entries = root.list("ledger");
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    YamlKeys keys = root.item(entries[i], "ledger", i);
+    LedgerEntry entry;
+    entry.action = keys.text("action");
+    if (keys.has("effect")) entry.effect = effectOf(keys.take("effect"), root, "ledger.effect", i);
+    entry.time = keys.text("time");
+    entry.rmsBefore = keys.number("rms_before_si");
+    entry.rmsAfter = keys.number("rms_after_si");
+    entry.heldOutBefore = keys.number("held_out_before_si");
+    entry.heldOutAfter = keys.number("held_out_after_si");
+    entry.calibration = keys.text("calibration");
+    keys.finish();
+    ledger.push_back(std::move(entry));
+  }
+}
+
+Calibration readAll(const YAML::Node& node, const std::string& source) {
+  YamlKeys root(node, source, "calibration");
+  root.take("checksum");
+  const int schema = integer<int>(root, "schema");
+  if (schema != kCalibrationSchema)
+    throw InputError(source + ":2: schema " + std::to_string(schema) + ", but this version reads " +
+                     std::to_string(kCalibrationSchema) + "; use the version that wrote it");
+  Calibration c;
+  c.id = root.text("id");
+  c.created = root.text("created");
+  c.software = root.text("software");
+  c.machineName = root.text("machine");
+  readModel(root, c);
+  readDomain(root.map("domain"), c.domain);
+  YamlKeys session = root.map("session");
+  c.sessionSource = session.text("source");
+  c.sessionHash = session.text("hash");
+  c.method = session.text("method");
+  c.seed = integer<std::uint64_t>(session, "seed");
+  c.observations = integer<std::int64_t>(session, "observations");
+  session.finish();
+  YamlKeys residuals = root.map("residuals");
+  c.rms = residuals.number("rms_m");
+  c.heldOutRms = residuals.number("held_out_rms_m");
+  c.rmsAngular = residuals.number("rms_rad");
+  c.heldOutRmsAngular = residuals.number("held_out_rms_rad");
+  c.chi2PerDof = residuals.number("chi2_per_dof");
+  c.repeatability = residuals.number("repeatability_si");
+  c.repeatabilityFrom = residuals.text("repeatability_from");
+  residuals.finish();
+  readLedger(root, c.ledger);
+  c.urdf = root.text("urdf");
+  root.finish();
+  return c;
+}
+
+/// The first line must be the checksum of all that follows it.
+void checkIntegrity(const std::string& text, const std::string& source) {
+  const std::string remedy = "; take an undamaged copy or calibrate again (mm history lists what is kept)";
+  constexpr const char kFirst[] = "checksum: crc64-";
+  constexpr std::size_t kDigitsAt = sizeof kFirst - 1, kDigits = 16;
+  if (text.empty()) throw InputError(source + ": damaged calibration file: it is empty" + remedy);
+  if (text.compare(0, kDigitsAt, kFirst) != 0 || text.size() <= kDigitsAt + kDigits ||
+      text[kDigitsAt + kDigits] != '\n')
+    throw InputError(source + ":1: not a calibration file, or damaged: the first line is not its checksum" +
+                     remedy);
+  const std::string actual = checksumOf(std::string_view(text).substr(kDigitsAt + kDigits + 1));
+  if (text.compare(kDigitsAt, kDigits, actual) != 0)
+    throw InputError(source + ":1: damaged calibration file: the checksum says " +
+                     text.substr(kDigitsAt, kDigits) + ", the content has " + actual +
+                     "; it was cut short or changed after it was written" + remedy);
+}
+
+}  // namespace
+
+Calibration parseCalibration(const std::string& text, const std::string& source) {
+  checkIntegrity(text, source);
+  try {
+    return readAll(YAML::Load(text), source);
+  } catch (const YAML::Exception& e) {
+    throw InputError(source + ":" + std::to_string(e.mark.line + 1) + ": not valid YAML: " + e.msg);
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    throw InputError(what.compare(0, source.size(), source) == 0 ? what : source + ": " + what);
+  }
+}
+
+Calibration loadCalibration(const std::filesystem::path& file) {
+  return parseCalibration(readFile(file), file.string());
+}
+
+}  // namespace mm

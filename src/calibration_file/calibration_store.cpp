@@ -1,0 +1,282 @@
+#include "calibration_file/calibration_store.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <sstream>
+
+#include "calibration_file/atomic_file.h"
+#include "calibration_file/calibration_yaml.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kActive = "active";
+constexpr const char* kCandidate = "candidate";
+constexpr const char* kPromotions = "promotions";
+constexpr const char* kSuffix = ".yaml";
+
+/// Lets one writer at a time into a folder; released with the process at the latest.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder) {
+    const fs::path file = folder / ".lock";
+    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0)
+      throw InputError(file.string() + ": cannot be written: " + std::strerror(errno) +
+                       "; check the permissions of the folder of calibrations");
+    while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~FolderLock() { ::close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// An id becomes the name of a file: nothing that could lead elsewhere.
+void checkId(const std::string& id) {
+  const bool fit = !id.empty() && id.front() != '.' && std::all_of(id.begin(), id.end(), [](unsigned char c) {
+    return std::isalnum(c) || std::strchr("._-", c);
+  });
+  if (!fit)
+    throw InputError("calibration id '" + id +
+                     "': only letters, digits, '.', '_' and '-'; mm history lists the ids");
+}
+
+std::string utcNow() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char stamp[32];
+  std::strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return stamp;
+}
+
+/// Temporary files of a writer that was killed. Only under the lock, where no living writer has any.
+void removeLeftovers(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename().string().find(kTemporaryMark) != std::string::npos)
+      fs::remove(entry.path(), ignored);
+}
+
+}  // namespace
+
+fs::path CalibrationStore::defaultFolder() {
+  const char* named = std::getenv("MM_CALIBRATIONS");
+  if (named != nullptr && *named != '\0') return named;
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0')
+    throw InputError(
+        "no folder for calibrations: neither MM_CALIBRATIONS nor HOME is set; name one with --store");
+  return fs::path(home) / ".measuring_machine" / "calibrations";
+}
+
+void CalibrationStore::prepareFolder() const {
+  std::error_code failed;
+  fs::create_directories(folder_, failed);
+  if (failed || !fs::is_directory(folder_))
+    throw InputError(folder_.string() + ": cannot be made a folder of calibrations: " + failed.message() +
+                     "; check the path and its permissions");
+}
+
+fs::path CalibrationStore::fileOf(const std::string& id) const {
+  checkId(id);
+  return folder_ / (id + kSuffix);
+}
+
+std::string CalibrationStore::linked(const char* link) const {
+  std::error_code failed;
+  const fs::path target = fs::read_symlink(folder_ / link, failed);
+  return failed ? std::string() : target.stem().string();
+}
+
+Calibration CalibrationStore::load(const std::string& id) const {
+  const fs::path file = fileOf(id);
+  if (!fs::exists(file))
+    throw InputError("no calibration '" + id + "' in " + folder_.string() +
+                     "; mm history lists those that are kept");
+  return loadCalibration(file);
+}
+
+std::string CalibrationStore::add(Calibration& calibration) {
+  prepareFolder();
+  const FolderLock lock(folder_);
+  removeLeftovers(folder_);
+  completeCalibration(calibration);
+  const std::string wanted = calibration.id;
+  for (int n = 2; fs::exists(fileOf(calibration.id)); ++n) {
+    if (readFile(fileOf(calibration.id)) == calibrationYaml(calibration)) break;  // kept already
+    calibration.id = wanted + "-" + std::to_string(n);
+  }
+  writeFileAtomically(fileOf(calibration.id), calibrationYaml(calibration));
+  linkAtomically(folder_ / kCandidate, calibration.id + kSuffix);
+  return calibration.id;
+}
+
+std::vector<CalibrationStore::Promotion> CalibrationStore::promotions() const {
+  std::vector<Promotion> all;
+  if (!fs::exists(folder_ / kPromotions)) return all;
+  std::istringstream lines(readFile(folder_ / kPromotions));
+  for (Promotion p; lines >> p.time >> p.action >> p.id;) all.push_back(p);
+  return all;
+}
+
+std::vector<std::string> CalibrationStore::before(const std::string& id) const {
+  std::vector<std::string> stack;
+  for (const Promotion& p : promotions()) {
+    const auto known = std::find(stack.rbegin(), stack.rend(), p.id);
+    if (p.action == "rollback" && known != stack.rend())
+      stack.erase(known.base(), stack.end());  // keeps p.id on top
+    else
+      stack.push_back(p.id);
+  }
+  // The link is what counts: a writer may have been killed between the list and the link.
+  const auto at = std::find(stack.rbegin(), stack.rend(), id);
+  std::vector<std::string> earlier;
+  for (auto it = at == stack.rend() ? stack.rbegin() : at + 1; it != stack.rend(); ++it)
+    if (*it != id && std::find(earlier.begin(), earlier.end(), *it) == earlier.end()) earlier.push_back(*it);
+  return earlier;
+}
+
+void CalibrationStore::makeActive(const std::string& id, const std::string& action) const {
+  std::string text;
+  for (const Promotion& p : promotions()) text += p.time + " " + p.action + " " + p.id + "\n";
+  writeFileAtomically(folder_ / kPromotions, text + utcNow() + " " + action + " " + id + "\n");
+  linkAtomically(folder_ / kActive, id + kSuffix);
+}
+
+std::string CalibrationStore::promote(const std::string& id) {
+  const std::string chosen = id.empty() ? linked(kCandidate) : id;
+  if (chosen.empty())
+    throw InputError("no candidate in " + folder_.string() +
+                     "; calibrate with --store, or name an id of mm history");
+  load(chosen);  // refuses what is damaged before it is active
+  const FolderLock lock(folder_);
+  removeLeftovers(folder_);
+  if (linked(kActive) != chosen) makeActive(chosen, "promote");
+  if (linked(kCandidate) == chosen) {
+    std::error_code ignored;
+    fs::remove(folder_ / kCandidate, ignored);
+  }
+  return chosen;
+}
+
+std::string CalibrationStore::fallBack(const std::string& from, std::string& passedOver) const {
+  for (const std::string& earlier : before(from)) {
+    try {
+      load(earlier);
+      return earlier;
+    } catch (const InputError& e) {
+      passedOver += std::string(passedOver.empty() ? "" : "; ") + e.what();
+    }
+  }
+  return {};
+}
+
+std::string CalibrationStore::rollback(const std::string& id) {
+  const std::string now = linked(kActive);
+  std::string chosen = id, passedOver;
+  if (chosen.empty()) {
+    if (now.empty())
+      throw InputError("nothing is active in " + folder_.string() + "; make one active with mm promote");
+    chosen = fallBack(now, passedOver);
+    if (chosen.empty())
+      throw InputError("nothing undamaged was active before '" + now + "' in " + folder_.string() +
+                       (passedOver.empty() ? "" : " (" + passedOver + ")") + "; promote an id of mm history");
+  }
+  load(chosen);
+  const FolderLock lock(folder_);
+  removeLeftovers(folder_);
+  makeActive(chosen, "rollback");
+  return chosen;
+}
+
+CalibrationStore::Active CalibrationStore::active() const {
+  const std::string id = linked(kActive);
+  if (id.empty()) return {};
+  Active found;
+  try {
+    found.calibration = load(id);
+    return found;
+  } catch (const InputError& e) {
+    found.warning = e.what();
+  }
+  std::string passedOver;
+  const std::string last = fallBack(id, passedOver);
+  if (!passedOver.empty()) found.warning += "; " + passedOver;
+  if (last.empty())
+    throw InputError(found.warning +
+                     "; no earlier active calibration is undamaged: promote an id of mm history");
+  found.calibration = load(last);
+  found.warning += "; the last good calibration '" + last + "' is active instead";
+  try {
+    const FolderLock lock(folder_);
+    if (linked(kActive) == id) makeActive(last, "rollback");
+  } catch (const InputError&) {
+    found.warning += " (for this program only: the folder cannot be written)";
+  }
+  return found;
+}
+
+CalibrationStore::Active CalibrationStore::candidate() const {
+  const std::string id = linked(kCandidate);
+  if (id.empty() || id == linked(kActive)) return {};
+  Active found;
+  try {
+    found.calibration = load(id);
+  } catch (const InputError& e) {
+    found.warning = e.what();
+  }
+  return found;
+}
+
+std::vector<CalibrationStore::Entry> CalibrationStore::history() const {
+  std::vector<Entry> entries;
+  if (!fs::exists(folder_)) return entries;
+  const std::string active = linked(kActive), candidate = linked(kCandidate);
+  const std::vector<Promotion> made = promotions();
+  for (const fs::directory_entry& item : fs::directory_iterator(folder_)) {
+    const std::string name = item.path().filename().string();
+    if (item.is_symlink() || !item.is_regular_file() || name.front() == '.' ||
+        item.path().extension() != kSuffix)
+      continue;
+    Entry entry;
+    entry.file = item.path();
+    entry.id = item.path().stem().string();
+    entry.active = entry.id == active;
+    entry.candidate = entry.id == candidate && !entry.active;
+    for (const Promotion& p : made) entry.promotions += p.id == entry.id;
+    try {
+      const Calibration c = loadCalibration(item.path());
+      entry.created = c.created;
+      entry.machine = c.machineName;
+      entry.session = c.sessionSource;
+      entry.method = c.method;
+      entry.rms = c.rms;
+      entry.heldOutRms = c.heldOutRms;
+      entry.effects = c.effects.size();
+    } catch (const InputError& e) {
+      entry.damaged = e.what();
+    }
+    entries.push_back(std::move(entry));
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.created != b.created ? a.created < b.created : a.id < b.id;
+  });
+  return entries;
+}
+
+}  // namespace mm

@@ -1,0 +1,80 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+
+namespace mm {
+
+/// A folder in which every calibration is kept: `<id>.yaml`, the links `active` and `candidate`, and
+/// `promotions`, the list of what was made active and when. Every change is one rename of something complete,
+/// so that whoever is killed at any moment loses nothing; writers of several processes wait for each other.
+class CalibrationStore {
+ public:
+  /// What is active, or why it is not what was promoted.
+  struct Active {
+    std::optional<Calibration> calibration;  // empty: none was promoted yet
+    std::string warning;  // names a damaged file and what took its place; empty: all is well
+  };
+
+  /// One calibration kept, for a table.
+  struct Entry {
+    std::string id, created, machine, session, method;
+    std::filesystem::path file;
+    double rms = 0.0, heldOutRms = 0.0;  // m; NaN: none
+    std::size_t effects = 0;
+    bool active = false, candidate = false;
+    int promotions = 0;   // how often it was made active
+    std::string damaged;  // why it cannot be read; empty: it can
+  };
+
+  /// @param folder made when something is first written. A folder that does not exist is an empty store.
+  explicit CalibrationStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// `$MM_CALIBRATIONS`, else `~/.measuring_machine/calibrations`. @throw InputError when neither is known.
+  static std::filesystem::path defaultFolder();
+  const std::filesystem::path& folder() const { return folder_; }
+
+  /// Keeps the calibration and makes it the candidate; completes its id (and changes it when another
+  /// calibration has it). @return its id. @throw InputError: full disk, no permission.
+  std::string add(Calibration& calibration);
+
+  /// @param id empty: the candidate. @return the id made active. @throw InputError: none such, or damaged.
+  std::string promote(const std::string& id = {});
+
+  /// Makes active again what was active before (the last that is undamaged), or the one named. @return its
+  /// id.
+  /// @throw InputError: nothing before, none such, or damaged.
+  std::string rollback(const std::string& id = {});
+
+  /// The active calibration. When its file is damaged, the one that was active before it becomes active (as
+  /// by rollback) and the warning says so. @throw InputError when no undamaged one was ever active.
+  Active active() const;
+  /// The candidate; none when it is also the active one. A damaged file is a warning.
+  Active candidate() const;
+
+  /// @throw InputError: none such, or damaged.
+  Calibration load(const std::string& id) const;
+
+  /// All that is kept, oldest first.
+  std::vector<Entry> history() const;
+
+ private:
+  struct Promotion {
+    std::string time, action, id;
+  };
+  std::filesystem::path fileOf(const std::string& id) const;
+  std::string linked(const char* link) const;  // id, or empty
+  std::vector<Promotion> promotions() const;
+  /// What was active before `id`, latest first.
+  std::vector<std::string> before(const std::string& id) const;
+  void makeActive(const std::string& id, const std::string& action) const;
+  std::string fallBack(const std::string& damaged, std::string& passedOver) const;
+  void prepareFolder() const;
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace mm
