@@ -1,5 +1,6 @@
 #include "model/model.h"
 
+#include <cmath>
 #include <limits>
 
 #include "effects/registry.h"
@@ -57,6 +58,14 @@ Eigen::VectorXd Model::start() const {
   Eigen::VectorXd start(parameterCount_);
   for (int i = 0; i < parameterCount_; ++i) start[i] = parameter(i).start;
   return start;
+}
+
+void Model::place(State& state) const {
+  // The lever is that of the probe itself: the machine adds the reach of a laser's beam.
+  const ProbePose nominal = machine_.nominal(state.position.data(), std::numeric_limits<double>::quiet_NaN());
+  state.tip = nominal.position;
+  state.orientation = nominal.orientation;
+  if (domain_.laser && !std::isnan(state.laserReading)) state.approach = nominal.orientation.col(2);
 }
 
 ProbePose Model::corrected(const State& state, const double* parameters, Workspace& work,

@@ -43,6 +43,10 @@ class Model {
   int effectOf(int parameter) const { return effectOf_[parameter]; }
   Eigen::VectorXd start() const;
 
+  /// Sets what follows from the readings: the nominal tip (lever) and orientation, and for a laser the
+  /// approach.
+  void place(State& state) const;
+
   /// Pose of the probe with the effects applied; corrected = nominal + delta (MMT eq. 14).
   /// @param parameters parameterCount() values, SI. @param byParameter if not null, 6 x parameterCount():
   /// derivative of position (m) and orientation (rotation vector, rad). An input that an effect needs and the

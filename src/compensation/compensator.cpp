@@ -1,0 +1,158 @@
+#include "compensation/compensator.h"
+
+#include <Eigen/Geometry>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Whether `t` stands in a formula as a name of its own.
+bool namesTime(const std::string& formula) {
+  const auto inName = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+  for (std::size_t i = 0; i < formula.size(); ++i)
+    if (formula[i] == 't' && (i == 0 || !inName(formula[i - 1])) &&
+        (i + 1 == formula.size() || !inName(formula[i + 1])))
+      return true;
+  return false;
+}
+
+/// Effects of the time since the start, which say nothing beyond the calibrated duration.
+bool ofTime(const EffectSpec& spec) {
+  return spec.type == "time_drift" || spec.type == "warm_up" ||
+         (spec.type == "formula" && namesTime(spec.text("formula")));
+}
+
+Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.axis() * turn.angle();
+}
+
+}  // namespace
+
+Compensator::Compensator(const Calibration& calibration, Options options)
+    : id_(calibration.id),
+      options_(options),
+      model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects) {
+  if (!(options_.margin >= 0.0))
+    throw InputError("margin of the calibrated volume is " + std::to_string(options_.margin) +
+                     "; it must be 0 or more (0.1 is a tenth of the range)");
+  const std::string name = "calibration '" + id_ + "'";
+  const std::vector<Joint>& joints = model_.machine().joints();
+  if (joints.size() != calibration.domain.joints.size())
+    throw InputError(name + ": its URDF and its ranges disagree on the joints; calibrate again");
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (joints[j].name != calibration.domain.joints[j].name)
+      throw InputError(name + ": its URDF and its ranges disagree on the joints; calibrate again");
+  if (model_.parameterCount() != static_cast<int>(calibration.values.size()) ||
+      calibration.covariance.rows() != model_.parameterCount() ||
+      calibration.covariance.cols() != model_.parameterCount())
+    throw InputError(name + ": its effects have " + std::to_string(model_.parameterCount()) +
+                     " parameters, it holds " + std::to_string(calibration.values.size()) + " (software " +
+                     calibration.software + "); calibrate again");
+  for (int p = 0; p < model_.parameterCount(); ++p) {
+    const Calibration::Value& v = calibration.values[p];
+    if (v.name != model_.parameter(p).name || v.effect != model_.effectOf(p))
+      throw InputError(name + ": parameter " + std::to_string(p + 1) + " is '" + v.name +
+                       "', its effect has '" + model_.parameter(p).name + "' there (software " +
+                       calibration.software + "); calibrate again");
+    if (!std::isfinite(v.value))
+      throw InputError(name + ": parameter '" + v.name + "' is not a finite number; calibrate again");
+  }
+  for (const EffectSpec& spec : calibration.effects)
+    if (ofTime(spec)) timed_ += (timed_.empty() ? "" : ", ") + spec.type;
+  all_ = partOf(calibration, true);
+  timeless_ = timed_.empty() ? all_ : partOf(calibration, false);
+  limits_ = std::make_unique<CalibratedLimits>(*all_.model, all_.parameters.data(), options_.margin);
+}
+
+Compensator::Part Compensator::partOf(const Calibration& calibration, bool timed) const {
+  std::vector<EffectPtr> effects;
+  std::vector<int> kept;
+  for (int p = 0; p < model_.parameterCount(); ++p)
+    if (timed || !ofTime(calibration.effects[model_.effectOf(p)])) kept.push_back(p);
+  for (std::size_t e = 0; e < calibration.effects.size(); ++e)
+    if (timed || !ofTime(calibration.effects[e])) effects.push_back(model_.effects()[e]);
+  Part part;
+  part.model = std::make_shared<const Model>(model_.machine(), model_.domain(), std::move(effects));
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  part.parameters.resize(n);
+  part.covariance.resize(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    part.parameters[i] = calibration.values[kept[i]].value;
+    for (Eigen::Index j = 0; j < n; ++j) part.covariance(i, j) = calibration.covariance(kept[i], kept[j]);
+  }
+  return part;
+}
+
+State Compensator::blankState() const {
+  const Domain& d = model_.domain();
+  State state;
+  state.position.assign(d.joints.size(), 0.0);
+  state.velocity.assign(d.joints.size(), kUnknown);
+  state.travel.assign(d.joints.size(), 0.0);
+  state.temperature.assign(d.sensors.size(), kUnknown);
+  state.covariate.assign(d.covariates.size(), kUnknown);
+  state.laserReading = kUnknown;
+  return state;
+}
+
+void Compensator::judge(const State& state, Correction& c) const {
+  const bool finite =
+      c.corrected.position.allFinite() && c.corrected.orientation.allFinite() && c.covariance.allFinite();
+  if (!finite) {
+    c.inputLost = limits_->lost(state);
+    c.reason = limits_->missing(state);
+    if (c.reason.empty()) c.reason = "the correction is not a finite number";
+    return;
+  }
+  c.reason = limits_->jointOutside(state);
+  if (c.reason.empty()) c.reason = limits_->inputOutside(state);
+  c.extrapolating = !c.reason.empty();
+  c.valid = c.reason.empty();
+  if (c.valid) c.note = limits_->unusual(state);
+}
+
+Correction Compensator::apply(const State& state, Workspace& work) const {
+  Correction c;
+  const Domain& d = model_.domain();
+  if (state.position.size() != d.joints.size() || state.velocity.size() != d.joints.size() ||
+      state.travel.size() != d.joints.size() || state.temperature.size() != d.sensors.size() ||
+      state.covariate.size() != d.covariates.size())
+    throw InputError("a state must have the joints, sensors and covariates of calibration '" + id_ + "'");
+  c.tooOld = !timed_.empty() && state.time > d.duration;
+  const Part& part = c.tooOld ? timeless_ : all_;
+  const double beam = d.laser ? state.laserReading : kUnknown;
+  c.nominal = model_.machine().nominal(state.position.data(), beam);
+  c.corrected = part.model->corrected(state, part.parameters.data(), work.model,
+                                      options_.sigma ? &work.byParameter : nullptr);
+  c.displacement = c.corrected.position - c.nominal.position;
+  if (c.corrected.orientation != c.nominal.orientation)
+    c.rotation = rotationVector(c.corrected.orientation * c.nominal.orientation.transpose());
+  if (options_.sigma) {
+    work.weighted.noalias() = work.byParameter.topRows<3>() * part.covariance;
+    c.covariance.noalias() = work.weighted * work.byParameter.topRows<3>().transpose();
+    c.sigma = std::sqrt(std::max(0.0, c.covariance.trace() / 3.0));
+  }
+  judge(state, c);
+  if (c.tooOld) {
+    char age[160];
+    std::snprintf(age, sizeof age, "time %.6g s is beyond the calibrated %.6g s: not applied: ", state.time,
+                  d.duration);
+    c.note = age + timed_;
+  }
+  return c;
+}
+
+Correction Compensator::apply(const State& state) const {
+  Workspace work;
+  return apply(state, work);
+}
+
+}  // namespace mm

@@ -1,0 +1,94 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+#include "compensation/limits.h"
+#include "model/model.h"
+
+namespace mm {
+
+/// Where the probe really is, and whether that can be trusted. Frame: workpiece; m, rad.
+struct Correction {
+  ProbePose nominal, corrected;                            // tip centre (touch) or surface point (laser)
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // corrected minus nominal, m
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  // from nominal to corrected, as a rotation vector, rad
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of the corrected position, m^2
+  double sigma = 0.0;          // m: root mean square over the three coordinates of their standard deviations
+  bool valid = false;          // may be used as a measured position
+  bool extrapolating = false;  // outside the calibrated volume, temperatures or covariates beyond the margin
+  bool inputLost = false;      // a temperature or covariate that the model uses is not known
+  bool tooOld = false;         // beyond the calibrated duration: effects of time are not applied
+  std::string reason;          // why it is not valid; empty when it is
+  std::string note;            // what to know although it is valid
+};
+
+/// Readings that bring the probe to a true point.
+struct TargetReadings {
+  bool reached = false;
+  std::string reason;            // why not
+  std::vector<double> position;  // uncorrected readings, m and rad
+  double sigma = 0.0;            // m, as in Correction
+  int iterations = 0;
+  Correction correction;  // at these readings
+};
+
+/// Applies one calibration to the present state, within its limits. The standard deviation is that of the
+/// calibration's parameters; the repeatability of a single contact is not in it. Immutable: several threads
+/// may use one, with a workspace each.
+class Compensator {
+ public:
+  struct Options {
+    double margin =
+        0.10;           // beyond the observed range of a joint, temperature or covariate, as a fraction of it
+    bool sigma = true;  // false: covariance and sigma stay zero, which is faster
+  };
+  /// Buffers of one thread.
+  struct Workspace {
+    Model::Workspace model;
+    Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;
+    Eigen::Matrix<double, 3, Eigen::Dynamic> weighted;
+  };
+
+  /// @throw InputError when the calibration's effects are not those that its parameters belong to, or its
+  /// margin is negative.
+  explicit Compensator(const Calibration& calibration) : Compensator(calibration, Options()) {}
+  Compensator(const Calibration& calibration, Options options);
+
+  const std::string& id() const { return id_; }
+  const Model& model() const { return model_; }
+  const Options& options() const { return options_; }
+
+  /// A state with a place for everything that the calibration knows, nothing of it known yet.
+  State blankState() const;
+
+  /// @param state in the order of the calibration's domain; tip and orientation as by Model::place.
+  Correction apply(const State& state, Workspace& work) const;
+  Correction apply(const State& state) const;
+
+  /// Solves for the readings at which the corrected position is `truePoint` (Newton's method on the nominal
+  /// chain's Jacobian). The linear joints move; rotary joints keep their readings unless the linear ones
+  /// cannot reach every direction. @param start present state; an unknown direction of travel (0) is taken
+  /// from the move itself.
+  TargetReadings correctTarget(const Eigen::Vector3d& truePoint, State start) const;
+
+ private:
+  /// The effects that are applied at some time, with their parameters.
+  struct Part {
+    std::shared_ptr<const Model> model;
+    Eigen::VectorXd parameters;
+    Eigen::MatrixXd covariance;
+  };
+  Part partOf(const Calibration& calibration, bool timed) const;
+  void judge(const State& state, Correction& c) const;
+
+  std::string id_;
+  Options options_;
+  Model model_;
+  Part all_, timeless_;
+  std::string timed_;  // names of the effects of time
+  std::unique_ptr<const CalibratedLimits> limits_;
+};
+
+}  // namespace mm

@@ -1,0 +1,94 @@
+#include <Eigen/Dense>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "compensation/compensator.h"
+#include "machine/error.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+constexpr int kMostIterations = 50;
+constexpr double kReached = 1e-11;  // m: far below any scale, above the rounding of a metre
+constexpr double kMoved = 1e-9;     // m or rad: a smaller move has no direction
+
+/// Columns of the joints that move: the linear ones, or all where these cannot reach every direction.
+std::vector<int> movingJoints(const Machine& machine,
+                              const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) {
+  std::vector<int> linear, all;
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    all.push_back(j);
+    if (machine.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
+  }
+  Eigen::MatrixXd columns(3, static_cast<Eigen::Index>(linear.size()));
+  for (std::size_t i = 0; i < linear.size(); ++i)
+    columns.col(static_cast<Eigen::Index>(i)) = jacobian.col(linear[i]).head<3>();
+  if (linear.size() < 3 || columns.colPivHouseholderQr().rank() < 3) return all;
+  return linear;
+}
+
+std::string beyondLimits(const Machine& machine, const std::vector<double>& position) {
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const Joint& joint = machine.joints()[j];
+    if (!(joint.lower < joint.upper) || (position[j] >= joint.lower && position[j] <= joint.upper)) continue;
+    const bool rotary = joint.kind == JointKind::kRotary;
+    const double unit = rotary ? kDegree : kMillimetre;
+    char text[160];
+    std::snprintf(text, sizeof text, " would have to go to %.6g %s, its limits are %.6g to %.6g",
+                  position[j] / unit, rotary ? "deg" : "mm", joint.lower / unit, joint.upper / unit);
+    return "joint " + joint.name + text;
+  }
+  return {};
+}
+
+}  // namespace
+
+TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, State start) const {
+  TargetReadings target;
+  target.position = start.position;
+  if (!truePoint.allFinite()) {
+    target.reason = "the target is not a finite point";
+    return target;
+  }
+  const Machine& machine = model_.machine();
+  const double beam = model_.domain().laser ? start.laserReading : std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> from = start.position, travel = start.travel;
+  Workspace work;
+  model_.place(start);
+  for (target.iterations = 0;; ++target.iterations) {
+    target.correction = apply(start, work);
+    const Eigen::Vector3d miss = truePoint - target.correction.corrected.position;
+    target.position = start.position;
+    target.sigma = target.correction.sigma;
+    if (target.iterations > 0 && miss.norm() <= kReached * (1.0 + truePoint.norm())) break;
+    if (target.iterations == kMostIterations || (target.iterations > 0 && !miss.allFinite())) {
+      target.reason = target.correction.reason.empty() ? "no readings reach the target within 50 steps"
+                                                       : target.correction.reason;
+      return target;
+    }
+    const Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian = machine.jacobian(start.position.data(), beam);
+    // Before the first step an unknown travel may leave the correction unknown: the nominal chain gives the
+    // step.
+    const Eigen::Vector3d step =
+        miss.allFinite() ? miss : Eigen::Vector3d(truePoint - target.correction.nominal.position);
+    const std::vector<int> moving = movingJoints(machine, jacobian);
+    Eigen::MatrixXd columns(3, static_cast<Eigen::Index>(moving.size()));
+    for (std::size_t i = 0; i < moving.size(); ++i)
+      columns.col(static_cast<Eigen::Index>(i)) = jacobian.col(moving[i]).head<3>();
+    const Eigen::VectorXd move = columns.completeOrthogonalDecomposition().solve(step);
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      const int j = moving[i];
+      start.position[j] += move[static_cast<Eigen::Index>(i)];
+      const double moved = start.position[j] - from[j];
+      if (travel[j] == 0.0) start.travel[j] = std::abs(moved) < kMoved ? 0.0 : (moved > 0.0 ? 1.0 : -1.0);
+    }
+    model_.place(start);
+  }
+  target.reason = target.correction.valid ? beyondLimits(machine, target.position) : target.correction.reason;
+  target.reached = target.reason.empty();
+  return target;
+}
+
+}  // namespace mm

@@ -1,0 +1,173 @@
+#include "compensation/limits.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kReadingSlack = 1e-6;  // m or rad: a joint that stood still may stand there again
+
+/// Answers for a probe of the model: one sensor without history, the others at a plausible temperature.
+class ProbeHistory final : public TemperatureHistory {
+ public:
+  explicit ProbeHistory(const std::vector<double>& temperature) : temperature_(temperature) {}
+  double lagged(int sensor, double, double, double* byTau) const override {
+    if (byTau != nullptr) *byTau = 0.0;
+    return temperature_[sensor];
+  }
+
+ private:
+  const std::vector<double>& temperature_;
+};
+
+double middle(double lower, double upper) {
+  const double m = 0.5 * (lower + upper);
+  return std::isfinite(m) ? m : kReferenceTemperature;
+}
+
+/// "x = 31.2 mm is outside -20 ... 20 mm", in the unit of people.
+std::string outside(const std::string& name, double value, double lower, double upper, double toUnit,
+                    const char* unit) {
+  char text[160];
+  std::snprintf(text, sizeof text, " = %.7g%s is outside the calibrated %.7g to %.7g%s", value * toUnit, unit,
+                lower * toUnit, upper * toUnit, unit);
+  return name + text;
+}
+
+}  // namespace
+
+CalibratedLimits::CalibratedLimits(const Model& model, const double* parameters, double margin) {
+  const Domain& d = model.domain();
+  joints_ = d.joints;
+  const auto widened = [margin](const std::string& name, double lower, double upper, double slack) {
+    const double wider = margin * (upper - lower) + slack;
+    return Input{name, lower - wider, upper + wider, false};
+  };
+  for (std::size_t j = 0; j < d.joints.size(); ++j)
+    readings_.push_back(widened(d.joints[j].name, d.lower[j], d.upper[j], kReadingSlack));
+  for (std::size_t s = 0; s < d.sensors.size(); ++s)
+    sensors_.push_back(widened(d.sensors[s], d.sensorLower[s], d.sensorUpper[s], 0.0));
+  for (std::size_t c = 0; c < d.covariates.size(); ++c)
+    covariates_.push_back(widened(d.covariates[c], d.covariateLower[c], d.covariateUpper[c], 0.0));
+  findUsed(model, parameters);
+}
+
+/// An effect answers NaN without an input that it needs: so each input is taken away once from a complete
+/// state.
+void CalibratedLimits::findUsed(const Model& model, const double* parameters) {
+  const Domain& d = model.domain();
+  State complete;
+  complete.laserReading = d.laser ? 0.0 : kUnknown;
+  for (std::size_t j = 0; j < d.joints.size(); ++j)
+    complete.position.push_back(middle(d.lower[j], d.upper[j]));
+  complete.velocity.assign(d.joints.size(), 0.0);
+  complete.travel.assign(d.joints.size(), 1.0);
+  for (std::size_t s = 0; s < d.sensors.size(); ++s)
+    complete.temperature.push_back(middle(d.sensorLower[s], d.sensorUpper[s]));
+  for (std::size_t c = 0; c < d.covariates.size(); ++c)
+    complete.covariate.push_back(middle(d.covariateLower[c], d.covariateUpper[c]));
+  complete.approach = -Eigen::Vector3d::UnitZ();
+  model.place(complete);
+
+  Model::Workspace work;
+  const auto answers = [&](State state, bool history) {
+    const ProbeHistory probe(state.temperature);
+    state.history = history ? &probe : nullptr;
+    return model.corrected(state, parameters, work).position.allFinite();
+  };
+  State state = complete;
+  for (std::size_t s = 0; s < d.sensors.size(); ++s) {
+    state.temperature[s] = kUnknown;
+    sensors_[s].used = !answers(state, true);
+    state = complete;
+  }
+  for (std::size_t c = 0; c < d.covariates.size(); ++c) {
+    state.covariate[c] = kUnknown;
+    covariates_[c].used = !answers(state, true);
+    state = complete;
+  }
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    state.travel[j] = 0.0;
+    usesTravel_.push_back(!answers(state, true));
+    state = complete;
+    state.velocity[j] = kUnknown;
+    usesVelocity_.push_back(!answers(state, true));
+    state = complete;
+  }
+  state.approach.setZero();
+  usesApproach_ = !answers(state, true);
+  state = complete;
+  state.time = kUnknown;
+  usesTime_ = !answers(state, true);
+  usesHistory_ = !answers(complete, false);
+}
+
+std::string CalibratedLimits::jointOutside(const State& state) const {
+  for (std::size_t j = 0; j < readings_.size(); ++j) {
+    const Input& r = readings_[j];
+    const bool rotary = joints_[j].kind == JointKind::kRotary;
+    if (state.position[j] < r.lower || state.position[j] > r.upper)
+      return outside(r.name, state.position[j], r.lower, r.upper, rotary ? 1.0 / kDegree : 1.0 / kMillimetre,
+                     rotary ? " deg" : " mm");
+  }
+  return {};
+}
+
+std::string CalibratedLimits::inputOutside(const State& state) const {
+  for (std::size_t s = 0; s < sensors_.size(); ++s)
+    if (sensors_[s].used &&
+        (state.temperature[s] < sensors_[s].lower || state.temperature[s] > sensors_[s].upper))
+      return outside("temperature " + sensors_[s].name, state.temperature[s], sensors_[s].lower,
+                     sensors_[s].upper, 1.0, " degC");
+  for (std::size_t c = 0; c < covariates_.size(); ++c)
+    if (covariates_[c].used &&
+        (state.covariate[c] < covariates_[c].lower || state.covariate[c] > covariates_[c].upper))
+      return outside("covariate " + covariates_[c].name, state.covariate[c], covariates_[c].lower,
+                     covariates_[c].upper, 1.0, "");
+  return {};
+}
+
+std::string CalibratedLimits::unusual(const State& state) const {
+  for (std::size_t s = 0; s < sensors_.size(); ++s)
+    if (!sensors_[s].used &&
+        (state.temperature[s] < sensors_[s].lower || state.temperature[s] > sensors_[s].upper))
+      return outside("temperature " + sensors_[s].name, state.temperature[s], sensors_[s].lower,
+                     sensors_[s].upper, 1.0, " degC (the model does not use it)");
+  return {};
+}
+
+bool CalibratedLimits::lost(const State& state) const {
+  for (std::size_t s = 0; s < sensors_.size(); ++s)
+    if (sensors_[s].used && !std::isfinite(state.temperature[s])) return true;
+  for (std::size_t c = 0; c < covariates_.size(); ++c)
+    if (covariates_[c].used && !std::isfinite(state.covariate[c])) return true;
+  return false;
+}
+
+std::string CalibratedLimits::missing(const State& state) const {
+  for (std::size_t j = 0; j < readings_.size(); ++j)
+    if (!std::isfinite(state.position[j])) return "reading of joint " + readings_[j].name + " is not known";
+  for (std::size_t s = 0; s < sensors_.size(); ++s)
+    if (sensors_[s].used && !std::isfinite(state.temperature[s]))
+      return "temperature " + sensors_[s].name + " is not known";
+  for (std::size_t c = 0; c < covariates_.size(); ++c)
+    if (covariates_[c].used && !std::isfinite(state.covariate[c]))
+      return "covariate " + covariates_[c].name + " is not known";
+  for (std::size_t j = 0; j < readings_.size(); ++j) {
+    if (usesTravel_[j] && !(std::abs(state.travel[j]) > 0.0))
+      return "direction of travel of " + readings_[j].name + " is not known";
+    if (usesVelocity_[j] && !std::isfinite(state.velocity[j]))
+      return "velocity of " + readings_[j].name + " is not known";
+  }
+  if (usesTime_ && !std::isfinite(state.time)) return "time is not known";
+  if (usesApproach_ && !(state.approach.squaredNorm() > 0.0)) return "direction of approach is not known";
+  if (usesHistory_ && state.history == nullptr) return "history of the temperatures is not known";
+  return {};
+}
+
+}  // namespace mm

@@ -1,0 +1,42 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+
+namespace mm {
+
+/// Where a calibration holds: the readings, temperatures and covariates that its session observed, and the
+/// inputs without which its model has no answer.
+class CalibratedLimits {
+ public:
+  /// @param parameters of the model, SI. @param margin how far beyond the observed range is still accepted on
+  /// each side, as a fraction of the range.
+  CalibratedLimits(const Model& model, const double* parameters, double margin);
+
+  /// A joint's reading that is outside: which, its value and the bound; empty when all are inside.
+  std::string jointOutside(const State& state) const;
+  /// A temperature or covariate that the model uses and that is outside.
+  std::string inputOutside(const State& state) const;
+  /// A temperature that the model does not use, but at which it was never seen.
+  std::string unusual(const State& state) const;
+  /// An input that the model needs and that is not known.
+  std::string missing(const State& state) const;
+  /// True when that input is a temperature or a covariate.
+  bool lost(const State& state) const;
+
+ private:
+  struct Input {
+    std::string name;
+    double lower = 0.0, upper = 0.0;  // margin included
+    bool used = false;
+  };
+  void findUsed(const Model& model, const double* parameters);
+
+  std::vector<Joint> joints_;
+  std::vector<Input> readings_, sensors_, covariates_;
+  std::vector<bool> usesTravel_, usesVelocity_;
+  bool usesHistory_ = false, usesApproach_ = false, usesTime_ = false;
+};
+
+}  // namespace mm
