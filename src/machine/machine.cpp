@@ -15,6 +15,8 @@
 namespace mm {
 namespace {
 
+constexpr int kMaxJoints = 16;  // buffers of `measure` are on the stack
+
 Eigen::Vector3d vectorOf(const KDL::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
 Eigen::Matrix3d matrixOf(const KDL::Rotation& r) {
@@ -52,18 +54,22 @@ Limits limitsOf(const tinyxml2::XMLElement* robot, const std::string& joint) {
 
 Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), urdf_(std::move(urdf)) {
   tinyxml2::XMLDocument document;
-  if (document.Parse(urdf_.c_str()) != tinyxml2::XML_SUCCESS || document.FirstChildElement("robot") == nullptr)
+  if (document.Parse(urdf_.c_str()) != tinyxml2::XML_SUCCESS ||
+      document.FirstChildElement("robot") == nullptr)
     throw InputError("machine '" + name_ + "': the URDF is not XML with a <robot> element: " +
                      (document.ErrorStr() ? document.ErrorStr() : ""));
   KDL::Tree tree;
   if (!kdl_parser::treeFromString(urdf_, tree))
-    throw InputError("machine '" + name_ + "': the URDF cannot be read as a tree of links; check it with check_urdf");
+    throw InputError("machine '" + name_ +
+                     "': the URDF cannot be read as a tree of links; check it with check_urdf");
   KDL::Chain chain;
   if (!tree.getChain("workpiece", "probe_tip", chain))
-    throw InputError("machine '" + name_ +
-                     "': no chain from link 'workpiece' to link 'probe_tip'; both links must exist in the URDF");
+    throw InputError(
+        "machine '" + name_ +
+        "': no chain from link 'workpiece' to link 'probe_tip'; both links must exist in the URDF");
 
-  // A KDL segment is a joint at its origin followed by a fixed transform; fixed parts are gathered before each joint.
+  // A KDL segment is a joint at its origin followed by a fixed transform; fixed parts are gathered before
+  // each joint.
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   const auto then = [&](const Eigen::Matrix3d& r, const Eigen::Vector3d& t) {
@@ -83,8 +89,8 @@ Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), u
     then(Eigen::Matrix3d::Identity(), origin);
     links_.push_back({rotation, translation, axis});
     const Limits limits = limitsOf(document.FirstChildElement("robot"), joint.getName());
-    joints_.push_back({joint.getName(), rotary ? JointKind::kRotary : JointKind::kLinear, limits.lower, limits.upper,
-                       limits.velocity});
+    joints_.push_back({joint.getName(), rotary ? JointKind::kRotary : JointKind::kLinear, limits.lower,
+                       limits.upper, limits.velocity});
     rotation = Eigen::Matrix3d::Identity();
     translation = Eigen::Vector3d::Zero();
     // segment.pose(0) = joint at zero * fixed tip; the joint at zero is the identity about its origin
@@ -92,17 +98,25 @@ Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), u
   }
   tipRotation_ = rotation;
   tipTranslation_ = translation;
-  if (joints_.empty()) throw InputError("machine '" + name_ + "': no moving joint between 'workpiece' and 'probe_tip'");
+  if (jointCount() > kMaxJoints)
+    throw InputError("machine '" + name_ + "': " + std::to_string(jointCount()) +
+                     " moving joints between 'workpiece' and 'probe_tip'; at most " +
+                     std::to_string(kMaxJoints) + ": make those that do not move fixed joints");
+  if (joints_.empty())
+    throw InputError("machine '" + name_ + "': no moving joint between 'workpiece' and 'probe_tip'");
 }
 
 Machine Machine::load(const std::string& nameOrPath, const std::filesystem::path& relativeTo) {
   namespace fs = std::filesystem;
   std::vector<fs::path> tried;
-  const bool shipped = nameOrPath.find('/') == std::string::npos && nameOrPath.find(".urdf") == std::string::npos;
+  const bool shipped =
+      nameOrPath.find('/') == std::string::npos && nameOrPath.find(".urdf") == std::string::npos;
   if (shipped) {
-    for (const char* folder : {MM_SOURCE_URDF, MM_INSTALLED_URDF}) tried.push_back(fs::path(folder) / (nameOrPath + ".urdf"));
+    for (const char* folder : {MM_SOURCE_URDF, MM_INSTALLED_URDF})
+      tried.push_back(fs::path(folder) / (nameOrPath + ".urdf"));
   } else {
-    tried.push_back(relativeTo.empty() || fs::path(nameOrPath).is_absolute() ? fs::path(nameOrPath) : relativeTo / nameOrPath);
+    tried.push_back(relativeTo.empty() || fs::path(nameOrPath).is_absolute() ? fs::path(nameOrPath)
+                                                                             : relativeTo / nameOrPath);
     if (!relativeTo.empty()) tried.push_back(nameOrPath);
   }
   for (const fs::path& path : tried) {
@@ -112,9 +126,10 @@ Machine Machine::load(const std::string& nameOrPath, const std::filesystem::path
     text << in.rdbuf();
     return Machine(text.str(), nameOrPath);
   }
-  throw InputError("machine '" + nameOrPath + "': " +
-                   (shipped ? "not one of three_axis, five_axis; for a machine of your own give the path of its URDF"
-                            : "no such file as " + tried.front().string()));
+  throw InputError(
+      "machine '" + nameOrPath + "': " +
+      (shipped ? "not one of three_axis, five_axis; for a machine of your own give the path of its URDF"
+               : "no such file as " + tried.front().string()));
 }
 
 int Machine::findJoint(const std::string& name) const {
@@ -144,7 +159,6 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
                            Eigen::Matrix<double, 6, Eigen::Dynamic>* gradient) const {
   const ErrorLayout at = layout();
   const auto vector = [&](int first) { return Eigen::Map<const Eigen::Vector3d>(errors + first); };
-  constexpr int kMaxJoints = 16;
   Eigen::Vector3d origins[kMaxJoints], axes[kMaxJoints];
   Eigen::Matrix3d frames[kMaxJoints];
 
@@ -158,7 +172,8 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
     pose.position += pose.orientation * vector(at.jointTranslation(j, 0));
     const Eigen::Vector3d twist = vector(at.jointRotation(j, 0));
     const double angle = twist.norm();
-    if (angle > 0.0) pose.orientation = pose.orientation * Eigen::AngleAxisd(angle, twist / angle).toRotationMatrix();
+    if (angle > 0.0)
+      pose.orientation = pose.orientation * Eigen::AngleAxisd(angle, twist / angle).toRotationMatrix();
     axes[j] = pose.orientation * link.axis;
     const double moved = q[j] + errors[at.axis(j)];
     if (joints_[j].kind == JointKind::kLinear)
@@ -178,7 +193,8 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
   if (laser) reach = tipFrame * beam * reading;
   pose.position += tipFrame * vector(at.probe(0)) + reach + tilt.cross(reach) + vector(at.volume(0));
   if (tilt.squaredNorm() > 0.0)
-    pose.orientation = Eigen::AngleAxisd(tilt.norm(), tilt.normalized()).toRotationMatrix() * pose.orientation;
+    pose.orientation =
+        Eigen::AngleAxisd(tilt.norm(), tilt.normalized()).toRotationMatrix() * pose.orientation;
   if (gradient == nullptr) return pose;
 
   gradient->setZero(6, at.size());
