@@ -1,0 +1,116 @@
+#include <Eigen/Dense>
+
+#include "estimation/problem.h"
+
+namespace mm {
+namespace {
+
+/// Fixed-radius sphere through points: algebraic start, then Gauss-Newton. @return false when undetermined.
+bool sphereCentre(const std::vector<Eigen::Vector3d>& points, double radius, Eigen::Vector3d& centre) {
+  if (points.size() < 4) return false;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  Eigen::MatrixXd a(points.size(), 4);
+  Eigen::VectorXd b(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d d = (points[i] - mean) / radius;
+    a.row(static_cast<Eigen::Index>(i)) << d.x(), d.y(), d.z(), 1.0;
+    b[static_cast<Eigen::Index>(i)] = 0.5 * d.squaredNorm();
+  }
+  const Eigen::Vector4d algebraic = a.colPivHouseholderQr().solve(b);
+  Eigen::Vector3d c = mean + radius * algebraic.head<3>();
+  // a shallow cap lets the algebraic centre slide along its axis: put it at the known distance
+  double away = 0.0;
+  for (const auto& p : points) away += (p - c).norm();
+  away /= static_cast<double>(points.size());
+  if (!(away > 0.0) || !c.allFinite()) return false;
+  if (away > 3.0 * radius) c = mean + (c - mean).normalized() * radius;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    Eigen::Matrix3d h = Eigen::Matrix3d::Identity() * 1e-12;
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    for (const auto& p : points) {
+      const Eigen::Vector3d d = c - p;
+      const Eigen::Vector3d n = d.normalized();
+      h += n * n.transpose();
+      g += n * (d.norm() - radius);
+    }
+    Eigen::Vector3d step = h.ldlt().solve(g);
+    if (step.norm() > 0.5 * radius) step *= 0.5 * radius / step.norm();
+    c -= step;
+    if (step.norm() < 1e-10) break;
+  }
+  centre = c;
+  return c.allFinite();
+}
+
+}  // namespace
+
+GeometricStart geometricStart(const Session& session) {
+  const auto& features = session.artifact.features;
+  GeometricStart start;
+  std::vector<std::vector<Eigen::Vector3d>> touched(features.size()), approaches(features.size());
+  std::vector<char> laser(features.size(), 0);
+  for (const Observation& o : session.observations) {
+    if (o.kind != ObservationKind::kContact || o.feature < 0) continue;
+    const ProbePose pose = session.machine.nominal(o.position.data(), o.laserReading);
+    touched[o.feature].push_back(pose.position);
+    if (o.laserReading == o.laserReading) laser[o.feature] = 1;
+    if (o.approach.allFinite() && o.approach.norm() > 0.5) approaches[o.feature].push_back(o.approach.normalized());
+  }
+  start.features.resize(features.size());
+  std::vector<char> found(features.size(), 0);
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    start.features[f] = features[f].position;
+    if (touched[f].empty()) continue;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const auto& p : touched[f]) mean += p;
+    mean /= static_cast<double>(touched[f].size());
+    if (features[f].kind == FeatureKind::kPoint) {
+      start.features[f] = mean;
+      found[f] = 1;
+      continue;
+    }
+    const double distance = features[f].radius + (laser[f] ? 0.0 : session.artifact.tipRadius);
+    if (approaches[f].size() == touched[f].size()) {
+      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+      for (std::size_t i = 0; i < touched[f].size(); ++i) centre += touched[f][i] + distance * approaches[f][i];
+      start.features[f] = centre / static_cast<double>(touched[f].size());
+      found[f] = 1;
+    }
+    Eigen::Vector3d fitted;
+    if (sphereCentre(touched[f], distance, fitted)) {
+      // the mirror image of a shallow cap fits too: trust the approach where there is one
+      if (!found[f] || (fitted - start.features[f]).norm() < distance) start.features[f] = fitted;
+      found[f] = 1;
+    }
+  }
+  if (!session.artifact.poseKnown) {
+    Eigen::Matrix3Xd from(3, 0), to(3, 0);
+    for (std::size_t f = 0; f < features.size(); ++f) {
+      if (!found[f] || !features[f].known) continue;
+      from.conservativeResize(3, from.cols() + 1);
+      to.conservativeResize(3, to.cols() + 1);
+      from.rightCols<1>() = features[f].position;
+      to.rightCols<1>() = start.features[f];
+    }
+    if (from.cols() > 0) {
+      const Eigen::Vector3d a = from.rowwise().mean(), b = to.rowwise().mean();
+      const Eigen::Matrix3d h = (to.colwise() - b) * (from.colwise() - a).transpose();
+      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      if (svd.singularValues()[1] > 1e-6 * std::max(svd.singularValues()[0], 1e-12)) {
+        Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
+        start.rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+      } else if (from.cols() > 1) {  // on one line: the shortest rotation
+        const Eigen::Vector3d u = (from.rightCols<1>() - from.leftCols<1>()), v = (to.rightCols<1>() - to.leftCols<1>());
+        start.rotation = Eigen::Quaterniond::FromTwoVectors(u, v).toRotationMatrix();
+      }
+      start.translation = b - start.rotation * a;
+    }
+  }
+  for (std::size_t f = 0; f < features.size(); ++f)
+    if (features[f].known || !found[f]) start.features[f] = start.rotation * features[f].position + start.translation;
+  return start;
+}
+
+}  // namespace mm

@@ -1,0 +1,121 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+#include "model/session_states.h"
+#include "session/session.h"
+
+namespace mm {
+
+enum class UnknownKind { kEffect, kPose, kFeature, kRadius, kSetup };
+
+/// One unknown of a calibration. SI; `unit` and `toUnit` are for people.
+struct Unknown {
+  UnknownKind kind = UnknownKind::kEffect;
+  int owner = 0;       // effect, feature or setup
+  int component = 0;   // within the owner
+  std::string name;    // unique: "gap (backlash x)", "rotation x of the artifact" …
+  std::string unit;
+  double toUnit = 1.0;
+  double scale = 1.0;
+  double bound = 1.0;
+  double start = 0.0;
+  double priorStd = 0.0;  // 0: no prior
+};
+
+/// One scalar residual of the data.
+struct ResidualRow {
+  int observation = 0;
+  int component = 0;      // kContact on a ball: 0 (distance); points and positions: 0-2; deviations: the joint
+  bool angular = false;   // rad instead of m
+  double statedSigma = 0; // m or rad from the data (deviation_std); 0: the session's repeatability
+};
+
+/// Session + model -> residuals as a function of the unknowns: the effects' parameters, the pose of the artifact,
+/// free (or not exactly known) positions of features, not exactly known radii, zeros of setups.
+///
+/// Residual of a contact on a ball: distance of the corrected probe from the ball's centre minus what it should be,
+/// MMT eq. (16); of a point: three components; of a reference: measured minus model. Whitened by `sigma`.
+class Problem {
+ public:
+  /// The derivative of one observation's residuals, by groups of unknowns. Rows: its residuals (at most kMaxRows).
+  struct Derivative {
+    Eigen::MatrixXd effects;  // rows x parameterCount
+    Eigen::MatrixXd pose;     // rows x 6
+    Eigen::MatrixXd feature;  // rows x 3
+    Eigen::MatrixXd slots;    // rows x ErrorLayout::size(): by each small error
+    Eigen::VectorXd radius;   // rows
+  };
+
+  /// @param session must outlive the problem. @throw InputError when a session cannot be used with the model
+  /// (no observations, unknown feature, missing input of an effect).
+  Problem(const Session& session, Model model);
+
+  const Session& session() const { return *session_; }
+  const Model& model() const { return model_; }
+  const std::vector<Unknown>& unknowns() const { return unknowns_; }
+  const std::vector<ResidualRow>& rows() const { return rows_; }
+  int unknownCount() const { return static_cast<int>(unknowns_.size()); }
+  int rowCount() const { return static_cast<int>(rows_.size()); }
+  int priorCount() const { return static_cast<int>(priors_.size()); }
+  int firstRow(int observation) const { return firstRow_[observation]; }
+  const State& state(int observation) const { return states_->states()[observation]; }
+  Eigen::VectorXd start() const;
+
+  /// Standard deviation of each data row (m or rad): stated with the data, else linearSigma / angularSigma.
+  Eigen::VectorXd sigmas(double linearSigma, double angularSigma) const;
+
+  /// Residuals (m, rad) of the data rows at x.
+  Eigen::VectorXd residuals(const Eigen::VectorXd& x) const;
+  /// Residuals and dense Jacobian (rowCount x unknownCount), not whitened, without priors.
+  Eigen::VectorXd residuals(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const;
+  /// Residuals of one observation. @param r rows of the observation. @return number of rows.
+  int residualsOf(int observation, const Eigen::VectorXd& x, double* r, Derivative* derivative,
+                  Model::Workspace& work) const;
+  /// Columns (rowCount x parameters) by which an effect that is not in the model would change the residuals, at x,
+  /// with the effect's parameters at `p`.
+  Eigen::MatrixXd effectColumns(const Effect& effect, const std::vector<double>& p) const;
+  /// Must be called with the x at which effectColumns is wanted.
+  void linearise(const Eigen::VectorXd& x);
+  const Eigen::MatrixXd& slotGradients() const { return slotGradients_; }
+
+  /// Index of the first unknown of a kind and owner, -1 when it is not unknown.
+  int find(UnknownKind kind, int owner) const;
+  const std::vector<int>& priors() const { return priors_; }
+  bool poseFree() const { return poseOffset_ >= 0; }
+  /// True position of a feature in workpiece at x (m), without thermal growth of the artifact.
+  Eigen::Vector3d featureInWorkpiece(int feature, const Eigen::VectorXd& x) const;
+
+  static constexpr int kMaxRows = 16;
+
+ private:
+  void addUnknowns();
+  void addRows();
+  Eigen::Matrix3d poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d* leftJacobian) const;
+
+  const Session* session_;
+  Model model_;
+  std::shared_ptr<SessionStates> states_;
+  Eigen::Matrix3d rotation0_ = Eigen::Matrix3d::Identity();  // start of the artifact's pose
+  std::vector<Eigen::Vector3d> featureStart_;                // artifact frame, m
+  std::vector<Unknown> unknowns_;
+  std::vector<ResidualRow> rows_;
+  std::vector<int> firstRow_, priors_;
+  int poseOffset_ = -1;
+  std::vector<int> featureOffset_, radiusOffset_, setupOffset_;
+  Eigen::Vector3d translation0_ = Eigen::Vector3d::Zero();
+  Eigen::MatrixXd slotGradients_;  // rowCount x slots at the point of linearisation
+};
+
+/// Start values from the geometry alone: centres of the balls in workpiece and the pose of the artifact.
+struct GeometricStart {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // artifact -> workpiece
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // m
+  std::vector<Eigen::Vector3d> features;                   // in workpiece, m
+};
+GeometricStart geometricStart(const Session& session);
+
+}  // namespace mm
