@@ -37,7 +37,8 @@ Problem::Problem(const Session& session, Model model) : session_(&session), mode
     featureStart_[f] = session.artifact.features[f].known
                            ? session.artifact.features[f].position
                            : Eigen::Vector3d(rotation0_.transpose() * (start.features[f] - translation0_));
-  states_ = std::make_shared<SessionStates>(session, model_.domain(), start.features);
+  states_ = std::make_shared<SessionStates>(session, model_.domain());
+  states_->aim(start.features);
   addRows();
   addUnknowns();
 
@@ -200,7 +201,7 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
   const ErrorLayout layout = model_.machine().layout();
   const int rows = firstRow_[observation + 1] - firstRow_[observation];
   const int parameters = model_.parameterCount();
-  Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;  // not used: the slots carry all derivatives
   const ProbePose pose = model_.corrected(at, x.data(), work, d != nullptr ? &byParameter : nullptr);
   if (d != nullptr) {
     d->effects.setZero(rows, parameters);
@@ -211,7 +212,6 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
   }
   // by: derivative of a scalar residual with respect to the pose of the probe (6)
   const auto chain = [&](int row, const Eigen::Matrix<double, 1, 6>& by) {
-    if (parameters > 0) d->effects.row(row).noalias() += by * byParameter;
     d->slots.row(row).noalias() += by * work.bySlot;
   };
 
@@ -290,9 +290,6 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
           d->radius[0] = -1.0;
         }
       }
-      if (d != nullptr) {  // effects that act on the artifact do not move the probe: through their own slots
-        for (int i = 0; i < rows; ++i) model_.artifactColumns(at, x.data(), d->slots.row(i), layout, d->effects, i);
-      }
     }
   }
   if (o.setup >= 0 && o.kind != ObservationKind::kContact) {
@@ -302,6 +299,9 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
       r[i] -= x[offset];
     }
   }
+  if (d != nullptr)
+    for (const Model::Derivative& one : work.derivatives)
+      d->effects.col(one.parameter) += d->slots.col(one.slot) * one.value;
   return rows;
 }
 
@@ -333,6 +333,52 @@ Eigen::VectorXd Problem::residuals(const Eigen::VectorXd& x, Eigen::MatrixXd& ja
     }
   }
   return r;
+}
+
+void Problem::linearise(const Eigen::VectorXd& x) {
+  slotGradients_.resize(rowCount(), model_.machine().layout().size());
+  Model::Workspace work;
+  Derivative d;
+  std::vector<double> r(kMaxRows);
+  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
+    const int n = residualsOf(static_cast<int>(o), x, r.data(), &d, work);
+    slotGradients_.middleRows(firstRow_[o], n) = d.slots;
+  }
+}
+
+namespace {
+
+/// Takes the derivatives of one effect at one state to the residuals of one observation.
+class ColumnSink final : public ErrorSink {
+ public:
+  ColumnSink(const Eigen::MatrixXd& gradients, Eigen::MatrixXd& columns) : gradients_(gradients), columns_(columns) {}
+  void at(int first, int rows) { first_ = first, rows_ = rows; }
+  void add(int slot, int parameter, double, double basis) override { derivative(slot, parameter, basis); }
+  void value(int, double) override {}
+  void derivative(int slot, int parameter, double derivative) override {
+    for (int i = first_; i < first_ + rows_; ++i) {
+      const double gradient = gradients_(i, slot);
+      if (gradient != 0.0) columns_(i, parameter) += gradient * derivative;
+    }
+  }
+  bool wantsDerivatives() const override { return true; }
+
+ private:
+  const Eigen::MatrixXd& gradients_;
+  Eigen::MatrixXd& columns_;
+  int first_ = 0, rows_ = 0;
+};
+
+}  // namespace
+
+Eigen::MatrixXd Problem::effectColumns(const Effect& effect, const std::vector<double>& p) const {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rowCount(), effect.parameterCount());
+  ColumnSink sink(slotGradients_, columns);
+  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
+    sink.at(firstRow_[o], firstRow_[o + 1] - firstRow_[o]);
+    effect.evaluate(state(static_cast<int>(o)), p.data(), sink);
+  }
+  return columns;
 }
 
 }  // namespace mm
