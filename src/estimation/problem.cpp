@@ -42,29 +42,36 @@ Problem::Problem(const Session& session, Model model) : session_(&session), mode
   addRows();
   addUnknowns();
 
+  findUsable();
+}
+
+void Problem::findUsable() {
+  const int count = static_cast<int>(session_->observations.size());
+  usable_.assign(count, 1);
   Model::Workspace work;
   std::vector<double> r(kMaxRows);
-  const Eigen::VectorXd x = this->start();
-  Derivative unused;
-  for (std::size_t o = 0; o < session.observations.size(); ++o) {
-    const int n = residualsOf(static_cast<int>(o), x, r.data(), nullptr, work);
+  const Eigen::VectorXd x = start();
+  for (int o = 0; o < count; ++o) {
+    const int n = residualsOf(o, x, r.data(), nullptr, work);
     for (int i = 0; i < n; ++i)
-      if (!std::isfinite(r[i])) {
-        // which effect lacks its input?
-        for (const EffectPtr& e : model_.effects()) {
-          Model one(model_.machine(), model_.domain(), {e});
-          std::vector<double> p;
-          for (const Parameter& q : e->parameters()) p.push_back(q.start);
-          const ProbePose pose = one.corrected(state(static_cast<int>(o)), p.data(), work);
-          if (!pose.position.allFinite())
-            throw InputError(session.source + ": row " + std::to_string(session.observations[o].row) + ": effect " +
-                             e->spec().yaml() + " lacks an input there (" + e->shownBy() +
-                             "); log it, or leave the effect out");
-        }
-        throw InputError(session.source + ": row " + std::to_string(session.observations[o].row) +
-                         ": the model's value is not a number");
-      }
+      if (!std::isfinite(r[i])) usable_[o] = 0;
+    if (!usable_[o]) leftOut_.push_back(o);
   }
+  if (5 * leftOut_.size() <= usable_.size()) return;
+  const int o = leftOut_.front();  // which effect lacks its input?
+  const std::string where = session_->source + ": row " + std::to_string(session_->observations[o].row) + " and " +
+                            std::to_string(leftOut_.size() - 1) + " more: ";
+  for (const EffectPtr& e : model_.effects()) {
+    Model one(model_.machine(), model_.domain(), {e});
+    std::vector<double> p;
+    for (const Parameter& q : e->parameters()) p.push_back(q.start);
+    one.corrected(state(o), p.data(), work);
+    for (double error : work.errors)
+      if (!std::isfinite(error))
+        throw InputError(where + "effect " + e->spec().yaml() + " lacks an input there (" + e->shownBy() +
+                         "); log it, or leave the effect out");
+  }
+  throw InputError(where + "the model's value is not a number");
 }
 
 void Problem::addRows() {
@@ -201,6 +208,16 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
   const ErrorLayout layout = model_.machine().layout();
   const int rows = firstRow_[observation + 1] - firstRow_[observation];
   const int parameters = model_.parameterCount();
+  if (!usable_[observation]) {
+    std::fill(r, r + rows, 0.0);
+    if (d == nullptr) return rows;
+    d->effects.setZero(rows, parameters);
+    d->pose.setZero(rows, 6);
+    d->feature.setZero(rows, 3);
+    d->slots.setZero(rows, layout.size());
+    d->radius.setZero(rows);
+    return rows;
+  }
   Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;  // not used: the slots carry all derivatives
   const ProbePose pose = model_.corrected(at, x.data(), work, d != nullptr ? &byParameter : nullptr);
   if (d != nullptr) {
@@ -313,24 +330,32 @@ Eigen::VectorXd Problem::residuals(const Eigen::VectorXd& x) const {
   return r;
 }
 
+void Problem::scatter(int observation, const Derivative& d, Eigen::MatrixXd& rows) const {
+  const Observation& at = session_->observations[observation];
+  const int first = firstRow_[observation], n = firstRow_[observation + 1] - first;
+  rows.setZero(n, unknownCount());
+  if (!usable_[observation]) return;
+  if (model_.parameterCount() > 0) rows.leftCols(model_.parameterCount()) = d.effects;
+  if (at.kind != ObservationKind::kDeviation && poseOffset_ >= 0) rows.middleCols(poseOffset_, 6) = d.pose;
+  if (at.kind == ObservationKind::kContact) {
+    if (featureOffset_[at.feature] >= 0) rows.middleCols(featureOffset_[at.feature], 3) = d.feature;
+    if (radiusOffset_[at.feature] >= 0) rows.col(radiusOffset_[at.feature]) = d.radius;
+  } else if (at.setup >= 0) {
+    const int width = std::max(3, model_.machine().jointCount());
+    for (int i = 0; i < n; ++i) rows(i, setupOffset_[at.setup * width + rows_[first + i].component]) = -1.0;
+  }
+}
+
 Eigen::VectorXd Problem::residuals(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const {
   Eigen::VectorXd r(rowCount());
-  jacobian.setZero(rowCount(), unknownCount());
+  jacobian.resize(rowCount(), unknownCount());
   Model::Workspace work;
   Derivative d;
-  const int width = std::max(3, model_.machine().jointCount());
+  Eigen::MatrixXd rows;
   for (std::size_t o = 0; o < session_->observations.size(); ++o) {
-    const int first = firstRow_[o];
-    const int n = residualsOf(static_cast<int>(o), x, r.data() + first, &d, work);
-    const Observation& at = session_->observations[o];
-    if (model_.parameterCount() > 0) jacobian.block(first, 0, n, model_.parameterCount()) = d.effects;
-    if (at.kind != ObservationKind::kDeviation && poseOffset_ >= 0) jacobian.block(first, poseOffset_, n, 6) = d.pose;
-    if (at.kind == ObservationKind::kContact) {
-      if (featureOffset_[at.feature] >= 0) jacobian.block(first, featureOffset_[at.feature], n, 3) = d.feature;
-      if (radiusOffset_[at.feature] >= 0) jacobian.block(first, radiusOffset_[at.feature], n, 1) = d.radius;
-    } else if (at.setup >= 0) {
-      for (int i = 0; i < n; ++i) jacobian(first + i, setupOffset_[at.setup * width + rows_[first + i].component]) = -1.0;
-    }
+    const int n = residualsOf(static_cast<int>(o), x, r.data() + firstRow_[o], &d, work);
+    scatter(static_cast<int>(o), d, rows);
+    jacobian.middleRows(firstRow_[o], n) = rows;
   }
   return r;
 }

@@ -75,9 +75,14 @@ class Problem {
   /// Residuals of one observation. @param r rows of the observation. @return number of rows.
   int residualsOf(int observation, const Eigen::VectorXd& x, double* r, Derivative* derivative,
                   Model::Workspace& work) const;
+  /// Spreads the derivative of one observation over all unknowns. @param rows its residuals x unknownCount.
+  void scatter(int observation, const Derivative& derivative, Eigen::MatrixXd& rows) const;
   /// Columns (rowCount x parameters) by which an effect that is not in the model would change the residuals, at x,
   /// with the effect's parameters at `p`.
   Eigen::MatrixXd effectColumns(const Effect& effect, const std::vector<double>& p) const;
+  /// Observations that lack an input of the model: they have no weight. Empty when all are used.
+  const std::vector<int>& leftOut() const { return leftOut_; }
+  bool uses(int observation) const { return usable_[observation] != 0; }
   /// Must be called with the x at which effectColumns is wanted.
   void linearise(const Eigen::VectorXd& x);
   const Eigen::MatrixXd& slotGradients() const { return slotGradients_; }
@@ -103,7 +108,9 @@ class Problem {
   std::vector<Eigen::Vector3d> featureStart_;                // artifact frame, m
   std::vector<Unknown> unknowns_;
   std::vector<ResidualRow> rows_;
-  std::vector<int> firstRow_, priors_;
+  std::vector<int> firstRow_, priors_, leftOut_;
+  std::vector<char> usable_;  // an observation
+  void findUsable();
   int poseOffset_ = -1;
   std::vector<int> featureOffset_, radiusOffset_, setupOffset_;
   Eigen::Vector3d translation0_ = Eigen::Vector3d::Zero();

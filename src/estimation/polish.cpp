@@ -1,0 +1,224 @@
+#include "estimation/polish.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Dense>
+#include <map>
+
+#include "estimation/whitened.h"
+
+namespace mm {
+namespace {
+
+/// Which unknowns make one parameter block of Ceres.
+struct Block {
+  std::vector<int> unknowns;
+  std::vector<double> values;  // divided by the unknowns' scale
+};
+
+/// The whitened residuals of the observations that share one local block (a free feature), or of a slice of the rest.
+class GroupCost final : public ceres::CostFunction {
+ public:
+  GroupCost(const Problem& problem, const Eigen::VectorXd& base, const Eigen::VectorXd& inverseSigma,
+            std::vector<int> observations, const std::vector<const Block*>& blocks)
+      : problem_(problem), base_(base), inverseSigma_(inverseSigma), observations_(std::move(observations)), blocks_(blocks) {
+    int rows = 0;
+    for (int o : observations_) rows += problem.firstRow(o + 1) - problem.firstRow(o);
+    set_num_residuals(rows);
+    for (const Block* b : blocks_) mutable_parameter_block_sizes()->push_back(static_cast<int>(b->unknowns.size()));
+  }
+
+  bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
+    Eigen::VectorXd x = base_;
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+      for (std::size_t i = 0; i < blocks_[b]->unknowns.size(); ++i) {
+        const int u = blocks_[b]->unknowns[i];
+        x[u] = values[b][i] * problem_.unknowns()[u].scale;
+      }
+    Model::Workspace work;
+    Problem::Derivative d;
+    Eigen::MatrixXd rows;
+    double r[Problem::kMaxRows];
+    int at = 0;
+    for (int o : observations_) {
+      const int n = problem_.residualsOf(o, x, r, jacobians != nullptr ? &d : nullptr, work);
+      for (int i = 0; i < n; ++i) {
+        const double s = inverseSigma_[problem_.firstRow(o) + i];
+        residuals[at + i] = s == 0.0 ? 0.0 : s * r[i];
+        if (!std::isfinite(residuals[at + i])) return false;
+      }
+      if (jacobians != nullptr) {
+        problem_.scatter(o, d, rows);
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+          if (jacobians[b] == nullptr) continue;
+          const std::size_t width = blocks_[b]->unknowns.size();
+          for (int i = 0; i < n; ++i) {
+            const double s = inverseSigma_[problem_.firstRow(o) + i];
+            for (std::size_t k = 0; k < width; ++k) {
+              const int u = blocks_[b]->unknowns[k];
+              const double v = s == 0.0 ? 0.0 : s * rows(i, u) * problem_.unknowns()[u].scale;
+              if (!std::isfinite(v)) return false;
+              jacobians[b][(at + i) * width + k] = v;
+            }
+          }
+        }
+      }
+      at += n;
+    }
+    return true;
+  }
+
+ private:
+  const Problem& problem_;
+  const Eigen::VectorXd& base_;
+  const Eigen::VectorXd& inverseSigma_;
+  std::vector<int> observations_;
+  std::vector<const Block*> blocks_;
+};
+
+/// A prior on one unknown: its value over its standard deviation.
+class PriorCost final : public ceres::CostFunction {
+ public:
+  PriorCost(int index, int width, double factor) : index_(index), width_(width), factor_(factor) {
+    set_num_residuals(1);
+    mutable_parameter_block_sizes()->push_back(width);
+  }
+  bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
+    residuals[0] = factor_ * values[0][index_];
+    if (jacobians != nullptr && jacobians[0] != nullptr)
+      for (int i = 0; i < width_; ++i) jacobians[0][i] = i == index_ ? factor_ : 0.0;
+    return true;
+  }
+
+ private:
+  int index_, width_;
+  double factor_;
+};
+
+class Watcher final : public ceres::IterationCallback {
+ public:
+  explicit Watcher(const PolishOptions& options) : options_(options) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
+    return options_.progress && !options_.progress(s.iteration, s.cost) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                                        : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const PolishOptions& options_;
+};
+
+/// Gauss-Newton steps by QR until they no longer shorten the residual: the last digits, for small problems.
+int refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed, Eigen::VectorXd& x) {
+  int steps = 0;
+  WhitenedSystem system(problem, x, inverseSigma, fixed);
+  for (; steps < 10; ++steps) {
+    const Eigen::VectorXd step = system.jacobian.colPivHouseholderQr().solve(-system.residuals);
+    if (!step.allFinite()) break;
+    Eigen::VectorXd next = x;
+    for (std::size_t i = 0; i < system.free.size(); ++i) next[system.free[i]] += step[static_cast<int>(i)] * system.scale[static_cast<int>(i)];
+    WhitenedSystem trial(problem, next, inverseSigma, fixed);
+    if (!(trial.residuals.squaredNorm() < system.residuals.squaredNorm())) break;
+    x = next;
+    system = std::move(trial);
+  }
+  return steps;
+}
+
+}  // namespace
+
+PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
+                    const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const PolishOptions& options) {
+  PolishResult result;
+  result.x = start;
+  const Eigen::VectorXd inverseSigma = weight.cwiseSqrt().cwiseQuotient(sigma);
+  const auto& unknowns = problem.unknowns();
+
+  // one global block, and a local one for each feature whose position is wholly free
+  Block global;
+  std::map<int, Block> local;
+  for (int u = 0; u < problem.unknownCount(); ++u) {
+    if (fixed[u]) continue;
+    const int first = u - unknowns[u].component;
+    const bool isLocal = unknowns[u].kind == UnknownKind::kFeature && !fixed[first] && !fixed[first + 1] && !fixed[first + 2];
+    Block& block = isLocal ? local[unknowns[u].owner] : global;
+    block.unknowns.push_back(u);
+    block.values.push_back(start[u] / unknowns[u].scale);
+  }
+  if (global.unknowns.empty() && local.empty()) {
+    result.converged = true;
+    result.stop = "nothing to estimate";
+    return result;
+  }
+
+  std::map<int, std::vector<int>> groups;  // feature, or a negative slice of the rest
+  const auto& observations = problem.session().observations;
+  for (int o = 0; o < static_cast<int>(observations.size()); ++o) {
+    const bool has = observations[o].kind == ObservationKind::kContact && local.count(observations[o].feature) > 0;
+    if (has || !global.unknowns.empty()) groups[has ? observations[o].feature : -1 - o / 256].push_back(o);
+  }
+  const Eigen::VectorXd base = start;
+  ceres::Problem ceresProblem;
+  std::map<int, std::pair<Block*, int>> placeOf;  // unknown -> block, index
+  for (std::size_t i = 0; i < global.unknowns.size(); ++i) placeOf[global.unknowns[i]] = {&global, static_cast<int>(i)};
+  for (auto& [feature, block] : local)
+    for (std::size_t i = 0; i < block.unknowns.size(); ++i) placeOf[block.unknowns[i]] = {&block, static_cast<int>(i)};
+  for (auto& [key, members] : groups) {
+    std::vector<const Block*> blocks;
+    std::vector<double*> values;
+    if (!global.unknowns.empty()) blocks.push_back(&global), values.push_back(global.values.data());
+    if (key >= 0) blocks.push_back(&local[key]), values.push_back(local[key].values.data());
+    ceresProblem.AddResidualBlock(new GroupCost(problem, base, inverseSigma, members, blocks), nullptr, values);
+  }
+  for (int u : problem.priors()) {
+    if (fixed[u]) continue;
+    auto [block, index] = placeOf[u];
+    ceresProblem.AddResidualBlock(
+        new PriorCost(index, static_cast<int>(block->unknowns.size()), unknowns[u].scale / unknowns[u].priorStd), nullptr,
+        block->values.data());
+  }
+
+  ceres::Solver::Options solver;
+  solver.num_threads = 1;
+  solver.max_num_iterations = options.maxIterations;
+  solver.function_tolerance = 1e-15;
+  solver.parameter_tolerance = 1e-13;
+  solver.gradient_tolerance = 1e-16;
+  solver.logging_type = ceres::SILENT;
+  solver.max_num_consecutive_invalid_steps = 20;
+  if (local.empty() || global.unknowns.empty()) {
+    solver.linear_solver_type = local.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
+  } else {
+    solver.linear_solver_type = ceres::DENSE_SCHUR;
+    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (auto& [feature, block] : local) ordering->AddElementToGroup(block.values.data(), 0);
+    ordering->AddElementToGroup(global.values.data(), 1);
+    solver.linear_solver_ordering = ordering;
+  }
+  Watcher watcher(options);
+  solver.callbacks.push_back(&watcher);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &ceresProblem, &summary);
+
+  const auto read = [&](const Block& block) {
+    for (std::size_t i = 0; i < block.unknowns.size(); ++i)
+      result.x[block.unknowns[i]] = block.values[i] * unknowns[block.unknowns[i]].scale;
+  };
+  read(global);
+  for (const auto& [feature, block] : local) read(block);
+  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  result.cancelled = summary.termination_type == ceres::USER_SUCCESS;
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.stop = result.cancelled ? "cancelled"
+                : result.converged ? "converged"
+                : summary.termination_type == ceres::NO_CONVERGENCE ? "iterations"
+                                                                    : "the residual cannot be evaluated";
+  const double size = static_cast<double>(problem.rowCount()) * problem.unknownCount() * problem.unknownCount();
+  if (!result.cancelled && summary.termination_type != ceres::FAILURE && size < 5e7) {
+    const int steps = refine(problem, inverseSigma, fixed, result.x);
+    result.converged |= steps < 10;
+    if (result.converged) result.stop = "converged";
+  }
+  return result;
+}
+
+}  // namespace mm

@@ -1,0 +1,35 @@
+#include "estimation/whitened.h"
+
+namespace mm {
+
+WhitenedSystem::WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
+                               const std::vector<char>& fixed) {
+  for (int u = 0; u < problem.unknownCount(); ++u)
+    if (!fixed[u]) free.push_back(u);
+  const int data = problem.rowCount();
+  std::vector<int> priors;
+  for (int u : problem.priors())
+    if (!fixed[u]) priors.push_back(u);
+  Eigen::MatrixXd full;
+  const Eigen::VectorXd r = problem.residuals(x, full);
+  const int rows = data + static_cast<int>(priors.size()), columns = static_cast<int>(free.size());
+  scale.resize(columns);
+  residuals.setZero(rows);
+  jacobian.setZero(rows, columns);
+  for (int i = 0; i < data; ++i)
+    if (inverseSigma[i] != 0.0) residuals[i] = inverseSigma[i] * r[i];
+  for (int c = 0; c < columns; ++c) {
+    scale[c] = problem.unknowns()[free[c]].scale;
+    for (int i = 0; i < data; ++i)
+      if (inverseSigma[i] != 0.0) jacobian(i, c) = inverseSigma[i] * full(i, free[c]) * scale[c];
+  }
+  for (std::size_t k = 0; k < priors.size(); ++k) {
+    const double factor = 1.0 / problem.unknowns()[priors[k]].priorStd;
+    const int row = data + static_cast<int>(k);
+    residuals[row] = factor * x[priors[k]];
+    for (int c = 0; c < columns; ++c)
+      if (free[c] == priors[k]) jacobian(row, c) = factor * scale[c];
+  }
+}
+
+}  // namespace mm
