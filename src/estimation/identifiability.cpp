@@ -1,0 +1,126 @@
+#include "estimation/identifiability.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/whitened.h"
+
+namespace mm {
+namespace {
+
+/// Effects whose parameters partly only choose the frame in which the machine's errors are told.
+bool choosesFrame(const Problem& problem, int unknown) {
+  const Unknown& u = problem.unknowns()[unknown];
+  if (u.kind != UnknownKind::kEffect) return true;
+  const std::string type = problem.model().effects()[u.owner]->spec().type;
+  if (type == "mmt_deviation") return u.name.rfind("alpha", 0) == 0;
+  return type == "cross_talk" || type == "rotary_zero" || type == "rotary_axis_offset" || type == "artifact_position" ||
+         type == "laser_mount" || type == "position_table";
+}
+
+std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
+  std::vector<std::pair<int, double>> big;
+  for (const auto& d : lost.direction)
+    if (std::abs(d.second) > 0.15 && problem.unknowns()[d.first].kind == UnknownKind::kEffect) big.push_back(d);
+  if (big.empty())
+    for (const auto& d : lost.direction)
+      if (std::abs(d.second) > 0.15) big.push_back(d);
+  std::sort(big.begin(), big.end(), [](auto& a, auto& b) { return a.first < b.first; });
+  if (big.empty()) return "no single parameter is concerned";
+  if (big.size() == 1) return displayName(problem, big[0].first) + " has no influence on these data";
+  std::string names;
+  for (std::size_t i = 0; i < big.size(); ++i)
+    names += (i == 0 ? "" : i + 1 == big.size() ? " and " : ", ") + displayName(problem, big[i].first);
+  if (big.size() == 2 && std::abs(std::abs(big[0].second) - std::abs(big[1].second)) < 0.1)
+    return names + ": only their " + (big[0].second * big[1].second < 0 ? "sum" : "difference") + " is determined";
+  return names + ": one combination of them is not determined";
+}
+
+}  // namespace
+
+std::string displayName(const Problem& problem, int unknown) {
+  const Unknown& u = problem.unknowns()[unknown];
+  if (u.kind != UnknownKind::kEffect) return u.name;
+  int same = 0;
+  for (const Unknown& other : problem.unknowns()) same += other.kind == UnknownKind::kEffect && other.name == u.name;
+  return same == 1 ? u.name : u.name + " of " + problem.model().effects()[u.owner]->spec().yaml();
+}
+
+bool Identifiability::incomplete() const {
+  return std::any_of(lost.begin(), lost.end(), [](const LostDirection& l) { return l.ofTheModel && !l.byConvention; });
+}
+
+Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma) {
+  const int count = problem.unknownCount();
+  const auto& unknowns = problem.unknowns();
+  Identifiability result;
+  result.fixed.assign(count, 0);
+  result.parameters = problem.model().parameterCount();
+  WhitenedSystem system(problem, x, inverseSigma, result.fixed);
+  if (count == 0) return result;
+  Eigen::VectorXd bound(count);
+  for (int u = 0; u < count; ++u) bound[u] = unknowns[u].bound;
+  // columns in units of the bounds: a singular value below one is a standard deviation above the bound
+  const Eigen::MatrixXd scaled = system.jacobian * bound.cwiseQuotient(system.scale).asDiagonal();
+  Eigen::MatrixXd r;
+  if (scaled.rows() > count) {
+    r = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).matrixQR().topRows(count).triangularView<Eigen::Upper>();
+  } else {
+    r = scaled;
+  }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullV);
+  std::vector<int> lostColumns;
+  for (int i = 0; i < count; ++i) {
+    const double s = i < svd.singularValues().size() ? svd.singularValues()[i] : 0.0;
+    if (!(s >= 1.0)) lostColumns.push_back(i);
+  }
+  Eigen::MatrixXd null(count, lostColumns.size());
+  for (std::size_t k = 0; k < lostColumns.size(); ++k) null.col(static_cast<int>(k)) = svd.matrixV().col(lostColumns[k]);
+
+  // Hold one unknown a direction: the effects' parameters from the last to the first, then the rest.
+  std::vector<int> order;
+  for (int u = count - 1; u >= 0; --u)
+    if (unknowns[u].kind == UnknownKind::kEffect) order.push_back(u);
+  for (int u = count - 1; u >= 0; --u)
+    if (unknowns[u].kind != UnknownKind::kEffect) order.push_back(u);
+  Eigen::MatrixXd rest = null;
+  for (int u : order) {
+    if (rest.cols() == 0) break;
+    const Eigen::RowVectorXd row = rest.row(u);
+    const double share = row.norm();
+    const bool last = u == order.back();
+    if (share < 0.05 && !last) continue;
+    if (share < 1e-9) continue;
+    // the member of the remaining null space that u belongs to
+    LostDirection lost;
+    const Eigen::VectorXd direction = (rest * row.transpose() / share).normalized();
+    for (int k = 0; k < count; ++k)
+      if (std::abs(direction[k]) > 0.02) lost.direction.emplace_back(k, direction[k]);
+    double ofEffects = 0.0;
+    for (int k = 0; k < count; ++k)
+      if (unknowns[k].kind == UnknownKind::kEffect) ofEffects += direction[k] * direction[k];
+    lost.ofTheModel = ofEffects > 1e-3;
+    lost.fixedUnknown = u;
+    lost.byConvention = choosesFrame(problem, u);
+    lost.inWords = inWordsOf(problem, lost);
+    lost.wouldShow = unknowns[u].kind == UnknownKind::kEffect
+                         ? (lost.byConvention ? "a ball at a known position, or a reference direction, would separate them"
+                                              : problem.model().effects()[unknowns[u].owner]->shownBy())
+                         : "contacts spread over more of the ball, or over more balls";
+    result.fixed[u] = 1;
+    result.lost.push_back(lost);
+    // remove u from the null space: what remains has no component along u
+    const Eigen::VectorXd unit = row.transpose() / share;
+    Eigen::MatrixXd next(count, rest.cols() - 1);
+    const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(unit).householderQ();
+    next = rest * basis.rightCols(rest.cols() - 1);
+    rest = next;
+  }
+  int fixedParameters = 0;
+  for (int u = 0; u < count; ++u) fixedParameters += result.fixed[u] && unknowns[u].kind == UnknownKind::kEffect;
+  result.rank = result.parameters - fixedParameters;
+  return result;
+}
+
+}  // namespace mm
