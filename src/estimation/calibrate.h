@@ -1,0 +1,90 @@
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimation/genetic_niching.h"
+#include "estimation/genetic_staged_mutation.h"
+#include "estimation/identifiability.h"
+#include "estimation/problem.h"
+
+namespace mm {
+
+enum class Method { kStagedMutation, kNiching, kLeastSquares };
+/// @throw InputError naming the known methods.
+Method methodOf(const std::string& name);
+std::string nameOf(Method method);
+
+struct CalibrateOptions {
+  Method method = Method::kStagedMutation;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;        // 0: all cores; the result does not depend on it
+  double repeatability = -1;   // m, declared: overrides the artifact's; negative: not stated here
+  bool rejectOutliers = true;
+  StagedMutationSettings stagedMutation;
+  NichingSettings niching;
+  /// Called with a stage ("genetic", "polish", "uncertainty") and its share done in 0 … 1.
+  std::function<void(const std::string& stage, double share)> progress;
+  std::function<bool()> cancelled;
+};
+
+struct GeneticSummary {
+  std::string method, stop;
+  double rms = 0.0;  // m (rad where the session is angular)
+  std::size_t generations = 0, evaluations = 0;
+  double seconds = 0.0;
+  std::uint64_t seed = 0;
+  std::vector<double> curve;  // best RMS a generation
+};
+
+struct Outlier {
+  int row = 0;            // of the data rows
+  double residual = 0.0;  // m or rad
+};
+
+/// Figures of a set of residuals, over the rows that are not outliers.
+struct ResidualFigures {
+  double rms = kNotMeasured, heldOutRms = kNotMeasured;                // m; NaN: none in m
+  double rmsAngular = kNotMeasured, heldOutRmsAngular = kNotMeasured;  // rad
+  double chi2PerDof = 0.0;
+  int degreesOfFreedom = 0;
+};
+
+/// What a calibration found. Refers to the session given to `calibrate`.
+struct CalibrationResult {
+  std::shared_ptr<Problem> problem;
+  Eigen::VectorXd x;           // all unknowns, SI
+  Eigen::MatrixXd covariance;  // SI, of all unknowns; zero rows where fixed; scaled by the residuals' variance
+  Eigen::VectorXd residuals;   // a data row, m or rad
+  Eigen::VectorXd sigma;       // a data row, m or rad: the noise taken for it
+  Eigen::VectorXd weight;      // a data row: 0 for outliers
+  Eigen::VectorXd heldOut;     // a data row, m or rad: residual under the fit to the other folds
+  double repeatability = 0.0;         // m (rad for angular sessions), as used
+  std::string repeatabilityFrom;      // "declared", "repeated" or "estimated"
+  ResidualFigures figures;
+  ResidualFigures before;             // of the nominal machine (no effects), same rows
+  Identifiability identifiability;
+  std::optional<GeneticSummary> genetic;
+  int polishIterations = 0;
+  bool converged = false;
+  bool cancelled = false;
+  std::string stop;
+  std::vector<Outlier> outliers;
+  Method method = Method::kLeastSquares;
+  std::uint64_t seed = 0;
+
+  double std(int unknown) const;
+};
+
+/// Calibrates: gauge by convention, genetic algorithm, polish, outliers, uncertainty.
+/// @param session must outlive the result. @param start values of the effects' parameters to begin with (empty: the
+/// effects' own). @throw InputError: the session cannot be used with the model. @throw NumericalError: nothing left
+/// to fit (fewer residuals than unknowns).
+CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options,
+                            const Eigen::VectorXd& start = {});
+
+}  // namespace mm

@@ -1,0 +1,163 @@
+#include "estimation/robust.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace mm {
+namespace {
+
+double median(std::vector<double> v) {
+  if (v.empty()) return 0.0;
+  const std::size_t half = v.size() / 2;
+  std::nth_element(v.begin(), v.begin() + half, v.end());
+  if (v.size() % 2 == 1) return v[half];
+  return 0.5 * (v[half] + *std::max_element(v.begin(), v.begin() + half));
+}
+
+/// Rows that can be compared: the same component of the same kind of observation.
+std::vector<std::vector<int>> comparableRows(const Problem& problem) {
+  std::vector<std::vector<int>> groups;
+  std::vector<long> keys;
+  for (int i = 0; i < problem.rowCount(); ++i) {
+    const ResidualRow& row = problem.rows()[i];
+    const Observation& o = problem.session().observations[row.observation];
+    const long key = static_cast<long>(o.kind) * 100 + row.component;
+    const auto found = std::find(keys.begin(), keys.end(), key);
+    if (found == keys.end()) {
+      keys.push_back(key);
+      groups.push_back({i});
+    } else {
+      groups[found - keys.begin()].push_back(i);
+    }
+  }
+  return groups;
+}
+
+/// A view of the inputs in which close rows should have close residuals.
+struct View {
+  std::vector<double> coordinates;  // rows x width
+  int width = 0;
+};
+
+View timeView(const Problem& problem, const std::vector<int>& rows) {
+  View v;
+  v.width = 1;
+  for (int i : rows) v.coordinates.push_back(problem.rows()[i].observation);
+  return v;
+}
+
+View stateView(const Problem& problem, const std::vector<int>& rows, bool approach) {
+  View v;
+  const int joints = problem.model().machine().jointCount();
+  v.width = (approach ? 3 : 0) + 2 * joints + 3;
+  std::vector<double> low(joints, 1e300), high(joints, -1e300);
+  for (int i : rows)
+    for (int j = 0; j < joints; ++j) {
+      const double q = problem.state(problem.rows()[i].observation).position[j];
+      low[j] = std::min(low[j], q), high[j] = std::max(high[j], q);
+    }
+  for (int i : rows) {
+    const State& s = problem.state(problem.rows()[i].observation);
+    if (approach)
+      for (int k = 0; k < 3; ++k) v.coordinates.push_back(2.0 * s.approach[k]);
+    for (int j = 0; j < joints; ++j)
+      v.coordinates.push_back(high[j] > low[j] ? (s.position[j] - low[j]) / (high[j] - low[j]) : 0.0);
+    for (int j = 0; j < joints; ++j) v.coordinates.push_back(approach ? 0.3 * s.travel[j] : s.travel[j]);
+    v.coordinates.push_back(approach ? 10.0 * s.feature : 0.0);
+    v.coordinates.push_back(0.0);
+    v.coordinates.push_back(0.0);
+  }
+  return v;
+}
+
+/// True for each row of `rows` whose residual is farther than `limit` from the median of its nearest neighbours.
+void standsApart(const View& view, const std::vector<double>& r, const std::vector<char>& large, double limit,
+                 std::vector<char>& apart) {
+  constexpr std::size_t kNeighbours = 7;
+  const std::size_t n = r.size();
+  std::vector<std::pair<double, std::size_t>> distance;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!large[i] || !apart[i]) continue;
+    distance.clear();
+    for (std::size_t j = 0; j < n; ++j) {
+      if (j == i) continue;
+      double d = 0.0;
+      for (int k = 0; k < view.width; ++k) {
+        const double e = view.coordinates[i * view.width + k] - view.coordinates[j * view.width + k];
+        d += e * e;
+      }
+      distance.emplace_back(d, j);
+    }
+    const std::size_t k = std::min(kNeighbours, distance.size());
+    std::partial_sort(distance.begin(), distance.begin() + static_cast<long>(k), distance.end());
+    std::vector<double> near;
+    for (std::size_t j = 0; j < k; ++j) near.push_back(r[distance[j].second]);
+    if (std::abs(r[i] - median(near)) < limit) apart[i] = 0;
+  }
+}
+
+}  // namespace
+
+double robustSigma(std::vector<double> values) {
+  for (double& v : values) v = std::abs(v);
+  return 1.4826 * median(std::move(values));
+}
+
+Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& whitened, int freeUnknowns) {
+  constexpr int kFewest = 20;
+  constexpr double kLarge = 6.0, kApart = 5.0;
+  Eigen::VectorXd weight = Eigen::VectorXd::Ones(problem.rowCount());
+  std::vector<char> outlying(problem.session().observations.size(), 0);
+  for (const std::vector<int>& rows : comparableRows(problem)) {
+    const int n = static_cast<int>(rows.size());
+    if (n < kFewest || n < 2 * freeUnknowns) continue;
+    std::vector<double> r;
+    for (int i : rows) r.push_back(whitened[i]);
+    double sigma = robustSigma(r) * std::sqrt(static_cast<double>(n) / std::max(1, n - freeUnknowns));
+    if (!(sigma > 0.0)) continue;
+    std::vector<char> large(rows.size(), 0);
+    bool any = false;
+    for (std::size_t i = 0; i < rows.size(); ++i) any |= (large[i] = std::abs(r[i]) > kLarge * sigma) != 0;
+    if (!any) continue;
+    std::vector<char> apart = large;
+    standsApart(timeView(problem, rows), r, large, kApart * sigma, apart);
+    standsApart(stateView(problem, rows, false), r, large, kApart * sigma, apart);
+    standsApart(stateView(problem, rows, true), r, large, kApart * sigma, apart);
+    int count = static_cast<int>(std::count(apart.begin(), apart.end(), 1));
+    if (5 * count > n) continue;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (apart[i]) outlying[problem.rows()[rows[i]].observation] = 1;
+  }
+  for (int i = 0; i < problem.rowCount(); ++i)
+    if (outlying[problem.rows()[i].observation]) weight[i] = 0.0;
+  return weight;
+}
+
+double repeatedContacts(const Problem& problem, const Eigen::VectorXd& residuals, bool angular) {
+  constexpr int kFewest = 10;
+  constexpr double kSameTip = 20e-6, kSameAngle = 2e-5, kSameApproach = 0.02;  // m, rad, 1
+  const auto& observations = problem.session().observations;
+  std::vector<double> differences;
+  for (std::size_t o = 0; o + 1 < observations.size(); ++o) {
+    const Observation& a = observations[o];
+    const Observation& b = observations[o + 1];
+    if (a.kind != b.kind || a.feature != b.feature || a.travel != b.travel || a.setup != b.setup) continue;
+    const State& sa = problem.state(static_cast<int>(o));
+    const State& sb = problem.state(static_cast<int>(o + 1));
+    if ((sa.tip - sb.tip).norm() > kSameTip) continue;
+    bool same = true;
+    for (std::size_t j = 0; j < a.position.size(); ++j)
+      if (problem.model().machine().joints()[j].kind == JointKind::kRotary)
+        same &= std::abs(a.position[j] - b.position[j]) < kSameAngle;
+    if (!same || (sa.approach - sb.approach).norm() > kSameApproach) continue;
+    for (int i = problem.firstRow(static_cast<int>(o)), j = problem.firstRow(static_cast<int>(o + 1));
+         i < problem.firstRow(static_cast<int>(o) + 1) && j < problem.firstRow(static_cast<int>(o) + 2); ++i, ++j)
+      if (problem.rows()[i].angular == angular && problem.rows()[i].component == problem.rows()[j].component)
+        differences.push_back(residuals[i] - residuals[j]);
+  }
+  if (static_cast<int>(differences.size()) < kFewest) return -1.0;
+  return robustSigma(differences) / std::sqrt(2.0);
+}
+
+}  // namespace mm

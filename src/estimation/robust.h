@@ -1,0 +1,22 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "estimation/problem.h"
+
+namespace mm {
+
+/// 1.4826 times the median absolute value: standard deviation of the bulk. 0 for an empty list.
+double robustSigma(std::vector<double> values);
+
+/// Finds outliers: residuals that are large against the bulk AND stand apart from their neighbours in time, in
+/// approach and in position. What its neighbours share is structure (an effect that is missing), not an outlier.
+/// @param whitened residual a data row over its sigma. @return weight a data row: 0 for all rows of an outlying
+/// observation, else 1; all 1 when there are fewer than 20 rows or when more than a fifth stand apart.
+Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& whitened, int freeUnknowns);
+
+/// Repeatability (m, or rad for angular rows) from repeated contacts: consecutive observations of the same target.
+/// @param residuals m or rad a data row. @return negative when there are fewer than ten pairs.
+double repeatedContacts(const Problem& problem, const Eigen::VectorXd& residuals, bool angular);
+
+}  // namespace mm
