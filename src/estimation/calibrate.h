@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "estimation/genetic_niching.h"
 #include "estimation/genetic_staged_mutation.h"
 #include "estimation/identifiability.h"
 #include "estimation/problem.h"
@@ -26,7 +25,6 @@ struct CalibrateOptions {
   double repeatability = -1;   // m, declared: overrides the artifact's; negative: not stated here
   bool rejectOutliers = true;
   StagedMutationSettings stagedMutation;
-  NichingSettings niching;
   /// Called with a stage ("genetic", "polish", "uncertainty") and its share done in 0 … 1.
   std::function<void(const std::string& stage, double share)> progress;
   std::function<bool()> cancelled;

@@ -51,7 +51,8 @@ bool Identifiability::incomplete() const {
   return std::any_of(lost.begin(), lost.end(), [](const LostDirection& l) { return l.ofTheModel && !l.byConvention; });
 }
 
-Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma) {
+Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
+                        bool beforeFit) {
   const int count = problem.unknownCount();
   const auto& unknowns = problem.unknowns();
   Identifiability result;
@@ -92,6 +93,9 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
     const bool last = u == order.back();
     if (share < 0.05 && !last) continue;
     if (share < 1e-9) continue;
+    if (beforeFit && unknowns[u].kind == UnknownKind::kEffect && !problem.model().effects()[unknowns[u].owner]->linear() &&
+        problem.model().effects()[unknowns[u].owner]->spec().type != "laser_mount")
+      continue;
     // the member of the remaining null space that u belongs to
     LostDirection lost;
     const Eigen::VectorXd direction = (rest * row.transpose() / share).normalized();

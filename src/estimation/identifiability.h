@@ -32,7 +32,9 @@ struct Identifiability {
 /// The gauge is fixed by convention: of a lost direction the last listed parameter is held, so that for MMT
 /// alpha_xy = alpha_xz = alpha_yz = 0.
 /// @param x point of linearisation. @param inverseSigma a data row, 1/m or 1/rad, 0: left out.
-Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma);
+/// @param beforeFit effects that are not linear in their parameters are left alone: only a fit can tell.
+Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
+                         bool beforeFit);
 
 /// "alpha_yx" when only one effect has a parameter of that name, else "gap of {type: backlash, axis: x}".
 std::string displayName(const Problem& problem, int unknown);

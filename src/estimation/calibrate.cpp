@@ -1,0 +1,308 @@
+#include "estimation/calibrate.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/folds.h"
+#include "estimation/genetic_start.h"
+#include "estimation/polish.h"
+#include "estimation/robust.h"
+#include "estimation/whitened.h"
+#include "machine/error.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+/// The noise of the rows: declared, from repeated contacts, or estimated from the residuals.
+struct Noise {
+  double linear = kMicrometre, angular = kArcsecond;  // m, rad
+  bool linearStated = false, angularStated = false;
+  std::string from = "estimated";
+};
+
+bool has(const Problem& problem, bool angular) {
+  return std::any_of(problem.rows().begin(), problem.rows().end(), [&](const ResidualRow& r) { return r.angular == angular; });
+}
+
+/// RMS over the used rows of one kind; NaN without any. @param count rows used.
+double rmsOf(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& weight, bool angular, int* count = nullptr,
+             bool onlyUnstated = false) {
+  double sum = 0.0;
+  int n = 0;
+  for (int i = 0; i < r.size(); ++i) {
+    const ResidualRow& row = problem.rows()[i];
+    if (weight[i] == 0.0 || row.angular != angular || (onlyUnstated && row.statedSigma > 0.0)) continue;
+    sum += r[i] * r[i];
+    ++n;
+  }
+  if (count != nullptr) *count = n;
+  return n > 0 ? std::sqrt(sum / n) : kNotMeasured;
+}
+
+Eigen::VectorXd usableWeight(const Problem& problem) {
+  Eigen::VectorXd w(problem.rowCount());
+  for (int i = 0; i < problem.rowCount(); ++i) w[i] = problem.uses(problem.rows()[i].observation) ? 1.0 : 0.0;
+  return w;
+}
+
+Eigen::VectorXd inverseOf(const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight) {
+  return weight.cwiseSqrt().cwiseQuotient(sigma);
+}
+
+int freeCount(const std::vector<char>& fixed) { return static_cast<int>(std::count(fixed.begin(), fixed.end(), 0)); }
+
+/// One fit and everything that belongs to it: polish, outliers, noise of each kind of row.
+class Fitter {
+ public:
+  Fitter(const Problem& problem, const CalibrateOptions& options, Noise noise)
+      : problem_(problem), options_(options), noise(noise), weight(usableWeight(problem)) {}
+
+  void run(Eigen::VectorXd start, const std::vector<char>& fixed) {
+    x = std::move(start);
+    fit(fixed);
+    if (options_.rejectOutliers) soften(fixed);
+    for (int round = 0; round < 8 && !cancelled; ++round) {
+      const bool noiseMoved = estimateNoise(fixed);
+      Eigen::VectorXd next = usableWeight(problem_);
+      if (options_.rejectOutliers)
+        next = next.cwiseProduct(
+            outlierWeights(problem_, residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular)), freeCount(fixed)));
+      const bool same = next == weight;
+      weight = next;
+      if (same && !noiseMoved) break;
+      fit(fixed);
+    }
+    sigma = problem_.sigmas(noise.linear, noise.angular);
+  }
+
+  /// Without a search for outliers: the weights stay as they are.
+  void fitOnce(Eigen::VectorXd start, const std::vector<char>& fixed) {
+    x = std::move(start);
+    fit(fixed);
+    sigma = problem_.sigmas(noise.linear, noise.angular);
+  }
+
+ private:
+  void fit(const std::vector<char>& fixed) {
+    PolishOptions polishing;
+    polishing.progress = [&](int iteration, double) {
+      if (options_.progress) options_.progress("polish", 1.0 - 1.0 / (1.0 + iteration));
+      return !(options_.cancelled && options_.cancelled());
+    };
+    const PolishResult p = polish(problem_, x, fixed, problem_.sigmas(noise.linear, noise.angular), weight, polishing);
+    x = p.x;
+    iterations += p.iterations;
+    converged = p.converged;
+    cancelled = p.cancelled;
+    stop = p.stop;
+    residuals = problem_.residuals(x);
+  }
+
+  /// Gross outliers must not bend the fit that is to unmask them: two passes with Huber's weights.
+  void soften(const std::vector<char>& fixed) {
+    for (int pass = 0; pass < 3 && !cancelled; ++pass) {
+      const Eigen::VectorXd w = residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular));
+      const double bulk = robustSigma(std::vector<double>(w.data(), w.data() + w.size()));
+      if (!(bulk > 0.0) || w.cwiseAbs().maxCoeff() < 8.0 * bulk) return;
+      weight = usableWeight(problem_);
+      for (int i = 0; i < w.size(); ++i) weight[i] *= std::min(1.0, 1.5 * bulk / std::max(std::abs(w[i]), 1e-300));
+      fit(fixed);
+    }
+  }
+
+  /// Rows of two kinds without stated noise are weighed by their own residuals. @return whether a weight moved.
+  bool estimateNoise(const std::vector<char>& fixed) {
+    if (!has(problem_, true) || !has(problem_, false)) {
+      return false;
+    }
+    const int total = static_cast<int>((weight.array() > 0.0).count());
+    const double dof = std::max(0.05, 1.0 - static_cast<double>(freeCount(fixed)) / std::max(1, total));
+    bool moved = false;
+    const auto update = [&](bool angular, bool stated, double& value) {
+      const double rms = rmsOf(problem_, residuals, weight, angular, nullptr, true) / std::sqrt(dof);
+      if (stated || !(rms > 0.0)) return;
+      moved |= std::abs(rms / value - 1.0) > 1e-3;
+      value = rms;
+    };
+    update(false, noise.linearStated, noise.linear);
+    update(true, noise.angularStated, noise.angular);
+    return moved;
+  }
+
+  const Problem& problem_;
+  const CalibrateOptions& options_;
+
+ public:
+  Noise noise;
+  Eigen::VectorXd x, residuals, weight, sigma;
+  int iterations = 0;
+  bool converged = false, cancelled = false;
+  std::string stop;
+};
+
+ResidualFigures figuresOf(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& heldOut,
+                          const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, double dof, double priorChi2) {
+  ResidualFigures f;
+  f.rms = rmsOf(problem, r, weight, false);
+  f.rmsAngular = rmsOf(problem, r, weight, true);
+  f.heldOutRms = rmsOf(problem, heldOut, weight, false);
+  f.heldOutRmsAngular = rmsOf(problem, heldOut, weight, true);
+  double chi2 = priorChi2;
+  for (int i = 0; i < r.size(); ++i)
+    if (weight[i] > 0.0) chi2 += weight[i] * r[i] * r[i] / (sigma[i] * sigma[i]);
+  f.degreesOfFreedom = std::max(0, static_cast<int>(dof));
+  f.chi2PerDof = dof > 0 ? chi2 / dof : 0.0;
+  return f;
+}
+
+/// Held-out residuals (m, rad), covariance (SI) and degrees of freedom at x.
+struct Summary {
+  Eigen::VectorXd heldOut;
+  Eigen::MatrixXd covariance;
+  double dof = 0.0, priorChi2 = 0.0;
+};
+
+Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<char>& fixed) {
+  Summary s;
+  const Eigen::VectorXd inverse = inverseOf(fit.sigma, fit.weight);
+  const WhitenedSystem system(problem, fit.x, inverse, fixed);
+  const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
+  const int data = problem.rowCount();
+  for (int i = data; i < rows; ++i) s.priorChi2 += system.residuals[i] * system.residuals[i];
+  s.dof = static_cast<double>((fit.weight.array() > 0.0).count()) + (rows - data) - columns;
+  s.covariance.setZero(problem.unknownCount(), problem.unknownCount());
+  Eigen::MatrixXd q(rows, 0);
+  if (columns > 0 && rows >= columns) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(system.jacobian);
+    q = qr.householderQ() * Eigen::MatrixXd::Identity(rows, columns);
+    const Eigen::MatrixXd inverseR = qr.matrixQR().topRows(columns).triangularView<Eigen::Upper>().solve(
+        Eigen::MatrixXd::Identity(columns, columns));
+    const double chi2 = system.residuals.squaredNorm();
+    const double variance = s.dof > 0 ? chi2 / s.dof : 1.0;
+    const Eigen::MatrixXd c = variance * inverseR * inverseR.transpose();
+    for (int i = 0; i < columns; ++i)
+      for (int j = 0; j < columns; ++j) s.covariance(system.free[i], system.free[j]) = c(i, j) * system.scale[i] * system.scale[j];
+  }
+  s.heldOut = heldOutResiduals(q, system.residuals, makeFolds(problem));
+  for (int i = 0; i < data; ++i) s.heldOut[i] *= fit.sigma[i];
+  return s;
+}
+
+Noise noiseOf(const Problem& problem, const CalibrateOptions& options) {
+  Noise noise;
+  const double declared = options.repeatability > 0 ? options.repeatability : problem.session().artifact.repeatability;
+  if (declared > 0) {
+    noise.from = "declared";
+    noise.linear = declared;
+    noise.linearStated = true;
+  } else {
+    bool stated = true;
+    for (const ResidualRow& r : problem.rows()) stated &= r.statedSigma > 0.0;
+    if (stated) noise.from = "declared", noise.linearStated = noise.angularStated = true;
+  }
+  return noise;
+}
+
+}  // namespace
+
+Method methodOf(const std::string& name) {
+  if (name.empty() || name == "staged_mutation") return Method::kStagedMutation;
+  if (name == "niching") return Method::kNiching;
+  if (name == "least_squares") return Method::kLeastSquares;
+  throw InputError("method '" + name + "' is not known; use staged_mutation, niching or least_squares");
+}
+
+std::string nameOf(Method method) {
+  return method == Method::kStagedMutation ? "staged_mutation" : method == Method::kNiching ? "niching" : "least_squares";
+}
+
+double CalibrationResult::std(int unknown) const { return std::sqrt(std::max(0.0, covariance(unknown, unknown))); }
+
+CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options, const Eigen::VectorXd& start) {
+  CalibrationResult result;
+  result.method = options.method;
+  result.seed = options.seed;
+  const Machine machine = model.machine();
+  const Domain domain = model.domain();
+  result.problem = std::make_shared<Problem>(session, std::move(model));
+  const Problem& problem = *result.problem;
+  const Noise noise = noiseOf(problem, options);
+
+  Eigen::VectorXd x = problem.start();
+  if (start.size() == problem.model().parameterCount()) x.head(start.size()) = start;
+  const Eigen::VectorXd sigma0 = problem.sigmas(noise.linear, noise.angular), weight0 = usableWeight(problem);
+  result.identifiability = identify(problem, x, inverseOf(sigma0, weight0), true);
+  const int free = freeCount(result.identifiability.fixed);
+  if (static_cast<int>((weight0.array() > 0.0).count()) + problem.priorCount() < free)
+    throw NumericalError(session.source + ": " + std::to_string(problem.rowCount()) + " residuals cannot determine " +
+                         std::to_string(free) + " unknowns; measure more, or leave effects out of the model");
+
+  if (options.method != Method::kLeastSquares) {
+    result.genetic = geneticStart(problem, x, result.identifiability.fixed, sigma0, weight0, options);
+    result.cancelled = result.genetic->stop == "cancelled";
+  }
+  Fitter fit(problem, options, noise);
+  fit.run(x, result.identifiability.fixed);
+  if (problem.model().parameterCount() > 0) {  // at the solution: nonlinear parameters may turn out to be lost
+    const Identifiability after = identify(problem, fit.x, inverseOf(fit.sigma, fit.weight), false);
+    for (const LostDirection& l : after.lost)
+      if (!result.identifiability.fixed[l.fixedUnknown] && after.lost.size() > result.identifiability.lost.size() && l.ofTheModel) {
+        result.identifiability.fixed[l.fixedUnknown] = 1;
+        result.identifiability.lost.push_back(l);
+        --result.identifiability.rank;
+      }
+  }
+  if (options.progress) options.progress("uncertainty", 0.0);
+  const std::vector<char>& fixed = result.identifiability.fixed;
+  Summary summary = summarise(problem, fit, fixed);
+  result.x = fit.x;
+  result.residuals = fit.residuals;
+  result.weight = fit.weight;
+  result.heldOut = summary.heldOut;
+  result.covariance = summary.covariance;
+  result.polishIterations = fit.iterations;
+  result.converged = fit.converged;
+  result.cancelled |= fit.cancelled;
+  result.stop = fit.stop;
+
+  const bool angularOnly = !has(problem, false);
+  double repeatability = angularOnly ? fit.noise.angular : fit.noise.linear;
+  result.repeatabilityFrom = noise.from;
+  if (noise.from == "estimated") {
+    const double repeated = repeatedContacts(problem, fit.residuals, angularOnly);
+    if (repeated > 0.0) {
+      result.repeatabilityFrom = "repeated";
+      repeatability = repeated;
+    } else {
+      const double rms = rmsOf(problem, fit.residuals, fit.weight, angularOnly);
+      const double used = (fit.weight.array() > 0.0).count();
+      repeatability = rms * std::sqrt(used / std::max(1.0, summary.dof));
+    }
+    const double factor = repeatability / (angularOnly ? fit.noise.angular : fit.noise.linear);
+    fit.noise.linear *= factor;
+    fit.noise.angular *= factor;
+    fit.sigma = problem.sigmas(fit.noise.linear, fit.noise.angular);
+  }
+  result.sigma = fit.sigma;
+  result.repeatability = repeatability;
+  result.figures = figuresOf(problem, fit.residuals, summary.heldOut, fit.sigma, fit.weight, summary.dof, summary.priorChi2);
+  for (int i = 0; i < problem.rowCount(); ++i)
+    if (fit.weight[i] == 0.0 && problem.uses(problem.rows()[i].observation)) result.outliers.push_back({i, fit.residuals[i]});
+
+  // the nominal machine on the same rows, for "before"
+  const Problem nominal(session, Model(machine, domain, std::vector<EffectPtr>{}));
+  CalibrateOptions plain = options;
+  plain.rejectOutliers = false;
+  plain.progress = {};
+  const Identifiability gauge = identify(nominal, nominal.start(), inverseOf(fit.sigma, fit.weight), false);
+  Fitter before(nominal, plain, fit.noise);
+  before.weight = fit.weight;
+  before.fitOnce(nominal.start(), gauge.fixed);
+  const Summary beforeSummary = summarise(nominal, before, gauge.fixed);
+  result.before = figuresOf(nominal, before.residuals, beforeSummary.heldOut, fit.sigma, fit.weight, beforeSummary.dof, 0.0);
+  return result;
+}
+
+}  // namespace mm

@@ -1,0 +1,190 @@
+#include "estimation/genetic_start.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/genetic_sphere_fitness.h"
+#include "estimation/whitened.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+/// The residuals themselves, for models that are not linear in their parameters.
+class ResidualFitness final : public GeneticFitness {
+ public:
+  ResidualFitness(const Problem& problem, const Eigen::VectorXd& base, std::vector<int> genes,
+                  const Eigen::VectorXd& inverseSigma, double unit)
+      : problem_(problem), base_(base), genes_(std::move(genes)), inverseSigma_(inverseSigma), unit_(unit) {}
+  std::size_t dimension() const override { return genes_.size(); }
+  void evaluate(const double* population, std::size_t count, double* costs) const override {
+    for (std::size_t c = 0; c < count; ++c) {
+      Eigen::VectorXd x = base_;
+      for (std::size_t g = 0; g < genes_.size(); ++g) x[genes_[g]] = population[c * genes_.size() + g];
+      const Eigen::VectorXd r = problem_.residuals(x);
+      double sum = 0.0;
+      int used = 0;
+      for (int i = 0; i < r.size(); ++i) {
+        if (inverseSigma_[i] == 0.0) continue;
+        const double w = r[i] * inverseSigma_[i] * unit_;
+        sum += w * w;
+        ++used;
+      }
+      costs[c] = sum / std::max(1, used);
+    }
+  }
+
+ private:
+  const Problem& problem_;
+  const Eigen::VectorXd base_;
+  std::vector<int> genes_;
+  const Eigen::VectorXd& inverseSigma_;
+  double unit_;
+};
+
+bool allLinear(const Problem& problem) {
+  return std::all_of(problem.model().effects().begin(), problem.model().effects().end(),
+                     [](const EffectPtr& e) { return e->linear() && e->spec().type != "laser_mount"; });
+}
+
+/// Adds one entry to a sparse set of columns.
+void addTo(std::vector<SparseColumn>& columns, std::vector<int>& columnOf, int coefficient, std::size_t row, std::size_t rows,
+           double value) {
+  if (value == 0.0) return;
+  int& c = columnOf[coefficient];
+  if (c < 0) {
+    c = static_cast<int>(columns.size());
+    columns.push_back({static_cast<std::size_t>(coefficient), std::vector<double>(rows, 0.0)});
+  }
+  columns[c].values[row] += value;
+}
+
+}  // namespace
+
+GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
+                            const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const CalibrateOptions& options) {
+  const auto& unknowns = problem.unknowns();
+  const bool linear = allLinear(problem);
+  double unit = 0.0;  // the mean sigma: costs are then squares of metres (or radians)
+  for (int i = 0; i < sigma.size(); ++i) unit += sigma[i] / static_cast<double>(sigma.size());
+  Eigen::VectorXd inverseSigma = weight.cwiseSqrt().cwiseQuotient(sigma);
+
+  std::vector<int> genes;
+  for (int u = 0; u < problem.unknownCount(); ++u)
+    if (!fixed[u] && (unknowns[u].kind == UnknownKind::kEffect || unknowns[u].kind == UnknownKind::kSetup ||
+                      (!linear && unknowns[u].kind != UnknownKind::kRadius)))
+      genes.push_back(u);
+  GeneticSummary summary;
+  summary.method = nameOf(options.method);
+  summary.seed = options.seed;
+  if (genes.empty()) {
+    summary.stop = "nothing to search";
+    return summary;
+  }
+  GeneticRanges ranges;
+  for (int u : genes) {
+    const bool effect = unknowns[u].kind == UnknownKind::kEffect;
+    double half = effect ? unknowns[u].bound : std::min(unknowns[u].bound, 1e3 * unknowns[u].scale);
+    if (effect && problem.model().effects()[unknowns[u].owner]->spec().type == "formula")
+      half = 10.0 * std::max(std::abs(unknowns[u].start), 1e-3 * unknowns[u].scale);
+    ranges.low.push_back(x[u] - half);
+    ranges.high.push_back(x[u] + half);
+  }
+
+  std::unique_ptr<GeneticFitness> fitness;
+  if (linear) {
+    const auto& session = problem.session();
+    SphereContacts contacts;
+    LinearRows rows;
+    std::vector<SphereBall> balls;
+    std::vector<int> ballOf(session.artifact.features.size(), -1), geneOf(problem.unknownCount(), -1);
+    for (std::size_t g = 0; g < genes.size(); ++g) geneOf[genes[g]] = static_cast<int>(g);
+    std::vector<int> sphere, other;
+    for (int i = 0; i < problem.rowCount(); ++i) {
+      if (inverseSigma[i] == 0.0 || !problem.uses(problem.rows()[i].observation)) continue;
+      const Observation& o = session.observations[problem.rows()[i].observation];
+      const bool ball = o.kind == ObservationKind::kContact && session.artifact.features[o.feature].kind == FeatureKind::kBall;
+      (ball ? sphere : other).push_back(i);
+    }
+    const ErrorLayout layout = problem.model().machine().layout();
+    Model::Workspace work;
+    std::array<std::vector<int>, 3> columnOf;
+    for (auto& c : columnOf) c.assign(genes.size(), -1);
+    std::vector<int> distanceColumnOf(genes.size(), -1), rowColumnOf(genes.size(), -1);
+    for (std::size_t s = 0; s < sphere.size(); ++s) {
+      const int o = problem.rows()[sphere[s]].observation;
+      const Observation& at = session.observations[o];
+      Eigen::Matrix<double, 6, Eigen::Dynamic> unused;
+      const ProbePose pose = problem.model().corrected(problem.state(o), x.data(), work, &unused);
+      // at the start the genes have values: take their part out, so that the contact is P0 + B c
+      Eigen::Vector3d p0 = pose.position;
+      double d0 = session.artifact.features[at.feature].radius + (std::isfinite(at.laserReading) ? 0.0 : session.artifact.tipRadius) +
+                  work.errors[layout.distance()];
+      for (const Model::Derivative& d : work.derivatives) {
+        const int g = geneOf[d.parameter];
+        if (g < 0) continue;
+        for (int k = 0; k < 3; ++k) {
+          const double b = work.bySlot(k, d.slot) * d.value;
+          addTo(contacts.displacement[k], columnOf[k], g, s, sphere.size(), b);
+          p0[k] -= b * x[d.parameter];
+        }
+        if (d.slot == layout.distance()) {
+          addTo(contacts.distanceColumns, distanceColumnOf, g, s, sphere.size(), d.value);
+          d0 -= d.value * x[d.parameter];
+        }
+      }
+      for (int k = 0; k < 3; ++k) contacts.position[k].push_back(p0[k]);
+      contacts.distance.push_back(d0);
+      contacts.weight.push_back(std::pow(inverseSigma[sphere[s]] * unit, 2));
+      int& ball = ballOf[at.feature];
+      if (ball < 0) {
+        ball = static_cast<int>(balls.size());
+        SphereBall b;
+        b.centre = problem.featureInWorkpiece(at.feature, x);
+        b.free = problem.poseFree() || problem.find(UnknownKind::kFeature, at.feature) >= 0;
+        balls.push_back(b);
+      }
+      contacts.ball.push_back(static_cast<std::size_t>(ball));
+    }
+    if (!other.empty()) {
+      const WhitenedSystem system(problem, x, inverseSigma, fixed);
+      for (std::size_t i = 0; i < other.size(); ++i) {
+        double offset = system.residuals[other[i]] * unit;
+        for (std::size_t c = 0; c < system.free.size(); ++c) {
+          const int g = geneOf[system.free[c]];
+          if (g < 0) continue;
+          const double b = system.jacobian(other[i], static_cast<int>(c)) / system.scale[static_cast<int>(c)] * unit;
+          addTo(rows.columns, rowColumnOf, g, i, other.size(), b);
+          offset -= b * x[system.free[c]];
+        }
+        rows.offset.push_back(offset);
+      }
+    }
+    fitness = std::make_unique<SphereFitness>(contacts, balls, rows, genes.size());
+  } else {
+    fitness = std::make_unique<ResidualFitness>(problem, x, genes, inverseSigma, unit);
+  }
+
+  GeneticControl control;
+  control.cancelled = options.cancelled;
+  control.progress = [&](const GeneticProgress& p) {
+    if (options.progress) options.progress("genetic", static_cast<double>(p.generation) / std::max<std::size_t>(1, p.generations));
+  };
+  const auto run = [&](auto settings, auto make) {
+    settings.seed = options.seed;
+    settings.threads = linear ? options.threads : 1;  // formulas are parsed by a thread at a time
+    settings.start.clear();
+    return make(settings).run(*fitness, ranges, control);
+  };
+  const GeneticResult found = run(options.stagedMutation, [](auto s) { return StagedMutation(s); });
+  for (std::size_t g = 0; g < genes.size(); ++g) x[genes[g]] = found.best[g];
+  summary.rms = found.rms();
+  summary.curve = found.rmsCurve();
+  summary.generations = found.generations;
+  summary.evaluations = found.evaluations;
+  summary.seconds = found.seconds;
+  summary.stop = nameOf(found.stop);
+  return summary;
+}
+
+}  // namespace mm
