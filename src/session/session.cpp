@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "machine/error.h"
+#include "session/free_centres.h"
+#include "session/travel.h"
 
 namespace mm {
 namespace {
@@ -79,21 +81,30 @@ void checkSeries(const Session& session, const Series& series) {
                        " is not a number");
 }
 
-/// Direction of the last motion of each joint, row by row. A reader that knows more than the rows do (from
-/// /joint_states) has already put it into `travel`.
-void deriveTravel(Session& session) {
-  std::vector<double> last(session.machine.joints().size(), 0.0);
-  for (Observation& o : session.observations) {
-    o.travel.resize(last.size(), 0.0);
-    for (std::size_t j = 0; j < last.size(); ++j) {
-      const double v = o.velocity[j];
-      if (v != 0.0 && !std::isnan(v))
-        o.travel[j] = v > 0.0 ? 1.0 : -1.0;
-      else if (v == 0.0 && o.travel[j] == 0.0)
-        o.travel[j] = last[j];
-      if (o.travel[j] != 0.0) last[j] = o.travel[j];
-    }
+/// One order whatever the session was read from: series by name, setups as they first occur.
+void order(Session& session) {
+  const auto earlier = [](const Observation& a, const Observation& b) { return a.time < b.time; };
+  auto& all = session.observations;
+  if (!std::is_sorted(all.begin(), all.end(), earlier)) std::stable_sort(all.begin(), all.end(), earlier);
+  for (auto* series : {&session.temperatures, &session.covariates}) {
+    series->erase(
+        std::remove_if(series->begin(), series->end(), [](const Series& s) { return s.time.empty(); }),
+        series->end());
+    std::stable_sort(series->begin(), series->end(),
+                     [](const Series& a, const Series& b) { return a.name < b.name; });
   }
+  std::vector<int> renumbered(session.setups.size(), -1);
+  std::vector<std::string> setups;
+  for (Observation& o : all) {
+    if (o.setup < 0) continue;
+    int& setup = renumbered[o.setup];
+    if (setup < 0) {
+      setup = static_cast<int>(setups.size());
+      setups.push_back(session.setups[o.setup]);
+    }
+    o.setup = setup;
+  }
+  session.setups = std::move(setups);
 }
 
 }  // namespace
@@ -119,12 +130,12 @@ void Session::prepare() {
     checkSizes(*this, o);
     checkValues(*this, o);
   }
+  if (observations.empty()) throw InputError(source + ": the session is empty: no contact, no reference");
   for (const Series& s : temperatures) checkSeries(*this, s);
   for (const Series& s : covariates) checkSeries(*this, s);
-  const auto earlier = [](const Observation& a, const Observation& b) { return a.time < b.time; };
-  if (!std::is_sorted(observations.begin(), observations.end(), earlier))
-    std::stable_sort(observations.begin(), observations.end(), earlier);
-  deriveTravel(*this);
+  order(*this);
+  deriveTravel(observations, machine.jointCount());
+  startFreeFeatures(*this);
 }
 
 bool Session::hasLaser() const {

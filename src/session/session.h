@@ -17,7 +17,9 @@ enum class FeatureKind { kBall, kPoint };
 struct Feature {
   FeatureKind kind = FeatureKind::kBall;
   std::string name;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // ball's centre or the point; a start value when free
+  /// Ball's centre or the point; a start value when free (NaN: `Session::prepare` makes one from the
+  /// contacts).
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
   bool known = true;
   double positionStd = 0.0;  // of a known position; 0: exact
   double radius = 0.0;

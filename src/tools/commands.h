@@ -10,4 +10,6 @@ namespace mm {
 // subcommand is the one that was typed, does the work from the callback of CLI11. Bad input is thrown
 // (InputError, NumericalError); a result whose answer is no sets `exitStatus` to 1.
 
+void addImportCommand(CLI::App& app, int& exitStatus);
+
 }  // namespace mm

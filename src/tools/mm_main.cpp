@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <iostream>
 
 #include "machine/error.h"
@@ -19,6 +20,8 @@ int fail(int status, const std::string& message) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ,
+              SIG_IGN);  // a file-size limit then fails the write, which is reported, instead of killing
   CLI::App app{"Calibrates a measuring machine and finds the physical effect that its model misses.", "mm"};
   app.set_version_flag("--version", "mm " MM_VERSION);
   app.require_subcommand(1);
@@ -27,6 +30,7 @@ int main(int argc, char** argv) {
       "A session:  mm import contacts.csv --artifact artifact.yaml --machine three_axis -o session.bag\n"
       "Each subcommand explains itself: mm import --help");
   int exitStatus = kDone;
+  mm::addImportCommand(app, exitStatus);
   try {
     app.parse(argc, argv);
     std::cout.flush();

@@ -1,0 +1,227 @@
+#include "ros_bridge/bag_session.h"
+
+#include <fcntl.h>
+#include <ros/serialization.h>
+#include <rosbag/bag.h>
+#include <std_msgs/String.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <set>
+
+#include "machine/error.h"
+#include "ros_bridge/bag_reader.h"
+#include "ros_bridge/session_collector.h"
+
+namespace mm {
+namespace {
+
+const std::string kTemperature = "/temperature/";
+const std::string kCovariate = "/covariate/";
+
+bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+/// One message of a bag as `Message`. @throw InputError when the topic holds another type.
+template <typename Message>
+Message decode(const BagMessage& raw, const std::string& source) {
+  namespace traits = ros::message_traits;
+  const BagConnection& c = *raw.connection;
+  if (c.md5 != traits::MD5Sum<Message>::value())
+    throw InputError(source + ": topic " + c.topic + " holds " + c.type +
+                     (c.type == traits::DataType<Message>::value()
+                          ? " of another version"
+                          : std::string(", but ") + traits::DataType<Message>::value() + " is needed"));
+  Message message;
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);
+  try {
+    ros::serialization::deserialize(stream, message);
+  } catch (const ros::serialization::StreamOverrunException&) {
+    throw InputError(source + ": topic " + c.topic +
+                     " holds a message that is shorter than its type; the bag is damaged");
+  }
+  return message;
+}
+
+void collect(const BagMessage& raw, const std::string& source, SessionCollector& session) {
+  const std::string& topic = raw.connection->topic;
+  if (topic == "/probe/contact")
+    session.addContact(decode<measuring_machine::ProbeContact>(raw, source));
+  else if (topic == "/reference")
+    session.addReference(decode<measuring_machine::ReferenceMeasurement>(raw, source));
+  else if (topic == "/joint_states")
+    session.addJointState(decode<sensor_msgs::JointState>(raw, source));
+  else if (startsWith(topic, kTemperature))
+    session.addTemperature(topic.substr(kTemperature.size()), decode<sensor_msgs::Temperature>(raw, source));
+  else if (startsWith(topic, kCovariate))
+    session.addCovariate(decode<measuring_machine::Covariate>(raw, source));
+  else if (topic == "/artifact")
+    session.addArtifact(decode<measuring_machine::Artifact>(raw, source));
+  else if (topic == "/robot_description")
+    session.addRobotDescription(decode<std_msgs::String>(raw, source).data);
+}
+
+std::string list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+/// The file under a temporary name; removed unless it was put in place.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::filesystem::path& target) : target_(target), path_(target) {
+    path_ += ".part-" + std::to_string(::getpid());
+  }
+  ~TemporaryFile() {
+    std::error_code ignored;
+    if (!done_) std::filesystem::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  std::string path() const { return path_.string(); }
+
+  void putInPlace() {
+    const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool safe = descriptor >= 0 && ::fsync(descriptor) == 0;
+    if (descriptor >= 0) ::close(descriptor);
+    if (!safe) throw InputError(target_.string() + ": cannot be written to the disk; is it full?");
+    std::error_code error;
+    std::filesystem::rename(path_, target_, error);
+    if (error) throw InputError(target_.string() + ": cannot be put in place: " + error.message());
+    done_ = true;
+  }
+
+ private:
+  std::filesystem::path target_, path_;
+  bool done_ = false;
+};
+
+/// Everything of a session, in the order of time, into an open bag.
+class SessionWriter {
+ public:
+  SessionWriter(const Session& session, rosbag::Bag& bag)
+      : session_(session), bag_(bag), epoch_(std::llround(session.epoch * 1e9)) {
+    if (epoch_ <= 0) epoch_ = 1000000000LL * 1000000000LL;  // a simulated or hand-made session has no date
+    for (const Series& s : session.temperatures) series_.push_back({&s, kTemperature + s.name});
+    for (const Series& s : session.covariates) series_.push_back({&s, kCovariate + s.name});
+  }
+
+  void write(const ProgressCallback& progress) {
+    const ros::Time start = rosTime(epoch_);
+    std_msgs::String urdf;
+    urdf.data = session_.machine.urdf();
+    put("/robot_description", start, urdf);
+    auto artifact = toMessage(session_.artifact);
+    artifact.header.stamp = start;
+    put("/artifact", start, artifact);
+    std::size_t count = 0;
+    for (const Observation& o : session_.observations) {
+      writeSeries(o.time);
+      writeObservation(o);
+      if (progress && ++count % 4096 == 0)
+        progress(static_cast<double>(count) / static_cast<double>(session_.observations.size()));
+    }
+    writeSeries(INFINITY);
+  }
+
+ private:
+  struct Cursor {
+    const Series* series;
+    std::string topic;
+    std::size_t next = 0;
+  };
+
+  ros::Time stamp(double time) const { return rosTime(epoch_ + std::llround(time * 1e9)); }
+
+  template <typename Message>
+  void put(const std::string& topic, const ros::Time& time, const Message& message) {
+    bag_.write(topic, time, message);
+  }
+
+  /// What was logged up to `time`.
+  void writeSeries(double time) {
+    for (Cursor& c : series_) {
+      for (; c.next < c.series->time.size() && c.series->time[c.next] <= time; ++c.next) {
+        const ros::Time at = stamp(c.series->time[c.next]);
+        const double value = c.series->value[c.next];
+        if (startsWith(c.topic, kTemperature)) {
+          sensor_msgs::Temperature message;
+          message.header.stamp = at;
+          message.header.frame_id = c.series->name;
+          message.temperature = value;
+          put(c.topic, at, message);
+        } else {
+          measuring_machine::Covariate message;
+          message.header.stamp = at;
+          message.name = c.series->name;
+          message.unit = c.series->unit;
+          message.value = value;
+          put(c.topic, at, message);
+        }
+      }
+    }
+  }
+
+  void writeObservation(const Observation& o) {
+    const ros::Time at = stamp(o.time);
+    if (o.kind == ObservationKind::kContact) {
+      auto message = toContactMessage(o, session_.machine, session_.artifact);
+      message.header.stamp = at;
+      put("/probe/contact", at, message);
+    } else {
+      auto message = toReferenceMessage(o, session_.machine, o.setup < 0 ? "" : session_.setups[o.setup]);
+      message.header.stamp = at;
+      put("/reference", at, message);
+    }
+  }
+
+  const Session& session_;
+  rosbag::Bag& bag_;
+  std::int64_t epoch_;  // ns
+  std::vector<Cursor> series_;
+};
+
+}  // namespace
+
+Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress,
+                       const Machine* fallback) {
+  BagReader bag(file);
+  const std::string source = file.string();
+  SessionCollector collector(source);
+  bag.read([&](const BagMessage& message) { collect(message, source, collector); }, progress);
+  if (!collector.hasMachine() && fallback != nullptr) collector.setMachine(*fallback);
+  if (collector.observationCount() == 0) {
+    const std::string damage = bag.damage().empty() ? "" : " (" + bag.damage() + ")";
+    throw InputError(
+        source +
+        ": holds no measurement: /probe/contact and /reference are missing or empty; topics found: " +
+        list(bag.topics()) + damage);
+  }
+  Session session = collector.build();
+  if (!bag.damage().empty())
+    session.warning = bag.damage() + (session.warning.empty() ? "" : "; " + session.warning);
+  return session;
+}
+
+void writeSessionBag(const Session& session, const std::filesystem::path& file,
+                     const ProgressCallback& progress) {
+  if (session.observations.empty())
+    throw InputError(session.source + ": the session is empty; nothing to write");
+  TemporaryFile temporary(file);
+  auto bag = std::make_unique<rosbag::Bag>();
+  try {
+    bag->open(temporary.path(), rosbag::bagmode::Write);
+    SessionWriter(session, *bag).write(progress);
+    bag->close();
+  } catch (const rosbag::BagException& e) {
+    // rosbag writes its index again when it is destroyed, fails again, and would end the program: it is given
+    // up instead, with its file descriptor; the temporary file is gone all the same.
+    bag.release();
+    throw InputError(file.string() + ": cannot be written (" + e.what() +
+                     "); does the folder exist, is the disk full?");
+  }
+  temporary.putInPlace();
+  if (progress) progress(1.0);
+}
+
+}  // namespace mm

@@ -1,0 +1,24 @@
+#pragma once
+#include <filesystem>
+
+#include "session/progress.h"
+#include "session/session.h"
+
+namespace mm {
+
+/// Reads a session from a bag: /probe/contact, /reference, /temperature/<sensor>, /covariate/<name>,
+/// /joint_states, /artifact and /robot_description; other topics are left alone. Contacts are sorted by their
+/// header's stamp; t = 0 is the earliest stamp of these topics. A truncated or unindexed bag is read up to
+/// the damage, and `Session::warning` says so. @param fallback the machine of a bag without
+/// /robot_description; may be null.
+/// @throw InputError when it is no bag, holds no session (names the topics found), or a message is wrong.
+Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress = {},
+                       const Machine* fallback = nullptr);
+
+/// Writes a prepared session as a bag that gives the same session back to the bit (times to 1 ns). Written
+/// under a temporary name, then renamed: the final name never holds half a bag.
+/// @throw InputError when it cannot be written, e.g. because the disk is full.
+void writeSessionBag(const Session& session, const std::filesystem::path& file,
+                     const ProgressCallback& progress = {});
+
+}  // namespace mm

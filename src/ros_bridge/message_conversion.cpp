@@ -1,0 +1,194 @@
+#include "ros_bridge/message_conversion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/error.h"
+#include "machine/nearest_name.h"
+
+namespace mm {
+namespace {
+
+constexpr std::int64_t kSecond = 1000000000;
+
+std::vector<std::string> jointNames(const Machine& machine) {
+  std::vector<std::string> names;
+  for (const Joint& joint : machine.joints()) names.push_back(joint.name);
+  return names;
+}
+
+/// Which entry of a message's arrays belongs to each joint of the machine.
+std::vector<int> jointOrder(const std::vector<std::string>& names, const Machine& machine) {
+  std::vector<int> order(machine.joints().size(), -1);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int joint = machine.findJoint(names[i]);
+    if (joint < 0)
+      throw InputError("joint '" + names[i] + "' is not a joint of machine '" + machine.name() + "'" +
+                       didYouMean(names[i], jointNames(machine)));
+    if (order[joint] >= 0) throw InputError("joint '" + names[i] + "' is given twice");
+    order[joint] = static_cast<int>(i);
+  }
+  for (std::size_t j = 0; j < order.size(); ++j)
+    if (order[j] < 0) throw InputError("no reading of joint '" + machine.joints()[j].name + "'");
+  return order;
+}
+
+/// @param values empty: none of them was measured, where `optional`.
+std::vector<double> inMachineOrder(const std::vector<double>& values, const std::vector<int>& order,
+                                   const char* field, bool optional) {
+  std::vector<double> sorted(order.size(), kNotMeasured);
+  if (values.empty() && optional) return sorted;
+  if (values.size() != order.size())
+    throw InputError(std::string("field '") + field + "' has " + std::to_string(values.size()) +
+                     " values for " + std::to_string(order.size()) + " joints");
+  for (std::size_t j = 0; j < order.size(); ++j) sorted[j] = values[order[j]];
+  return sorted;
+}
+
+/// Leaves an array that says nothing empty, as the messages describe it.
+std::vector<double> unlessAllNaN(const std::vector<double>& values) {
+  const bool none = std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v); });
+  return none ? std::vector<double>() : values;
+}
+
+}  // namespace
+
+std::int64_t nanoseconds(const ros::Time& stamp) { return static_cast<std::int64_t>(stamp.toNSec()); }
+
+ros::Time rosTime(std::int64_t nanoseconds) {
+  if (nanoseconds <= 0 || nanoseconds / kSecond > 4294967295LL)
+    throw InputError("a ROS stamp cannot hold " + std::to_string(nanoseconds) + " ns");
+  return ros::Time(static_cast<std::uint32_t>(nanoseconds / kSecond),
+                   static_cast<std::uint32_t>(nanoseconds % kSecond));
+}
+
+measuring_machine::Artifact toMessage(const Artifact& artifact) {
+  measuring_machine::Artifact message;
+  message.header.frame_id = artifact.poseKnown ? "workpiece" : "artifact";
+  message.name = artifact.name;
+  message.pose_known = artifact.poseKnown;
+  message.tip_radius = artifact.tipRadius;
+  message.repeatability = artifact.repeatability;
+  message.expansion = artifact.expansion;
+  message.temperature_sensor = artifact.temperatureSensor;
+  for (const Feature& f : artifact.features) {
+    measuring_machine::ArtifactFeature feature;
+    feature.kind = f.kind == FeatureKind::kBall ? feature.BALL : feature.POINT;
+    feature.name = f.name;
+    feature.position.x = f.position.x();
+    feature.position.y = f.position.y();
+    feature.position.z = f.position.z();
+    feature.position_known = f.known;
+    feature.position_std = f.positionStd;
+    feature.radius = f.radius;
+    feature.radius_std = f.radiusStd;
+    message.features.push_back(feature);
+  }
+  return message;
+}
+
+Artifact fromMessage(const measuring_machine::Artifact& message) {
+  Artifact artifact;
+  artifact.name = message.name;
+  artifact.poseKnown = message.pose_known != 0;
+  artifact.tipRadius = message.tip_radius;
+  artifact.repeatability = message.repeatability;
+  artifact.expansion = message.expansion;
+  artifact.temperatureSensor = message.temperature_sensor;
+  if (!(artifact.tipRadius >= 0.0) || std::isinf(artifact.tipRadius))
+    throw InputError("field 'tip_radius' must be a number, at least 0");
+  if (artifact.repeatability <= 0.0) throw InputError("field 'repeatability' must be above 0, or NaN");
+  if (!std::isfinite(artifact.expansion)) throw InputError("field 'expansion' is not a number");
+  for (const auto& f : message.features) {
+    Feature feature;
+    feature.kind = f.kind == f.BALL ? FeatureKind::kBall : FeatureKind::kPoint;
+    feature.name = f.name;
+    feature.position = {f.position.x, f.position.y, f.position.z};
+    feature.known = f.position_known != 0;
+    feature.positionStd = f.position_std;
+    feature.radius = f.radius;
+    feature.radiusStd = f.radius_std;
+    const std::string who = "feature '" + f.name + "'";
+    if (f.name.empty()) throw InputError("a feature has no name");
+    if (artifact.findFeature(f.name) >= 0) throw InputError("two features are called '" + f.name + "'");
+    if (f.kind > f.POINT) throw InputError(who + ": 'kind' must be BALL or POINT");
+    if (feature.kind == FeatureKind::kBall && !(f.radius > 0.0 && std::isfinite(f.radius)))
+      throw InputError(who + ": 'radius' must be above 0");
+    if (!(f.position_std >= 0.0) || !(f.radius_std >= 0.0))
+      throw InputError(who + ": a standard deviation must be at least 0");
+    if (feature.known && !feature.position.allFinite())
+      throw InputError(who + ": 'position' is not a number");
+    artifact.features.push_back(std::move(feature));
+  }
+  return artifact;
+}
+
+measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Machine& machine,
+                                                 const Artifact& artifact) {
+  measuring_machine::ProbeContact message;
+  message.header.frame_id = "workpiece";
+  message.name = jointNames(machine);
+  message.position = contact.position;
+  message.velocity = unlessAllNaN(contact.velocity);
+  if (!contact.approach.hasNaN()) {
+    message.approach.x = contact.approach.x();
+    message.approach.y = contact.approach.y();
+    message.approach.z = contact.approach.z();
+  }
+  message.laser_reading = contact.laserReading;
+  if (contact.feature >= 0) message.feature = artifact.features.at(contact.feature).name;
+  return message;
+}
+
+Observation fromMessage(const measuring_machine::ProbeContact& message, const Machine& machine) {
+  Observation contact;
+  contact.kind = ObservationKind::kContact;
+  const std::vector<int> order = jointOrder(message.name, machine);
+  contact.position = inMachineOrder(message.position, order, "position", false);
+  contact.velocity = inMachineOrder(message.velocity, order, "velocity", true);
+  const Eigen::Vector3d approach(message.approach.x, message.approach.y, message.approach.z);
+  if (!approach.hasNaN() && !approach.isZero(0.0)) {
+    if (std::abs(approach.norm() - 1.0) > 1e-3)
+      throw InputError("field 'approach' must be a unit vector, or zero");
+    contact.approach = approach;
+  }
+  contact.laserReading = message.laser_reading;
+  return contact;
+}
+
+measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& reference,
+                                                           const Machine& machine, const std::string& setup) {
+  measuring_machine::ReferenceMeasurement message;
+  message.header.frame_id = "workpiece";
+  message.name = jointNames(machine);
+  message.joint_position = reference.position;
+  message.joint_velocity = unlessAllNaN(reference.velocity);
+  message.laser_reading = reference.laserReading;
+  for (int k = 0; k < 3; ++k) message.position[k] = reference.reference[k];
+  message.deviation = unlessAllNaN(reference.deviation);
+  message.deviation_std = unlessAllNaN(reference.deviationStd);
+  message.setup = setup;
+  return message;
+}
+
+Observation fromMessage(const measuring_machine::ReferenceMeasurement& message, const Machine& machine) {
+  Observation o;
+  const std::vector<int> order = jointOrder(message.name, machine);
+  o.position = inMachineOrder(message.joint_position, order, "joint_position", false);
+  o.velocity = inMachineOrder(message.joint_velocity, order, "joint_velocity", true);
+  o.laserReading = message.laser_reading;
+  o.reference = {message.position[0], message.position[1], message.position[2]};
+  const std::vector<double> deviation = inMachineOrder(message.deviation, order, "deviation", true);
+  const bool anyPosition = !o.reference.array().isNaN().all();
+  const bool anyDeviation = !unlessAllNaN(deviation).empty();
+  if (anyPosition == anyDeviation)
+    throw InputError(anyPosition ? "a position and a deviation at once; send them as two messages"
+                                 : "neither a position nor a deviation was measured");
+  o.kind = anyDeviation ? ObservationKind::kDeviation : ObservationKind::kPosition;
+  if (!anyDeviation) return o;
+  o.deviation = deviation;
+  o.deviationStd = inMachineOrder(message.deviation_std, order, "deviation_std", true);
+  return o;
+}
+
+}  // namespace mm

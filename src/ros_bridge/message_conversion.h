@@ -1,0 +1,38 @@
+#pragma once
+#include <measuring_machine/Artifact.h>
+#include <measuring_machine/Covariate.h>
+#include <measuring_machine/ProbeContact.h>
+#include <measuring_machine/ReferenceMeasurement.h>
+#include <ros/time.h>
+#include <sensor_msgs/Temperature.h>
+
+#include <cstdint>
+#include <string>
+
+#include "session/session.h"
+
+namespace mm {
+
+// Between the messages of the package and the structures of the session. Both sides are SI; nothing is
+// rounded.
+// @throw InputError: the text says what is wrong with the message; the caller adds where it came from.
+
+std::int64_t nanoseconds(const ros::Time& stamp);
+/// @throw InputError for a stamp that a ROS time cannot hold.
+ros::Time rosTime(std::int64_t nanoseconds);
+
+measuring_machine::Artifact toMessage(const Artifact& artifact);
+Artifact fromMessage(const measuring_machine::Artifact& message);
+
+/// @param artifact says what the features are called.
+measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Machine& machine,
+                                                 const Artifact& artifact);
+/// `time`, `row`, `travel` and the index of the feature are the caller's.
+Observation fromMessage(const measuring_machine::ProbeContact& message, const Machine& machine);
+
+measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& reference,
+                                                           const Machine& machine, const std::string& setup);
+/// `time`, `row`, `travel` and the index of the setup are the caller's.
+Observation fromMessage(const measuring_machine::ReferenceMeasurement& message, const Machine& machine);
+
+}  // namespace mm

@@ -1,0 +1,242 @@
+#include "ros_bridge/session_collector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+
+#include "machine/error.h"
+#include "machine/nearest_name.h"
+#include "session/session_time.h"
+
+namespace mm {
+namespace {
+
+const char* const kContactTopic = "/probe/contact";
+const char* const kReferenceTopic = "/reference";
+
+/// The name in `<robot name="…">`: what messages call a machine that has no file.
+std::string robotName(const std::string& urdf) {
+  static const std::regex kName("<robot[^>]*\\sname\\s*=\\s*[\"']([^\"']*)[\"']");
+  std::smatch match;
+  return std::regex_search(urdf, match, kName) ? match[1].str() : "robot_description";
+}
+
+template <typename Item>
+void sortByStamp(std::vector<Item>& items) {
+  const auto earlier = [](const Item& a, const Item& b) { return a.stamp < b.stamp; };
+  if (!std::is_sorted(items.begin(), items.end(), earlier))
+    std::stable_sort(items.begin(), items.end(), earlier);
+}
+
+int indexOf(const std::string& name, std::map<std::string, int>& index, std::vector<std::string>& names) {
+  if (name.empty()) return -1;
+  const auto entry = index.emplace(name, static_cast<int>(names.size()));
+  if (entry.second) names.push_back(name);
+  return entry.first->second;
+}
+
+}  // namespace
+
+void SessionCollector::fail(const std::string& topic, std::size_t number, const std::string& what) const {
+  throw InputError(source_ + ": " + topic + " message " + std::to_string(number) + ": " + what);
+}
+
+std::int64_t SessionCollector::stampOf(const ros::Time& stamp, const std::string& topic, std::size_t number) {
+  if (stamp.isZero()) fail(topic, number, "its header has no stamp; the time of the reading is needed");
+  const std::int64_t ns = nanoseconds(stamp);
+  start_ = start_ ? std::min(*start_, ns) : ns;
+  return ns;
+}
+
+void SessionCollector::addRobotDescription(const std::string& urdf) {
+  if (machine_ && machine_->urdf() == urdf) return;
+  if (machine_) throw InputError(source_ + ": /robot_description changes within the session");
+  try {
+    setMachine(Machine(urdf, robotName(urdf)));
+  } catch (const InputError& e) {
+    throw InputError(source_ + ": " + e.what());
+  }
+}
+
+void SessionCollector::setMachine(Machine machine) {
+  machine_ = std::move(machine);
+  for (const auto& message : waiting_) std::visit([this](const auto& m) { convert(m); }, message);
+  waiting_.clear();
+}
+
+void SessionCollector::addArtifact(const measuring_machine::Artifact& message) {
+  try {
+    artifact_ = fromMessage(message);
+  } catch (const InputError& e) {
+    throw InputError(source_ + ": /artifact: " + e.what());
+  }
+  if (!message.header.stamp.isZero()) stampOf(message.header.stamp, "/artifact", 1);
+}
+
+void SessionCollector::addContact(const measuring_machine::ProbeContact& message) {
+  if (machine_)
+    convert(message);
+  else
+    waiting_.emplace_back(message);
+}
+
+void SessionCollector::addReference(const measuring_machine::ReferenceMeasurement& message) {
+  if (machine_)
+    convert(message);
+  else
+    waiting_.emplace_back(message);
+}
+
+void SessionCollector::convert(const measuring_machine::ProbeContact& message) {
+  const std::int64_t number = ++contactCount_;
+  try {
+    Observation o = fromMessage(message, *machine_);
+    o.row = number;
+    o.feature = indexOf(message.feature, featureIndex_, features_);
+    if (o.feature < 0) throw InputError("no feature is assigned; name the ball or point that was touched");
+    rows_.push_back({stampOf(message.header.stamp, kContactTopic, number), std::move(o)});
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    if (what.rfind(source_, 0) == 0) throw;
+    fail(kContactTopic, number, what);
+  }
+}
+
+void SessionCollector::convert(const measuring_machine::ReferenceMeasurement& message) {
+  const std::int64_t number = ++referenceCount_;
+  try {
+    Observation o = fromMessage(message, *machine_);
+    o.row = number;
+    o.setup = indexOf(message.setup, setupIndex_, setups_);
+    rows_.push_back({stampOf(message.header.stamp, kReferenceTopic, number), std::move(o)});
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    if (what.rfind(source_, 0) == 0) throw;
+    fail(kReferenceTopic, number, what);
+  }
+}
+
+void SessionCollector::addValue(Logged& logged, const std::string& topic, const ros::Time& stamp,
+                                double value) {
+  ++logged.messages;
+  const std::int64_t ns = stampOf(stamp, topic, logged.messages);
+  if (std::isfinite(value))
+    logged.values.emplace_back(ns, value);
+  else
+    ++logged.lost;
+}
+
+void SessionCollector::addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message) {
+  Logged& logged = temperatures_[sensor];
+  logged.unit = "degC";
+  addValue(logged, "/temperature/" + sensor, message.header.stamp, message.temperature);
+}
+
+void SessionCollector::addCovariate(const measuring_machine::Covariate& message) {
+  const std::string topic = "/covariate/" + message.name;
+  Logged& logged = covariates_[message.name];
+  if (logged.messages > 0 && logged.unit != message.unit)
+    fail(topic, logged.messages + 1, "its unit '" + message.unit + "' was '" + logged.unit + "' before");
+  logged.unit = message.unit;
+  addValue(logged, topic, message.header.stamp, message.value);
+}
+
+void SessionCollector::addJointState(const sensor_msgs::JointState& message) {
+  if (message.header.stamp.isZero()) return;  // says nothing about when
+  const std::int64_t ns = stampOf(message.header.stamp, "/joint_states", 0);
+  for (std::size_t i = 0; i < std::min(message.name.size(), message.velocity.size()); ++i) {
+    const double v = message.velocity[i];
+    if (v == 0.0 || std::isnan(v)) continue;
+    std::vector<Motion>& motions = motions_[message.name[i]];
+    const double direction = v > 0.0 ? 1.0 : -1.0;
+    if (motions.empty() || motions.back().direction != direction || ns < motions.back().stamp)
+      motions.push_back({ns, direction});
+  }
+}
+
+/// What /joint_states adds to the contacts: the direction of the last motion before a contact at standstill,
+/// or before one whose velocity was not latched.
+void SessionCollector::fillTravel(std::vector<Row>& rows) const {
+  for (std::size_t j = 0; j < machine_->joints().size(); ++j) {
+    const auto found = motions_.find(machine_->joints()[j].name);
+    if (found == motions_.end()) continue;
+    std::vector<Motion> motions = found->second;
+    sortByStamp(motions);
+    auto next = motions.begin();
+    Motion last{0, 0.0};
+    for (Row& row : rows) {
+      Observation& o = row.observation;
+      while (next != motions.end() && next->stamp <= row.stamp) last = *next++;
+      o.travel.resize(machine_->joints().size(), 0.0);
+      const double v = o.velocity[j];
+      if (v == 0.0 || std::isnan(v))
+        o.travel[j] = last.direction;
+      else
+        last = {row.stamp, v > 0.0 ? 1.0 : -1.0};
+    }
+  }
+}
+
+std::vector<SessionCollector::Row> SessionCollector::sortedRows() const {
+  std::vector<Row> rows = rows_;
+  sortByStamp(rows);
+  fillTravel(rows);
+  return rows;
+}
+
+std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>& all,
+                                             std::string& warning) const {
+  std::vector<Series> result;
+  for (const auto& [name, logged] : all) {
+    if (logged.lost > 0)
+      warning += (warning.empty() ? "" : "; ") + std::to_string(logged.lost) + " readings of '" + name +
+                 "' are not numbers and were left out";
+    auto values = logged.values;
+    std::stable_sort(values.begin(), values.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    Series s{name, logged.unit, {}, {}};
+    for (const auto& [stamp, value] : values) {
+      s.time.push_back(secondsBetween(*start_, stamp));
+      s.value.push_back(value);
+    }
+    result.push_back(std::move(s));
+  }
+  return result;
+}
+
+Session SessionCollector::build() const {
+  if (observationCount() == 0)
+    throw InputError(source_ + ": the session is empty: no message on /probe/contact or /reference");
+  if (!machine_)
+    throw InputError(source_ + ": topic /robot_description is missing; it says what the machine is");
+  if (contactCount_ > 0 && !artifact_)
+    throw InputError(source_ + ": topic /artifact is missing; it says what the contacts touched");
+  Session session(*machine_);
+  session.source = source_;
+  if (artifact_) session.artifact = *artifact_;
+  std::vector<int> features;
+  std::vector<std::string> names;
+  for (const Feature& f : session.artifact.features) names.push_back(f.name);
+  for (const std::string& name : features_) features.push_back(session.artifact.findFeature(name));
+  for (Row& row : sortedRows()) {
+    Observation& o = row.observation;
+    o.time = secondsBetween(*start_, row.stamp);
+    if (o.kind == ObservationKind::kContact) {
+      const std::string& name = features_[o.feature];
+      o.feature = features[o.feature];
+      if (o.feature < 0)
+        fail(kContactTopic, o.row,
+             "feature '" + name + "' is not in artifact '" + session.artifact.name + "'" +
+                 didYouMean(name, names));
+    }
+    session.observations.push_back(std::move(o));
+  }
+  session.setups = setups_;
+  session.temperatures = series(temperatures_, session.warning);
+  session.covariates = series(covariates_, session.warning);
+  session.epoch = secondsBetween(0, *start_);
+  session.prepare();
+  return session;
+}
+
+}  // namespace mm

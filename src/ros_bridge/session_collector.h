@@ -1,0 +1,80 @@
+#pragma once
+#include <sensor_msgs/JointState.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "ros_bridge/message_conversion.h"
+#include "session/session.h"
+
+namespace mm {
+
+/// Gathers the messages of a session, from a bag or live, and makes the session of them: the same messages
+/// give the same session to the bit, in whatever order the topics arrived. Not thread-safe.
+class SessionCollector {
+ public:
+  /// @param source what messages for people call the session.
+  explicit SessionCollector(std::string source) : source_(std::move(source)) {}
+
+  // @throw InputError naming source, topic and number of the message.
+  void addRobotDescription(const std::string& urdf);
+  void addArtifact(const measuring_machine::Artifact& message);  ///< the last one counts
+  void addContact(const measuring_machine::ProbeContact& message);
+  void addReference(const measuring_machine::ReferenceMeasurement& message);
+  void addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message);
+  void addCovariate(const measuring_machine::Covariate& message);
+  void addJointState(const sensor_msgs::JointState& message);
+
+  std::size_t observationCount() const { return rows_.size() + waiting_.size(); }
+  bool hasMachine() const { return machine_.has_value(); }
+  /// Used when there is no robot description. @throw InputError when messages do not fit it.
+  void setMachine(Machine machine);
+
+  /// The prepared session. t = 0 is the earliest stamp of all messages (also of /artifact, where it has one).
+  /// @throw InputError when there is no machine, no observation, or a bad value.
+  Session build() const;
+
+ private:
+  struct Row {
+    std::int64_t stamp;  // ns
+    Observation observation;
+  };
+  struct Logged {
+    std::string unit;
+    std::vector<std::pair<std::int64_t, double>> values;  // stamp in ns, value
+    std::size_t messages = 0, lost = 0;                   // lost: not a number
+  };
+  struct Motion {
+    std::int64_t stamp;
+    double direction;  // -1 or +1
+  };
+
+  [[noreturn]] void fail(const std::string& topic, std::size_t number, const std::string& what) const;
+  std::int64_t stampOf(const ros::Time& stamp, const std::string& topic, std::size_t number);
+  void convert(const measuring_machine::ProbeContact& message);
+  void convert(const measuring_machine::ReferenceMeasurement& message);
+  void addValue(Logged& logged, const std::string& topic, const ros::Time& stamp, double value);
+  std::vector<Row> sortedRows() const;
+  void fillTravel(std::vector<Row>& rows) const;
+  std::vector<Series> series(const std::map<std::string, Logged>& all, std::string& warning) const;
+
+  std::string source_;
+  std::optional<Machine> machine_;
+  std::optional<Artifact> artifact_;
+  std::vector<std::variant<measuring_machine::ProbeContact, measuring_machine::ReferenceMeasurement>>
+      waiting_;            // for the machine
+  std::vector<Row> rows_;  // in the order of arrival; `feature` and `setup` count in the lists below
+  std::vector<std::string> features_, setups_;
+  std::map<std::string, int> featureIndex_, setupIndex_;
+  std::map<std::string, Logged> temperatures_, covariates_;
+  std::map<std::string, std::vector<Motion>>
+      motions_;  // of each joint: where the direction of travel changed
+  std::int64_t contactCount_ = 0, referenceCount_ = 0;
+  std::optional<std::int64_t> start_;
+};
+
+}  // namespace mm

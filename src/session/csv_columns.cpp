@@ -1,0 +1,147 @@
+#include "session/csv_columns.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include "machine/error.h"
+#include "machine/nearest_name.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+using Known = std::map<std::string, CsvColumn>;
+
+/// Every column whose name is fixed by the machine.
+Known knownColumns(const Machine& machine) {
+  Known known;
+  const auto add = [&](const std::string& header, CsvRole role, int index, double factor) {
+    known[header] = {role, index, factor, header, "", ""};
+  };
+  add("time_s", CsvRole::kTime, 0, 1.0);
+  add("reading_mm", CsvRole::kReading, 0, kMillimetre);
+  add("feature", CsvRole::kFeature, 0, 1.0);
+  add("setup", CsvRole::kSetup, 0, 1.0);
+  add("reference_x_mm", CsvRole::kReference, 0, kMillimetre);
+  add("reference_y_mm", CsvRole::kReference, 1, kMillimetre);
+  add("reference_z_mm", CsvRole::kReference, 2, kMillimetre);
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const Joint& joint = machine.joints()[j];
+    const bool linear = joint.kind == JointKind::kLinear;
+    const std::string unit = linear ? "mm" : "deg";
+    const double factor = linear ? kMillimetre : kDegree;
+    const std::string small = linear ? "um" : "arcsec";
+    const double smallFactor = linear ? kMicrometre : kArcsecond;
+    add(joint.name + "_" + unit, CsvRole::kPosition, j, factor);
+    add(joint.name + "_velocity_" + unit + "_s", CsvRole::kVelocity, j, factor);
+    add("deviation_" + joint.name + "_" + small, CsvRole::kDeviation, j, smallFactor);
+    add("deviation_" + joint.name + "_std_" + small, CsvRole::kDeviationStd, j, smallFactor);
+  }
+  return known;
+}
+
+bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// The known column that differs from `header` in its unit only, or null.
+const CsvColumn* otherUnit(const Known& known, const std::string& header) {
+  const CsvColumn* found = nullptr;
+  for (const auto& [name, column] : known) {
+    const bool twoParts = column.role == CsvRole::kVelocity;  // its unit is two parts: mm_s
+    std::string stem = name.substr(0, name.rfind('_'));
+    if (twoParts) stem = stem.substr(0, stem.rfind('_'));
+    if (name.find('_') == std::string::npos) continue;
+    const bool same =
+        header == stem || (startsWith(header, stem + "_") &&
+                           (twoParts || header.find('_', stem.size() + 1) == std::string::npos));
+    if (same && (found == nullptr || name.size() > found->header.size())) found = &column;
+  }
+  return found;
+}
+
+/// A misspelt fixed column must not pass for a covariate: these look like one of the fixed ones.
+bool resemblesKnown(const Known& known, const std::string& header) {
+  if (startsWith(header, "deviation_") || startsWith(header, "reference_")) return true;
+  for (const char* unit : {"_mm", "_deg", "_mm_s", "_deg_s"})
+    if (endsWith(header, unit)) return true;  // readings of joints, of the probe, of a reference
+  const auto close = [&](const auto& entry) {
+    return entry.first.size() >= 6 && editDistance(entry.first, header) <= 1;
+  };
+  return std::any_of(known.begin(), known.end(), close);
+}
+
+bool isTemperatureUnit(const std::string& unit) {
+  std::string lower = unit;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  static const std::set<std::string> kUnits = {"c",      "degc", "celsius", "k",         "degk",
+                                               "kelvin", "f",    "degf",    "fahrenheit"};
+  return kUnits.count(lower) > 0;
+}
+
+/// Names of sensors and covariates become topics.
+void checkName(const std::string& name, const std::string& header, const std::string& place) {
+  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), allowed))
+    throw InputError(place + ": column '" + header + "': '" + name +
+                     "' cannot name a sensor or covariate; use letters, digits and _");
+}
+
+/// A sensor, a covariate, or nothing that the format knows.
+CsvColumn openColumn(const std::string& header, const Known& known, const std::string& place) {
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(place + ": column '" + header + "' " + why);
+  };
+  std::vector<std::string> names;
+  for (const auto& entry : known) names.push_back(entry.first);
+  const std::size_t cut = header.rfind('_');
+  CsvColumn column;
+  column.header = header;
+  column.name = header.substr(0, cut);
+  column.unit = cut == std::string::npos ? "" : header.substr(cut + 1);
+  column.role = column.unit == "degC" ? CsvRole::kTemperature : CsvRole::kCovariate;
+  if (column.role == CsvRole::kCovariate) {
+    if (const CsvColumn* fixed = otherUnit(known, header))
+      refuse("is in the wrong unit or has none; the import format wants '" + fixed->header + "'");
+    if (column.unit.empty())
+      refuse("is unknown (sensors are <name>_degC, covariates <name>_<unit>)" + didYouMean(header, names));
+    if (isTemperatureUnit(column.unit))
+      refuse("is in the wrong unit: temperatures are in degrees Celsius, '" + column.name + "_degC'");
+    if (resemblesKnown(known, header)) refuse("is unknown on this machine" + didYouMean(header, names));
+  }
+  checkName(column.name, header, place);
+  return column;
+}
+
+}  // namespace
+
+std::vector<CsvColumn> parseCsvHeader(const std::vector<std::string>& names, const Machine& machine,
+                                      const std::string& place) {
+  const Known known = knownColumns(machine);
+  std::vector<CsvColumn> columns;
+  std::map<std::string, int> sensors, covariates;
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& header = names[i];
+    if (header.empty()) throw InputError(place + ": column " + std::to_string(i + 1) + " has no name");
+    if (header.find(';') != std::string::npos || header.find('\t') != std::string::npos)
+      throw InputError(place + ": columns must be separated by commas, numbers written with a decimal point");
+    if (!seen.insert(header).second) throw InputError(place + ": column '" + header + "' is given twice");
+    const auto fixed = known.find(header);
+    CsvColumn column = fixed != known.end() ? fixed->second : openColumn(header, known, place);
+    if (column.role == CsvRole::kTemperature || column.role == CsvRole::kCovariate) {
+      auto& list = column.role == CsvRole::kTemperature ? sensors : covariates;
+      column.index = static_cast<int>(list.size());
+      if (!list.emplace(column.name, column.index).second)
+        throw InputError(place + ": '" + column.name + "' is given in two units; leave one column out");
+    }
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+}  // namespace mm

@@ -1,0 +1,40 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "machine/machine.h"
+
+namespace mm {
+
+/// What a column of the import format holds.
+enum class CsvRole {
+  kTime,
+  kPosition,
+  kVelocity,
+  kReading,
+  kFeature,
+  kReference,
+  kDeviation,
+  kDeviationStd,
+  kSetup,
+  kTemperature,
+  kCovariate
+};
+
+/// One column: its role, and which joint, component, sensor or covariate (`index`) it belongs to.
+struct CsvColumn {
+  CsvRole role = CsvRole::kTime;
+  int index = 0;
+  double factor = 1.0;  // value in SI (degC, a covariate's own unit) = cell * factor
+  std::string header;   // as written
+  std::string name;     // of a sensor or covariate, without the unit
+  std::string unit;
+};
+
+/// Understands the header of a CSV in the import format. @param place `file:line` for messages.
+/// @throw InputError for a column that is unknown, doubled, without a name or in another unit than the
+/// format's.
+std::vector<CsvColumn> parseCsvHeader(const std::vector<std::string>& names, const Machine& machine,
+                                      const std::string& place);
+
+}  // namespace mm

@@ -1,0 +1,92 @@
+#include "session/line_reader.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+constexpr std::size_t kBlock = 1 << 20;
+}
+
+LineReader::LineReader(const std::filesystem::path& file) : path_(file.string()), file_(nullptr) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) throw InputError(path_ + ": is a folder, not a CSV file");
+  file_ = std::fopen(path_.c_str(), "rb");
+  if (file_ == nullptr) throw InputError(path_ + ": cannot be read: " + std::strerror(errno));
+  const auto size = std::filesystem::file_size(file, error);
+  size_ = error ? 0.0 : static_cast<double>(size);
+}
+
+LineReader::~LineReader() { std::fclose(file_); }
+
+double LineReader::fraction() const { return size_ > 0.0 ? taken_ / size_ : 0.0; }
+
+bool LineReader::fill() {
+  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  buffer_.resize(end_ + kBlock);
+  const std::size_t got = std::fread(buffer_.data() + end_, 1, kBlock, file_);
+  if (std::ferror(file_) != 0)
+    throw InputError(path_ + ": cannot be read to its end: " + std::strerror(errno));
+  end_ += got;
+  return got > 0;
+}
+
+bool LineReader::next(std::string_view& line) {
+  std::size_t searched = begin_;
+  for (;;) {
+    const char* data = buffer_.data();
+    const void* found = end_ > searched ? std::memchr(data + searched, '\n', end_ - searched) : nullptr;
+    if (found != nullptr || (searched = end_ - begin_, !fill())) {
+      data = buffer_.data();
+      if (found == nullptr && begin_ == end_) return false;
+      const std::size_t stop = found != nullptr ? static_cast<const char*>(found) - data : end_;
+      line = std::string_view(data + begin_, stop - begin_);
+      taken_ += static_cast<double>(stop - begin_ + 1);
+      begin_ = found != nullptr ? stop + 1 : end_;
+      if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+      ++number_;
+      if (number_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF")
+        line.remove_prefix(3);  // UTF-8 mark of spreadsheets
+      return true;
+    }
+    searched += begin_;  // fill() moved the rest to the front
+  }
+}
+
+bool splitCells(std::string_view line, std::vector<std::string_view>& cells) {
+  cells.clear();
+  const auto trim = [](std::string_view s) {
+    while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
+    while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
+    return s;
+  };
+  std::size_t begin = 0;
+  for (;;) {
+    std::size_t start = begin;
+    while (start < line.size() && line[start] == ' ') ++start;
+    if (start < line.size() && line[start] == '"') {
+      const std::size_t close = line.find('"', start + 1);
+      if (close == std::string_view::npos) return false;
+      const std::size_t comma = line.find(',', close);
+      if (!trim(line.substr(close + 1, comma == std::string_view::npos ? comma : comma - close - 1)).empty())
+        return false;
+      cells.push_back(line.substr(start + 1, close - start - 1));
+      if (comma == std::string_view::npos) return true;
+      begin = comma + 1;
+      continue;
+    }
+    const std::size_t comma = line.find(',', begin);
+    if (comma == std::string_view::npos) {
+      cells.push_back(trim(line.substr(begin)));
+      return true;
+    }
+    cells.push_back(trim(line.substr(begin, comma - begin)));
+    begin = comma + 1;
+  }
+}
+
+}  // namespace mm

@@ -1,0 +1,108 @@
+#include "session/session_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+struct Range {
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+  void add(double v) {
+    if (std::isnan(v)) return;
+    lower = std::min(lower, v);
+    upper = std::max(upper, v);
+  }
+  std::string text(double factor) const { return number(lower * factor) + " … " + number(upper * factor); }
+};
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+std::string observationsLine(const Session& session) {
+  std::size_t contacts = 0, positions = 0, deviations = 0;
+  for (const Observation& o : session.observations) {
+    contacts += o.kind == ObservationKind::kContact;
+    positions += o.kind == ObservationKind::kPosition;
+    deviations += o.kind == ObservationKind::kDeviation;
+  }
+  std::string text;
+  const auto add = [&](std::size_t count, const std::string& what) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, what);
+  };
+  add(contacts, session.hasLaser() ? "laser contact" : "contact");
+  add(positions, "reference position");
+  add(deviations, "row");
+  if (deviations > 0) text += " of deviations";
+  if (!session.setups.empty()) text += ", in " + counted(session.setups.size(), "setup");
+  return text;
+}
+
+std::string featuresLine(const Session& session) {
+  std::vector<std::size_t> touched(session.artifact.features.size(), 0);
+  for (const Observation& o : session.observations)
+    if (o.feature >= 0) ++touched[o.feature];
+  std::size_t balls = 0, unused = 0;
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    balls += session.artifact.features[i].kind == FeatureKind::kBall;
+    unused += touched[i] == 0;
+  }
+  std::string text = "artifact      " + session.artifact.name + ": " + counted(balls, "ball") + ", " +
+                     counted(touched.size() - balls, "point") + ", pose " +
+                     (session.artifact.poseKnown ? "known" : "free");
+  if (unused > 0) text += "; " + std::to_string(unused) + " never touched";
+  const auto [least, most] = std::minmax_element(touched.begin(), touched.end());
+  if (!touched.empty())
+    text += "; " + std::to_string(*least) + " … " + std::to_string(*most) + " contacts each";
+  return text + "\n";
+}
+
+std::string column(const std::string& name) {
+  return name + std::string(name.size() < 13 ? 13 - name.size() : 0, ' ') + " ";
+}
+
+std::string seriesLines(const std::vector<Series>& all) {
+  std::string text;
+  for (const Series& s : all) {
+    Range range;
+    for (const double v : s.value) range.add(v);
+    text += column(s.name) + range.text(1.0) + " " + s.unit + " (" + counted(s.value.size(), "value") + ")\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string summarize(const Session& session) {
+  const double duration = session.observations.back().time - session.observations.front().time;
+  std::string text = column("session") + observationsLine(session) + ", over " + number(duration) + " s\n";
+  if (!session.artifact.features.empty()) text += featuresLine(session);
+  for (std::size_t j = 0; j < session.machine.joints().size(); ++j) {
+    const Joint& joint = session.machine.joints()[j];
+    Range range;
+    bool directed = false;
+    for (const Observation& o : session.observations) {
+      range.add(o.position[j]);
+      directed = directed || o.travel[j] != 0.0;
+    }
+    const bool linear = joint.kind == JointKind::kLinear;
+    text += column(joint.name) + range.text(1.0 / (linear ? kMillimetre : kDegree)) +
+            (linear ? " mm" : " deg") + (directed ? "" : ", direction of travel not known") + "\n";
+  }
+  text += seriesLines(session.temperatures) + seriesLines(session.covariates);
+  if (!session.warning.empty()) text += "warning: " + session.warning + "\n";
+  return text;
+}
+
+}  // namespace mm
