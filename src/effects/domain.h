@@ -16,13 +16,22 @@ struct Domain {
   std::vector<double> sensorLower, sensorUpper;  // degC
   std::vector<std::string> covariates;
   std::vector<double> covariateLower, covariateUpper;
-  std::vector<std::string> features;           // balls and points of the artifact
-  double duration = 0.0;                       // s
-  double maxSpeed = 0.0;                       // m/s or rad/s, largest joint velocity seen
-  Eigen::Vector3d tipLower = Eigen::Vector3d::Zero(), tipUpper = Eigen::Vector3d::Zero();  // box of the nominal tip, m
+  std::vector<std::string> features;  // balls and points of the artifact
+  double duration = 0.0;              // s
+  double maxSpeed = 0.0;              // m/s or rad/s, largest joint velocity seen
+  Eigen::Vector3d tipLower = Eigen::Vector3d::Zero(),
+                  tipUpper = Eigen::Vector3d::Zero();  // box of the nominal tip, m
   bool laser = false;
   double artifactExpansion = 0.0;
+  std::vector<double>
+      featureRadius;  // m, a feature; 0: a point. Empty: not known, then every feature may be a ball
+  Eigen::Vector3d probeZero = Eigen::Vector3d::Zero();  // nominal tip in the frame of the last joint, m
+  Eigen::Matrix3d probeRotation = Eigen::Matrix3d::Identity();  // nominal axes of probe_tip in that frame
 
+  /// Takes the joints and the probe's nominal place from the machine; what was observed stays.
+  void setMachine(const Machine& machine);
+
+  /// Each: the index of a name, or -1.
   int findJoint(const std::string& name) const;
   int findSensor(const std::string& name) const;
   int findCovariate(const std::string& name) const;

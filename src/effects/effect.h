@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,11 +14,13 @@ namespace mm {
 /// One unknown constant of an effect. All values in SI (rad, m, 1/K …); `unit` and `toUnit` are for people.
 struct Parameter {
   std::string name;
-  std::string unit;      // "um", "arcsec", "um/m", "1" …
-  double toUnit = 1.0;   // value in `unit` = SI value * toUnit
-  double scale = 1.0;    // a typical size
-  double bound = 1.0;    // largest plausible magnitude; a direction with a larger standard deviation is lost
+  std::string unit;     // "um", "arcsec", "um/m", "1" …
+  double toUnit = 1.0;  // value in `unit` = SI value * toUnit
+  double scale = 1.0;   // a typical size
+  double bound = 1.0;   // largest plausible magnitude; a direction with a larger standard deviation is lost
   double start = 0.0;
+  double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
+  double maximum = std::numeric_limits<double>::infinity();
 };
 
 /// Where the contribution of an effect is added. Used in two ways: values only, or values and derivatives.
@@ -50,13 +53,24 @@ class Effect {
   virtual bool linear() const { return true; }
   /// Composites are never candidates of a diagnosis.
   virtual bool composite() const { return false; }
-  /// Adds the error at `state` with parameters `p` (SI) to the sink. An input that is not known contributes NaN.
+  /// Adds the error at `state` with parameters `p` (SI) to the sink. An input that is not known contributes
+  /// NaN.
   virtual void evaluate(const State& state, const double* p, ErrorSink& sink) const = 0;
   /// Parameters that enter nonlinearly (a period, a time constant): indices; empty for linear effects.
   virtual std::vector<int> nonlinearParameters() const { return {}; }
-  /// Start values (SI) of the nonlinear parameters that cover their plausible range closely enough for a descent
-  /// from the nearest to reach the optimum: one vector a start, in the order of nonlinearParameters().
+  /// Start values (SI) of the nonlinear parameters that cover their plausible range closely enough for a
+  /// descent from the nearest to reach the optimum: one vector a start, in the order of
+  /// nonlinearParameters().
   virtual std::vector<std::vector<double>> searchStarts() const { return {}; }
+
+  /// True when the error is the sum over the parameters of coefficient(i, p_i) times a function of the state
+  /// alone; linear effects are. As coefficient(i, 0) = 0 with slope 1, the derivatives at zero are those
+  /// functions.
+  virtual bool separable() const { return linear(); }
+  virtual double coefficient(int /*parameter*/, double value) const { return value; }
+  /// First of three consecutive parameters that form a unit vector, for each such vector: only its direction
+  /// counts, its length is free and is kept at 1 by the estimator.
+  virtual std::vector<int> unitVectors() const { return {}; }
 
   virtual std::string cause() const = 0;    // physical cause, in plain words
   virtual std::string remedy() const = 0;   // in the workshop

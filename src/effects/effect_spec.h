@@ -5,8 +5,8 @@
 
 namespace mm {
 
-/// What a user writes to name an effect: `{type: backlash, axis: x}`. Keys keep their order; values are scalars or
-/// lists of scalars, kept as text.
+/// What a user writes to name an effect: `{type: backlash, axis: x}`. Keys keep their order; values are
+/// scalars or lists of scalars, kept as text.
 class EffectSpec {
  public:
   struct Value {

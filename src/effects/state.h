@@ -4,29 +4,35 @@
 
 namespace mm {
 
-/// Temperatures as they were: what an effect with a memory (a lag) asks. Sensor indices are those of the Domain.
+/// Temperatures as they were: what an effect with a memory (a lag) asks. Sensor indices are those of the
+/// Domain.
 class TemperatureHistory {
  public:
   virtual ~TemperatureHistory() = default;
-  /// Response at `time` (s) of a first-order lag with time constant `tau` (s) to the sensor's temperature (degC),
-  /// settled at the first value; and its derivative with respect to tau.
+  /// Response at `time` (s) of a first-order lag with time constant `tau` (s) to the sensor's temperature
+  /// (degC), settled at the first value; and its derivative with respect to tau.
   virtual double lagged(int sensor, double tau, double time, double* byTau) const = 0;
 };
 
 /// The inputs of the effects at one moment: uncorrected readings and what else was logged. SI units, degC.
 struct State {
-  double time = 0.0;                      // s from the session's start (live: from the last homing)
-  std::vector<double> position;           // a joint
-  std::vector<double> velocity;           // a joint; NaN: not known
-  std::vector<double> travel;             // a joint; -1, +1, 0: not known
-  std::vector<double> temperature;        // a sensor of the Domain; NaN: not known
-  std::vector<double> covariate;          // a covariate of the Domain; NaN: not known
-  Eigen::Vector3d approach = Eigen::Vector3d::Zero();  // unit vector in workpiece towards the surface; zero: none
-  double laserReading = 0.0;              // m
-  int feature = -1;                       // touched feature, index of the Domain
+  double time = 0.0;                // s from the session's start (live: from the last homing)
+  std::vector<double> position;     // a joint
+  std::vector<double> velocity;     // a joint; NaN: not known
+  std::vector<double> travel;       // a joint; -1, +1, 0: not known
+  std::vector<double> temperature;  // a sensor of the Domain; NaN: not known
+  std::vector<double> covariate;    // a covariate of the Domain; NaN: not known
+  /// Unit vector in workpiece towards the surface. Zero or NaN with a feature: not known (effects of the
+  /// contact give NaN); without a feature: nothing is touched (they give nothing).
+  Eigen::Vector3d approach = Eigen::Vector3d::Zero();
+  /// Outward unit normal of the touched surface, in workpiece; zero or NaN: not known.
+  Eigen::Vector3d surfaceNormal = Eigen::Vector3d::Zero();
+  double laserReading = 0.0;                                  // m
+  int feature = -1;                                           // touched feature, index of the Domain
   Eigen::Vector3d featurePosition = Eigen::Vector3d::Zero();  // its nominal position in the artifact, m
   double featureRadius = 0.0;                                 // m, of a ball
-  Eigen::Vector3d tip = Eigen::Vector3d::Zero();              // nominal tip in workpiece: the lever, m
+  Eigen::Vector3d tip =
+      Eigen::Vector3d::Zero();  // nominal origin of probe_tip (no beam) in workpiece: the lever, m
   Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();  // nominal, of probe_tip in workpiece
   const TemperatureHistory* history = nullptr;
 };

@@ -90,7 +90,7 @@ Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), u
     links_.push_back({rotation, translation, axis});
     const Limits limits = limitsOf(document.FirstChildElement("robot"), joint.getName());
     joints_.push_back({joint.getName(), rotary ? JointKind::kRotary : JointKind::kLinear, limits.lower,
-                       limits.upper, limits.velocity});
+                       limits.upper, limits.velocity, axis, rotation.transpose() * translation});
     rotation = Eigen::Matrix3d::Identity();
     translation = Eigen::Vector3d::Zero();
     // segment.pose(0) = joint at zero * fixed tip; the joint at zero is the identity about its origin

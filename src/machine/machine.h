@@ -15,6 +15,8 @@ struct Joint {
   double lower = 0.0;  // limits of motion; they never bound import
   double upper = 0.0;
   double maxVelocity = 0.0;
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();    // unit vector, axes of the joint's fixed side
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // from the joint before it, axes of the joint's fixed side, m
 };
 
 /// Where each small error of one state stands in the vector of errors that `Machine::measure` takes.
@@ -63,6 +65,9 @@ class Machine {
   /// @return index of a joint, or -1.
   int findJoint(const std::string& name) const;
   ErrorLayout layout() const { return ErrorLayout(jointCount()); }
+  /// Nominal probe_tip in the frame of the last moving joint (its moving side, at zero the axes of its fixed side).
+  const Eigen::Vector3d& tipTranslation() const { return tipTranslation_; }  // m
+  const Eigen::Matrix3d& tipRotation() const { return tipRotation_; }
 
   /// Pose at the readings `q` (one a joint, m or rad) with the beam's reading (m; NaN or 0 for a touch probe).
   ProbePose nominal(const double* q, double laserReading) const;

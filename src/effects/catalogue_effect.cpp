@@ -1,0 +1,61 @@
+#include "effects/catalogue_effect.h"
+
+namespace mm {
+
+std::vector<std::string> jointNames(const Domain& domain, JointKind kind) {
+  std::vector<std::string> names;
+  for (const Joint& joint : domain.joints)
+    if (joint.kind == kind) names.push_back(joint.name);
+  return names;
+}
+
+std::vector<std::string> jointNames(const Domain& domain) {
+  std::vector<std::string> names;
+  for (const Joint& joint : domain.joints) names.push_back(joint.name);
+  return names;
+}
+
+std::vector<std::pair<std::string, std::string>> coupledJoints(const Domain& domain) {
+  std::vector<std::string> names = jointNames(domain, JointKind::kLinear);
+  if (names.empty()) names = jointNames(domain);
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& a : names)
+    for (const std::string& b : names)
+      if (a != b) pairs.emplace_back(a, b);
+  return pairs;
+}
+
+std::vector<std::string> directionNames(const Domain& domain) {
+  std::vector<std::string> names = jointNames(domain);
+  if (jointNames(domain, JointKind::kLinear).size() < 3)
+    for (const char* axis : {"x", "y", "z"})
+      if (domain.findJoint(axis) < 0) names.emplace_back(axis);
+  return names;
+}
+
+double observedRange(const Domain& domain, int joint) {
+  const auto j = static_cast<std::size_t>(joint);
+  if (j >= domain.lower.size() || j >= domain.upper.size()) return 0.0;
+  const double range = domain.upper[j] - domain.lower[j];
+  return range > 1e-9 ? range : 0.0;
+}
+
+ScaledPosition::ScaledPosition(const Domain& domain, int joint) : joint_(joint) {
+  const double range = observedRange(domain, joint);
+  if (range <= 0.0) return;
+  centre_ = 0.5 * (domain.lower[joint] + domain.upper[joint]);
+  inverse_ = 2.0 / range;
+}
+
+double legendre(int n, double u) {
+  double previous = 1.0, current = u;
+  if (n == 0) return previous;
+  for (int k = 1; k < n; ++k) {
+    const double next = ((2 * k + 1) * u * current - k * previous) / (k + 1);
+    previous = current;
+    current = next;
+  }
+  return current;
+}
+
+}  // namespace mm

@@ -1,0 +1,84 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "effects/registry.h"
+#include "effects/spec_reader.h"
+
+namespace mm {
+
+/// What contributes when an input is not known.
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// What the effects of the catalogue have in common besides their physics.
+class CatalogueEffect : public Effect {
+ public:
+  Stage stage() const override { return stage_; }
+  void adopt(EffectSpec canonical) { spec_ = std::move(canonical); }
+
+ protected:
+  CatalogueEffect(const SpecReader& read, Stage stage)
+      : layout_(static_cast<int>(read.domain().joints.size())), stage_(stage) {}
+  CatalogueEffect(const SpecReader& read, const Direction& direction)
+      : CatalogueEffect(read, direction.kind == Direction::Kind::kJoint       ? Stage::kAxis
+                              : direction.kind == Direction::Kind::kWorkpiece ? Stage::kVolume
+                                                                              : Stage::kProbe) {}
+
+  const ErrorLayout layout_;
+
+ private:
+  const Stage stage_;
+};
+
+using Candidates = std::function<std::vector<EffectSpec>(const Domain&)>;
+
+/// The registry entry of an effect class that is constructed from a SpecReader.
+template <class E>
+EffectType effectType(const std::string& type, std::vector<std::string> keys, Candidates candidates,
+                      bool composite = false) {
+  EffectType entry;
+  entry.type = type;
+  entry.create = [keys = std::move(keys)](const EffectSpec& spec, const Domain& domain) -> EffectPtr {
+    SpecReader read(spec, domain, keys);
+    auto effect = std::make_shared<E>(read);
+    effect->adopt(read.canonical());
+    return effect;
+  };
+  entry.candidates =
+      candidates ? std::move(candidates) : [](const Domain&) { return std::vector<EffectSpec>(); };
+  entry.composite = composite;
+  return entry;
+}
+
+/// Names of the joints of one kind.
+std::vector<std::string> jointNames(const Domain& domain, JointKind kind);
+/// Names of all joints.
+std::vector<std::string> jointNames(const Domain& domain);
+/// Pairs of different joints between which geometry couples the readings: the linear ones; the rotary ones on
+/// a machine that has no linear joint.
+std::vector<std::pair<std::string, std::string>> coupledJoints(const Domain& domain);
+/// Every `direction` of its own: the joints and, where less than three of them are linear, the axes of the
+/// workpiece.
+std::vector<std::string> directionNames(const Domain& domain);
+
+/// Position of a joint scaled to -1 … 1 over its observed range; 0 where it was never moved.
+class ScaledPosition {
+ public:
+  ScaledPosition(const Domain& domain, int joint);
+  double operator()(const State& state) const { return (state.position[joint_] - centre_) * inverse_; }
+
+ private:
+  int joint_;
+  double centre_ = 0.0, inverse_ = 0.0;
+};
+
+/// Observed travel of a joint, m or rad; 0 where it was never moved.
+double observedRange(const Domain& domain, int joint);
+
+/// Legendre polynomial of degree n.
+double legendre(int n, double u);
+
+}  // namespace mm

@@ -1,0 +1,31 @@
+#include "effects/domain.h"
+
+#include <algorithm>
+
+namespace mm {
+namespace {
+
+int indexOf(const std::vector<std::string>& names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+}  // namespace
+
+int Domain::findJoint(const std::string& name) const {
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (joints[j].name == name) return static_cast<int>(j);
+  return -1;
+}
+
+int Domain::findSensor(const std::string& name) const { return indexOf(sensors, name); }
+int Domain::findCovariate(const std::string& name) const { return indexOf(covariates, name); }
+int Domain::findFeature(const std::string& name) const { return indexOf(features, name); }
+
+void Domain::setMachine(const Machine& machine) {
+  joints = machine.joints();
+  probeZero = machine.tipTranslation();
+  probeRotation = machine.tipRotation();
+}
+
+}  // namespace mm

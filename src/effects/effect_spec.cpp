@@ -1,0 +1,62 @@
+#include "effects/effect_spec.h"
+
+#include <yaml-cpp/emitter.h>
+#include <yaml-cpp/emittermanip.h>
+#include <yaml-cpp/stlemitter.h>
+
+#include <charconv>
+
+namespace mm {
+namespace {
+
+EffectSpec::Value& slot(EffectSpec& spec, const std::string& key) {
+  for (auto& entry : spec.keys)
+    if (entry.first == key) return entry.second;
+  spec.keys.push_back({key, {}});
+  return spec.keys.back().second;
+}
+
+}  // namespace
+
+EffectSpec& EffectSpec::set(const std::string& key, const std::string& value) {
+  slot(*this, key) = {{value}, false};
+  return *this;
+}
+
+EffectSpec& EffectSpec::set(const std::string& key, double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof(text), value).ptr;
+  return set(key, std::string(text, end));
+}
+
+EffectSpec& EffectSpec::setList(const std::string& key, std::vector<std::string> items) {
+  slot(*this, key) = {std::move(items), true};
+  return *this;
+}
+
+const EffectSpec::Value* EffectSpec::find(const std::string& key) const {
+  for (const auto& entry : keys)
+    if (entry.first == key) return &entry.second;
+  return nullptr;
+}
+
+std::string EffectSpec::text(const std::string& key) const {
+  const Value* value = find(key);
+  return value == nullptr || value->items.empty() ? std::string() : value->items.front();
+}
+
+std::string EffectSpec::yaml() const {
+  YAML::Emitter out;
+  out << YAML::Flow << YAML::BeginMap << YAML::Key << "type" << YAML::Value << type;
+  for (const auto& [key, value] : keys) {
+    out << YAML::Key << key << YAML::Value;
+    if (value.list)
+      out << YAML::Flow << value.items;
+    else
+      out << (value.items.empty() ? std::string() : value.items.front());
+  }
+  out << YAML::EndMap;
+  return out.c_str();
+}
+
+}  // namespace mm

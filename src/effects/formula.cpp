@@ -1,0 +1,146 @@
+#include "effects/formula.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/catalogue_effect.h"
+#include "effects/expression.h"
+#include "effects/formula_variables.h"
+#include "effects/linearity.h"
+#include "effects/nearest_name.h"
+#include "effects/numeric_derivative.h"
+#include "effects/quantity.h"
+#include "effects/touch.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+/// The user's own physics. Value in um, or arcsec where the direction is a rotary joint; the unknowns are in
+/// the formula's own units. Without `start` each unknown starts at 1, except in a formula that is linear: at
+/// 0.
+class Formula : public CatalogueEffect {
+ public:
+  explicit Formula(SpecReader& read) : Formula(read, read.direction("direction", true)) {}
+
+  bool linear() const override { return linearity_.linear; }
+  std::vector<int> nonlinearParameters() const override { return linearity_.nonlinear; }
+  std::vector<std::vector<double>> searchStarts() const override {
+    if (linearity_.nonlinear.empty()) return {};
+    std::vector<double> start;
+    for (const int i : linearity_.nonlinear) start.push_back(parameters_[i].start);
+    return {start};
+  }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    double along[3] = {1.0, 0.0, 0.0};
+    int slots = 1;
+    if (direction_.kind == Direction::Kind::kApproach) {
+      slots = 3;
+      const Touch touch = touchOf(state);
+      if (touch == Touch::kNone) return;
+      for (int k = 0; k < 3; ++k) along[k] = touch == Touch::kKnown ? state.approach[k] : kUnknown;
+    }
+    const auto slot = [&](int k) { return slots == 1 ? direction_.slot(layout_) : layout_.volume(k); };
+
+    Expression::Evaluation formula(*expression_);
+    variables_.values(state, expression_->usedVariables(), formula.variables());
+    const int n = parameterCount();
+    std::vector<double> k(p, p + n);
+    if (linear()) {
+      std::fill(k.begin(), k.end(), 0.0);
+      for (int i = 0; i < n; ++i) {
+        k[i] = 1.0;
+        const double basis = formula(k.data()) * toSi_;
+        k[i] = 0.0;
+        for (int s = 0; s < slots; ++s) sink.add(slot(s), i, p[i], basis * along[s]);
+      }
+      return;
+    }
+    const double value = formula(k.data()) * toSi_;
+    for (int s = 0; s < slots; ++s) sink.value(slot(s), value * along[s]);
+    if (!sink.wantsDerivatives()) return;
+    for (int i = 0; i < n; ++i) {
+      const double derivative = std::isfinite(value) ? slope(formula, k, i) * toSi_ : kUnknown;
+      for (int s = 0; s < slots; ++s) sink.derivative(slot(s), i, derivative * along[s]);
+    }
+  }
+
+  std::string cause() const override {
+    return "Physics stated by the user: " + spec().text("formula") + " along " + direction_.name + ".";
+  }
+  std::string remedy() const override {
+    return "Depends on what the formula stands for; until that is mended leave the correction on.";
+  }
+  std::string shownBy() const override {
+    return "Measurements in which " + names_ + " vary independently of each other, over their whole range.";
+  }
+
+ private:
+  Formula(SpecReader& read, const Direction& direction)
+      : CatalogueEffect(read, direction),
+        direction_(direction),
+        toSi_(direction.quantity == JointKind::kLinear ? kMicrometre : kArcsecond),
+        variables_(read.domain()) {
+    const std::string text = read.text("formula");
+    try {
+      expression_ = std::make_unique<Expression>(text, variables_.names());
+    } catch (const InputError& error) {
+      read.fail(std::string("formula: ") + error.what());
+    }
+    const std::vector<double> start = read.numbers("start");
+    const auto& unknowns = expression_->unknowns();
+    if (!start.empty() && start.size() != unknowns.size())
+      read.fail("start must hold " + std::to_string(unknowns.size()) + " numbers, for " + listOf(unknowns) +
+                "; it holds " + std::to_string(start.size()));
+    linearity_ = linearityOf(*expression_, variables_, start);
+    for (const int v : expression_->usedVariables())
+      names_ += (names_.empty() ? "" : ", ") + variables_.names()[v];
+    if (names_.empty()) names_ = "all inputs";
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      Parameter k = parameter(unknowns[i], {"1", 1.0}, 1.0, 1e9);
+      if (linearity_.linear) {  // sized by what it moves: 1 um (arcsec) is typical, 0.1 m (28 deg) the bound
+        k.scale = 1.0 / linearity_.typicalBasis[i];
+        k.bound = 1e5 * k.scale;
+      } else if (!start.empty() && start[i] != 0.0) {
+        k.scale = std::abs(start[i]);
+        k.bound = 1e9 * std::max(1.0, k.scale);
+      }
+      k.start = !start.empty() ? start[i] : linearity_.linear ? 0.0 : 1.0;
+      parameters_.push_back(k);
+    }
+  }
+
+  /// d formula / d k_i at k: exact up to rounding where k_i enters linearly.
+  double slope(const Expression::Evaluation& formula, std::vector<double>& k, int i) const {
+    const double here = k[i];
+    const auto at = [&](double value) {
+      k[i] = value;
+      return formula(k.data());
+    };
+    double result = kUnknown;
+    if (std::find(linearity_.nonlinear.begin(), linearity_.nonlinear.end(), i) ==
+        linearity_.nonlinear.end()) {
+      const double h = std::max(std::abs(here), parameters_[i].scale);
+      result = (at(here + h) - at(here - h)) / (2.0 * h);
+    }
+    if (!std::isfinite(result)) result = numericDerivative(at, here, parameters_[i].scale);
+    k[i] = here;
+    return result;
+  }
+
+  Direction direction_;
+  double toSi_;
+  FormulaVariables variables_;
+  std::unique_ptr<const Expression> expression_;
+  Linearity linearity_;
+  std::string names_;
+};
+
+}  // namespace
+
+EffectType formulaType() {
+  return effectType<Formula>("formula", {"direction", "formula", "start"}, nullptr);
+}
+
+}  // namespace mm

@@ -1,0 +1,63 @@
+#include "effects/formula_variables.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+double at(const std::vector<double>& values, std::size_t i, double absent) {
+  return i < values.size() ? values[i] : absent;
+}
+
+}  // namespace
+
+FormulaVariables::FormulaVariables(const Domain& domain) {
+  for (std::size_t j = 0; j < domain.joints.size(); ++j) {
+    const Joint& joint = domain.joints[j];
+    const double factor = joint.kind == JointKind::kLinear ? 1.0 / kMillimetre : 1.0;
+    const double speed = domain.maxSpeed > 0.0 ? domain.maxSpeed : 0.01;
+    const int index = static_cast<int>(j);
+    define(joint.name, {Kind::kPosition, index, factor, at(domain.lower, j, -0.1), at(domain.upper, j, 0.1)});
+    define(joint.name + "_velocity", {Kind::kVelocity, index, factor, -speed, speed});
+  }
+  define("t", {Kind::kTime, 0, 1.0, 0.0, std::max(domain.duration, 1.0)});
+  for (std::size_t i = 0; i < domain.sensors.size(); ++i)
+    define(domain.sensors[i], {Kind::kTemperature, static_cast<int>(i), 1.0, at(domain.sensorLower, i, 15.0),
+                               at(domain.sensorUpper, i, 40.0)});
+  for (std::size_t i = 0; i < domain.covariates.size(); ++i)
+    define(domain.covariates[i], {Kind::kCovariate, static_cast<int>(i), 1.0,
+                                  at(domain.covariateLower, i, -1.0), at(domain.covariateUpper, i, 1.0)});
+}
+
+void FormulaVariables::define(const std::string& name, const Variable& variable) {
+  std::string usable;
+  for (const char c : name) usable += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  if (usable.empty() || std::isdigit(static_cast<unsigned char>(usable[0])) != 0) usable = "_" + usable;
+  names_.push_back(usable);
+  variables_.push_back(variable);
+}
+
+void FormulaVariables::values(const State& state, const std::vector<int>& indices, double* out) const {
+  for (const int i : indices) {
+    const Variable& v = variables_[i];
+    double value = state.time;
+    if (v.kind == Kind::kPosition) value = state.position[v.index];
+    if (v.kind == Kind::kVelocity) value = state.velocity[v.index];
+    if (v.kind == Kind::kTemperature) value = state.temperature[v.index];
+    if (v.kind == Kind::kCovariate) value = state.covariate[v.index];
+    *out++ = value * v.factor;
+  }
+}
+
+double FormulaVariables::sample(int index, std::mt19937_64& random) const {
+  const Variable& v = variables_[index];
+  const double range = v.upper - v.lower;
+  const double margin = range > 0.0 ? 0.02 * range : 1e-3;
+  const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;  // the same numbers with every library
+  return (v.lower - margin + (range + 2.0 * margin) * unit) * v.factor;
+}
+
+}  // namespace mm

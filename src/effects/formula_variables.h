@@ -1,0 +1,37 @@
+#pragma once
+#include <random>
+#include <string>
+#include <vector>
+
+#include "effects/domain.h"
+#include "effects/state.h"
+
+namespace mm {
+
+/// What a formula may use, by name and in the units of people: linear joints in mm, rotary in rad,
+/// `<joint>_velocity` in mm/s or rad/s, `t` in s, temperatures in degC, covariates in their own unit. A name
+/// with characters that a formula cannot hold is written with `_` in their place.
+class FormulaVariables {
+ public:
+  explicit FormulaVariables(const Domain& domain);
+  const std::vector<std::string>& names() const { return names_; }
+  /// Values of the variables with these indices; NaN: not known.
+  void values(const State& state, const std::vector<int>& indices, double* out) const;
+  /// A value of this variable drawn from (somewhat beyond) its observed range.
+  double sample(int index, std::mt19937_64& random) const;
+
+ private:
+  enum class Kind { kPosition, kVelocity, kTime, kTemperature, kCovariate };
+  struct Variable {
+    Kind kind;
+    int index;
+    double factor;  // from SI
+    double lower, upper;
+  };
+  void define(const std::string& name, const Variable& variable);
+
+  std::vector<std::string> names_;
+  std::vector<Variable> variables_;
+};
+
+}  // namespace mm

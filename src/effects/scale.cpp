@@ -1,0 +1,50 @@
+#include "effects/scale.h"
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+
+namespace mm {
+namespace {
+
+class Scale : public CatalogueEffect {
+ public:
+  explicit Scale(SpecReader& read) : CatalogueEffect(read, Stage::kAxis), axis_(read.joint("axis")) {
+    const Joint& joint = read.domain().joints[axis_];
+    name_ = joint.name;
+    parameters_ = {slopeParameter("scale", joint.kind, joint.kind)};
+  }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    sink.add(layout_.axis(axis_), 0, p[0], state.position[axis_]);
+  }
+
+  std::string cause() const override {
+    return "The scale or the mean screw lead of " + name_ +
+           " is wrong: its error grows in proportion to the reading.";
+  }
+  std::string remedy() const override {
+    return "Correct the counts per unit of " + name_ +
+           " in the controller, against a length standard at 20 degC.";
+  }
+  std::string shownBy() const override {
+    return "Known lengths along " + name_ +
+           " over most of its travel: two balls at a calibrated distance, or an interferometer.";
+  }
+
+ private:
+  int axis_;
+  std::string name_;
+};
+
+}  // namespace
+
+EffectType scaleType() {
+  return effectType<Scale>("scale", {"axis"}, [](const Domain& domain) {
+    std::vector<EffectSpec> specs;
+    for (const std::string& joint : jointNames(domain))
+      specs.push_back(EffectSpec("scale").set("axis", joint));
+    return specs;
+  });
+}
+
+}  // namespace mm

@@ -1,0 +1,202 @@
+#include "effects/spec_reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "effects/nearest_name.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+std::string shortest(double value) {
+  EffectSpec spec;
+  return spec.set("", value).text("");
+}
+
+const std::vector<std::string>& workpieceAxes() {
+  static const std::vector<std::string> names{"x", "y", "z"};
+  return names;
+}
+
+std::vector<std::string> jointNames(const Domain& domain, std::optional<JointKind> kind = {}) {
+  std::vector<std::string> names;
+  for (const Joint& joint : domain.joints)
+    if (!kind || joint.kind == *kind) names.push_back(joint.name);
+  return names;
+}
+
+}  // namespace
+
+SpecReader::SpecReader(const EffectSpec& spec, const Domain& domain, std::vector<std::string> allowed)
+    : spec_(spec), domain_(domain), canonical_(spec.type) {
+  for (auto entry = spec.keys.begin(); entry != spec.keys.end(); ++entry) {
+    const std::string& key = entry->first;
+    if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
+      fail("unknown key '" + key + "'" + didYouMean(key, allowed) + "; allowed: " + listOf(allowed));
+    if (std::any_of(spec.keys.begin(), entry, [&](const auto& other) { return other.first == key; }))
+      fail("key '" + key + "' is given twice; keep one");
+  }
+}
+
+void SpecReader::fail(const std::string& what) const {
+  throw InputError("effect " + spec_.yaml() + ": " + what);
+}
+
+const std::string& SpecReader::scalar(const std::string& key) const {
+  const EffectSpec::Value* value = spec_.find(key);
+  if (value == nullptr) fail("key '" + key + "' is missing; add it");
+  if (value->list || value->items.size() != 1 || value->items.front().empty())
+    fail("key '" + key + "' must be a single value, not a list or nothing");
+  return value->items.front();
+}
+
+double SpecReader::parse(const std::string& key, const std::string& text) const {
+  double value = 0.0;
+  const char* first = text.data() + (text.size() > 1 && text[0] == '+' ? 1 : 0);
+  const auto [end, error] = std::from_chars(first, text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    fail("key '" + key + "' must be a finite number, not '" + text + "'");
+  return value;
+}
+
+int SpecReader::find(const std::string& key, const std::string& what, const std::vector<std::string>& known) {
+  const std::string& name = scalar(key);
+  const auto found = std::find(known.begin(), known.end(), name);
+  if (found == known.end())
+    fail(key + " '" + name + "' is no " + what + didYouMean(name, known) + "; there are: " + listOf(known));
+  canonical_.set(key, name);
+  return static_cast<int>(found - known.begin());
+}
+
+int SpecReader::joint(const std::string& key) {
+  return find(key, "joint of the machine", jointNames(domain_));
+}
+
+int SpecReader::joint(const std::string& key, JointKind kind) {
+  const std::string& name = scalar(key);
+  const int index = domain_.findJoint(name);
+  const std::string word = kind == JointKind::kLinear ? "linear" : "rotary";
+  if (index >= 0 && domain_.joints[index].kind != kind)
+    fail(key + " '" + name + "' is not a " + word +
+         " joint; there are: " + listOf(jointNames(domain_, kind)));
+  return joint(key);
+}
+
+Direction SpecReader::direction(const std::string& key, bool approachAllowed) {
+  const std::string& name = scalar(key);
+  const int index = domain_.findJoint(name);
+  if (index >= 0) {
+    canonical_.set(key, name);
+    return {Direction::Kind::kJoint, index, name, domain_.joints[index].kind};
+  }
+  if (approachAllowed && name == "approach") {
+    canonical_.set(key, name);
+    return {Direction::Kind::kApproach, 0, name, JointKind::kLinear};
+  }
+  const auto& axes = workpieceAxes();
+  const auto found = std::find(axes.begin(), axes.end(), name);
+  if (found == axes.end()) {
+    std::vector<std::string> known = jointNames(domain_);
+    for (const std::string& axis : axes)
+      if (domain_.findJoint(axis) < 0) known.push_back(axis);
+    if (approachAllowed) known.emplace_back("approach");
+    fail(key + " '" + name + "' is no joint and no axis of the workpiece" + didYouMean(name, known) +
+         "; there are: " + listOf(known));
+  }
+  canonical_.set(key, name);
+  return {Direction::Kind::kWorkpiece, static_cast<int>(found - axes.begin()), name, JointKind::kLinear};
+}
+
+int SpecReader::workpieceAxis(const std::string& key) {
+  return find(key, "axis of the workpiece", workpieceAxes());
+}
+
+int SpecReader::sensor(const std::string& key) {
+  return find(key, "temperature sensor of the session", domain_.sensors);
+}
+
+std::pair<int, int> SpecReader::sensorPair(const std::string& key) {
+  const EffectSpec::Value* value = spec_.find(key);
+  if (value == nullptr) fail("key '" + key + "' is missing; add it");
+  if (value->items.size() != 2 || value->items[0] == value->items[1])
+    fail("key '" + key + "' must be a list of two different sensors, as [a, b]");
+  int index[2];
+  for (int i = 0; i < 2; ++i) {
+    index[i] = domain_.findSensor(value->items[i]);
+    if (index[i] < 0)
+      fail(key + ": '" + value->items[i] + "' is no temperature sensor of the session" +
+           didYouMean(value->items[i], domain_.sensors) + "; there are: " + listOf(domain_.sensors));
+  }
+  canonical_.setList(key, value->items);
+  return {index[0], index[1]};
+}
+
+int SpecReader::covariate(const std::string& key) {
+  return find(key, "covariate of the session", domain_.covariates);
+}
+
+int SpecReader::feature(const std::string& key) {
+  return find(key, "feature of the artifact", domain_.features);
+}
+
+int SpecReader::ball(const std::string& key) {
+  const int index = feature(key);
+  if (index < static_cast<int>(domain_.featureRadius.size()) && domain_.featureRadius[index] <= 0.0)
+    fail(key + " '" + domain_.features[index] + "' is a point, not a ball");
+  return index;
+}
+
+double SpecReader::number(const std::string& key, double lower, double upper, std::optional<double> absent) {
+  if (absent && !has(key)) return *absent;
+  const double value = parse(key, scalar(key));
+  if (value < lower || value > upper)
+    fail("key '" + key + "' must be within " + shortest(lower) + " and " + shortest(upper) + ", not " +
+         shortest(value));
+  if (!absent || value != *absent) canonical_.set(key, value);
+  return value;
+}
+
+int SpecReader::integer(const std::string& key, int lower, int upper, std::optional<int> absent) {
+  const double value = number(key, lower, upper, absent ? std::optional<double>(*absent) : std::nullopt);
+  if (value != std::floor(value)) fail("key '" + key + "' must be a whole number, not " + shortest(value));
+  return static_cast<int>(value);
+}
+
+bool SpecReader::flag(const std::string& key, bool absent) {
+  if (!has(key)) return absent;
+  const std::string& word = scalar(key);
+  if (word != "true" && word != "false") fail("key '" + key + "' must be true or false, not '" + word + "'");
+  if ((word == "true") != absent) canonical_.set(key, word);
+  return word == "true";
+}
+
+std::string SpecReader::choice(const std::string& key, const std::vector<std::string>& words) {
+  if (!has(key)) return words.front();
+  const std::string& word = scalar(key);
+  if (std::find(words.begin(), words.end(), word) == words.end())
+    fail("key '" + key + "' must be one of: " + listOf(words) + "; not '" + word + "'");
+  if (word != words.front()) canonical_.set(key, word);
+  return word;
+}
+
+std::string SpecReader::text(const std::string& key) {
+  canonical_.set(key, scalar(key));
+  return scalar(key);
+}
+
+std::vector<double> SpecReader::numbers(const std::string& key) {
+  const EffectSpec::Value* value = spec_.find(key);
+  if (value == nullptr) return {};
+  std::vector<double> out;
+  std::vector<std::string> items;
+  for (const std::string& item : value->items) {
+    out.push_back(parse(key, item));
+    items.push_back(shortest(out.back()));
+  }
+  canonical_.setList(key, items);
+  return out;
+}
+
+}  // namespace mm

@@ -1,0 +1,55 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "effects/direction.h"
+#include "effects/domain.h"
+#include "effects/effect_spec.h"
+
+namespace mm {
+
+/// Typed access to the keys of a spec. Every function throws InputError with one line that names the effect,
+/// the culprit, what is allowed and the nearest known name.
+class SpecReader {
+ public:
+  /// Refuses keys that are not among the allowed ones, and doubled keys.
+  SpecReader(const EffectSpec& spec, const Domain& domain, std::vector<std::string> allowed);
+
+  int joint(const std::string& key);
+  int joint(const std::string& key, JointKind kind);  ///< of this kind only
+  Direction direction(const std::string& key, bool approachAllowed = false);
+  int workpieceAxis(const std::string& key);  ///< 0, 1, 2 for x, y, z
+  int sensor(const std::string& key);
+  std::pair<int, int> sensorPair(const std::string& key);  ///< two different ones, as a list
+  int covariate(const std::string& key);
+  int feature(const std::string& key);
+  int ball(const std::string& key);
+  double number(const std::string& key, double lower, double upper, std::optional<double> absent = {});
+  int integer(const std::string& key, int lower, int upper, std::optional<int> absent = {});
+  bool flag(const std::string& key, bool absent);
+  /// One of the words; the first is taken when the key is absent.
+  std::string choice(const std::string& key, const std::vector<std::string>& words);
+  std::string text(const std::string& key);
+  std::vector<double> numbers(
+      const std::string& key);  ///< empty when absent; a single number is a list of one
+
+  bool has(const std::string& key) const { return spec_.find(key) != nullptr; }
+  const Domain& domain() const { return domain_; }
+  /// What was read, in the order read, numbers in their shortest form and defaults left out: two specs that
+  /// mean the same have the same canonical form.
+  const EffectSpec& canonical() const { return canonical_; }
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  const std::string& scalar(const std::string& key) const;
+  double parse(const std::string& key, const std::string& text) const;
+  int find(const std::string& key, const std::string& what, const std::vector<std::string>& known);
+
+  const EffectSpec& spec_;
+  const Domain& domain_;
+  EffectSpec canonical_;
+};
+
+}  // namespace mm

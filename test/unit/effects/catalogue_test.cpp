@@ -1,0 +1,309 @@
+// Properties that every effect of the registry must have, on three machines.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "effects_support.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+struct Setup {
+  Machine machine;
+  Domain domain;
+};
+
+Setup setup(int which) {
+  if (which == 0) {
+    Machine m = Machine::load("three_axis");
+    Domain d = domainOf(m, false);
+    return {m, d};
+  }
+  if (which == 1) {
+    Machine m = Machine::load("five_axis");
+    Domain d = domainOf(m, true);
+    return {m, d};
+  }
+  Machine m(panTiltUrdf(), "pan_tilt");
+  Domain d = domainOf(m, false);
+  return {m, d};
+}
+
+/// Candidates of the whole registry, and one spec for each composite or formula that fits the machine.
+std::vector<EffectSpec> everySpec(const Domain& domain, int which) {
+  std::vector<EffectSpec> specs;
+  for (const EffectType& type : effectRegistry())
+    for (const EffectSpec& spec : type.candidates(domain)) specs.push_back(spec);
+  const std::string joint = domain.joints[0].name;
+  const std::vector<std::string> more =
+      which < 2 ? std::vector<std::string>{"{type: mmt_deviation, axis: x, lead_mm: 1}",
+                                           "{type: mmt_deviation, axis: y, lead_mm: 1.5, exponent: 1, "
+                                           "amplitude_exponent: 0, argument: 1}",
+                                           "{type: formula, direction: x, formula: k1*x*y + k2*bed}",
+                                           "{type: formula, direction: z, formula: k1*exp(-t/k2)*x, start: [0, 600]}",
+                                           "{type: formula, direction: approach, formula: k1*humidity}"}
+                : std::vector<std::string>{"{type: formula, direction: pan, formula: k1*sin(tilt) + k2*cos(2*pan)}"};
+  for (const std::string& text : more) specs.push_back(specOf(text));
+  specs.push_back(EffectSpec("position_table").set("axis", joint));
+  return specs;
+}
+
+class Catalogue : public ::testing::TestWithParam<int> {
+ protected:
+  Catalogue() : setup_(setup(GetParam())), random_(3) {
+    for (const EffectSpec& spec : everySpec(setup_.domain, GetParam()))
+      effects_.push_back(createEffect(spec, setup_.domain));
+  }
+  const Machine& machine() const { return setup_.machine; }
+  const Domain& domain() const { return setup_.domain; }
+  State state() { return randomState(machine(), domain(), random_); }
+
+  /// Parameters of a plausible size about their start.
+  std::vector<double> parametersOf(const Effect& effect) {
+    std::normal_distribution<double> normal;
+    std::vector<double> p;
+    for (const Parameter& parameter : effect.parameters())
+      p.push_back(parameter.start == 0.0 ? parameter.scale * normal(random_)
+                                         : parameter.start + 0.1 * parameter.scale * normal(random_));
+    return p;
+  }
+
+  Setup setup_;
+  std::mt19937_64 random_;
+  std::vector<EffectPtr> effects_;
+};
+
+TEST_P(Catalogue, statesItsParametersAndItsWords) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    EXPECT_GT(effect->parameterCount(), 0);
+    std::set<std::string> names;
+    for (const Parameter& p : effect->parameters()) {
+      EXPECT_TRUE(names.insert(p.name).second) << p.name;
+      EXPECT_FALSE(p.unit.empty());
+      EXPECT_GT(p.toUnit, 0.0);
+      EXPECT_GT(p.scale, 0.0);
+      EXPECT_GE(p.bound, p.scale);
+      EXPECT_GE(p.start, p.minimum);
+      EXPECT_LE(p.start, p.maximum);
+    }
+    for (const std::string& words : {effect->cause(), effect->remedy(), effect->shownBy()}) {
+      EXPECT_GT(words.size(), 20U);
+      EXPECT_EQ(words.back(), '.') << words;
+      EXPECT_EQ(words.find("  "), std::string::npos) << words;
+    }
+  }
+}
+
+TEST_P(Catalogue, isZeroAtItsStart) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    for (int trial = 0; trial < 5; ++trial)
+      for (const double value : evaluate(*effect, domain(), state(), starts(*effect)).values) EXPECT_NEAR(value, 0.0, 1e-15);
+  }
+}
+
+TEST_P(Catalogue, givesFiniteErrorsWhereAllInputsAreKnown) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    double largest = 0.0;
+    for (int trial = 0; trial < 20; ++trial) {
+      const Collector sink = evaluate(*effect, domain(), state(), parametersOf(*effect));
+      for (const double value : sink.values) {
+        EXPECT_TRUE(std::isfinite(value));
+        largest = std::max(largest, std::abs(value));
+      }
+    }
+    EXPECT_GT(largest, 0.0) << "it does nothing at any of the states";
+    EXPECT_LT(largest, 1.0);
+  }
+}
+
+TEST_P(Catalogue, valuesAreTheSameWithoutDerivatives) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    const State s = state();
+    const auto p = parametersOf(*effect);
+    EXPECT_EQ(evaluate(*effect, domain(), s, p).values, evaluate(*effect, domain(), s, p, false).values);
+  }
+}
+
+TEST_P(Catalogue, derivativesMatchDifferences) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    for (int trial = 0; trial < 3; ++trial) {
+      const State s = state();
+      const auto p = parametersOf(*effect);
+      const Collector sink = evaluate(*effect, domain(), s, p);
+      for (int i = 0; i < effect->parameterCount(); ++i) {
+        const Parameter& parameter = effect->parameters()[i];
+        const double h = 1e-4 * std::min(parameter.scale, parameter.start != 0.0 ? std::abs(parameter.start) : parameter.scale);
+        std::vector<double> up = p, down = p;
+        up[i] += h;
+        down[i] -= h;
+        const auto above = evaluate(*effect, domain(), s, up, false).values;
+        const auto below = evaluate(*effect, domain(), s, down, false).values;
+        for (std::size_t slot = 0; slot < above.size(); ++slot) {
+          const double difference = (above[slot] - below[slot]) / (up[i] - down[i]);
+          const double rounding = 1e-15 * std::max(std::abs(above[slot]), std::abs(p[i] * difference)) / h;
+          EXPECT_NEAR(sink.slopes[slot][i], difference, 1e-5 * std::abs(difference) + rounding + 1e-18 / h)
+              << parameter.name << " slot " << slot;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(Catalogue, linearMeansAdditiveAndHomogeneous) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    double worst = 0.0;
+    for (int trial = 0; trial < 10; ++trial) {
+      const State s = state();
+      std::vector<double> a = parametersOf(*effect), b = parametersOf(*effect), sum(a.size());
+      const std::vector<double> none(a.size(), 0.0);
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        if (effect->parameters()[i].name.find("alpha") == 0) a[i] *= 100.0;  // where a sine is seen to be one
+        sum[i] = 3.0 * a[i] - b[i];
+      }
+      const auto fa = evaluate(*effect, domain(), s, a, false).values;
+      const auto fb = evaluate(*effect, domain(), s, b, false).values;
+      const auto fs = evaluate(*effect, domain(), s, sum, false).values;
+      const auto f0 = evaluate(*effect, domain(), s, none, false).values;
+      for (std::size_t slot = 0; slot < fa.size(); ++slot) {
+        const double size = std::abs(fa[slot]) + std::abs(fb[slot]) + 1e-12;
+        worst = std::max(worst, std::abs(fs[slot] - 3.0 * fa[slot] + fb[slot]) / size);
+        if (effect->linear()) EXPECT_EQ(f0[slot], 0.0);
+      }
+    }
+    if (effect->linear()) {
+      EXPECT_LT(worst, 1e-12);
+      EXPECT_TRUE(effect->nonlinearParameters().empty());
+      EXPECT_TRUE(effect->searchStarts().empty());
+      EXPECT_TRUE(effect->separable());
+    } else {
+      EXPECT_GT(worst, 1e-9);
+    }
+  }
+}
+
+TEST_P(Catalogue, separableMeansCoefficientTimesTheSlopeAtZero) {
+  for (const EffectPtr& effect : effects_) {
+    if (!effect->separable()) continue;
+    SCOPED_TRACE(effect->spec().yaml());
+    const State s = state();
+    const auto p = parametersOf(*effect);
+    const std::vector<double> none(p.size(), 0.0);
+    const Collector atZero = evaluate(*effect, domain(), s, none);
+    const auto values = evaluate(*effect, domain(), s, p).values;
+    for (std::size_t slot = 0; slot < values.size(); ++slot) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < p.size(); ++i)
+        sum += effect->coefficient(static_cast<int>(i), p[i]) * atZero.slopes[slot][i];
+      EXPECT_NEAR(values[slot], sum, 1e-14 * (1e-6 + std::abs(sum)));
+    }
+  }
+}
+
+TEST_P(Catalogue, searchStartsFitTheNonlinearParameters) {
+  for (const EffectPtr& effect : effects_) {
+    if (effect->linear()) continue;
+    SCOPED_TRACE(effect->spec().yaml());
+    const auto nonlinear = effect->nonlinearParameters();
+    EXPECT_FALSE(nonlinear.empty());
+    EXPECT_FALSE(effect->searchStarts().empty());
+    for (const auto& start : effect->searchStarts()) {
+      ASSERT_EQ(start.size(), nonlinear.size());
+      for (std::size_t i = 0; i < start.size(); ++i) {
+        EXPECT_GE(start[i], effect->parameters()[nonlinear[i]].minimum);
+        EXPECT_LE(start[i], effect->parameters()[nonlinear[i]].maximum);
+      }
+    }
+  }
+}
+
+/// What is not known must not pass for zero: with every optional input missing, an effect either does not use any of
+/// them, and gives what it gave before, or gives NaN.
+TEST_P(Catalogue, missingInputGivesNan) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    const State whole = state();
+    State bare = whole;
+    for (double& v : bare.velocity) v = kNan;
+    for (double& v : bare.travel) v = 0.0;
+    for (double& v : bare.temperature) v = kNan;
+    for (double& v : bare.covariate) v = kNan;
+    bare.approach.setZero();
+    bare.surfaceNormal.setZero();
+    bare.history = nullptr;
+    const auto p = parametersOf(*effect);
+    const auto before = evaluate(*effect, domain(), whole, p).values;
+    const auto after = evaluate(*effect, domain(), bare, p).values;
+    bool nan = false, same = true;
+    for (std::size_t slot = 0; slot < before.size(); ++slot) {
+      nan = nan || std::isnan(after[slot]);
+      same = same && after[slot] == before[slot];
+    }
+    EXPECT_TRUE(nan || same);
+    const std::set<std::string> needy{"backlash",          "speed_lag",       "thermal_expansion", "thermal_growth",
+                                      "thermal_bending",   "probe_lobing",    "laser_incidence",   "artifact_expansion",
+                                      "covariate_offset",  "covariate_scale"};
+    if (needy.count(effect->spec().type) != 0) EXPECT_TRUE(nan);
+  }
+}
+
+TEST_P(Catalogue, specSurvivesYaml) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    const EffectSpec again = specOf(effect->spec().yaml());
+    EXPECT_EQ(again, effect->spec());
+    EXPECT_EQ(createEffect(again, domain())->spec(), effect->spec());
+    EXPECT_EQ(effect->spec().yaml().find('\n'), std::string::npos);
+  }
+}
+
+TEST_P(Catalogue, candidatesAreCanonicalAndDifferent) {
+  std::set<std::string> seen;
+  for (const EffectType& type : effectRegistry()) {
+    for (const EffectSpec& spec : type.candidates(domain())) {
+      const EffectPtr effect = createEffect(spec, domain());
+      EXPECT_EQ(spec.type, type.type);
+      EXPECT_EQ(effect->spec(), spec) << spec.yaml();
+      EXPECT_TRUE(seen.insert(spec.yaml()).second) << spec.yaml();
+      EXPECT_FALSE(effect->composite()) << spec.yaml();
+    }
+    if (type.composite) EXPECT_TRUE(type.candidates(domain()).empty()) << type.type;
+  }
+}
+
+TEST_P(Catalogue, refusesUnknownAndDoubledKeys) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    EffectSpec unknown = effect->spec();
+    unknown.set("colour", "green");
+    try {
+      createEffect(unknown, domain());
+      ADD_FAILURE() << "accepted";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("'colour'"), std::string::npos) << error.what();
+    }
+    if (effect->spec().keys.empty()) continue;
+    EffectSpec doubled = effect->spec();
+    doubled.keys.push_back(doubled.keys.front());
+    EXPECT_THROW(createEffect(doubled, domain()), InputError);
+    EffectSpec missing = effect->spec();
+    missing.keys.erase(missing.keys.begin());
+    EXPECT_THROW(createEffect(missing, domain()), InputError);
+  }
+}
+
+std::string machineName(const ::testing::TestParamInfo<int>& info) {
+  const char* const names[] = {"three_axis", "five_axis", "pan_tilt"};
+  return names[info.param];
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, Catalogue, ::testing::Values(0, 1, 2), machineName);
+
+}  // namespace
+}  // namespace mm

@@ -1,0 +1,1 @@
+set(effects_test_dependencies yaml-cpp Threads::Threads)
