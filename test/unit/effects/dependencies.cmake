@@ -1,1 +1,1 @@
-set(effects_test_dependencies yaml-cpp Threads::Threads)
+set(effects_test_dependencies Threads::Threads)

@@ -34,9 +34,10 @@ class Collector : public ErrorSink {
   bool derivatives_;
 };
 
-inline Collector evaluate(const Effect& effect, const Domain& domain, const State& state, const std::vector<double>& p,
-                          bool derivatives = true) {
-  Collector sink(ErrorLayout(static_cast<int>(domain.joints.size())).size(), effect.parameterCount(), derivatives);
+inline Collector evaluate(const Effect& effect, const Domain& domain, const State& state,
+                          const std::vector<double>& p, bool derivatives = true) {
+  Collector sink(ErrorLayout(static_cast<int>(domain.joints.size())).size(), effect.parameterCount(),
+                 derivatives);
   effect.evaluate(state, p.data(), sink);
   return sink;
 }
