@@ -44,7 +44,7 @@ class ResidualFitness final : public GeneticFitness {
 
 bool allLinear(const Problem& problem) {
   return std::all_of(problem.model().effects().begin(), problem.model().effects().end(),
-                     [](const EffectPtr& e) { return e->linear() && e->spec().type != "laser_mount"; });
+                     [](const EffectPtr& e) { return e->separable() && e->spec().type != "laser_mount"; });
 }
 
 /// Adds one entry to a sparse set of columns.

@@ -93,7 +93,7 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
     const bool last = u == order.back();
     if (share < 0.05 && !last) continue;
     if (share < 1e-9) continue;
-    if (beforeFit && unknowns[u].kind == UnknownKind::kEffect && !problem.model().effects()[unknowns[u].owner]->linear() &&
+    if (beforeFit && unknowns[u].kind == UnknownKind::kEffect && !problem.model().effects()[unknowns[u].owner]->separable() &&
         problem.model().effects()[unknowns[u].owner]->spec().type != "laser_mount")
       continue;
     // the member of the remaining null space that u belongs to

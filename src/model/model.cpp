@@ -33,6 +33,12 @@ class Collector final : public ErrorSink {
   int offset_ = 0;
 };
 
+/// A domain that was read from a file has the joints' names and ranges; their geometry is the machine's.
+Domain withMachine(Domain domain, const Machine& machine) {
+  domain.setMachine(machine);
+  return domain;
+}
+
 std::vector<EffectPtr> create(const std::vector<EffectSpec>& specs, const Domain& domain) {
   std::vector<EffectPtr> effects;
   effects.reserve(specs.size());
@@ -43,7 +49,9 @@ std::vector<EffectPtr> create(const std::vector<EffectSpec>& specs, const Domain
 }  // namespace
 
 Model::Model(Machine machine, Domain domain, std::vector<EffectPtr> effects)
-    : machine_(std::move(machine)), domain_(std::move(domain)), effects_(std::move(effects)) {
+    : machine_(std::move(machine)),
+      domain_(withMachine(std::move(domain), machine_)),
+      effects_(std::move(effects)) {
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     offsets_.push_back(parameterCount_);
     parameterCount_ += effects_[e]->parameterCount();
@@ -52,7 +60,7 @@ Model::Model(Machine machine, Domain domain, std::vector<EffectPtr> effects)
 }
 
 Model::Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs)
-    : Model(std::move(machine), domain, create(specs, domain)) {}
+    : Model(machine, domain, create(specs, withMachine(domain, machine))) {}
 
 Eigen::VectorXd Model::start() const {
   Eigen::VectorXd start(parameterCount_);

@@ -44,7 +44,7 @@ void addRanges(const std::vector<Series>& logged, const std::vector<Observation>
 
 Domain observedDomain(const Session& session) {
   Domain domain;
-  domain.joints = session.machine.joints();
+  domain.setMachine(session.machine);
   for (int j = 0; j < session.machine.jointCount(); ++j) {
     std::vector<double> values;
     values.reserve(session.observations.size());
@@ -58,7 +58,10 @@ Domain observedDomain(const Session& session) {
             domain.sensorUpper);
   addRanges(session.covariates, session.observations, domain.covariates, domain.covariateLower,
             domain.covariateUpper);
-  for (const Feature& feature : session.artifact.features) domain.features.push_back(feature.name);
+  for (const Feature& feature : session.artifact.features) {
+    domain.features.push_back(feature.name);
+    domain.featureRadius.push_back(feature.kind == FeatureKind::kBall ? feature.radius : 0.0);
+  }
 
   bool first = true;
   for (const Observation& o : session.observations) {

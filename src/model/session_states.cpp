@@ -96,12 +96,18 @@ SessionStates::SessionStates(const Session& session, const Domain& domain) {
     else if (recorded)
       state.approach = o.approach;
     aimAt_.push_back(laser || recorded || o.kind != ObservationKind::kContact ? -1 : o.feature);
+    const bool ball = o.feature >= 0 && session.artifact.features[o.feature].kind == FeatureKind::kBall;
+    surfaceOf_.push_back(laser && ball ? o.feature : -1);
     states_.push_back(std::move(state));
   }
 }
 
 void SessionStates::aim(const std::vector<Eigen::Vector3d>& centres) {
   for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (surfaceOf_[i] >= 0) {
+      const Eigen::Vector3d spot = states_[i].tip + states_[i].orientation.col(2) * states_[i].laserReading;
+      states_[i].surfaceNormal = (spot - centres[surfaceOf_[i]]).normalized();
+    }
     if (aimAt_[i] < 0) continue;
     const Eigen::Vector3d towards = centres[aimAt_[i]] - states_[i].tip;
     const double distance = towards.norm();

@@ -23,13 +23,15 @@ class SessionStates {
   std::size_t size() const { return states_.size(); }
 
   /// Points the contacts of a touch probe whose approach was not recorded from the nominal tip to the centre
-  /// of their feature. @param centres in workpiece (m), one a feature of the session's artifact.
+  /// of their feature, and gives the contacts of a laser on a ball the surface's normal. @param centres in
+  /// workpiece (m), one a feature of the session's artifact.
   void aim(const std::vector<Eigen::Vector3d>& centres);
 
  private:
   std::shared_ptr<const SeriesHistory> history_;
   std::vector<State> states_;
-  std::vector<int> aimAt_;  // an observation: feature of the artifact to aim at, or -1
+  std::vector<int> aimAt_;      // an observation: feature of the artifact to aim at, or -1
+  std::vector<int> surfaceOf_;  // an observation: ball whose surface a laser sees, or -1
 };
 
 /// The session's temperatures in the order of the domain's sensors; empty series for those it does not have.
