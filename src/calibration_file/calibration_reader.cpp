@@ -101,13 +101,6 @@ void readDomain(YamlKeys in, Domain& d) {
     YamlKeys keys = in.item(joints[j], "domain.joints", j);
     Joint joint;
     joint.name = keys.text("name");
-    const std::string kind = keys.text("kind");
-    if (kind != "linear" && kind != "rotary")
-      keys.refuse(joints[j], "'kind' must be linear or rotary, not " + kind);
-    joint.kind = kind == "rotary" ? JointKind::kRotary : JointKind::kLinear;
-    joint.lower = keys.number("limit_lower_si");
-    joint.upper = keys.number("limit_upper_si");
-    joint.maxVelocity = keys.number("limit_velocity_si");
     d.joints.push_back(joint);
     d.lower.push_back(keys.number("observed_lower_si"));
     d.upper.push_back(keys.number("observed_upper_si"));
@@ -117,6 +110,7 @@ void readDomain(YamlKeys in, Domain& d) {
   readRanges(in, "sensors", "_degC", d.sensors, d.sensorLower, d.sensorUpper);
   readRanges(in, "covariates", "", d.covariates, d.covariateLower, d.covariateUpper);
   for (const YAML::Node& name : in.list("features")) d.features.push_back(name.Scalar());
+  d.featureRadius = in.numbers("feature_radii_m");
   d.duration = in.number("duration_s");
   d.maxSpeed = in.number("max_speed_si");
   d.tipLower = vectorOf(in, "tip_lower_m");
@@ -180,6 +174,16 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   return c;
 }
 
+/// Kinds, axes and limits of the joints are those of the URDF, which is in the file.
+void addMachine(Calibration& c, const std::string& source) {
+  const Machine machine(c.urdf, c.machineName);
+  bool same = machine.joints().size() == c.domain.joints.size();
+  for (std::size_t j = 0; same && j < machine.joints().size(); ++j)
+    same = machine.joints()[j].name == c.domain.joints[j].name;
+  if (!same) throw InputError(source + ": 'domain.joints' are not the joints of 'urdf'; calibrate again");
+  c.domain.setMachine(machine);
+}
+
 /// The first line must be the checksum of all that follows it.
 void checkIntegrity(const std::string& text, const std::string& source) {
   const std::string remedy = "; take an undamaged copy or calibrate again (mm history lists what is kept)";
@@ -202,7 +206,9 @@ void checkIntegrity(const std::string& text, const std::string& source) {
 Calibration parseCalibration(const std::string& text, const std::string& source) {
   checkIntegrity(text, source);
   try {
-    return readAll(YAML::Load(text), source);
+    Calibration calibration = readAll(YAML::Load(text), source);
+    addMachine(calibration, source);
+    return calibration;
   } catch (const YAML::Exception& e) {
     throw InputError(source + ":" + std::to_string(e.mark.line + 1) + ": not valid YAML: " + e.msg);
   } catch (const InputError& e) {

@@ -102,13 +102,8 @@ void ranges(YAML::Emitter& out, const char* key, const char* unit, const std::ve
 void domain(YAML::Emitter& out, const Domain& d) {
   out << Key << "domain" << Value << BeginMap << Key << "joints" << Value << BeginSeq;
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
-    const Joint& joint = d.joints[j];
     out << BeginMap;
-    text(out, "name", joint.name);
-    text(out, "kind", joint.kind == JointKind::kRotary ? "rotary" : "linear");
-    number(out, "limit_lower_si", joint.lower);
-    number(out, "limit_upper_si", joint.upper);
-    number(out, "limit_velocity_si", joint.maxVelocity);
+    text(out, "name", d.joints[j].name);
     number(out, "observed_lower_si", d.lower[j]);
     number(out, "observed_upper_si", d.upper[j]);
     out << Key << "positions_si" << Value;
@@ -120,7 +115,8 @@ void domain(YAML::Emitter& out, const Domain& d) {
   ranges(out, "covariates", "", d.covariates, d.covariateLower, d.covariateUpper);
   out << Key << "features" << Value << Flow << BeginSeq;
   for (const std::string& name : d.features) out << name;
-  out << EndSeq;
+  out << EndSeq << Key << "feature_radii_m" << Value;
+  numbers(out, d.featureRadius);
   number(out, "duration_s", d.duration);
   number(out, "max_speed_si", d.maxSpeed);
   out << Key << "tip_lower_m" << Value;

@@ -95,8 +95,9 @@ SessionStates::SessionStates(const Session& session, const Domain& domain) {
       state.approach = nominal.orientation.col(2);
     else if (recorded)
       state.approach = o.approach;
-    aimAt_.push_back(laser || recorded || o.kind != ObservationKind::kContact ? -1 : o.feature);
+    // The direction from a tip to a point that it reached would be noise.
     const bool ball = o.feature >= 0 && session.artifact.features[o.feature].kind == FeatureKind::kBall;
+    aimAt_.push_back(ball && !laser && !recorded && o.kind == ObservationKind::kContact ? o.feature : -1);
     surfaceOf_.push_back(laser && ball ? o.feature : -1);
     states_.push_back(std::move(state));
   }

@@ -1,0 +1,172 @@
+#include "calibration_file/calibration_store.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <random>
+
+#include "calibration_file/atomic_file.h"
+#include "machine/error.h"
+#include "example_calibration.h"
+
+namespace mm {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Store : public testing::Test {
+ protected:
+  Store() : folder_(fs::temp_directory_path() / ("mm_store_" + std::to_string(::getpid()))), store_(folder_) {
+    fs::remove_all(folder_);
+  }
+  ~Store() override { fs::remove_all(folder_); }
+
+  std::string add(double rms) {
+    Calibration c = test::exampleCalibration(rms);
+    return store_.add(c);
+  }
+  void damage(const std::string& id) {
+    std::fstream file(folder_ / (id + ".yaml"), std::ios::in | std::ios::out);
+    file.seekp(500);
+    file.put('#');
+  }
+  double activeRms() { return store_.active().calibration->rms; }
+
+  fs::path folder_;
+  CalibrationStore store_;
+};
+
+TEST_F(Store, isEmptyWithoutAFolder) {
+  EXPECT_FALSE(store_.active().calibration.has_value());
+  EXPECT_FALSE(store_.candidate().calibration.has_value());
+  EXPECT_TRUE(store_.history().empty());
+  EXPECT_THROW(store_.promote(), InputError);
+  EXPECT_THROW(store_.rollback(), InputError);
+}
+
+TEST_F(Store, keepsPromotesAndRollsBack) {
+  const std::string first = add(1e-6);
+  EXPECT_FALSE(store_.active().calibration.has_value());
+  EXPECT_EQ(store_.candidate().calibration->rms, 1e-6);
+  EXPECT_EQ(store_.promote(), first);
+  EXPECT_EQ(activeRms(), 1e-6);
+  EXPECT_FALSE(store_.candidate().calibration.has_value());
+
+  const std::string second = add(2e-6), third = add(3e-6);
+  EXPECT_EQ(activeRms(), 1e-6);
+  EXPECT_EQ(store_.candidate().calibration->id, third);
+  EXPECT_EQ(store_.promote(second), second);
+  EXPECT_EQ(store_.promote(), third);
+  EXPECT_EQ(activeRms(), 3e-6);
+  EXPECT_EQ(store_.rollback(), second);
+  EXPECT_EQ(store_.rollback(), first);
+  EXPECT_EQ(activeRms(), 1e-6);
+  EXPECT_THROW(store_.rollback(), InputError);
+  EXPECT_EQ(store_.rollback(third), third);
+  EXPECT_EQ(store_.rollback(), first);
+
+  const auto history = store_.history();
+  ASSERT_EQ(history.size(), 3u);
+  int active = 0;
+  for (const auto& entry : history) active += entry.active && entry.id == first;
+  EXPECT_EQ(active, 1);
+}
+
+TEST_F(Store, givesTwoCalibrationsOfOneIdTwoFiles) {
+  Calibration a = test::exampleCalibration(1e-6), b = test::exampleCalibration(2e-6);
+  a.id = b.id = "mine";
+  EXPECT_EQ(store_.add(a), "mine");
+  EXPECT_EQ(store_.add(a), "mine");
+  EXPECT_EQ(store_.add(b), "mine-2");
+  EXPECT_EQ(store_.load("mine").rms, 1e-6);
+  EXPECT_EQ(store_.load("mine-2").rms, 2e-6);
+}
+
+TEST_F(Store, refusesIdsThatLeadElsewhere) {
+  add(1e-6);
+  for (const char* id : {"../active", "a/b", ".hidden", "a b"})
+    EXPECT_THROW(store_.promote(id), InputError) << id;
+  EXPECT_THROW(store_.promote("absent"), InputError);
+}
+
+TEST_F(Store, refusesADamagedFileByNameAndKeepsTheLastGoodOneActive) {
+  const std::string first = add(1e-6);
+  store_.promote();
+  const std::string second = add(2e-6);
+  store_.promote();
+  const std::string third = add(3e-6);
+  damage(third);
+  EXPECT_THROW(store_.promote(third), InputError);
+  EXPECT_NE(store_.candidate().warning.find(third), std::string::npos);
+  EXPECT_EQ(activeRms(), 2e-6);
+
+  damage(second);
+  const auto active = store_.active();
+  ASSERT_TRUE(active.calibration.has_value());
+  EXPECT_EQ(active.calibration->rms, 1e-6);
+  EXPECT_NE(active.warning.find(second + ".yaml"), std::string::npos) << active.warning;
+  EXPECT_NE(active.warning.find("'" + first + "' is active instead"), std::string::npos) << active.warning;
+  EXPECT_TRUE(store_.active().warning.empty());  // it stays so
+  EXPECT_EQ(fs::read_symlink(folder_ / "active"), first + ".yaml");
+
+  fs::remove(folder_ / (first + ".yaml"));
+  EXPECT_THROW(store_.active(), InputError);
+}
+
+TEST_F(Store, namesTheDefaultFolder) {
+  ::setenv("MM_CALIBRATIONS", "/tmp/mine", 1);
+  EXPECT_EQ(CalibrationStore::defaultFolder(), "/tmp/mine");
+  ::unsetenv("MM_CALIBRATIONS");
+  ::setenv("HOME", "/home/somebody", 1);
+  EXPECT_EQ(CalibrationStore::defaultFolder(), "/home/somebody/.measuring_machine/calibrations");
+}
+
+TEST_F(Store, losesNothingWhenKilledAtAnyMoment) {
+  add(1e-6);
+  store_.promote();
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> wait(0, 30000);
+  for (int kill = 0; kill < 20; ++kill) {
+    const std::size_t kept = store_.history().size();
+    int whole[2];
+    ASSERT_EQ(::pipe(whole), 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      for (int i = 2;; ++i) {
+        Calibration c = test::exampleCalibration(i * 1e-6);
+        store_.add(c);
+        store_.promote();
+        if (i % 3 == 0) store_.rollback();
+        if (::write(whole[1], "w", 1) != 1) _exit(1);
+      }
+    }
+    char done = 0;
+    ASSERT_EQ(::read(whole[0], &done, 1), 1);  // at work by now
+    ::usleep(static_cast<useconds_t>(wait(random)));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    ::close(whole[0]);
+    ::close(whole[1]);
+
+    const auto active = store_.active();
+    ASSERT_TRUE(active.calibration.has_value());
+    EXPECT_TRUE(active.warning.empty()) << active.warning;
+    const auto history = store_.history();
+    EXPECT_GT(history.size(), kept);
+    for (const auto& entry : history) EXPECT_TRUE(entry.damaged.empty()) << entry.damaged;
+  }
+  add(99e-6);
+  store_.promote();
+  EXPECT_EQ(activeRms(), 99e-6);
+  for (const auto& item : fs::directory_iterator(folder_))
+    EXPECT_EQ(item.path().string().find(kTemporaryMark), std::string::npos) << item.path();
+}
+
+}  // namespace
+}  // namespace mm

@@ -1,0 +1,202 @@
+#include "calibration_file/calibration_yaml.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "calibration_file/atomic_file.h"
+#include "calibration_file/checksum.h"
+#include "calibration_file/number_text.h"
+#include "machine/error.h"
+#include "example_calibration.h"
+
+namespace mm {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool sameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+template <typename Call>
+std::string refusal(const Call& call) {
+  try {
+    call();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+/// The text with one thing changed and a checksum that fits it again.
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  text = text.substr(text.find('\n') + 1);
+  const std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("test: nothing to change: " + from);
+  text.replace(at, from.size(), to);
+  return "checksum: crc64-" + checksumOf(text) + "\n" + text;
+}
+
+fs::path freshFolder(const std::string& name) {
+  const fs::path folder = fs::temp_directory_path() / ("mm_" + name + "_" + std::to_string(::getpid()));
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+TEST(Checksum, isCrc64Xz) {
+  EXPECT_EQ(checksumOf("123456789"), "995dc9bbdf1939fa");  // check value of the CRC catalogue
+  EXPECT_EQ(checksumOf(""), "0000000000000000");
+}
+
+TEST(NumberText, readsBackToTheBit) {
+  for (const double v : {0.1, -0.0, 1.0 / 3.0, 5e-324, 1.7976931348623157e308, 123456789.0}) {
+    double read = 7;
+    ASSERT_TRUE(parseNumber(numberText(v), read));
+    EXPECT_TRUE(sameBits(read, v)) << numberText(v);
+  }
+  double read = 0;
+  EXPECT_TRUE(parseNumber(".nan", read) && read != read);
+  for (const char* bad : {"", "1.0x", "nan", "inf", "1 2", "1e999", "0x10"})
+    EXPECT_FALSE(parseNumber(bad, read)) << bad;
+}
+
+TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
+  Calibration c = test::exampleCalibration();
+  completeCalibration(c);
+  const std::string text = calibrationYaml(c);
+  const Calibration r = parseCalibration(text, "c.yaml");
+  EXPECT_EQ(calibrationYaml(r), text);
+  EXPECT_EQ(r.id, c.id);
+  EXPECT_EQ(r.urdf, c.urdf);
+  EXPECT_EQ(r.effects, c.effects);
+  EXPECT_EQ(r.domain.features, c.domain.features);
+  EXPECT_EQ(r.domain.sensors, c.domain.sensors);
+  EXPECT_EQ(r.domain.positions, c.domain.positions);
+  EXPECT_EQ(r.domain.featureRadius, c.domain.featureRadius);
+  EXPECT_EQ(r.domain.joints[1].upper, 0.035);
+  EXPECT_EQ(r.domain.lower, c.domain.lower);
+  EXPECT_EQ(r.domain.tipUpper, c.domain.tipUpper);
+  EXPECT_TRUE(std::isnan(r.domain.sensorLower[1]));
+  EXPECT_EQ(r.covariance, c.covariance);
+  EXPECT_EQ(r.seed, c.seed);
+  ASSERT_EQ(r.values.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(sameBits(r.values[i].value, c.values[i].value));
+    EXPECT_TRUE(sameBits(r.values[i].std, c.values[i].std));
+    EXPECT_EQ(r.values[i].name, c.values[i].name);
+    EXPECT_EQ(r.values[i].fixed, c.values[i].fixed);
+  }
+  EXPECT_TRUE(std::isnan(r.rmsAngular));
+  ASSERT_EQ(r.ledger.size(), 2u);
+  EXPECT_EQ(r.ledger[1].effect, c.effects[1]);
+  EXPECT_TRUE(r.ledger[0].effect.type.empty());
+  EXPECT_EQ(r.ledger[1].calibration, c.ledger[1].calibration);
+}
+
+TEST(CalibrationYaml, keepsACovarianceThatIsNotSymmetricAndAnUrdfOfAnyText) {
+  Calibration c = test::exampleCalibration();
+  c.covariance(0, 2) = 0.25;
+  for (const char* urdf :
+       {"", "<robot>\r\n\t<a/></robot>", "<a>\n\n  b\n</a>\n\n", "  <a/>\n", "<a>\xc3\xa9</a>\n"}) {
+    c.urdf = urdf;
+    const Calibration r = parseCalibration(calibrationYaml(c), "c.yaml");
+    EXPECT_EQ(r.urdf, c.urdf);
+    EXPECT_EQ(r.covariance, c.covariance);
+  }
+}
+
+TEST(CalibrationYaml, saysValuesInTheUnitOfPeople) {
+  EXPECT_NE(calibrationYaml(test::exampleCalibration()).find("# -123.457 +- 0.3 um/m"), std::string::npos);
+}
+
+TEST(CalibrationYaml, findsEveryChangedByteAndEveryCut) {
+  Calibration c = test::exampleCalibration();
+  completeCalibration(c);
+  const std::string text = calibrationYaml(c);
+  for (std::size_t i = 0; i < text.size(); i += 7) {
+    std::string damaged = text;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x04);
+    EXPECT_NE(refusal([&] { parseCalibration(damaged, "c.yaml"); }).find("c.yaml"), std::string::npos)
+        << "byte " << i;
+    EXPECT_THROW(parseCalibration(text.substr(0, i), "c.yaml"), InputError) << "cut at " << i;
+  }
+  EXPECT_NE(refusal([&] { parseCalibration("", "c.yaml"); }).find("empty"), std::string::npos);
+  EXPECT_NE(
+      refusal([&] { parseCalibration("machine: three_axis\n", "m.yaml"); }).find("not a calibration file"),
+      std::string::npos);
+}
+
+TEST(CalibrationYaml, refusesByName) {
+  const std::string text = calibrationYaml(test::exampleCalibration());
+  const auto says = [&](const std::string& from, const std::string& to) {
+    const std::string bad = changed(text, from, to);
+    return refusal([&] { parseCalibration(bad, "c.yaml"); });
+  };
+  EXPECT_NE(says("method: ", "metod: x\n  method: ").find("unknown key 'metod'"), std::string::npos);
+  EXPECT_NE(says("  duration_s: 1234.5\n", "").find("'duration_s' is missing"), std::string::npos);
+  EXPECT_NE(says("duration_s: 1234.5", "duration_s: long").find("'duration_s' must be a number"),
+            std::string::npos);
+  EXPECT_NE(says("schema: 1", "schema: 2").find("schema 2"), std::string::npos);
+  EXPECT_NE(says("- name: y", "- name: w").find("joints of 'urdf'"), std::string::npos);
+  EXPECT_NE(says("{effect: 1, name: k2", "{effect: 9, name: k2").find("k2"), std::string::npos);
+  EXPECT_NE(says("laser: false", "laser: false\n  laser: true").find("'laser' is given twice"),
+            std::string::npos);
+  EXPECT_NE(says("seed: 18446744073709551615", "seed: -1").find("seed"), std::string::npos);
+  EXPECT_NE(says("seed: ", "seed: [").find("c.yaml"), std::string::npos);
+}
+
+TEST(CalibrationYaml, doesNotWriteWhatContradictsItself) {
+  Calibration c = test::exampleCalibration();
+  c.values.pop_back();
+  EXPECT_THROW(calibrationYaml(c), InputError);
+}
+
+TEST(SaveCalibration, writesOneFileAndNothingBeside) {
+  const fs::path folder = freshFolder("save");
+  Calibration c = test::exampleCalibration();
+  saveCalibration(c, folder / "c.yaml");
+  EXPECT_FALSE(c.id.empty());
+  EXPECT_FALSE(c.software.empty());
+  EXPECT_EQ(loadCalibration(folder / "c.yaml").id, c.id);
+  saveCalibration(c, folder / "c.yaml");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+  const std::string nowhere = refusal([&] { saveCalibration(c, folder / "no" / "c.yaml"); });
+  EXPECT_NE(nowhere.find("create the folder"), std::string::npos) << nowhere;
+  EXPECT_NE(refusal([&] { saveCalibration(c, folder); }).find("is a folder"), std::string::npos);
+  EXPECT_NE(refusal([&] { loadCalibration(folder / "absent.yaml"); }).find("absent.yaml"), std::string::npos);
+  fs::remove_all(folder);
+}
+
+TEST(SaveCalibration, keepsTheOldFileWhenTheDiskIsFull) {
+  const fs::path folder = freshFolder("full");
+  Calibration c = test::exampleCalibration();
+  saveCalibration(c, folder / "c.yaml");
+  const std::string before = readFile(folder / "c.yaml");
+  const pid_t child = ::fork();
+  if (child == 0) {  // a limit of file sizes stands in for a full disk
+    const rlimit small{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &small);
+    c.rms = 1.0;
+    const std::string what = refusal([&] { saveCalibration(c, folder / "c.yaml"); });
+    const bool clear = what.find("c.yaml") != std::string::npos && what.find("ulimit") != std::string::npos;
+    _exit(clear ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(readFile(folder / "c.yaml"), before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+  if (fs::exists("/dev/full"))
+    EXPECT_NE(refusal([&] { writeFileAtomically("/dev/full", "text"); }).find("make room"),
+              std::string::npos);
+  EXPECT_TRUE(!fs::exists("/dev/full") || fs::is_character_file("/dev/full"));
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace mm
