@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,8 @@ struct Calibration {
 
   std::string sessionSource;
   std::string sessionHash;
+  /// Stamp of the session's start, s: what `t = 0` is on the clock of its source. NaN: not known.
+  double sessionEpoch = std::numeric_limits<double>::quiet_NaN();
   std::string method;
   std::uint64_t seed = 0;
   std::int64_t observations = 0;

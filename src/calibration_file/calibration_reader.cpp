@@ -65,14 +65,15 @@ void readModel(YamlKeys& root, Calibration& c) {
   const std::size_t n = c.values.size();
   if (rows.size() != n) root.refuse(root.take("covariance_si"), "'covariance_si' needs one row a parameter");
   c.covariance.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  bool triangle = false;  // as the first row
   for (std::size_t i = 0; i < n; ++i) {
     const std::vector<double> row = root.numbersOf(rows[i], "covariance_si");
-    if (row.size() != n && row.size() != i + 1)
+    if (i == 0) triangle = row.size() == 1;
+    if (row.size() != (triangle ? i + 1 : n))
       root.refuse(rows[i], "a row of 'covariance_si' has the wrong length");
     for (std::size_t j = 0; j < row.size(); ++j) {
       c.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = row[j];
-      if (row.size() == i + 1)
-        c.covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) = row[j];
+      if (triangle) c.covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) = row[j];
     }
   }
 }
@@ -155,6 +156,7 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   YamlKeys session = root.map("session");
   c.sessionSource = session.text("source");
   c.sessionHash = session.text("hash");
+  c.sessionEpoch = session.number("epoch_s");
   c.method = session.text("method");
   c.seed = integer<std::uint64_t>(session, "seed");
   c.observations = integer<std::int64_t>(session, "observations");

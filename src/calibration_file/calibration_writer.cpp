@@ -178,6 +178,7 @@ std::string content(const Calibration& c) {
   out << Key << "session" << Value << BeginMap;
   text(out, "source", c.sessionSource);
   text(out, "hash", c.sessionHash);
+  number(out, "epoch_s", c.sessionEpoch);
   text(out, "method", c.method);
   out << Key << "seed" << Value << std::to_string(c.seed);
   out << Key << "observations" << Value << std::to_string(c.observations) << EndMap;

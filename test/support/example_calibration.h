@@ -7,7 +7,6 @@
 namespace mm::test {
 
 /// A calibration with a value in every field, awkward numbers among them.
-
 inline Calibration exampleCalibration(double rms = 0.31e-6) {
   Calibration c;
   const Machine machine = Machine::load("three_axis");
@@ -43,6 +42,7 @@ inline Calibration exampleCalibration(double rms = 0.31e-6) {
   c.covariance << 9e-14, 1.0 / 7.0, 0, 1.0 / 7.0, 2, 0, 0, 0, 0;
   c.sessionSource = "plate session.bag";
   c.sessionHash = "00ff";
+  c.sessionEpoch = 1000000012.5;
   c.method = "staged_mutation";
   c.seed = 18446744073709551615ull;
   c.observations = 16310;

@@ -12,8 +12,8 @@
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/checksum.h"
 #include "calibration_file/number_text.h"
-#include "machine/error.h"
 #include "example_calibration.h"
+#include "machine/error.h"
 
 namespace mm {
 namespace {
@@ -84,6 +84,7 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
   EXPECT_TRUE(std::isnan(r.domain.sensorLower[1]));
   EXPECT_EQ(r.covariance, c.covariance);
   EXPECT_EQ(r.seed, c.seed);
+  EXPECT_EQ(r.sessionEpoch, c.sessionEpoch);
   ASSERT_EQ(r.values.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(sameBits(r.values[i].value, c.values[i].value));
@@ -101,9 +102,9 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
 TEST(CalibrationYaml, keepsACovarianceThatIsNotSymmetricAndAnUrdfOfAnyText) {
   Calibration c = test::exampleCalibration();
   c.covariance(0, 2) = 0.25;
-  for (const char* urdf :
-       {"", "<robot>\r\n\t<a/></robot>", "<a>\n\n  b\n</a>\n\n", "  <a/>\n", "<a>\xc3\xa9</a>\n"}) {
-    c.urdf = urdf;
+  const std::string urdf = c.urdf;
+  for (const char* tail : {"", "\n\n", "<!--\r\n\t x-->", "<!-- \xc3\xa9: 'a' # -->\n", "  "}) {
+    c.urdf = urdf + tail;
     const Calibration r = parseCalibration(calibrationYaml(c), "c.yaml");
     EXPECT_EQ(r.urdf, c.urdf);
     EXPECT_EQ(r.covariance, c.covariance);
@@ -191,9 +192,10 @@ TEST(SaveCalibration, keepsTheOldFileWhenTheDiskIsFull) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   EXPECT_EQ(readFile(folder / "c.yaml"), before);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
-  if (fs::exists("/dev/full"))
+  if (fs::exists("/dev/full")) {
     EXPECT_NE(refusal([&] { writeFileAtomically("/dev/full", "text"); }).find("make room"),
               std::string::npos);
+  }
   EXPECT_TRUE(!fs::exists("/dev/full") || fs::is_character_file("/dev/full"));
   fs::remove_all(folder);
 }

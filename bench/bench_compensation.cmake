@@ -1,0 +1,1 @@
+set(bench_compensation_dependencies compensation)
