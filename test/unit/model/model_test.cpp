@@ -93,7 +93,6 @@ TEST(SessionStates, areTheInputsAtEachObservation) {
 
   states.aim({{0, 0, 0}, {0.0, 0.0, 0.010}});
   EXPECT_LT((states[0].approach - Eigen::Vector3d(-1, 0, 1).normalized()).norm(), 1e-12);
-  EXPECT_LT((states[0].surfaceNormal + states[0].approach).norm(), 1e-12);
   EXPECT_EQ(states[2].approach, Eigen::Vector3d(0, -1, 0));  // recorded
 }
 
@@ -166,7 +165,7 @@ TEST_P(Derivatives, agreeWithCentralDifferences) {
     const ProbePose pose = model.corrected(state, p.data(), work, &byParameter);
     EXPECT_EQ((model.corrected(state, p.data(), work).position - pose.position).norm(), 0.0);
     for (int k = 0; k < p.size(); ++k) {
-      const double h = 1e-2 * model.parameter(k).scale;
+      const double h = 2e-4 * model.parameter(k).scale;
       Eigen::VectorXd up = p, down = p;
       up[k] += h;
       down[k] -= h;
