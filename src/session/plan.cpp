@@ -1,0 +1,176 @@
+#include "session/plan.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "machine/error.h"
+#include "machine/units.h"
+#include "session/artifact_file.h"
+#include "session/plan_builder.h"
+#include "session/plan_generators.h"
+#include "session/yaml_mapping.h"
+
+namespace mm {
+namespace {
+
+const std::vector<std::string> kSections = {"touch", "postures", "reference", "moves"};
+
+void readArtifact(const YamlMapping& root, const std::filesystem::path& folder, Plan& plan) {
+  if (!root.has("artifact")) return;  // interferometer runs need none
+  const YAML::Node node = root.node("artifact");
+  if (!node.IsScalar()) {
+    plan.artifact = parseArtifact(
+        YAML::Dump(node), plan.source + " (artifact at line " + std::to_string(root.line("artifact")) + ")");
+    return;
+  }
+  const std::filesystem::path file = node.Scalar();
+  plan.artifact = loadArtifact(file.is_absolute() ? file : folder / file);
+}
+
+void readSettings(const YamlMapping& root, Plan& plan, PlanBuilder& builder) {
+  const Machine& machine = builder.machine();
+  if (root.has("speeds")) {
+    const YamlMapping speeds(root.node("speeds"), plan.source, "speeds",
+                             {"rapid_mm_s", "rapid_deg_s", "approach_mm_s"});
+    if (speeds.has("rapid_mm_s")) plan.rapid = speeds.number("rapid_mm_s", kMillimetre, 1e-3, 1e4);
+    if (speeds.has("rapid_deg_s")) plan.rapidRotary = speeds.number("rapid_deg_s", kDegree, 1e-3, 1e4);
+    if (speeds.has("approach_mm_s"))
+      builder.approachSpeed = speeds.number("approach_mm_s", kMillimetre, 1e-3, 1e4);
+  }
+  if (root.has("approach")) {
+    const YamlMapping approach(root.node("approach"), plan.source, "approach",
+                               {"distance_mm", "overtravel_mm", "overrun_mm", "overrun_deg"});
+    if (approach.has("distance_mm"))
+      builder.approachDistance = approach.number("distance_mm", kMillimetre, 0.01, 1e3);
+    if (approach.has("overtravel_mm"))
+      builder.overtravel = approach.number("overtravel_mm", kMillimetre, 0.01, 1e3);
+    if (approach.has("overrun_mm")) builder.overrun = approach.number("overrun_mm", kMillimetre, 0.0, 1e3);
+    if (approach.has("overrun_deg"))
+      builder.overrunRotary = approach.number("overrun_deg", kDegree, 0.0, 90.0);
+  }
+  if (root.has("clearance")) {
+    const YamlMapping clearance(root.node("clearance"), plan.source, "clearance", jointKeys(machine));
+    const std::vector<double> readings =
+        readingsOf(clearance, machine, std::vector<double>(machine.joints().size(), kNotMeasured));
+    for (int j = 0; j < machine.jointCount(); ++j)
+      if (!std::isnan(readings[j])) builder.clearance[j] = readings[j];
+  }
+  if (root.has("probe")) {
+    const std::string probe = root.text("probe");
+    if (probe != "touch" && probe != "laser")
+      root.fail("probe", "is '" + probe + "', but must be touch or laser");
+    plan.laser = probe == "laser";
+  }
+}
+
+std::vector<int> sidesOf(const YamlMapping& move, const Machine& machine) {
+  std::vector<int> sides(machine.joints().size(), 0);
+  if (!move.has("from")) return sides;
+  std::vector<std::string> names;
+  for (const Joint& joint : machine.joints()) names.push_back(joint.name);
+  const YamlMapping from(move.node("from"), move.source(), "from", names);
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (!from.has(names[j])) continue;
+    const double side = from.number(names[j], 1.0);
+    if (side != 1.0 && side != -1.0) from.fail(names[j], "must be -1 (from below) or +1 (from above)");
+    sides[j] = static_cast<int>(side);
+  }
+  return sides;
+}
+
+void readMove(const YAML::Node& node, const Plan& plan, PlanBuilder& builder) {
+  const Machine& machine = builder.machine();
+  std::vector<std::string> known = jointKeys(machine);
+  for (const char* key : {"feature", "approach", "speed_mm_s", "wait_s", "from", "reference", "setup"})
+    known.push_back(key);
+  const YamlMapping move(node, plan.source, "a move", known);
+  builder.at(move.line(), "a move");
+  const std::vector<double> position = readingsOf(move, machine, builder.current());
+  const std::vector<int> sides = sidesOf(move, machine);
+  const double wait = move.has("wait_s") ? move.number("wait_s", 1.0, 0.0, 1e6) : 0.0;
+  const double speed = move.has("speed_mm_s") ? move.number("speed_mm_s", kMillimetre, 1e-3, 1e4) : 0.0;
+  if (move.has("reference") && move.has("feature"))
+    move.fail("reference", "and 'feature' exclude each other");
+  if (move.has("approach") && !move.has("feature")) move.fail("approach", "needs a 'feature' to touch");
+  if (move.has("setup") && !move.has("reference")) move.fail("setup", "is for a 'reference'");
+  if (move.has("feature")) {
+    const int feature = plan.artifact.findFeature(move.text("feature"));
+    if (feature < 0)
+      move.fail("feature",
+                "'" + move.text("feature") + "' is not in the artifact '" + plan.artifact.name + "'");
+    const Eigen::Vector3d approach =
+        move.has("approach") ? move.vector("approach", 1.0) : Eigen::Vector3d::Zero();
+    if (!plan.laser) {
+      builder.touchFrom(feature, position, approach, speed > 0.0 ? speed : builder.approachSpeed, sides,
+                        wait);
+    } else {
+      if (move.has("approach"))
+        move.fail("approach", "is for a touch probe, but the plan's probe is a laser");
+      builder.comeFrom(sides, position);
+      builder.readLaser(feature, position, wait);
+    }
+    return;
+  }
+  builder.comeFrom(sides, position);
+  if (!move.has("reference")) return builder.go(position, speed, wait);
+  const std::string what = move.text("reference"), setup = move.has("setup") ? move.text("setup") : "";
+  if (what == "position") return builder.reference(MoveKind::kPosition, -1, position, speed, wait, setup);
+  const int joint = machine.findJoint(what);
+  if (joint < 0) move.fail("reference", "is '" + what + "', but must be position or a joint of the machine");
+  builder.reference(MoveKind::kDeviation, joint, position, speed, wait, setup);
+}
+
+}  // namespace
+
+Plan Plan::parse(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
+                 const Machine& machine) {
+  Plan plan;
+  plan.source = source;
+  plan.text = yaml;
+  const YAML::Node node = YamlMapping::load(yaml, source);
+  if (!node.IsMap())
+    throw InputError(
+        source + ":1: a plan is a mapping with 'artifact' and 'touch', 'postures', 'reference' or 'moves'");
+  const YamlMapping root(node, source, "the plan",
+                         {"name", "artifact", "probe", "speeds", "approach", "clearance", "touch", "postures",
+                          "reference", "moves", "instrument"});
+  plan.name = root.has("name") ? root.text("name") : std::filesystem::path(source).stem().string();
+  readArtifact(root, folder, plan);
+  PlanBuilder builder(plan, machine);
+  readSettings(root, plan, builder);
+  for (const std::string& key : root.keys()) {
+    if (std::find(kSections.begin(), kSections.end(), key) == kSections.end()) continue;
+    if (key == "touch" && plan.laser) root.fail(key, "needs a touch probe, but the plan's probe is a laser");
+    if (key == "postures" && !plan.laser) root.fail(key, "needs 'probe: laser'");
+    const YAML::Node section = root.node(key);
+    if (key == "touch") expandTouch(section, builder);
+    if (key == "postures") expandPostures(section, builder);
+    if (key == "reference") expandReference(section, builder);
+    if (key != "moves") continue;
+    if (!section.IsSequence()) root.fail(key, "must be a list");
+    for (const YAML::Node& move : section) readMove(move, plan, builder);
+  }
+  if (plan.measurements() == 0)
+    throw InputError(source + ": the plan measures nothing; give touch, postures, reference or moves");
+  return plan;
+}
+
+Plan Plan::load(const std::filesystem::path& file, const Machine& machine) {
+  std::ifstream in(file);
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError(file.string() + ": the plan cannot be read; check its path");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return parse(text.str(), file.string(), file.parent_path(), machine);
+}
+
+int Plan::measurements() const {
+  return static_cast<int>(
+      std::count_if(moves.begin(), moves.end(), [](const PlanMove& m) { return m.kind != MoveKind::kGo; }));
+}
+
+}  // namespace mm

@@ -1,0 +1,54 @@
+#pragma once
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "session/session.h"
+
+namespace mm {
+
+enum class MoveKind {
+  kGo,         // only goes there
+  kTouch,      // goes to `position`, then straight towards `target` until the probe trips, then back to
+               // `position`
+  kLaser,      // goes there and reads the laser
+  kDeviation,  // goes there and has an independent instrument measure the deviation of `joint`
+  kPosition,   // goes there and has an independent instrument measure the position
+};
+
+/// One step of a measurement. SI units; readings one a joint.
+struct PlanMove {
+  MoveKind kind = MoveKind::kGo;
+  std::vector<double> position;
+  std::vector<double> target;  // kTouch: where the approach ends if nothing was touched
+  int feature = -1;            // kTouch, kLaser: index in the artifact
+  double speed = 0.0;          // m/s of the tip in the approach (kTouch); 0: the plan's rapid speed
+  double wait = 0.0;           // s after arriving, before measuring
+  int joint = -1;              // kDeviation
+  std::string setup;           // kDeviation: rows of one setup share an unknown zero; empty: known zero
+  int line = 0;                // of the plan file
+};
+
+/// What to measure, in order: read by `mm simulate`, by the measurement node, and written by a diagnosis.
+struct Plan {
+  std::string name;
+  std::string source;  // path, for messages
+  std::string text;    // the YAML; its key `instrument` is for the simulation only
+  Artifact artifact;
+  bool laser = false;
+  double rapid = 10e-3;       // m/s, of linear joints between measurements
+  double rapidRotary = 0.35;  // rad/s
+  std::vector<PlanMove> moves;
+
+  /// @param machine that will move: checks names, limits and reach. @throw InputError naming file, line and
+  /// key.
+  static Plan load(const std::filesystem::path& file, const Machine& machine);
+  /// The same from text. @param folder to which the name of an artifact file is relative.
+  static Plan parse(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
+                    const Machine& machine);
+  /// How often each kind of measurement occurs: contacts, laser readings, references.
+  int measurements() const;
+};
+
+}  // namespace mm

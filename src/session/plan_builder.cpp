@@ -1,0 +1,204 @@
+#include "session/plan_builder.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "machine/error.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+constexpr double kLimitSlack = 1e-9;  // m or rad: rounding of what is written in mm and deg
+constexpr double kClose = 0.2e-3;     // m that the tip keeps from a ball when it passes
+
+}  // namespace
+
+PlanBuilder::PlanBuilder(Plan& plan, const Machine& machine) : plan_(plan), machine_(machine) {
+  for (const Joint& joint : machine_.joints())
+    current_.push_back(joint.upper > joint.lower ? std::clamp(0.0, joint.lower, joint.upper) : 0.0);
+}
+
+void PlanBuilder::fail(const std::string& message) const {
+  throw InputError(plan_.source + ":" + std::to_string(line_) + ": " + what_ + ": " + message);
+}
+
+Eigen::Vector3d PlanBuilder::tip(const std::vector<double>& readings) const {
+  return machine_.nominal(readings.data(), kNotMeasured).position;
+}
+
+Eigen::Vector3d PlanBuilder::beam(const std::vector<double>& readings) const {
+  return machine_.nominal(readings.data(), kNotMeasured).orientation.col(2);
+}
+
+std::vector<double> PlanBuilder::reach(const Eigen::Vector3d& target, std::vector<double> readings) const {
+  std::vector<int> linear;
+  for (int j = 0; j < machine_.jointCount(); ++j)
+    if (machine_.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
+  const auto jacobian = machine_.jacobian(readings.data(), kNotMeasured);
+  Eigen::MatrixXd motion(3, linear.size());
+  for (std::size_t k = 0; k < linear.size(); ++k) motion.col(k) = jacobian.block<3, 1>(0, linear[k]);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(motion);
+  if (linear.size() < 3 || solver.rank() < 3)
+    fail("machine '" + machine_.name() +
+         "' has not three linear joints that reach every direction; give the readings under 'moves'");
+  const Eigen::VectorXd travel = solver.solve(target - tip(readings));
+  for (std::size_t k = 0; k < linear.size(); ++k) readings[linear[k]] += travel(k);
+  return readings;
+}
+
+bool PlanBuilder::withinLimits(const std::vector<double>& readings) const {
+  for (int j = 0; j < machine_.jointCount(); ++j) {
+    const Joint& joint = machine_.joints()[j];
+    if (joint.upper > joint.lower &&
+        (readings[j] < joint.lower - kLimitSlack || readings[j] > joint.upper + kLimitSlack))
+      return false;
+  }
+  return true;
+}
+
+void PlanBuilder::checkLimits(const std::vector<double>& readings) const {
+  if (withinLimits(readings)) return;
+  for (int j = 0; j < machine_.jointCount(); ++j) {
+    const Joint& joint = machine_.joints()[j];
+    std::vector<double> one = current_;
+    one[j] = readings[j];
+    if (withinLimits(one)) continue;
+    const bool linear = joint.kind == JointKind::kLinear;
+    const double unit = linear ? kMillimetre : kDegree;
+    std::ostringstream text;
+    text << "joint '" << joint.name << "' would go to " << readings[j] / unit << ", but its limits are "
+         << joint.lower / unit << " to " << joint.upper / unit << (linear ? " mm" : " deg");
+    fail(text.str());
+  }
+}
+
+double PlanBuilder::contactDistance(int feature) const {
+  const Feature& f = plan_.artifact.features[feature];
+  if (f.kind != FeatureKind::kBall) fail("'" + f.name + "' is a point; only balls can be touched");
+  return f.radius + plan_.artifact.tipRadius;
+}
+
+const Eigen::Vector3d& PlanBuilder::centre(int feature) const {
+  const Feature& f = plan_.artifact.features[feature];
+  if (!f.position.allFinite())
+    fail("'" + f.name + "' has no position in the artifact; give a start value to find it by");
+  return f.position;
+}
+
+void PlanBuilder::append(PlanMove move) {
+  checkLimits(move.position);
+  if (move.kind == MoveKind::kTouch) checkLimits(move.target);
+  move.line = line_;
+  current_ = move.position;
+  plan_.moves.push_back(std::move(move));
+}
+
+void PlanBuilder::go(const std::vector<double>& position, double speed, double wait) {
+  PlanMove move;
+  move.position = position;
+  move.speed = speed;
+  move.wait = wait;
+  append(std::move(move));
+}
+
+void PlanBuilder::comeFrom(const std::vector<int>& sides, std::vector<double> position) {
+  bool any = false;
+  for (std::size_t j = 0; j < sides.size(); ++j) {
+    if (sides[j] == 0) continue;
+    const Joint& joint = machine_.joints()[j];
+    position[j] += sides[j] * (joint.kind == JointKind::kLinear ? overrun : overrunRotary);
+    if (joint.upper > joint.lower) position[j] = std::clamp(position[j], joint.lower, joint.upper);
+    any = true;
+  }
+  if (any) goAround(position);
+}
+
+bool PlanBuilder::blocked(const std::vector<double>& from, const std::vector<double>& to) const {
+  const Eigen::Vector3d a = tip(from), way = tip(to) - a;
+  for (const Feature& f : plan_.artifact.features) {
+    if (f.kind != FeatureKind::kBall || !f.position.allFinite()) continue;
+    const double along =
+        way.squaredNorm() > 0.0 ? std::clamp((f.position - a).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
+    if ((a + along * way - f.position).norm() < f.radius + plan_.artifact.tipRadius + kClose) return true;
+  }
+  return false;
+}
+
+void PlanBuilder::goAround(const std::vector<double>& position) {
+  if (!clearance.empty() && blocked(current_, position)) {
+    std::vector<double> above = current_, beyond = position;
+    for (const auto& [joint, reading] : clearance) above[joint] = beyond[joint] = reading;
+    go(above);
+    go(beyond);
+  }
+  go(position);
+}
+
+void PlanBuilder::touchAt(int feature, const Eigen::Vector3d& contact, const Eigen::Vector3d& approach,
+                          double speed, std::vector<double> rotary, const std::vector<int>& sides,
+                          double wait) {
+  PlanMove move;
+  move.kind = MoveKind::kTouch;
+  move.feature = feature;
+  move.speed = speed;
+  move.wait = wait;
+  double distance = approachDistance, beyond = overtravel;
+  move.position = reach(contact - distance * approach, rotary);
+  move.target = reach(contact + beyond * approach, rotary);
+  constexpr double kShortest = 0.3e-3;  // m: below it the play is not taken up and the ball may be missed
+  while (!withinLimits(move.position) && distance > kShortest)
+    move.position = reach(contact - (distance *= 0.8) * approach, rotary);
+  while (!withinLimits(move.target) && beyond > kShortest)
+    move.target = reach(contact + (beyond *= 0.8) * approach, rotary);
+  if (!sides.empty()) comeFrom(sides, move.position);
+  if (!clearance.empty() && blocked(current_, move.position)) goAround(move.position);
+  append(std::move(move));
+}
+
+void PlanBuilder::touchFrom(int feature, const std::vector<double>& start, Eigen::Vector3d approach,
+                            double speed, const std::vector<int>& sides, double wait) {
+  const double distance = contactDistance(feature);
+  const Eigen::Vector3d from = tip(start), to = centre(feature) - from;
+  if (approach.isZero(0.0)) approach = to;
+  if (approach.norm() < 1e-9) fail("the approach has no direction; give 'approach' or another start");
+  approach.normalize();
+  const double along = to.dot(approach), aside = (to - along * approach).norm();
+  if (aside >= distance) {
+    std::ostringstream text;
+    text << "the approach passes '" << plan_.artifact.features[feature].name << "' at " << aside / kMillimetre
+         << " mm from its centre, but only within " << distance / kMillimetre << " mm it touches";
+    fail(text.str());
+  }
+  const double way = along - std::sqrt(distance * distance - aside * aside);
+  const double before = approachDistance;
+  // A start as near as the contact itself says where to touch, not where to begin.
+  if (way >= 0.3e-3) approachDistance = way;
+  touchAt(feature, from + way * approach, approach, speed, start, sides, wait);
+  approachDistance = before;
+}
+
+void PlanBuilder::readLaser(int feature, const std::vector<double>& position, double wait) {
+  PlanMove move;
+  move.kind = MoveKind::kLaser;
+  move.feature = feature;
+  move.position = position;
+  move.wait = wait;
+  append(std::move(move));
+}
+
+void PlanBuilder::reference(MoveKind kind, int joint, const std::vector<double>& position, double speed,
+                            double wait, const std::string& setup) {
+  PlanMove move;
+  move.kind = kind;
+  move.joint = joint;
+  move.position = position;
+  move.speed = speed;
+  move.wait = wait;
+  move.setup = setup;
+  append(std::move(move));
+}
+
+}  // namespace mm

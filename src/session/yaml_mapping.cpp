@@ -1,0 +1,122 @@
+#include "session/yaml_mapping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+std::string plain(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+}  // namespace
+
+YamlMapping::YamlMapping(const YAML::Node& node, std::string source, std::string what,
+                         const std::vector<std::string>& known)
+    : node_(node), source_(std::move(source)), what_(std::move(what)) {
+  if (!node_.IsMap()) fail("", "must be a mapping of keys to values");
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
+    const std::string place = source_ + ":" + std::to_string(lineOf(entry.first)) + ": " + what_ + ": ";
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      std::string list;
+      for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+      throw InputError(place + "unknown key '" + key + "'; known are " + list);
+    }
+    if (!seen.insert(key).second) throw InputError(place + "key '" + key + "' is given twice");
+  }
+}
+
+YAML::Node YamlMapping::load(const std::string& yaml, const std::string& source) {
+  try {
+    return YAML::Load(yaml);
+  } catch (const YAML::Exception& e) {
+    throw InputError(source + ":" + std::to_string(e.mark.line + 1) + ": not YAML: " + e.msg);
+  }
+}
+
+void YamlMapping::fail(const std::string& key, const std::string& message) const {
+  const int line = key.empty() || !has(key) ? lineOf(node_) : lineOf(node_[key]);
+  throw InputError(source_ + ":" + std::to_string(line) + ": " + what_ +
+                   (key.empty() ? "" : ": '" + key + "'") + " " + message);
+}
+
+YAML::Node YamlMapping::node(const std::string& key) const {
+  if (!has(key)) fail(key, "is missing");
+  return node_[key];
+}
+
+std::vector<std::string> YamlMapping::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& entry : node_) keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
+std::string YamlMapping::text(const std::string& key) const {
+  const YAML::Node value = node(key);
+  if (!value.IsScalar() || value.Scalar().empty()) fail(key, "must be a word");
+  return value.Scalar();
+}
+
+std::vector<std::string> YamlMapping::texts(const std::string& key) const {
+  const YAML::Node value = node(key);
+  if (value.IsScalar()) return {text(key)};
+  std::vector<std::string> words;
+  if (!value.IsSequence()) fail(key, "must be a word or a list of words");
+  for (const YAML::Node& word : value) {
+    if (!word.IsScalar()) fail(key, "must be a list of plain words");
+    words.push_back(word.Scalar());
+  }
+  return words;
+}
+
+double YamlMapping::convert(const YAML::Node& value, const std::string& key) const {
+  double number = 0.0;
+  if (!value.IsScalar() || !YAML::convert<double>::decode(value, number) || !std::isfinite(number))
+    fail(key,
+         "must be a finite number" + (value.IsScalar() ? ", not '" + value.Scalar() + "'" : std::string()));
+  return number;
+}
+
+double YamlMapping::number(const std::string& key, double factor, double lower, double upper) const {
+  const double value = convert(node(key), key);
+  if (value < lower || value > upper)
+    fail(key, "is " + plain(value) + ", but must be from " + plain(lower) + " to " + plain(upper));
+  return value * factor;
+}
+
+double YamlMapping::number(const std::string& key, double factor) const {
+  return convert(node(key), key) * factor;
+}
+
+int YamlMapping::count(const std::string& key, int lower) const {
+  const double value = convert(node(key), key);
+  if (value < lower || value != std::floor(value) || value > 1e7)
+    fail(key, "is " + plain(value) + ", but must be a whole number of at least " + std::to_string(lower));
+  return static_cast<int>(value);
+}
+
+std::vector<double> YamlMapping::numbers(const std::string& key, double factor) const {
+  const YAML::Node value = node(key);
+  if (value.IsScalar()) return {number(key, factor)};
+  if (!value.IsSequence() || value.size() == 0) fail(key, "must be a number or a list of numbers");
+  std::vector<double> numbers;
+  for (const YAML::Node& item : value) numbers.push_back(convert(item, key) * factor);
+  return numbers;
+}
+
+Eigen::Vector3d YamlMapping::vector(const std::string& key, double factor) const {
+  const std::vector<double> v = numbers(key, factor);
+  if (v.size() != 3) fail(key, "must be three numbers, [x, y, z]");
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace mm

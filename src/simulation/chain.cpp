@@ -1,0 +1,95 @@
+#include "simulation/chain.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <limits>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+Eigen::Matrix3d rotation(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  if (angle == 0.0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+}
+
+}  // namespace
+
+Chain::Chain(const Machine& machine) {
+  const std::vector<double> q(machine.joints().size(), 0.0);
+  const std::vector<double> none(static_cast<std::size_t>(machine.layout().size()), 0.0);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> gradient;
+  zero_ = machine.measure(q.data(), std::numeric_limits<double>::quiet_NaN(), none.data(), &gradient);
+  const ErrorLayout at = machine.layout();
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    // The joint's place follows from how the tip moves under a small rotation at its fixed side: dp = w x
+    // (tip - origin).
+    const Eigen::Matrix3d frame = gradient.block<3, 3>(0, at.jointTranslation(j, 0));
+    const Eigen::Matrix3d arm = gradient.block<3, 3>(0, at.jointRotation(j, 0)) * frame.transpose();
+    const Eigen::Vector3d lever(arm(1, 2), arm(2, 0), arm(0, 1));  // arm = -[lever]x
+    const JointKind kind = machine.joints()[j].kind;
+    const Eigen::Vector3d axis = gradient.block<3, 1>(kind == JointKind::kLinear ? 0 : 3, at.axis(j));
+    joints_.push_back({kind, zero_.position - lever, axis.normalized()});
+  }
+}
+
+ProbePose Chain::pose(const std::vector<double>& slides, const Distortion& d) const {
+  // x -> linear * x + offset gathers the motions from the workpiece outwards
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+  const auto then = [&](const Eigen::Matrix3d& r, const Eigen::Vector3d& about,
+                        const Eigen::Vector3d& shift) {
+    moved += turned * (about - r * about + shift);
+    turned = turned * r;
+  };
+  for (int j = 0; j < jointCount(); ++j) {
+    const Place& place = joints_[j];
+    const double travel = slides[j] + d.travel[j];
+    if (!d.tilt[j].isZero(0.0) || !d.shift[j].isZero(0.0))
+      then(rotation(d.tilt[j]), place.origin, d.shift[j]);
+    if (place.kind == JointKind::kLinear)
+      moved += turned * place.axis * travel;
+    else
+      then(rotation(place.axis * travel), place.origin, Eigen::Vector3d::Zero());
+  }
+  ProbePose pose;
+  pose.orientation = turned * zero_.orientation;
+  pose.position = turned * zero_.position + moved + pose.orientation * d.probeShift;
+  if (!d.tipTilt.isZero(0.0)) {
+    const Eigen::Matrix3d tip = rotation(d.tipTilt);
+    pose.position = tip * pose.position;
+    pose.orientation = tip * pose.orientation;
+  }
+  pose.position += d.tipShift;
+  return pose;
+}
+
+ProbePose Chain::nominal(const std::vector<double>& readings) const {
+  return pose(readings, Distortion(jointCount()));
+}
+
+std::vector<double> Chain::reach(const Eigen::Vector3d& tip, std::vector<double> readings) const {
+  std::vector<int> linear;
+  for (int j = 0; j < jointCount(); ++j)
+    if (joints_[j].kind == JointKind::kLinear) linear.push_back(j);
+  for (const int j : linear) readings[j] = 0.0;
+  const Eigen::Vector3d missing = tip - nominal(readings).position;
+  Eigen::MatrixXd motion(3, linear.size());
+  for (std::size_t k = 0; k < linear.size(); ++k) {
+    std::vector<double> unit = readings;
+    unit[linear[k]] = 1.0;
+    motion.col(k) = nominal(unit).position - nominal(readings).position;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(motion);
+  if (linear.size() < 3 || solver.rank() < 3)
+    throw InputError(
+        "the machine has not three linear joints that reach every direction; give the plan's moves joint by "
+        "joint under `moves`");
+  const Eigen::VectorXd travel = solver.solve(missing);
+  for (std::size_t k = 0; k < linear.size(); ++k) readings[linear[k]] = travel(k);
+  return readings;
+}
+
+}  // namespace mm

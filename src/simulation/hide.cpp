@@ -1,0 +1,269 @@
+// Reading and drawing hidden sources: the part of the catalogue that deals with text.
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "machine/error.h"
+#include "machine/units.h"
+#include "simulation/catalogue.h"
+#include "simulation/quantity.h"
+
+namespace mm {
+namespace {
+
+using Key = SourceKind::Key;
+
+/// A source as it was written, before anything is known about it.
+struct Written {
+  std::string type, size;           // size of the short form
+  std::vector<std::string> places;  // of the short form, in the order of the keys
+  std::map<std::string, std::string> named;
+};
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts;
+  std::stringstream stream(text);
+  for (std::string part; std::getline(stream, part, at);) parts.push_back(part);
+  return parts;
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+Written readMapping(const std::string& text, const std::string& where) {
+  Written written;
+  try {
+    for (const auto& entry : YAML::Load(text)) {
+      const std::string key = entry.first.Scalar();
+      if (entry.second.IsSequence() && key == "sensors" && entry.second.size() == 2) {
+        written.named["warm"] = entry.second[0].Scalar();
+        written.named["cold"] = entry.second[1].Scalar();
+      } else if (key == "type") {
+        written.type = entry.second.Scalar();
+      } else if (!entry.second.IsScalar()) {
+        throw InputError(where + ": '" + key + "' must be a plain value");
+      } else {
+        written.named[key] = entry.second.Scalar();
+      }
+    }
+  } catch (const YAML::Exception& e) {
+    throw InputError(where + ": '" + text + "' is not YAML: " + e.msg);
+  }
+  return written;
+}
+
+Written readShort(const std::string& text, const std::string& where) {
+  Written written;
+  const std::vector<std::string> parts = split(text, ',');
+  std::string head = parts.empty() ? "" : parts[0];
+  const std::size_t equals = head.find('=');
+  if (equals != std::string::npos) {
+    written.size = trimmed(head.substr(equals + 1));
+    head = head.substr(0, equals);
+  }
+  const std::size_t colon = head.find(':');
+  written.type = trimmed(head.substr(0, colon));
+  if (colon != std::string::npos)
+    for (const std::string& place : split(head.substr(colon + 1), '/'))
+      written.places.push_back(trimmed(place));
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::size_t at = parts[i].find('=');
+    if (at == std::string::npos) throw InputError(where + ": '" + parts[i] + "' must be key=value");
+    written.named[trimmed(parts[i].substr(0, at))] = trimmed(parts[i].substr(at + 1));
+  }
+  return written;
+}
+
+const std::map<std::string, std::string> kOtherNames = {{"screw_periodic", "lead_screw_periodic"},
+                                                        {"screw_cumulative", "positioning_polynomial"},
+                                                        {"squareness", "cross_talk"},
+                                                        {"ball_position", "artifact_position"}};
+
+std::vector<std::string> choices(Key kind, const HiddenSource& source, const SourceKind& rule,
+                                 std::size_t index, const Workshop& w) {
+  std::vector<std::string> names;
+  const std::string first = source.keys.empty() ? "" : source.keys[0].second;
+  for (const Joint& joint : w.machine.joints()) {
+    const bool linear = joint.kind == JointKind::kLinear;
+    if (kind == Key::kJoint || (kind == Key::kLinear && linear) || (kind == Key::kRotary && !linear) ||
+        (kind == Key::kOtherLinear && linear && joint.name != first))
+      names.push_back(joint.name);
+  }
+  if (kind == Key::kDirection || kind == Key::kOtherDirection || kind == Key::kAbout)
+    for (const char* name : {"x", "y", "z"})
+      if (kind != Key::kOtherDirection || name != first) names.push_back(name);
+  if (kind == Key::kBody || kind == Key::kColdBody)
+    for (const std::string& name : w.settings.thermal.sensors)
+      if (kind == Key::kBody ? name != "air" : name != source.key("warm")) names.push_back(name);
+  if (kind == Key::kCovariate)
+    for (const TrueCovariate& covariate : w.settings.covariates) names.push_back(covariate.name);
+  if (kind == Key::kBall)
+    for (const Feature& feature : w.artifact.features)
+      if (feature.known && feature.kind == FeatureKind::kBall) names.push_back(feature.name);
+  if (kind == Key::kWord && rule.keys[index].name == "lever") names = {"workpiece", "chain"};
+  if (kind == Key::kWord && rule.keys[index].name == "order") names = {"2", "3", "4"};
+  if (kind == Key::kWord && rule.keys[index].name == "harmonic") names = {"1", "2", "3"};
+  return names;
+}
+
+/// What may be written, though it would not be drawn.
+bool alsoAllowed(Key kind, const std::string& value, const SourceKind& rule, const Workshop& w) {
+  const int joint = w.machine.findJoint(value);
+  if (kind == Key::kLinear) return joint >= 0 && rule.numbers[0].dimension == "travel";
+  if (kind == Key::kDirection || kind == Key::kOtherDirection) return joint >= 0;
+  if (kind == Key::kBody) return value == "air" && w.thermal.findBody(value) >= 0;
+  if (kind == Key::kBall) return rule.type == "ball_radius" && w.artifact.findFeature(value) >= 0;
+  return false;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+void fillKeys(const SourceKind& rule, const Written& written, const std::string& where, Random& random,
+              const Workshop& w, HiddenSource& source) {
+  if (written.places.size() > rule.keys.size())
+    throw InputError(where + ": '" + rule.type + "' acts at " + std::to_string(rule.keys.size()) +
+                     " place(s), not " + std::to_string(written.places.size()));
+  for (std::size_t i = 0; i < rule.keys.size(); ++i) {
+    const SourceKind::KeyRule& key = rule.keys[i];
+    const std::vector<std::string> names = choices(key.kind, source, rule, i, w);
+    const double draw = random.uniform();
+    const auto named = written.named.find(key.name);
+    std::string value = key.standard;
+    if (i < written.places.size()) value = written.places[i];
+    if (named != written.named.end()) value = named->second;
+    if (value.empty()) {
+      if (names.empty())
+        throw InputError(where + ": nothing here has '" + rule.type + "' (no " + key.name + " to choose)");
+      value = names[static_cast<std::size_t>(draw * names.size())];
+    } else if (std::find(names.begin(), names.end(), value) == names.end() &&
+               !alsoAllowed(key.kind, value, rule, w)) {
+      throw InputError(where + ": '" + rule.type + "' has no " + key.name + " '" + value +
+                       "'; possible are " + joined(names));
+    }
+    source.keys.emplace_back(key.name, value);
+  }
+}
+
+void fillNumbers(const SourceKind& rule, const Written& written, const std::string& where, Random& random,
+                 const Workshop& w, HiddenSource& source) {
+  const int joint = source.keys.empty() ? -1 : w.machine.findJoint(source.keys[0].second);
+  const bool rotary = joint >= 0 && w.machine.joints()[joint].kind == JointKind::kRotary;
+  for (std::size_t i = 0; i < rule.numbers.size(); ++i) {
+    const SourceKind::NumberRule& number = rule.numbers[i];
+    const bool angle = number.dimension == "travel" && rotary;
+    const std::string dimension = number.dimension == "travel" ? (rotary ? "rad" : "m") : number.dimension;
+    const double perMetre =
+        angle ? 10.0 : 1.0;  // rad of a rotary joint for m of a linear one: an arm of 0.1 m
+    double value = random.logUniform(number.lower, number.upper) * perMetre;
+    const double sign = random.sign();
+    if (number.eitherSign) value *= sign;
+    const auto named = written.named.find(number.name);
+    const auto size = written.named.find("size");
+    if (i == 0 && !written.size.empty()) value = parseQuantity(written.size, dimension, where);
+    if (i == 0 && size != written.named.end()) value = parseQuantity(size->second, dimension, where);
+    if (named != written.named.end()) value = parseQuantity(named->second, dimension, where);
+    source.numbers.push_back({number.name, value, dimension});
+  }
+}
+
+void refuseUnknown(const SourceKind& rule, const Written& written, const std::string& where) {
+  for (const auto& [name, value] : written.named) {
+    std::vector<std::string> known = {"size"};
+    for (const SourceKind::KeyRule& key : rule.keys) known.push_back(key.name);
+    for (const SourceKind::NumberRule& number : rule.numbers) known.push_back(number.name);
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InputError(where + ": '" + rule.type + "' has no key '" + name + "'; known are " + joined(known));
+  }
+  if (!written.size.empty() && written.named.count("size") > 0)
+    throw InputError(where + ": the size is given twice");
+}
+
+bool fits(const SourceKind& kind, const Workshop& w) {
+  if (kind.composite) return false;
+  if (kind.probe == SourceKind::Probe::kTouch && w.settings.laser.present) return false;
+  if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present) return false;
+  HiddenSource source;
+  for (std::size_t i = 0; i < kind.keys.size(); ++i) {
+    const std::vector<std::string> names = choices(kind.keys[i].kind, source, kind, i, w);
+    if (names.empty()) return false;
+    source.keys.emplace_back(kind.keys[i].name, names[0]);
+  }
+  return true;
+}
+
+const SourceKind& kindOf(const std::string& type, const std::string& where, Random& random,
+                         const Workshop& w) {
+  std::vector<std::string> known;
+  std::vector<const SourceKind*> fitting;
+  const auto other = kOtherNames.find(type);
+  const std::string name = other != kOtherNames.end() ? other->second : type;
+  const double draw = random.uniform();
+  for (const SourceKind& kind : sourceKinds()) {
+    known.push_back(kind.type);
+    if (fits(kind, w)) fitting.push_back(&kind);
+    if (kind.type != name) continue;
+    if (kind.probe == SourceKind::Probe::kTouch && w.settings.laser.present)
+      throw InputError(where + ": '" + name + "' is of a touch probe, but the plan measures with a laser");
+    if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present)
+      throw InputError(where + ": '" + name +
+                       "' is of a laser probe, but the plan measures with a touch probe");
+    return kind;
+  }
+  if (name == "random" && !fitting.empty()) return *fitting[static_cast<std::size_t>(draw * fitting.size())];
+  throw InputError(where + ": nothing called '" + type + "' can be hidden; possible are random, " +
+                   joined(known));
+}
+
+}  // namespace
+
+std::string HiddenSource::key(const std::string& name) const {
+  for (const auto& [key, value] : keys)
+    if (key == name) return value;
+  return "";
+}
+
+double HiddenSource::number(const std::string& name) const {
+  for (const Number& number : numbers)
+    if (number.name == name) return number.value;
+  throw InputError("the source '" + type + "' has no number '" + name + "'");
+}
+
+std::string HiddenSource::text() const {
+  std::ostringstream out;
+  out << "{type: " << type;
+  for (const auto& [key, value] : keys) out << ", " << key << ": " << value;
+  out.precision(6);
+  for (const Number& number : numbers) {
+    const PeopleUnit unit = peopleUnit(number.dimension);
+    out << ", " << number.name << ": " << number.value / unit.factor << " " << unit.name;
+  }
+  out << "}";
+  return out.str();
+}
+
+HiddenSource hideSource(const std::string& text, const std::string& where, std::uint64_t seed,
+                        const std::string& stream, Workshop& workshop) {
+  Random random(seed, stream);
+  const std::string plain = trimmed(text);
+  const Written written =
+      !plain.empty() && plain[0] == '{' ? readMapping(plain, where) : readShort(plain, where);
+  const SourceKind& kind = kindOf(written.type, where, random, workshop);
+  refuseUnknown(kind, written, where);
+  HiddenSource source;
+  source.type = kind.type;
+  fillKeys(kind, written, where, random, workshop, source);
+  fillNumbers(kind, written, where, random, workshop, source);
+  kind.build(source, workshop, random);
+  return source;
+}
+
+}  // namespace mm

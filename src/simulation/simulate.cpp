@@ -1,0 +1,229 @@
+#include "simulation/simulate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+/// Travel of each joint over the plan, m or rad; its limits where it does not move.
+void rangesOf(const Plan& plan, const Machine& machine, std::vector<double>& lower,
+              std::vector<double>& upper) {
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    double low = INFINITY, high = -INFINITY;
+    for (const PlanMove& move : plan.moves) {
+      if (move.kind == MoveKind::kGo) continue;
+      low = std::min(low, move.position[j]);
+      high = std::max(high, move.position[j]);
+    }
+    const Joint& joint = machine.joints()[j];
+    if (high - low < 1e-6 && joint.upper > joint.lower) low = joint.lower, high = joint.upper;
+    lower.push_back(low);
+    upper.push_back(high);
+  }
+}
+
+/// Drives an instrument through a plan and writes down what it says.
+class Recorder {
+ public:
+  Recorder(const Plan& plan, const SimulationRequest& request, SimulatedInstrument instrument)
+      : plan_(plan),
+        machine_(std::move(instrument.machine)),
+        result_{Session(machine_.machine()), {}, {}, {}, {}, {}, nullptr, 0},
+        noise_(request.seed, "records") {
+    result_.known = std::move(instrument.known);
+    result_.hidden = std::move(instrument.hidden);
+    settings_ = InstrumentSettings::parse(plan.text, plan.source);
+  }
+
+  void run(const PlanMove& move) {
+    if (move.kind == MoveKind::kTouch) return touch(move);
+    go(move);
+    if (move.kind == MoveKind::kLaser) keep(machine_.readLaser(move.feature));
+    if (move.kind == MoveKind::kDeviation || move.kind == MoveKind::kPosition) reference(move);
+  }
+
+  Simulation finish() {
+    Session& session = result_.session;
+    session.artifact = plan_.artifact;
+    session.temperatures = machine_.temperatureLog();
+    session.covariates = machine_.covariateLog();
+    session.source = "simulation of " + plan_.source;
+    session.prepare();
+    result_.truth = std::make_shared<const Truth>(machine_.truth());
+    return std::move(result_);
+  }
+
+ private:
+  void sample(const std::vector<double>& velocity) {
+    result_.motion.push_back({machine_.time(), machine_.readings(), velocity});
+  }
+
+  void moveTo(const std::vector<double>& target, double speed) {
+    const std::vector<double> before = machine_.readings();
+    const double started = machine_.time();
+    machine_.moveTo(target, speed > 0.0 ? speed : plan_.rapid, plan_.rapidRotary);
+    const double lasted = machine_.time() - started;
+    if (lasted <= 0.0) return;
+    std::vector<double> velocity(before.size());
+    for (std::size_t j = 0; j < before.size(); ++j) velocity[j] = (target[j] - before[j]) / lasted;
+    sample(velocity);
+  }
+
+  void go(const PlanMove& move) {
+    moveTo(move.position, move.speed);
+    if (move.wait > 0.0) machine_.wait(move.wait);
+    sample(machine_.velocity());
+  }
+
+  void touch(const PlanMove& move) {
+    moveTo(move.position, 0.0);
+    if (move.wait > 0.0) machine_.wait(move.wait);
+    std::optional<Trip> trip;
+    try {
+      trip = machine_.touch(move.target, move.speed, move.feature);
+    } catch (const InputError& e) {
+      throw InputError(plan_.source + ":" + std::to_string(move.line) + ": " + e.what());
+    }
+    keep(trip);
+    if (trip) result_.motion.push_back({trip->time, machine_.readings(), trip->velocity});
+    moveTo(move.position, 0.0);
+  }
+
+  Observation& append(double time) {
+    Observation o;
+    o.time = time;
+    o.row = static_cast<std::int64_t>(result_.session.observations.size()) + 1;
+    result_.session.observations.push_back(std::move(o));
+    return result_.session.observations.back();
+  }
+
+  void keep(const std::optional<Trip>& trip) {
+    const double draw = noise_.uniform();
+    if (!trip) {
+      ++result_.missed;
+      return;
+    }
+    Observation& o = append(trip->time);
+    o.position = trip->position;
+    o.velocity = trip->velocity;
+    o.travel = trip->travel;
+    o.approach = trip->approach;
+    o.laserReading = trip->laserReading;
+    o.feature = trip->feature;
+    if (draw < settings_.noise.missingVelocityShare) {
+      std::fill(o.velocity.begin(), o.velocity.end(), kNotMeasured);
+      std::fill(o.travel.begin(), o.travel.end(), 0.0);
+    }
+    result_.states.push_back({trip->time, trip->position, trip->velocity, trip->travel, trip->approach,
+                              trip->laserReading, trip->incidenceCosine});
+    result_.truePositions.push_back(trip->truePosition);
+  }
+
+  double setupZero(const std::string& setup, int joint) {
+    // Where the instrument was set to zero nobody knows.
+    const bool linear = machine_.machine().joints()[joint].kind == JointKind::kLinear;
+    return Random(7, "setup " + plan_.name + setup).normal() * (linear ? 5e-6 : 2e-5);
+  }
+
+  void reference(const PlanMove& move) {
+    Observation& o = append(machine_.time());
+    Session& session = result_.session;
+    o.position = machine_.readings();
+    o.velocity = machine_.velocity();
+    o.travel = machine_.travel();
+    if (!move.setup.empty()) {
+      const auto found = std::find(session.setups.begin(), session.setups.end(), move.setup);
+      o.setup = static_cast<int>(found - session.setups.begin());
+      if (found == session.setups.end()) session.setups.push_back(move.setup);
+    }
+    if (move.kind == MoveKind::kDeviation) {
+      o.kind = ObservationKind::kDeviation;
+      o.deviation.assign(o.position.size(), kNotMeasured);
+      o.deviation[move.joint] = machine_.measureDeviation(move.joint) +
+                                (move.setup.empty() ? 0.0 : setupZero(move.setup, move.joint));
+    } else {
+      o.kind = ObservationKind::kPosition;
+      o.reference = machine_.measurePosition();
+    }
+    result_.states.push_back({o.time, o.position, o.velocity, o.travel});
+    result_.truePositions.push_back(machine_.trueTip());
+  }
+
+  const Plan& plan_;
+  SimulatedMachine machine_;
+  InstrumentSettings settings_;
+  Simulation result_;
+  Random noise_;
+};
+
+}  // namespace
+
+SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
+                                   const SimulationRequest& request) {
+  const InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
+  const Chain chain(machine);
+  const ThermalModel thermal = settings.thermalModel();
+  Physics physics;
+  physics.gap.assign(machine.joints().size(), 0.0);
+  physics.covariates = settings.covariates;
+  physics.artifact = TrueArtifact(plan.artifact);
+  const std::string sensor =
+      plan.artifact.temperatureSensor.empty() ? "bed" : plan.artifact.temperatureSensor;
+  physics.artifactBody = thermal.findBody(sensor);
+  if (physics.artifactBody < 0)
+    throw InputError(plan.source + ": the artifact's temperature_sensor is '" + sensor +
+                     "'; possible are motor, frame, bed, air");
+  Random placing(request.seed, "placement");
+  if (!plan.artifact.poseKnown)
+    physics.artifact.place(settings.placement.shift, settings.placement.turn, placing);
+  physics.artifact.scatterFree(plan.artifact, settings.placement.freeCentres, placing);
+  if (settings.placement.form > 0.0) physics.artifact.roughen(settings.placement.form, placing);
+
+  Workshop workshop{machine, chain, plan.artifact, thermal, settings, {}, {}, physics};
+  rangesOf(plan, machine, workshop.lower, workshop.upper);
+  std::vector<HiddenSource> known, hidden;
+  for (std::size_t i = 0; i < settings.errors.size(); ++i)
+    known.push_back(hideSource(settings.errors[i], plan.source + ": errors", request.seed,
+                               "known " + std::to_string(i), workshop));
+  for (std::size_t i = 0; i < request.hide.size(); ++i)
+    hidden.push_back(
+        hideSource(request.hide[i], "--hide", request.seed, "hidden " + std::to_string(i), workshop));
+  return {SimulatedMachine(machine, plan.artifact, settings, physics, request.seed), std::move(known),
+          std::move(hidden)};
+}
+
+Simulation simulate(const Machine& machine, const Plan& plan, const SimulationRequest& request,
+                    const ProgressCallback& progress) {
+  Recorder recorder(plan, request, makeInstrument(machine, plan, request));
+  for (std::size_t i = 0; i < plan.moves.size(); ++i) {
+    recorder.run(plan.moves[i]);
+    if (progress && i % 64 == 0) progress(static_cast<double>(i) / plan.moves.size());
+  }
+  return recorder.finish();
+}
+
+std::string truthYaml(const Simulation& simulation, const SimulationRequest& request) {
+  std::ostringstream out;
+  out.precision(9);
+  out << "seed: " << request.seed << "\nmachine: " << simulation.session.machine.name() << "\n";
+  const auto list = [&](const char* name, const std::vector<HiddenSource>& sources) {
+    out << name << ":" << (sources.empty() ? " []" : "") << "\n";
+    for (const HiddenSource& source : sources) out << "  - " << source.text() << "\n";
+  };
+  list("hidden", simulation.hidden);
+  list("known", simulation.known);
+  const TrueArtifact& artifact = simulation.truth->physics().artifact;
+  out << "features_mm:\n";
+  for (std::size_t f = 0; f < simulation.session.artifact.features.size(); ++f) {
+    const Eigen::Vector3d centre = artifact.centre(static_cast<int>(f), kReferenceTemperature) / kMillimetre;
+    out << "  " << simulation.session.artifact.features[f].name << ": [" << centre.x() << ", " << centre.y()
+        << ", " << centre.z() << "]\n";
+  }
+  return out.str();
+}
+
+}  // namespace mm

@@ -1,0 +1,58 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "session/plan.h"
+#include "session/progress.h"
+#include "session/session.h"
+#include "simulation/catalogue.h"
+#include "simulation/simulated_machine.h"
+
+namespace mm {
+
+/// What to hide in a simulated session, and the seed of everything random.
+struct SimulationRequest {
+  std::vector<std::string> hide;  // as for hideSource
+  std::uint64_t seed = 1;
+};
+
+/// Readings on the way, for /joint_states.
+struct MotionSample {
+  double time = 0.0;  // s from the session's start
+  std::vector<double> position, velocity;
+};
+
+/// An instrument that is ready to measure, and what is wrong with it.
+struct SimulatedInstrument {
+  SimulatedMachine machine;
+  std::vector<HiddenSource> known, hidden;
+};
+
+/// A simulated session and its truth.
+struct Simulation {
+  Session session;
+  std::vector<MotionSample> motion;
+  std::vector<HiddenSource> known;   // of the plan: every such instrument has them
+  std::vector<HiddenSource> hidden;  // asked for
+  std::vector<TrueState> states;     // of each observation, without noise of travel or velocity being missing
+  std::vector<Eigen::Vector3d>
+      truePositions;  // of each observation: tip centre or surface point, workpiece, m
+  std::shared_ptr<const Truth> truth;
+  int missed = 0;  // moves without a measurement: nothing touched, laser out of range or dropped out
+};
+
+/// Builds the instrument of a plan. @throw InputError
+SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
+                                   const SimulationRequest& request);
+
+/// Runs a plan on a simulated instrument, faster than real time. @throw InputError, Cancelled (from
+/// `progress`).
+Simulation simulate(const Machine& machine, const Plan& plan, const SimulationRequest& request,
+                    const ProgressCallback& progress = {});
+
+/// The answer to what was hidden, as YAML.
+std::string truthYaml(const Simulation& simulation, const SimulationRequest& request);
+
+}  // namespace mm

@@ -1,0 +1,185 @@
+#include "simulation/simulated_machine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+/// Speed at which the motors are as busy as they can be, as a share of the joint's highest velocity.
+double activityOf(const Machine& machine, const std::vector<double>& velocity) {
+  double busy = 0.0;
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const double highest = machine.joints()[j].maxVelocity;
+    if (highest > 0.0) busy = std::max(busy, std::min(1.0, std::abs(velocity[j]) / highest));
+  }
+  return busy > 0.0 ? std::sqrt(busy) : 0.0;  // current rises slower than speed: friction dominates
+}
+
+}  // namespace
+
+SimulatedMachine::SimulatedMachine(Machine machine, Artifact artifact, InstrumentSettings settings,
+                                   Physics physics, std::uint64_t seed)
+    : machine_(std::move(machine)),
+      artifact_(std::move(artifact)),
+      settings_(std::move(settings)),
+      physics_(std::move(physics)),
+      chain_(machine_),
+      thermal_(settings_.thermalModel()),
+      drive_(machine_.joints().size(), 0.0),
+      velocity_(drive_.size(), 0.0),
+      travel_(drive_.size(), 0.0),
+      contactNoise_(seed, "contacts"),
+      sensorNoise_(seed, "sensors") {
+  for (const double gap : physics_.gap) play_.emplace_back(gap);
+  for (const std::string& name : settings_.thermal.sensors) {
+    const int body = thermal_.findBody(name);
+    sensors_.emplace_back(body, settings_.thermal.sensorLag, settings_.noise.temperature);
+    sensors_.back().settle(thermal_.temperatures()[body]);
+    temperatureLog_.push_back({name, "degC", {}, {}});
+  }
+  for (const TrueCovariate& covariate : physics_.covariates)
+    covariateLog_.push_back({covariate.name, covariate.unit, {}, {}});
+  log();
+}
+
+void SimulatedMachine::home(const std::vector<double>& readings) {
+  drive_ = readings;
+  for (std::size_t j = 0; j < drive_.size(); ++j) play_[j].centre(drive_[j]);
+}
+
+Condition SimulatedMachine::condition(const std::vector<double>& drive, double time) const {
+  Condition now;
+  now.time = time;
+  now.drive = drive;
+  now.velocity = velocity_;
+  now.slide.resize(drive.size());
+  for (std::size_t j = 0; j < drive.size(); ++j) now.slide[j] = play_[j].after(drive[j]);
+  now.bodies = thermal_.temperatures();
+  for (const TrueCovariate& covariate : physics_.covariates) now.covariates.push_back(covariate.at(time));
+  return now;
+}
+
+Eigen::Vector3d SimulatedMachine::trueTip() const {
+  const Condition now = condition(drive_, time_);
+  return chain_.pose(now.slide, physics_.distortion(now)).position;
+}
+
+void SimulatedMachine::log() {
+  for (std::size_t s = 0; s < sensors_.size(); ++s) {
+    temperatureLog_[s].time.push_back(time_);
+    temperatureLog_[s].value.push_back(sensors_[s].read(sensorNoise_));
+  }
+  for (std::size_t c = 0; c < covariateLog_.size(); ++c) {
+    covariateLog_[c].time.push_back(time_);
+    covariateLog_[c].value.push_back(physics_.covariates[c].at(time_));
+  }
+  nextLog_ += settings_.thermal.logPeriod;
+}
+
+void SimulatedMachine::pass(double seconds, double activity) {
+  const double end = time_ + seconds;
+  while (time_ < end) {
+    const double dt = std::min(end, std::max(nextLog_, time_ + 1e-9)) - time_;
+    if (dt <= 0.0) break;
+    thermal_.advance(dt, activity);
+    for (TemperatureSensor& sensor : sensors_) sensor.advance(dt, thermal_.temperatures()[sensor.body()]);
+    time_ += dt;
+    if (time_ >= nextLog_) log();
+  }
+}
+
+std::vector<double> SimulatedMachine::temperatures() {
+  std::vector<double> values;
+  for (const TemperatureSensor& sensor : sensors_) values.push_back(sensor.read(sensorNoise_));
+  return values;
+}
+
+void SimulatedMachine::wait(double seconds) {
+  std::fill(velocity_.begin(), velocity_.end(), 0.0);
+  pass(seconds, 0.0);
+}
+
+void SimulatedMachine::drive(const Segment& segment, double part) {
+  velocity_ = segment.velocity;
+  for (std::size_t j = 0; j < drive_.size(); ++j) {
+    drive_[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
+    play_[j].follow(drive_[j]);
+    if (velocity_[j] != 0.0) travel_[j] = velocity_[j] > 0.0 ? 1.0 : -1.0;
+  }
+  pass(part * segment.duration, activityOf(machine_, velocity_));
+}
+
+void SimulatedMachine::moveTo(const std::vector<double>& target, double linear, double rotary) {
+  Segment segment{drive_, target, std::vector<double>(drive_.size(), 0.0), 0.0};
+  for (std::size_t j = 0; j < drive_.size(); ++j) {
+    const double highest = machine_.joints()[j].kind == JointKind::kLinear ? linear : rotary;
+    segment.duration = std::max(segment.duration, std::abs(target[j] - drive_[j]) / highest);
+  }
+  if (segment.duration == 0.0) return;
+  for (std::size_t j = 0; j < drive_.size(); ++j)
+    segment.velocity[j] = (target[j] - drive_[j]) / segment.duration;
+  drive(segment, 1.0);
+  drive_ = target;
+  std::fill(velocity_.begin(), velocity_.end(), 0.0);
+}
+
+void SimulatedMachine::step(const std::vector<double>& target, const std::vector<double>& speed,
+                            double seconds) {
+  if (seconds <= 0.0) return;
+  Segment segment{drive_, drive_, std::vector<double>(drive_.size(), 0.0), seconds};
+  for (std::size_t j = 0; j < drive_.size(); ++j) {
+    const double reach = speed[j] * seconds;
+    segment.to[j] = drive_[j] + std::clamp(target[j] - drive_[j], -reach, reach);
+    segment.velocity[j] = (segment.to[j] - drive_[j]) / seconds;
+  }
+  bool touchesNow = false;
+  if (!settings_.laser.present)
+    for (int f = 0; f < static_cast<int>(artifact_.features.size()); ++f) {
+      if (artifact_.features[f].kind != FeatureKind::kBall) continue;
+      const bool before = clearance(segment, 0.0, f, nullptr) <= 0.0,
+                 after = clearance(segment, 1.0, f, nullptr) <= 0.0;
+      touchesNow = touchesNow || after;
+      if (before || !after || touching_ || trip_) continue;
+      if (const std::optional<double> part = findContact(segment, f)) trip_ = latch(segment, *part, f);
+    }
+  touching_ = touchesNow;
+  drive(segment, 1.0);
+}
+
+std::optional<Trip> SimulatedMachine::takeTrip() {
+  std::optional<Trip> trip;
+  trip.swap(trip_);
+  return trip;
+}
+
+double SimulatedMachine::measureDeviation(int joint) {
+  const Condition now = condition(drive_, time_);
+  const Distortion distortion = physics_.distortion(now);
+  const ProbePose truth = chain_.pose(now.slide, distortion), said = chain_.nominal(drive_);
+  std::vector<double> ahead = drive_;
+  constexpr double kStep = 1e-3;
+  ahead[joint] += kStep;
+  const ProbePose next = chain_.nominal(ahead);
+  if (chain_.kind(joint) == JointKind::kLinear)
+    return (truth.position - said.position).dot((next.position - said.position) / kStep) +
+           noise(settings_.noise.reference);
+  // A polygon on the axis and an autocollimator: rotation of the probe against its nominal about the joint's
+  // axis.
+  const Eigen::Matrix3d turned = truth.orientation * said.orientation.transpose();
+  const Eigen::Matrix3d unit = next.orientation * said.orientation.transpose();
+  const auto vector = [](const Eigen::Matrix3d& r) {
+    return Eigen::Vector3d(0.5 * (r(2, 1) - r(1, 2)), 0.5 * (r(0, 2) - r(2, 0)), 0.5 * (r(1, 0) - r(0, 1)));
+  };
+  return vector(turned).dot(vector(unit).normalized()) + noise(settings_.noise.referenceAngular);
+}
+
+Eigen::Vector3d SimulatedMachine::measurePosition() {
+  Eigen::Vector3d position = trueTip();
+  for (int k = 0; k < 3; ++k) position(k) += noise(settings_.noise.reference);
+  return position;
+}
+
+}  // namespace mm

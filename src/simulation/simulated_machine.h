@@ -1,0 +1,103 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/session.h"
+#include "simulation/instrument_settings.h"
+#include "simulation/physics.h"
+#include "simulation/screw.h"
+
+namespace mm {
+
+/// What the instrument latched when its probe tripped, or when its laser was read. SI units.
+struct Trip {
+  double time = 0.0;
+  std::vector<double> position, velocity, travel;      // readings, with noise
+  Eigen::Vector3d approach = Eigen::Vector3d::Zero();  // unit vector in workpiece, by the nominal chain
+  double laserReading = std::numeric_limits<double>::quiet_NaN();
+  int feature = -1;
+  Eigen::Vector3d truePosition = Eigen::Vector3d::Zero();  // tip centre or surface point, workpiece
+  double incidenceCosine = 1.0;
+};
+
+/// The instrument: drives, slides, probe, sensors. It is moved segment by segment, or step by step by a
+/// driver. The same seed and the same calls give the same bits. Not thread-safe.
+class SimulatedMachine {
+ public:
+  /// @param artifact as stated, for names only; the true one is in `physics`.
+  SimulatedMachine(Machine machine, Artifact artifact, InstrumentSettings settings, Physics physics,
+                   std::uint64_t seed);
+
+  double time() const { return time_; }                              ///< s since switching on
+  const std::vector<double>& readings() const { return drive_; }     ///< of the drives, m or rad
+  const std::vector<double>& velocity() const { return velocity_; }  ///< m/s or rad/s
+  const std::vector<double>& travel() const { return travel_; }  ///< -1, +1 of the last motion; 0: none yet
+  const Machine& machine() const { return machine_; }
+  const Chain& chain() const { return chain_; }
+
+  /// Puts the drives there without a motion: only before anything else.
+  void home(const std::vector<double>& readings);
+  void wait(double seconds);
+  /// Goes straight to the readings, all joints arriving together. @param linear m/s and @param rotary rad/s:
+  /// highest speed of a joint of its kind.
+  void moveTo(const std::vector<double>& target, double linear, double rotary);
+  /// Lets `seconds` pass while each joint goes towards its target with at most its own speed (m/s or rad/s,
+  /// one a joint). A trip on the way is latched; the motion goes on. For drivers.
+  void step(const std::vector<double>& target, const std::vector<double>& speed, double seconds);
+  /// Since the last call of `takeTrip`.
+  bool tripped() const { return trip_.has_value(); }
+  std::optional<Trip> takeTrip();
+  /// Goes straight towards the readings until the tip touches the feature; stops there.
+  /// @param speed of the tip, m/s. @return nothing when the target is reached without contact.
+  std::optional<Trip> touch(const std::vector<double>& target, double speed, int feature);
+  /// Reads the laser on a feature where it stands. @return nothing when it misses, is out of range or drops
+  /// out.
+  std::optional<Trip> readLaser(int feature);
+  /// True minus indicated of a joint (m or rad) as an interferometer or autocollimator finds it, with its
+  /// noise.
+  double measureDeviation(int joint);
+  /// True tip in workpiece (m) as a tracker finds it, with its noise.
+  Eigen::Vector3d measurePosition();
+
+  const std::vector<std::string>& sensorNames() const { return settings_.thermal.sensors; }
+  std::vector<double> temperatures();  ///< degC, as the sensors say now, with noise
+  const std::vector<Series>& temperatureLog() const { return temperatureLog_; }
+  const std::vector<Series>& covariateLog() const { return covariateLog_; }
+  Eigen::Vector3d trueTip() const;  ///< in workpiece, without the probe's pre-travel
+  Truth truth() const { return Truth(chain_, physics_, thermal_); }
+
+ private:
+  struct Segment {
+    std::vector<double> from, to, velocity;
+    double duration = 0.0;  // s
+  };
+  Condition condition(const std::vector<double>& drive, double time) const;
+  /// Distance (m) that is left until the tip touches, after a part (0 to 1) of the segment. Writes the
+  /// outward normal.
+  double clearance(const Segment& segment, double part, int feature, Eigen::Vector3d* normal) const;
+  std::optional<double> findContact(const Segment& segment, int feature,
+                                    double from = 0.0) const;  // parts of the segment
+  Trip latch(const Segment& segment, double part, int feature);
+  void drive(const Segment& segment, double part);
+  void pass(double seconds, double activity);
+  void log();
+  double noise(double size);
+
+  Machine machine_;
+  Artifact artifact_;
+  InstrumentSettings settings_;
+  Physics physics_;
+  Chain chain_;
+  ThermalModel thermal_;
+  std::vector<TemperatureSensor> sensors_;
+  std::vector<Play> play_;
+  std::vector<double> drive_, velocity_, travel_;
+  double time_ = 0.0, nextLog_ = 0.0;
+  Random contactNoise_, sensorNoise_;
+  std::vector<Series> temperatureLog_, covariateLog_;
+  std::optional<Trip> trip_;
+  bool touching_ = false;
+};
+
+}  // namespace mm

@@ -1,0 +1,141 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "simulation/guideway.h"
+#include "simulation/random.h"
+#include "simulation/source.h"
+
+namespace mm {
+
+/// One body of the structural loop: a lump of one temperature.
+struct Body {
+  std::string name;
+  double capacity = 0.0;     // J/K
+  double toAir = 0.0;        // W/K
+  double motionPower = 0.0;  // W when every axis moves at its highest speed or a probe cycle keeps it busy
+  double idlePower = 0.0;    // W
+};
+
+/// Heat flow between two bodies.
+struct Contact {
+  int first = 0, second = 0;
+  double conductance = 0.0;  // W/K
+};
+
+/// Heat that is switched on and off, e.g. of a heated bed.
+struct HeatSchedule {
+  int body = 0;
+  double power = 0.0;           // W
+  double from = 0.0, to = 0.0;  // s
+  double every = 0.0;           // s between repetitions; 0: once
+  double at(double time) const;
+};
+
+/// Temperature of the room: start, ramp and a swing.
+struct Ambient {
+  double start = 20.0;     // degC
+  double ramp = 0.0;       // K/s
+  double swing = 0.0;      // K
+  double period = 3600.0;  // s
+  double at(double time) const;
+};
+
+/// Heat balances of the machine's bodies: C dT/dt = power - sum of conductance * temperature difference.
+/// The last body is always the air, whose temperature is given.
+class ThermalModel {
+ public:
+  ThermalModel() = default;
+  /// All bodies start at the room's temperature plus `startOffset` (K).
+  ThermalModel(std::vector<Body> bodies, std::vector<Contact> contacts, std::vector<HeatSchedule> heat,
+               Ambient ambient, double startOffset = 0.0);
+  /// motor, frame, bed, air of a machine as large as a shoe box.
+  static std::vector<Body> usualBodies();
+  static std::vector<Contact> usualContacts();
+
+  int bodyCount() const { return static_cast<int>(bodies_.size()) + 1; }
+  /// @return index of a body, air included, or -1.
+  int findBody(const std::string& name) const;
+  std::string bodyName(int body) const;
+  const std::vector<double>& temperatures() const { return temperatures_; }
+  double time() const { return time_; }
+  /// Lets `seconds` pass. @param activity share of the highest speed at which the axes move, 0 to 1.
+  void advance(double seconds, double activity);
+  /// Temperatures at an earlier time (s), between the recorded ones; the last ones beyond the end.
+  std::vector<double> recorded(double time) const;
+  /// @return W/K that leave a body and its capacity: time constant = capacity / conductance.
+  double timeConstant(int body) const;
+
+ private:
+  void rates(double time, double activity, const std::vector<double>& temperatures,
+             std::vector<double>& out) const;
+  void step(double seconds, double activity);
+  void record();
+
+  std::vector<Body> bodies_;
+  std::vector<Contact> contacts_;
+  std::vector<HeatSchedule> heat_;
+  Ambient ambient_;
+  double time_ = 0.0;
+  std::vector<double> temperatures_;
+  std::vector<double> recordTimes_;
+  std::vector<std::vector<double>> records_;
+};
+
+/// A temperature sensor: it lags behind its body and has noise.
+class TemperatureSensor {
+ public:
+  TemperatureSensor(int body, double lag, double noise) : body_(body), lag_(lag), noise_(noise) {}
+  void settle(double temperature) { value_ = temperature; }
+  void advance(double seconds, double bodyTemperature);
+  double read(Random& random) const { return value_ + noise_ * random.normal(); }  ///< degC
+  int body() const { return body_; }
+
+ private:
+  int body_;
+  double lag_, noise_;  // s, K
+  double value_ = 20.0;
+};
+
+/// The structural loop grows with a body's temperature.
+class ThermalGrowth : public Source {
+ public:
+  /// @param perKelvin m/K from 20 degC.
+  ThermalGrowth(int body, Direction direction, double perKelvin)
+      : body_(body), direction_(direction), perKelvin_(perKelvin) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  int body_;
+  Direction direction_;
+  double perKelvin_;
+};
+
+/// A screw or scale expands from its fixed end, which is at the axis' zero.
+class ThermalExpansion : public Source {
+ public:
+  ThermalExpansion(int body, int joint, double perKelvin)
+      : body_(body), joint_(joint), perKelvin_(perKelvin) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  int body_, joint_;
+  double perKelvin_;  // 1/K
+};
+
+/// A column warmer on one side than on the other bends and tips what it carries.
+class ThermalBending : public Source {
+ public:
+  /// @param warm, cold bodies. @param about unit vector in workpiece. @param perKelvin rad/K.
+  ThermalBending(int warm, int cold, int joint, Eigen::Vector3d about, Lever lever, double perKelvin)
+      : warm_(warm), cold_(cold), joint_(joint), about_(about), lever_(lever), perKelvin_(perKelvin) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  int warm_, cold_, joint_;
+  Eigen::Vector3d about_;
+  Lever lever_;
+  double perKelvin_;
+};
+
+}  // namespace mm

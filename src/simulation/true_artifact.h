@@ -1,0 +1,46 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "session/session.h"
+#include "simulation/random.h"
+
+namespace mm {
+
+/// Where and how large the balls really are. Lengths in m.
+class TrueArtifact {
+ public:
+  TrueArtifact() = default;
+  /// A perfect artifact that lies where it is said to lie.
+  explicit TrueArtifact(const Artifact& artifact);
+
+  /// Lays it down somewhat shifted (m) and turned (rad), at random.
+  void place(double shift, double turn, Random& random);
+  /// Moves every feature whose position is not known, at random (m, standard deviation of each component).
+  void scatterFree(const Artifact& artifact, double distance, Random& random);
+  /// Form error of every ball: long random waves over its surface of this amplitude (m).
+  void roughen(double amplitude, Random& random);
+
+  Eigen::Vector3d centre(int feature,
+                         double artifactTemperature) const;  ///< in workpiece, at a temperature (degC)
+  /// Radius (m) seen along the outward normal `normal` (unit vector, workpiece).
+  double radius(int feature, const Eigen::Vector3d& normal) const;
+
+  std::vector<Eigen::Vector3d> shift;  // m, a feature: error of its stated position, artifact frame
+  std::vector<double> radiusError;     // m, a feature: true less stated
+  double expansion = 0.0;              // 1/K, true coefficient
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the artifact's frame in workpiece
+  Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();
+
+ private:
+  struct Form {
+    Eigen::Vector3d wave = Eigen::Vector3d::Zero();
+    double phase = 0.0, amplitude = 0.0;
+  };
+  std::vector<Eigen::Vector3d> positions_;
+  std::vector<double> radii_;
+  std::vector<Form> forms_;
+};
+
+}  // namespace mm

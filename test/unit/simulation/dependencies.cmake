@@ -1,0 +1,1 @@
+set(simulation_test_dependencies Eigen3::Eigen)
