@@ -1,5 +1,6 @@
 #include "session/plan_builder.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>

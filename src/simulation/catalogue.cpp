@@ -1,5 +1,6 @@
 #include "simulation/catalogue.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -85,6 +85,7 @@ Trip SimulatedMachine::latch(const Segment& segment, double part, int feature) {
     at[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
   const Condition now = condition(at, trip.time);
   const ProbePose tip = chain_.pose(now.slide, physics_.distortion(now));
+  trip.push = -normal;
   trip.truePosition =
       tip.position + physics_.probe.preTravel(-(tip.orientation.transpose() * normal)) * normal;
   return trip;

@@ -112,10 +112,12 @@ std::vector<std::string> choices(Key kind, const HiddenSource& source, const Sou
 }
 
 /// What may be written, though it would not be drawn.
-bool alsoAllowed(Key kind, const std::string& value, const SourceKind& rule, const Workshop& w) {
+bool alsoAllowed(Key kind, const std::string& value, const HiddenSource& source, const SourceKind& rule,
+                 const Workshop& w) {
   const int joint = w.machine.findJoint(value);
   if (kind == Key::kLinear) return joint >= 0 && rule.numbers[0].dimension == "travel";
-  if (kind == Key::kDirection || kind == Key::kOtherDirection) return joint >= 0;
+  if (kind == Key::kDirection) return joint >= 0;
+  if (kind == Key::kOtherDirection) return joint >= 0 && value != source.keys[0].second;
   if (kind == Key::kBody) return value == "air" && w.thermal.findBody(value) >= 0;
   if (kind == Key::kBall) return rule.type == "ball_radius" && w.artifact.findFeature(value) >= 0;
   return false;
@@ -145,7 +147,7 @@ void fillKeys(const SourceKind& rule, const Written& written, const std::string&
         throw InputError(where + ": nothing here has '" + rule.type + "' (no " + key.name + " to choose)");
       value = names[static_cast<std::size_t>(draw * names.size())];
     } else if (std::find(names.begin(), names.end(), value) == names.end() &&
-               !alsoAllowed(key.kind, value, rule, w)) {
+               !alsoAllowed(key.kind, value, source, rule, w)) {
       throw InputError(where + ": '" + rule.type + "' has no " + key.name + " '" + value +
                        "'; possible are " + joined(names));
     }

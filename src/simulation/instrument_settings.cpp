@@ -90,6 +90,12 @@ void readThermal(const YamlMapping& map, ThermalSettings& thermal) {
     thermal.heat.push_back(readHeat(node, map.source(), bodies));
 }
 
+std::string flowText(const YAML::Node& node) {
+  YAML::Emitter out;
+  out << YAML::Flow << node;
+  return out.c_str();
+}
+
 TrueCovariate readCovariate(const YAML::Node& node, const std::string& source) {
   const YamlMapping map(node, source, "a covariate", {"name", "unit", "mean", "swing", "period_min"});
   TrueCovariate covariate;
@@ -137,7 +143,12 @@ InstrumentSettings InstrumentSettings::parse(const std::string& planYaml, const 
     for (const YAML::Node& node : map.node("covariates"))
       settings.covariates.push_back(readCovariate(node, source));
   }
-  if (map.has("errors")) settings.errors = map.texts("errors");
+  if (map.has("errors")) {
+    if (!map.node("errors").IsSequence())
+      map.fail("errors", "must be a list of sources, written as for --hide");
+    for (const YAML::Node& node : map.node("errors"))
+      settings.errors.push_back(node.IsScalar() ? node.Scalar() : flowText(node));
+  }
   return settings;
 }
 

@@ -40,7 +40,8 @@ ProbePose Truth::pose(const TrueState& state) const {
     pose.position +=
         pose.orientation * beam * physics_.laser.distanceOf(state.laserReading, state.incidenceCosine);
   } else if (!state.approach.isZero(0.0)) {
-    pose.position -= physics_.probe.preTravel(pose.orientation.transpose() * state.approach) * state.approach;
+    const Eigen::Vector3d& push = state.push.isZero(0.0) ? state.approach : state.push;
+    pose.position -= physics_.probe.preTravel(pose.orientation.transpose() * push) * push;
   }
   return pose;
 }

@@ -39,6 +39,7 @@ struct TrueState {
   std::vector<double> velocity;
   std::vector<double> travel;  // -1, +1: side to which the play is taken up; 0: in its middle
   Eigen::Vector3d approach = Eigen::Vector3d::Zero();  // unit vector in workpiece; zero: no contact
+  Eigen::Vector3d push = Eigen::Vector3d::Zero();      // into the surface; zero: along the approach
   double laserReading = std::numeric_limits<double>::quiet_NaN();  // m; NaN: touch probe
   double incidenceCosine = 1.0;                                    // of the laser beam on the surface
 };

@@ -119,7 +119,7 @@ class Recorder {
       std::fill(o.travel.begin(), o.travel.end(), 0.0);
     }
     result_.states.push_back({trip->time, trip->position, trip->velocity, trip->travel, trip->approach,
-                              trip->laserReading, trip->incidenceCosine});
+                              trip->push, trip->laserReading, trip->incidenceCosine});
     result_.truePositions.push_back(trip->truePosition);
   }
 
@@ -149,7 +149,12 @@ class Recorder {
       o.kind = ObservationKind::kPosition;
       o.reference = machine_.measurePosition();
     }
-    result_.states.push_back({o.time, o.position, o.velocity, o.travel});
+    TrueState state;
+    state.time = o.time;
+    state.position = o.position;
+    state.velocity = o.velocity;
+    state.travel = o.travel;
+    result_.states.push_back(std::move(state));
     result_.truePositions.push_back(machine_.trueTip());
   }
 

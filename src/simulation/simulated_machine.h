@@ -15,6 +15,8 @@ struct Trip {
   double time = 0.0;
   std::vector<double> position, velocity, travel;      // readings, with noise
   Eigen::Vector3d approach = Eigen::Vector3d::Zero();  // unit vector in workpiece, by the nominal chain
+  Eigen::Vector3d push =
+      Eigen::Vector3d::Zero();  // truly into the surface, unit vector in workpiece; touch only
   double laserReading = std::numeric_limits<double>::quiet_NaN();
   int feature = -1;
   Eigen::Vector3d truePosition = Eigen::Vector3d::Zero();  // tip centre or surface point, workpiece

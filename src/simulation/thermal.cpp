@@ -9,7 +9,7 @@ namespace mm {
 namespace {
 
 constexpr double kLongestStep = 5.0;     // s
-constexpr double kRecordInterval = 2.0;  // s
+constexpr double kRecordInterval = 1.0;  // s
 
 }  // namespace
 

@@ -11,5 +11,6 @@ namespace mm {
 // (InputError, NumericalError); a result whose answer is no sets `exitStatus` to 1.
 
 void addImportCommand(CLI::App& app, int& exitStatus);
+void addSimulateCommand(CLI::App& app, int& exitStatus);
 
 }  // namespace mm

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
       "Each subcommand explains itself: mm import --help");
   int exitStatus = kDone;
   mm::addImportCommand(app, exitStatus);
+  mm::addSimulateCommand(app, exitStatus);
   try {
     app.parse(argc, argv);
     std::cout.flush();

@@ -1,0 +1,73 @@
+#include "simulation/session_csv.h"
+
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+using Cell = std::function<double(const Observation&)>;
+
+/// Numeric columns, in order; a column in which nothing was measured is left out.
+std::vector<std::pair<std::string, Cell>> columnsOf(const Session& session) {
+  std::vector<std::pair<std::string, Cell>> columns = {
+      {"time_s", [](const Observation& o) { return o.time; }}};
+  const std::vector<Joint>& joints = session.machine.joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const bool linear = joints[j].kind == JointKind::kLinear;
+    const std::string name = joints[j].name, unit = linear ? "_mm" : "_deg";
+    const double factor = linear ? kMillimetre : kDegree, fine = linear ? kMicrometre : kArcsecond;
+    columns.emplace_back(name + unit, [=](const Observation& o) { return o.position[j] / factor; });
+    columns.emplace_back(name + "_velocity" + unit + "_s",
+                         [=](const Observation& o) { return o.velocity[j] / factor; });
+    columns.emplace_back("deviation_" + name + (linear ? "_um" : "_arcsec"), [=](const Observation& o) {
+      return o.deviation.empty() ? kNotMeasured : o.deviation[j] / fine;
+    });
+  }
+  columns.emplace_back("reading_mm", [](const Observation& o) { return o.laserReading / kMillimetre; });
+  for (int k = 0; k < 3; ++k)
+    columns.emplace_back(std::string("reference_") + "xyz"[k] + "_mm",
+                         [=](const Observation& o) { return o.reference(k) / kMillimetre; });
+  for (const Series& s : session.temperatures)
+    columns.emplace_back(s.name + "_degC", [&s](const Observation& o) { return s.at(o.time); });
+  for (const Series& s : session.covariates)
+    columns.emplace_back(s.name + "_" + s.unit, [&s](const Observation& o) { return s.at(o.time); });
+
+  std::vector<std::pair<std::string, Cell>> measured;
+  for (auto& column : columns)
+    for (const Observation& o : session.observations)
+      if (!std::isnan(column.second(o))) {
+        measured.push_back(std::move(column));
+        break;
+      }
+  return measured;
+}
+
+}  // namespace
+
+std::string sessionCsv(const Session& session) {
+  const auto columns = columnsOf(session);
+  std::ostringstream out;
+  out.precision(17);
+  for (std::size_t c = 0; c < columns.size(); ++c) out << (c > 0 ? "," : "") << columns[c].first;
+  const bool features = !session.artifact.features.empty(), setups = !session.setups.empty();
+  out << (features ? ",feature" : "") << (setups ? ",setup" : "") << '\n';
+  for (const Observation& o : session.observations) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const double value = columns[c].second(o);
+      if (c > 0) out << ',';
+      if (!std::isnan(value)) out << value;
+    }
+    if (features) out << ',' << (o.feature >= 0 ? session.artifact.features[o.feature].name : "");
+    if (setups) out << ',' << (o.setup >= 0 ? session.setups[o.setup] : "");
+    out << '\n';
+  }
+  return out.str();
+}
+
+}  // namespace mm

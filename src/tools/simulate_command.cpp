@@ -1,0 +1,95 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+
+#include "machine/error.h"
+#include "ros_bridge/bag_session.h"
+#include "session/session_summary.h"
+#include "simulation/session_csv.h"
+#include "simulation/simulate.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace mm {
+namespace {
+
+struct SimulateOptions {
+  std::string machine = "three_axis", plan, output, csv, truth;
+  SimulationRequest request;
+};
+
+void writeText(const std::string& text, const std::string& file) {
+  std::ofstream out(file);
+  out << text << std::flush;
+  if (!out) throw InputError(file + ": cannot be written; check the path and the space on the disk");
+}
+
+void runSimulate(const SimulateOptions& options) {
+  const auto started = std::chrono::steady_clock::now();
+  const Machine machine = Machine::load(options.machine);
+  const Plan plan = Plan::load(options.plan, machine);
+  ProgressBar measuring("measuring");
+  Simulation simulation = simulate(machine, plan, options.request, measuring.callback());
+  const std::chrono::duration<double> lasted = std::chrono::steady_clock::now() - started;
+  if (simulation.session.observations.empty())
+    throw InputError(options.plan + ": nothing was measured: all " + std::to_string(simulation.missed) +
+                     " moves missed the artifact or the laser's range");
+  {
+    ProgressBar writing("writing");
+    writeSessionBag(simulation.session, options.output, writing.callback());
+  }
+  if (!options.csv.empty()) writeText(sessionCsv(simulation.session), options.csv);
+  if (!options.truth.empty()) writeText(truthYaml(simulation, options.request), options.truth);
+
+  const double hours = simulation.session.observations.back().time / 3600.0;
+  std::cout << summarize(simulation.session);
+  if (simulation.missed > 0)
+    std::cout << simulation.missed << " moves measured nothing (missed, out of range, dropped out)\n";
+  std::cout << std::fixed << std::setprecision(2) << hours << " h of measuring simulated in "
+            << lasted.count() << " s, seed " << options.request.seed
+            << ", sources hidden: " << simulation.hidden.size() << '\n'
+            << "written to " << options.output << '\n';
+  if (!options.truth.empty()) std::cout << "what was hidden: " << options.truth << '\n';
+}
+
+}  // namespace
+
+void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* command =
+      app.add_subcommand("simulate", "Measures a plan with the simulated instrument, faster than real time");
+  command->add_option("--machine", options->machine, "three_axis, five_axis or the path of a URDF")
+      ->required();
+  command->add_option("--plan", options->plan, "YAML: the artifact and what to measure; see config/plans")
+      ->required();
+  command
+      ->add_option("--hide", options->request.hide,
+                   "an effect to hide, again for more: backlash, backlash:x=3um, random (see below)")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--seed", options->request.seed, "of everything random")->capture_default_str();
+  command->add_option("-o,--output", options->output, "the session's bag")->required();
+  command->add_option("--csv", options->csv, "also as CSV, in the format of mm import");
+  command->add_option("--truth", options->truth, "also what was hidden, as YAML: the bag does not tell");
+  std::string kinds, line;
+  for (const SourceKind& kind : sourceKinds()) {
+    std::string places;
+    for (const SourceKind::KeyRule& key : kind.keys)
+      if (key.standard.empty()) places += (places.empty() ? ":" : "/") + key.name;
+    kinds += "  " + kind.type + places + "\n";
+  }
+  command->footer(
+      "What can be hidden (what is left open is drawn by the seed; =size and ,key=value set it):\n" + kinds +
+      "Examples:\n"
+      "  mm simulate --machine three_axis --plan config/plans/nine_ball_plate.yaml --hide random --seed 7 -o "
+      "s.bag\n"
+      "  mm simulate --machine three_axis --plan config/plans/nine_ball_plate.yaml --hide "
+      "straightness:x/z=2um \\\n"
+      "     --hide '{type: backlash, axis: x, gap: 3um}' --truth t.yaml -o s.bag");
+  command->callback([options] { runSimulate(*options); });
+}
+
+}  // namespace mm
