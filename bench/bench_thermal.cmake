@@ -1,0 +1,2 @@
+set(bench_thermal_dependencies thermal)
+target_include_directories(bench_thermal PRIVATE ${CMAKE_SOURCE_DIR}/test/support)

@@ -1,0 +1,298 @@
+#include "thermal/dfnn.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "machine/error.h"
+#include "thermal/blocked_folds.h"
+#include "thermal/dfnn_consequents.h"
+#include "thermal/numbers.h"
+#include "thermal/ridge.h"
+
+namespace mm {
+namespace {
+
+constexpr int kGrowthSamples = 300;  // growth sees so many samples of a longer series, evenly chosen
+constexpr double kGrowthRidge = 1e-4;
+constexpr int kSamplesAnUnknown = 10;    // centres and widths are refined only with so many samples for each
+constexpr double kClearlyBetter = 0.85;  // held-out error of several rules over that of one
+
+/// Rules at the samples nearest to even steps along the first principal direction of the inputs.
+DfnnRules spreadRules(const Eigen::MatrixXd& x, int count) {
+  const Eigen::MatrixXd centred = x.rowwise() - x.colwise().mean();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred.transpose() * centred);
+  const Eigen::VectorXd along = centred * solver.eigenvectors().rightCols(1);
+  const double low = along.minCoeff(), span = std::max(along.maxCoeff() - low, 1e-9);
+  DfnnRules rules;
+  for (int j = 0; j < count; ++j) {
+    Eigen::Index nearest = 0;
+    (along.array() - (low + span * (j + 0.5) / count)).abs().minCoeff(&nearest);
+    rules.add(x.row(nearest), 2.0 * span / count);
+  }
+  return rules;
+}
+
+DfnnRules grown(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnSettings& settings) {
+  if (x.rows() <= kGrowthSamples) return growRules(x, y, settings, kGrowthRidge);
+  std::vector<int> chosen;
+  for (int i = 0; i < kGrowthSamples; ++i) chosen.push_back(static_cast<int>(i * x.rows() / kGrowthSamples));
+  return growRules(rowsOf(x, chosen), rowsOf(y, chosen), settings, kGrowthRidge);
+}
+
+/// The penalties that are tried.
+struct Ridges {
+  std::vector<double> common = {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0};
+  std::vector<double> departures = {1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
+};
+
+/// One way to place the rules: grown, or spread evenly along the main drift of the inputs, which is the
+/// better start where a few rules share a long, smooth bend.
+struct Placement {
+  DfnnSettings growth;  // its largestRules is the number of rules where they are spread
+  bool spread = false;
+
+  DfnnRules rules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) const {
+    return spread ? spreadRules(x, growth.largestRules) : grown(x, y, growth);
+  }
+};
+
+/// A placement with its penalties and its held-out error.
+struct Chosen {
+  Placement placement;
+  double ridge = 0.0, departureRidge = 0.0;
+  double heldOut = std::numeric_limits<double>::infinity();
+  bool refined = false;
+};
+
+/// The placements that are tried: the linear one first. Thresholds fall to their ends within the first half
+/// of the samples: at the published pace a short series would be over before any error counts.
+std::vector<Placement> placements(DfnnSettings base, int samples) {
+  const double half = std::max(1.0, 0.5 * samples);
+  base.distanceDecay =
+      std::min(base.distanceDecay, std::pow(base.distanceMin / base.distanceMax, 1.0 / half));
+  base.errorDecay =
+      std::min(base.errorDecay, std::pow(std::max(base.errorMin, 1e-6) / base.errorMax, 1.0 / half));
+  const int most = std::min(base.largestRules > 0 ? base.largestRules : 9, std::max(1, samples / 2));
+  std::vector<Placement> result;
+  const auto add = [&](int rules, double overlap, bool spread) {
+    result.push_back({base, spread});
+    result.back().growth.largestRules = rules;
+    result.back().growth.overlap = overlap;
+  };
+  add(1, base.overlap, true);
+  for (int rules : {2, 3, 4, 6})
+    if (rules <= most) add(rules, base.overlap, true);
+  for (int rules : {2, 3, 4, 6, 9})
+    for (double factor : {1.0, 1.6})
+      if (rules <= most) add(rules, factor * base.overlap, false);
+  return result;
+}
+
+/// Sums of squares of the held-out errors for every pair of penalties.
+Eigen::MatrixXd heldOutSquares(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                               const std::vector<Fold>& folds, const Placement& placement,
+                               const Ridges& ridges) {
+  const std::size_t departures = placement.growth.largestRules == 1 ? 1 : ridges.departures.size();
+  Eigen::MatrixXd squares =
+      Eigen::MatrixXd::Zero(static_cast<long>(ridges.common.size()), static_cast<long>(departures));
+  for (const Fold& fold : folds) {
+    const Eigen::MatrixXd trainX = rowsOf(x, fold.train), trainY = rowsOf(y, fold.train);
+    const DfnnRules rules = placement.rules(trainX, trainY);
+    const RidgeConsequents equations(RidgeConsequents::design(trainX, rules), trainY, x.cols());
+    const Eigen::MatrixXd z = RidgeConsequents::design(rowsOf(x, fold.test), rules),
+                          testY = rowsOf(y, fold.test);
+    for (std::size_t a = 0; a < ridges.common.size(); ++a)
+      for (std::size_t b = 0; b < departures; ++b)
+        squares(static_cast<long>(a), static_cast<long>(b)) +=
+            (z * equations.solve(ridges.common[a], ridges.departures[b]) - testY).squaredNorm();
+  }
+  return squares;
+}
+
+/// The same for one choice, with refined rules.
+double refinedSquares(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const std::vector<Fold>& folds,
+                      const Chosen& chosen) {
+  double squares = 0.0;
+  for (const Fold& fold : folds) {
+    const Eigen::MatrixXd trainX = rowsOf(x, fold.train), trainY = rowsOf(y, fold.train);
+    const DfnnRules rules = refineRules(trainX, trainY, chosen.placement.rules(trainX, trainY), chosen.ridge,
+                                        chosen.departureRidge);
+    const RidgeConsequents equations(RidgeConsequents::design(trainX, rules), trainY, x.cols());
+    squares += (RidgeConsequents::design(rowsOf(x, fold.test), rules) *
+                    equations.solve(chosen.ridge, chosen.departureRidge) -
+                rowsOf(y, fold.test))
+                   .squaredNorm();
+  }
+  return squares;
+}
+
+}  // namespace
+
+Dfnn::Dfnn(const NetworkSettings& settings) : ThermalNetwork(settings) { settings.dfnn.validate(); }
+
+void Dfnn::standardise() {
+  const Eigen::Index r = x_.cols();
+  const double n = static_cast<double>(x_.rows());
+  meanX_ = Eigen::RowVectorXd::Zero(r);
+  scaleX_ = Eigen::RowVectorXd::Ones(r);
+  meanY_ = Eigen::RowVectorXd::Zero(y_.cols());
+  scaleY_ = 1.0;
+  if (!settings_.dfnn.standardise) return;
+  meanX_ = x_.colwise().mean();
+  meanY_ = y_.colwise().mean();
+  // Inputs that drift together then span about 8 units, as in the example to which the thresholds belong.
+  const Eigen::RowVectorXd deviation = ((x_.rowwise() - meanX_).colwise().squaredNorm() / n).cwiseSqrt();
+  for (Eigen::Index i = 0; i < r; ++i)
+    scaleX_(i) = deviation(i) > 0.0 ? 2.3 / (deviation(i) * std::sqrt(static_cast<double>(r))) : 0.0;
+  const double spread = (y_.rowwise() - meanY_).norm() / std::sqrt(static_cast<double>(y_.size()));
+  if (spread > 0.0) scaleY_ = spread;
+}
+
+void Dfnn::learn(int from) {
+  if (settings_.dfnn.largestRules > samples())
+    throw InputError("dfnn: " + std::to_string(settings_.dfnn.largestRules) + " rules for " +
+                     std::to_string(samples()) + " samples; measure more or allow fewer rules");
+  if (!settings_.dfnn.published) {
+    standardise();
+    choose();
+  } else if (from == 0) {
+    standardise();
+    rules_ = growRules(scaledInputs(), scaledOutputs(), settings_.dfnn, 0.0);
+  } else {
+    rules_ = growRules(scaledInputs(), scaledOutputs(), settings_.dfnn, 0.0, rules_, from);
+  }
+  solve();
+}
+
+Eigen::MatrixXd Dfnn::scaledInputs() const { return (x_.rowwise() - meanX_) * scaleX_.asDiagonal(); }
+Eigen::MatrixXd Dfnn::scaledOutputs() const { return (y_.rowwise() - meanY_) / scaleY_; }
+
+void Dfnn::choose() {
+  const Eigen::MatrixXd x = scaledInputs(), y = scaledOutputs();
+  const std::vector<Fold> folds = blockedFolds(samples(), blocks());
+  const double unit =
+      scaleY_ / std::sqrt(static_cast<double>(y.size()));  // root of a sum of squares to an RMS
+  const Ridges ridges;
+  double linear = std::numeric_limits<double>::infinity(), several = linear;
+  Chosen one, best;
+  for (const Placement& placement : placements(settings_.dfnn, samples())) {
+    Eigen::Index a = 0, b = 0;
+    const double rms = unit * std::sqrt(heldOutSquares(x, y, folds, placement, ridges).minCoeff(&a, &b));
+    const Chosen chosen{placement, ridges.common[static_cast<std::size_t>(a)],
+                        ridges.departures[static_cast<std::size_t>(b)], rms};
+    if (placement.growth.largestRules == 1) {
+      linear = rms;
+      one = chosen;
+    } else if (rms < several) {
+      several = rms;
+      best = chosen;
+    }
+  }
+  if (best.placement.growth.largestRules * (x.cols() + 1) * kSamplesAnUnknown <= samples() &&
+      several < std::numeric_limits<double>::infinity()) {
+    const double refined = unit * std::sqrt(refinedSquares(x, y, folds, best));
+    if (refined < best.heldOut) {
+      best.heldOut = refined;
+      best.refined = true;
+    }
+  }
+  const Chosen& chosen = best.heldOut < kClearlyBetter * linear ? best : one;
+  ridge_ = chosen.ridge;
+  departureRidge_ = chosen.departureRidge;
+  heldOut_ = chosen.heldOut;
+  rules_ = chosen.placement.rules(x, y);
+  if (chosen.refined) rules_ = refineRules(x, y, rules_, ridge_, departureRidge_);
+}
+
+void Dfnn::solve() {
+  const Eigen::MatrixXd x = scaledInputs(), y = scaledOutputs();
+  const Eigen::Index r = x.cols();
+  if (settings_.dfnn.published) {
+    weights_ = rules_.design(x).completeOrthogonalDecomposition().solve(y);
+    return;
+  }
+  const Eigen::MatrixXd all =
+      RidgeConsequents(RidgeConsequents::design(x, rules_), y, r).solve(ridge_, departureRidge_);
+  weights_ = RowMajor::Zero(rules_.count() * (r + 1), y.cols());
+  for (int j = 0; j < rules_.count(); ++j) {
+    weights_.middleRows(j * (r + 1), r + 1) = all.topRows(r + 1);
+    if (rules_.count() > 1)
+      weights_.middleRows(j * (r + 1), r + 1) += all.middleRows((j + 1) * (r + 1), r + 1);
+  }
+}
+
+void Dfnn::evaluate(const double* x, double* y) const {
+  double psi[kMostRules];
+  const int r = inputs(), p = outputs(), rules = rules_.count();
+  // Squared distances by differences of scaled inputs; nothing is stored beyond the rules' strengths.
+  double nearest = std::numeric_limits<double>::infinity(), sum = 0.0;
+  for (int j = 0; j < rules; ++j) {
+    double square = 0.0;
+    for (int i = 0; i < r; ++i) {
+      const double d = (x[i] - meanX_(i)) * scaleX_(i) - rules_.centres(j, i);
+      square += d * d;
+    }
+    psi[j] = square / (rules_.widths(j) * rules_.widths(j));
+    nearest = std::min(nearest, psi[j]);
+  }
+  for (int j = 0; j < rules; ++j) sum += psi[j] = std::exp(nearest - psi[j]);
+  for (int o = 0; o < p; ++o) y[o] = meanY_(o);
+  const double* w = weights_.data();
+  for (int j = 0; j < rules; ++j)
+    for (int c = 0; c <= r; ++c, w += p) {
+      const double h = scaleY_ * psi[j] / sum * (c == 0 ? 1.0 : (x[c - 1] - meanX_(c - 1)) * scaleX_(c - 1));
+      for (int o = 0; o < p; ++o) y[o] += h * w[o];
+    }
+}
+
+std::string Dfnn::describe() const {
+  std::ostringstream text;
+  text << "dfnn: " << rules() << (rules() == 1 ? " rule, " : " rules, ") << samples() << " samples";
+  if (settings_.dfnn.published)
+    text << ", least squares as published";
+  else
+    text << ", ridge " << ridge_ << ", on the departures of the rules " << departureRidge_
+         << ", held-out error " << heldOut_;
+  return text.str();
+}
+
+void Dfnn::write(std::vector<double>& numbers) const {
+  const DfnnSettings& s = settings_.dfnn;
+  for (double value :
+       {static_cast<double>(s.published), static_cast<double>(s.standardise), s.distanceMax, s.distanceMin,
+        s.distanceDecay, s.errorMax, s.errorMin, s.errorDecay, s.firstWidth, s.overlap, s.widening, s.pruning,
+        static_cast<double>(s.largestRules), scaleY_, ridge_, departureRidge_, heldOut_})
+    numbers.push_back(value);
+  writeMatrix(numbers, meanX_);
+  writeMatrix(numbers, scaleX_);
+  writeMatrix(numbers, meanY_);
+  writeMatrix(numbers, rules_.centres);
+  writeMatrix(numbers, rules_.widths);
+  writeMatrix(numbers, weights_);
+}
+
+void Dfnn::read(const double*& next, const double* end) {
+  DfnnSettings& s = settings_.dfnn;
+  s.published = readNumber(next, end) != 0.0;
+  s.standardise = readNumber(next, end) != 0.0;
+  for (double* value : {&s.distanceMax, &s.distanceMin, &s.distanceDecay, &s.errorMax, &s.errorMin,
+                        &s.errorDecay, &s.firstWidth, &s.overlap, &s.widening, &s.pruning})
+    *value = readNumber(next, end);
+  s.largestRules = static_cast<int>(readNumber(next, end));
+  for (double* value : {&scaleY_, &ridge_, &departureRidge_, &heldOut_}) *value = readNumber(next, end);
+  meanX_ = readMatrix(next, end, 1, inputs());
+  scaleX_ = readMatrix(next, end, 1, inputs());
+  meanY_ = readMatrix(next, end, 1, outputs());
+  rules_.centres = readMatrix(next, end, -1, inputs());
+  rules_.widths = readMatrix(next, end, rules_.centres.rows(), 1);
+  weights_ = readMatrix(next, end, rules_.centres.rows() * (inputs() + 1), outputs());
+  s.validate();
+  if (rules_.count() < 1 || rules_.count() > kMostRules)
+    throw InputError("dfnn: the stored network has no valid rules");
+}
+
+}  // namespace mm

@@ -1,0 +1,111 @@
+#include "thermal/dfnn_consequents.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace mm {
+namespace {
+
+/// Centres, then logarithms of widths.
+Eigen::VectorXd packed(const DfnnRules& rules) {
+  Eigen::VectorXd p(rules.centres.size() + rules.count());
+  p << Eigen::Map<const Eigen::VectorXd>(rules.centres.data(), rules.centres.size()),
+      rules.widths.array().log().matrix();
+  return p;
+}
+
+DfnnRules unpacked(const Eigen::VectorXd& p, const DfnnRules& start) {
+  DfnnRules rules = start;
+  rules.centres = Eigen::Map<const Eigen::MatrixXd>(p.data(), start.centres.rows(), start.centres.cols());
+  rules.widths =
+      p.tail(start.count()).array().exp().max(start.widths.array() * 0.1).min(start.widths.array() * 10.0);
+  return rules;
+}
+
+/// Residuals of the samples and of the penalties, all outputs one below the other.
+Eigen::VectorXd residuals(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& rules,
+                          double ridge, double departureRidge) {
+  const Eigen::MatrixXd z = RidgeConsequents::design(x, rules);
+  const RidgeConsequents equations(z, y, x.cols());
+  const Eigen::MatrixXd w = equations.solve(ridge, departureRidge);
+  Eigen::MatrixXd all(z.rows() + z.cols(), y.cols());
+  all << y - z * w, equations.penaltyRoots(ridge, departureRidge).asDiagonal() * w;
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
+}
+
+}  // namespace
+
+Eigen::MatrixXd RidgeConsequents::design(const Eigen::MatrixXd& x, const DfnnRules& rules) {
+  const Eigen::Index r = x.cols();
+  const Eigen::Index departures = rules.count() > 1 ? rules.count() * (r + 1) : 0;
+  Eigen::MatrixXd z(x.rows(), 1 + r + departures);
+  z.col(0).setOnes();
+  z.middleCols(1, r) = x;
+  if (departures > 0) z.rightCols(departures) = rules.design(x);
+  return z;
+}
+
+RidgeConsequents::RidgeConsequents(const Eigen::MatrixXd& z, const Eigen::MatrixXd& y, Eigen::Index inputs)
+    : gram_(z.transpose() * z),
+      right_(z.transpose() * y),
+      samples_(static_cast<double>(z.rows())),
+      inputs_(inputs) {}
+
+Eigen::VectorXd RidgeConsequents::penaltyRoots(double ridge, double departureRidge) const {
+  Eigen::VectorXd roots(gram_.rows());
+  roots(0) =
+      std::sqrt(1e-13 * samples_);  // keeps the equations regular beside departures that are all but free
+  roots.segment(1, inputs_).setConstant(std::sqrt(ridge * samples_));
+  roots.tail(gram_.rows() - 1 - inputs_).setConstant(std::sqrt(departureRidge * samples_));
+  return roots;
+}
+
+Eigen::MatrixXd RidgeConsequents::solve(double ridge, double departureRidge) const {
+  Eigen::MatrixXd matrix = gram_;
+  matrix.diagonal() += penaltyRoots(ridge, departureRidge).cwiseAbs2();
+  return matrix.ldlt().solve(right_);
+}
+
+DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& start,
+                      double ridge, double departureRidge, int iterations) {
+  if (start.count() < 2) return start;
+  Eigen::VectorXd p = packed(start);
+  const auto at = [&](const Eigen::VectorXd& q) {
+    return residuals(x, y, unpacked(q, start), ridge, departureRidge);
+  };
+  Eigen::VectorXd r = at(p);
+  double damping = 1e-2;
+  for (int i = 0; i < iterations; ++i) {
+    Eigen::MatrixXd jacobian(r.size(), p.size());
+    constexpr double kStep = 1e-5;
+    for (Eigen::Index c = 0; c < p.size(); ++c) {
+      Eigen::VectorXd moved = p;
+      moved(c) += kStep;
+      jacobian.col(c) = (at(moved) - r) / kStep;
+    }
+    const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
+    const Eigen::VectorXd gradient = jacobian.transpose() * r;
+    bool better = false;
+    double gain = 0.0;
+    for (int tries = 0; tries < 8 && !better; ++tries) {
+      Eigen::MatrixXd matrix = normal;
+      matrix.diagonal().array() += damping * (normal.diagonal().array() + 1e-9 * normal.trace() + 1e-300);
+      const Eigen::VectorXd q = p - matrix.ldlt().solve(gradient);
+      if (q.allFinite()) {
+        const Eigen::VectorXd s = at(q);
+        if (s.squaredNorm() < r.squaredNorm()) {
+          gain = 1.0 - s.squaredNorm() / r.squaredNorm();
+          p = q;
+          r = s;
+          better = true;
+        }
+      }
+      damping = better ? std::max(1e-9, damping * 0.3) : damping * 4.0;
+    }
+    if (!better || gain < 1e-4) break;
+  }
+  return unpacked(p, start);
+}
+
+}  // namespace mm

@@ -1,0 +1,100 @@
+#include "thermal/rbf_network.h"
+
+#include <Eigen/QR>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "thermal/blocked_folds.h"
+#include "thermal/numbers.h"
+#include "thermal/ridge.h"
+
+namespace mm {
+namespace {
+
+constexpr double kHalf = 0.69314718055994531;  // exp(-kHalf) = 1/2
+
+Eigen::MatrixXd strengths(const Eigen::MatrixXd& x, const Eigen::MatrixXd& centres, double spread) {
+  Eigen::MatrixXd phi(x.rows(), centres.rows());
+  for (Eigen::Index c = 0; c < centres.rows(); ++c)
+    phi.col(c) =
+        (-(x.rowwise() - centres.row(c)).rowwise().squaredNorm() * (kHalf / (spread * spread))).array().exp();
+  return phi;
+}
+
+/// Weights that meet every sample about the mean of the outputs; the shortest where samples coincide.
+Eigen::MatrixXd exactWeights(const Eigen::MatrixXd& x, const Eigen::MatrixXd& centred, double spread) {
+  return strengths(x, x, spread).completeOrthogonalDecomposition().solve(centred);
+}
+
+}  // namespace
+
+void RbfNetwork::learn(int /*from*/) {
+  const Eigen::Index n = x_.rows();
+  mean_ = x_.colwise().mean();
+  scale_ = ((x_.rowwise() - mean_).colwise().squaredNorm() / static_cast<double>(n)).cwiseSqrt();
+  for (Eigen::Index i = 0; i < scale_.size(); ++i) scale_(i) = scale_(i) > 0.0 ? 1.0 / scale_(i) : 0.0;
+  std::vector<int> chosen;
+  const int count = std::min<int>(kMostCentres, static_cast<int>(n));
+  for (int i = 0; i < count; ++i) chosen.push_back(static_cast<int>(static_cast<long>(i) * n / count));
+  centres_ = rowsOf((x_.rowwise() - mean_) * scale_.asDiagonal(), chosen);
+  const Eigen::MatrixXd y = rowsOf(y_, chosen);
+
+  double best = std::numeric_limits<double>::infinity();
+  const std::vector<Fold> folds = blockedFolds(count, std::min(settings_.blocks, count));
+  for (double spread = 0.25; spread < 20.0; spread *= 1.5) {
+    double squares = 0.0;
+    for (const Fold& fold : folds) {
+      const Eigen::MatrixXd trainX = rowsOf(centres_, fold.train), trainY = rowsOf(y, fold.train);
+      const Eigen::RowVectorXd mean = trainY.colwise().mean();
+      const Eigen::MatrixXd weights = exactWeights(trainX, trainY.rowwise() - mean, spread);
+      const Eigen::MatrixXd predicted = strengths(rowsOf(centres_, fold.test), trainX, spread) * weights;
+      squares += ((predicted.rowwise() + mean) - rowsOf(y, fold.test)).squaredNorm();
+    }
+    if (squares < best) best = squares, spread_ = spread;
+  }
+  offset_ = y.colwise().mean();
+  weights_ = exactWeights(centres_, y.rowwise() - offset_, spread_);
+}
+
+void RbfNetwork::evaluate(const double* x, double* y) const {
+  const int p = outputs();
+  for (int o = 0; o < p; ++o) y[o] = offset_(o);
+  for (Eigen::Index c = 0; c < centres_.rows(); ++c) {
+    double square = 0.0;
+    for (int i = 0; i < inputs(); ++i) {
+      const double d = (x[i] - mean_(i)) * scale_(i) - centres_(c, i);
+      square += d * d;
+    }
+    const double strength = std::exp(-square * kHalf / (spread_ * spread_));
+    for (int o = 0; o < p; ++o) y[o] += strength * weights_(c, o);
+  }
+}
+
+std::string RbfNetwork::describe() const {
+  std::ostringstream text;
+  text << "rbf: " << rules() << " centres";
+  if (rules() < samples()) text << ", evenly of " << samples() << " samples";
+  text << ", spread " << spread_ << " standard deviations";
+  return text.str();
+}
+
+void RbfNetwork::write(std::vector<double>& numbers) const {
+  numbers.push_back(spread_);
+  writeMatrix(numbers, mean_);
+  writeMatrix(numbers, scale_);
+  writeMatrix(numbers, centres_);
+  writeMatrix(numbers, weights_);
+  writeMatrix(numbers, offset_);
+}
+
+void RbfNetwork::read(const double*& next, const double* end) {
+  spread_ = readNumber(next, end);
+  mean_ = readMatrix(next, end, 1, inputs());
+  scale_ = readMatrix(next, end, 1, inputs());
+  centres_ = readMatrix(next, end, -1, inputs());
+  weights_ = readMatrix(next, end, centres_.rows(), outputs());
+  offset_ = readMatrix(next, end, 1, outputs());
+}
+
+}  // namespace mm

@@ -1,0 +1,154 @@
+#include "thermal/thermal_network.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/error.h"
+#include "thermal/blocked_folds.h"
+#include "thermal/dfnn.h"
+#include "thermal/numbers.h"
+#include "thermal/rbf_network.h"
+#include "thermal/ridge.h"
+#include "thermal/ridge_network.h"
+
+namespace mm {
+namespace {
+
+constexpr double kVersion = 1.0;
+
+void check(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+  if (x.rows() != y.rows())
+    throw InputError("thermal network: " + std::to_string(x.rows()) + " samples of temperature and " +
+                     std::to_string(y.rows()) + " of displacement; the series must have the same length");
+  if (x.cols() < 1 || y.cols() < 1)
+    throw InputError("thermal network: at least one temperature and one displacement are needed");
+  if (!x.allFinite() || !y.allFinite())
+    throw InputError("thermal network: a value is not a finite number; fill the gap or leave the sample out");
+}
+
+}  // namespace
+
+std::string nameOf(NetworkKind kind) {
+  switch (kind) {
+    case NetworkKind::kDfnn:
+      return "dfnn";
+    case NetworkKind::kRbf:
+      return "rbf";
+    case NetworkKind::kRidge:
+      return "ridge";
+  }
+  return "";
+}
+
+NetworkKind networkKind(const std::string& name) {
+  for (NetworkKind kind : {NetworkKind::kDfnn, NetworkKind::kRbf, NetworkKind::kRidge})
+    if (nameOf(kind) == name) return kind;
+  throw InputError("thermal network '" + name + "' is not known; it is dfnn, rbf or ridge");
+}
+
+void ThermalNetwork::fit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+  check(x, y);
+  if (x.rows() < 3)
+    throw InputError("thermal network: " + std::to_string(x.rows()) +
+                     " samples are too few to learn from; at least 3 are needed");
+  x_ = x;
+  y_ = y;
+  learn(0);
+}
+
+void ThermalNetwork::update(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+  check(x, y);
+  if (samples() == 0)
+    throw InputError("thermal network: nothing was learned yet that could be updated; fit it first");
+  if (x.cols() != x_.cols() || y.cols() != y_.cols())
+    throw InputError("thermal network: the new set has " + std::to_string(x.cols()) + " temperatures and " +
+                     std::to_string(y.cols()) + " displacements, the network " + std::to_string(x_.cols()) +
+                     " and " + std::to_string(y_.cols()) + "; measure with the same sensors and positions");
+  const int from = samples();
+  x_.conservativeResize(from + x.rows(), Eigen::NoChange);
+  y_.conservativeResize(from + y.rows(), Eigen::NoChange);
+  x_.bottomRows(x.rows()) = x;
+  y_.bottomRows(y.rows()) = y;
+  learn(from);
+}
+
+Eigen::MatrixXd ThermalNetwork::evaluateAll(const Eigen::MatrixXd& x) const {
+  Eigen::MatrixXd y(x.rows(), outputs());
+  Eigen::VectorXd in(inputs()), out(outputs());
+  for (Eigen::Index k = 0; k < x.rows(); ++k) {
+    in = x.row(k).transpose();
+    evaluate(in.data(), out.data());
+    y.row(k) = out.transpose();
+  }
+  return y;
+}
+
+std::vector<double> ThermalNetwork::toNumbers() const {
+  std::vector<double> numbers{kVersion, static_cast<double>(kind()), static_cast<double>(settings_.blocks)};
+  writeMatrix(numbers, x_);
+  writeMatrix(numbers, y_);
+  write(numbers);
+  return numbers;
+}
+
+std::unique_ptr<ThermalNetwork> makeNetwork(NetworkKind kind, const NetworkSettings& settings) {
+  if (settings.blocks < 2)
+    throw InputError("thermal network: " + std::to_string(settings.blocks) +
+                     " blocks for the cross-validation; at least 2 are needed");
+  switch (kind) {
+    case NetworkKind::kDfnn:
+      return std::make_unique<Dfnn>(settings);
+    case NetworkKind::kRbf:
+      return std::make_unique<RbfNetwork>(settings);
+    case NetworkKind::kRidge:
+      return std::make_unique<RidgeNetwork>(settings);
+  }
+  throw InputError("thermal network: unknown kind");
+}
+
+std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers) {
+  const double* next = numbers.data();
+  const double* end = next + numbers.size();
+  const double version = readNumber(next, end), kind = readNumber(next, end), blocks = readNumber(next, end);
+  if (version != kVersion || !(kind == 0.0 || kind == 1.0 || kind == 2.0) || !(blocks >= 2.0 && blocks < 1e6))
+    throw InputError(
+        "stored thermal network: its numbers are not those of a network of version 1; calibrate again");
+  NetworkSettings settings;
+  settings.blocks = static_cast<int>(blocks);
+  std::unique_ptr<ThermalNetwork> network =
+      makeNetwork(static_cast<NetworkKind>(static_cast<int>(kind)), settings);
+  network->x_ = readMatrix(next, end, -1, -1);
+  network->y_ = readMatrix(next, end, network->x_.rows(), -1);
+  network->read(next, end);
+  if (next != end) throw InputError("stored thermal network: there are numbers too many; calibrate again");
+  return network;
+}
+
+std::vector<NetworkComparison> compareNetworks(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                                               const NetworkSettings& settings) {
+  check(x, y);
+  const std::vector<Fold> folds =
+      blockedFolds(static_cast<int>(x.rows()), std::min(settings.blocks, static_cast<int>(x.rows())));
+  std::vector<NetworkComparison> table{{"dfnn"}, {"rbf"}, {"ridge"}, {"none"}};
+  for (const Fold& fold : folds) {
+    const Eigen::MatrixXd trainX = rowsOf(x, fold.train), trainY = rowsOf(y, fold.train);
+    const Eigen::MatrixXd testX = rowsOf(x, fold.test), testY = rowsOf(y, fold.test);
+    for (NetworkComparison& entry : table) {
+      Eigen::MatrixXd predicted = trainY.colwise().mean().replicate(testY.rows(), 1);
+      if (entry.kind != "none") {
+        const std::unique_ptr<ThermalNetwork> network = makeNetwork(networkKind(entry.kind), settings);
+        network->fit(trainX, trainY);
+        predicted = network->evaluateAll(testX);
+      }
+      entry.heldOutRms += (predicted - testY).squaredNorm() / static_cast<double>(y.size());
+    }
+  }
+  for (NetworkComparison& entry : table) entry.heldOutRms = std::sqrt(entry.heldOutRms);
+  const double ridge = table[2].heldOutRms, none = table[3].heldOutRms;
+  table[0].worthwhile = table[0].heldOutRms < std::min(ridge, none);
+  table[1].worthwhile = table[1].heldOutRms < std::min(ridge, none);
+  table[2].worthwhile = ridge < none;
+  return table;
+}
+
+}  // namespace mm

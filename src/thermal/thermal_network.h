@@ -1,0 +1,84 @@
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "thermal/dfnn_rules.h"
+
+namespace mm {
+
+enum class NetworkKind { kDfnn, kRbf, kRidge };
+/// "dfnn", "rbf", "ridge". networkKind() throws InputError for any other name.
+std::string nameOf(NetworkKind kind);
+NetworkKind networkKind(const std::string& name);
+
+struct NetworkSettings {
+  int blocks = 10;  // of time, for the cross-validation of ridge, spread and rules; at most one a sample
+  DfnnSettings dfnn;
+};
+
+/// A learned map from temperatures to displacements, many outputs at a time. Inputs and outputs keep the
+/// units they are given in (degC; m, or um); they are standardised inside. Evaluation is const and safe in
+/// several threads.
+class ThermalNetwork {
+ public:
+  virtual ~ThermalNetwork() = default;
+
+  virtual NetworkKind kind() const = 0;
+  int inputs() const { return static_cast<int>(x_.cols()); }
+  int outputs() const { return static_cast<int>(y_.cols()); }
+  int samples() const { return static_cast<int>(x_.rows()); }
+  /// Rules of a DFNN, centres of an RBF network, 1 of a linear one.
+  virtual int rules() const { return 1; }
+
+  /// Learns from samples x inputs and samples x outputs, in the order of time, and forgets what was learned
+  /// before. Throws InputError for shapes that do not fit, values that are not finite, or fewer than 3
+  /// samples.
+  void fit(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y);
+  /// Adds a new set of measurements: the samples of fit() stay, so nothing is forgotten. Needs fit() first.
+  void update(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y);
+
+  /// Writes outputs() values for inputs() temperatures. Allocates nothing.
+  virtual void evaluate(const double* x, double* y) const = 0;
+  Eigen::MatrixXd evaluateAll(const Eigen::MatrixXd& x) const;
+
+  /// One line: what was learned, and with which settings.
+  virtual std::string describe() const = 0;
+  /// Everything that makes the network, its samples included; networkFromNumbers() gives the same network to
+  /// the bit.
+  std::vector<double> toNumbers() const;
+
+ protected:
+  explicit ThermalNetwork(NetworkSettings settings) : settings_(settings) {}
+  /// Learns from x_ and y_. `from` is 0 for a fit, else the number of samples learned before.
+  virtual void learn(int from) = 0;
+  virtual void write(std::vector<double>& numbers) const = 0;
+  virtual void read(const double*& next, const double* end) = 0;
+  friend std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers);
+
+  int blocks() const { return std::min(settings_.blocks, samples()); }
+
+  NetworkSettings settings_;
+  Eigen::MatrixXd x_, y_;  // the samples
+};
+
+/// A network that has learned nothing yet. Throws InputError for settings out of range.
+std::unique_ptr<ThermalNetwork> makeNetwork(NetworkKind kind, const NetworkSettings& settings = {});
+/// The network that toNumbers() wrote. Throws InputError when the numbers are not those of a network.
+std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers);
+
+/// Held-out error of each kind of network over blocks of time: each network is fitted, with its own choice of
+/// settings, without the block on which it is judged.
+struct NetworkComparison {
+  std::string kind;         // "dfnn", "rbf", "ridge", or "none": no compensation but the mean
+  double heldOutRms = 0.0;  // unit of y
+  /// False for a network that does not beat ridge-linear: it is not to be activated.
+  bool worthwhile = false;
+};
+/// In the order dfnn, rbf, ridge, none. Throws InputError as fit() does.
+std::vector<NetworkComparison> compareNetworks(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                                               const NetworkSettings& settings = {});
+
+}  // namespace mm
