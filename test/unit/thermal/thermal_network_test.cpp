@@ -163,7 +163,7 @@ TEST(Network, RefusesDamagedNumbers) {
 
 TEST(Network, ANewSetIsLearnedAndTheOldOneKept) {
   const Linear all(120, 13, 0.2);
-  Eigen::VectorXd::Index cold = 0;
+  Eigen::Index cold = 0;
   MatrixXd x[2] = {MatrixXd(120, 3), MatrixXd(120, 3)}, y[2] = {MatrixXd(120, 2), MatrixXd(120, 2)};
   Eigen::Index count[2] = {0, 0};
   for (Eigen::Index i = 0; i < 120; ++i) {  // cold samples first, warm ones as the new set
