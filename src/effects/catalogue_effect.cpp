@@ -33,6 +33,14 @@ std::vector<std::string> directionNames(const Domain& domain) {
   return names;
 }
 
+std::vector<std::string> ballNames(const Domain& domain) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < domain.features.size(); ++i)
+    if (i >= domain.featureRadius.size() || domain.featureRadius[i] > 0.0)
+      names.push_back(domain.features[i]);
+  return names;
+}
+
 double observedRange(const Domain& domain, int joint) {
   const auto j = static_cast<std::size_t>(joint);
   if (j >= domain.lower.size() || j >= domain.upper.size()) return 0.0;

@@ -64,6 +64,9 @@ std::vector<std::pair<std::string, std::string>> coupledJoints(const Domain& dom
 /// workpiece.
 std::vector<std::string> directionNames(const Domain& domain);
 
+/// Features that are, or may be, balls.
+std::vector<std::string> ballNames(const Domain& domain);
+
 /// Position of a joint scaled to -1 … 1 over its observed range; 0 where it was never moved.
 class ScaledPosition {
  public:

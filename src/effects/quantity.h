@@ -14,6 +14,7 @@ struct Unit {
 
 inline const Unit kUnitMicrometre{"um", 1e6};
 inline const Unit kUnitArcsecond{"arcsec", 1.0 / kArcsecond};
+inline const Unit kUnitMillimetre{"mm", 1e3};
 inline const Unit kUnitMetre{"m", 1.0};
 inline const Unit kUnitDegree{"deg", 1.0 / kDegree};
 inline const Unit kUnitKelvin{"K", 1.0};

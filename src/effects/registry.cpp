@@ -2,13 +2,39 @@
 
 #include <algorithm>
 
+#include "effects/angular_motion.h"
+#include "effects/artifact_expansion.h"
+#include "effects/artifact_position.h"
 #include "effects/backlash.h"
+#include "effects/ball_radius.h"
+#include "effects/covariate_offset.h"
+#include "effects/covariate_scale.h"
 #include "effects/cross_talk.h"
 #include "effects/formula.h"
+#include "effects/gravity_sag.h"
+#include "effects/laser_incidence.h"
+#include "effects/laser_mount.h"
+#include "effects/laser_scale.h"
+#include "effects/lead_screw_periodic.h"
 #include "effects/mmt_deviation.h"
 #include "effects/nearest_name.h"
+#include "effects/position_table.h"
+#include "effects/positioning_polynomial.h"
+#include "effects/probe_lobing.h"
+#include "effects/probe_radius.h"
+#include "effects/rotary_axis_offset.h"
+#include "effects/rotary_axis_tilt.h"
+#include "effects/rotary_eccentricity.h"
+#include "effects/rotary_wobble.h"
+#include "effects/rotary_zero.h"
 #include "effects/scale.h"
+#include "effects/speed_lag.h"
+#include "effects/straightness.h"
+#include "effects/thermal_bending.h"
+#include "effects/thermal_expansion.h"
 #include "effects/thermal_growth.h"
+#include "effects/time_drift.h"
+#include "effects/warm_up.h"
 #include "machine/error.h"
 
 namespace mm {
@@ -16,12 +42,38 @@ namespace {
 
 std::vector<EffectType>& registry() {
   static std::vector<EffectType> types{
-      mmtDeviationType(),   //
-      scaleType(),          //
-      crossTalkType(),      //
-      backlashType(),       //
-      thermalGrowthType(),  //
-      formulaType(),        //
+      mmtDeviationType(),           //
+      scaleType(),                  //
+      crossTalkType(),              //
+      leadScrewPeriodicType(),      //
+      positioningPolynomialType(),  //
+      straightnessType(),           //
+      positionTableType(),          //
+      angularMotionType(),          //
+      backlashType(),               //
+      speedLagType(),               //
+      thermalExpansionType(),       //
+      thermalGrowthType(),          //
+      thermalBendingType(),         //
+      timeDriftType(),              //
+      warmUpType(),                 //
+      gravitySagType(),             //
+      probeLobingType(),            //
+      probeRadiusType(),            //
+      ballRadiusType(),             //
+      artifactPositionType(),       //
+      artifactExpansionType(),      //
+      laserMountType(),             //
+      laserScaleType(),             //
+      laserIncidenceType(),         //
+      rotaryZeroType(),             //
+      rotaryAxisOffsetType(),       //
+      rotaryAxisTiltType(),         //
+      rotaryEccentricityType(),     //
+      rotaryWobbleType(),           //
+      covariateOffsetType(),        //
+      covariateScaleType(),         //
+      formulaType(),                //
   };
   return types;
 }

@@ -30,14 +30,21 @@ std::vector<std::string> jointNames(const Domain& domain, std::optional<JointKin
 }  // namespace
 
 SpecReader::SpecReader(const EffectSpec& spec, const Domain& domain, std::vector<std::string> allowed)
-    : spec_(spec), domain_(domain), canonical_(spec.type) {
+    : spec_(spec), domain_(domain), allowed_(std::move(allowed)), read_(spec.type) {
   for (auto entry = spec.keys.begin(); entry != spec.keys.end(); ++entry) {
     const std::string& key = entry->first;
-    if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
-      fail("unknown key '" + key + "'" + didYouMean(key, allowed) + "; allowed: " + listOf(allowed));
+    if (std::find(allowed_.begin(), allowed_.end(), key) == allowed_.end())
+      fail("unknown key '" + key + "'" + didYouMean(key, allowed_) + "; allowed: " + listOf(allowed_));
     if (std::any_of(spec.keys.begin(), entry, [&](const auto& other) { return other.first == key; }))
       fail("key '" + key + "' is given twice; keep one");
   }
+}
+
+EffectSpec SpecReader::canonical() const {
+  EffectSpec ordered(read_.type);
+  for (const std::string& key : allowed_)
+    if (const EffectSpec::Value* value = read_.find(key)) ordered.keys.emplace_back(key, *value);
+  return ordered;
 }
 
 void SpecReader::fail(const std::string& what) const {
@@ -66,7 +73,7 @@ int SpecReader::find(const std::string& key, const std::string& what, const std:
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end())
     fail(key + " '" + name + "' is no " + what + didYouMean(name, known) + "; there are: " + listOf(known));
-  canonical_.set(key, name);
+  read_.set(key, name);
   return static_cast<int>(found - known.begin());
 }
 
@@ -88,11 +95,11 @@ Direction SpecReader::direction(const std::string& key, bool approachAllowed) {
   const std::string& name = scalar(key);
   const int index = domain_.findJoint(name);
   if (index >= 0) {
-    canonical_.set(key, name);
+    read_.set(key, name);
     return {Direction::Kind::kJoint, index, name, domain_.joints[index].kind};
   }
   if (approachAllowed && name == "approach") {
-    canonical_.set(key, name);
+    read_.set(key, name);
     return {Direction::Kind::kApproach, 0, name, JointKind::kLinear};
   }
   const auto& axes = workpieceAxes();
@@ -105,12 +112,18 @@ Direction SpecReader::direction(const std::string& key, bool approachAllowed) {
     fail(key + " '" + name + "' is no joint and no axis of the workpiece" + didYouMean(name, known) +
          "; there are: " + listOf(known));
   }
-  canonical_.set(key, name);
+  read_.set(key, name);
   return {Direction::Kind::kWorkpiece, static_cast<int>(found - axes.begin()), name, JointKind::kLinear};
 }
 
-int SpecReader::workpieceAxis(const std::string& key) {
-  return find(key, "axis of the workpiece", workpieceAxes());
+int SpecReader::axisOf(const std::string& key, const std::string& of) {
+  return find(key, of, workpieceAxes());
+}
+
+bool SpecReader::isWord(const std::string& key, const std::string& word) {
+  if (scalar(key) != word) return false;
+  read_.set(key, word);
+  return true;
 }
 
 int SpecReader::sensor(const std::string& key) {
@@ -129,7 +142,7 @@ std::pair<int, int> SpecReader::sensorPair(const std::string& key) {
       fail(key + ": '" + value->items[i] + "' is no temperature sensor of the session" +
            didYouMean(value->items[i], domain_.sensors) + "; there are: " + listOf(domain_.sensors));
   }
-  canonical_.setList(key, value->items);
+  read_.setList(key, value->items);
   return {index[0], index[1]};
 }
 
@@ -154,7 +167,7 @@ double SpecReader::number(const std::string& key, double lower, double upper, st
   if (value < lower || value > upper)
     fail("key '" + key + "' must be within " + shortest(lower) + " and " + shortest(upper) + ", not " +
          shortest(value));
-  if (!absent || value != *absent) canonical_.set(key, value);
+  if (!absent || value != *absent) read_.set(key, value);
   return value;
 }
 
@@ -168,7 +181,7 @@ bool SpecReader::flag(const std::string& key, bool absent) {
   if (!has(key)) return absent;
   const std::string& word = scalar(key);
   if (word != "true" && word != "false") fail("key '" + key + "' must be true or false, not '" + word + "'");
-  if ((word == "true") != absent) canonical_.set(key, word);
+  if ((word == "true") != absent) read_.set(key, word);
   return word == "true";
 }
 
@@ -177,12 +190,12 @@ std::string SpecReader::choice(const std::string& key, const std::vector<std::st
   const std::string& word = scalar(key);
   if (std::find(words.begin(), words.end(), word) == words.end())
     fail("key '" + key + "' must be one of: " + listOf(words) + "; not '" + word + "'");
-  if (word != words.front()) canonical_.set(key, word);
+  if (word != words.front()) read_.set(key, word);
   return word;
 }
 
 std::string SpecReader::text(const std::string& key) {
-  canonical_.set(key, scalar(key));
+  read_.set(key, scalar(key));
   return scalar(key);
 }
 
@@ -195,7 +208,7 @@ std::vector<double> SpecReader::numbers(const std::string& key) {
     out.push_back(parse(key, item));
     items.push_back(shortest(out.back()));
   }
-  canonical_.setList(key, items);
+  read_.setList(key, items);
   return out;
 }
 

@@ -20,7 +20,9 @@ class SpecReader {
   int joint(const std::string& key);
   int joint(const std::string& key, JointKind kind);  ///< of this kind only
   Direction direction(const std::string& key, bool approachAllowed = false);
-  int workpieceAxis(const std::string& key);  ///< 0, 1, 2 for x, y, z
+  /// 0, 1, 2 for x, y, z. @param of for the message.
+  int axisOf(const std::string& key, const std::string& of = "axis of the workpiece");
+  bool isWord(const std::string& key, const std::string& word);  ///< the key holds this word
   int sensor(const std::string& key);
   std::pair<int, int> sensorPair(const std::string& key);  ///< two different ones, as a list
   int covariate(const std::string& key);
@@ -37,9 +39,9 @@ class SpecReader {
 
   bool has(const std::string& key) const { return spec_.find(key) != nullptr; }
   const Domain& domain() const { return domain_; }
-  /// What was read, in the order read, numbers in their shortest form and defaults left out: two specs that
-  /// mean the same have the same canonical form.
-  const EffectSpec& canonical() const { return canonical_; }
+  /// What was read, in the order of the allowed keys, numbers in their shortest form and defaults left out:
+  /// two specs that mean the same have the same canonical form.
+  EffectSpec canonical() const;
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -49,7 +51,8 @@ class SpecReader {
 
   const EffectSpec& spec_;
   const Domain& domain_;
-  EffectSpec canonical_;
+  std::vector<std::string> allowed_;
+  EffectSpec read_;
 };
 
 }  // namespace mm

@@ -116,7 +116,7 @@ inline State randomState(const Machine& machine, const Domain& d, std::mt19937_6
   while (d.laser && -s.approach.dot(s.orientation.col(2)) > -0.2);
   s.surfaceNormal = -s.approach;
   s.laserReading = d.laser ? 1e-3 * (unit(random) - 0.5) : kNan;
-  s.feature = static_cast<int>(random() % 2);
+  s.feature = static_cast<int>(random() % 3);
   s.featurePosition = 0.05 * Eigen::Vector3d(normal(random), normal(random), normal(random));
   s.featureRadius = d.featureRadius[s.feature];
   s.history = &ramp;

@@ -1,0 +1,59 @@
+#include "effects/angular_motion.h"
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+#include "effects/tilt.h"
+
+namespace mm {
+namespace {
+
+class AngularMotion : public CatalogueEffect {
+ public:
+  explicit AngularMotion(SpecReader& read)
+      : CatalogueEffect(read, Stage::kVolume),
+        scaled_(read.domain(), read.joint("axis")),
+        about_(read.axisOf("about")) {
+    degree_ = read.integer("degree", 1, 3, 1);
+    name_ = read.canonical().text("axis");
+    parameters_ = {parameter("angle", kUnitArcsecond, kArcsecond, 0.02)};
+  }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    addTilt(layout_, about_, state, 0, p[0], legendre(degree_, scaled_(state)), sink);
+  }
+
+  std::string cause() const override {
+    return "The slide of " + name_ + " rolls, pitches or yaws about " + axisName(about_) +
+           " as it travels; the lever to the probe turns that into displacement.";
+  }
+  std::string remedy() const override {
+    return "Check preload and straightness of the guideway of " + name_ +
+           "; keep the scale close to the line of measurement (Abbe).";
+  }
+  std::string shownBy() const override {
+    return "Contacts at different distances across the axis " + axisName(about_) +
+           ", all over the travel of " + name_ + ".";
+  }
+
+ private:
+  ScaledPosition scaled_;
+  int about_, degree_ = 1;
+  std::string name_;
+};
+
+}  // namespace
+
+EffectType angularMotionType() {
+  return effectType<AngularMotion>("angular_motion", {"axis", "about", "degree"}, [](const Domain& domain) {
+    std::vector<EffectSpec> specs;
+    for (const std::string& joint : jointNames(domain, JointKind::kLinear))
+      for (int about = 0; about < 3; ++about)
+        for (int degree = 1; degree <= 3; ++degree) {
+          specs.push_back(EffectSpec("angular_motion").set("axis", joint).set("about", axisName(about)));
+          if (degree > 1) specs.back().set("degree", degree);
+        }
+    return specs;
+  });
+}
+
+}  // namespace mm

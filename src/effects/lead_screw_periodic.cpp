@@ -1,0 +1,92 @@
+#include "effects/lead_screw_periodic.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+
+namespace mm {
+namespace {
+
+class LeadScrewPeriodic : public CatalogueEffect {
+ public:
+  explicit LeadScrewPeriodic(SpecReader& read)
+      : CatalogueEffect(read, Stage::kAxis), axis_(read.joint("axis")) {
+    const Joint& joint = read.domain().joints[axis_];
+    const bool linear = joint.kind == JointKind::kLinear;
+    name_ = joint.name;
+    parameters_ = {errorParameter("S", joint.kind), errorParameter("K", joint.kind)};
+    const std::string key = linear ? "period_mm" : "period_deg", other = linear ? "period_deg" : "period_mm";
+    if (read.has(other)) read.fail("the period of " + name_ + " is given as " + key + ", not " + other);
+    const double unit = linear ? kMillimetre : kDegree;
+    searched_ = read.isWord(key, "unknown");
+    if (!searched_) {
+      period_ = read.number(key, 1e-6, 1e6) * unit;
+      return;
+    }
+    // Frequencies a third of a cycle over the range apart: from half a cycle to sixty.
+    const double observed = observedRange(read.domain(), axis_);
+    const double range = observed > 0.0 ? observed : 10.0 * unit;
+    const double shortest = std::max(range / 60.0, linear ? 0.05 * kMillimetre : 0.0);
+    for (double cycles = 0.5; cycles <= range / shortest; cycles += 1.0 / 3.0)
+      starts_.push_back({range / cycles});
+    Parameter period =
+        parameter("period", linear ? kUnitMillimetre : kUnitDegree, 0.05 * range, 2.0 * range, 0.2 * range);
+    period.minimum = 0.5 * shortest;
+    period.maximum = 10.0 * range;
+    parameters_.push_back(period);
+  }
+
+  bool linear() const override { return !searched_; }
+  std::vector<int> nonlinearParameters() const override {
+    return searched_ ? std::vector<int>{2} : std::vector<int>{};
+  }
+  std::vector<std::vector<double>> searchStarts() const override { return starts_; }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    const int slot = layout_.axis(axis_);
+    const double period = searched_ ? p[2] : period_;
+    const double phase = 2.0 * kPi * state.position[axis_] / period;
+    const double sine = std::sin(phase), cosine = std::cos(phase);
+    sink.add(slot, 0, p[0], sine);
+    sink.add(slot, 1, p[1], cosine);
+    if (searched_ && sink.wantsDerivatives())
+      sink.derivative(slot, 2, -(p[0] * cosine - p[1] * sine) * phase / period);
+  }
+
+  std::string cause() const override {
+    return "The screw, gear or belt pulley of " + name_ +
+           " wobbles: once a turn it is ahead and once behind its mean lead.";
+  }
+  std::string remedy() const override {
+    return "Check the screw's thrust bearing, coupling and alignment, or the pulley's runout, on " + name_ +
+           "; or leave the correction on.";
+  }
+  std::string shownBy() const override {
+    return "Positions of " + name_ +
+           " that spread over all phases of a turn: steps that are no multiple or simple fraction of the "
+           "lead.";
+  }
+
+ private:
+  int axis_;
+  std::string name_;
+  bool searched_ = false;
+  double period_ = 0.0;  // m or rad
+  std::vector<std::vector<double>> starts_;
+};
+
+}  // namespace
+
+EffectType leadScrewPeriodicType() {
+  return effectType<LeadScrewPeriodic>(
+      "lead_screw_periodic", {"axis", "period_mm", "period_deg"}, [](const Domain& domain) {
+        std::vector<EffectSpec> specs;
+        for (const std::string& joint : jointNames(domain, JointKind::kLinear))
+          specs.push_back(EffectSpec("lead_screw_periodic").set("axis", joint).set("period_mm", "unknown"));
+        return specs;
+      });
+}
+
+}  // namespace mm

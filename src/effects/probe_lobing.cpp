@@ -1,0 +1,60 @@
+#include "effects/probe_lobing.h"
+
+#include <cmath>
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+#include "effects/touch.h"
+
+namespace mm {
+namespace {
+
+class ProbeLobing : public CatalogueEffect {
+ public:
+  explicit ProbeLobing(SpecReader& read) : CatalogueEffect(read, Stage::kProbe) {
+    order_ = read.integer("order", 2, 4);
+    parameters_ = {errorParameter("S", JointKind::kLinear), errorParameter("K", JointKind::kLinear)};
+  }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    const Touch touch = touchOf(state);
+    if (touch == Touch::kNone) return;
+    const Eigen::Vector3d& a = state.approach;
+    const double across = a.dot(state.orientation.col(0)), along = a.dot(state.orientation.col(1));
+    const double phi = std::atan2(along, across), elevation = std::hypot(across, along);  // cos(eps)
+    const double sine = elevation * std::sin(order_ * phi), cosine = elevation * std::cos(order_ * phi);
+    for (int k = 0; k < 3; ++k) {
+      const double component = touch == Touch::kKnown ? a[k] : kUnknown;
+      sink.add(layout_.volume(k), 0, p[0], component * sine);
+      sink.add(layout_.volume(k), 1, p[1], component * cosine);
+    }
+  }
+
+  std::string cause() const override {
+    return "The probe needs more travel to trigger in some directions than in others: its seat on " +
+           std::to_string(order_) + " points gives as many lobes around the stylus.";
+  }
+  std::string remedy() const override {
+    return "Use a shorter, stiffer stylus and less trigger force, or a strain-gauge probe; touch along few, "
+           "calibrated directions.";
+  }
+  std::string shownBy() const override {
+    return "One ball touched at twelve directions or more all around the stylus.";
+  }
+
+ private:
+  int order_ = 3;
+};
+
+}  // namespace
+
+EffectType probeLobingType() {
+  return effectType<ProbeLobing>("probe_lobing", {"order"}, [](const Domain& domain) {
+    std::vector<EffectSpec> specs;
+    if (domain.laser || ballNames(domain).empty()) return specs;
+    for (int order = 2; order <= 4; ++order) specs.push_back(EffectSpec("probe_lobing").set("order", order));
+    return specs;
+  });
+}
+
+}  // namespace mm

@@ -1,0 +1,42 @@
+#include "effects/probe_radius.h"
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+
+namespace mm {
+namespace {
+
+class ProbeRadius : public CatalogueEffect {
+ public:
+  explicit ProbeRadius(SpecReader& read) : CatalogueEffect(read, Stage::kProbe) {
+    parameters_ = {errorParameter("radius", JointKind::kLinear)};
+  }
+
+  void evaluate(const State&, const double* p, ErrorSink& sink) const override {
+    sink.add(layout_.distance(), 0, p[0], 1.0);
+  }
+
+  std::string cause() const override {
+    return "The tip acts as if its radius were another: the stated radius is wrong, or the stylus bends "
+           "before it triggers.";
+  }
+  std::string remedy() const override {
+    return "Qualify the tip on a ball of known radius and enter the effective radius; check the tip for wear "
+           "and dirt.";
+  }
+  std::string shownBy() const override {
+    return "Contacts from opposite sides on a ball of known radius, or the distance of two faces.";
+  }
+};
+
+}  // namespace
+
+EffectType probeRadiusType() {
+  return effectType<ProbeRadius>("probe_radius", {}, [](const Domain& domain) {
+    std::vector<EffectSpec> specs;
+    if (!domain.laser && !ballNames(domain).empty()) specs.emplace_back("probe_radius");
+    return specs;
+  });
+}
+
+}  // namespace mm

@@ -1,0 +1,49 @@
+#include "effects/rotary_zero.h"
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+
+namespace mm {
+namespace {
+
+class RotaryZero : public CatalogueEffect {
+ public:
+  explicit RotaryZero(SpecReader& read)
+      : CatalogueEffect(read, Stage::kAxis), joint_(read.joint("joint", JointKind::kRotary)) {
+    name_ = read.domain().joints[joint_].name;
+    parameters_ = {errorParameter("zero", JointKind::kRotary)};
+  }
+
+  void evaluate(const State&, const double* p, ErrorSink& sink) const override {
+    sink.add(layout_.axis(joint_), 0, p[0], 1.0);
+  }
+
+  std::string cause() const override {
+    return "The zero of " + name_ +
+           " is off: its home switch or index mark does not stand where the chain says.";
+  }
+  std::string remedy() const override {
+    return "Set the zero of " + name_ + " again with an indicator or an autocollimator.";
+  }
+  std::string shownBy() const override {
+    return "Postures with at least two other joints turned, so that the zero of " + name_ +
+           " does not pass for a turned artifact.";
+  }
+
+ private:
+  int joint_;
+  std::string name_;
+};
+
+}  // namespace
+
+EffectType rotaryZeroType() {
+  return effectType<RotaryZero>("rotary_zero", {"joint"}, [](const Domain& domain) {
+    std::vector<EffectSpec> specs;
+    for (const std::string& joint : jointNames(domain, JointKind::kRotary))
+      specs.push_back(EffectSpec("rotary_zero").set("joint", joint));
+    return specs;
+  });
+}
+
+}  // namespace mm

@@ -1,0 +1,65 @@
+#include "effects/warm_up.h"
+
+#include <cmath>
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+#include "effects/time_constant.h"
+
+namespace mm {
+namespace {
+
+class WarmUp : public CatalogueEffect {
+ public:
+  explicit WarmUp(SpecReader& read) : WarmUp(read, read.direction("direction")) {}
+
+  bool linear() const override { return false; }
+  std::vector<int> nonlinearParameters() const override { return {1}; }
+  std::vector<std::vector<double>> searchStarts() const override { return starts_; }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    const double tau = p[1], t = state.time;
+    if (tau <= 0.0)
+      return sink.add(slot_, 0, p[0], t > 0.0 ? 1.0 : 0.0);  // the limit of a short time constant
+    const double decay = std::exp(-t / tau);
+    sink.add(slot_, 0, p[0], -std::expm1(-t / tau));
+    if (sink.wantsDerivatives()) sink.derivative(slot_, 1, -p[0] * decay * t / (tau * tau));
+  }
+
+  std::string cause() const override {
+    return "The machine warms after it is switched on and moves along " + direction_ +
+           ", quickly at first, until it is settled.";
+  }
+  std::string remedy() const override {
+    return "Let the machine run warm before measuring (three time constants), or leave the correction on "
+           "from the same start.";
+  }
+  std::string shownBy() const override {
+    return "The same places measured often at the beginning and later until nothing moves any more.";
+  }
+
+ private:
+  WarmUp(SpecReader& read, const Direction& direction)
+      : CatalogueEffect(read, direction), slot_(direction.slot(layout_)), direction_(direction.name) {
+    parameters_ = {errorParameter("amplitude", direction.quantity),
+                   timeConstant("time_constant", read.domain())};
+    starts_ = timeConstantStarts(read.domain());
+  }
+
+  int slot_;
+  std::string direction_;
+  std::vector<std::vector<double>> starts_;
+};
+
+}  // namespace
+
+EffectType warmUpType() {
+  return effectType<WarmUp>("warm_up", {"direction"}, [](const Domain& domain) {
+    std::vector<EffectSpec> specs;
+    for (const std::string& direction : directionNames(domain))
+      specs.push_back(EffectSpec("warm_up").set("direction", direction));
+    return specs;
+  });
+}
+
+}  // namespace mm
