@@ -7,6 +7,15 @@
 
 namespace mm {
 
+/// The range of each gene, in the genes' own units (SI where they are physical).
+struct GeneticRanges {
+  std::vector<double> low, high;
+
+  std::size_t dimension() const { return low.size(); }
+  /// Throws InputError, naming the gene, when a range is empty, not finite, or not of `dimension` genes.
+  void validate(std::size_t dimension) const;
+};
+
 /// What a genetic algorithm minimises: the cost of many chromosomes at a time.
 class GeneticFitness {
  public:
@@ -28,15 +37,15 @@ class GeneticFitness {
     (void)best;
     return false;
   }
-};
 
-/// The range of each gene, in the genes' own units (SI where they are physical).
-struct GeneticRanges {
-  std::vector<double> low, high;
-
-  std::size_t dimension() const { return low.size(); }
-  /// Throws InputError, naming the gene, when a range is empty, not finite, or not of `dimension` genes.
-  void validate(std::size_t dimension) const;
+  /// Directions in which the cost varies independently (rows of dimension() values, in the genes' units),
+  /// each so long that it changes the residuals as much as the others do; the strongest is half its range
+  /// long. Asked for once, after the first newGeneration(). Empty: not known, and the genes themselves are
+  /// the directions.
+  virtual std::vector<double> principalAxes(const GeneticRanges& ranges) const {
+    (void)ranges;
+    return {};
+  }
 };
 
 /// Settings that all the genetic algorithms share. Each algorithm's own follow in a struct derived from this

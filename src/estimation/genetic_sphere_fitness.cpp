@@ -133,13 +133,18 @@ void SphereFitness::copyContacts(const SphereContacts& contacts, const LinearRow
   }
 }
 
+void SphereFitness::mapCoefficients(const double* chromosome, double* coefficients) const {
+  if (mapping_)
+    mapping_(chromosome, coefficients);
+  else
+    std::copy_n(chromosome, coefficientCount_, coefficients);
+}
+
 bool SphereFitness::newGeneration(const double* best) {
   if (filled_ && !anyFree_) return false;
   filled_ = true;
-  if (mapping_)
-    mapping_(best, scratch_.data());
-  else
-    std::copy_n(best, coefficientCount_, scratch_.begin());
+  reference_.assign(best, best + dimension_);
+  mapCoefficients(best, scratch_.data());
   correct(scratch_.data());
   for (Group& group : groups_) {
     if (balls_[group.ball].free) recomputeCentre(group);

@@ -67,6 +67,7 @@ class SphereFitness : public GeneticFitness {
   std::size_t dimension() const override { return dimension_; }
   void evaluate(const double* population, std::size_t count, double* costs) const override;
   bool newGeneration(const double* best) override;
+  std::vector<double> principalAxes(const GeneticRanges& ranges) const override;
 
   /// Centres, m, frame `workpiece`: those of the chromosome of the last newGeneration().
   const std::vector<SphereBall>& balls() const { return balls_; }
@@ -78,6 +79,8 @@ class SphereFitness : public GeneticFitness {
     std::size_t ball = 0;
     Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // of the normal equations of the centre
   };
+  void mapCoefficients(const double* chromosome, double* coefficients) const;
+  Eigen::MatrixXd informationOfCoefficients() const;
   void copyContacts(const SphereContacts& contacts, const LinearRows& rows);
   void correct(const double* coefficients);
   void recomputeCentre(const Group& group);
@@ -99,7 +102,8 @@ class SphereFitness : public GeneticFitness {
   std::vector<float> rows_;      // what the kernel reads
   std::size_t stride_ = 0;
   bool filled_ = false, anyFree_ = false;
-  std::vector<double> scratch_;
+  std::vector<double> reference_;  // chromosome of the last newGeneration()
+  std::vector<double> scratch_;    // its coefficients
 };
 
 }  // namespace mm

@@ -19,10 +19,29 @@ double within(double value, double low, double high) {
   return std::clamp(value, low, high);
 }
 
-std::vector<double> axesOfGenes(const GeneticRanges& ranges) {
+/// Directions of mutation, and the largest part of each that stays within half the ranges.
+struct Axes {
+  std::vector<double> rows, most;
+  bool genes = false;  // row i changes gene i only
+};
+
+Axes axesOf(const GeneticFitness& fitness, const GeneticRanges& ranges, MutationAxes kind) {
   const std::size_t n = ranges.dimension();
-  std::vector<double> axes(n * n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) axes[i * n + i] = 0.5 * (ranges.high[i] - ranges.low[i]);
+  Axes axes;
+  if (kind == MutationAxes::kPrincipal) axes.rows = fitness.principalAxes(ranges);
+  axes.genes = axes.rows.empty();
+  if (axes.genes) {
+    axes.rows.assign(n * n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) axes.rows[i * n + i] = 0.5 * (ranges.high[i] - ranges.low[i]);
+  }
+  for (std::size_t first = 0; first < axes.rows.size(); first += n) {
+    double square = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double part = axes.rows[first + i] / (0.5 * (ranges.high[i] - ranges.low[i]));
+      square += part * part;
+    }
+    axes.most.push_back(1.0 / std::sqrt(square));
+  }
   return axes;
 }
 
@@ -61,12 +80,8 @@ GeneticResult StagedMutation::run(GeneticFitness& fitness, const GeneticRanges& 
                                   const GeneticControl& control) const {
   GeneticRun run(kName, fitness, ranges, settings_, control);
   const std::size_t n = run.dimension();
-  const std::vector<double> axes = settings_.axes.empty() ? axesOfGenes(ranges) : settings_.axes;
-  if (axes.size() % n != 0)
-    throw InputError("staged_mutation: axes has " + std::to_string(axes.size()) +
-                     " values; it needs a multiple of the problem's " + std::to_string(n) + " genes");
-  const bool diagonal = settings_.axes.empty();
-  const std::size_t axisCount = axes.size() / n;
+  const Axes axes = axesOf(fitness, ranges, settings_.axes);
+  const std::size_t axisCount = axes.most.size();
   const auto shareOf = [&](double share) {
     return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(run.population())));
   };
@@ -85,9 +100,9 @@ GeneticResult StagedMutation::run(GeneticFitness& fitness, const GeneticRanges& 
       const std::size_t certain = random.below(axisCount);
       for (std::size_t a = 0; a < axisCount; ++a) {
         if (a != certain && settings_.geneShare < 1.0 && random.unit() >= settings_.geneShare) continue;
-        const double amount = step * random.symmetric();
-        const double* axis = axes.data() + a * n;
-        if (diagonal)
+        const double amount = std::min(step, axes.most[a]) * random.symmetric();
+        const double* axis = axes.rows.data() + a * n;
+        if (axes.genes)
           child[a] += amount * axis[a];
         else
           for (std::size_t j = 0; j < n; ++j) child[j] += amount * axis[j];
