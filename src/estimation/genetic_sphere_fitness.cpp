@@ -287,4 +287,19 @@ void SphereFitness::evaluate(const double* population, std::size_t count, double
   for (std::size_t l = 0; l < count; ++l) costs[l] = total[l] / static_cast<double>(residualCount_);
 }
 
+SphereFitness ballCentreFitness(const std::array<std::vector<double>, 3>& position,
+                                const std::vector<double>& distance, const Eigen::Vector3d& near) {
+  SphereContacts contacts;
+  contacts.position = position;
+  contacts.distance = distance;
+  contacts.ball.assign(distance.size(), 0);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    contacts.displacement[axis] = {{axis, std::vector<double>(distance.size(), -1.0)}};
+  // The ball of the fitness stays at `near`; the genes move the contacts by what they differ from it.
+  const auto fromNear = [near](const double* centre, double* shift) {
+    for (int axis = 0; axis < 3; ++axis) shift[axis] = centre[axis] - near[axis];
+  };
+  return {contacts, {{near, false}}, {}, 3, CentreRule::kOfBest, fromNear, 3};
+}
+
 }  // namespace mm

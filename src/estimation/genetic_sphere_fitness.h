@@ -106,4 +106,10 @@ class SphereFitness : public GeneticFitness {
   std::vector<double> scratch_;    // its coefficients
 };
 
+/// The fitness of MMT's centre GA (B2): the chromosome is the centre of one ball, m, from uncorrected
+/// contacts at `position` (x, y, z), which are `distance` (R + r) away from it. `near` is a point near it,
+/// for accuracy only.
+SphereFitness ballCentreFitness(const std::array<std::vector<double>, 3>& position,
+                                const std::vector<double>& distance, const Eigen::Vector3d& near);
+
 }  // namespace mm

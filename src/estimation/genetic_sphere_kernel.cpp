@@ -105,24 +105,31 @@ MM_INLINE void addBlock(const SphereBlock& block, double* sums) {
 MM_TARGET("v4") void addBlockV4(const SphereBlock& block, double* sums) { addBlock<16, 2, 4>(block, sums); }
 MM_TARGET("v3") void addBlockV3(const SphereBlock& block, double* sums) { addBlock<8, 2, 2>(block, sums); }
 #endif
-void addBlockAnywhere(const SphereBlock& block, double* sums) { addBlock<4, 2, 2>(block, sums); }
 
-using BlockFunction = void (*)(const SphereBlock&, double*);
-
-BlockFunction fastest() {
+SphereInstructions detect() {
 #ifdef MM_X86
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("x86-64-v4")) return addBlockV4;
-  if (__builtin_cpu_supports("x86-64-v3")) return addBlockV3;
+  if (__builtin_cpu_supports("x86-64-v4")) return SphereInstructions::kAvx512;
+  if (__builtin_cpu_supports("x86-64-v3")) return SphereInstructions::kAvx2;
 #endif
-  return addBlockAnywhere;
+  return SphereInstructions::kPortable;
 }
 
 }  // namespace
 
-void addSphereBlock(const SphereBlock& block, double* sums) {
-  static const BlockFunction kFunction = fastest();
-  kFunction(block, sums);
+SphereInstructions sphereInstructions() {
+  static const SphereInstructions kDetected = detect();
+  return kDetected;
+}
+
+void addSphereBlock(const SphereBlock& block, double* sums, SphereInstructions instructions) {
+#ifdef MM_X86
+  if (instructions == SphereInstructions::kAvx512) return addBlockV4(block, sums);
+  if (instructions == SphereInstructions::kAvx2) return addBlockV3(block, sums);
+#else
+  (void)instructions;
+#endif
+  addBlock<4, 2, 2>(block, sums);
 }
 
 MM_CLONES

@@ -40,10 +40,15 @@ struct SphereBlock {
   std::size_t lanes = 0;                // a multiple of kSphereLanes
 };
 
+enum class SphereInstructions { kPortable, kAvx2, kAvx512 };
+/// The most capable that this processor has.
+SphereInstructions sphereInstructions();
+
 /// Adds to `sums` (4 x lanes: the sum of w r^2, then the three of w r n) the residuals
 /// r = |P0 + B c - C| - D of the block, n being the normal of the row. The arithmetic of a lane depends
-/// neither on the number of lanes nor on its place. Chooses the instruction set at run time.
-void addSphereBlock(const SphereBlock& block, double* sums);
+/// neither on the number of lanes nor on its place. `instructions` must be those of the processor or less.
+void addSphereBlock(const SphereBlock& block, double* sums,
+                    SphereInstructions instructions = sphereInstructions());
 
 /// Adds to `sums` (lanes) the squares of `rows` linear residuals: each row of `data` (1 + terms values) is
 /// its offset and the factors of `coefficients` (terms x lanes).

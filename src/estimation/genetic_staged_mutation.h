@@ -30,7 +30,7 @@ struct StagedMutationSettings : GeneticSettings {
   std::vector<MutationStage> stages = {{15, 1.0}, {30, 0.5}, {50, 0.05}, {75, 0.005}, {100, 0.0005}};
   // The next four are not in print. Defaults found by trial on 70 x 233 contacts with 18 free constants,
   // ranges of 40, 100 and 400 um over the volume: 1.00, 1.00 and 1.01 times the optimal RMS, where one gene
-  // at a time and no survivors (MutationAxes::kGenes, 0, 1, 1) reach 1.1, 1.7 and 7 times.
+  // at a time and no survivors (MutationAxes::kGenes, 0, 1, 1) reach 1.8, 3.4 and 18 times.
   /// Share of the population that lives on unchanged, best first, evaluated again; the best one always does.
   double survivorShare = 0.1;
   /// Probability that an axis of a child is mutated; one axis at least always is.
