@@ -7,7 +7,7 @@
 namespace mm {
 namespace {
 
-/// A wide, shallow bowl of cost 0.1 and more about (0.5, … 0.5) and a narrow, deep one of cost 0 about (-0.6,
+/// A wide, shallow bowl of cost 0.3 and more about (0.5, … 0.5) and a narrow, deep one of cost 0 about (-0.6,
 /// … -0.6).
 class TwoBowls : public GeneticFitness {
  public:
@@ -20,7 +20,7 @@ class TwoBowls : public GeneticFitness {
         wide += (x - 0.5) * (x - 0.5);
         narrow += (x + 0.6) * (x + 0.6);
       }
-      costs[i] = std::min(0.1 + wide, 20.0 * narrow);
+      costs[i] = std::min(0.3 + wide, 5.0 * narrow);
     }
   }
 };
@@ -35,7 +35,7 @@ int timesFound(bool eliminate) {
     settings.seed = seed;
     settings.eliminate = eliminate;
     TwoBowls fitness;
-    if (Niching(settings).run(fitness, ranges).cost < 0.05) ++found;
+    if (Niching(settings).run(fitness, ranges).cost < 0.15) ++found;
   }
   return found;
 }

@@ -42,7 +42,7 @@ struct Mixed {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         contacts.position[axis].push_back(p[static_cast<Eigen::Index>(axis)]);
         for (SparseColumn& column : contacts.displacement[axis])
-          column.values.push_back(0.02 * even(generator));
+          column.values.push_back(0.02 * (0.7 + even(generator)));
       }
       contacts.distance.push_back(distance);
       contacts.distanceColumns[0].values.push_back(0.01);
