@@ -1,0 +1,43 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "diagnosis/residual_space.h"
+#include "effects/effect.h"
+
+namespace mm {
+
+/// One effect that is not in the model, at one value of its nonlinear parameters (a period, a time constant).
+struct Atom {
+  int candidate = 0;              // index of the family member it belongs to
+  std::vector<double> nonlinear;  // SI, in the order of Effect::nonlinearParameters()
+  int first = 0, count = 0;       // its columns in CandidateSet::columns
+};
+
+/// An effect to be tried, and whether this session can show it.
+struct Candidate {
+  EffectSpec spec;
+  EffectPtr effect;
+  std::vector<int> linear;  // parameters that give columns
+  int freeParameters = 0;   // linear and nonlinear
+  bool tried = false;
+  std::string why;          // why it is not tried
+  double logTried = 0.0;    // log of the number of values searched for its nonlinear parameters
+};
+
+/// All candidates of a session with their projected columns.
+struct CandidateSet {
+  std::vector<Candidate> candidates;
+  std::vector<Atom> atoms;
+  Eigen::MatrixXd columns;  // length x all columns of all atoms, projected
+  double logTried = 0.0;    // log of the number of atoms: what significance pays for
+
+  /// Projected columns of one candidate at other values of its nonlinear parameters.
+  Eigen::MatrixXd columnsAt(const ResidualSpace& space, int candidate, const std::vector<double>& nonlinear) const;
+};
+
+/// @param model its effects are not candidates again with the same keys; composites are none.
+CandidateSet makeCandidates(const ResidualSpace& space);
+
+}  // namespace mm

@@ -1,0 +1,83 @@
+#include "diagnosis/residual_space.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/special_functions/beta.hpp>
+#include <cmath>
+
+#include "estimation/whitened.h"
+
+namespace mm {
+
+ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) {
+  const Problem& problem = *fitted.problem;
+  const Folds all = makeFolds(problem);
+  folds_.folds = all.folds;
+  folds_.blocks = all.blocks;
+  for (int i = 0; i < problem.rowCount(); ++i)
+    if (fitted.weight[i] > 0.0) {
+      used_.push_back(i);
+      folds_.ofRow.push_back(all.ofRow[i]);
+      folds_.blockOfRow.push_back(all.blockOfRow[i]);
+    }
+  inverseSigma_.resize(rows());
+  for (int i = 0; i < rows(); ++i) inverseSigma_[i] = 1.0 / fitted.sigma[used_[i]];
+
+  const WhitenedSystem system(problem, fitted.x, fitted.weight.cwiseSqrt().cwiseQuotient(fitted.sigma),
+                              fitted.identifiability.fixed);
+  const int priors = static_cast<int>(system.jacobian.rows()) - problem.rowCount();
+  const int columns = static_cast<int>(system.jacobian.cols());
+  Eigen::MatrixXd jacobian(rows() + priors, columns);
+  target_.resize(rows() + priors);
+  for (int i = 0; i < rows() + priors; ++i) {
+    const int from = i < rows() ? used_[i] : problem.rowCount() + i - rows();
+    jacobian.row(i) = system.jacobian.row(from);
+    target_[i] = -system.residuals[from];
+  }
+  for (int c = 0; c < columns; ++c) {
+    const double norm = jacobian.col(c).norm();
+    if (norm > 0.0) jacobian.col(c) /= norm;
+  }
+  if (columns > 0 && jacobian.rows() >= columns) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(jacobian);
+    q_ = qr.householderQ() * Eigen::MatrixXd::Identity(jacobian.rows(), columns);
+  } else {
+    q_.resize(jacobian.rows(), 0);
+  }
+  target_ -= q_ * (q_.transpose() * target_);
+}
+
+Eigen::MatrixXd ResidualSpace::columns(const Effect& effect, const std::vector<double>& p, int* missing) const {
+  Eigen::MatrixXd all = fitted_.problem->effectColumns(effect, p);
+  for (int k = 0; k < all.cols(); ++k) all.col(k) *= effect.parameters()[k].scale;
+  if (missing != nullptr) {
+    *missing = 0;
+    for (int i : used_) *missing += !all.row(i).allFinite();
+  }
+  return whiten(all);
+}
+
+Eigen::MatrixXd ResidualSpace::whiten(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(length(), columns.cols());
+  for (int k = 0; k < columns.cols(); ++k)
+    for (int i = 0; i < rows(); ++i) {
+      const double v = columns(used_[i], k);
+      if (std::isfinite(v)) out(i, k) = v * inverseSigma_[i];
+    }
+  return out;
+}
+
+void ResidualSpace::project(Eigen::MatrixXd& columns) const {
+  if (q_.cols() == 0) return;
+  const Eigen::MatrixXd absorbed = q_.transpose() * columns;
+  columns.noalias() -= q_ * absorbed;
+}
+
+double logPValueF(double f, double d1, double d2) {
+  constexpr double kSmallest = -700.0;  // what a double can hold
+  if (!(f > 0.0) || d1 <= 0.0 || d2 <= 0.0) return 0.0;
+  const double p = boost::math::ibeta(0.5 * d2, 0.5 * d1, d2 / (d2 + d1 * f));
+  return p > 0.0 ? std::max(kSmallest, std::log(p)) : kSmallest;
+}
+
+}  // namespace mm

@@ -1,0 +1,281 @@
+#include "diagnosis/subset_search.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace mm {
+namespace {
+
+constexpr double kDependent = 1e-6;  // share of a column's square below which it adds nothing new
+
+/// Orthonormal basis of the columns that are not in the span of `basis`.
+Eigen::MatrixXd freshBasis(const Eigen::MatrixXd& basis, Eigen::MatrixXd columns) {
+  for (int k = 0; k < columns.cols(); ++k) {
+    const double norm = columns.col(k).norm();
+    if (norm > 0.0) columns.col(k) /= norm;
+  }
+  for (int pass = 0; pass < 2; ++pass)
+    if (basis.cols() > 0) columns -= basis * (basis.transpose() * columns);
+  Eigen::MatrixXd fresh(columns.rows(), 0);
+  for (int k = 0; k < columns.cols(); ++k) {
+    Eigen::VectorXd c = columns.col(k);
+    for (int pass = 0; pass < 2; ++pass)
+      if (fresh.cols() > 0) c -= fresh * (fresh.transpose() * c);
+    if (c.squaredNorm() < kDependent) continue;
+    fresh.conservativeResize(Eigen::NoChange, fresh.cols() + 1);
+    fresh.rightCols<1>() = c.normalized();
+  }
+  return fresh;
+}
+
+std::vector<int> membersOf(const Subset& s) {
+  std::vector<int> m;
+  for (const Chosen& c : s.chosen) m.push_back(c.candidate);
+  std::sort(m.begin(), m.end());
+  return m;
+}
+
+bool contains(const Subset& s, int candidate) {
+  return std::any_of(s.chosen.begin(), s.chosen.end(), [&](const Chosen& c) { return c.candidate == candidate; });
+}
+
+}  // namespace
+
+SubsetSearch::SubsetSearch(const ResidualSpace& space, const CandidateSet& set) : space_(space), set_(set) {
+  dof_ = std::max(1.0, static_cast<double>(space.length() - space.baseRank()));
+  for (const Atom& a : set.atoms) {
+    const auto c = set.columns.middleCols(a.first, a.count);
+    grams_.push_back(c.transpose() * c);
+  }
+}
+
+double SubsetSearch::penaltyOf(int candidate) const { return 0.5 * std::log(dof_) * set_.candidates[candidate].freeParameters; }
+
+Subset SubsetSearch::empty() const {
+  Subset s;
+  s.basis.resize(space_.length(), 0);
+  s.left = space_.target();
+  s.rss = s.left.squaredNorm();
+  s.objective = 0.5 * dof_ * std::log(std::max(s.rss, 1e-300) / dof_);
+  return s;
+}
+
+Subset SubsetSearch::extend(const Subset& subset, const Chosen& chosen) const {
+  Subset s = subset;
+  s.chosen.push_back(chosen);
+  const Eigen::MatrixXd fresh = freshBasis(subset.basis, chosen.columns);
+  s.basis.resize(subset.basis.rows(), subset.basis.cols() + fresh.cols());
+  s.basis << subset.basis, fresh;
+  s.left = subset.left - fresh * (fresh.transpose() * subset.left);
+  s.rss = s.left.squaredNorm();
+  s.penalty = subset.penalty + penaltyOf(chosen.candidate);
+  s.objective = 0.5 * dof_ * std::log(std::max(s.rss, 1e-300) / dof_) + s.penalty;
+  return s;
+}
+
+Subset SubsetSearch::without(const Subset& subset, std::size_t member) const {
+  Subset s = empty();
+  for (std::size_t i = 0; i < subset.chosen.size(); ++i)
+    if (i != member) s = extend(s, subset.chosen[i]);
+  return s;
+}
+
+Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear, Eigen::MatrixXd columns) const {
+  Gain g;
+  g.candidate = candidate;
+  g.nonlinear = nonlinear;
+  const Eigen::MatrixXd fresh = freshBasis(subset.basis, columns);
+  g.columns = std::move(columns);
+  g.rank = static_cast<int>(fresh.cols());
+  g.drop = (fresh.transpose() * subset.left).squaredNorm();
+  const double rss = std::max(subset.rss - g.drop, 1e-300);
+  g.objective = 0.5 * dof_ * std::log(rss / dof_) + subset.penalty + penaltyOf(candidate);
+  const int free = g.rank + set_.candidates[candidate].freeParameters - static_cast<int>(set_.candidates[candidate].linear.size());
+  const double rest = dof_ - subset.basis.cols() - g.rank;
+  g.logP = g.rank > 0 && rest > 0 ? logPValueF(g.drop / free / (rss / rest), free, rest) : 0.0;
+  return g;
+}
+
+Gain SubsetSearch::gainOf(const Subset& subset, int candidate, const std::vector<double>& nonlinear, bool refine) const {
+  Gain best = evaluate(subset, candidate, nonlinear, set_.columnsAt(space_, candidate, nonlinear));
+  if (!refine || nonlinear.empty()) return best;
+  // descent in one nonlinear parameter after the other, by golden section in the logarithm between the neighbours
+  const std::vector<std::vector<double>> starts = set_.candidates[candidate].effect->searchStarts();
+  for (std::size_t k = 0; k < nonlinear.size(); ++k) {
+    std::vector<double> values;
+    for (const auto& s : starts) values.push_back(s[k]);
+    std::sort(values.begin(), values.end());
+    const double here = best.nonlinear[k];
+    double low = here * 0.7, high = here * 1.4;
+    for (double v : values) {
+      if (v < here * (1 - 1e-9)) low = v;
+      if (v > here * (1 + 1e-9)) {
+        high = v;
+        break;
+      }
+    }
+    if (!(low > 0.0)) continue;
+    constexpr double kGolden = 0.6180339887498949;
+    double a = std::log(low), b = std::log(high);
+    const auto at = [&](double u) {
+      std::vector<double> p = best.nonlinear;
+      p[k] = std::exp(u);
+      return evaluate(subset, candidate, p, set_.columnsAt(space_, candidate, p));
+    };
+    Gain l = at(b - kGolden * (b - a)), r = at(a + kGolden * (b - a));
+    for (int i = 0; i < 16; ++i) {
+      if (l.drop > r.drop) {
+        b = std::log(r.nonlinear[k]);
+        r = l;
+        l = at(b - kGolden * (b - a));
+      } else {
+        a = std::log(l.nonlinear[k]);
+        l = r;
+        r = at(a + kGolden * (b - a));
+      }
+    }
+    if (l.drop > best.drop) best = l;
+    if (r.drop > best.drop) best = r;
+  }
+  return best;
+}
+
+std::vector<Gain> SubsetSearch::bestGains(const Subset& subset, int count, bool refine) const {
+  const Eigen::MatrixXd inBasis = subset.basis.transpose() * set_.columns;
+  const Eigen::VectorXd score = set_.columns.transpose() * subset.left;
+  struct Quick {
+    double objective;
+    int atom;
+  };
+  std::map<int, Quick> best;  // candidate -> best atom
+  for (std::size_t i = 0; i < set_.atoms.size(); ++i) {
+    const Atom& a = set_.atoms[i];
+    if (contains(subset, a.candidate)) continue;
+    double drop = 0.0;
+    if (a.count == 1) {
+      const double g = grams_[i](0, 0) - inBasis.col(a.first).squaredNorm();
+      if (g > kDependent) drop = score[a.first] * score[a.first] / g;
+    } else {
+      const auto w = inBasis.middleCols(a.first, a.count);
+      const Eigen::MatrixXd g = grams_[i] - w.transpose() * w;
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(g);
+      const Eigen::VectorXd s = eigen.eigenvectors().transpose() * score.segment(a.first, a.count);
+      for (int k = 0; k < a.count; ++k)
+        if (eigen.eigenvalues()[k] > kDependent) drop += s[k] * s[k] / eigen.eigenvalues()[k];
+    }
+    const double objective = 0.5 * dof_ * std::log(std::max(subset.rss - drop, 1e-300) / dof_) + subset.penalty + penaltyOf(a.candidate);
+    auto [it, fresh] = best.try_emplace(a.candidate, Quick{objective, static_cast<int>(i)});
+    if (!fresh && objective < it->second.objective) it->second = {objective, static_cast<int>(i)};
+  }
+  std::vector<Quick> order;
+  for (const auto& [candidate, quick] : best) order.push_back(quick);
+  std::sort(order.begin(), order.end(), [](const Quick& x, const Quick& y) { return x.objective < y.objective; });
+  std::vector<Gain> gains;
+  const std::size_t looked = std::min(order.size(), static_cast<std::size_t>(refine ? count + count / 2 + 2 : count));
+  for (std::size_t i = 0; i < looked; ++i) {
+    const Atom& a = set_.atoms[order[i].atom];
+    if (refine && !a.nonlinear.empty())
+      gains.push_back(gainOf(subset, a.candidate, a.nonlinear, true));
+    else
+      gains.push_back(evaluate(subset, a.candidate, a.nonlinear, set_.columns.middleCols(a.first, a.count)));
+  }
+  std::stable_sort(gains.begin(), gains.end(), [](const Gain& x, const Gain& y) { return x.objective < y.objective; });
+  if (static_cast<int>(gains.size()) > count) gains.resize(count);
+  return gains;
+}
+
+double SubsetSearch::correctedLogP(const Gain& gain) const { return std::min(0.0, gain.logP + set_.logTried); }
+
+bool SubsetSearch::significant(const Gain& gain) const { return gain.rank > 0 && correctedLogP(gain) < std::log(significance); }
+
+void SubsetSearch::refineAll(Subset& subset) const {
+  for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
+    if (subset.chosen[i].nonlinear.empty()) continue;
+    const Subset rest = without(subset, i);
+    const Gain g = gainOf(rest, subset.chosen[i].candidate, subset.chosen[i].nonlinear, true);
+    if (g.objective < subset.objective - 1e-9) {
+      Subset next = extend(rest, {g.candidate, g.nonlinear, g.columns});
+      std::rotate(next.chosen.begin() + static_cast<long>(i), next.chosen.end() - 1, next.chosen.end());
+      subset = next;
+    }
+  }
+}
+
+void SubsetSearch::exchange(Subset& subset) const {
+  for (int round = 0; round < 6; ++round) {
+    bool moved = false;
+    for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
+      const Subset rest = without(subset, i);
+      for (const Gain& g : bestGains(rest, 3, true)) {
+        if (g.objective >= subset.objective - 1e-6 || g.candidate == subset.chosen[i].candidate) continue;
+        Subset next = extend(rest, {g.candidate, g.nonlinear, g.columns});
+        std::rotate(next.chosen.begin() + static_cast<long>(i), next.chosen.end() - 1, next.chosen.end());
+        subset = next;
+        moved = true;
+        break;
+      }
+    }
+    refineAll(subset);
+    if (!moved) return;
+  }
+}
+
+void SubsetSearch::prune(Subset& subset) const {
+  for (std::size_t i = 0; i < subset.chosen.size();) {
+    const Subset rest = without(subset, i);
+    const Gain g = evaluate(rest, subset.chosen[i].candidate, subset.chosen[i].nonlinear, subset.chosen[i].columns);
+    if (significant(g) && g.objective < rest.objective) {
+      ++i;
+    } else {
+      subset = rest;
+      i = 0;
+    }
+  }
+}
+
+Subset SubsetSearch::run() const {
+  const bool large = space_.length() > 4000;
+  const std::size_t width = large ? 2 : 5;
+  const int branches = large ? 3 : 6;
+  std::vector<Subset> beam{empty()};
+  Subset best = beam[0];
+  for (int level = 0; level < largest; ++level) {
+    std::map<std::vector<int>, Subset> next;
+    for (const Subset& s : beam) {
+      if (cancelled && cancelled()) return best;
+      for (const Gain& g : bestGains(s, branches, true)) {
+        if (!significant(g) || g.objective >= s.objective) continue;
+        Subset grown = extend(s, {g.candidate, g.nonlinear, g.columns});
+        auto [it, fresh] = next.try_emplace(membersOf(grown), grown);
+        if (!fresh && grown.objective < it->second.objective) it->second = grown;
+      }
+    }
+    if (next.empty()) break;
+    beam.clear();
+    for (auto& [key, s] : next) beam.push_back(std::move(s));
+    std::stable_sort(beam.begin(), beam.end(), [](const Subset& x, const Subset& y) { return x.objective < y.objective; });
+    if (beam.size() > width) beam.resize(width);
+    if (beam[0].objective < best.objective) best = beam[0];
+  }
+  exchange(best);
+  prune(best);
+  for (int again = 0; again < 3; ++again) {  // room may have been made for another
+    const std::vector<Gain> more = bestGains(best, 1, true);
+    if (more.empty() || !significant(more[0]) || more[0].objective >= best.objective) break;
+    best = extend(best, {more[0].candidate, more[0].nonlinear, more[0].columns});
+    exchange(best);
+    prune(best);
+  }
+  // in the order of what each explains alone after the others
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < best.chosen.size(); ++i) order.emplace_back(-without(best, i).objective, i);
+  std::sort(order.begin(), order.end());
+  Subset sorted = empty();
+  for (const auto& [loss, i] : order) sorted = extend(sorted, best.chosen[i]);
+  return sorted;
+}
+
+}  // namespace mm

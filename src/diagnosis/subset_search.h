@@ -1,0 +1,76 @@
+#pragma once
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "diagnosis/candidates.h"
+
+namespace mm {
+
+/// One effect chosen by the search, with the values found for its nonlinear parameters.
+struct Chosen {
+  int candidate = 0;
+  std::vector<double> nonlinear;
+  Eigen::MatrixXd columns;  // projected on the model only
+};
+
+/// A set of effects and how well it explains the residual.
+struct Subset {
+  std::vector<Chosen> chosen;
+  Eigen::MatrixXd basis;   // orthonormal columns of the set
+  Eigen::VectorXd left;    // what it leaves of the target
+  double rss = 0.0;
+  double penalty = 0.0;    // 1/2 ln N for each parameter
+  double objective = 0.0;  // penalised negative log-likelihood: 1/2 N ln(rss / N) + penalty
+};
+
+/// What one effect adds to a set.
+struct Gain {
+  int candidate = -1;
+  std::vector<double> nonlinear;
+  Eigen::MatrixXd columns;
+  double drop = 0.0;       // of the residual sum of squares
+  int rank = 0;
+  double objective = 0.0;  // of the set with it
+  double logP = 0.0;       // F test, not corrected
+};
+
+/// Which set of effects explains a residual: forward search with a beam, exchange of each member against every other
+/// candidate, and a backward look. Everything is judged after joint refit, by projection.
+class SubsetSearch {
+ public:
+  SubsetSearch(const ResidualSpace& space, const CandidateSet& set);
+
+  /// Significance after correction for everything that was tried.
+  double significance = 1e-3;
+  int largest = 8;  // effects
+
+  std::function<bool()> cancelled;
+  Subset run() const;
+
+  Subset empty() const;
+  Subset extend(const Subset& subset, const Chosen& chosen) const;
+  Subset without(const Subset& subset, std::size_t member) const;
+  /// The best `count` candidates to add, nonlinear parameters refined, best first.
+  std::vector<Gain> bestGains(const Subset& subset, int count, bool refine) const;
+  /// Gain of one candidate near given nonlinear values.
+  Gain gainOf(const Subset& subset, int candidate, const std::vector<double>& nonlinear, bool refine) const;
+  /// log of the p-value of a gain, corrected for the number of atoms tried.
+  double correctedLogP(const Gain& gain) const;
+  bool significant(const Gain& gain) const;
+  double degreesOfFreedom() const { return dof_; }
+
+ private:
+  void exchange(Subset& subset) const;
+  void prune(Subset& subset) const;
+  void refineAll(Subset& subset) const;
+  Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear, Eigen::MatrixXd columns) const;
+  double penaltyOf(int candidate) const;
+
+  const ResidualSpace& space_;
+  const CandidateSet& set_;
+  double dof_ = 1.0;  // residuals minus the model's unknowns
+  std::vector<Eigen::MatrixXd> grams_;  // an atom
+};
+
+}  // namespace mm
