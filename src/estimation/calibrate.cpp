@@ -6,6 +6,7 @@
 
 #include "estimation/folds.h"
 #include "estimation/genetic_start.h"
+#include "estimation/nonlinear_start.h"
 #include "estimation/polish.h"
 #include "estimation/robust.h"
 #include "estimation/whitened.h"
@@ -239,12 +240,18 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
     throw NumericalError(session.source + ": " + std::to_string(problem.rowCount()) + " residuals cannot determine " +
                          std::to_string(free) + " unknowns; measure more, or leave effects out of the model");
 
+  nonlinearStart(*result.problem, x, result.identifiability.fixed, inverseOf(sigma0, weight0));
   if (options.method != Method::kLeastSquares) {
     result.genetic = geneticStart(problem, x, result.identifiability.fixed, sigma0, weight0, options);
     result.cancelled = result.genetic->stop == "cancelled";
   }
   Fitter fit(problem, options, noise);
-  fit.run(x, result.identifiability.fixed);
+  if (!options.rejectOutliers && options.weights.size() == problem.rowCount()) {
+    fit.weight = options.weights;
+    fit.fitOnce(x, result.identifiability.fixed);
+  } else {
+    fit.run(x, result.identifiability.fixed);
+  }
   if (problem.model().parameterCount() > 0) {  // at the solution: nonlinear parameters may turn out to be lost
     const Identifiability after = identify(problem, fit.x, inverseOf(fit.sigma, fit.weight), false);
     for (const LostDirection& l : after.lost)

@@ -24,6 +24,7 @@ struct CalibrateOptions {
   unsigned threads = 0;        // 0: all cores; the result does not depend on it
   double repeatability = -1;   // m, declared: overrides the artifact's; negative: not stated here
   bool rejectOutliers = true;
+  Eigen::VectorXd weights;     // a data row, with rejectOutliers false: 0 leaves it out; empty: all count
   StagedMutationSettings stagedMutation;
   /// Called with a stage ("genetic", "polish", "uncertainty") and its share done in 0 … 1.
   std::function<void(const std::string& stage, double share)> progress;

@@ -1,0 +1,25 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "diagnosis/residual_space.h"
+#include "diagnosis/subset_search.h"
+
+namespace mm {
+
+/// A formula found for what no effect of the catalogue explains, ready to be added as effect `formula`.
+struct FoundFormula {
+  EffectSpec spec;
+  Eigen::MatrixXd columns;  // projected on the model, whitened
+  std::vector<std::string> variables;
+  double objective = 0.0;   // penalised negative log-likelihood
+};
+
+/// Sparse search over products, powers, harmonics, steps and lags of the session's variables, in every direction: the
+/// shortest formulas first. Values in um (arcsec for rotary directions), variables in the units of `formula`.
+/// @param rest what is already in the model and found: its `left` is to be explained.
+/// @return at most `count`, best first; empty when none is significant after correction for all terms tried.
+std::vector<FoundFormula> searchFormulas(const ResidualSpace& space, const Subset& rest, double dof, double significance, int count);
+
+}  // namespace mm

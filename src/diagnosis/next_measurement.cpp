@@ -1,0 +1,236 @@
+#include "diagnosis/next_measurement.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "machine/error.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+constexpr int kMoves = 12;
+constexpr double kWait = 3600.0;  // s: long enough for a small machine to cool
+
+/// Readings at which the tip is at `target`, the rotary joints staying where they are; false when out of the limits.
+bool reach(const Machine& machine, const Eigen::Vector3d& target, double laser, std::vector<double>& q) {
+  std::vector<int> linear;
+  for (int j = 0; j < machine.jointCount(); ++j)
+    if (machine.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
+  if (linear.size() < 3) return false;
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d miss = target - machine.nominal(q.data(), laser).position;
+    const auto full = machine.jacobian(q.data(), laser);
+    Eigen::MatrixXd j(3, linear.size());
+    for (std::size_t k = 0; k < linear.size(); ++k) j.col(static_cast<int>(k)) = full.block<3, 1>(0, linear[k]);
+    const Eigen::VectorXd step = j.colPivHouseholderQr().solve(miss);
+    for (std::size_t k = 0; k < linear.size(); ++k) q[linear[k]] += step[static_cast<int>(k)];
+  }
+  for (int k : linear) {
+    const Joint& joint = machine.joints()[k];
+    if (joint.upper > joint.lower && (q[k] < joint.lower || q[k] > joint.upper)) return false;
+  }
+  return (target - machine.nominal(q.data(), laser).position).norm() < 1e-9;
+}
+
+/// Hypothetical observations after the session: now, and after the machine has cooled.
+Session hypothetical(const ResidualSpace& space) {
+  const Session& session = space.problem().session();
+  Session next(session.machine);
+  next.artifact = session.artifact;
+  next.setups = session.setups;
+  next.source = session.source;
+  const double end = session.observations.back().time;
+  for (const Series& s : session.temperatures) {
+    Series t = s;
+    t.time = {0.0, end + 1.0, end + 0.5 * kWait, end + 2 * kWait};
+    t.value = {s.at(0.0), s.at(end), s.at(0.0), s.at(0.0)};
+    next.temperatures.push_back(t);
+  }
+  for (const Series& s : session.covariates) {
+    Series t = s;
+    t.time = {0.0, end + 1.0};
+    t.value = {s.at(end), s.at(end)};
+    next.covariates.push_back(t);
+  }
+  const auto& first = session.observations.front();
+  if (first.kind == ObservationKind::kContact) {
+    std::vector<char> done(session.artifact.features.size(), 0);
+    for (const Observation& o : session.observations) {
+      if (o.kind != ObservationKind::kContact || done[o.feature]++) continue;
+      const Eigen::Vector3d centre = space.problem().featureInWorkpiece(o.feature, space.fitted().x);
+      const Feature& feature = session.artifact.features[o.feature];
+      const double distance = feature.radius + (std::isfinite(o.laserReading) ? 0.0 : session.artifact.tipRadius);
+      for (int i = 0; i < 26; ++i) {
+        const int c = i < 13 ? i : i + 1;
+        const Eigen::Vector3d side = Eigen::Vector3d(c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1).normalized();
+        if (side.z() < -0.1) continue;  // from below stands the stem
+        for (double time : {end + 1.0, end + kWait}) {
+          Observation at = o;
+          at.time = time;
+          at.approach = -side;
+          if (!reach(session.machine, centre + distance * side, at.laserReading, at.position)) continue;
+          const double speed = std::max(1e-4, space.problem().model().domain().maxSpeed);
+          for (int j = 0; j < session.machine.jointCount(); ++j) {
+            const auto jacobian = session.machine.jacobian(at.position.data(), at.laserReading);
+            const double v = speed * at.approach.dot(jacobian.block<3, 1>(0, j));
+            at.velocity[j] = session.machine.joints()[j].kind == JointKind::kLinear ? v : 0.0;
+            at.travel[j] = v > 0 ? 1.0 : v < 0 ? -1.0 : o.travel[j];
+          }
+          next.observations.push_back(at);
+        }
+      }
+    }
+  } else {  // an independent instrument: positions over the range of each axis, in both directions
+    const Domain& domain = space.problem().model().domain();
+    for (int j = 0; j < session.machine.jointCount(); ++j)
+      for (int i = 0; i <= 8; ++i)
+        for (double sign : {-1.0, 1.0})
+          for (double time : {end + 1.0, end + kWait}) {
+            Observation at = first;
+            if (!(domain.upper[j] > domain.lower[j])) continue;
+            at.time = time;
+            at.position[j] = domain.lower[j] + (domain.upper[j] - domain.lower[j]) * i / 8.0;
+            at.travel[j] = sign;
+            at.velocity[j] = sign * std::max(1e-4, std::abs(first.velocity[j]));
+            next.observations.push_back(at);
+          }
+  }
+  std::stable_sort(next.observations.begin(), next.observations.end(), [](auto& a, auto& b) { return a.time < b.time; });
+  return next;
+}
+
+std::vector<double> pointOf(const Hypothesis& h) {
+  std::vector<double> p;
+  for (const Parameter& q : h.effect->parameters()) p.push_back(q.start);
+  const std::vector<int> indices = h.effect->nonlinearParameters();
+  for (std::size_t k = 0; k < indices.size(); ++k) p[indices[k]] = h.nonlinear[k];
+  return p;
+}
+
+Eigen::MatrixXd linearColumns(const Effect& effect, const Eigen::MatrixXd& all) {
+  const std::vector<int> nonlinear = effect.nonlinearParameters();
+  Eigen::MatrixXd out(all.rows(), 0);
+  for (int k = 0; k < all.cols(); ++k) {
+    if (std::find(nonlinear.begin(), nonlinear.end(), k) != nonlinear.end()) continue;
+    out.conservativeResize(Eigen::NoChange, out.cols() + 1);
+    out.rightCols<1>() = all.col(k).unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
+  }
+  return out;
+}
+
+Move moveOf(const Session& session, const Observation& o, double end) {
+  Move move;
+  for (int j = 0; j < session.machine.jointCount(); ++j) {
+    const Joint& joint = session.machine.joints()[j];
+    const bool linear = joint.kind == JointKind::kLinear;
+    move.values.emplace_back(joint.name + (linear ? "_mm" : "_deg"), o.position[j] / (linear ? kMillimetre : kDegree));
+  }
+  if (o.kind == ObservationKind::kContact) {
+    move.words.emplace_back("feature", session.artifact.features[o.feature].name);
+    move.approach = {o.approach.x(), o.approach.y(), o.approach.z()};
+  }
+  if (o.time - end > 0.5 * kWait) move.values.emplace_back("wait_s", kWait);
+  return move;
+}
+
+}  // namespace
+
+std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& own, const std::vector<Hypothesis>& rivals) {
+  std::vector<Move> moves;
+  if (rivals.empty()) return moves;
+  const Session next = hypothetical(space);
+  if (next.observations.empty()) return moves;
+  const Problem& problem = space.problem();
+  try {
+    Problem future(next, problem.model());
+    if (future.unknownCount() != problem.unknownCount()) return moves;
+    future.linearise(space.fitted().x);
+    Eigen::MatrixXd futureJacobian;
+    future.residuals(space.fitted().x, futureJacobian);
+
+    const Eigen::VectorXd inverse = space.fitted().weight.cwiseSqrt().cwiseQuotient(space.fitted().sigma);
+    const double sigma = 1.0 / inverse.maxCoeff();
+    Eigen::MatrixXd jacobian;
+    problem.residuals(space.fitted().x, jacobian);
+    const auto whitened = [&](Eigen::MatrixXd m) {
+      for (int i = 0; i < m.rows(); ++i) m.row(i) *= inverse[i];
+      return m;
+    };
+    const Eigen::MatrixXd ownNow = whitened(linearColumns(*own.effect, problem.effectColumns(*own.effect, pointOf(own))));
+    const Eigen::MatrixXd ownNext = linearColumns(*own.effect, future.effectColumns(*own.effect, pointOf(own))) / sigma;
+    // the leading hypothesis at its fitted size
+    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(space.length(), ownNow.cols());
+    for (int i = 0; i < space.rows(); ++i) left.row(i) = ownNow.row(space.used()[i]);
+    space.project(left);
+    const Eigen::VectorXd size = left.colPivHouseholderQr().solve(space.target());
+
+    const int free = problem.unknownCount();
+    std::vector<Eigen::VectorXd> misses;  // a rival: how far its imitation is from the leading hypothesis, a future row
+    std::vector<Eigen::MatrixXd> nextRows;
+    std::vector<Eigen::MatrixXd> information;
+    for (const Hypothesis& rival : rivals) {
+      const Eigen::MatrixXd rivalNow = whitened(linearColumns(*rival.effect, problem.effectColumns(*rival.effect, pointOf(rival))));
+      const Eigen::MatrixXd rivalNext = linearColumns(*rival.effect, future.effectColumns(*rival.effect, pointOf(rival))) / sigma;
+      Eigen::MatrixXd now(jacobian.rows(), free + rivalNow.cols()), later(futureJacobian.rows(), free + rivalNow.cols());
+      now << whitened(jacobian), rivalNow;
+      later << futureJacobian / sigma, rivalNext;
+      for (int c = 0; c < now.cols(); ++c) {  // held unknowns do not imitate
+        const double norm = now.col(c).norm();
+        if (!(norm > 0.0) || (c < free && space.fitted().identifiability.fixed[c])) {
+          now.col(c).setZero();
+          later.col(c).setZero();
+        } else {
+          now.col(c) /= norm;
+          later.col(c) /= norm;
+        }
+      }
+      const Eigen::MatrixXd gram = now.transpose() * now + 1e-9 * Eigen::MatrixXd::Identity(now.cols(), now.cols());
+      const Eigen::VectorXd imitation = gram.ldlt().solve(now.transpose() * (ownNow * size));
+      misses.push_back(ownNext * size - later * imitation);
+      nextRows.push_back(later);
+      information.push_back(gram);
+    }
+    std::vector<char> taken(next.observations.size(), 0);
+    const double end = problem.session().observations.back().time;
+    std::vector<std::pair<double, Move>> chosen;
+    for (int m = 0; m < kMoves; ++m) {
+      double best = 1e-6;
+      int pick = -1;
+      for (std::size_t o = 0; o < next.observations.size(); ++o) {
+        if (taken[o]) continue;
+        double worst = 1e300;  // the rival that is told apart least
+        for (std::size_t r = 0; r < rivals.size(); ++r) {
+          double told = 0.0;
+          for (int i = future.firstRow(static_cast<int>(o)); i < future.firstRow(static_cast<int>(o) + 1); ++i) {
+            const Eigen::VectorXd row = nextRows[r].row(i).transpose();
+            told += misses[r][i] * misses[r][i] / (1.0 + row.dot(information[r].ldlt().solve(row)));
+          }
+          worst = std::min(worst, told);
+        }
+        if (worst > best) best = worst, pick = static_cast<int>(o);
+      }
+      if (pick < 0) break;
+      taken[pick] = 1;
+      for (std::size_t r = 0; r < rivals.size(); ++r)
+        for (int i = future.firstRow(pick); i < future.firstRow(pick + 1); ++i)
+          information[r] += nextRows[r].row(i).transpose() * nextRows[r].row(i);
+      chosen.emplace_back(next.observations[pick].time, moveOf(problem.session(), next.observations[pick], end));
+    }
+    std::stable_sort(chosen.begin(), chosen.end(), [](auto& a, auto& b) { return a.first < b.first; });
+    bool waited = false;
+    for (auto& [time, move] : chosen) {  // one wait, before the first of the later moves
+      auto& v = move.values;
+      const auto wait = std::find_if(v.begin(), v.end(), [](auto& p) { return p.first == "wait_s"; });
+      if (wait != v.end() && waited) v.erase(wait);
+      else waited |= wait != v.end();
+      moves.push_back(move);
+    }
+  } catch (const InputError&) {
+    moves.clear();  // the model cannot be evaluated at states that were not measured
+  }
+  return moves;
+}
+
+}  // namespace mm

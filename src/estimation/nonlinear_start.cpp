@@ -1,0 +1,68 @@
+#include "estimation/nonlinear_start.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/whitened.h"
+
+namespace mm {
+
+void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed, const Eigen::VectorXd& inverseSigma) {
+  const Model& model = problem.model();
+  for (int e = 0; e < static_cast<int>(model.effects().size()); ++e) {
+    const Effect& effect = *model.effects()[e];
+    const std::vector<std::vector<double>> starts = effect.searchStarts();
+    if (starts.empty()) continue;
+    const std::vector<int> nonlinear = effect.nonlinearParameters();
+    const int offset = model.offset(e);
+    bool atZero = true;  // a start that the caller chose is kept
+    for (int k = 0; k < effect.parameterCount(); ++k)
+      if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) atZero &= x[offset + k] == 0.0;
+    if (!atZero) continue;
+
+    std::vector<char> without = fixed;  // everything else is refitted
+    for (int k = 0; k < effect.parameterCount(); ++k) without[offset + k] = 1;
+    for (int other = e + 1; other < static_cast<int>(model.effects().size()); ++other)
+      if (!model.effects()[other]->searchStarts().empty())
+        for (int k = 0; k < model.effects()[other]->parameterCount(); ++k) without[model.offset(other) + k] = 1;
+    const WhitenedSystem system(problem, x, inverseSigma, without);
+    const int columns = static_cast<int>(system.jacobian.cols()), rows = static_cast<int>(system.jacobian.rows());
+    Eigen::MatrixXd q(rows, 0);
+    if (columns > 0 && rows > columns)
+      q = Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).householderQ() * Eigen::MatrixXd::Identity(rows, columns);
+    Eigen::VectorXd target = -system.residuals;
+    target -= q * (q.transpose() * target);
+    problem.linearise(x);
+    double best = -1.0;
+    Eigen::VectorXd bestValues;
+    for (const std::vector<double>& start : starts) {
+      std::vector<double> p;
+      for (const Parameter& one : effect.parameters()) p.push_back(one.start);
+      for (std::size_t k = 0; k < nonlinear.size(); ++k) p[nonlinear[k]] = start[k];
+      const Eigen::MatrixXd all = problem.effectColumns(effect, p);
+      std::vector<int> linear;
+      for (int k = 0; k < effect.parameterCount(); ++k)
+        if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end() && !fixed[offset + k]) linear.push_back(k);
+      if (linear.empty()) break;
+      Eigen::MatrixXd a = Eigen::MatrixXd::Zero(rows, linear.size());
+      for (std::size_t k = 0; k < linear.size(); ++k)
+        for (int i = 0; i < problem.rowCount(); ++i) {
+          const double v = all(i, linear[k]) * effect.parameters()[linear[k]].scale * inverseSigma[i];
+          if (inverseSigma[i] != 0.0 && std::isfinite(v)) a(i, static_cast<int>(k)) = v;
+        }
+      a -= q * (q.transpose() * a);
+      const Eigen::VectorXd amplitudes = a.colPivHouseholderQr().solve(target);
+      const double drop = target.squaredNorm() - (target - a * amplitudes).squaredNorm();
+      if (!(drop > best) || !amplitudes.allFinite()) continue;
+      best = drop;
+      bestValues.resize(effect.parameterCount());
+      for (int k = 0; k < effect.parameterCount(); ++k) bestValues[k] = p[k];
+      for (std::size_t k = 0; k < linear.size(); ++k)
+        bestValues[linear[k]] = amplitudes[static_cast<int>(k)] * effect.parameters()[linear[k]].scale;
+    }
+    if (best >= 0.0) x.segment(offset, effect.parameterCount()) = bestValues;
+  }
+}
+
+}  // namespace mm
