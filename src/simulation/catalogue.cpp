@@ -87,12 +87,14 @@ std::vector<SourceKind> screwKinds() {
        }},
       {"lead_screw_periodic",
        {{"axis", Key::kLinear, ""}},
-       {{"amplitude", "travel", 0.7e-6, 4e-6}, {"period", "travel", 0.8e-3, 2.6e-3}},
+       {{"amplitude", "travel", 0.7e-6, 4e-6},
+        {"period", "travel", 0.8e-3, 2.6e-3},
+        {"phase", "turn", 0.01, 6.28}},
        Probe::kAny,
        false,
        [](const HiddenSource& s, Workshop& w, Random& r) {
          add<PeriodicLead>(w, joint(s, w, "axis"), s.number("amplitude"), s.number("period"),
-                           r.uniform(0.0, 2.0 * kPi));
+                           s.number("phase"));
        }},
       {"positioning_polynomial",
        {{"axis", Key::kLinear, ""}},
@@ -115,7 +117,7 @@ std::vector<SourceKind> screwKinds() {
        {{"axis", Key::kLinear, ""}},
        {{"C1", "1", 50e-6, 300e-6, true},
         {"C2", "1", 50e-6, 200e-6},
-        {"phase", "rad", 0.1, 6.2},
+        {"phase", "turn", 0.1, 6.2},
         {"C_first", "1/m", 0.002, 0.02, true},
         {"C_second", "1/m", 0.002, 0.02, true},
         {"alpha_first", "rad", 50e-6, 300e-6, true},
@@ -174,12 +176,17 @@ std::vector<SourceKind> structureKinds() {
        }},
       {"thermal_growth",
        {{"direction", Key::kDirection, ""}, {"sensor", Key::kBody, ""}},
-       {{"g", "m/K", 0.5e-6, 3e-6, true}},
+       {{"g", "m/K", 0.5e-6, 3e-6, true}, {"lag", "s", 0.0, 0.0}},
        Probe::kAny,
        false,
        [](const HiddenSource& s, Workshop& w, Random&) {
-         add<ThermalGrowth>(w, w.thermal.findBody(s.key("sensor")), direction(s, w, "direction"),
-                            s.number("g"));
+         int body = w.thermal.findBody(s.key("sensor"));
+         if (s.number("lag") >
+             0.0) {  // a body of the structure that no sensor tells, behind the one that has it
+           w.physics.followers.push_back({body, s.number("lag")});
+           body = w.thermal.bodyCount() + static_cast<int>(w.physics.followers.size()) - 1;
+         }
+         add<ThermalGrowth>(w, body, direction(s, w, "direction"), s.number("g"));
        }},
       {"thermal_bending",
        {{"axis", Key::kLinear, ""},
@@ -251,11 +258,11 @@ std::vector<SourceKind> probeKinds() {
        [](const HiddenSource& s, Workshop& w, Random&) { w.physics.probe.triggerDelay += s.number("tau"); }},
       {"probe_lobing",
        {{"order", Key::kWord, "3"}},
-       {{"size", "m", 0.6e-6, 3e-6}},
+       {{"size", "m", 0.6e-6, 3e-6}, {"phase", "turn", 0.01, 6.28}},
        Probe::kTouch,
        false,
        [](const HiddenSource& s, Workshop& w, Random& r) {
-         w.physics.probe.setLobing(std::stoi(s.key("order")), s.number("size"), r.uniform(0.0, 2.0 * kPi));
+         w.physics.probe.setLobing(std::stoi(s.key("order")), s.number("size"), s.number("phase"));
        }},
       {"probe_radius",
        {},
@@ -343,23 +350,22 @@ std::vector<SourceKind> rotaryKinds() {
        }},
       {"rotary_eccentricity",
        {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
-       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}},
+       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}, {"phase", "turn", 0.01, 6.28}},
        Probe::kAny,
        false,
        [](const HiddenSource& s, Workshop& w, Random& r) {
          add<DiscEccentricity>(w, joint(s, w, "joint"), std::stoi(s.key("harmonic")), s.number("angle"),
-                               r.uniform(0.0, 2.0 * kPi));
+                               s.number("phase"));
        }},
       {"rotary_wobble",
        {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
-       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}},
+       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}, {"phase", "turn", 0.01, 6.28}},
        Probe::kAny,
        false,
        [](const HiddenSource& s, Workshop& w, Random& r) {
          const int j = joint(s, w, "joint");
          const auto [first, second] = across(w.chain.axis(j));
-         add<Wobble>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), r.uniform(0.0, 2.0 * kPi), first,
-                     second);
+         add<Wobble>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), s.number("phase"), first, second);
        }},
   };
 }

@@ -33,6 +33,7 @@ struct Workshop {
   const Artifact& artifact;
   const ThermalModel& thermal;
   const InstrumentSettings& settings;
+  bool touches = false;              // the plan touches balls
   std::vector<double> lower, upper;  // travel of each joint in the session, m or rad
   Physics& physics;                  // gets the source
 };

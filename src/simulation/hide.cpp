@@ -191,7 +191,8 @@ void refuseUnknown(const SourceKind& rule, const Written& written, const std::st
 
 bool fits(const SourceKind& kind, const Workshop& w) {
   if (kind.composite) return false;
-  if (kind.probe == SourceKind::Probe::kTouch && w.settings.laser.present) return false;
+  if (kind.probe == SourceKind::Probe::kTouch && !w.touches) return false;
+  if (kind.type == "artifact_expansion" && w.artifact.features.empty()) return false;
   if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present) return false;
   HiddenSource source;
   for (std::size_t i = 0; i < kind.keys.size(); ++i) {
@@ -213,8 +214,10 @@ const SourceKind& kindOf(const std::string& type, const std::string& where, Rand
     known.push_back(kind.type);
     if (fits(kind, w)) fitting.push_back(&kind);
     if (kind.type != name) continue;
-    if (kind.probe == SourceKind::Probe::kTouch && w.settings.laser.present)
-      throw InputError(where + ": '" + name + "' is of a touch probe, but the plan measures with a laser");
+    if (kind.probe == SourceKind::Probe::kTouch && !w.touches)
+      throw InputError(where + ": '" + name + "' is of a touch probe, but the plan touches nothing");
+    if (kind.type == "artifact_expansion" && w.artifact.features.empty())
+      throw InputError(where + ": '" + name + "' needs an artifact, but the plan has none");
     if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present)
       throw InputError(where + ": '" + name +
                        "' is of a laser probe, but the plan measures with a touch probe");
@@ -243,7 +246,7 @@ std::string HiddenSource::text() const {
   std::ostringstream out;
   out << "{type: " << type;
   for (const auto& [key, value] : keys) out << ", " << key << ": " << value;
-  out.precision(6);
+  out.precision(9);
   for (const Number& number : numbers) {
     const PeopleUnit unit = peopleUnit(number.dimension);
     out << ", " << number.name << ": " << number.value / unit.factor << " " << unit.name;

@@ -26,7 +26,8 @@ struct Physics {
   SeatedProbe probe;
   LaserProbe laser;
   TrueArtifact artifact;
-  int artifactBody = 0;  // body of the ThermalModel whose temperature the artifact has
+  int artifactBody = 0;             // body of the ThermalModel whose temperature the artifact has
+  std::vector<Follower> followers;  // bodies after those of the ThermalModel
   std::vector<TrueCovariate> covariates;
 
   Distortion distortion(const Condition& condition) const;

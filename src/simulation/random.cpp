@@ -23,7 +23,10 @@ double Random::uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-
 
 double Random::uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
 
-double Random::logUniform(double lower, double upper) { return lower * std::pow(upper / lower, uniform()); }
+double Random::logUniform(double lower, double upper) {
+  const double part = uniform();
+  return lower == upper ? lower : lower * std::pow(upper / lower, part);
+}
 
 double Random::normal() {
   if (hasSpare_) {

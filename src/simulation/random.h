@@ -13,7 +13,7 @@ class Random {
 
   double uniform();  ///< in [0, 1)
   double uniform(double lower, double upper);
-  double logUniform(double lower, double upper);  ///< both above 0
+  double logUniform(double lower, double upper);  ///< both above 0, or equal
   double normal();                                ///< mean 0, standard deviation 1
   /// Student's t, scaled to standard deviation 1 where it has one (more than two degrees of freedom).
   double student(double degreesOfFreedom);

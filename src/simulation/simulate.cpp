@@ -33,6 +33,7 @@ class Recorder {
       : plan_(plan),
         machine_(std::move(instrument.machine)),
         result_{Session(machine_.machine()), {}, {}, {}, {}, {}, nullptr, 0},
+        seed_(request.seed),
         noise_(request.seed, "records") {
     result_.known = std::move(instrument.known);
     result_.hidden = std::move(instrument.hidden);
@@ -126,7 +127,7 @@ class Recorder {
   double setupZero(const std::string& setup, int joint) {
     // Where the instrument was set to zero nobody knows.
     const bool linear = machine_.machine().joints()[joint].kind == JointKind::kLinear;
-    return Random(7, "setup " + plan_.name + setup).normal() * (linear ? 5e-6 : 2e-5);
+    return Random(seed_, "setup " + setup).normal() * (linear ? 5e-6 : 2e-5);
   }
 
   void reference(const PlanMove& move) {
@@ -162,6 +163,7 @@ class Recorder {
   SimulatedMachine machine_;
   InstrumentSettings settings_;
   Simulation result_;
+  std::uint64_t seed_;
   Random noise_;
 };
 
@@ -188,7 +190,9 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
   physics.artifact.scatterFree(plan.artifact, settings.placement.freeCentres, placing);
   if (settings.placement.form > 0.0) physics.artifact.roughen(settings.placement.form, placing);
 
-  Workshop workshop{machine, chain, plan.artifact, thermal, settings, {}, {}, physics};
+  Workshop workshop{machine, chain, plan.artifact, thermal, settings, false, {}, {}, physics};
+  workshop.touches = std::any_of(plan.moves.begin(), plan.moves.end(),
+                                 [](const PlanMove& move) { return move.kind == MoveKind::kTouch; });
   rangesOf(plan, machine, workshop.lower, workshop.upper);
   std::vector<HiddenSource> known, hidden;
   for (std::size_t i = 0; i < settings.errors.size(); ++i)

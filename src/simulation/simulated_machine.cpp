@@ -34,6 +34,7 @@ SimulatedMachine::SimulatedMachine(Machine machine, Artifact artifact, Instrumen
       contactNoise_(seed, "contacts"),
       sensorNoise_(seed, "sensors") {
   for (const double gap : physics_.gap) play_.emplace_back(gap);
+  thermal_.addFollowers(physics_.followers);
   for (const std::string& name : settings_.thermal.sensors) {
     const int body = thermal_.findBody(name);
     sensors_.emplace_back(body, settings_.thermal.sensorLag, settings_.noise.temperature);
@@ -147,6 +148,15 @@ void SimulatedMachine::step(const std::vector<double>& target, const std::vector
     }
   touching_ = touchesNow;
   drive(segment, 1.0);
+}
+
+std::optional<Trip> SimulatedMachine::readLaser() {
+  std::optional<Trip> nearest;
+  for (int f = 0; f < static_cast<int>(artifact_.features.size()); ++f) {
+    const std::optional<Trip> trip = readLaser(f);
+    if (trip && (!nearest || trip->laserReading < nearest->laserReading)) nearest = trip;
+  }
+  return nearest;
 }
 
 std::optional<Trip> SimulatedMachine::takeTrip() {

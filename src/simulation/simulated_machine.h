@@ -56,6 +56,7 @@ class SimulatedMachine {
   /// Reads the laser on a feature where it stands. @return nothing when it misses, is out of range or drops
   /// out.
   std::optional<Trip> readLaser(int feature);
+  std::optional<Trip> readLaser();  ///< on whatever the beam meets first; for drivers
   /// True minus indicated of a joint (m or rad) as an interferometer or autocollimator finds it, with its
   /// noise.
   double measureDeviation(int joint);

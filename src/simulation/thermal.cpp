@@ -30,6 +30,16 @@ ThermalModel::ThermalModel(std::vector<Body> bodies, std::vector<Contact> contac
   record();
 }
 
+void ThermalModel::addFollowers(const std::vector<Follower>& followers) {
+  for (const Follower& f : followers) {
+    followers_.push_back(f);
+    temperatures_.push_back(temperatures_[f.body]);
+  }
+  recordTimes_.clear();
+  records_.clear();
+  record();
+}
+
 std::vector<Body> ThermalModel::usualBodies() {
   return {{"motor", 150.0, 0.15, 4.0, 0.3}, {"frame", 1400.0, 0.5, 0.0, 0.0}, {"bed", 500.0, 0.35, 0.0, 0.0}};
 }
@@ -70,6 +80,8 @@ void ThermalModel::rates(double time, double activity, const std::vector<double>
 
 void ThermalModel::step(double seconds, double activity) {  // Runge-Kutta of fourth order
   const std::size_t n = bodies_.size();
+  std::vector<double> leaders;
+  for (const Follower& f : followers_) leaders.push_back(temperatures_[f.body]);
   std::vector<double> k1(n), k2(n), k3(n), k4(n), moved = temperatures_;
   const auto move = [&](const std::vector<double>& rate, double by) {
     for (std::size_t b = 0; b < n; ++b) moved[b] = temperatures_[b] + by * rate[b];
@@ -85,6 +97,13 @@ void ThermalModel::step(double seconds, double activity) {  // Runge-Kutta of fo
     temperatures_[b] += seconds / 6.0 * (k1[b] + 2.0 * k2[b] + 2.0 * k3[b] + k4[b]);
   time_ += seconds;
   temperatures_[n] = ambient_.at(time_);
+  for (std::size_t f = 0; f < followers_.size(); ++f) {
+    const double before = leaders[f], after = temperatures_[followers_[f].body], lag = followers_[f].lag;
+    // exact for a leader that goes straight within the step
+    const double slope = (after - before) / seconds, decay = std::exp(-seconds / lag);
+    double& value = temperatures_[n + 1 + f];
+    value = after - slope * lag + (value - before + slope * lag) * decay;
+  }
 }
 
 void ThermalModel::advance(double seconds, double activity) {

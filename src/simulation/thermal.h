@@ -32,6 +32,12 @@ struct HeatSchedule {
   double at(double time) const;
 };
 
+/// A body inside the structure that follows another with a first-order lag and gives nothing back.
+struct Follower {
+  int body = 0;
+  double lag = 0.0;  // s
+};
+
 /// Temperature of the room: start, ramp and a swing.
 struct Ambient {
   double start = 20.0;     // degC
@@ -53,10 +59,14 @@ class ThermalModel {
   static std::vector<Body> usualBodies();
   static std::vector<Contact> usualContacts();
 
+  /// Adds followers, settled; their indices begin at bodyCount().
+  void addFollowers(const std::vector<Follower>& followers);
+  /// Bodies and air, without followers.
   int bodyCount() const { return static_cast<int>(bodies_.size()) + 1; }
   /// @return index of a body, air included, or -1.
   int findBody(const std::string& name) const;
   std::string bodyName(int body) const;
+  /// degC, of bodies, air and followers.
   const std::vector<double>& temperatures() const { return temperatures_; }
   double time() const { return time_; }
   /// Lets `seconds` pass. @param activity share of the highest speed at which the axes move, 0 to 1.
@@ -76,6 +86,7 @@ class ThermalModel {
   std::vector<Contact> contacts_;
   std::vector<HeatSchedule> heat_;
   Ambient ambient_;
+  std::vector<Follower> followers_;
   double time_ = 0.0;
   std::vector<double> temperatures_;
   std::vector<double> recordTimes_;

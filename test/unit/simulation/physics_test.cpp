@@ -91,6 +91,15 @@ TEST(ThermalModel, WithoutSourcesHeatOnlyGoesRound) {
   EXPECT_NEAR(model.temperatures()[1], 22.0, 1e-9);
 }
 
+TEST(ThermalModel, AFollowerLagsBehindItsBody) {
+  Ambient room;
+  room.ramp = 1e-3;  // K/s: far from the start the follower is lag * ramp behind
+  ThermalModel model({}, {}, {}, room);
+  model.addFollowers({{0, 200.0}});
+  for (int i = 0; i < 1000; ++i) model.advance(3.0, 0.0);
+  EXPECT_NEAR(model.temperatures()[0] - model.temperatures()[1], 0.2, 1e-6);
+}
+
 TEST(SeatedProbe, LobesAreThreefoldAndVanishAlongTheStylus) {
   SeatedProbe probe;
   probe.setLobing(3, 1e-6, 0.4);

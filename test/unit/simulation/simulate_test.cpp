@@ -222,6 +222,43 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
   }
 }
 
+TEST(Simulate, WhatWasHiddenCanBeHiddenAgain) {
+  for (const char* text : {"backlash", "lead_screw_periodic", "probe_lobing", "thermal_bending", "warm_up",
+                           "artifact_position"}) {
+    const HiddenSource first = run(smallPlate(3), {text}, 9).hidden[0];
+    const HiddenSource again = run(smallPlate(3), {first.text()}, 10).hidden[0];
+    EXPECT_EQ(first.text(), again.text());
+  }
+}
+
+TEST(Simulate, AReferenceFindsTheDeviationOfLinearAndRotaryJoints) {
+  const std::string yaml =
+      "reference:\n  - {joint: x, positions_mm: [10, 150], runs: 1}\n  - {joint: b, positions_deg: [-40, "
+      "50], runs: 1}\n"
+      "instrument: {noise: {reference_um: 0, reference_arcsec: 0}}\n";
+  const Simulation s = run(yaml, {"scale:x=100ppm", "rotary_zero:b=30arcsec", "backlash:b=10arcsec"}, 1,
+                           Machine::load("five_axis"));
+  const int x = s.session.machine.findJoint("x"), b = s.session.machine.findJoint("b");
+  ASSERT_EQ(s.session.observations.size(), 8u);
+  for (const Observation& o : s.session.observations) {
+    ASSERT_EQ(o.kind, ObservationKind::kDeviation);
+    if (!std::isnan(o.deviation[x])) EXPECT_NEAR(o.deviation[x], 1e-4 * o.position[x], 0.1e-6);
+    if (!std::isnan(o.deviation[b]))
+      EXPECT_NEAR(o.deviation[b], (30.0 - 5.0 * o.travel[b]) * kArcsecond, 0.01 * kArcsecond);
+  }
+}
+
+TEST(Simulate, AShapeThatFollowsLateIsNotTheSensors) {
+  const Simulation prompt = run(smallPlate(40), {"thermal_growth:z/bed=3um/K"});
+  const Simulation late = run(smallPlate(40), {"thermal_growth:z/bed=3um/K,lag=5min"});
+  double difference = 0.0;
+  for (std::size_t i = 0; i < prompt.states.size(); ++i)
+    difference = std::max(difference, (prompt.truePositions[i] - prompt.truth->nominal(prompt.states[i]) -
+                                       late.truePositions[i] + late.truth->nominal(late.states[i]))
+                                          .norm());
+  EXPECT_GT(difference, 3e-6);
+}
+
 TEST(Simulate, ARandomSourceIsOneThatFits) {
   for (int seed = 1; seed <= 40; ++seed) {
     const Simulation s = run(smallPlate(4), {"random"}, seed);

@@ -1,0 +1,17 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "session/plan.h"
+
+namespace mm {
+
+/// An artifact as YAML, as parseArtifact reads it (with `indent` blanks before each line).
+std::string artifactYaml(const Artifact& artifact, int indent = 0);
+
+/// A plan with every move written out under `moves`: Plan::parse on the same machine gives the same moves
+/// back (to 1 nm). The simulation's settings are not in it. For the proposals of a diagnosis, and to look at
+/// a shorthand.
+std::string planYaml(const Plan& plan, const Machine& machine);
+
+}  // namespace mm
