@@ -92,7 +92,7 @@ std::vector<SourceKind> screwKinds() {
         {"phase", "turn", 0.01, 6.28}},
        Probe::kAny,
        false,
-       [](const HiddenSource& s, Workshop& w, Random& r) {
+       [](const HiddenSource& s, Workshop& w, Random&) {
          add<PeriodicLead>(w, joint(s, w, "axis"), s.number("amplitude"), s.number("period"),
                            s.number("phase"));
        }},
@@ -261,7 +261,7 @@ std::vector<SourceKind> probeKinds() {
        {{"size", "m", 0.6e-6, 3e-6}, {"phase", "turn", 0.01, 6.28}},
        Probe::kTouch,
        false,
-       [](const HiddenSource& s, Workshop& w, Random& r) {
+       [](const HiddenSource& s, Workshop& w, Random&) {
          w.physics.probe.setLobing(std::stoi(s.key("order")), s.number("size"), s.number("phase"));
        }},
       {"probe_radius",
@@ -331,7 +331,7 @@ std::vector<SourceKind> rotaryKinds() {
          add<RotaryZero>(w, joint(s, w, "joint"), s.number("angle"));
        }},
       {"rotary_axis_offset",
-       {{"joint", Key::kRotary, ""}, {"direction", Key::kAbout, ""}},
+       {{"joint", Key::kRotary, ""}, {"direction", Key::kAcross, ""}},
        {{"shift", "m", 3e-6, 30e-6, true}},
        Probe::kAny,
        false,
@@ -340,7 +340,7 @@ std::vector<SourceKind> rotaryKinds() {
                              Eigen::Vector3d::Zero());
        }},
       {"rotary_axis_tilt",
-       {{"joint", Key::kRotary, ""}, {"about", Key::kAbout, ""}},
+       {{"joint", Key::kRotary, ""}, {"about", Key::kAcross, ""}},
        {{"angle", "rad", 5.0 * kArcsecond, 60.0 * kArcsecond, true}},
        Probe::kAny,
        false,
@@ -350,19 +350,24 @@ std::vector<SourceKind> rotaryKinds() {
        }},
       {"rotary_eccentricity",
        {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
-       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}, {"phase", "turn", 0.01, 6.28}},
+       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond},
+        {"phase", "turn", 0.01, 6.28},
+        {"radial", "m", 1e-6, 6e-6}},
        Probe::kAny,
        false,
-       [](const HiddenSource& s, Workshop& w, Random& r) {
-         add<DiscEccentricity>(w, joint(s, w, "joint"), std::stoi(s.key("harmonic")), s.number("angle"),
-                               s.number("phase"));
+       [](const HiddenSource& s, Workshop& w, Random&) {
+         const int j = joint(s, w, "joint");
+         const auto [first, second] = across(w.chain.axis(j));
+         add<DiscEccentricity>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), s.number("phase"));
+         add<RadialRunOut>(w, j, std::stoi(s.key("harmonic")), s.number("radial"), s.number("phase"), first,
+                           second);
        }},
       {"rotary_wobble",
        {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
        {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}, {"phase", "turn", 0.01, 6.28}},
        Probe::kAny,
        false,
-       [](const HiddenSource& s, Workshop& w, Random& r) {
+       [](const HiddenSource& s, Workshop& w, Random&) {
          const int j = joint(s, w, "joint");
          const auto [first, second] = across(w.chain.axis(j));
          add<Wobble>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), s.number("phase"), first, second);

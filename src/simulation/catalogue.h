@@ -48,6 +48,7 @@ struct SourceKind {
     kDirection,
     kOtherDirection,
     kAbout,
+    kAcross,
     kBody,
     kColdBody,
     kCovariate,

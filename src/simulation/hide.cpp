@@ -97,6 +97,9 @@ std::vector<std::string> choices(Key kind, const HiddenSource& source, const Sou
   if (kind == Key::kDirection || kind == Key::kOtherDirection || kind == Key::kAbout)
     for (const char* name : {"x", "y", "z"})
       if (kind != Key::kOtherDirection || name != first) names.push_back(name);
+  if (kind == Key::kAcross && w.machine.findJoint(first) >= 0)
+    for (const char* name : {"x", "y", "z"})
+      if (std::abs(w.chain.axis(w.machine.findJoint(first))(name[0] - 'x')) < 0.99) names.push_back(name);
   if (kind == Key::kBody || kind == Key::kColdBody)
     for (const std::string& name : w.settings.thermal.sensors)
       if (kind == Key::kBody ? name != "air" : name != source.key("warm")) names.push_back(name);

@@ -18,6 +18,11 @@ void DiscEccentricity::apply(const Condition& condition, Distortion& distortion)
       std::asin(std::sin(angle_) * std::sin(harmonic_ * condition.drive[joint_] + phase_));
 }
 
+void RadialRunOut::apply(const Condition& condition, Distortion& distortion) const {
+  const double turn = harmonic_ * condition.slide[joint_] + phase_;
+  distortion.shift[joint_] += radius_ * (std::cos(turn) * first_ + std::sin(turn) * second_);
+}
+
 void Wobble::apply(const Condition& condition, Distortion& distortion) const {
   const double turn = harmonic_ * condition.slide[joint_] + phase_;
   distortion.tilt[joint_] += angle_ * (std::cos(turn) * first_ + std::sin(turn) * second_);

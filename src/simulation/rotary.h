@@ -41,6 +41,21 @@ class DiscEccentricity : public Source {
   double angle_, phase_;
 };
 
+/// A bearing that runs out of true: the axis goes round a small circle as it turns (ISO 230-7 radial motion).
+class RadialRunOut : public Source {
+ public:
+  /// @param first, second two unit vectors square to the axis, in workpiece with all joints at zero.
+  RadialRunOut(int joint, int harmonic, double radius, double phase, Eigen::Vector3d first,
+               Eigen::Vector3d second)
+      : joint_(joint), harmonic_(harmonic), radius_(radius), phase_(phase), first_(first), second_(second) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  int joint_, harmonic_;
+  double radius_, phase_;
+  Eigen::Vector3d first_, second_;
+};
+
 /// The axis' direction wobbles as the bearing turns.
 class Wobble : public Source {
  public:

@@ -208,6 +208,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
     const auto size = [&](double factor) {
       std::string text = kind.type + c.place + "=" + std::to_string(c.size * factor) + c.unit;
       if (kind.type == "laser_mount") text += ",beam=0rad";
+      if (kind.type == "rotary_eccentricity") text += ",radial=0um";
       if (kind.type == "mmt_deviation")
         text += ",C2=0,C_first=0 1/m,C_second=0 1/m,alpha_first=0rad,alpha_second=0rad";
       const Simulation s =
@@ -231,21 +232,26 @@ TEST(Simulate, WhatWasHiddenCanBeHiddenAgain) {
   }
 }
 
-TEST(Simulate, AReferenceFindsTheDeviationOfLinearAndRotaryJoints) {
+TEST(Simulate, AReferenceFindsTheDeviationOfALinearJoint) {
   const std::string yaml =
-      "reference:\n  - {joint: x, positions_mm: [10, 150], runs: 1}\n  - {joint: b, positions_deg: [-40, "
-      "50], runs: 1}\n"
-      "instrument: {noise: {reference_um: 0, reference_arcsec: 0}}\n";
-  const Simulation s = run(yaml, {"scale:x=100ppm", "rotary_zero:b=30arcsec", "backlash:b=10arcsec"}, 1,
-                           Machine::load("five_axis"));
-  const int x = s.session.machine.findJoint("x"), b = s.session.machine.findJoint("b");
-  ASSERT_EQ(s.session.observations.size(), 8u);
-  for (const Observation& o : s.session.observations) {
-    ASSERT_EQ(o.kind, ObservationKind::kDeviation);
-    if (!std::isnan(o.deviation[x])) EXPECT_NEAR(o.deviation[x], 1e-4 * o.position[x], 0.1e-6);
-    if (!std::isnan(o.deviation[b]))
-      EXPECT_NEAR(o.deviation[b], (30.0 - 5.0 * o.travel[b]) * kArcsecond, 0.01 * kArcsecond);
-  }
+      "reference: {joint: x, positions_mm: [10, 150], runs: 1}\ninstrument: {noise: {reference_um: 0}}\n";
+  const Simulation s = run(yaml, {"scale:x=100ppm", "backlash:x=2um"}, 1, Machine::load("five_axis"));
+  const int x = s.session.machine.findJoint("x");
+  ASSERT_EQ(s.session.observations.size(), 4u);
+  for (const Observation& o : s.session.observations)
+    EXPECT_NEAR(o.deviation[x], 1e-4 * o.position[x] - 1e-6 * o.travel[x], 1e-9);
+}
+
+TEST(Simulate, AReferenceFindsTheDeviationOfARotaryJoint) {
+  const std::string yaml =
+      "reference: {joint: b, positions_deg: [-40, 50], runs: 1}\ninstrument: {noise: {reference_arcsec: "
+      "0}}\n";
+  const Simulation s =
+      run(yaml, {"rotary_zero:b=30arcsec", "backlash:b=10arcsec"}, 1, Machine::load("five_axis"));
+  const int b = s.session.machine.findJoint("b");
+  ASSERT_EQ(s.session.observations.size(), 4u);
+  for (const Observation& o : s.session.observations)
+    EXPECT_NEAR(o.deviation[b], (30.0 - 5.0 * o.travel[b]) * kArcsecond, 0.01 * kArcsecond);
 }
 
 TEST(Simulate, AShapeThatFollowsLateIsNotTheSensors) {
@@ -274,6 +280,7 @@ TEST(Simulate, NoNameIsSilentlyIgnored) {
         "straightness:x/x=2um", "thermal_growth:z/oven=1um/K", "laser_scale", "rotary_zero", "",
         "{type: backlash, axes: x}", "{type: [backlash", "backlash:x/y=3um", "ball_radius:b9=2um"})
     EXPECT_THROW(run(smallPlate(3), {text}), InputError) << text;
+  EXPECT_THROW(run(laserPlan(), {"rotary_axis_tilt:b/z"}, 1, Machine::load("five_axis")), InputError);
   EXPECT_EQ(run(smallPlate(3), {"{type: backlash, axis: y, gap: 3um}"}).hidden[0].text(),
             "{type: backlash, axis: y, gap: 3 um}");
   EXPECT_EQ(run(smallPlate(3), {"squareness:x/y=10arcsec"}).hidden[0].type, "cross_talk");
