@@ -126,7 +126,7 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
       state.travel.size() != d.joints.size() || state.temperature.size() != d.sensors.size() ||
       state.covariate.size() != d.covariates.size())
     throw InputError("a state must have the joints, sensors and covariates of calibration '" + id_ + "'");
-  c.tooOld = !timed_.empty() && state.time > d.duration;
+  c.tooOld = !timed_.empty() && (state.time > d.duration || state.time < 0.0);
   const Part& part = c.tooOld ? timeless_ : all_;
   const double beam = d.laser ? state.laserReading : kUnknown;
   c.nominal = model_.machine().nominal(state.position.data(), beam);
@@ -143,7 +143,7 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
   judge(state, c);
   if (c.tooOld) {
     char age[160];
-    std::snprintf(age, sizeof age, "time %.6g s is beyond the calibrated %.6g s: not applied: ", state.time,
+    std::snprintf(age, sizeof age, "time %.6g s is outside the calibrated 0 to %.6g s: not applied: ", state.time,
                   d.duration);
     c.note = age + timed_;
   }

@@ -19,7 +19,7 @@ struct Correction {
   bool valid = false;          // may be used as a measured position
   bool extrapolating = false;  // outside the calibrated volume, temperatures or covariates beyond the margin
   bool inputLost = false;      // a temperature or covariate that the model uses is not known
-  bool tooOld = false;         // beyond the calibrated duration: effects of time are not applied
+  bool tooOld = false;         // outside the calibrated duration: effects of time are not applied
   std::string reason;          // why it is not valid; empty when it is
   std::string note;            // what to know although it is valid
 };

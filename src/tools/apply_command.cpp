@@ -1,0 +1,78 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "calibration_file/atomic_file.h"
+#include "calibration_file/calibration_store.h"
+#include "calibration_file/calibration_yaml.h"
+#include "compensation/apply_states.h"
+#include "machine/error.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace mm {
+namespace {
+
+struct ApplyOptions {
+  std::string csv, calibration, store, output;
+  double margin = 0.10;
+};
+
+Calibration chosenCalibration(const ApplyOptions& options) {
+  if (!options.calibration.empty()) return loadCalibration(options.calibration);
+  const CalibrationStore store(options.store.empty() ? CalibrationStore::defaultFolder() : options.store);
+  CalibrationStore::Active active = store.active();
+  if (!active.warning.empty()) std::cerr << "mm: warning: " << active.warning << '\n';
+  if (!active.calibration)
+    throw InputError("nothing is active in " + store.folder().string() + "; name a file with --calibration");
+  return *active.calibration;
+}
+
+void runApply(const ApplyOptions& options) {
+  const Calibration calibration = chosenCalibration(options);
+  Compensator::Options limits;
+  limits.margin = options.margin;
+  const Compensator compensator(calibration, limits);
+  std::string text;
+  AppliedStates applied;
+  {
+    ProgressBar bar("correcting");
+    applied = applyStates(options.csv, calibration, compensator, text, bar.callback());
+  }
+  if (options.output == "-") {
+    std::cout << text;
+  } else {
+    writeFileAtomically(options.output, text);
+    std::printf("%zu rows, %zu valid; largest correction %.3f um, largest standard deviation %.3f um; written to %s\n",
+                applied.rows, applied.valid, applied.largestMove * 1e6, applied.largestSigma * 1e6, options.output.c_str());
+    std::fflush(stdout);
+  }
+  if (!applied.firstReason.empty())
+    std::cerr << "mm: warning: " << applied.rows - applied.valid << " of " << applied.rows
+              << " rows are not valid: " << options.csv << ", " << applied.firstReason << '\n';
+  if (!applied.firstNote.empty()) std::cerr << "mm: note: " << options.csv << ", " << applied.firstNote << '\n';
+}
+
+}  // namespace
+
+void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto options = std::make_shared<ApplyOptions>();
+  CLI::App* command = app.add_subcommand("apply", "Corrects the rows of a CSV by a calibration");
+  command->add_option("csv", options->csv, "states of the machine, in the import format")->required();
+  command->add_option("--calibration", options->calibration, "the calibration's file (default: the active one)");
+  command->add_option("--store", options->store, "folder of calibrations (default: $MM_CALIBRATIONS)");
+  command->add_option("-o,--output", options->output, "the CSV to write; - for standard output")->required();
+  command
+      ->add_option("--margin", options->margin,
+                   "how far beyond the calibrated range a row is still valid, as a fraction of the range")
+      ->capture_default_str();
+  command->footer(
+      "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in workpiece),\n"
+      "sigma_um (standard deviation of a coordinate, from the calibration) and valid (1 or 0) to each row.\n"
+      "time_s is that of the calibrated session: beyond its end, effects of time are not applied.\n"
+      "Example: mm apply states.csv --calibration c.yaml -o corrected.csv");
+  command->callback([options] { runApply(*options); });
+}
+
+}  // namespace mm
