@@ -2,10 +2,9 @@
 #include <string>
 #include <vector>
 
-namespace mm {
+#include "machine/nearest_name.h"
 
-/// " (did you mean 'x'?)" when one of the known names is close to what was written, else empty.
-std::string didYouMean(const std::string& written, const std::vector<std::string>& known);
+namespace mm {
 
 /// "a, b, c", or "none".
 std::string listOf(const std::vector<std::string>& names);
