@@ -68,7 +68,8 @@ void append(std::string& out, const std::string& line, const Correction& c) {
     std::snprintf(cells, sizeof cells, ",,,,,%d\n", c.valid ? 1 : 0);
   } else {
     const Eigen::Vector3d p = c.corrected.position * 1e3;
-    std::snprintf(cells, sizeof cells, ",%.9f,%.9f,%.9f,%.6g,%d\n", p.x(), p.y(), p.z(), c.sigma * 1e6, c.valid ? 1 : 0);
+    std::snprintf(cells, sizeof cells, ",%.9f,%.9f,%.9f,%.6g,%d\n", p.x(), p.y(), p.z(), c.sigma * 1e6,
+                  c.valid ? 1 : 0);
   }
   out += line;
   out += cells;
@@ -77,7 +78,8 @@ void append(std::string& out, const std::string& line, const Correction& c) {
 }  // namespace
 
 AppliedStates applyStates(const std::filesystem::path& file, const Calibration& calibration,
-                          const Compensator& compensator, std::string& out, const ProgressCallback& progress) {
+                          const Compensator& compensator, std::string& out,
+                          const ProgressCallback& progress) {
   StatesCsv csv = readStatesCsv(file, compensator.model().machine(), nullptr);
   const Domain& domain = compensator.model().domain();
   OwnCells own(csv, domain);

@@ -21,13 +21,15 @@ struct AppliedStates {
 /// Columns that `applyStates` adds.
 inline constexpr const char* kAppliedColumns = "corrected_x_mm,corrected_y_mm,corrected_z_mm,sigma_um,valid";
 
-/// Corrects every row of a CSV in the import format and writes it with kAppliedColumns behind its own text, in the
-/// order of the file. The corrected position is that of the probe tip's centre, or of a laser's surface point, in
-/// `workpiece`; it is empty where it is not known, and `valid` (1 or 0) says whether it may be used.
-/// Time counts on the clock of the calibrated session; temperatures and covariates come from the row, else from its
-/// neighbours in time; the direction of travel from the velocities, at standstill from the last motion; what a lag
-/// remembers from the rows of the file. @throw InputError naming file, line and column.
-AppliedStates applyStates(const std::filesystem::path& csv, const Calibration& calibration, const Compensator& compensator,
-                          std::string& out, const ProgressCallback& progress = {});
+/// Corrects every row of a CSV in the import format and writes it with kAppliedColumns behind its own text,
+/// in the order of the file. The corrected position is that of the probe tip's centre, or of a laser's
+/// surface point, in `workpiece`; it is empty where it is not known, and `valid` (1 or 0) says whether it may
+/// be used. Time counts on the clock of the calibrated session; temperatures and covariates come from the
+/// row, else from its neighbours in time; the direction of travel from the velocities, at standstill from the
+/// last motion; what a lag remembers from the rows of the file. @throw InputError naming file, line and
+/// column.
+AppliedStates applyStates(const std::filesystem::path& csv, const Calibration& calibration,
+                          const Compensator& compensator, std::string& out,
+                          const ProgressCallback& progress = {});
 
 }  // namespace mm

@@ -143,8 +143,8 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
   judge(state, c);
   if (c.tooOld) {
     char age[160];
-    std::snprintf(age, sizeof age, "time %.6g s is outside the calibrated 0 to %.6g s: not applied: ", state.time,
-                  d.duration);
+    std::snprintf(age, sizeof age,
+                  "time %.6g s is outside the calibrated 0 to %.6g s: not applied: ", state.time, d.duration);
     c.note = age + timed_;
   }
   return c;

@@ -44,14 +44,18 @@ void runApply(const ApplyOptions& options) {
     std::cout << text;
   } else {
     writeFileAtomically(options.output, text);
-    std::printf("%zu rows, %zu valid; largest correction %.3f um, largest standard deviation %.3f um; written to %s\n",
-                applied.rows, applied.valid, applied.largestMove * 1e6, applied.largestSigma * 1e6, options.output.c_str());
+    std::printf(
+        "%zu rows, %zu valid; largest correction %.3f um, largest standard deviation %.3f um; written to "
+        "%s\n",
+        applied.rows, applied.valid, applied.largestMove * 1e6, applied.largestSigma * 1e6,
+        options.output.c_str());
     std::fflush(stdout);
   }
   if (!applied.firstReason.empty())
     std::cerr << "mm: warning: " << applied.rows - applied.valid << " of " << applied.rows
               << " rows are not valid: " << options.csv << ", " << applied.firstReason << '\n';
-  if (!applied.firstNote.empty()) std::cerr << "mm: note: " << options.csv << ", " << applied.firstNote << '\n';
+  if (!applied.firstNote.empty())
+    std::cerr << "mm: note: " << options.csv << ", " << applied.firstNote << '\n';
 }
 
 }  // namespace
@@ -60,7 +64,8 @@ void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<ApplyOptions>();
   CLI::App* command = app.add_subcommand("apply", "Corrects the rows of a CSV by a calibration");
   command->add_option("csv", options->csv, "states of the machine, in the import format")->required();
-  command->add_option("--calibration", options->calibration, "the calibration's file (default: the active one)");
+  command->add_option("--calibration", options->calibration,
+                      "the calibration's file (default: the active one)");
   command->add_option("--store", options->store, "folder of calibrations (default: $MM_CALIBRATIONS)");
   command->add_option("-o,--output", options->output, "the CSV to write; - for standard output")->required();
   command
@@ -68,7 +73,8 @@ void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
                    "how far beyond the calibrated range a row is still valid, as a fraction of the range")
       ->capture_default_str();
   command->footer(
-      "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in workpiece),\n"
+      "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in "
+      "workpiece),\n"
       "sigma_um (standard deviation of a coordinate, from the calibration) and valid (1 or 0) to each row.\n"
       "time_s is that of the calibrated session: beyond its end, effects of time are not applied.\n"
       "Example: mm apply states.csv --calibration c.yaml -o corrected.csv");

@@ -12,5 +12,9 @@ namespace mm {
 
 void addImportCommand(CLI::App& app, int& exitStatus);
 void addSimulateCommand(CLI::App& app, int& exitStatus);
+void addApplyCommand(CLI::App& app, int& exitStatus);
+void addHistoryCommand(CLI::App& app, int& exitStatus);
+void addPromoteCommand(CLI::App& app, int& exitStatus);
+void addRollbackCommand(CLI::App& app, int& exitStatus);
 
 }  // namespace mm

@@ -32,6 +32,10 @@ int main(int argc, char** argv) {
   int exitStatus = kDone;
   mm::addImportCommand(app, exitStatus);
   mm::addSimulateCommand(app, exitStatus);
+  mm::addApplyCommand(app, exitStatus);
+  mm::addHistoryCommand(app, exitStatus);
+  mm::addPromoteCommand(app, exitStatus);
+  mm::addRollbackCommand(app, exitStatus);
   try {
     app.parse(argc, argv);
     std::cout.flush();

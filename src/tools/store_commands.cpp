@@ -22,12 +22,14 @@ struct StoreOptions {
 };
 
 CalibrationStore storeOf(const StoreOptions& options) {
-  return CalibrationStore(options.folder.empty() ? CalibrationStore::defaultFolder() : fs::path(options.folder));
+  return CalibrationStore(options.folder.empty() ? CalibrationStore::defaultFolder()
+                                                 : fs::path(options.folder));
 }
 
 void addStoreOption(CLI::App* command, StoreOptions& options) {
-  command->add_option("--store", options.folder,
-                      "folder of calibrations (default: $MM_CALIBRATIONS, else ~/.measuring_machine/calibrations)");
+  command->add_option(
+      "--store", options.folder,
+      "folder of calibrations (default: $MM_CALIBRATIONS, else ~/.measuring_machine/calibrations)");
 }
 
 std::string micrometres(double metres) {
@@ -45,14 +47,14 @@ void printTable(const CalibrationStore& store, const std::vector<CalibrationStor
   std::size_t width = 2;
   for (const auto& e : entries) width = std::max(width, e.id.size());
   const int w = static_cast<int>(width);
-  std::printf("%-9s  %-*s  %-20s  %-12s  %7s  %8s  %11s  %s\n", "", w, "id", "created (UTC)", "machine", "effects",
-              "rms / um", "held out/um", "session");
+  std::printf("%-9s  %-*s  %-20s  %-12s  %7s  %8s  %11s  %s\n", "", w, "id", "created (UTC)", "machine",
+              "effects", "rms / um", "held out/um", "session");
   for (const auto& e : entries) {
     const char* state = e.active ? "active" : e.candidate ? "candidate" : "";
     if (e.damaged.empty())
-      std::printf("%-9s  %-*s  %-20s  %-12s  %7zu  %8s  %11s  %s\n", state, w, e.id.c_str(), e.created.c_str(),
-                  e.machine.c_str(), e.effects, micrometres(e.rms).c_str(), micrometres(e.heldOutRms).c_str(),
-                  e.session.c_str());
+      std::printf("%-9s  %-*s  %-20s  %-12s  %7zu  %8s  %11s  %s\n", state, w, e.id.c_str(),
+                  e.created.c_str(), e.machine.c_str(), e.effects, micrometres(e.rms).c_str(),
+                  micrometres(e.heldOutRms).c_str(), e.session.c_str());
     else
       std::printf("%-9s  %-*s  DAMAGED: %s\n", state, w, e.id.c_str(), e.damaged.c_str());
   }
@@ -110,7 +112,8 @@ void addHistoryCommand(CLI::App& app, int& /*exitStatus*/) {
 void addPromoteCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<StoreOptions>();
   CLI::App* command = app.add_subcommand("promote", "Makes a calibration the active one");
-  command->add_option("id", options->id, "id from mm history, or a calibration's file (default: the candidate)");
+  command->add_option("id", options->id,
+                      "id from mm history, or a calibration's file (default: the candidate)");
   addStoreOption(command, *options);
   command->callback([options] { promote(*options); });
 }

@@ -1,0 +1,1 @@
+set(compensation_test_dependencies session)
