@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -21,7 +22,8 @@ struct ApplyOptions {
 
 Calibration chosenCalibration(const ApplyOptions& options) {
   if (!options.calibration.empty()) return loadCalibration(options.calibration);
-  const CalibrationStore store(options.store.empty() ? CalibrationStore::defaultFolder() : options.store);
+  const CalibrationStore store(options.store.empty() ? CalibrationStore::defaultFolder()
+                                                     : std::filesystem::path(options.store));
   CalibrationStore::Active active = store.active();
   if (!active.warning.empty()) std::cerr << "mm: warning: " << active.warning << '\n';
   if (!active.calibration)
