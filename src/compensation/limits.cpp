@@ -34,8 +34,9 @@ double middle(double lower, double upper) {
 std::string outside(const std::string& name, double value, double lower, double upper, double toUnit,
                     const char* unit) {
   char text[160];
-  std::snprintf(text, sizeof text, " = %.7g%s is outside the calibrated %.7g to %.7g%s", value * toUnit, unit,
-                lower * toUnit, upper * toUnit, unit);
+  std::snprintf(text, sizeof text,
+                " = %.7g%s is outside %.7g to %.7g%s, the calibrated range with its margin", value * toUnit,
+                unit, lower * toUnit, upper * toUnit, unit);
   return name + text;
 }
 

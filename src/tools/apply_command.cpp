@@ -47,7 +47,7 @@ void runApply(const ApplyOptions& options) {
   } else {
     writeFileAtomically(options.output, text);
     std::printf(
-        "%zu rows, %zu valid; largest correction %.3f um, largest standard deviation %.3f um; written to "
+        "%zu rows, %zu valid; largest correction %.3f um, largest standard deviation %.3g um; written to "
         "%s\n",
         applied.rows, applied.valid, applied.largestMove * 1e6, applied.largestSigma * 1e6,
         options.output.c_str());
