@@ -99,8 +99,8 @@ class TemporaryFile {
 /// Everything of a session, in the order of time, into an open bag.
 class SessionWriter {
  public:
-  SessionWriter(const Session& session, rosbag::Bag& bag)
-      : session_(session), bag_(bag), epoch_(std::llround(session.epoch * 1e9)) {
+  SessionWriter(const Session& session, const std::vector<MotionSample>& motion, rosbag::Bag& bag)
+      : session_(session), motion_(motion), bag_(bag), epoch_(std::llround(session.epoch * 1e9)) {
     if (epoch_ <= 0) epoch_ = 1000000000LL * 1000000000LL;  // a simulated or hand-made session has no date
     for (const Series& s : session.temperatures) series_.push_back({&s, kTemperature + s.name});
     for (const Series& s : session.covariates) series_.push_back({&s, kCovariate + s.name});
@@ -117,11 +117,13 @@ class SessionWriter {
     std::size_t count = 0;
     for (const Observation& o : session_.observations) {
       writeSeries(o.time);
+      writeMotion(o.time);
       writeObservation(o);
       if (progress && ++count % 4096 == 0)
         progress(static_cast<double>(count) / static_cast<double>(session_.observations.size()));
     }
     writeSeries(INFINITY);
+    writeMotion(INFINITY);
   }
 
  private:
@@ -162,6 +164,19 @@ class SessionWriter {
     }
   }
 
+  /// The joints' motion up to `time`.
+  void writeMotion(double time) {
+    for (; nextMotion_ < motion_.size() && motion_[nextMotion_].time <= time; ++nextMotion_) {
+      const MotionSample& sample = motion_[nextMotion_];
+      sensor_msgs::JointState message;
+      message.header.stamp = stamp(sample.time);
+      for (const Joint& joint : session_.machine.joints()) message.name.push_back(joint.name);
+      message.position = sample.position;
+      message.velocity = sample.velocity;
+      put("/joint_states", message.header.stamp, message);
+    }
+  }
+
   void writeObservation(const Observation& o) {
     const ros::Time at = stamp(o.time);
     if (o.kind == ObservationKind::kContact) {
@@ -176,6 +191,8 @@ class SessionWriter {
   }
 
   const Session& session_;
+  const std::vector<MotionSample>& motion_;
+  std::size_t nextMotion_ = 0;
   rosbag::Bag& bag_;
   std::int64_t epoch_;  // ns
   std::vector<Cursor> series_;
@@ -204,14 +221,14 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
 }
 
 void writeSessionBag(const Session& session, const std::filesystem::path& file,
-                     const ProgressCallback& progress) {
+                     const ProgressCallback& progress, const std::vector<MotionSample>& motion) {
   if (session.observations.empty())
     throw InputError(session.source + ": the session is empty; nothing to write");
   TemporaryFile temporary(file);
   auto bag = std::make_unique<rosbag::Bag>();
   try {
     bag->open(temporary.path(), rosbag::bagmode::Write);
-    SessionWriter(session, *bag).write(progress);
+    SessionWriter(session, motion, *bag).write(progress);
     bag->close();
   } catch (const rosbag::BagException& e) {
     // rosbag writes its index again when it is destroyed, fails again, and would end the program: it is given

@@ -1,6 +1,8 @@
 #pragma once
 #include <filesystem>
+#include <vector>
 
+#include "session/motion.h"
 #include "session/progress.h"
 #include "session/session.h"
 
@@ -17,8 +19,10 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
 
 /// Writes a prepared session as a bag that gives the same session back to the bit (times to 1 ns). Written
 /// under a temporary name, then renamed: the final name never holds half a bag.
+/// @param motion ascending in time, goes to /joint_states: it tells the direction of the last motion where a
+/// measurement was made at standstill.
 /// @throw InputError when it cannot be written, e.g. because the disk is full.
 void writeSessionBag(const Session& session, const std::filesystem::path& file,
-                     const ProgressCallback& progress = {});
+                     const ProgressCallback& progress = {}, const std::vector<MotionSample>& motion = {});
 
 }  // namespace mm

@@ -59,8 +59,9 @@ class Recorder {
   }
 
  private:
-  void sample(const std::vector<double>& velocity) {
-    result_.motion.push_back({machine_.time(), machine_.readings(), velocity});
+  void sample(double time, const std::vector<double>& velocity) {
+    if (settings_.noise.missingVelocityShare == 0.0)
+      result_.motion.push_back({time, machine_.readings(), velocity});
   }
 
   void moveTo(const std::vector<double>& target, double speed) {
@@ -71,13 +72,13 @@ class Recorder {
     if (lasted <= 0.0) return;
     std::vector<double> velocity(before.size());
     for (std::size_t j = 0; j < before.size(); ++j) velocity[j] = (target[j] - before[j]) / lasted;
-    sample(velocity);
+    sample(machine_.time(), velocity);
   }
 
   void go(const PlanMove& move) {
     moveTo(move.position, move.speed);
     if (move.wait > 0.0) machine_.wait(move.wait);
-    sample(machine_.velocity());
+    sample(machine_.time(), machine_.velocity());
   }
 
   void touch(const PlanMove& move) {
@@ -90,7 +91,7 @@ class Recorder {
       throw InputError(plan_.source + ":" + std::to_string(move.line) + ": " + e.what());
     }
     keep(trip);
-    if (trip) result_.motion.push_back({trip->time, machine_.readings(), trip->velocity});
+    if (trip) sample(trip->time, trip->velocity);
     moveTo(move.position, 0.0);
   }
 

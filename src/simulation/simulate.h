@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "session/motion.h"
 #include "session/plan.h"
 #include "session/progress.h"
 #include "session/session.h"
@@ -18,12 +19,6 @@ struct SimulationRequest {
   std::uint64_t seed = 1;
 };
 
-/// Readings on the way, for /joint_states.
-struct MotionSample {
-  double time = 0.0;  // s from the session's start
-  std::vector<double> position, velocity;
-};
-
 /// An instrument that is ready to measure, and what is wrong with it.
 struct SimulatedInstrument {
   SimulatedMachine machine;
@@ -33,7 +28,7 @@ struct SimulatedInstrument {
 /// A simulated session and its truth.
 struct Simulation {
   Session session;
-  std::vector<MotionSample> motion;
+  std::vector<MotionSample> motion;  // for /joint_states; empty where velocities are to be missing
   std::vector<HiddenSource> known;   // of the plan: every such instrument has them
   std::vector<HiddenSource> hidden;  // asked for
   std::vector<TrueState> states;     // of each observation, without noise of travel or velocity being missing

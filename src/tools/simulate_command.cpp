@@ -39,7 +39,7 @@ void runSimulate(const SimulateOptions& options) {
                      " moves missed the artifact or the laser's range");
   {
     ProgressBar writing("writing");
-    writeSessionBag(simulation.session, options.output, writing.callback());
+    writeSessionBag(simulation.session, options.output, writing.callback(), simulation.motion);
   }
   if (!options.csv.empty()) writeText(sessionCsv(simulation.session), options.csv);
   if (!options.truth.empty()) writeText(truthYaml(simulation, options.request), options.truth);
