@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <regex>
 
 #include "effects/nearest_name.h"
 #include "machine/error.h"
@@ -39,11 +40,11 @@ void defineConstants(mu::Parser& parser, const std::vector<std::string>& taken) 
 }
 
 std::string inWords(const mu::ParserError& error, const std::string& text) {
-  std::string message = error.GetMsg();
+  std::string message = std::regex_replace(error.GetMsg(), std::regex("( at position \\d+)|\\."), "");
   std::replace(message.begin(), message.end(), '\n', ' ');
-  while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
-  const int position = error.GetPos() < 0 ? static_cast<int>(text.size()) : error.GetPos() + 1;
-  return "syntax: " + message + " (position " + std::to_string(position) + " of '" + text + "')" +
+  const int length = static_cast<int>(text.size());
+  const int position = error.GetPos() < 0 ? length : std::min(error.GetPos(), length);
+  return "syntax: " + message + " (near position " + std::to_string(position) + " of '" + text + "')" +
          (text.find("**") != std::string::npos ? "; powers are written ^" : "");
 }
 
@@ -77,8 +78,8 @@ Expression::Expression(const std::string& text, std::vector<std::string> variabl
     } else if (isUnknown(name)) {
       unknowns_.push_back(name);
     } else {
-      throw InputError("unknown variable '" + name + "'" + didYouMean(name, variables) +
-                       "; known: " + listOf(variables) + ", the constants pi and e, the unknowns k1, k2 …");
+      throw InputError("unknown variable '" + name + "'; known: " + listOf(variables) +
+                       ", the constants pi and e, the unknowns k1, k2 …" + didYouMean(name, variables));
     }
   }
   std::sort(unknowns_.begin(), unknowns_.end(), [](const std::string& a, const std::string& b) {

@@ -5,61 +5,74 @@
 
 namespace mm {
 
-/// Derivative of f at x by central differences of eighth order, with a step chosen by the truncation that the
-/// sixth and fourth orders show against the rounding error; two steps must agree. Near an edge beyond which f
-/// is not finite the step shrinks, at the edge itself the difference is one-sided; NaN only where f is not
-/// finite on either side.
-/// @param typical a typical size of x, for the first step where x is small.
-template <class F>
-double numericDerivative(F&& f, double x, double typical) {
-  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-  // Weights of the difference quotients over +-h … +-4h: fourth, sixth and eighth order.
-  constexpr double kFourth[4] = {4.0 / 3.0, -1.0 / 3.0, 0.0, 0.0};
-  constexpr double kSixth[4] = {3.0 / 2.0, -3.0 / 5.0, 1.0 / 10.0, 0.0};
-  constexpr double kEighth[4] = {8.0 / 5.0, -4.0 / 5.0, 8.0 / 35.0, -1.0 / 35.0};
-  // An odd factor: steps that are simple fractions meet the periods of sines and see nothing.
-  const double first = 0.1173 * std::max(std::abs(x), typical);
-  const double last = 1e-5 * (x != 0.0 ? std::abs(x) : typical);
+/// One central difference of eighth order, with an estimate of its error.
+struct CentralDifference {
+  double value = 0.0;
+  double error = std::numeric_limits<double>::infinity();  // infinite: f is not finite somewhere within 4 h
+  double truncation = 0.0;
 
-  double previous = 0.0, previousError = -1.0;  // negative: none
-  double fallback = std::numeric_limits<double>::quiet_NaN(),
-         disagreement = std::numeric_limits<double>::infinity();
-  for (double h = first; h > last; h *= 0.27) {
-    double fourth = 0.0, sixth = 0.0, eighth = 0.0, largest = 0.0;
-    bool finite = true;
-    for (int i = 0; i < 4 && finite; ++i) {
+  template <class F>
+  CentralDifference(F&& f, double x, double h) {
+    // Weights of the difference quotients over +-h … +-4h: fourth, sixth and eighth order.
+    constexpr double kFourth[4] = {4.0 / 3.0, -1.0 / 3.0, 0.0, 0.0};
+    constexpr double kSixth[4] = {3.0 / 2.0, -3.0 / 5.0, 1.0 / 10.0, 0.0};
+    constexpr double kEighth[4] = {8.0 / 5.0, -4.0 / 5.0, 8.0 / 35.0, -1.0 / 35.0};
+    double fourth = 0.0, sixth = 0.0, largest = 0.0;
+    for (int i = 0; i < 4; ++i) {
       const double right = x + (i + 1) * h, left = x - (i + 1) * h;
       const double above = f(right), below = f(left);
-      finite = std::isfinite(above) && std::isfinite(below);
+      if (!std::isfinite(above) || !std::isfinite(below)) return;
       const double quotient = (above - below) / (right - left);
       fourth += kFourth[i] * quotient;
       sixth += kSixth[i] * quotient;
-      eighth += kEighth[i] * quotient;
+      value += kEighth[i] * quotient;
       largest = std::max({largest, std::abs(above), std::abs(below)});
     }
-    if (!finite) continue;
-    const double coarse = std::abs(sixth - fourth), fine = std::abs(eighth - sixth);
-    const double truncation = coarse > fine ? fine * (fine / coarse) : fine;
-    const double error = truncation + 2.0 * kEpsilon * largest / h;
-    if (previousError >= 0.0) {
-      const double gap = std::abs(eighth - previous);
-      if (gap <= 8.0 * (error + previousError) && std::min(error, previousError) <= 1e-9 * std::abs(eighth))
-        return error < previousError ? eighth : previous;
-      if (gap < disagreement) {
-        disagreement = gap;
-        fallback = error < previousError ? eighth : previous;
-      }
-    }
-    previous = eighth;
-    previousError = error;
+    const double coarse = std::abs(sixth - fourth), fine = std::abs(value - sixth);
+    truncation = coarse > fine ? fine * (fine / coarse) : fine;
+    error = truncation + 2.0 * std::numeric_limits<double>::epsilon() * largest / h;
   }
-  if (std::isfinite(fallback)) return fallback;
+};
+
+/// Derivative of f at x by central differences of eighth order (relative error near 1e-13 for a smooth f).
+/// The first step is small, so that no period of f is mistaken for a slow change; it grows while that lessens
+/// the error and the steps agree. Near an edge beyond which f is not finite the step shrinks, at the edge
+/// itself the difference is one-sided; NaN only where f is finite on neither side.
+/// @param typical a typical size of x, for the first step where x is small.
+template <class F>
+double numericDerivative(F&& f, double x, double typical) {
+  constexpr double kGrowth = 8.0;
+  const double size = x != 0.0 ? std::max(std::abs(x), 1e-3 * typical) : typical;
+  double h = 2e-4 * size;
+  CentralDifference best(f, x, h);
+  for (int smaller = 0;
+       smaller < 8 && !(best.truncation <= 1e-3 * std::abs(best.value) && std::isfinite(best.error));
+       ++smaller) {
+    h /= kGrowth;
+    const CentralDifference next(f, x, h);
+    if (next.error < best.error) best = next;
+  }
+  if (std::isfinite(best.error)) {
+    const auto improve = [&](double factor) {
+      bool improved = false;
+      for (double step = h * factor; step < 8.0 * size && step > 1e-9 * size; step *= factor) {
+        const CentralDifference next(f, x, step);
+        if (!(next.error < best.error) || std::abs(next.value - best.value) > 8.0 * (next.error + best.error))
+          break;
+        best = next;
+        improved = true;
+      }
+      return improved;
+    };
+    if (!improve(kGrowth)) improve(1.0 / kGrowth);
+    return best.value;
+  }
   const double centre = f(x);
   for (const double side : {1.0, -1.0}) {
-    const double h = side * 1e-4 * (x != 0.0 ? std::abs(x) : typical);
+    const double s = side * 1e-4 * size;
     const double slope =
-        (-25.0 * centre + 48.0 * f(x + h) - 36.0 * f(x + 2 * h) + 16.0 * f(x + 3 * h) - 3.0 * f(x + 4 * h)) /
-        (12.0 * h);
+        (-25.0 * centre + 48.0 * f(x + s) - 36.0 * f(x + 2 * s) + 16.0 * f(x + 3 * s) - 3.0 * f(x + 4 * s)) /
+        (12.0 * s);
     if (std::isfinite(slope)) return slope;
   }
   return std::numeric_limits<double>::quiet_NaN();

@@ -98,8 +98,8 @@ EffectPtr createEffect(const EffectSpec& spec, const Domain& domain) {
     if (type.type == spec.type) return type.create(spec, domain);
     names.push_back(type.type);
   }
-  throw InputError("effect " + spec.yaml() + ": unknown type '" + spec.type + "'" +
-                   didYouMean(spec.type, names) + "; known: " + listOf(names));
+  throw InputError("effect " + spec.yaml() + ": unknown type '" + spec.type + "'; known: " + listOf(names) +
+                   didYouMean(spec.type, names));
 }
 
 }  // namespace mm

@@ -34,7 +34,7 @@ SpecReader::SpecReader(const EffectSpec& spec, const Domain& domain, std::vector
   for (auto entry = spec.keys.begin(); entry != spec.keys.end(); ++entry) {
     const std::string& key = entry->first;
     if (std::find(allowed_.begin(), allowed_.end(), key) == allowed_.end())
-      fail("unknown key '" + key + "'" + didYouMean(key, allowed_) + "; allowed: " + listOf(allowed_));
+      fail("unknown key '" + key + "'; allowed: " + listOf(allowed_) + didYouMean(key, allowed_));
     if (std::any_of(spec.keys.begin(), entry, [&](const auto& other) { return other.first == key; }))
       fail("key '" + key + "' is given twice; keep one");
   }
@@ -72,7 +72,7 @@ int SpecReader::find(const std::string& key, const std::string& what, const std:
   const std::string& name = scalar(key);
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end())
-    fail(key + " '" + name + "' is no " + what + didYouMean(name, known) + "; there are: " + listOf(known));
+    fail(key + " '" + name + "' is no " + what + "; there are: " + listOf(known) + didYouMean(name, known));
   read_.set(key, name);
   return static_cast<int>(found - known.begin());
 }
@@ -109,8 +109,8 @@ Direction SpecReader::direction(const std::string& key, bool approachAllowed) {
     for (const std::string& axis : axes)
       if (domain_.findJoint(axis) < 0) known.push_back(axis);
     if (approachAllowed) known.emplace_back("approach");
-    fail(key + " '" + name + "' is no joint and no axis of the workpiece" + didYouMean(name, known) +
-         "; there are: " + listOf(known));
+    fail(key + " '" + name + "' is no joint and no axis of the workpiece; there are: " + listOf(known) +
+         didYouMean(name, known));
   }
   read_.set(key, name);
   return {Direction::Kind::kWorkpiece, static_cast<int>(found - axes.begin()), name, JointKind::kLinear};
@@ -139,8 +139,8 @@ std::pair<int, int> SpecReader::sensorPair(const std::string& key) {
   for (int i = 0; i < 2; ++i) {
     index[i] = domain_.findSensor(value->items[i]);
     if (index[i] < 0)
-      fail(key + ": '" + value->items[i] + "' is no temperature sensor of the session" +
-           didYouMean(value->items[i], domain_.sensors) + "; there are: " + listOf(domain_.sensors));
+      fail(key + ": '" + value->items[i] + "' is no temperature sensor of the session; there are: " +
+           listOf(domain_.sensors) + didYouMean(value->items[i], domain_.sensors));
   }
   read_.setList(key, value->items);
   return {index[0], index[1]};

@@ -1,8 +1,17 @@
 #include "machine/nearest_name.h"
 
 #include <algorithm>
+#include <cctype>
 
 namespace mm {
+namespace {
+
+std::string lowerCase(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+}  // namespace
 
 int editDistance(const std::string& a, const std::string& b) {
   const int n = static_cast<int>(a.size()), m = static_cast<int>(b.size());
@@ -25,8 +34,9 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
   std::string nearest;
   int best = std::max<int>(2, static_cast<int>(name.size()) / 3) + 1;
   for (const std::string& candidate : known) {
-    const int distance = editDistance(name, candidate);
-    if (distance < best) {
+    const int distance = editDistance(lowerCase(name), lowerCase(candidate));
+    // as many changes as there are letters: nothing in common
+    if (distance < best && (distance == 0 || distance < static_cast<int>(name.size()))) {
       best = distance;
       nearest = candidate;
     }
