@@ -26,13 +26,14 @@ double SimulatedMachine::clearance(const Segment& segment, double part, int feat
     at[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
   const Condition now = condition(at, time_ + part * segment.duration);
   const ProbePose tip = chain_.pose(now.slide, physics_.distortion(now));
-  const Eigen::Vector3d centre = physics_.artifact.centre(feature, now.bodies[physics_.artifactBody]);
+  const double artifactTemperature = now.bodies[physics_.artifactBody];
+  const Eigen::Vector3d centre = physics_.artifact.centre(feature, artifactTemperature);
   const Eigen::Vector3d from = tip.position - centre;
   const double distance = from.norm();
   const Eigen::Vector3d outward = from / distance;
   if (normal != nullptr) *normal = outward;
   const double preTravel = physics_.probe.preTravel(-(tip.orientation.transpose() * outward));
-  return distance - (physics_.artifact.radius(feature, outward) + artifact_.tipRadius +
+  return distance - (physics_.artifact.radius(feature, outward, artifactTemperature) + artifact_.tipRadius +
                      physics_.probe.radiusError - preTravel);
 }
 
@@ -145,14 +146,15 @@ std::optional<Trip> SimulatedMachine::readLaser(int feature) {
   const ProbePose head = chain_.pose(now.slide, distortion);
   const Eigen::Vector3d beam =
       head.orientation * (Eigen::Vector3d::UnitZ() + distortion.beamTilt).normalized();
-  const Eigen::Vector3d centre = physics_.artifact.centre(feature, now.bodies[physics_.artifactBody]);
+  const double artifactTemperature = now.bodies[physics_.artifactBody];
+  const Eigen::Vector3d centre = physics_.artifact.centre(feature, artifactTemperature);
   double distance = 0.0;
   Eigen::Vector3d normal = -beam;
   if (artifact_.features[feature].kind == FeatureKind::kPoint) {
     distance = (centre - head.position).dot(beam);  // a target that returns the beam wherever it is hit
   } else {
     for (int i = 0; i < 3; ++i) {  // the form error turns the radius into a function of the place that is hit
-      const double radius = physics_.artifact.radius(feature, normal);
+      const double radius = physics_.artifact.radius(feature, normal, artifactTemperature);
       const Eigen::Vector3d to = centre - head.position;
       const double along = to.dot(beam), square = radius * radius - (to - along * beam).squaredNorm();
       if (square <= 0.0) return std::nullopt;  // the beam misses the ball

@@ -20,9 +20,10 @@ class SeatedProbe {
   double triggerDelay = 0.0;  // s from the contact to the latch
 
  private:
-  double resistance(double azimuth) const;
+  static constexpr int kHarmonics = 4;
   int seats_ = 0;
-  double size_ = 0.0, phase_ = 0.0, mean_ = 0.0;
+  double phase_ = 0.0;
+  double lobes_[kHarmonics] = {};  // m, of cos(m * seats * azimuth), m from 1
 };
 
 /// A one-dimensional laser probe: what it reads for a true distance.

@@ -50,9 +50,10 @@ Eigen::Vector3d TrueArtifact::centre(int feature, double artifactTemperature) co
   return origin + orientation * ((positions_[feature] + shift[feature]) * stretch);
 }
 
-double TrueArtifact::radius(int feature, const Eigen::Vector3d& normal) const {
+double TrueArtifact::radius(int feature, const Eigen::Vector3d& normal, double artifactTemperature) const {
   const Form& form = forms_[feature];
-  return radii_[feature] + radiusError[feature] +
+  const double stretch = 1.0 + expansion * (artifactTemperature - kReferenceTemperature);
+  return (radii_[feature] + radiusError[feature]) * stretch +
          form.amplitude * std::sin(form.wave.dot(normal) + form.phase);
 }
 

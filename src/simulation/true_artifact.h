@@ -24,8 +24,8 @@ class TrueArtifact {
 
   Eigen::Vector3d centre(int feature,
                          double artifactTemperature) const;  ///< in workpiece, at a temperature (degC)
-  /// Radius (m) seen along the outward normal `normal` (unit vector, workpiece).
-  double radius(int feature, const Eigen::Vector3d& normal) const;
+  /// Radius (m) at a temperature (degC) seen along the outward normal `normal` (unit vector, workpiece).
+  double radius(int feature, const Eigen::Vector3d& normal, double artifactTemperature) const;
 
   std::vector<Eigen::Vector3d> shift;  // m, a feature: error of its stated position, artifact frame
   std::vector<double> radiusError;     // m, a feature: true less stated

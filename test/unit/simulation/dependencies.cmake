@@ -1,1 +1,1 @@
-set(simulation_test_dependencies Eigen3::Eigen ros_bridge catkin)
+set(simulation_test_dependencies Eigen3::Eigen ros_bridge catkin estimation model effects)

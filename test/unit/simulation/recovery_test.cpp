@@ -1,0 +1,72 @@
+// What the simulation hides by its own physics, the estimator finds by its effects: both mean the same by a
+// name, a sign and a unit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimation/calibrate.h"
+#include "machine/units.h"
+#include "model/model_spec.h"
+#include "model/observed_domain.h"
+#include "simulation/simulate.h"
+
+namespace mm {
+namespace {
+
+struct Recovery {
+  std::string hide, effect;
+  double expected;  // SI, of the first parameter
+};
+
+void expectRecovered(const Recovery& r, const char* machineName, const char* planName) {
+  const Machine machine = Machine::load(machineName);
+  const Plan plan = Plan::load(std::string("config/plans/") + planName + ".yaml", machine);
+  SimulationRequest request;
+  request.hide = {r.hide};
+  request.seed = 3;
+  const Simulation simulation = simulate(machine, plan, request);
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  options.rejectOutliers = false;
+  const Model model(machine, observedDomain(simulation.session), {parseEffectSpec(r.effect, "effect")});
+  const CalibrationResult found = calibrate(simulation.session, model, options);
+  EXPECT_NEAR(found.x(0), r.expected, 4.0 * found.std(0) + 0.03 * std::abs(r.expected)) << r.hide;
+  EXPECT_LT(found.figures.rms, 0.45e-6) << r.hide;
+  EXPECT_GT(found.before.rms, 1.5 * found.figures.rms) << r.hide;
+}
+
+TEST(Recovery, TouchProbeOnThePlate) {
+  const double perMetreK = 1e-6;
+  const std::vector<Recovery> cases = {
+      {"backlash:x=3um", "{type: backlash, axis: x}", 3e-6},
+      {"scale:z=200ppm", "{type: scale, axis: z}", 200e-6},
+      {"cross_talk:x/y=30arcsec", "{type: cross_talk, axis: x, of: y}", 30.0 * kArcsecond},
+      {"speed_lag=1ms", "{type: speed_lag}", 1e-3},
+      {"thermal_expansion:x/motor=40ppm/K", "{type: thermal_expansion, axis: x, sensor: motor}",
+       40.0 * perMetreK},
+      {"thermal_growth:z/frame=2um/K", "{type: thermal_growth, direction: z, sensor: frame}", 2e-6},
+      {"thermal_growth:z/bed=2um/K,lag=10min", "{type: thermal_growth, direction: z, sensor: bed, lag: true}",
+       2e-6},
+      {"thermal_bending:x/y/bed/frame=15arcsec/K",
+       "{type: thermal_bending, axis: x, about: y, sensors: [bed, frame]}", 15.0 * kArcsecond},
+      {"time_drift:x=8um/h", "{type: time_drift, direction: x}", 8e-6 / 3600.0},
+      {"probe_radius=3um", "{type: probe_radius}", 3e-6},
+      {"ball_radius:b3=3um", "{type: ball_radius, ball: b3}", 3e-6},
+      {"artifact_expansion=40ppm/K", "{type: artifact_expansion, sensor: bed}", 40.0 * perMetreK},
+      {"covariate_offset:x/humidity=0.5um", "{type: covariate_offset, direction: x, covariate: humidity}",
+       0.5e-6},
+      {"covariate_scale:y/humidity=40ppm", "{type: covariate_scale, axis: y, covariate: humidity}", 40e-6}};
+  for (const Recovery& r : cases) expectRecovered(r, "three_axis", "nine_ball_plate");
+}
+
+TEST(Recovery, LaserOnTheFiveAxisMachine) {
+  const std::vector<Recovery> cases = {
+      {"laser_scale=0.3%", "{type: laser_scale}", 3e-3},
+      {"rotary_zero:a=30arcsec", "{type: rotary_zero, joint: a}", 30.0 * kArcsecond},
+      {"rotary_axis_offset:a/y=20um", "{type: rotary_axis_offset, joint: a, direction: y}", 20e-6},
+      {"rotary_axis_tilt:b/x=40arcsec", "{type: rotary_axis_tilt, joint: b, about: x}", 40.0 * kArcsecond}};
+  for (const Recovery& r : cases) expectRecovered(r, "five_axis", "five_axis_ball");
+}
+
+}  // namespace
+}  // namespace mm
