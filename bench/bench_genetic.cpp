@@ -54,13 +54,18 @@ struct Columns {
   void recentre(const double* genes) {
     std::array<double, MmtContacts::kConstants> constants;
     mm_test::scatterGenes(genes, constants.data());
+    std::array<std::vector<double>, 3> corrected = reading;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t k = 0; k < 7; ++k)
+        for (std::size_t i = 0; i < corrected[axis].size(); ++i)
+          corrected[axis][i] += constants[7 * axis + k] * factor[axis][k][i];
     for (std::size_t b = 0; b < kBalls; ++b) {
-      for (int iteration = 0; iteration < 3; ++iteration) {
+      for (int iteration = 0; iteration < 2; ++iteration) {
         Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
         Eigen::Vector3d g = Eigen::Vector3d::Zero();
         for (std::size_t i = b * kN; i < (b + 1) * kN; ++i) {
-          const Eigen::Vector3d& q = data().readings[i];
-          const Eigen::Vector3d p = q + data().deviation(q, constants.data()) - centre[b];
+          const Eigen::Vector3d p =
+              Eigen::Vector3d(corrected[0][i], corrected[1][i], corrected[2][i]) - centre[b];
           const Eigen::Vector3d n = p.normalized();
           h += n * n.transpose();
           g += (p.norm() - MmtContacts::kDistance) * n;
