@@ -16,5 +16,6 @@ void addApplyCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);
 void addPromoteCommand(CLI::App& app, int& exitStatus);
 void addRollbackCommand(CLI::App& app, int& exitStatus);
+void addBenchmarkCommand(CLI::App& app, int& exitStatus);
 
 }  // namespace mm

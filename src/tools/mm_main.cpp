@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);
+  mm::addBenchmarkCommand(app, exitStatus);
   try {
     app.parse(argc, argv);
     std::cout.flush();

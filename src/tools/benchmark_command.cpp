@@ -1,0 +1,116 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "machine/error.h"
+#include "tools/benchmark_trial.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace mm {
+namespace {
+
+/// Wilson's 95 % interval of a share, in percent.
+std::string wilson(int right, int count) {
+  if (count == 0) return "-";
+  const double z = 1.959964, n = count, p = right / n;
+  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  char text[80];
+  std::snprintf(text, sizeof text, "%5.1f %% (%.1f-%.1f %%) %d/%d", 100 * p, 100 * (centre - half), 100 * (centre + half), right, count);
+  return text;
+}
+
+struct Options {
+  std::string machine = "three_axis", plan;
+  int trials = 50, effects = 1;
+  double size = 1.0;
+  std::uint64_t seed = 1;
+  bool verbose = false;
+  std::vector<std::string> only;
+};
+
+void run(const Options& o) {
+  const Machine machine = Machine::load(o.machine);
+  TrialOptions trial;
+  std::ifstream in(o.plan);
+  if (!in) throw InputError(o.plan + ": cannot be read; give a plan with --plan (see config/plans)");
+  std::ostringstream text;
+  text << in.rdbuf();
+  trial.planYaml = text.str();
+  trial.planSource = o.plan;
+  trial.effects = o.effects;
+  trial.size = o.size;
+  trial.only = o.only;
+  int all = 0, exactly = 0, first = 0, clean = 0, byHand = 0, atNoise = 0, confused = 0, missed = 0, falseClaims = 0;
+  double seconds = 0.0;
+  std::map<std::string, std::pair<int, int>> byType;
+  ProgressBar bar("benchmark");
+  for (int t = 0; t < o.trials; ++t) {
+    bar.show(static_cast<double>(t) / o.trials);
+    const Trial r = runTrial(machine, trial, o.seed + static_cast<std::uint64_t>(t));
+    ++all;
+    const int hidden = static_cast<int>(r.hidden.size());
+    const bool exact = r.right == hidden && r.falseClaims == 0 && r.verdict != Verdict::kUnknownEffect;
+    exactly += exact;
+    first += r.firstRight;
+    clean += r.falseClaims == 0 && (hidden > 0 || r.verdict == Verdict::kExplained);
+    byHand += hidden > 0 && r.rightByCorrelation == hidden;
+    atNoise += r.heldOutEnd < 1.05;
+    confused += r.right - r.exact;
+    missed += hidden - r.right;
+    falseClaims += r.falseClaims;
+    seconds = std::max(seconds, r.seconds);
+    for (const EffectSpec& h : r.hidden) {
+      ++byType[h.type].second;
+      byType[h.type].first += exact;
+    }
+    if (o.verbose || (!exact && hidden > 0) || (hidden == 0 && r.verdict != Verdict::kExplained)) {
+      std::printf("seed %llu: hidden", static_cast<unsigned long long>(r.seed));
+      for (const std::string& h : r.hiddenText) std::printf(" %s", h.c_str());
+      std::printf(" | %s:", nameOf(r.verdict).c_str());
+      for (const std::string& f : r.found) std::printf(" %s", f.c_str());
+      std::printf(" | held-out %.3f noise, %.2f s\n", r.heldOutEnd, r.seconds);
+      std::fflush(stdout);
+    }
+  }
+  if (o.effects > 0) {
+    std::printf("first named is one that was hidden   %s\n", wilson(first, all).c_str());
+    std::printf("exactly the hidden ones              %s\n", wilson(exactly, all).c_str());
+    std::printf("same by ranking correlations         %s\n", wilson(byHand, all).c_str());
+    std::printf("no false claim                       %s\n", wilson(clean, all).c_str());
+    std::printf("named as confusable %d, missed %d, falsely claimed %d (of %d hidden)\n", confused, missed, falseClaims, all * o.effects);
+  } else {
+    std::printf("nothing claimed                      %s\n", wilson(clean, all).c_str());
+  }
+  std::printf("held-out RMS within 5 %% of the noise %s\n", wilson(atNoise, all).c_str());
+  std::printf("longest diagnosis %.2f s\n", seconds);
+  if (o.effects > 0) {
+    std::printf("by effect:\n");
+    for (const auto& [type, share] : byType) std::printf("  %-26s %s\n", type.c_str(), wilson(share.first, share.second).c_str());
+  }
+}
+
+}  // namespace
+
+void addBenchmarkCommand(CLI::App& app, int&) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("benchmark", "hides effects at random in simulated sessions and counts what the diagnosis finds");
+  c->add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")->capture_default_str();
+  c->add_option("--plan", o->plan, "measurement plan (YAML)")->required();
+  c->add_option("--trials", o->trials, "simulated sessions")->capture_default_str()->check(CLI::PositiveNumber);
+  c->add_option("--effects", o->effects, "effects hidden in each; 0: none")->capture_default_str()->check(CLI::NonNegativeNumber);
+  c->add_option("--size", o->size, "RMS of what refit leaves of each, over the noise")->capture_default_str();
+  c->add_option("--only", o->only, "kinds to draw from (see mm simulate --help)");
+  c->add_option("--seed", o->seed, "first seed")->capture_default_str();
+  c->add_flag("--verbose", o->verbose, "a line for each session, not only for those that went wrong");
+  c->footer("Example: mm benchmark --plan config/plans/nine_ball_plate.yaml --trials 100 --effects 2 --size 1");
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace mm
