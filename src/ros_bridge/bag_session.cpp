@@ -1,16 +1,14 @@
 #include "ros_bridge/bag_session.h"
 
-#include <fcntl.h>
 #include <ros/serialization.h>
-#include <rosbag/bag.h>
 #include <std_msgs/String.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <set>
 
 #include "machine/error.h"
 #include "ros_bridge/bag_reader.h"
+#include "ros_bridge/bag_writer.h"
 #include "ros_bridge/session_collector.h"
 
 namespace mm {
@@ -81,10 +79,6 @@ class TemporaryFile {
   std::string path() const { return path_.string(); }
 
   void putInPlace() {
-    const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool safe = descriptor >= 0 && ::fsync(descriptor) == 0;
-    if (descriptor >= 0) ::close(descriptor);
-    if (!safe) throw InputError(target_.string() + ": cannot be written to the disk; is it full?");
     std::error_code error;
     std::filesystem::rename(path_, target_, error);
     if (error) throw InputError(target_.string() + ": cannot be put in place: " + error.message());
@@ -99,7 +93,7 @@ class TemporaryFile {
 /// Everything of a session, in the order of time, into an open bag.
 class SessionWriter {
  public:
-  SessionWriter(const Session& session, const std::vector<MotionSample>& motion, rosbag::Bag& bag)
+  SessionWriter(const Session& session, const std::vector<MotionSample>& motion, BagWriter& bag)
       : session_(session), motion_(motion), bag_(bag), epoch_(std::llround(session.epoch * 1e9)) {
     if (epoch_ <= 0) epoch_ = 1000000000LL * 1000000000LL;  // a simulated or hand-made session has no date
     for (const Series& s : session.temperatures) series_.push_back({&s, kTemperature + s.name});
@@ -110,10 +104,10 @@ class SessionWriter {
     const ros::Time start = rosTime(epoch_);
     std_msgs::String urdf;
     urdf.data = session_.machine.urdf();
-    put("/robot_description", start, urdf);
+    bag_.write("/robot_description", start, urdf, true);
     auto artifact = toMessage(session_.artifact);
     artifact.header.stamp = start;
-    put("/artifact", start, artifact);
+    bag_.write("/artifact", start, artifact, true);
     std::size_t count = 0;
     for (const Observation& o : session_.observations) {
       writeSeries(o.time);
@@ -135,11 +129,6 @@ class SessionWriter {
 
   ros::Time stamp(double time) const { return rosTime(epoch_ + std::llround(time * 1e9)); }
 
-  template <typename Message>
-  void put(const std::string& topic, const ros::Time& time, const Message& message) {
-    bag_.write(topic, time, message);
-  }
-
   /// What was logged up to `time`.
   void writeSeries(double time) {
     for (Cursor& c : series_) {
@@ -151,14 +140,14 @@ class SessionWriter {
           message.header.stamp = at;
           message.header.frame_id = c.series->name;
           message.temperature = value;
-          put(c.topic, at, message);
+          bag_.write(c.topic, at, message);
         } else {
           measuring_machine::Covariate message;
           message.header.stamp = at;
           message.name = c.series->name;
           message.unit = c.series->unit;
           message.value = value;
-          put(c.topic, at, message);
+          bag_.write(c.topic, at, message);
         }
       }
     }
@@ -173,7 +162,7 @@ class SessionWriter {
       for (const Joint& joint : session_.machine.joints()) message.name.push_back(joint.name);
       message.position = sample.position;
       message.velocity = sample.velocity;
-      put("/joint_states", message.header.stamp, message);
+      bag_.write("/joint_states", message.header.stamp, message);
     }
   }
 
@@ -182,18 +171,18 @@ class SessionWriter {
     if (o.kind == ObservationKind::kContact) {
       auto message = toContactMessage(o, session_.machine, session_.artifact);
       message.header.stamp = at;
-      put("/probe/contact", at, message);
+      bag_.write("/probe/contact", at, message);
     } else {
       auto message = toReferenceMessage(o, session_.machine, o.setup < 0 ? "" : session_.setups[o.setup]);
       message.header.stamp = at;
-      put("/reference", at, message);
+      bag_.write("/reference", at, message);
     }
   }
 
   const Session& session_;
   const std::vector<MotionSample>& motion_;
   std::size_t nextMotion_ = 0;
-  rosbag::Bag& bag_;
+  BagWriter& bag_;
   std::int64_t epoch_;  // ns
   std::vector<Cursor> series_;
 };
@@ -225,18 +214,9 @@ void writeSessionBag(const Session& session, const std::filesystem::path& file,
   if (session.observations.empty())
     throw InputError(session.source + ": the session is empty; nothing to write");
   TemporaryFile temporary(file);
-  auto bag = std::make_unique<rosbag::Bag>();
-  try {
-    bag->open(temporary.path(), rosbag::bagmode::Write);
-    SessionWriter(session, motion, *bag).write(progress);
-    bag->close();
-  } catch (const rosbag::BagException& e) {
-    // rosbag writes its index again when it is destroyed, fails again, and would end the program: it is given
-    // up instead, with its file descriptor; the temporary file is gone all the same.
-    bag.release();
-    throw InputError(file.string() + ": cannot be written (" + e.what() +
-                     "); does the folder exist, is the disk full?");
-  }
+  BagWriter bag(temporary.path(), file.string());
+  SessionWriter(session, motion, bag).write(progress);
+  bag.close();
   temporary.putInPlace();
   if (progress) progress(1.0);
 }

@@ -81,9 +81,13 @@ void checkSeries(const Session& session, const Series& series) {
                        " is not a number");
 }
 
-/// One order whatever the session was read from: series by name, setups as they first occur.
+/// One order whatever the session was read from: observations by time (at equal times contacts come first:
+/// which of two topics speaks first is chance), series by name, setups as they first occur.
 void order(Session& session) {
-  const auto earlier = [](const Observation& a, const Observation& b) { return a.time < b.time; };
+  const auto earlier = [](const Observation& a, const Observation& b) {
+    if (a.time != b.time) return a.time < b.time;
+    return a.kind == ObservationKind::kContact && b.kind != ObservationKind::kContact;
+  };
   auto& all = session.observations;
   if (!std::is_sorted(all.begin(), all.end(), earlier)) std::stable_sort(all.begin(), all.end(), earlier);
   for (auto* series : {&session.temperatures, &session.covariates}) {

@@ -83,8 +83,9 @@ struct Session {
 
   explicit Session(Machine m) : machine(std::move(m)) {}
 
-  /// Sorts by time (stable), derives the direction of travel (at standstill that of the last motion), checks
-  /// every value. Called by each reader. @throw InputError naming source, row and field of a bad value.
+  /// Sorts by time (stable; at equal times contacts first), derives the direction of travel (at standstill
+  /// that of the last motion), checks every value. Called by each reader. @throw InputError naming source,
+  /// row and field of a bad value.
   void prepare();
   bool hasLaser() const;
 };

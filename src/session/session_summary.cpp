@@ -64,7 +64,8 @@ std::string featuresLine(const Session& session) {
   if (unused > 0) text += "; " + std::to_string(unused) + " never touched";
   const auto [least, most] = std::minmax_element(touched.begin(), touched.end());
   if (!touched.empty())
-    text += "; " + std::to_string(*least) + " … " + std::to_string(*most) + " contacts each";
+    text +=
+        "; " + (*least == *most ? "" : std::to_string(*least) + " … ") + counted(*most, "contact") + " each";
   return text + "\n";
 }
 
@@ -97,8 +98,13 @@ std::string summarize(const Session& session) {
       directed = directed || o.travel[j] != 0.0;
     }
     const bool linear = joint.kind == JointKind::kLinear;
-    text += column(joint.name) + range.text(1.0 / (linear ? kMillimetre : kDegree)) +
-            (linear ? " mm" : " deg") + (directed ? "" : ", direction of travel not known") + "\n";
+    const double factor = 1.0 / (linear ? kMillimetre : kDegree);
+    const std::string unit = linear ? " mm" : " deg";
+    if (range.lower == range.upper)
+      text += column(joint.name) + "stays at " + number(range.lower * factor) + unit + "\n";
+    else
+      text += column(joint.name) + range.text(factor) + unit +
+              (directed ? "" : ", direction of travel not known") + "\n";
   }
   text += seriesLines(session.temperatures) + seriesLines(session.covariates);
   if (!session.warning.empty()) text += "warning: " + session.warning + "\n";

@@ -1,8 +1,14 @@
+#include <ros/console.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "machine/error.h"
+#include "machine/nearest_name.h"
 #include "tools/commands.h"
 #include "tools/one_line.h"
 
@@ -17,11 +23,26 @@ int fail(int status, const std::string& message) {
   return status;
 }
 
+/// What CLI11 found wrong with the command line; a word that is no subcommand is named.
+std::string usageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
+  const std::string word = argc > 1 ? argv[1] : "-";
+  if (word.rfind('-', 0) != 0 && std::find(commands.begin(), commands.end(), word) == commands.end())
+    return "'" + word + "' is not a command of mm" + mm::didYouMean(word, commands) +
+           " (mm --help lists them)";
+  const bool known = word.rfind('-', 0) != 0;
+  return std::string(error.what()) + "; see mm " + (known ? word + " " : "") + "--help";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ,
               SIG_IGN);  // a file-size limit then fails the write, which is reported, instead of killing
+  // What the URDF's parser has to say is in the exception; standard error keeps its one line.
+  if (ros::console::set_logger_level(ROSCONSOLE_ROOT_LOGGER_NAME, ros::console::levels::Fatal))
+    ros::console::notifyLoggerLevelsChanged();
   CLI::App app{"Calibrates a measuring machine and finds the physical effect that its model misses.", "mm"};
   app.set_version_flag("--version", "mm " MM_VERSION);
   app.require_subcommand(1);
@@ -44,7 +65,7 @@ int main(int argc, char** argv) {
     return exitStatus;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    return fail(kBadInput, std::string(e.what()) + "; see mm --help");
+    return fail(kBadInput, usageError(app, e, argc, argv));
   } catch (const mm::InputError& e) {
     return fail(kBadInput, e.what());
   } catch (const mm::Error& e) {  // NumericalError, Cancelled

@@ -1,7 +1,20 @@
 #include "ros_bridge/bag_session.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/String.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 
+#include <cmath>
+#include <csignal>
+#include <random>
+
+#include "machine/error.h"
+#include "ros_bridge/message_conversion.h"
 #include "session/artifact_file.h"
 #include "session/contacts_csv.h"
 #include "session/session_hash.h"
@@ -11,6 +24,8 @@ namespace mm {
 namespace {
 
 using test::Folder;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 const char* const kPlate = R"(name: plate
 pose: free
@@ -20,33 +35,332 @@ temperature_sensor: bed
 balls:
   - {name: b0, centre_mm: [-16.0, -11.0, -5.1], radius_mm: 3.9685, radius_std_um: 0.1, centre_std_um: 0.2}
   - {name: b1, centre_mm: [16.0, 11.0, 5.1], radius_mm: 3.9685, centre: free}
+points:
+  - {name: target, position_mm: [1, 2, 3], position: free}
 )";
 
-/// Rows out of order, equal times, empty cells, a row that only logs: whatever a CSV can hold.
+/// Rows out of order, equal times, empty cells, a row that only logs, every kind: whatever a CSV can hold.
 const char* const kContacts =
-    "time_s,feature,x_mm,z_mm,y_mm,x_velocity_mm_s,bed_degC,humidity_percent\n"
-    "12.000000001,b1,0.1,0.30000000000000004,1e-7,-1,20.1,\n"
-    "12.000000001,b0,0.2,-3.3333333333333335,2,0,20.2,41\n"
-    "3.7,b0,1.1,2,-19.999999999999996,1.5,,40.5\n"
-    "-5,,,,,,19.7,\n"
-    "40,b1,0.7,0,0,,20.9,39\n";
+    "time_s,feature,x_mm,z_mm,y_mm,x_velocity_mm_s,bed_degC,humidity_percent,deviation_x_um,deviation_x_std_"
+    "um,"
+    "reference_y_mm,setup,reading_mm\n"
+    "12.000000001,b1,0.1,0.30000000000000004,1e-7,-1,20.1,,,,,,\n"
+    "12.000000001,,0.1,0,0,0,20.15,,1.7,0.3,,one,\n"
+    "12.000000001,b0,0.2,-3.3333333333333335,2,0,20.2,41,,,,,\n"
+    "3.7,b0,1.1,2,-19.999999999999996,1.5,,40.5,,,,,7.1\n"
+    "2.2,,1.1,2,1,1.5,,,2.1,,,two,\n"
+    "-5,,,,,,19.7,,,,,,\n"
+    "8,,1.1,2,1,,,,,,4.25,,\n"
+    "40,b1,0.7,0,0,,20.9,39,,,,,\n";
 
-TEST(BagSession, GivesTheSameSessionAsItsCsvToTheBit) {
-  const Folder folder;
-  const Artifact plate = parseArtifact(kPlate, "plate.yaml");
-  const Session csv = readContactsCsv(folder.write("c.csv", kContacts), Machine::load("three_axis"), &plate);
-  writeSessionBag(csv, folder.path("s.bag"));
-  const Session bag = readSessionBag(folder.path("s.bag"));
+class BagSession : public ::testing::Test {
+ protected:
+  Session sample() const {
+    const Artifact plate = parseArtifact(kPlate, "plate.yaml");
+    return readContactsCsv(folder_.write("c.csv", kContacts), Machine::load("three_axis"), &plate);
+  }
+  /// A session that fills several chunks.
+  Session large(int rows) const {
+    std::string csv = "time_s,x_mm,feature,bed_degC\n";
+    for (int i = 0; i < rows; ++i)
+      csv += std::to_string(i) + "," + std::to_string(1e-3 * i) + ",b" + std::to_string(i % 2) + ",20\n";
+    const Artifact plate = parseArtifact(kPlate, "plate.yaml");
+    return readContactsCsv(folder_.write("l.csv", csv), Machine::load("three_axis"), &plate);
+  }
+  /// What rosbag itself makes of the messages of `bag`.
+  void rewrite(const std::string& bag, const std::string& to, rosbag::CompressionType compression) const {
+    rosbag::Bag in(folder_.path(bag).string()), out;
+    out.open(folder_.path(to).string(), rosbag::bagmode::Write);
+    out.setCompression(compression);
+    for (const rosbag::MessageInstance& m : rosbag::View(in))
+      out.write(m.getTopic(), m.getTime(), m, m.getConnectionHeader());
+  }
+  std::string errorOf(const std::filesystem::path& file) const {
+    return test::messageOf<InputError>([&] { readSessionBag(file); });
+  }
+  Folder folder_;
+};
 
-  ASSERT_EQ(bag.observations.size(), 4u);
+TEST_F(BagSession, GivesTheSameSessionAsItsCsvToTheBit) {
+  const Session csv = sample();
+  writeSessionBag(csv, folder_.path("s.bag"));
+  const Session bag = readSessionBag(folder_.path("s.bag"));
+
+  ASSERT_EQ(bag.observations.size(), 7u);
   EXPECT_EQ(sessionHash(bag), sessionHash(csv));
-  EXPECT_EQ(bag.observations[0].time, 8.7);
-  EXPECT_EQ(bag.observations[1].position[2], 0.30000000000000004 * 1e-3);
+  EXPECT_EQ(bag.observations[1].time, 8.7);
+  EXPECT_EQ(bag.observations[3].position[2], 0.30000000000000004 * 1e-3);
+  EXPECT_EQ(bag.observations[3].time, 17.000000001);
+  EXPECT_EQ(bag.observations[5].kind, ObservationKind::kDeviation) << "at equal times contacts come first";
   EXPECT_EQ(bag.temperatures.at(0).time.front(), 0.0);
   EXPECT_EQ(bag.temperatures.at(0).value.front(), 19.7);
   EXPECT_EQ(bag.covariates.at(0).unit, "percent");
-  EXPECT_EQ(bag.observations[2].travel[0], -1.0) << "at standstill it is that of the last motion";
+  EXPECT_EQ(bag.observations[4].travel[0], -1.0) << "at standstill it is that of the last motion";
+  EXPECT_FALSE(bag.artifact.poseKnown);
+  EXPECT_EQ(bag.machine.name(), "three_axis");
   EXPECT_EQ(bag.warning, "");
+}
+
+TEST_F(BagSession, KeepsTimeZeroWhereNothingWasMeasuredAtOnce) {
+  Session s = sample();
+  for (Observation& o : s.observations) o.time += 100.0;
+  for (auto* all : {&s.temperatures, &s.covariates})
+    for (Series& series : *all)
+      for (double& t : series.time) t += 100.0;
+  s.epoch = 0.0;  // a simulated session has no date
+  writeSessionBag(s, folder_.path("s.bag"));
+  EXPECT_EQ(sessionHash(readSessionBag(folder_.path("s.bag"))), sessionHash(s));
+}
+
+TEST_F(BagSession, RosbagReadsWhatIsWritten) {
+  writeSessionBag(large(20000), folder_.path("s.bag"));
+  rosbag::Bag bag(folder_.path("s.bag").string());
+  std::size_t contacts = 0, others = 0;
+  double last = 0.0;
+  for (const rosbag::MessageInstance& m : rosbag::View(bag)) {
+    EXPECT_GE(m.getTime().toSec(), last);
+    last = m.getTime().toSec();
+    if (m.getTopic() != "/probe/contact") {
+      ++others;
+      EXPECT_EQ(m.getConnectionHeader()->count("latching"), m.getTopic().find("/temperature") == 0 ? 0u : 1u);
+      continue;
+    }
+    const auto contact = m.instantiate<measuring_machine::ProbeContact>();
+    ASSERT_TRUE(contact);
+    EXPECT_EQ(contact->header.stamp, m.getTime());
+    EXPECT_EQ(contact->feature, contacts % 2 == 0 ? "b0" : "b1");
+    EXPECT_NEAR(contact->position[0], 1e-6 * static_cast<double>(contacts), 1e-12);
+    ++contacts;
+  }
+  EXPECT_EQ(contacts, 20000u);
+  EXPECT_EQ(others, 20002u);
+}
+
+TEST_F(BagSession, ReadsWhatRosbagWritesWithEveryCompression) {
+  const Session s = large(20000);
+  writeSessionBag(s, folder_.path("s.bag"));
+  for (const auto compression :
+       {rosbag::compression::Uncompressed, rosbag::compression::BZ2, rosbag::compression::LZ4}) {
+    rewrite("s.bag", "r.bag", compression);
+    const Session r = readSessionBag(folder_.path("r.bag"));
+    EXPECT_EQ(sessionHash(r), sessionHash(s)) << compression;
+    EXPECT_EQ(r.warning, "");
+  }
+}
+
+TEST_F(BagSession, TruncatedBagsAreReadUpToTheDamage) {
+  writeSessionBag(large(9000), folder_.path("s.bag"));
+  for (const char* kind : {"plain", "lz4"}) {
+    if (kind == std::string("lz4")) {
+      rewrite("s.bag", "r.bag", rosbag::compression::LZ4);
+      std::filesystem::rename(folder_.path("r.bag"), folder_.path("s.bag"));
+    }
+    const std::string whole = test::readAll(folder_.path("s.bag"));
+    std::size_t before = 0, sessions = 0;
+    for (int part = 0; part < 40; ++part) {
+      const auto cut = folder_.write("t.bag", whole.substr(0, whole.size() * part / 40));
+      try {
+        const Session s = readSessionBag(cut);
+        EXPECT_THAT(s.warning, ::testing::MatchesRegex(".*(truncated|lost).*messages.*"));
+        EXPECT_GE(s.observations.size(), before);
+        before = s.observations.size();
+        ++sessions;
+        for (std::size_t i = 0; i < s.observations.size(); ++i)
+          ASSERT_EQ(s.observations[i].row, static_cast<int>(i) + 1);
+      } catch (const InputError& e) {
+        EXPECT_EQ(before, 0u) << e.what();
+      }
+    }
+    EXPECT_GE(sessions, kind == std::string("lz4") ? 10u : 35u) << kind;
+    EXPECT_GT(before, 8000u * (kind == std::string("plain"))) << kind;
+  }
+}
+
+TEST_F(BagSession, ARecordingThatWasKilledIsReadToItsEnd) {
+  const Session s = large(9000);
+  writeSessionBag(s, folder_.path("s.bag"));
+  const pid_t child = ::fork();
+  if (child == 0) {  // as `rosbag record` that gets SIGKILL: no index, the last chunk's size is still 0
+    rosbag::Bag in(folder_.path("s.bag").string());
+    auto* out = new rosbag::Bag(folder_.path("killed.bag.active").string(), rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& m : rosbag::View(in)) out->write(m.getTopic(), m.getTime(), m);
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  const auto killed = folder_.path("killed.bag.active");
+  EXPECT_THROW(rosbag::Bag(killed.string(), rosbag::bagmode::Read), rosbag::BagUnindexedException);
+  const Session r = readSessionBag(killed);
+  EXPECT_GE(r.observations.size(), 8990u) << "all but what was still in rosbag's buffer";
+  EXPECT_THAT(r.warning, ::testing::AnyOf(HasSubstr("has no index"), HasSubstr("truncated")));
+}
+
+TEST_F(BagSession, NoDamageEndsTheProgram) {
+  writeSessionBag(sample(), folder_.path("s.bag"));
+  const std::string whole = test::readAll(folder_.path("s.bag"));
+  std::mt19937 random(7);
+  int refused = 0;
+  for (int i = 0; i < 600; ++i) {
+    std::string damaged = whole;
+    const std::size_t begin = i % 2 == 0 ? 4100 : 0;  // the bag's padded header is long
+    for (int k = 0; k < 1 + i % 4; ++k)
+      damaged[begin + random() % (whole.size() - begin)] = static_cast<char>(random());
+    try {
+      readSessionBag(folder_.write("d.bag", damaged));
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 20);
+}
+
+TEST_F(BagSession, AForeignBagIsRefusedWithItsTopics) {
+  {
+    rosbag::Bag bag(folder_.path("f.bag").string(), rosbag::bagmode::Write);
+    bag.write("/chatter", ros::Time(10), std_msgs::String());
+    bag.write("/camera", ros::Time(11), std_msgs::String());
+  }
+  EXPECT_THAT(errorOf(folder_.path("f.bag")),
+              AllOf(HasSubstr("f.bag"), HasSubstr("/probe/contact"), HasSubstr("/camera, /chatter")));
+}
+
+TEST_F(BagSession, AnEmptySessionIsRefused) {
+  { rosbag::Bag bag(folder_.path("e.bag").string(), rosbag::bagmode::Write); }
+  EXPECT_THAT(errorOf(folder_.path("e.bag")), AllOf(HasSubstr("holds no measurement"), HasSubstr("none")));
+  Session s = sample();
+  s.observations.clear();
+  EXPECT_THROW(writeSessionBag(s, folder_.path("x.bag")), InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("x.bag")));
+}
+
+TEST_F(BagSession, AWrongTypeIsRefused) {
+  {
+    rosbag::Bag bag(folder_.path("w.bag").string(), rosbag::bagmode::Write);
+    bag.write("/probe/contact", ros::Time(10), std_msgs::String());
+  }
+  EXPECT_THAT(errorOf(folder_.path("w.bag")),
+              AllOf(HasSubstr("/probe/contact"), HasSubstr("std_msgs/String")));
+}
+
+TEST_F(BagSession, WhatIsNoBagIsRefused) {
+  EXPECT_THAT(errorOf(folder_.path("no.bag")), HasSubstr("no.bag: the bag cannot be read"));
+  EXPECT_THAT(errorOf(folder_.path("")), HasSubstr("folder"));
+  EXPECT_THAT(errorOf(folder_.write("t.bag", "time_s,x_mm\n")), HasSubstr("is not a bag"));
+  EXPECT_THAT(errorOf(folder_.write("o.bag", "#ROSBAG V1.2\n")),
+              AllOf(HasSubstr("1.2"), HasSubstr("rosbag fix")));
+}
+
+TEST_F(BagSession, AMissingMachineOrArtifactIsNamed) {
+  const Session s = sample();
+  const auto write = [&](const std::string& without) {
+    writeSessionBag(s, folder_.path("s.bag"));
+    rosbag::Bag in(folder_.path("s.bag").string()),
+        out(folder_.path("m.bag").string(), rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& m : rosbag::View(in))
+      if (m.getTopic() != without) out.write(m.getTopic(), m.getTime(), m);
+  };
+  write("/artifact");
+  EXPECT_THAT(errorOf(folder_.path("m.bag")), HasSubstr("/artifact is missing"));
+  write("/robot_description");
+  EXPECT_THAT(errorOf(folder_.path("m.bag")), HasSubstr("/robot_description is missing"));
+  const Machine machine = Machine::load("three_axis");
+  EXPECT_EQ(sessionHash(readSessionBag(folder_.path("m.bag"), {}, &machine)), sessionHash(s));
+}
+
+/// A recording as the nodes make it: contacts late and out of order, latched topics last.
+TEST_F(BagSession, ARecordingIsSortedByStampAndTravelComesFromTheJoints) {
+  const Machine machine = Machine::load("three_axis");
+  measuring_machine::Artifact artifact = toMessage(parseArtifact(kPlate, "plate.yaml"));
+  const auto contact = [](double time, const char* feature, std::vector<double> velocity) {
+    measuring_machine::ProbeContact c;
+    c.header.stamp = ros::Time(time);
+    c.name = {"z", "y", "x"};
+    c.position = {3e-3, 2e-3, 1e-3};
+    c.velocity = std::move(velocity);
+    c.approach.z = -1.0;
+    c.laser_reading = NAN;
+    c.feature = feature;
+    return c;
+  };
+  const auto joints = [](double time, double x, double z) {
+    sensor_msgs::JointState j;
+    j.header.stamp = ros::Time(time);
+    j.name = {"x", "z"};
+    j.position = {0, 0};
+    j.velocity = {x, z};
+    return j;
+  };
+  {
+    rosbag::Bag bag(folder_.path("r.bag").string(), rosbag::bagmode::Write);
+    bag.write("/probe/contact", ros::Time(120), contact(108, "b1", {0, 0, 0}));
+    bag.write("/probe/contact", ros::Time(120), contact(104, "b0", {0, 0, 0}));
+    bag.write("/probe/contact", ros::Time(120), contact(106, "b0", {}));
+    bag.write("/joint_states", ros::Time(120), joints(103, 0.01, 0.0));
+    bag.write("/joint_states", ros::Time(120), joints(105, -0.01, 0.0));
+    bag.write("/joint_states", ros::Time(120), joints(107, 0.0, 0.02));
+    bag.write("/joint_states", ros::Time(120), joints(109, 0.5, -0.5));
+    std_msgs::String urdf;
+    urdf.data = machine.urdf();
+    bag.write("/robot_description", ros::Time(121), urdf);
+    bag.write("/artifact", ros::Time(121), artifact);
+  }
+  const Session s = readSessionBag(folder_.path("r.bag"));
+  ASSERT_EQ(s.observations.size(), 3u);
+  EXPECT_EQ(s.observations[0].row, 2);
+  EXPECT_EQ(s.observations[0].time, 1.0) << "the session starts with the first joint state";
+  EXPECT_EQ(s.observations[0].position, (std::vector<double>{1e-3, 2e-3, 3e-3}));
+  EXPECT_EQ(s.observations[0].travel, (std::vector<double>{1, 0, 0}));
+  EXPECT_EQ(s.observations[1].travel, (std::vector<double>{-1, 0, 0}));
+  EXPECT_EQ(s.observations[2].travel, (std::vector<double>{-1, 0, 1}));
+  EXPECT_EQ(s.observations[2].feature, 1);
+  EXPECT_EQ(s.observations[0].approach, Eigen::Vector3d(0, 0, -1));
+}
+
+TEST_F(BagSession, AFullDiskLeavesNothingBehind) {
+  const Session s = large(9000);
+  writeSessionBag(sample(), folder_.path("old.bag"));
+  const std::string old = test::readAll(folder_.path("old.bag"));
+  for (const rlim_t limit : {rlim_t{0}, rlim_t{5000}, rlim_t{1000000}}) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit small{limit, limit};
+      ::setrlimit(RLIMIT_FSIZE, &small);
+      const std::string message =
+          test::messageOf<InputError>([&] { writeSessionBag(s, folder_.path("old.bag")); });
+      ::_exit(message.find("old.bag: cannot be written: File too large") != std::string::npos ? 7 : 1);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_EQ(WEXITSTATUS(status), 7) << limit;
+  }
+  EXPECT_EQ(test::readAll(folder_.path("old.bag")), old) << "the last good file is still there";
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path("")))
+    EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << entry.path();
+}
+
+TEST_F(BagSession, AFolderThatDoesNotExistIsNamed) {
+  EXPECT_THAT(test::messageOf<InputError>([&] { writeSessionBag(sample(), folder_.path("no/s.bag")); }),
+              AllOf(HasSubstr("no/s.bag"), HasSubstr("No such file")));
+}
+
+TEST_F(BagSession, RealFilesKeepEveryBit) {
+  const auto data = test::sharedData();
+  if (data.empty()) {
+    std::cout << "no shared data here (set MM_SHARED_DATA): real files not read\n";
+    return;
+  }
+  const Artifact target = loadArtifact(data / "laser_probe_mount/artifact.yaml");
+  const Machine head = Machine::load((data / "laser_probe_mount/tracked_head.urdf").string());
+  const Machine three = Machine::load("three_axis");
+  for (const Session& csv :
+       {readContactsCsv(data / "laser_probe_mount/poses.csv", head, &target),
+        readContactsCsv(data / "frame_thermal/z_against_temperatures.csv", three, nullptr),
+        readContactsCsv(data / "iso230_interferometer/x_axis.csv", three, nullptr)}) {
+    writeSessionBag(csv, folder_.path("s.bag"));
+    EXPECT_EQ(sessionHash(readSessionBag(folder_.path("s.bag"))), sessionHash(csv)) << csv.source;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,1 @@
+set(bench_import_dependencies session ros_bridge)

@@ -1,0 +1,1 @@
+set(ros_bridge_test_dependencies gmock)

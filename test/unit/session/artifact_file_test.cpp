@@ -1,0 +1,111 @@
+#include "session/artifact_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "machine/error.h"
+#include "session_files.h"
+
+namespace mm {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+TEST(ArtifactFile, ReadsEveryKeyInItsUnit) {
+  const Artifact a = parseArtifact(R"(name: nine_ball_plate
+pose: free
+probe: {tip_radius_mm: 1.0, repeatability_um: 0.3}
+expansion_per_K: 11.5e-6
+temperature_sensor: bed
+balls:
+  - {name: b0, centre_mm: [-16.0, -11.0, -5.1], radius_mm: 3.9685, radius_std_um: 0.1, centre_std_um: 0.2}
+  - {name: b1, centre_mm: [1, 2, 3], centre: free, radius_mm: 4}
+points:
+  - {name: target, position_mm: [20.4, 252.6, 154.7], position: free}
+)",
+                                   "a.yaml");
+  EXPECT_EQ(a.name, "nine_ball_plate");
+  EXPECT_FALSE(a.poseKnown);
+  EXPECT_DOUBLE_EQ(a.tipRadius, 1e-3);
+  EXPECT_DOUBLE_EQ(a.repeatability, 0.3e-6);
+  EXPECT_DOUBLE_EQ(a.expansion, 11.5e-6);
+  EXPECT_EQ(a.temperatureSensor, "bed");
+  ASSERT_EQ(a.features.size(), 3u);
+  EXPECT_TRUE(a.features[0].known);
+  EXPECT_DOUBLE_EQ(a.features[0].position.x(), -16e-3);
+  EXPECT_DOUBLE_EQ(a.features[0].radius, 3.9685e-3);
+  EXPECT_DOUBLE_EQ(a.features[0].radiusStd, 0.1e-6);
+  EXPECT_DOUBLE_EQ(a.features[0].positionStd, 0.2e-6);
+  EXPECT_FALSE(a.features[1].known);
+  EXPECT_EQ(a.features[2].kind, FeatureKind::kPoint);
+  EXPECT_FALSE(a.features[2].known);
+  EXPECT_EQ(a.findFeature("target"), 2);
+  EXPECT_EQ(a.findFeature("b2"), -1);
+}
+
+TEST(ArtifactFile, DefaultsAreAKnownPoseAndKnownPlaces) {
+  const Artifact a = parseArtifact("name: p\npoints: [{name: t, position_mm: [1, 2, 3]}]\n", "a.yaml");
+  EXPECT_TRUE(a.poseKnown);
+  EXPECT_TRUE(a.features[0].known);
+  EXPECT_TRUE(std::isnan(a.repeatability));
+}
+
+struct Bad {
+  const char* what;
+  const char* yaml;
+  const char* where;
+  const char* says;
+};
+void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+
+class BadArtifactFile : public ::testing::TestWithParam<Bad> {};
+
+TEST_P(BadArtifactFile, IsRefusedInOneLineThatNamesTheFault) {
+  const std::string message = test::messageOf<InputError>([] { parseArtifact(GetParam().yaml, "a.yaml"); });
+  EXPECT_THAT(message,
+              AllOf(HasSubstr(std::string("a.yaml:") + GetParam().where), HasSubstr(GetParam().says)));
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, BadArtifactFile,
+    ::testing::Values(
+        Bad{"unknown key", "name: a\npsoe: free\n", "2:", "unknown key 'psoe'; did you mean 'pose'"},
+        Bad{"unknown key of a ball",
+            "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1, colour: red}\n",
+            "3:", "unknown key 'colour'"},
+        Bad{"wrong unit", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_um: 1}\n",
+            "3:", "unknown key 'radius_um'; did you mean 'radius_mm'"},
+        Bad{"doubled key", "name: a\npose: free\npose: known\n", "3:", "'pose' is given twice"},
+        Bad{"duplicate ball",
+            "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1}\n"
+            "  - {name: b, centre_mm: [1, 0, 0], radius_mm: 1}\n",
+            "4:", "called 'b'"},
+        Bad{"ball and point of one name",
+            "name: a\nballs: [{name: b, centre_mm: [0, 0, 0], radius_mm: 1}]\npoints: [{name: b, "
+            "position_mm: [0, 0, 0]}]\n",
+            "3:", "called 'b'"},
+        Bad{"negative radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: -4}\n",
+            "3:", "'radius_mm' is -4, but must be above 0"},
+        Bad{"missing radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0]}\n",
+            "3:", "'radius_mm' is missing"},
+        Bad{"missing name", "name: a\nballs:\n  - {centre_mm: [0, 0, 0], radius_mm: 1}\n",
+            "3:", "'name' is missing"},
+        Bad{"no centre", "name: a\nballs:\n  - {name: b, radius_mm: 1}\n", "3:", "'centre_mm' is missing"},
+        Bad{"NaN", "name: a\nballs:\n  - {name: b, centre_mm: [0, .nan, 0], radius_mm: 1}\n",
+            "3:", "finite number"},
+        Bad{"text", "name: a\nprobe: {tip_radius_mm: one}\n", "2:", "not 'one'"},
+        Bad{"two coordinates", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0], radius_mm: 1}\n",
+            "3:", "three numbers"},
+        Bad{"negative tip", "name: a\nprobe: {tip_radius_mm: -1}\n", "2:", "at least 0"},
+        Bad{"half-known pose", "name: a\npose: maybe\n", "2:", "known or free"},
+        Bad{"not YAML", "name: [a\n", "2:", "not YAML"}, Bad{"a list", "- a\n", "1:", "mapping"},
+        Bad{"empty", "", "1:", "mapping"}));
+
+TEST(ArtifactFile, AMissingFileIsNamed) {
+  EXPECT_THAT(test::messageOf<InputError>([] { loadArtifact("no.yaml"); }), HasSubstr("no.yaml"));
+}
+
+}  // namespace
+}  // namespace mm
