@@ -1,0 +1,16 @@
+# Sourced by the scripts: the repository's root, and Debian's own tools before any others.
+set -euo pipefail
+export PATH="/usr/bin:$PATH" LC_ALL=C.UTF-8
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+cd "$root"
+jobs="${MM_JOBS:-$(nproc)}"
+
+# configure_and_build <folder> <targets> [cmake options …]
+configure_and_build() {
+  local folder="$1" targets="$2"
+  shift 2
+  mkdir -p "$folder"
+  cmake -S . -B "$folder" "$@" >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; return 1; }
+  # shellcheck disable=SC2086
+  nice cmake --build "$folder" -j "$jobs" --target $targets
+}

@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# `mm import` as a user types it: exit status, one line on standard error, nothing half-written.
+set -u
+mm="${MM:?path of mm}"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+check() {  # check <name> <condition …>
+  local name="$1"
+  shift
+  if "$@"; then echo "ok $name"; else echo "not ok $name"; fi
+}
+# refused <name> <words in the message> <arguments of mm …>
+refused() {
+  local name="$1" words="$2" status=0
+  shift 2
+  "$mm" "$@" >out 2>err || status=$?
+  check "$name: status 2" [ "$status" -eq 2 ]
+  check "$name: one line" [ "$(wc -l <err)" -eq 1 ]
+  check "$name: says '$words'" grep -q -- "^mm: error: .*$words" err
+  check "$name: nothing written" [ ! -e s.bag ]
+}
+
+cat >plate.yaml <<'Y'
+name: plate
+pose: free
+balls:
+  - {name: b0, centre_mm: [0, 0, 0], radius_mm: 4}
+Y
+printf 'time_s,x_mm,y_mm,z_mm,feature\n0,5,0,0,b0\n1,0,5,0,b0\n' >good.csv
+printf 'time_s,x_mm,feature,spindel\n0,5,b0,1\n' >column.csv
+printf 'time_s,x_mm,feature\n0,nan,b0\n' >nan.csv
+printf 'time_s,x_mm,feature\n' >empty.csv
+sed 's/radius_mm: 4/radius_mm: -4/' plate.yaml >negative.yaml
+sed 's/pose:/psoe:/' plate.yaml >key.yaml
+
+refused 'unknown column' 'column.csv:1: .*spindel' import column.csv --artifact plate.yaml --machine three_axis -o s.bag
+refused 'NaN' "nan.csv:2: .*'x_mm'" import nan.csv --artifact plate.yaml --machine three_axis -o s.bag
+refused 'empty session' 'empty.csv' import empty.csv --artifact plate.yaml --machine three_axis -o s.bag
+refused 'missing artifact' '--artifact' import good.csv --machine three_axis -o s.bag
+refused 'missing file' 'plate2.yaml' import good.csv --artifact plate2.yaml --machine three_axis -o s.bag
+refused 'negative radius' 'negative.yaml:4: .*above 0' import good.csv --artifact negative.yaml --machine three_axis -o s.bag
+refused 'unknown key' "key.yaml:2: .*did you mean 'pose'" import good.csv --artifact key.yaml --machine three_axis -o s.bag
+refused 'unknown machine' 'four_axis' import good.csv --artifact plate.yaml --machine four_axis -o s.bag
+refused 'unknown option' '--machin' import good.csv --artifact plate.yaml --machin three_axis -o s.bag
+refused 'unknown command' "did you mean 'import'" imprt good.csv
+(ulimit -f 1; refused 'file-size limit' 's.bag: cannot be written' import good.csv --artifact plate.yaml --machine three_axis -o s.bag)
+check 'nothing temporary is left' [ -z "$(find . -name '*.part*')" ]
+
+"$mm" import good.csv --artifact plate.yaml --machine three_axis -o s.bag >out 2>err
+check 'a good file: status 0' [ $? -eq 0 ]
+check 'a good file: nothing on standard error' [ ! -s err ]
+check 'a good file: says what it read' grep -q '2 contacts' out
+check 'a good file: rosbag reads it' sh -c 'rosbag info s.bag | grep "/probe/contact *2 msgs" >/dev/null'
+check 'help' sh -c "'$mm' import --help | grep -q time_s"
+check 'version' sh -c "'$mm' --version | grep -q '^mm [0-9]'"
