@@ -166,7 +166,7 @@ class Selector {
                        " sensors in sets of " + std::to_string(size) +
                        " are too many to try all; ask for smaller sets");
     std::atomic<std::size_t> evaluations{0};
-    const SubsetScore score = [&](const Subset& subset) {
+    const SetScore score = [&](const Subset& subset) {
       ++evaluations;
       return proposal(subset);
     };

@@ -10,19 +10,19 @@
 namespace mm {
 
 /// The score of a set of sensors, larger is better; safe to call from several threads.
-using SubsetScore = std::function<double(const std::vector<int>&)>;
+using SetScore = std::function<double(const std::vector<int>&)>;
 /// Searches the subsets of `size` of `sensors` sensors where they are too many to try all, as SENSORS does
 /// with a genetic algorithm. Returns the best sets it met, best first, at most `keep`; calls `progress`, from
 /// the caller's thread, with the fraction done.
-using SubsetSearch = std::function<std::vector<std::vector<int>>(
-    int sensors, int size, int keep, std::uint64_t seed, const SubsetScore& score,
-    const std::function<void(double)>& progress)>;
+using SetSearch = std::function<std::vector<std::vector<int>>(int sensors, int size, int keep,
+                                                              std::uint64_t seed, const SetScore& score,
+                                                              const std::function<void(double)>& progress)>;
 
 struct SelectionSettings {
   InformationSettings information;
   int largestSize = 3;            // sets of 1 to so many sensors
   double enumerationLimit = 1e5;  // all subsets are tried where they are at most so many
-  SubsetSearch search;            // beyond it; needed only then
+  SetSearch search;               // beyond it; needed only then
   int informationSamples = 500;   // longer series are thinned evenly to so many for the information
   bool crossValidate =
       true;             // choose among the proposed sets by held-out error too; else by information alone

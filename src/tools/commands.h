@@ -11,6 +11,7 @@ namespace mm {
 // (InputError, NumericalError); a result whose answer is no sets `exitStatus` to 1.
 
 void addImportCommand(CLI::App& app, int& exitStatus);
+void addSensorsCommand(CLI::App& app, int& exitStatus);
 void addSimulateCommand(CLI::App& app, int& exitStatus);
 void addApplyCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);

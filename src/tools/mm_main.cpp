@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
       "Each subcommand explains itself: mm import --help");
   int exitStatus = kDone;
   mm::addImportCommand(app, exitStatus);
+  mm::addSensorsCommand(app, exitStatus);
   mm::addSimulateCommand(app, exitStatus);
   mm::addApplyCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);

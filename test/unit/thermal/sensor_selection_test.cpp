@@ -79,7 +79,7 @@ TEST(SensorSelection, AsksTheSearchBeyondTheLimitAndReportsProgress) {
   settings.enumerationLimit = 20;
   EXPECT_THROW(selectSensors(planted.t, planted.y, settings), InputError);
   int asked = 0;
-  settings.search = [&](int sensors, int size, int, std::uint64_t, const SubsetScore& score,
+  settings.search = [&](int sensors, int size, int, std::uint64_t, const SetScore& score,
                         const std::function<void(double)>& progress) {
     ++asked;
     EXPECT_EQ(sensors, 8);

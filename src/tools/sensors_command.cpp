@@ -1,0 +1,261 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "estimation/genetic_subset.h"
+#include "machine/error.h"
+#include "thermal/sensor_selection.h"
+#include "thermal/series.h"
+#include "tools/commands.h"
+#include "tools/json_output.h"
+#include "tools/progress_bar.h"
+
+namespace mm {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct SensorsOptions {
+  std::string csv, target;
+  int largest = 3, blocks = 10, gap = 0;
+  std::string estimator = "ksg", correction = "none", range = "common", choose;
+  std::vector<int> bins{30, 30};
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+/// The series as the selection needs it, and what people are told about it.
+struct Candidates {
+  std::vector<std::string> names;
+  Eigen::MatrixXd temperatures;
+  Eigen::VectorXd displacement;
+  double micrometres = 1.0;  // of one unit of the target
+  std::vector<std::string> leftOut;
+};
+
+Candidates readCandidates(const SensorsOptions& options) {
+  const Series series = readSeries(options.csv);
+  int target = 0;
+  try {
+    target = series.column(options.target);
+  } catch (const InputError& e) {
+    throw InputError(options.csv + ": --target: " + e.what());
+  }
+  Candidates candidates;
+  candidates.displacement = series.values.col(target);
+  candidates.micrometres = micrometresPerUnit(options.target);
+  std::vector<int> columns;
+  for (int c = 0; c < static_cast<int>(series.names.size()); ++c)
+    if (c != target && !isTimeColumn(series.names[static_cast<std::size_t>(c)])) columns.push_back(c);
+  if (columns.empty())
+    throw InputError(options.csv + ": there is no column beside '" + options.target +
+                     "' and the time; add one column a sensor");
+  candidates.temperatures.resize(series.values.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    candidates.names.push_back(series.names[static_cast<std::size_t>(columns[i])]);
+    candidates.temperatures.col(static_cast<Eigen::Index>(i)) = series.values.col(columns[i]);
+  }
+  return candidates;
+}
+
+/// `subset` of SENSORS, which returns one set, as a search that returns the best it met.
+std::vector<std::vector<int>> searchSubsets(int sensors, int size, int keep, std::uint64_t seed,
+                                            const SetScore& score,
+                                            const std::function<void(double)>& progress) {
+  std::map<std::vector<int>, double> met;
+  SubsetSettings settings;
+  settings.population = 200;
+  settings.generations = 120;
+  settings.seed = seed;
+  GeneticControl control;
+  control.progress = [&](const GeneticProgress& p) {
+    progress(static_cast<double>(p.generation) /
+             static_cast<double>(std::max<std::size_t>(1, p.generations)));
+  };
+  bestSubset(
+      static_cast<std::size_t>(sensors), static_cast<std::size_t>(size),
+      [&](const std::vector<std::size_t>& chosen) {
+        const std::vector<int> set(chosen.begin(), chosen.end());
+        return met[set] = score(set);
+      },
+      settings, control);
+  std::vector<std::pair<double, std::vector<int>>> order;
+  for (const auto& [set, value] : met) order.emplace_back(-value, set);
+  std::sort(order.begin(), order.end());
+  std::vector<std::vector<int>> best;
+  for (std::size_t i = 0; i < std::min(order.size(), static_cast<std::size_t>(keep)); ++i)
+    best.push_back(order[i].second);
+  return best;
+}
+
+SelectionSettings settingsOf(const SensorsOptions& options) {
+  SelectionSettings settings;
+  const std::map<std::string, InformationEstimator> estimators{
+      {"ksg", InformationEstimator::kKsg},
+      {"histogram", InformationEstimator::kHistogram},
+      {"correlation", InformationEstimator::kCorrelation}};
+  const std::map<std::string, BiasCorrection> corrections{{"none", BiasCorrection::kNone},
+                                                          {"miller_madow", BiasCorrection::kMillerMadow},
+                                                          {"shuffle", BiasCorrection::kShuffle},
+                                                          {"circular_shift", BiasCorrection::kCircularShift}};
+  settings.information.estimator = estimators.at(options.estimator);
+  settings.information.correction = corrections.at(options.correction);
+  settings.information.commonRange = options.range == "common";
+  settings.information.temperatureBins = options.bins[0];
+  settings.information.displacementBins = options.bins[1];
+  settings.information.seed = settings.seed = options.seed;
+  settings.search = searchSubsets;
+  settings.largestSize = options.largest;
+  settings.blocks = options.blocks;
+  settings.gap = options.gap;
+  settings.crossValidate = options.choose.empty() ? options.estimator == "ksg" : options.choose == "held_out";
+  if (options.correction != "none" && options.estimator != "histogram")
+    throw InputError("--correction " + options.correction + " belongs to --estimator histogram, not to " +
+                     options.estimator + "; leave it out");
+  return settings;
+}
+
+ordered_json toJson(const SensorSelection& selection, const Candidates& candidates) {
+  const auto names = [&](const std::vector<int>& sensors) {
+    ordered_json list = ordered_json::array();
+    for (int s : sensors) list.push_back(candidates.names[static_cast<std::size_t>(s)]);
+    return list;
+  };
+  const auto setJson = [&](const SensorSet& set) {
+    return ordered_json{{"sensors", names(set.sensors)},
+                        {"mutual_information_nat", jsonNumber(set.information)},
+                        {"cv_rms_um", jsonNumber(set.heldOutRms, candidates.micrometres)}};
+  };
+  ordered_json json{{"single", ordered_json::array()}, {"sets", ordered_json::array()}};
+  for (const SensorScore& s : selection.singles)
+    json["single"].push_back({{"sensor", candidates.names[static_cast<std::size_t>(s.sensor)]},
+                              {"mutual_information_nat", jsonNumber(s.information)},
+                              {"correlation", jsonNumber(s.correlation)}});
+  std::vector<SensorSet> sets = selection.sets;
+  std::stable_sort(sets.begin(), sets.end(),
+                   [](const SensorSet& a, const SensorSet& b) { return a.heldOutRms < b.heldOutRms; });
+  for (const SensorSet& set : sets) json["sets"].push_back(setJson(set));
+  json["recommended"] = names(selection.sets[selection.recommended].sensors);
+  json["equivalent"] = ordered_json::array();
+  for (const auto& [sensor, others] : selection.equivalent)
+    json["equivalent"].push_back(
+        {{"sensor", candidates.names[static_cast<std::size_t>(sensor)]}, {"drift_together", names(others)}});
+  json["left_out"] = names(selection.constant);
+  return json;
+}
+
+std::string joined(const std::vector<int>& sensors, const Candidates& candidates) {
+  std::string text;
+  for (int s : sensors) text += (text.empty() ? "" : " + ") + candidates.names[static_cast<std::size_t>(s)];
+  return text;
+}
+
+void printText(const SensorSelection& selection, const Candidates& candidates, const std::string& target) {
+  const SensorSet& best = selection.sets[selection.recommended];
+  std::printf("Measure %s: held-out error of %s %.3g um.\n\n", joined(best.sensors, candidates).c_str(),
+              target.c_str(), best.heldOutRms * candidates.micrometres);
+  std::printf("%-28s %12s %12s\n", "single sensor", "information", "correlation");
+  const std::size_t shown = std::min<std::size_t>(10, selection.singles.size());
+  for (std::size_t i = 0; i < shown; ++i)
+    std::printf("%-28s %8.3f nat %12.4f\n",
+                candidates.names[static_cast<std::size_t>(selection.singles[i].sensor)].c_str(),
+                selection.singles[i].information, selection.singles[i].correlation);
+  if (shown < selection.singles.size()) std::printf("  and %zu more\n", selection.singles.size() - shown);
+  double most = 1e-9;
+  for (const SensorSet& set : selection.sets) most = std::max(most, set.information);
+  std::printf("\n%-4s %12s %-22s %12s  %s\n", "m", "information", "", "held out", "set");
+  for (std::size_t m = 0; m < selection.sets.size(); ++m) {
+    const SensorSet& set = selection.sets[m];
+    const std::string bar(static_cast<std::size_t>(std::max(0.0, 20.0 * set.information / most)), '#');
+    std::printf("%-4zu %8.3f nat %-22s %9.3g um  %s%s%s\n", m + 1, set.information, bar.c_str(),
+                set.heldOutRms * candidates.micrometres, joined(set.sensors, candidates).c_str(),
+                m == selection.recommended ? "  <- recommended" : "",
+                selection.exhaustive[m] ? "" : "  (searched)");
+  }
+  for (const auto& [sensor, others] : selection.equivalent)
+    std::printf("%s drifts together with %s: any of them would do.\n",
+                candidates.names[static_cast<std::size_t>(sensor)].c_str(),
+                joined(others, candidates).c_str());
+  std::fflush(stdout);
+}
+
+void runSensors(const SensorsOptions& options) {
+  const Candidates candidates = readCandidates(options);
+  const SelectionSettings settings = settingsOf(options);
+  SensorSelection selection;
+  try {
+    ProgressBar bar("sensors");
+    selection = selectSensors(candidates.temperatures, candidates.displacement, settings,
+                              [&](double fraction, const std::string& stage) {
+                                bar.show(fraction, stage);
+                                return true;
+                              });
+  } catch (const InputError& e) {
+    throw InputError(options.csv + ": " + e.what());
+  }
+  for (int s : selection.constant)
+    std::cerr << "mm: warning: " << options.csv << ": column '"
+              << candidates.names[static_cast<std::size_t>(s)] << "' does not vary and is left out"
+              << std::endl;
+  if (options.json)
+    printJson(std::cout, toJson(selection, candidates));
+  else
+    printText(selection, candidates, options.target);
+}
+
+}  // namespace
+
+void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto options = std::make_shared<SensorsOptions>();
+  CLI::App* command =
+      app.add_subcommand("sensors", "Which temperatures to measure, from a series of all candidates");
+  command
+      ->add_option("series", options->csv, "CSV: a line of names, then one sample a row in the order of time")
+      ->required();
+  command
+      ->add_option("--target", options->target,
+                   "column of the displacement (unit by its ending: _um, _mm, _m)")
+      ->required();
+  command->add_option("--max", options->largest, "largest set")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+  command->add_option("--estimator", options->estimator, "of the mutual information")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"ksg", "histogram", "correlation"}));
+  command->add_option("--bins", options->bins, "N,M: bins of temperature and of displacement (histogram)")
+      ->delimiter(',')
+      ->expected(2)
+      ->capture_default_str()
+      ->check(CLI::Range(2, 10000));
+  command
+      ->add_option("--range", options->range,
+                   "temperature range of the bins: common to all sensors or one a sensor")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"common", "sensor"}));
+  command->add_option("--correction", options->correction, "of the histogram's bias")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"none", "miller_madow", "shuffle", "circular_shift"}));
+  command
+      ->add_option(
+          "--choose", options->choose,
+          "information: sets by information alone, as published (default of histogram and correlation); "
+          "held_out: by information and held-out error (default of ksg)")
+      ->check(CLI::IsMember({"information", "held_out"}));
+  command->add_option("--blocks", options->blocks, "blocks of time of the cross-validation")
+      ->capture_default_str()
+      ->check(CLI::Range(2, 1000));
+  command->add_option("--gap", options->gap, "samples beside a block that are not used")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100000));
+  command->add_option("--seed", options->seed, "of all that is random")->capture_default_str();
+  command->add_flag("--json", options->json, "for programs");
+  command->footer(
+      "Columns named t, time or time_<unit> are time; all others but the target are candidate sensors.\n"
+      "Example:  mm sensors housing.csv --target nose_um --max 2");
+  command->callback([options] { runSensors(*options); });
+}
+
+}  // namespace mm
