@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kLength = 0.400, kWidth = 0.160;          // m
 constexpr double kFrontPower = 180.0, kRearPower = 110.0;  // W of the bearings at full speed
-constexpr double kFilm = 14.0, kFootFilm = 60.0;           // W/(m^2 K) to the air, and through the foot
-constexpr double kAir = 20.0;                              // degC
+// W/(m^2 K): to the air, in the wind of the motor fan (right face), through the foot
+constexpr double kFilm = 14.0, kFanFilm = 25.0, kFootFilm = 60.0;
+constexpr double kAir = 20.0;  // degC
 
 /// Share of the time from a to b (s) in which the spindle runs: the mean power of an implicit step.
 double running(double a, double b) {

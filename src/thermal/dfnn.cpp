@@ -56,7 +56,9 @@ struct Placement {
   bool spread = false;
 
   DfnnRules rules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) const {
-    return spread ? spreadRules(x, growth.largestRules) : grown(x, y, growth);
+    DfnnRules rules = spread ? spreadRules(x, growth.largestRules) : grown(x, y, growth);
+    rules.limitTo(x);
+    return rules;
   }
 };
 
@@ -105,10 +107,11 @@ Eigen::MatrixXd heldOutSquares(const Eigen::MatrixXd& x, const Eigen::MatrixXd& 
     const RidgeConsequents equations(RidgeConsequents::design(trainX, rules), trainY, x.cols());
     const Eigen::MatrixXd z = RidgeConsequents::design(rowsOf(x, fold.test), rules),
                           testY = rowsOf(y, fold.test);
-    for (std::size_t a = 0; a < ridges.common.size(); ++a)
-      for (std::size_t b = 0; b < departures; ++b)
-        squares(static_cast<long>(a), static_cast<long>(b)) +=
-            (z * equations.solve(ridges.common[a], ridges.departures[b]) - testY).squaredNorm();
+    for (std::size_t b = 0; b < departures; ++b) {
+      const std::vector<Eigen::MatrixXd> solutions = equations.solve(ridges.common, ridges.departures[b]);
+      for (std::size_t a = 0; a < solutions.size(); ++a)
+        squares(static_cast<long>(a), static_cast<long>(b)) += (z * solutions[a] - testY).squaredNorm();
+    }
   }
   return squares;
 }
@@ -211,29 +214,31 @@ void Dfnn::choose() {
 void Dfnn::solve() {
   const Eigen::MatrixXd x = scaledInputs(), y = scaledOutputs();
   const Eigen::Index r = x.cols();
+  common_ = RowMajor::Zero(r + 1, y.cols());
+  weights_ = RowMajor::Zero(rules_.count() * (r + 1), y.cols());
   if (settings_.dfnn.published) {
     weights_ = rules_.design(x).completeOrthogonalDecomposition().solve(y);
     return;
   }
   const Eigen::MatrixXd all =
       RidgeConsequents(RidgeConsequents::design(x, rules_), y, r).solve(ridge_, departureRidge_);
-  weights_ = RowMajor::Zero(rules_.count() * (r + 1), y.cols());
-  for (int j = 0; j < rules_.count(); ++j) {
-    weights_.middleRows(j * (r + 1), r + 1) = all.topRows(r + 1);
-    if (rules_.count() > 1)
-      weights_.middleRows(j * (r + 1), r + 1) += all.middleRows((j + 1) * (r + 1), r + 1);
-  }
+  common_ = all.topRows(r + 1);
+  if (rules_.count() > 1) weights_ = all.bottomRows(weights_.rows());
 }
 
 void Dfnn::evaluate(const double* x, double* y) const {
   double psi[kMostRules];
   const int r = inputs(), p = outputs(), rules = rules_.count();
-  // Squared distances by differences of scaled inputs; nothing is stored beyond the rules' strengths.
+  const bool limited = rules_.low.size() > 0;
+  const auto scaled = [&](int i) { return (x[i] - meanX_(i)) * scaleX_(i); };
+  const auto inside = [&](int i) {
+    return limited ? std::min(std::max(scaled(i), rules_.low(i)), rules_.high(i)) : scaled(i);
+  };
   double nearest = std::numeric_limits<double>::infinity(), sum = 0.0;
   for (int j = 0; j < rules; ++j) {
     double square = 0.0;
     for (int i = 0; i < r; ++i) {
-      const double d = (x[i] - meanX_(i)) * scaleX_(i) - rules_.centres(j, i);
+      const double d = inside(i) - rules_.centres(j, i);
       square += d * d;
     }
     psi[j] = square / (rules_.widths(j) * rules_.widths(j));
@@ -241,12 +246,13 @@ void Dfnn::evaluate(const double* x, double* y) const {
   }
   for (int j = 0; j < rules; ++j) sum += psi[j] = std::exp(nearest - psi[j]);
   for (int o = 0; o < p; ++o) y[o] = meanY_(o);
-  const double* w = weights_.data();
+  const auto add = [&](const double* w, double h) {
+    for (int o = 0; o < p; ++o) y[o] += h * w[o];
+  };
+  for (int c = 0; c <= r; ++c) add(common_.data() + c * p, scaleY_ * (c == 0 ? 1.0 : scaled(c - 1)));
   for (int j = 0; j < rules; ++j)
-    for (int c = 0; c <= r; ++c, w += p) {
-      const double h = scaleY_ * psi[j] / sum * (c == 0 ? 1.0 : (x[c - 1] - meanX_(c - 1)) * scaleX_(c - 1));
-      for (int o = 0; o < p; ++o) y[o] += h * w[o];
-    }
+    for (int c = 0; c <= r; ++c)
+      add(weights_.data() + (j * (r + 1) + c) * p, scaleY_ * psi[j] / sum * (c == 0 ? 1.0 : inside(c - 1)));
 }
 
 std::string Dfnn::describe() const {
@@ -272,6 +278,9 @@ void Dfnn::write(std::vector<double>& numbers) const {
   writeMatrix(numbers, meanY_);
   writeMatrix(numbers, rules_.centres);
   writeMatrix(numbers, rules_.widths);
+  writeMatrix(numbers, rules_.low);
+  writeMatrix(numbers, rules_.high);
+  writeMatrix(numbers, common_);
   writeMatrix(numbers, weights_);
 }
 
@@ -289,6 +298,9 @@ void Dfnn::read(const double*& next, const double* end) {
   meanY_ = readMatrix(next, end, 1, outputs());
   rules_.centres = readMatrix(next, end, -1, inputs());
   rules_.widths = readMatrix(next, end, rules_.centres.rows(), 1);
+  rules_.low = readMatrix(next, end, -1, s.published ? -1 : inputs());
+  rules_.high = readMatrix(next, end, rules_.low.rows(), rules_.low.cols());
+  common_ = readMatrix(next, end, inputs() + 1, outputs());
   weights_ = readMatrix(next, end, rules_.centres.rows() * (inputs() + 1), outputs());
   s.validate();
   if (rules_.count() < 1 || rules_.count() > kMostRules)

@@ -39,7 +39,8 @@ class Dfnn : public ThermalNetwork {
   double ridge_ = 0.0, departureRidge_ = 0.0;  // relative; 0 in a published network
   double heldOut_ = 0.0;                       // unit of y; 0 in a published network
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  RowMajor weights_;  // rules (inputs + 1) x outputs, scaled
+  RowMajor common_;   // (inputs + 1) x outputs, scaled: the line; zero in a published network
+  RowMajor weights_;  // rules (inputs + 1) x outputs, scaled: the rules' consequents, or their departures
 };
 
 }  // namespace mm

@@ -27,10 +27,10 @@ DfnnRules unpacked(const Eigen::VectorXd& p, const DfnnRules& start) {
 Eigen::VectorXd residuals(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& rules,
                           double ridge, double departureRidge) {
   const Eigen::MatrixXd z = RidgeConsequents::design(x, rules);
-  const RidgeConsequents equations(z, y, x.cols());
-  const Eigen::MatrixXd w = equations.solve(ridge, departureRidge);
-  Eigen::MatrixXd all(z.rows() + z.cols(), y.cols());
-  all << y - z * w, equations.penaltyRoots(ridge, departureRidge).asDiagonal() * w;
+  const Eigen::MatrixXd w = RidgeConsequents(z, y, x.cols()).solve(ridge, departureRidge);
+  const Eigen::Index departures = z.cols() - 1 - x.cols();
+  Eigen::MatrixXd all(z.rows() + departures, y.cols());
+  all << y - z * w, std::sqrt(departureRidge * static_cast<double>(z.rows())) * w.bottomRows(departures);
   return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
 }
 
@@ -42,7 +42,7 @@ Eigen::MatrixXd RidgeConsequents::design(const Eigen::MatrixXd& x, const DfnnRul
   Eigen::MatrixXd z(x.rows(), 1 + r + departures);
   z.col(0).setOnes();
   z.middleCols(1, r) = x;
-  if (departures > 0) z.rightCols(departures) = rules.design(x);
+  if (departures > 0) z.rightCols(departures) = rules.design(rules.limited(x));
   return z;
 }
 
@@ -50,21 +50,27 @@ RidgeConsequents::RidgeConsequents(const Eigen::MatrixXd& z, const Eigen::Matrix
     : gram_(z.transpose() * z),
       right_(z.transpose() * y),
       samples_(static_cast<double>(z.rows())),
-      inputs_(inputs) {}
+      line_(1 + inputs) {}
 
-Eigen::VectorXd RidgeConsequents::penaltyRoots(double ridge, double departureRidge) const {
-  Eigen::VectorXd roots(gram_.rows());
-  roots(0) =
-      std::sqrt(1e-13 * samples_);  // keeps the equations regular beside departures that are all but free
-  roots.segment(1, inputs_).setConstant(std::sqrt(ridge * samples_));
-  roots.tail(gram_.rows() - 1 - inputs_).setConstant(std::sqrt(departureRidge * samples_));
-  return roots;
-}
-
-Eigen::MatrixXd RidgeConsequents::solve(double ridge, double departureRidge) const {
-  Eigen::MatrixXd matrix = gram_;
-  matrix.diagonal() += penaltyRoots(ridge, departureRidge).cwiseAbs2();
-  return matrix.ldlt().solve(right_);
+std::vector<Eigen::MatrixXd> RidgeConsequents::solve(const std::vector<double>& ridges,
+                                                     double departureRidge) const {
+  constexpr double kLeast = 1e-13;  // keeps inputs that do not vary, and rules that never fire, regular
+  const Eigen::Index departures = gram_.rows() - line_;
+  Eigen::MatrixXd own = gram_.bottomRightCorner(departures, departures);
+  own.diagonal().array() += std::max(departureRidge, kLeast) * samples_;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(own);
+  std::vector<Eigen::MatrixXd> solutions;
+  for (double ridge : ridges) {
+    Eigen::MatrixXd matrix = gram_.topLeftCorner(line_, line_);
+    matrix.diagonal().tail(line_ - 1).array() += std::max(ridge, kLeast) * samples_;
+    Eigen::MatrixXd w(gram_.rows(), right_.cols());
+    w.topRows(line_) = matrix.ldlt().solve(right_.topRows(line_));
+    if (departures > 0)
+      w.bottomRows(departures) = factor.solve(right_.bottomRows(departures) -
+                                              gram_.bottomLeftCorner(departures, line_) * w.topRows(line_));
+    solutions.push_back(std::move(w));
+  }
+  return solutions;
 }
 
 DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& start,

@@ -115,6 +115,20 @@ Eigen::MatrixXd DfnnRules::design(const Eigen::MatrixXd& x) const {
   return h;
 }
 
+void DfnnRules::limitTo(const Eigen::MatrixXd& x) {
+  constexpr double kMargin = 0.2;  // of the span: so far a bend may be trusted to go on
+  const Eigen::RowVectorXd least = x.colwise().minCoeff(), most = x.colwise().maxCoeff();
+  low = least - kMargin * (most - least);
+  high = most + kMargin * (most - least);
+}
+
+Eigen::MatrixXd DfnnRules::limited(const Eigen::MatrixXd& x) const {
+  if (low.size() == 0) return x;
+  Eigen::MatrixXd inside = x;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) inside.col(i) = x.col(i).cwiseMax(low(i)).cwiseMin(high(i));
+  return inside;
+}
+
 void DfnnRules::add(const Eigen::RowVectorXd& centre, double width) {
   centres.conservativeResize(count() + 1, centre.size());
   centres.row(count()) = centre;

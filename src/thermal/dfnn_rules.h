@@ -33,6 +33,9 @@ inline constexpr int kMostRules = 64;
 struct DfnnRules {
   Eigen::MatrixXd centres;  // rules x inputs, standardised
   Eigen::VectorXd widths;   // sigma
+  /// Range of the samples and a margin, standardised: beyond it the departures of RidgeConsequents stay as at
+  /// its border, so that only the common line goes on. Empty: they go on too.
+  Eigen::RowVectorXd low, high;
 
   int count() const { return static_cast<int>(widths.size()); }
   int inputs() const { return static_cast<int>(centres.cols()); }
@@ -41,6 +44,9 @@ struct DfnnRules {
   void strengths(const double* x, double* psi) const;
   /// Columns psi_j, psi_j x_1 … psi_j x_r of every rule: samples x rules (r + 1).
   Eigen::MatrixXd design(const Eigen::MatrixXd& x) const;
+  /// Sets the range from the samples.
+  void limitTo(const Eigen::MatrixXd& x);
+  Eigen::MatrixXd limited(const Eigen::MatrixXd& x) const;
   void add(const Eigen::RowVectorXd& centre, double width);
   void keep(const std::vector<int>& rules);
 };

@@ -99,15 +99,23 @@ class Selector {
         std::min_element(result.sets.begin(), result.sets.end(),
                          [](const auto& a, const auto& b) { return a.heldOutRms < b.heldOutRms; });
     const double enough = least->heldOutRms * (1.0 + settings_.accuracyMargin);
-    while (result.sets[result.recommended].heldOutRms > enough) ++result.recommended;
+    const double limit = least->heldOutRms <= settings_.accuracy ? settings_.accuracy : enough;
+    while (result.sets[result.recommended].heldOutRms > limit) ++result.recommended;
     report(1.0);
     return result;
   }
 
-  double correlation(int a, int b) const {
-    const Eigen::VectorXd x = temperatures_.col(a).array() - temperatures_.col(a).mean();
-    const Eigen::VectorXd y = temperatures_.col(b).array() - temperatures_.col(b).mean();
-    return std::abs(x.dot(y)) / std::sqrt(x.squaredNorm() * y.squaredNorm());
+  /// The sensors that could take the place of `chosen` in a set.
+  std::vector<int> standIns(const SensorSet& set, int chosen) const {
+    std::vector<int> others;
+    for (int s = 0; s < information_.sensors(); ++s) {
+      if (std::find(set.sensors.begin(), set.sensors.end(), s) != set.sensors.end()) continue;
+      if (correlation(s, chosen) < settings_.equivalent) continue;
+      Subset replaced = set.sensors;
+      std::replace(replaced.begin(), replaced.end(), chosen, s);
+      if (heldOutRms(replaced) <= set.heldOutRms * (1.0 + settings_.accuracyMargin)) others.push_back(s);
+    }
+    return others;
   }
 
  private:
@@ -129,6 +137,16 @@ class Selector {
     InformationSettings settings = settings_.information;
     settings.estimator = InformationEstimator::kCorrelation;
     return settings;
+  }
+
+  double correlation(int a, int b) const {
+    const Eigen::VectorXd x = temperatures_.col(a).array() - temperatures_.col(a).mean();
+    const Eigen::VectorXd y = temperatures_.col(b).array() - temperatures_.col(b).mean();
+    return std::abs(x.dot(y)) / std::sqrt(x.squaredNorm() * y.squaredNorm());
+  }
+
+  double heldOutRms(const Subset& subset) const {
+    return validateRidge(columns(temperatures_, subset), displacement_, folds_, ridgeLadder()).rms;
   }
 
   void report(double fraction) const {
@@ -183,14 +201,11 @@ class Selector {
   /// The set of a shortlist (best proposal first) with the largest information - log(held-out error).
   SensorSet choose(const std::vector<Subset>& shortlist) {
     const std::size_t judged = settings_.crossValidate ? shortlist.size() : 1;
-    const std::vector<double> ladder = ridgeLadder();
     std::vector<SensorSet> sets(judged);
     parallel(
         judged, settings_.threads,
         [&](std::size_t i) {
-          const double rms =
-              validateRidge(columns(temperatures_, shortlist[i]), displacement_, folds_, ladder).rms;
-          sets[i] = {shortlist[i], information_.joint(shortlist[i]), rms};
+          sets[i] = {shortlist[i], information_.joint(shortlist[i]), heldOutRms(shortlist[i])};
         },
         [&](double fraction) { report(0.8 + 0.2 * fraction); });
     const auto merit = [](const SensorSet& s) {
@@ -245,11 +260,10 @@ SensorSelection selectSensors(const Eigen::MatrixXd& temperatures, const Eigen::
   SensorSelection result = selector.run();
   result.constant = constant;
   const auto original = [&](int s) { return varying[static_cast<std::size_t>(s)]; };
-  for (int chosen : result.sets.back().sensors) {
-    std::vector<int> others;
-    for (int s = 0; s < static_cast<int>(varying.size()); ++s)
-      if (s != chosen && selector.correlation(s, chosen) >= settings.equivalent)
-        others.push_back(original(s));
+  const SensorSet& best = result.sets[result.recommended];
+  for (int chosen : best.sensors) {
+    std::vector<int> others = selector.standIns(best, chosen);
+    std::transform(others.begin(), others.end(), others.begin(), original);
     if (!others.empty()) result.equivalent.emplace_back(original(chosen), others);
   }
   for (SensorScore& single : result.singles) single.sensor = original(single.sensor);

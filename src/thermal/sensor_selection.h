@@ -29,9 +29,11 @@ struct SelectionSettings {
   int shortlist = 500;  // sets of each size that information proposes to the cross-validation
   int blocks = 10;      // of time, each held out once
   int gap = 0;          // samples beside a block that are not used
-  double equivalent = 0.999;  // series that correlate at least so much drift together
-  double accuracyMargin =
-      0.1;               // the smallest set is recommended whose held-out error is within this of the best
+  double equivalent = 0.999;  // series that correlate at least so much may stand for each other
+  /// The smallest set is recommended whose held-out error is at most `accuracy` (unit of the displacement),
+  /// or, where none is wanted or reached, within accuracyMargin of the best.
+  double accuracy = 0.0;
+  double accuracyMargin = 0.1;
   unsigned threads = 0;  // 0: all cores. Results do not depend on it
   std::uint64_t seed = 1;
 };
@@ -55,8 +57,8 @@ struct SensorSelection {
   std::vector<SensorSet> sets;       // the chosen set of every size, by ascending size
   std::size_t recommended = 0;       // index into sets
   std::vector<int> constant;         // sensors left out because they do not vary
-  /// For each sensor of the largest set chosen: the others that drift together with it, so that any of them
-  /// would do.
+  /// For each sensor of the recommended set: the others that drift together with it and could take its place
+  /// in the set, the held-out error staying within accuracyMargin.
   std::vector<std::pair<int, std::vector<int>>> equivalent;
   std::vector<double> subsetsTried;  // of each size
   std::vector<bool> exhaustive;      // whether these were all subsets of the size

@@ -37,7 +37,9 @@ int Series::column(const std::string& name) const {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
   std::string list;
-  for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
+  constexpr std::size_t kListed = 12;
+  for (std::size_t i = 0; i < std::min(kListed, names.size()); ++i) list += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kListed) list += " and " + std::to_string(names.size() - kListed) + " more";
   throw InputError("there is no column '" + name + "'; the columns are: " + list);
 }
 

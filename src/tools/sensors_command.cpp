@@ -21,6 +21,7 @@ using nlohmann::ordered_json;
 struct SensorsOptions {
   std::string csv, target;
   int largest = 3, blocks = 10, gap = 0;
+  double accuracyUm = 0.0;
   std::string estimator = "ksg", correction = "none", range = "common", choose;
   std::vector<int> bins{30, 30};
   std::uint64_t seed = 1;
@@ -91,7 +92,7 @@ std::vector<std::vector<int>> searchSubsets(int sensors, int size, int keep, std
   return best;
 }
 
-SelectionSettings settingsOf(const SensorsOptions& options) {
+SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) {
   SelectionSettings settings;
   const std::map<std::string, InformationEstimator> estimators{
       {"ksg", InformationEstimator::kKsg},
@@ -108,6 +109,7 @@ SelectionSettings settingsOf(const SensorsOptions& options) {
   settings.information.displacementBins = options.bins[1];
   settings.information.seed = settings.seed = options.seed;
   settings.search = searchSubsets;
+  settings.accuracy = options.accuracyUm / micrometres;
   settings.largestSize = options.largest;
   settings.blocks = options.blocks;
   settings.gap = options.gap;
@@ -147,9 +149,11 @@ ordered_json toJson(const SensorSelection& selection, const Candidates& candidat
   return json;
 }
 
-std::string joined(const std::vector<int>& sensors, const Candidates& candidates) {
+std::string joined(const std::vector<int>& sensors, const Candidates& candidates,
+                   const char* separator = " + ") {
   std::string text;
-  for (int s : sensors) text += (text.empty() ? "" : " + ") + candidates.names[static_cast<std::size_t>(s)];
+  for (int s : sensors)
+    text += (text.empty() ? "" : separator) + candidates.names[static_cast<std::size_t>(s)];
   return text;
 }
 
@@ -176,15 +180,15 @@ void printText(const SensorSelection& selection, const Candidates& candidates, c
                 selection.exhaustive[m] ? "" : "  (searched)");
   }
   for (const auto& [sensor, others] : selection.equivalent)
-    std::printf("%s drifts together with %s: any of them would do.\n",
+    std::printf("%s drifts together with these, which would do as well: %s\n",
                 candidates.names[static_cast<std::size_t>(sensor)].c_str(),
-                joined(others, candidates).c_str());
+                joined(others, candidates, ", ").c_str());
   std::fflush(stdout);
 }
 
 void runSensors(const SensorsOptions& options) {
   const Candidates candidates = readCandidates(options);
-  const SelectionSettings settings = settingsOf(options);
+  const SelectionSettings settings = settingsOf(options, candidates.micrometres);
   SensorSelection selection;
   try {
     ProgressBar bar("sensors");
@@ -244,6 +248,10 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
           "information: sets by information alone, as published (default of histogram and correlation); "
           "held_out: by information and held-out error (default of ksg)")
       ->check(CLI::IsMember({"information", "held_out"}));
+  command
+      ->add_option("--accuracy-um", options->accuracyUm,
+                   "recommend the smallest set whose held-out error reaches it")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--blocks", options->blocks, "blocks of time of the cross-validation")
       ->capture_default_str()
       ->check(CLI::Range(2, 1000));
