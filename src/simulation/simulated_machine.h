@@ -49,6 +49,7 @@ class SimulatedMachine {
   void step(const std::vector<double>& target, const std::vector<double>& speed, double seconds);
   /// Since the last call of `takeTrip`.
   bool tripped() const { return trip_.has_value(); }
+  bool touching() const { return touching_; }  ///< after the last `step`
   std::optional<Trip> takeTrip();
   /// Goes straight towards the readings until the tip touches the feature; stops there.
   /// @param speed of the tip, m/s. @return nothing when the target is reached without contact.
