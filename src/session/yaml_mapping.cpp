@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "machine/error.h"
+#include "machine/nearest_name.h"
 
 namespace mm {
 namespace {
@@ -29,7 +30,8 @@ YamlMapping::YamlMapping(const YAML::Node& node, std::string source, std::string
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       std::string list;
       for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-      throw InputError(place + "unknown key '" + key + "'; known are " + list);
+      throw InputError(place + "unknown key '" + key + "'" + didYouMean(key, known) + " (known are " + list +
+                       ")");
     }
     if (!seen.insert(key).second) throw InputError(place + "key '" + key + "' is given twice");
   }

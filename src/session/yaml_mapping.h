@@ -37,7 +37,7 @@ class YamlMapping {
                          const std::string& message) const;  ///< key empty: the mapping itself
 
  private:
-  static int lineOf(const YAML::Node& node) { return node.Mark().line + 1; }
+  static int lineOf(const YAML::Node& node) { return node.Mark().line < 0 ? 1 : node.Mark().line + 1; }
   double convert(const YAML::Node& value, const std::string& key) const;
   YAML::Node node_;
   std::string source_, what_;

@@ -81,11 +81,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"duplicate ball",
             "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: 1}\n"
             "  - {name: b, centre_mm: [1, 0, 0], radius_mm: 1}\n",
-            "4:", "called 'b'"},
+            "4:", "'b' is taken"},
         Bad{"ball and point of one name",
             "name: a\nballs: [{name: b, centre_mm: [0, 0, 0], radius_mm: 1}]\npoints: [{name: b, "
             "position_mm: [0, 0, 0]}]\n",
-            "3:", "called 'b'"},
+            "3:", "'b' is taken"},
         Bad{"negative radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0], radius_mm: -4}\n",
             "3:", "'radius_mm' is -4, but must be above 0"},
         Bad{"missing radius", "name: a\nballs:\n  - {name: b, centre_mm: [0, 0, 0]}\n",
