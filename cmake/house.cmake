@@ -14,7 +14,7 @@ function(mm_library name)
   list(FILTER sources EXCLUDE REGEX "_main\\.cpp$")
   add_library(mm_${name} STATIC ${sources})
   set_target_properties(mm_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  target_include_directories(mm_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src)
+  target_include_directories(mm_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   mm_link(mm_${name} PUBLIC ${ARG_DEPENDS})
 endfunction()
 
