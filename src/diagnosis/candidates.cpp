@@ -105,7 +105,14 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
       std::vector<std::vector<double>> starts = c.effect->searchStarts();
       if (starts.empty()) starts.push_back({});
       std::string why;
+      // a wave of which the session saw less than two lengths is a smooth profile, not a period
+      double longest = 1e300;
+      if (c.spec.type == "lead_screw_periodic") {
+        const int joint = domain.findJoint(c.spec.text("axis"));
+        if (joint >= 0) longest = 0.5 * (domain.upper[joint] - domain.lower[joint]);
+      }
       for (const std::vector<double>& start : starts) {
+        if (!start.empty() && start[0] > longest) continue;
         int missing = 0;
         const Eigen::MatrixXd raw = rawColumns(space, c, start, &missing);
         if (10 * missing > space.rows()) {

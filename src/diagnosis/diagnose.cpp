@@ -233,10 +233,10 @@ class Diagnoser {
         i = 0;
       }
     }
-    double structure = structureLeft(round.space, found.left, found.basis);
+    const Structure structure = structureLeft(round.space, found.left, found.basis);
     std::vector<FoundFormula> formulas;
     Subset kept = found;
-    if (structure < kStructure || found.chosen.size() >= 2) lookForFormulas(round, found, structure, kept, formulas);
+    lookForFormulas(round, found, structure, kept, formulas);
 
     const double unit = unitOf(round.space, out_.angular);
     report("judge", 0.85);
@@ -275,7 +275,7 @@ class Diagnoser {
       if (r.heldOutAfter < r.heldOutBefore) out_.formulas.push_back(r);
     }
     out_.where = explainedByVariable(round.space, round.space.target(), Eigen::MatrixXd(round.space.length(), 0));
-    const bool unknown = !out_.formulas.empty() || structure < kStructure;
+    const bool unknown = !out_.formulas.empty() || isStructure(structure);
     const bool confusable = std::any_of(out_.missing.begin(), out_.missing.end(), [](auto& m) { return !m.confusableWith.empty(); });
     out_.verdict = unknown ? Verdict::kUnknownEffect
                    : confusable ? Verdict::kConfusable
@@ -285,19 +285,37 @@ class Diagnoser {
     out_.sentence = sentenceOf(out_, explainedByVariable(round.space, kept.left, kept.basis));
   }
 
+  /// Significant, and large enough to matter: a residual RMS more than about 2.5 % above the noise.
+  static bool isStructure(const Structure& s) { return s.pValue < kStructure && s.share > 0.05; }
+
   /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or beside some.
-  void lookForFormulas(const Round& round, const Subset& found, double& structure, Subset& kept, std::vector<FoundFormula>& formulas) {
-    const double dof = round.search.degreesOfFreedom();
-    std::vector<Subset> rests{found};
-    if (!found.chosen.empty()) rests.push_back(round.search.empty());
-    if (structure < kStructure) {
-      for (std::size_t i = 0; i < found.chosen.size() && found.chosen.size() > 1; ++i) rests.push_back(round.search.without(found, i));
-      for (std::size_t i = 0; i < found.chosen.size() && found.chosen.size() > 2; ++i)
-        rests.push_back(round.search.extend(round.search.empty(), found.chosen[i]));
+  void lookForFormulas(const Round& round, const Subset& found, const Structure& structure, Subset& kept,
+                       std::vector<FoundFormula>& formulas) {
+    const SubsetSearch& search = round.search;
+    const int causes = search.causes(found);
+    if (!isStructure(structure) && causes < 2) return;
+    const double dof = search.degreesOfFreedom();
+    const FormulaSearch formulaSearch(round.space);
+    // what the shapes of the effects found cannot account for is the trace of another cause
+    bool beyondShape = found.chosen.empty();
+    if (!found.chosen.empty() && isStructure(structure)) {
+      Subset wide = found;
+      wide.basis = search.withShapes(found);
+      wide.left = round.space.target() - wide.basis * (wide.basis.transpose() * round.space.target());
+      beyondShape = isStructure(structureLeft(round.space, wide.left, wide.basis));
     }
+    std::vector<Subset> rests;
+    if (isStructure(structure)) rests.push_back(found);
+    if (!found.chosen.empty() && (causes >= 2 || beyondShape)) rests.push_back(search.empty());
+    if (beyondShape && causes >= 2)
+      for (std::size_t i = 0; i < found.chosen.size(); ++i) {
+        rests.push_back(search.without(found, i));
+        if (found.chosen.size() > 2) rests.push_back(search.extend(search.empty(), found.chosen[i]));
+      }
     double best = found.objective - kFormulaMargin;
     for (const Subset& rest : rests) {
-      std::vector<FoundFormula> tried = searchFormulas(round.space, rest, dof, round.search.significance, 5);
+      report("unknown effects", 0.75);
+      std::vector<FoundFormula> tried = formulaSearch.run(rest, dof, search.significance, 5);
       if (tried.empty()) continue;
       const double objective = tried[0].objective + rest.penalty;
       if (objective < best) {
@@ -306,9 +324,6 @@ class Diagnoser {
         formulas = std::move(tried);
       }
     }
-    if (formulas.empty()) return;
-    // what else was found on the way must still count beside the formula
-    structure = 0.0;
   }
 
   /// Values and uncertainties by a full refit of the model with everything that was accepted.

@@ -115,129 +115,171 @@ Eigen::MatrixXd columnsOf(const ResidualSpace& space, const std::vector<Term>& t
   return columns;
 }
 
+/// A formula in the making: terms in one direction.
 struct Pick {
   int direction = 0;
   std::vector<int> terms;
-  Eigen::MatrixXd columns;
   double objective = 1e300;
   double cost = 0.0;
 };
 
+/// Greedy choice of terms with a backward look, on columns that are orthogonal to what is already found.
+class Greedy {
+ public:
+  Greedy(const Eigen::MatrixXd& columns, const std::vector<double>& costs, const Subset& rest, double dof, double logTried)
+      : columns_(columns), costs_(costs), rest_(rest), dof_(dof), logTried_(logTried) {}
+
+  double objectiveOf(double rss, double cost) const {
+    return 0.5 * dof_ * std::log(std::max(rss, 1e-300) / dof_) + (0.5 * std::log(dof_) + 0.5 * logTried_) * cost;
+  }
+
+  /// From one first term on. @param most terms.
+  Pick from(int first, std::size_t most) const {
+    Pick pick;
+    Eigen::VectorXd left = rest_.left;
+    Eigen::MatrixXd basis(columns_.rows(), 0);
+    Eigen::VectorXd room = Eigen::VectorXd::Ones(columns_.cols());  // share of each column outside the basis
+    double rss = rest_.rss, objective = objectiveOf(rss, 0.0);
+    for (int next = first; next >= 0 && pick.terms.size() < most;) {
+      Eigen::VectorXd q = columns_.col(next);
+      for (int pass = 0; pass < 2; ++pass)
+        if (basis.cols() > 0) q -= basis * (basis.transpose() * q);
+      q.normalize();
+      const double gain = q.dot(left), now = objectiveOf(rss - gain * gain, pick.cost + costs_[next]);
+      if (!(now < objective - 3.0)) break;
+      objective = now;
+      rss -= gain * gain;
+      pick.cost += costs_[next];
+      pick.terms.push_back(next);
+      left -= gain * q;
+      basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+      basis.rightCols<1>() = q;
+      room -= (columns_.transpose() * q).cwiseAbs2();
+      const Eigen::VectorXd score = columns_.transpose() * left;
+      next = -1;
+      double best = 1e300;
+      for (int t = 0; t < columns_.cols(); ++t) {
+        if (room[t] < 0.0025) continue;
+        const double o = objectiveOf(rss - score[t] * score[t] / room[t], pick.cost + costs_[t]);
+        if (o < best) best = o, next = t;
+      }
+    }
+    pick.objective = objective;
+    for (std::size_t i = 0; i < pick.terms.size() && pick.terms.size() > 1;) {
+      std::vector<int> fewer = pick.terms;
+      fewer.erase(fewer.begin() + static_cast<long>(i));
+      const double cost = pick.cost - costs_[pick.terms[i]], o = objectiveOf(rssOf(fewer), cost);
+      if (o < pick.objective + 1e-9) {
+        pick.terms = fewer;
+        pick.cost = cost;
+        pick.objective = o;
+        i = 0;
+      } else {
+        ++i;
+      }
+    }
+    return pick;
+  }
+
+  double rssOf(const std::vector<int>& members) const {
+    Eigen::MatrixXd c(columns_.rows(), members.size());
+    for (std::size_t i = 0; i < members.size(); ++i) c.col(static_cast<int>(i)) = columns_.col(members[i]);
+    return (rest_.left - c * c.colPivHouseholderQr().solve(rest_.left)).squaredNorm();
+  }
+
+ private:
+  const Eigen::MatrixXd& columns_;  // normalised
+  const std::vector<double>& costs_;
+  const Subset& rest_;
+  double dof_, logTried_;
+};
+
 }  // namespace
 
-std::vector<FoundFormula> searchFormulas(const ResidualSpace& space, const Subset& rest, double dof, double significance, int count) {
-  const std::vector<Variable> variables = variablesOf(space);
-  const Directions directions = directionsOf(space);
-  const std::vector<Term> terms = makeTerms(variables);
+struct FormulaSearch::Dictionary {
+  std::vector<Variable> variables;
+  Directions directions;
+  std::vector<Term> terms;
+  std::vector<Eigen::MatrixXd> columns;  // a direction: projected columns of all terms
+};
+
+FormulaSearch::FormulaSearch(const ResidualSpace& space) : space_(space), dictionary_(std::make_unique<Dictionary>()) {
+  dictionary_->variables = variablesOf(space);
+  dictionary_->directions = directionsOf(space);
+  dictionary_->terms = makeTerms(dictionary_->variables);
+  for (int d = 0; d < static_cast<int>(dictionary_->directions.names.size()); ++d) {
+    const Domain& domain = space.problem().model().domain();
+    const int joint = domain.findJoint(dictionary_->directions.names[d]);
+    const bool rotary = joint >= 0 && domain.joints[joint].kind == JointKind::kRotary;
+    dictionary_->columns.push_back(columnsOf(space, dictionary_->terms, dictionary_->directions.factors.col(d), rotary ? kArcsecond : kMicrometre));
+  }
+}
+
+FormulaSearch::~FormulaSearch() = default;
+
+std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, double significance, int count) const {
+  constexpr std::size_t kKept = 900, kStarts = 5, kMostTerms = 4;
+  const Dictionary& book = *dictionary_;
   std::vector<FoundFormula> found;
-  if (terms.empty() || directions.names.empty()) return found;
-  const double base = 0.5 * dof * std::log(std::max(rest.rss, 1e-300) / dof);
-  const double unitPenalty = 0.5 * std::log(dof);
-  const double logTried = std::log(static_cast<double>(terms.size() * directions.names.size()));
+  if (book.terms.empty() || book.directions.names.empty()) return found;
+  const double logTried = std::log(static_cast<double>(book.terms.size() * book.directions.names.size()));
 
   std::vector<Pick> picks;
-  for (int d = 0; d < static_cast<int>(directions.names.size()); ++d) {
-    const int joint = space.problem().model().domain().findJoint(directions.names[d]);
-    const bool rotary = joint >= 0 && space.problem().model().domain().joints[joint].kind == JointKind::kRotary;
-    Eigen::MatrixXd columns = columnsOf(space, terms, directions.factors.col(d), rotary ? kArcsecond : kMicrometre);
-    Eigen::MatrixXd fresh = columns;
-    if (rest.basis.cols() > 0) fresh -= rest.basis * (rest.basis.transpose() * fresh);
-    std::vector<char> usable(terms.size(), 1);
-    for (int t = 0; t < fresh.cols(); ++t) {
-      const double norm = fresh.col(t).norm();
-      if (norm < 1e-3 * columns.col(t).norm() || !(norm > 0.0)) usable[t] = 0;
-      else fresh.col(t) /= norm;
-    }
-    // greedy from each of the best first terms: up to four terms in one direction
-    const Eigen::VectorXd score = fresh.transpose() * rest.left;
-    const auto objectiveOf = [&](double rss, double cost) {
-      return 0.5 * dof * std::log(std::max(rss, 1e-300) / dof) + unitPenalty * cost + 0.5 * logTried * cost;
-    };
+  for (int d = 0; d < static_cast<int>(book.directions.names.size()); ++d) {
+    // the terms that explain most alone; the rest rarely helps and costs time
+    const Eigen::MatrixXd& all = book.columns[d];
+    const Eigen::MatrixXd inBasis = rest.basis.transpose() * all;
+    const Eigen::VectorXd score = all.transpose() * rest.left;
     std::vector<std::pair<double, int>> order;
-    for (int t = 0; t < static_cast<int>(terms.size()); ++t)
-      if (usable[t]) order.emplace_back(objectiveOf(rest.rss - score[t] * score[t], terms[t].cost), t);
-    std::sort(order.begin(), order.end());
-    for (std::size_t k = 0; k < std::min<std::size_t>(4, order.size()); ++k) {
-      Pick pick;
-      pick.direction = d;
-      Eigen::MatrixXd left = rest.left;
-      Eigen::MatrixXd work = fresh;
-      int next = order[k].second;
-      double rss = rest.rss, objective = base;
-      while (next >= 0 && pick.terms.size() < 4) {
-        const Eigen::VectorXd q = work.col(next);
-        const double gain = q.dot(left.col(0));
-        const double cost = pick.cost + terms[next].cost;
-        const double now = objectiveOf(rss - gain * gain, cost);
-        if (!(now < objective - 3.0)) break;
-        objective = now;
-        rss -= gain * gain;
-        pick.terms.push_back(next);
-        pick.cost = cost;
-        left -= q * gain;
-        work -= q * (q.transpose() * work);
-        const Eigen::VectorXd norms = work.colwise().norm();
-        const Eigen::VectorXd s = work.transpose() * left.col(0);
-        next = -1;
-        double best = 1e300;
-        for (int t = 0; t < work.cols(); ++t) {
-          if (!usable[t] || norms[t] < 0.05) continue;
-          const double drop = s[t] * s[t] / (norms[t] * norms[t]);
-          const double o = objectiveOf(rss - drop, pick.cost + terms[t].cost);
-          if (o < best) best = o, next = t;
-        }
-        if (next >= 0) work.col(next) /= norms[next];
-      }
+    for (int t = 0; t < all.cols(); ++t) {
+      const double total = all.col(t).squaredNorm(), room = total - inBasis.col(t).squaredNorm();
+      if (room > 1e-6 * total && room > 0.0)
+        order.emplace_back(0.5 * dof * std::log(std::max(1e-9, 1.0 - score[t] * score[t] / room / rest.rss)) +
+                               book.terms[t].cost * 0.5 * (std::log(dof) + logTried), t);
+    }
+    const std::size_t kept = std::min(kKept, order.size());
+    std::partial_sort(order.begin(), order.begin() + static_cast<long>(kept), order.end());
+    Eigen::MatrixXd columns(all.rows(), kept);
+    std::vector<double> costs;
+    for (std::size_t k = 0; k < kept; ++k) {
+      columns.col(static_cast<int>(k)) = all.col(order[k].second);
+      costs.push_back(book.terms[order[k].second].cost);
+    }
+    if (rest.basis.cols() > 0) columns -= rest.basis * (rest.basis.transpose() * columns);
+    columns.colwise().normalize();
+    const Greedy greedy(columns, costs, rest, dof, logTried);
+    for (std::size_t k = 0; k < std::min(kStarts, kept); ++k) {
+      Pick pick = greedy.from(static_cast<int>(k), kMostTerms);
       if (pick.terms.empty()) continue;
-      // backward look: a term found early may no longer count
-      const auto fit = [&](const std::vector<int>& members) {
-        Eigen::MatrixXd c(space.length(), members.size());
-        for (std::size_t i = 0; i < members.size(); ++i) c.col(static_cast<int>(i)) = fresh.col(members[i]);
-        const Eigen::VectorXd r = rest.left - c * c.colPivHouseholderQr().solve(rest.left);
-        return r.squaredNorm();
-      };
-      for (std::size_t i = 0; i < pick.terms.size() && pick.terms.size() > 1;) {
-        std::vector<int> fewer = pick.terms;
-        fewer.erase(fewer.begin() + static_cast<long>(i));
-        const double cost = pick.cost - terms[pick.terms[i]].cost;
-        const double o = objectiveOf(fit(fewer), cost);
-        if (o < objective + 1e-9) {
-          pick.terms = fewer;
-          pick.cost = cost;
-          objective = o;
-          i = 0;
-        } else {
-          ++i;
-        }
-      }
-      pick.objective = objective;
-      pick.columns.resize(space.length(), pick.terms.size());
-      for (std::size_t i = 0; i < pick.terms.size(); ++i) pick.columns.col(static_cast<int>(i)) = columns.col(pick.terms[i]);
+      pick.direction = d;
+      for (int& t : pick.terms) t = order[t].second;
+      std::sort(pick.terms.begin(), pick.terms.end());
       picks.push_back(std::move(pick));
     }
   }
   std::stable_sort(picks.begin(), picks.end(), [](const Pick& a, const Pick& b) { return a.objective < b.objective; });
   for (const Pick& pick : picks) {
     if (static_cast<int>(found.size()) >= count) break;
-    Eigen::MatrixXd c = pick.columns;
-    if (rest.basis.cols() > 0) c -= rest.basis * (rest.basis.transpose() * c);
-    const Eigen::VectorXd left = rest.left - c * c.colPivHouseholderQr().solve(rest.left);
-    const double drop = rest.rss - left.squaredNorm(), free = pick.cost;
-    const double logP = logPValueF(drop / free / (left.squaredNorm() / std::max(1.0, dof - free)), free, dof - free) +
-                        static_cast<double>(pick.terms.size()) * logTried;
-    if (logP > std::log(significance)) continue;
     FoundFormula f;
+    f.columns.resize(space_.length(), pick.terms.size());
     std::string text;
     for (std::size_t i = 0; i < pick.terms.size(); ++i) {
-      const Term& t = terms[pick.terms[i]];
+      const Term& t = book.terms[pick.terms[i]];
+      f.columns.col(static_cast<int>(i)) = book.columns[pick.direction].col(pick.terms[i]);
       text += (i > 0 ? "+k" : "k") + std::to_string(i + 1) + "*" + t.text;
       for (int v : t.variables)
-        if (std::find(f.variables.begin(), f.variables.end(), variables[v].name) == f.variables.end())
-          f.variables.push_back(variables[v].name);
+        if (std::find(f.variables.begin(), f.variables.end(), book.variables[v].name) == f.variables.end())
+          f.variables.push_back(book.variables[v].name);
     }
+    Eigen::MatrixXd c = f.columns;
+    if (rest.basis.cols() > 0) c -= rest.basis * (rest.basis.transpose() * c);
+    c.colwise().normalize();
+    const double after = (rest.left - c * c.colPivHouseholderQr().solve(rest.left)).squaredNorm();
+    const double logP = logPValueF((rest.rss - after) / pick.cost / (after / std::max(1.0, dof - pick.cost)), pick.cost, dof - pick.cost) +
+                        static_cast<double>(pick.terms.size()) * logTried;
+    if (logP > std::log(significance)) continue;
     f.spec = EffectSpec("formula");
-    f.spec.set("direction", directions.names[pick.direction]).set("formula", text);
-    f.columns = pick.columns;
+    f.spec.set("direction", book.directions.names[pick.direction]).set("formula", text);
     f.objective = pick.objective;
     if (std::none_of(found.begin(), found.end(), [&](const FoundFormula& o) { return o.spec == f.spec; })) found.push_back(std::move(f));
   }

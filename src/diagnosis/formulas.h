@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,22 @@ struct FoundFormula {
   double objective = 0.0;   // penalised negative log-likelihood
 };
 
-/// Sparse search over products, powers, harmonics, steps and lags of the session's variables, in every direction: the
-/// shortest formulas first. Values in um (arcsec for rotary directions), variables in the units of `formula`.
-/// @param rest what is already in the model and found: its `left` is to be explained.
-/// @return at most `count`, best first; empty when none is significant after correction for all terms tried.
-std::vector<FoundFormula> searchFormulas(const ResidualSpace& space, const Subset& rest, double dof, double significance, int count);
+/// Sparse search over products, powers, harmonics, steps and decays of the session's variables and their sums, in every
+/// direction: the shortest formulas first. Values in um (arcsec for rotary directions), variables in the units of
+/// `formula`.
+class FormulaSearch {
+ public:
+  explicit FormulaSearch(const ResidualSpace& space);
+  ~FormulaSearch();
+
+  /// @param rest what is already in the model and found: its `left` is to be explained.
+  /// @return at most `count`, best first; empty when none is significant after correction for all terms tried.
+  std::vector<FoundFormula> run(const Subset& rest, double dof, double significance, int count) const;
+
+ private:
+  struct Dictionary;
+  const ResidualSpace& space_;
+  std::unique_ptr<Dictionary> dictionary_;
+};
 
 }  // namespace mm

@@ -186,29 +186,32 @@ std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const 
   return out;
 }
 
-double structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found) {
+Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
-  double smallest = 0.0;
-  int tests = 0;
+  std::vector<Test> tests;
+  const auto test = [&](const Eigen::MatrixXd& terms) {
+    if (3 * terms.cols() * directions.factors.cols() < space.rows())
+      tests.push_back(explain(space, left, found, times(space, terms, directions.factors)));
+  };
   for (std::size_t a = 0; a < variables.size(); ++a) {
-    const Eigen::MatrixXd ta = termsOf(variables[a], 6);
-    if (3 * ta.cols() * directions.factors.cols() < space.rows()) {
-      smallest = std::min(smallest, explain(space, left, found, times(space, ta, directions.factors)).logP);
-      ++tests;
-    }
+    test(termsOf(variables[a], 6));
     for (std::size_t b = a + 1; b < variables.size(); ++b) {
-      const Eigen::MatrixXd ua = termsOf(variables[a], 2), ub = termsOf(variables[b], 2);
       if (variables[a].name == "ball" || variables[b].name == "ball") continue;
+      const Eigen::MatrixXd ua = termsOf(variables[a], 2), ub = termsOf(variables[b], 2);
       Eigen::MatrixXd product(ua.rows(), ua.cols() * ub.cols());
       for (int i = 0; i < ua.cols(); ++i)
         for (int j = 0; j < ub.cols(); ++j) product.col(i * ub.cols() + j) = ua.col(i).cwiseProduct(ub.col(j));
-      if (3 * product.cols() * directions.factors.cols() >= space.rows()) continue;
-      smallest = std::min(smallest, explain(space, left, found, times(space, product, directions.factors)).logP);
-      ++tests;
+      test(product);
     }
   }
-  return std::min(1.0, std::exp(smallest) * std::max(1, tests));
+  Structure structure;
+  for (const Test& t : tests) {
+    const double p = std::min(1.0, std::exp(t.logP) * static_cast<double>(tests.size()));
+    if (p < structure.pValue) structure.pValue = p;
+    if (p < 1e-4) structure.share = std::max(structure.share, t.share);
+  }
+  return structure;
 }
 
 }  // namespace mm

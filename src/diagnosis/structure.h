@@ -33,7 +33,11 @@ Directions directionsOf(const ResidualSpace& space);
 /// @param found orthonormal columns of effects already found. The p-values are corrected for the number of variables.
 std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found);
 
-/// Smallest corrected p-value of tests of single variables and of pairs of variables: whether structure is left.
-double structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found);
+/// Structure that is left: the most significant of the tests of single variables and of pairs of variables.
+struct Structure {
+  double pValue = 1.0;  // corrected for the number of tests
+  double share = 0.0;   // of the residual variance, adjusted
+};
+Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found);
 
 }  // namespace mm

@@ -38,13 +38,48 @@ std::vector<int> membersOf(const Subset& s) {
   return m;
 }
 
+constexpr double kNewCause = 4.0;  // log of the odds against one more cause rather than one more shape of a known one
+
+/// Keys that describe the shape of an effect, not its cause.
+bool isShape(const std::string& key) {
+  static const std::set<std::string> kShapes = {"degree", "power", "order", "harmonic", "lag", "period_mm", "period_deg"};
+  return kShapes.count(key) > 0;
+}
+
 bool contains(const Subset& s, int candidate) {
   return std::any_of(s.chosen.begin(), s.chosen.end(), [&](const Chosen& c) { return c.candidate == candidate; });
 }
 
+/// The variables that an effect's columns depend on, by the names of `variablesOf`.
+std::set<std::string> variablesIn(const EffectSpec& spec) {
+  std::set<std::string> names;
+  for (const auto& [key, value] : spec.keys)
+    for (const std::string& item : value.items) {
+      if (key == "axis" || key == "of" || key == "with" || key == "joint") names.insert(item);
+      if (key == "sensor" || key == "sensors") names.insert({"temperature " + item, "time"});
+      if (key == "covariate") names.insert({item});
+    }
+  if (spec.type == "backlash") names.insert(spec.text("axis") + " speed");
+  if (spec.type == "time_drift" || spec.type == "warm_up") names.insert("time");
+  if (spec.type == "speed_lag") names.insert({"x speed", "y speed", "z speed"});
+  if (spec.type.rfind("probe_", 0) == 0 || spec.type.rfind("laser_", 0) == 0 || spec.type == "artifact_expansion")
+    names.insert({"approach x", "approach y", "approach z"});
+  return names;
+}
+
 }  // namespace
 
+bool sameCause(const EffectSpec& a, const EffectSpec& b) {
+  if (a.type != b.type) return false;
+  for (const auto& [key, value] : a.keys)
+    if (!isShape(key) && (b.find(key) == nullptr || !(*b.find(key) == value))) return false;
+  for (const auto& [key, value] : b.keys)
+    if (!isShape(key) && a.find(key) == nullptr) return false;
+  return true;
+}
+
 SubsetSearch::SubsetSearch(const ResidualSpace& space, const CandidateSet& set) : space_(space), set_(set) {
+  variables_ = variablesOf(space);
   dof_ = std::max(1.0, static_cast<double>(space.length() - space.baseRank()));
   for (const Atom& a : set.atoms) {
     const auto c = set.columns.middleCols(a.first, a.count);
@@ -52,7 +87,88 @@ SubsetSearch::SubsetSearch(const ResidualSpace& space, const CandidateSet& set) 
   }
 }
 
-double SubsetSearch::penaltyOf(int candidate) const { return 0.5 * std::log(dof_) * set_.candidates[candidate].freeParameters; }
+double SubsetSearch::penaltyOf(const Subset& subset, int candidate) const {
+  const Candidate& c = set_.candidates[candidate];
+  const bool known = std::any_of(subset.chosen.begin(), subset.chosen.end(), [&](const Chosen& other) {
+    return sameCause(set_.candidates[other.candidate].spec, c.spec);
+  });
+  return 0.5 * std::log(dof_) * c.freeParameters + (known ? 0.0 : kNewCause);
+}
+
+int SubsetSearch::causes(const Subset& subset) const {
+  int count = 0;
+  for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
+    bool first = true;
+    for (std::size_t k = 0; k < i; ++k)
+      first &= !sameCause(set_.candidates[subset.chosen[i].candidate].spec, set_.candidates[subset.chosen[k].candidate].spec);
+    count += first;
+  }
+  return count;
+}
+
+const Eigen::MatrixXd& SubsetSearch::shapeOf(const Chosen& chosen) const {
+  const auto key = std::make_pair(chosen.candidate, chosen.nonlinear);
+  const auto known = shapes_.find(key);
+  if (known != shapes_.end()) return known->second;
+  const Candidate& candidate = set_.candidates[chosen.candidate];
+  std::vector<double> p;
+  for (const Parameter& q : candidate.effect->parameters()) p.push_back(q.start);
+  const std::vector<int> nonlinear = candidate.effect->nonlinearParameters();
+  for (std::size_t k = 0; k < nonlinear.size(); ++k) p[nonlinear[k]] = chosen.nonlinear[k];
+  const Eigen::MatrixXd raw = space_.columns(*candidate.effect, p);
+  const std::set<std::string> names = variablesIn(candidate.spec);
+  std::vector<Eigen::VectorXd> columns;
+  for (int k = 0; k < raw.cols(); ++k) {
+    if (!(raw.col(k).norm() > 0.0)) continue;
+    columns.push_back(raw.col(k));
+    for (const Variable& v : variables_) {
+      if (names.count(v.name) == 0) continue;
+      const bool position = v.symbol == v.name;
+      const int order = position ? 6 : 3;
+      Eigen::VectorXd before = Eigen::VectorXd::Ones(space_.rows()), now = v.values;
+      for (int n = 1; n <= order; ++n) {
+        Eigen::VectorXd c = raw.col(k);
+        c.head(space_.rows()) = c.head(space_.rows()).cwiseProduct(now);
+        columns.push_back(c);
+        const Eigen::VectorXd next = ((2 * n + 1) * v.values.cwiseProduct(now) - n * before) / (n + 1);
+        before = now;
+        now = next;
+      }
+    }
+  }
+  Eigen::MatrixXd all(space_.length(), columns.size());
+  for (std::size_t k = 0; k < columns.size(); ++k) all.col(static_cast<int>(k)) = columns[k];
+  space_.project(all);
+  return shapes_[key] = freshBasis(Eigen::MatrixXd(space_.length(), 0), all);
+}
+
+Eigen::MatrixXd SubsetSearch::withShapes(const Subset& subset, const EffectSpec* but) const {
+  Eigen::MatrixXd all = subset.basis;
+  for (const Chosen& c : subset.chosen) {
+    if (but != nullptr && sameCause(set_.candidates[c.candidate].spec, *but)) continue;
+    const Eigen::MatrixXd fresh = freshBasis(all, shapeOf(c));
+    const int before = static_cast<int>(all.cols());
+    all.conservativeResize(Eigen::NoChange, before + fresh.cols());
+    all.rightCols(fresh.cols()) = fresh;
+  }
+  return all;
+}
+
+bool SubsetSearch::standsAlone(const Subset& subset, const Gain& gain) const {
+  constexpr double kLeftOver = 0.12;  // of the largest member's share: (0.35)^2
+  const EffectSpec& spec = set_.candidates[gain.candidate].spec;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
+    if (sameCause(set_.candidates[subset.chosen[i].candidate].spec, spec)) return true;
+    largest = std::max(largest, without(subset, i).rss - subset.rss);
+  }
+  if (subset.chosen.empty() || gain.drop >= kLeftOver * largest) return true;
+  Subset wide = subset;
+  wide.basis = withShapes(subset, &spec);
+  wide.left = space_.target() - wide.basis * (wide.basis.transpose() * space_.target());
+  wide.rss = wide.left.squaredNorm();
+  return significant(evaluate(wide, gain.candidate, gain.nonlinear, gain.columns));
+}
 
 Subset SubsetSearch::empty() const {
   Subset s;
@@ -71,7 +187,7 @@ Subset SubsetSearch::extend(const Subset& subset, const Chosen& chosen) const {
   s.basis << subset.basis, fresh;
   s.left = subset.left - fresh * (fresh.transpose() * subset.left);
   s.rss = s.left.squaredNorm();
-  s.penalty = subset.penalty + penaltyOf(chosen.candidate);
+  s.penalty = subset.penalty + penaltyOf(subset, chosen.candidate);
   s.objective = 0.5 * dof_ * std::log(std::max(s.rss, 1e-300) / dof_) + s.penalty;
   return s;
 }
@@ -92,7 +208,7 @@ Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vect
   g.rank = static_cast<int>(fresh.cols());
   g.drop = (fresh.transpose() * subset.left).squaredNorm();
   const double rss = std::max(subset.rss - g.drop, 1e-300);
-  g.objective = 0.5 * dof_ * std::log(rss / dof_) + subset.penalty + penaltyOf(candidate);
+  g.objective = 0.5 * dof_ * std::log(rss / dof_) + subset.penalty + penaltyOf(subset, candidate);
   const int free = g.rank + set_.candidates[candidate].freeParameters - static_cast<int>(set_.candidates[candidate].linear.size());
   const double rest = dof_ - subset.basis.cols() - g.rank;
   g.logP = g.rank > 0 && rest > 0 ? logPValueF(g.drop / free / (rss / rest), free, rest) : 0.0;
@@ -166,7 +282,7 @@ std::vector<Gain> SubsetSearch::bestGains(const Subset& subset, int count, bool 
       for (int k = 0; k < a.count; ++k)
         if (eigen.eigenvalues()[k] > kDependent) drop += s[k] * s[k] / eigen.eigenvalues()[k];
     }
-    const double objective = 0.5 * dof_ * std::log(std::max(subset.rss - drop, 1e-300) / dof_) + subset.penalty + penaltyOf(a.candidate);
+    const double objective = 0.5 * dof_ * std::log(std::max(subset.rss - drop, 1e-300) / dof_) + subset.penalty + penaltyOf(subset, a.candidate);
     auto [it, fresh] = best.try_emplace(a.candidate, Quick{objective, static_cast<int>(i)});
     if (!fresh && objective < it->second.objective) it->second = {objective, static_cast<int>(i)};
   }
@@ -224,15 +340,19 @@ void SubsetSearch::exchange(Subset& subset) const {
 }
 
 void SubsetSearch::prune(Subset& subset) const {
-  for (std::size_t i = 0; i < subset.chosen.size();) {
-    const Subset rest = without(subset, i);
-    const Gain g = evaluate(rest, subset.chosen[i].candidate, subset.chosen[i].nonlinear, subset.chosen[i].columns);
-    if (significant(g) && g.objective < rest.objective) {
-      ++i;
-    } else {
-      subset = rest;
-      i = 0;
+  for (;;) {  // of the members that do not count beside the others, the smallest goes first
+    double smallest = 1e300;
+    std::size_t goes = subset.chosen.size();
+    for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
+      const Subset rest = without(subset, i);
+      const Gain g = evaluate(rest, subset.chosen[i].candidate, subset.chosen[i].nonlinear, subset.chosen[i].columns);
+      if ((!significant(g) || g.objective >= rest.objective || !standsAlone(rest, g)) && g.drop < smallest) {
+        smallest = g.drop;
+        goes = i;
+      }
     }
+    if (goes == subset.chosen.size()) return;
+    subset = without(subset, goes);
   }
 }
 
@@ -247,7 +367,7 @@ Subset SubsetSearch::run() const {
     for (const Subset& s : beam) {
       if (cancelled && cancelled()) return best;
       for (const Gain& g : bestGains(s, branches, true)) {
-        if (!significant(g) || g.objective >= s.objective) continue;
+        if (!significant(g) || g.objective >= s.objective || !standsAlone(s, g)) continue;
         Subset grown = extend(s, {g.candidate, g.nonlinear, g.columns});
         auto [it, fresh] = next.try_emplace(membersOf(grown), grown);
         if (!fresh && grown.objective < it->second.objective) it->second = grown;
@@ -264,7 +384,7 @@ Subset SubsetSearch::run() const {
   prune(best);
   for (int again = 0; again < 3; ++again) {  // room may have been made for another
     const std::vector<Gain> more = bestGains(best, 1, true);
-    if (more.empty() || !significant(more[0]) || more[0].objective >= best.objective) break;
+    if (more.empty() || !significant(more[0]) || more[0].objective >= best.objective || !standsAlone(best, more[0])) break;
     best = extend(best, {more[0].candidate, more[0].nonlinear, more[0].columns});
     exchange(best);
     prune(best);

@@ -1,9 +1,12 @@
 #pragma once
 #include <Eigen/Core>
 #include <functional>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/candidates.h"
+#include "diagnosis/structure.h"
 
 namespace mm {
 
@@ -23,6 +26,9 @@ struct Subset {
   double penalty = 0.0;    // 1/2 ln N for each parameter
   double objective = 0.0;  // penalised negative log-likelihood: 1/2 N ln(rss / N) + penalty
 };
+
+/// The same physical cause: same type at the same place; degree, power, order, harmonic, period and lag are its shape.
+bool sameCause(const EffectSpec& a, const EffectSpec& b);
 
 /// What one effect adds to a set.
 struct Gain {
@@ -55,6 +61,16 @@ class SubsetSearch {
   std::vector<Gain> bestGains(const Subset& subset, int count, bool refine) const;
   /// Gain of one candidate near given nonlinear values.
   Gain gainOf(const Subset& subset, int candidate, const std::vector<double>& nonlinear, bool refine) const;
+  /// What the shape of a found effect may differ by from the catalogue's: its columns times low-order functions of the
+  /// variables it depends on, projected on the model, orthonormal. No physical effect is exactly a Legendre polynomial
+  /// or one exponential: what lies in this span is the same cause in another shape before it is another cause.
+  const Eigen::MatrixXd& shapeOf(const Chosen& chosen) const;
+  /// Orthonormal columns of the subset and of the shapes of all its members (of those whose cause is not `but`).
+  Eigen::MatrixXd withShapes(const Subset& subset, const EffectSpec* but = nullptr) const;
+  /// False when a gain is only what the shape of a larger member leaves over.
+  bool standsAlone(const Subset& subset, const Gain& gain) const;
+  /// Number of different causes in a subset: the same type at the same place in other shapes is one.
+  int causes(const Subset& subset) const;
   /// log of the p-value of a gain, corrected for the number of atoms tried.
   double correctedLogP(const Gain& gain) const;
   bool significant(const Gain& gain) const;
@@ -65,10 +81,12 @@ class SubsetSearch {
   void prune(Subset& subset) const;
   void refineAll(Subset& subset) const;
   Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear, Eigen::MatrixXd columns) const;
-  double penaltyOf(int candidate) const;
+  double penaltyOf(const Subset& subset, int candidate) const;
 
   const ResidualSpace& space_;
   const CandidateSet& set_;
+  mutable std::map<std::pair<int, std::vector<double>>, Eigen::MatrixXd> shapes_;
+  std::vector<Variable> variables_;
   double dof_ = 1.0;  // residuals minus the model's unknowns
   std::vector<Eigen::MatrixXd> grams_;  // an atom
 };
