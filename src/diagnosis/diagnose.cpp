@@ -217,6 +217,20 @@ class Diagnoser {
       const double delta = g.objective - subset.objective;
       if (delta <= kConfusable && out.size() < kMostConfusable) out.push_back({round.set.candidates[g.candidate].spec, std::max(0.0, delta)});
     }
+    // the same with one or two members out and one cause in several shapes in their place
+    const EffectSpec& own = round.set.candidates[subset.chosen[member].candidate].spec;
+    for (const std::vector<int>& family : round.search.families()) {
+      const EffectSpec& other = round.set.candidates[family[0]].spec;
+      if (out.size() >= kMostConfusable || sameCause(other, own)) continue;
+      if (std::any_of(out.begin(), out.end(), [&](const Confusable& c) { return sameCause(c.effect, other); })) continue;
+      double best = 1e300;
+      for (std::size_t also = 0; also < subset.chosen.size(); ++also) {
+        Subset without = round.search.without(subset, std::max(also, member));
+        if (also != member) without = round.search.without(without, std::min(also, member));
+        best = std::min(best, round.search.withFamily(without, family).objective);
+      }
+      if (best - subset.objective <= kConfusable) out.push_back({other, std::max(0.0, best - subset.objective)});
+    }
     return out;
   }
 

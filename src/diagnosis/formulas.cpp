@@ -26,81 +26,137 @@ std::string number(double v) {
   return text;
 }
 
-Eigen::VectorXd rawOf(const Variable& v) { return v.values.array() * v.half + v.centre; }
+/// How a variable is written in formulas, and its values there. Temperatures count from the reference temperature.
+struct Written {
+  std::string text;
+  Eigen::ArrayXd values;
+  std::string unit;  // sums are only made of equal units
+  bool speed = false;
+};
 
-/// Single-variable shapes, then products of two and three variables.
-std::vector<Term> makeTerms(const std::vector<Variable>& variables) {
+Written writtenAs(const Variable& v, const Domain& domain) {
+  Written w;
+  w.text = v.symbol;
+  w.values = v.values.array() * v.half + v.centre;
+  w.speed = v.symbol.find("_velocity") != std::string::npos;
+  if (domain.findSensor(v.symbol) >= 0) {
+    w.text = "(" + v.symbol + "-20)";
+    w.values -= kReferenceTemperature;
+    w.unit = "degC";
+  } else if (domain.findJoint(v.symbol) >= 0) {
+    w.unit = domain.joints[domain.findJoint(v.symbol)].kind == JointKind::kLinear ? "mm" : "rad";
+  }
+  return w;
+}
+
+/// Single-variable shapes, then products of two and three variables and functions of sums of equal units.
+std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain& domain) {
+  constexpr double kMoreVariables = 0.3, kHigherPower = 0.15;  // description length beyond the factor itself
   std::vector<Term> terms;
   std::vector<int> continuous;
+  std::vector<Written> written(variables.size());
   for (int i = 0; i < static_cast<int>(variables.size()); ++i)
-    if (!variables[i].symbol.empty()) continuous.push_back(i);
+    if (!variables[i].symbol.empty()) {
+      continuous.push_back(i);
+      written[i] = writtenAs(variables[i], domain);
+    }
   const auto add = [&](const std::string& text, std::vector<int> on, const Eigen::VectorXd& values, double cost) {
-    if (values.allFinite() && values.maxCoeff() > values.minCoeff()) terms.push_back({text, std::move(on), values, cost});
+    if (!values.allFinite() || !(values.maxCoeff() > values.minCoeff())) return;
+    cost += kMoreVariables * (static_cast<double>(on.size()) - 1.0);
+    terms.push_back({text, std::move(on), values, cost});
   };
-  const auto isSpeed = [&](int i) { return variables[i].symbol.find("_velocity") != std::string::npos; };
   std::map<int, std::vector<Term>> shapes;  // of one variable, for products
   for (int i : continuous) {
-    const std::string& s = variables[i].symbol;
-    const Eigen::ArrayXd raw = rawOf(variables[i]).array();
+    const std::string& s = written[i].text;
+    const Eigen::ArrayXd& raw = written[i].values;
     const std::size_t first = terms.size();
     add(s, {i}, raw, 1);
-    add(s + "^2", {i}, raw.square(), 1);
-    add(s + "^3", {i}, raw.cube(), 1);
+    add(s + "^2", {i}, raw.square(), 1 + kHigherPower);
+    add(s + "^3", {i}, raw.cube(), 1 + 2 * kHigherPower);
     if (raw.minCoeff() < 0 && raw.maxCoeff() > 0) {
-      add("abs(" + s + ")", {i}, raw.abs(), 1);
-      add("sign(" + s + ")", {i}, raw.sign(), 1);
+      add("abs(" + s + ")", {i}, raw.abs(), 1 + kHigherPower);
+      add("sign(" + s + ")", {i}, raw.sign(), 1 + kHigherPower);
+      add("sign(" + s + ")*sqrt(abs(" + s + "))", {i}, raw.sign() * raw.abs().sqrt(), 1 + 2 * kHigherPower);
+    } else if (raw.minCoeff() >= 0) {
+      add("sqrt(" + s + ")", {i}, raw.sqrt(), 1 + kHigherPower);
     }
     shapes[i].assign(terms.begin() + static_cast<long>(first), terms.end());
-    // temperatures count from the reference, so that products mean something
-    const double centre = variables[i].centre, half = variables[i].half;
-    for (int step = -6; step <= 6; ++step) {
-      const double at = centre + half * step / 7.0;
-      add("(" + s + ">" + number(at) + ")", {i}, (raw > std::stod(number(at))).cast<double>(), 2);
-      add("abs(" + s + "-" + number(at) + ")", {i}, (raw - std::stod(number(at))).abs(), 2);
+    const double half = variables[i].half, centre = 0.5 * (raw.minCoeff() + raw.maxCoeff());
+    if (std::abs(centre) > 2.0 * half && written[i].unit.empty()) {  // far from zero: deviations from the middle count
+      const std::string middle = number(centre);
+      shapes[i].push_back({"(" + s + "-" + middle + ")", {i}, raw - std::stod(middle), 1 + kHigherPower});
     }
-    if (!isSpeed(i)) {
-      for (double waves = 0.5; waves <= 24.0; waves += waves < 4 ? 0.25 : 0.5) {
-        const double period = std::stod(number(2.0 * half / waves));
-        add("sin(2*pi*" + s + "/" + number(period) + ")", {i}, (2.0 * kPi / period * raw).sin(), 2);
-        add("cos(2*pi*" + s + "/" + number(period) + ")", {i}, (2.0 * kPi / period * raw).cos(), 2);
+    for (int step = -6; step <= 6; ++step) {
+      const std::string at = number(centre + half * step / 7.0);
+      const Eigen::ArrayXd from = raw - std::stod(at);
+      const std::string difference = at[0] == '-' ? s + "+" + at.substr(1) : s + "-" + at;
+      add("(" + s + ">" + at + ")", {i}, (from > 0.0).cast<double>(), 2);
+      add("abs(" + difference + ")", {i}, from.abs(), 2);
+      for (double width : {0.1, 0.25}) {
+        const std::string w = number(2.0 * half * width);
+        add("tanh((" + difference + ")/" + w + ")", {i}, (from / std::stod(w)).tanh(), 3);
+      }
+    }
+    if (!written[i].speed) {
+      const bool joint = !written[i].unit.empty() && written[i].unit != "degC";
+      for (double waves = 0.5; waves <= (joint ? 24.0 : 10.0); waves += waves < 4 ? 0.25 : 0.5) {
+        const std::string period = number(2.0 * half / waves);
+        const double k = 2.0 * kPi / std::stod(period);
+        add("sin(2*pi*" + s + "/" + period + ")", {i}, (k * raw).sin(), 2);
+        add("cos(2*pi*" + s + "/" + period + ")", {i}, (k * raw).cos(), 2);
       }
       for (double tau : {0.05, 0.1, 0.2, 0.4, 0.8}) {
-        const double scale = std::stod(number(2.0 * half * tau));
-        add("exp(-(" + s + "-" + number(centre - half) + ")/" + number(scale) + ")", {i}, (-(raw - (centre - half)) / scale).exp(), 2);
-        add("exp((" + s + "-" + number(centre + half) + ")/" + number(scale) + ")", {i}, ((raw - (centre + half)) / scale).exp(), 2);
+        const std::string scale = number(2.0 * half * tau);
+        const std::string low = number(-(centre - half)), high = number(-(centre + half));
+        const auto plus = [](const std::string& v) { return v[0] == '-' ? v : "+" + v; };
+        add("exp(-(" + s + plus(low) + ")/" + scale + ")", {i}, (-(raw + std::stod(low)) / std::stod(scale)).exp(), 2);
+        add("exp((" + s + plus(high) + ")/" + scale + ")", {i}, ((raw + std::stod(high)) / std::stod(scale)).exp(), 2);
       }
     }
   }
-  for (std::size_t a = 0; a < continuous.size(); ++a)
-    for (std::size_t b = a + 1; b < continuous.size(); ++b) {
-      for (const Term& ta : shapes[continuous[a]])
-        for (const Term& tb : shapes[continuous[b]])
-          add(ta.text + "*" + tb.text, {continuous[a], continuous[b]}, ta.values.cwiseProduct(tb.values), 1);
-      for (int both : {1, -1}) {  // powers of a sum or a difference: a distance along a diagonal
-        const Eigen::ArrayXd sum = rawOf(variables[continuous[a]]).array() + both * rawOf(variables[continuous[b]]).array();
-        const std::string text = "(" + variables[continuous[a]].symbol + (both > 0 ? "+" : "-") + variables[continuous[b]].symbol + ")";
-        add("abs" + text, {continuous[a], continuous[b]}, sum.abs(), 1);
-        add("sign" + text, {continuous[a], continuous[b]}, sum.sign(), 1);
-        if (sum.minCoeff() > 0) add("sqrt" + text, {continuous[a], continuous[b]}, sum.sqrt(), 1);
-      }
-      if (isSpeed(continuous[a]) || isSpeed(continuous[b])) continue;
-      const Eigen::ArrayXd ra = rawOf(variables[continuous[a]]).array(), rb = rawOf(variables[continuous[b]]).array();
-      const std::string &sa = variables[continuous[a]].symbol, &sb = variables[continuous[b]].symbol;
-      add("sqrt(" + sa + "^2+" + sb + "^2)", {continuous[a], continuous[b]}, (ra.square() + rb.square()).sqrt(), 1);
-      const double half = variables[continuous[a]].half;
-      for (double waves : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0}) {
-        const double period = std::stod(number(2.0 * half / waves));
-        add(sb + "*sin(2*pi*" + sa + "/" + number(period) + ")", {continuous[a], continuous[b]}, rb * (2 * kPi / period * ra).sin(), 2);
-        add(sb + "*cos(2*pi*" + sa + "/" + number(period) + ")", {continuous[a], continuous[b]}, rb * (2 * kPi / period * ra).cos(), 2);
-        const double other = std::stod(number(2.0 * variables[continuous[b]].half / waves));
-        add(sa + "*sin(2*pi*" + sb + "/" + number(other) + ")", {continuous[a], continuous[b]}, ra * (2 * kPi / other * rb).sin(), 2);
-        add(sa + "*cos(2*pi*" + sb + "/" + number(other) + ")", {continuous[a], continuous[b]}, ra * (2 * kPi / other * rb).cos(), 2);
-      }
-      for (std::size_t c = b + 1; c < continuous.size(); ++c)
-        if (!isSpeed(continuous[c])) {
-          const Eigen::ArrayXd rc = rawOf(variables[continuous[c]]).array();
-          add(sa + "*" + sb + "*" + variables[continuous[c]].symbol, {continuous[a], continuous[b], continuous[c]}, ra * rb * rc, 1);
+  for (std::size_t ia = 0; ia < continuous.size(); ++ia)
+    for (std::size_t ib = ia + 1; ib < continuous.size(); ++ib) {
+      const int a = continuous[ia], b = continuous[ib];
+      const Written &wa = written[a], &wb = written[b];
+      for (const Term& ta : shapes[a])
+        for (const Term& tb : shapes[b])
+          add(ta.text + "*" + tb.text, {a, b}, ta.values.cwiseProduct(tb.values), ta.cost + tb.cost - 1.0);
+      if (wa.unit == wb.unit && !wa.unit.empty()) {
+        for (int both : {1, -1}) {
+          const Eigen::ArrayXd sum = wa.values + both * wb.values;
+          const std::string text = wa.text + (both > 0 ? "+" : "-") + wb.text;
+          add("abs(" + text + ")", {a, b}, sum.abs(), 1 + kHigherPower);
+          add("sign(" + text + ")", {a, b}, sum.sign(), 1 + kHigherPower);
+          add("(" + text + ")^2", {a, b}, sum.square(), 1 + kHigherPower);
+          add("(" + text + ")^3", {a, b}, sum.cube(), 1 + 2 * kHigherPower);
+          if (wa.unit == "degC") continue;
+          const double range = sum.maxCoeff() - sum.minCoeff();
+          for (double waves = 1.0; waves <= 16.0; waves += waves < 4 ? 0.25 : 0.5) {
+            const std::string period = number(range / waves);
+            const double k = 2.0 * kPi / std::stod(period);
+            add("sin(2*pi*(" + text + ")/" + period + ")", {a, b}, (k * sum).sin(), 2);
+            add("cos(2*pi*(" + text + ")/" + period + ")", {a, b}, (k * sum).cos(), 2);
+          }
         }
+        add("sqrt(" + wa.text + "^2+" + wb.text + "^2)", {a, b}, (wa.values.square() + wb.values.square()).sqrt(), 1 + kHigherPower);
+      }
+      const auto waving = [&](int over, int factor) {  // the wave's amplitude grows with another variable
+        if (written[over].speed) return;
+        for (double waves : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0}) {
+          const std::string period = number(2.0 * variables[over].half / waves);
+          const double k = 2.0 * kPi / std::stod(period);
+          add(written[factor].text + "*sin(2*pi*" + written[over].text + "/" + period + ")", {factor, over},
+              written[factor].values * (k * written[over].values).sin(), 2);
+          add(written[factor].text + "*cos(2*pi*" + written[over].text + "/" + period + ")", {factor, over},
+              written[factor].values * (k * written[over].values).cos(), 2);
+        }
+      };
+      waving(a, b);
+      waving(b, a);
+      for (std::size_t ic = ib + 1; ic < continuous.size(); ++ic) {
+        const int c = continuous[ic];
+        add(wa.text + "*" + wb.text + "*" + written[c].text, {a, b, c}, wa.values * wb.values * written[c].values, 1);
+      }
     }
   return terms;
 }
@@ -206,7 +262,7 @@ struct FormulaSearch::Dictionary {
 FormulaSearch::FormulaSearch(const ResidualSpace& space) : space_(space), dictionary_(std::make_unique<Dictionary>()) {
   dictionary_->variables = variablesOf(space);
   dictionary_->directions = directionsOf(space);
-  dictionary_->terms = makeTerms(dictionary_->variables);
+  dictionary_->terms = makeTerms(dictionary_->variables, space.problem().model().domain());
   for (int d = 0; d < static_cast<int>(dictionary_->directions.names.size()); ++d) {
     const Domain& domain = space.problem().model().domain();
     const int joint = domain.findJoint(dictionary_->directions.names[d]);

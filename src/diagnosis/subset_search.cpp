@@ -81,6 +81,14 @@ bool sameCause(const EffectSpec& a, const EffectSpec& b) {
 SubsetSearch::SubsetSearch(const ResidualSpace& space, const CandidateSet& set) : space_(space), set_(set) {
   variables_ = variablesOf(space);
   dof_ = std::max(1.0, static_cast<double>(space.length() - space.baseRank()));
+  for (int i = 0; i < static_cast<int>(set.candidates.size()); ++i) {
+    const Candidate& c = set.candidates[i];
+    if (!c.tried || c.spec.find("degree") == nullptr) continue;
+    const auto same = std::find_if(families_.begin(), families_.end(),
+                                   [&](const std::vector<int>& f) { return sameCause(set.candidates[f[0]].spec, c.spec); });
+    if (same != families_.end()) same->push_back(i);
+    else families_.push_back({i});
+  }
   for (const Atom& a : set.atoms) {
     const auto c = set.columns.middleCols(a.first, a.count);
     grams_.push_back(c.transpose() * c);
@@ -320,6 +328,45 @@ void SubsetSearch::refineAll(Subset& subset) const {
   }
 }
 
+Subset SubsetSearch::withFamily(const Subset& rest, const std::vector<int>& family) const {
+  Subset best = rest;
+  std::vector<int> left = family;
+  // the first shape may pay only together with the second: it is taken on trust
+  for (std::size_t round = 0; round < family.size(); ++round) {
+    Subset next = best;
+    std::size_t taken = left.size();
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      if (contains(best, left[k])) continue;
+      const Subset grown = extend(best, {left[k], {}, set_.columnsAt(space_, left[k], {})});
+      if (taken == left.size() || grown.objective < next.objective) next = grown, taken = k;
+    }
+    if (taken == left.size() || (round > 0 && next.objective >= best.objective)) break;
+    best = next;
+    left.erase(left.begin() + static_cast<long>(taken));
+  }
+  return best;
+}
+
+bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
+  bool moved = false;
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < subset.chosen.size() && !again; ++i)
+      for (std::size_t j = i; j < subset.chosen.size() && !again; ++j) {
+        Subset rest = without(subset, j);
+        if (i != j) rest = without(rest, i);
+        for (const std::vector<int>& family : families_) {
+          const Subset trial = withFamily(rest, family);
+          if (trial.objective >= subset.objective - 1e-6) continue;
+          subset = trial;
+          again = moved = true;
+          break;
+        }
+      }
+  }
+  return moved;
+}
+
 void SubsetSearch::exchange(Subset& subset) const {
   for (int round = 0; round < 6; ++round) {
     bool moved = false;
@@ -334,6 +381,7 @@ void SubsetSearch::exchange(Subset& subset) const {
         break;
       }
     }
+    if (space_.length() < 4000) moved |= exchangeForFamilies(subset);
     refineAll(subset);
     if (!moved) return;
   }

@@ -71,6 +71,10 @@ class SubsetSearch {
   bool standsAlone(const Subset& subset, const Gain& gain) const;
   /// Number of different causes in a subset: the same type at the same place in other shapes is one.
   int causes(const Subset& subset) const;
+  /// `rest` with one cause added in as many of its shapes as pay; `rest` itself when none does.
+  Subset withFamily(const Subset& rest, const std::vector<int>& family) const;
+  /// Candidates of the same cause, for the causes that have several shapes.
+  const std::vector<std::vector<int>>& families() const { return families_; }
   /// log of the p-value of a gain, corrected for the number of atoms tried.
   double correctedLogP(const Gain& gain) const;
   bool significant(const Gain& gain) const;
@@ -78,6 +82,8 @@ class SubsetSearch {
 
  private:
   void exchange(Subset& subset) const;
+  /// One or two members against one cause in several shapes (degrees): a smooth profile is rarely one polynomial.
+  bool exchangeForFamilies(Subset& subset) const;
   void prune(Subset& subset) const;
   void refineAll(Subset& subset) const;
   Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear, Eigen::MatrixXd columns) const;
@@ -87,6 +93,7 @@ class SubsetSearch {
   const CandidateSet& set_;
   mutable std::map<std::pair<int, std::vector<double>>, Eigen::MatrixXd> shapes_;
   std::vector<Variable> variables_;
+  std::vector<std::vector<int>> families_;
   double dof_ = 1.0;  // residuals minus the model's unknowns
   std::vector<Eigen::MatrixXd> grams_;  // an atom
 };
