@@ -234,7 +234,12 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   Eigen::VectorXd x = problem.start();
   if (start.size() == problem.model().parameterCount()) x.head(start.size()) = start;
   const Eigen::VectorXd sigma0 = problem.sigmas(noise.linear, noise.angular), weight0 = usableWeight(problem);
-  result.identifiability = identify(problem, x, inverseOf(sigma0, weight0), true);
+  std::vector<char> held;
+  if (options.holdEffects) {
+    held.assign(static_cast<std::size_t>(problem.unknownCount()), 0);
+    std::fill(held.begin(), held.begin() + problem.model().parameterCount(), 1);
+  }
+  result.identifiability = identify(problem, x, inverseOf(sigma0, weight0), true, held);
   const int free = freeCount(result.identifiability.fixed);
   if (static_cast<int>((weight0.array() > 0.0).count()) + problem.priorCount() < free)
     throw NumericalError(session.source + ": " + std::to_string(problem.rowCount()) + " residuals cannot determine " +
@@ -252,7 +257,7 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   } else {
     fit.run(x, result.identifiability.fixed);
   }
-  if (problem.model().parameterCount() > 0) {  // at the solution: nonlinear parameters may turn out to be lost
+  if (problem.model().parameterCount() > 0 && !options.holdEffects) {  // nonlinear parameters may turn out to be lost
     const Identifiability after = identify(problem, fit.x, inverseOf(fit.sigma, fit.weight), false);
     for (const LostDirection& l : after.lost)
       if (!result.identifiability.fixed[l.fixedUnknown] && after.lost.size() > result.identifiability.lost.size() && l.ofTheModel) {

@@ -25,6 +25,7 @@ struct CalibrateOptions {
   double repeatability = -1;   // m, declared: overrides the artifact's; negative: not stated here
   bool rejectOutliers = true;
   Eigen::VectorXd weights;     // a data row, with rejectOutliers false: 0 leaves it out; empty: all count
+  bool holdEffects = false;    // the effects' parameters stay at `start`; only what belongs to the session is fitted
   StagedMutationSettings stagedMutation;
   /// Called with a stage ("genetic", "polish", "uncertainty") and its share done in 0 … 1.
   std::function<void(const std::string& stage, double share)> progress;

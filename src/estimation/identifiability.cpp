@@ -37,6 +37,19 @@ std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
   return names + ": one combination of them is not determined";
 }
 
+/// What is held cannot be lost: its column is a measurement of itself alone.
+void holdColumns(Eigen::MatrixXd& scaled, const std::vector<char>& held) {
+  constexpr double kKnown = 1e3;
+  const Eigen::Index data = scaled.rows(), count = scaled.cols();
+  scaled.conservativeResize(data + count, count);
+  scaled.bottomRows(count).setZero();
+  for (Eigen::Index u = 0; u < count; ++u) {
+    if (held[static_cast<std::size_t>(u)] == 0) continue;
+    scaled.col(u).setZero();
+    scaled(data + u, u) = kKnown;
+  }
+}
+
 }  // namespace
 
 std::string displayName(const Problem& problem, int unknown) {
@@ -52,7 +65,7 @@ bool Identifiability::incomplete() const {
 }
 
 Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
-                        bool beforeFit) {
+                        bool beforeFit, const std::vector<char>& held) {
   const int count = problem.unknownCount();
   const auto& unknowns = problem.unknowns();
   Identifiability result;
@@ -63,7 +76,8 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
   Eigen::VectorXd bound(count);
   for (int u = 0; u < count; ++u) bound[u] = unknowns[u].bound;
   // columns in units of the bounds: a singular value below one is a standard deviation above the bound
-  const Eigen::MatrixXd scaled = system.jacobian * bound.cwiseQuotient(system.scale).asDiagonal();
+  Eigen::MatrixXd scaled = system.jacobian * bound.cwiseQuotient(system.scale).asDiagonal();
+  if (!held.empty()) holdColumns(scaled, held);
   Eigen::MatrixXd r;
   if (scaled.rows() > count) {
     r = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).matrixQR().topRows(count).triangularView<Eigen::Upper>();
@@ -124,6 +138,7 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
   int fixedParameters = 0;
   for (int u = 0; u < count; ++u) fixedParameters += result.fixed[u] && unknowns[u].kind == UnknownKind::kEffect;
   result.rank = result.parameters - fixedParameters;
+  for (std::size_t u = 0; u < held.size(); ++u) result.fixed[u] |= held[u];
   return result;
 }
 

@@ -33,8 +33,9 @@ struct Identifiability {
 /// alpha_xy = alpha_xz = alpha_yz = 0.
 /// @param x point of linearisation. @param inverseSigma a data row, 1/m or 1/rad, 0: left out.
 /// @param beforeFit effects that are not linear in their parameters are left alone: only a fit can tell.
+/// @param held unknowns that are not estimated (empty: none): they are fixed, and neither lost nor counted.
 Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
-                         bool beforeFit);
+                         bool beforeFit, const std::vector<char>& held = {});
 
 /// "alpha_yx" when only one effect has a parameter of that name, else "gap of {type: backlash, axis: x}".
 std::string displayName(const Problem& problem, int unknown);

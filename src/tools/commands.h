@@ -13,6 +13,12 @@ namespace mm {
 void addImportCommand(CLI::App& app, int& exitStatus);
 void addSensorsCommand(CLI::App& app, int& exitStatus);
 void addSimulateCommand(CLI::App& app, int& exitStatus);
+void addCheckCommand(CLI::App& app, int& exitStatus);
+void addCalibrateCommand(CLI::App& app, int& exitStatus);
+void addCompareCommand(CLI::App& app, int& exitStatus);
+void addDiagnoseCommand(CLI::App& app, int& exitStatus);
+void addAddCommand(CLI::App& app, int& exitStatus);
+void addRemoveCommand(CLI::App& app, int& exitStatus);
 void addApplyCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);
 void addPromoteCommand(CLI::App& app, int& exitStatus);

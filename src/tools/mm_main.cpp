@@ -54,6 +54,12 @@ int main(int argc, char** argv) {
   mm::addImportCommand(app, exitStatus);
   mm::addSensorsCommand(app, exitStatus);
   mm::addSimulateCommand(app, exitStatus);
+  mm::addCheckCommand(app, exitStatus);
+  mm::addCalibrateCommand(app, exitStatus);
+  mm::addCompareCommand(app, exitStatus);
+  mm::addDiagnoseCommand(app, exitStatus);
+  mm::addAddCommand(app, exitStatus);
+  mm::addRemoveCommand(app, exitStatus);
   mm::addApplyCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);

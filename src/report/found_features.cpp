@@ -1,0 +1,44 @@
+#include "report/found_features.h"
+
+#include <algorithm>
+
+namespace mm {
+
+std::vector<FoundFeature> foundFeatures(const CalibrationResult& result) {
+  const Problem& problem = *result.problem;
+  const auto& features = problem.session().artifact.features;
+  std::vector<char> touched(features.size(), 0);
+  for (const Observation& o : problem.session().observations)
+    if (o.kind == ObservationKind::kContact && o.feature >= 0)
+      touched[static_cast<std::size_t>(o.feature)] = 1;
+  std::vector<FoundFeature> found;
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    if (touched[f] == 0) continue;
+    const int feature = static_cast<int>(f);
+    std::vector<int> of;  // the unknowns that move it
+    for (int u = 0; u < problem.unknownCount(); ++u) {
+      const Unknown& unknown = problem.unknowns()[static_cast<std::size_t>(u)];
+      if (unknown.kind == UnknownKind::kPose ||
+          (unknown.kind == UnknownKind::kFeature && unknown.owner == feature))
+        of.push_back(u);
+    }
+    Eigen::MatrixXd by(3, of.size());
+    Eigen::MatrixXd covariance(of.size(), of.size());
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      const double h = 1e-6;  // m or rad
+      Eigen::VectorXd x = result.x;
+      x[of[i]] += h;
+      by.col(static_cast<Eigen::Index>(i)) =
+          (problem.featureInWorkpiece(feature, x) - problem.featureInWorkpiece(feature, result.x)) / h;
+      for (std::size_t j = 0; j < of.size(); ++j)
+        covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            result.covariance(of[i], of[j]);
+    }
+    const Eigen::Matrix3d c = by * covariance * by.transpose();
+    found.push_back({features[f].name, features[f].kind == FeatureKind::kBall,
+                     problem.featureInWorkpiece(feature, result.x), c.diagonal().cwiseMax(0.0).cwiseSqrt()});
+  }
+  return found;
+}
+
+}  // namespace mm

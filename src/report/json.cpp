@@ -1,0 +1,140 @@
+#include "report/json.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/units.h"
+#include "report/found_features.h"
+#include "report/json_parts.h"
+#include "report/quantiles.h"
+
+namespace mm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool angularOnly(const CalibrationResult& r) {
+  return !std::isfinite(r.figures.rms) && std::isfinite(r.figures.rmsAngular);
+}
+
+Json geneticJson(const GeneticSummary& g, bool angular) {
+  Json object;
+  object["method"] = g.method;
+  setEither(object, "rms", g.rms, angular);
+  object["generations"] = g.generations;
+  object["evaluations"] = g.evaluations;
+  object["seconds"] = number(g.seconds);
+  object["stop"] = g.stop;
+  object["seed"] = g.seed;
+  return object;
+}
+
+Json parametersJson(const CalibrationResult& result) {
+  const Model& model = result.problem->model();
+  Json list = Json::array();
+  for (int i = 0; i < model.parameterCount(); ++i) {
+    const Parameter& p = model.parameter(i);
+    Json one;
+    one["effect"] = effectJson(model.effects()[static_cast<std::size_t>(model.effectOf(i))]->spec());
+    one["name"] = p.name;
+    one["value"] = number(result.x[i] * p.toUnit);
+    one["std"] = number(result.std(i) * p.toUnit);
+    one["unit"] = p.unit;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+Json artifactJson(const CalibrationResult& result) {
+  Json object;
+  object["balls"] = Json::array();
+  Json points = Json::array();
+  for (const FoundFeature& f : foundFeatures(result)) {
+    Json one;
+    one["name"] = f.name;
+    Json position = Json::array(), std = Json::array();
+    for (int k = 0; k < 3; ++k) {
+      position.push_back(number(f.position[k] / kMillimetre));
+      std.push_back(number(f.std[k] / kMicrometre));
+    }
+    one[f.ball ? "centre_mm" : "position_mm"] = std::move(position);
+    one["std_um"] = std::move(std);
+    (f.ball ? object["balls"] : points).push_back(std::move(one));
+  }
+  if (!points.empty()) object["points"] = std::move(points);
+  return object;
+}
+
+Json calibrationJson(const CalibrationResult& result) {
+  const bool angular = angularOnly(result);
+  Json object;
+  object["observations"] = result.problem->session().observations.size();
+  object["repeatability_um"] = angular ? Json(nullptr) : number(result.repeatability / kMicrometre);
+  if (angular) object["repeatability_arcsec"] = number(result.repeatability / kArcsecond);
+  object["repeatability_from"] = result.repeatabilityFrom;
+  setFigures(object, result.figures, true);
+  object["chi2_per_dof"] = number(result.figures.chi2PerDof);
+  object["converged"] = result.converged;
+  object["genetic"] = result.genetic ? geneticJson(*result.genetic, angular) : Json(nullptr);
+  object["polish"] = Json::object();
+  setFigures(object["polish"], result.figures, false);
+  object["polish"]["iterations"] = result.polishIterations;
+  object["parameters"] = parametersJson(result);
+  object["identifiability"] = identifiabilityJson(*result.problem, result.identifiability, result.x);
+  object["artifact"] = artifactJson(result);
+  object["outliers"] = outliersJson(result);
+  return object;
+}
+
+Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
+  Json list = Json::array();
+  for (const LedgerEntry& e : ledger) {
+    Json one;
+    one["action"] = e.action;
+    one["effect"] = e.effect.type.empty() ? Json(nullptr) : effectJson(e.effect);
+    one["time"] = e.time;
+    setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
+    setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);
+    one["calibration"] = e.calibration;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string calibrateJson(const CalibrationResult& result) { return dump(calibrationJson(result)); }
+
+std::string changeJson(const CalibrationResult& result, const std::vector<LedgerEntry>& ledger) {
+  Json object = calibrationJson(result);
+  object["ledger"] = ledgerJson(ledger, angularOnly(result));
+  return dump(object);
+}
+
+std::string compareJson(const CalibrationResult& compared, const std::vector<WhereItFails>& where) {
+  const bool angular = angularOnly(compared);
+  Json object;
+  object["observations"] = compared.problem->session().observations.size();
+  object["repeatability_um"] = angular ? Json(nullptr) : number(compared.repeatability / kMicrometre);
+  if (angular) object["repeatability_arcsec"] = number(compared.repeatability / kArcsecond);
+  object["repeatability_from"] = compared.repeatabilityFrom;
+  setFigures(object, compared.figures, false);
+  for (const bool arc : {false, true}) {
+    const SizeOfResiduals size = sizeOfResiduals(compared, arc);
+    if (arc && size.count == 0) continue;
+    const std::string unit = arc ? "_arcsec" : "_um";
+    const double factor = arc ? 1.0 / kArcsecond : 1.0 / kMicrometre;
+    object["max" + unit] = number(size.max * factor);
+    Json quantiles;
+    for (const auto& [percent, value] : size.quantiles)
+      quantiles[std::to_string(percent)] = number(value * factor);
+    object["quantiles" + unit] = std::move(quantiles);
+  }
+  object["chi2_per_dof"] = number(compared.figures.chi2PerDof);
+  setRms(object, "held_out_rms", compared.figures.heldOutRms, compared.figures.heldOutRmsAngular);
+  object["where"] = whereJson(where);
+  object["outliers"] = outliersJson(compared);
+  return dump(object);
+}
+
+}  // namespace mm

@@ -1,0 +1,115 @@
+#include "report/json_parts.h"
+
+#include <cmath>
+
+#include "calibration_file/number_text.h"
+#include "machine/units.h"
+#include "report/quantiles.h"
+
+namespace mm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json scalar(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  double value = 0.0;
+  if (!parseNumber(text, value) || !std::isfinite(value)) return text;
+  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<std::int64_t>(value);
+  return value;
+}
+
+}  // namespace
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json effectJson(const EffectSpec& effect) {
+  Json object;
+  object["type"] = effect.type;
+  for (const auto& [key, value] : effect.keys) {
+    if (!value.list) {
+      object[key] = value.items.empty() ? Json("") : scalar(value.items.front());
+      continue;
+    }
+    Json list = Json::array();
+    for (const std::string& item : value.items) list.push_back(scalar(item));
+    object[key] = std::move(list);
+  }
+  return object;
+}
+
+void setRms(Json& object, const std::string& name, double linear, double angular) {
+  object[name + "_um"] = number(linear / kMicrometre);
+  if (std::isfinite(angular)) object[name + "_arcsec"] = number(angular / kArcsecond);
+}
+
+Json identifiabilityJson(const Problem& problem, const Identifiability& found, const Eigen::VectorXd& x) {
+  Json object;
+  object["rank"] = found.rank;
+  object["parameters"] = found.parameters;
+  object["lost"] = Json::array();
+  for (const LostDirection& l : found.lost) {
+    if (!l.ofTheModel) continue;  // of the artifact alone: no parameter is concerned
+    Json one;
+    one["direction"] = Json::object();
+    for (const auto& [unknown, component] : l.direction)
+      one["direction"][displayName(problem, unknown)] = number(component);
+    const Unknown& fixed = problem.unknowns()[static_cast<std::size_t>(l.fixedUnknown)];
+    one["fixed_by"] =
+        displayName(problem, l.fixedUnknown) + " = " + sixDigits(x[l.fixedUnknown] * fixed.toUnit);
+    one["by_convention"] = l.byConvention;
+    one["in_words"] = l.inWords;
+    one["would_show"] = l.wouldShow;
+    object["lost"].push_back(std::move(one));
+  }
+  return object;
+}
+
+Json outliersJson(const CalibrationResult& result) {
+  Json list = Json::array();
+  for (const Outlier& o : result.outliers) {
+    const ResidualRow& row = result.problem->rows()[static_cast<std::size_t>(o.row)];
+    Json one;
+    one["row"] = result.problem->session().observations[static_cast<std::size_t>(row.observation)].row;
+    one["residual_um"] = row.angular ? Json(nullptr) : number(o.residual / kMicrometre);
+    if (row.angular) one["residual_arcsec"] = number(o.residual / kArcsecond);
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+/// A figure that is in m, or in rad where the session is angular.
+void setEither(Json& object, const std::string& name, double value, bool angular) {
+  setRms(object, name, angular ? kNotMeasured : value, angular ? value : kNotMeasured);
+}
+
+void setFigures(Json& object, const ResidualFigures& f, bool heldOut) {
+  setRms(object, "rms", f.rms, f.rmsAngular);
+  if (heldOut) setRms(object, "held_out_rms", f.heldOutRms, f.heldOutRmsAngular);
+}
+
+void setPair(Json& object, const std::string& name, double before, double after, bool angular) {
+  const double unit = angular ? kArcsecond : kMicrometre;
+  const Json pair = Json::array({number(before / unit), number(after / unit)});
+  object[name + "_um"] = angular ? Json(nullptr) : pair;
+  if (angular) object[name + "_arcsec"] = pair;
+}
+
+Json whereJson(const std::vector<WhereItFails>& where) {
+  Json list = Json::array();
+  for (const WhereItFails& w : where) {
+    Json one;
+    one["variable"] = w.variable;
+    one["share"] = number(w.share);
+    one["p_value"] = number(w.pValue);
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+std::string dump(const Json& object) {
+  // text that is not UTF-8 (a name from a foreign file) is replaced, never thrown over
+  return object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace mm

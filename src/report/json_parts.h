@@ -1,0 +1,35 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "diagnosis/diagnose.h"
+#include "effects/effect_spec.h"
+#include "estimation/calibrate.h"
+
+namespace mm {
+
+// Pieces that the JSON of several commands shares. Private to this folder's sources.
+
+/// A number, or null where it is NaN or infinite.
+nlohmann::ordered_json number(double value);
+/// `{"type": …, keys…}`: numbers as numbers, true and false as such, lists as lists.
+nlohmann::ordered_json effectJson(const EffectSpec& effect);
+/// Sets `<name>_um`, and `<name>_arcsec` where there are angular figures. @param linear m. @param angular
+/// rad.
+void setRms(nlohmann::ordered_json& object, const std::string& name, double linear, double angular);
+/// A figure that is in m, or in rad where the session is angular.
+void setEither(nlohmann::ordered_json& object, const std::string& name, double value, bool angular);
+/// `[before, after]` under the key of its unit.
+void setPair(nlohmann::ordered_json& object, const std::string& name, double before, double after,
+             bool angular);
+void setFigures(nlohmann::ordered_json& object, const ResidualFigures& figures, bool heldOut);
+nlohmann::ordered_json whereJson(const std::vector<WhereItFails>& where);
+/// @param x values of the unknowns, SI.
+nlohmann::ordered_json identifiabilityJson(const Problem& problem, const Identifiability& found,
+                                           const Eigen::VectorXd& x);
+nlohmann::ordered_json outliersJson(const CalibrationResult& result);
+/// The object on several lines, without a line break at its end.
+std::string dump(const nlohmann::ordered_json& object);
+
+}  // namespace mm

@@ -1,0 +1,222 @@
+#include "report/point_set.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "effects/registry.h"
+#include "estimation/whitened.h"
+#include "machine/units.h"
+#include "model/observed_domain.h"
+
+namespace mm {
+namespace {
+
+double correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  double meanA = 0.0, meanB = 0.0;
+  int n = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::isfinite(a[i]) && std::isfinite(b[i])) meanA += a[i], meanB += b[i], ++n;
+  if (n < 3) return 0.0;
+  meanA /= n, meanB /= n;
+  double aa = 0.0, bb = 0.0, ab = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
+    aa += (a[i] - meanA) * (a[i] - meanA);
+    bb += (b[i] - meanB) * (b[i] - meanB);
+    ab += (a[i] - meanA) * (b[i] - meanB);
+  }
+  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
+}
+
+std::vector<double> timesOf(const Session& session) {
+  std::vector<double> times;
+  for (const Observation& o : session.observations) times.push_back(o.time);
+  return times;
+}
+
+std::vector<FeatureCoverage> coverFeatures(const Problem& problem) {
+  const Session& session = problem.session();
+  std::vector<FeatureCoverage> all;
+  for (std::size_t f = 0; f < session.artifact.features.size(); ++f) {
+    FeatureCoverage cover;
+    cover.name = session.artifact.features[f].name;
+    cover.ball = session.artifact.features[f].kind == FeatureKind::kBall;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    const Eigen::Vector3d centre = problem.featureInWorkpiece(static_cast<int>(f), problem.start());
+    std::vector<Eigen::Vector3d> approaches;
+    for (std::size_t o = 0; o < session.observations.size(); ++o) {
+      const Observation& at = session.observations[o];
+      if (at.kind != ObservationKind::kContact || at.feature != static_cast<int>(f)) continue;
+      ++cover.contacts;
+      const Eigen::Vector3d from = session.machine.nominal(at.position.data(), at.laserReading).position;
+      Eigen::Vector3d approach = problem.state(static_cast<int>(o)).approach;
+      if (cover.ball && (centre - from).norm() > 0.0) approach = (centre - from).normalized();
+      if (!approach.allFinite() || approach.norm() < 0.5) continue;
+      approaches.push_back(approach);
+      mean += approach;
+      information += approach * approach.transpose();
+    }
+    cover.coneHalfAngle = approaches.empty() || !cover.ball ? kNotMeasured : 0.0;
+    if (cover.ball && mean.norm() > 1e-6 * static_cast<double>(approaches.size()))
+      for (const Eigen::Vector3d& a : approaches)
+        cover.coneHalfAngle =
+            std::max(cover.coneHalfAngle, std::acos(std::clamp(a.dot(mean.normalized()), -1.0, 1.0)));
+    else if (cover.ball && !approaches.empty())
+      cover.coneHalfAngle = kPi;  // from all sides
+    if (cover.ball && approaches.size() >= 3) {
+      const double weakest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues()[0];
+      if (weakest > 1e-9) cover.centrePerNoise = 1.0 / std::sqrt(weakest);
+    }
+    all.push_back(cover);
+  }
+  return all;
+}
+
+std::vector<JointCoverage> coverJoints(const Session& session, const Domain& domain) {
+  const std::vector<double> times = timesOf(session);
+  std::vector<JointCoverage> all;
+  for (std::size_t j = 0; j < domain.joints.size(); ++j) {
+    JointCoverage cover;
+    cover.name = domain.joints[j].name;
+    cover.rotary = domain.joints[j].kind == JointKind::kRotary;
+    cover.lower = domain.lower[j];
+    cover.upper = domain.upper[j];
+    cover.positions = static_cast<int>(domain.positions[j].size());
+    std::vector<double> position;
+    for (const Observation& o : session.observations) {
+      position.push_back(o.position[j]);
+      const double travel = j < o.travel.size() ? o.travel[j] : 0.0;
+      ++(travel > 0.0 ? cover.up : travel < 0.0 ? cover.down : cover.unknown);
+      const double speed = j < o.velocity.size() ? std::abs(o.velocity[j]) : kNotMeasured;
+      if (!(speed > 0.0)) continue;
+      cover.slowest = std::fmin(cover.slowest, speed);
+      cover.fastest = std::fmax(cover.fastest, speed);
+    }
+    cover.withTime = correlation(position, times);
+    all.push_back(cover);
+  }
+  return all;
+}
+
+void coverInputs(const Session& session, const std::vector<Series>& logged, bool temperature,
+                 std::vector<InputCoverage>& all) {
+  const std::vector<double> times = timesOf(session);
+  for (const Series& series : logged) {
+    InputCoverage cover{series.name, temperature ? "degC" : series.unit, temperature};
+    std::vector<double> values;
+    for (const double t : times) {
+      values.push_back(series.at(t));
+      if (!std::isfinite(values.back())) ++cover.missing;
+      cover.lower = std::fmin(cover.lower, values.back());
+      cover.upper = std::fmax(cover.upper, values.back());
+    }
+    cover.withTime = correlation(values, times);
+    all.push_back(cover);
+  }
+}
+
+/// Judges each member of the catalogue by what is left of its columns beside those of the model and the
+/// artifact.
+std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability& identifiability,
+                                          const Eigen::VectorXd& inverse) {
+  const Domain& domain = problem.model().domain();
+  const Eigen::VectorXd x = problem.start();
+  problem.linearise(x);
+  const WhitenedSystem system(problem, x, inverse, identifiability.fixed);
+  const int data = problem.rowCount(), columns = static_cast<int>(system.free.size());
+  Eigen::MatrixXd q(data, 0);
+  if (columns > 0 && system.jacobian.rows() >= columns) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(system.jacobian);
+    q = (qr.householderQ() * Eigen::MatrixXd::Identity(system.jacobian.rows(), columns)).topRows(data);
+  }
+  std::vector<CannotBeShown> hidden;
+  for (const EffectType& type : effectRegistry()) {
+    if (type.composite || !type.candidates) continue;
+    for (const EffectSpec& spec : type.candidates(domain)) {
+      const EffectPtr effect = createEffect(spec, domain);
+      const auto& inModel = problem.model().effects();
+      if (std::any_of(inModel.begin(), inModel.end(),
+                      [&](const EffectPtr& e) { return e->spec() == effect->spec(); }))
+        continue;
+      std::vector<double> p;
+      for (const Parameter& parameter : effect->parameters()) p.push_back(parameter.start);
+      const std::vector<int> nonlinear = effect->nonlinearParameters();
+      const auto starts = effect->searchStarts();
+      if (!starts.empty())
+        for (std::size_t k = 0; k < nonlinear.size(); ++k)
+          p[static_cast<std::size_t>(nonlinear[k])] = starts[starts.size() / 2][k];
+      const Eigen::MatrixXd all = inverse.asDiagonal() * problem.effectColumns(*effect, p);
+      if (!all.allFinite()) {
+        hidden.push_back(
+            {spec, "an input that it needs was not known at some of the observations", effect->shownBy()});
+        continue;
+      }
+      double seen = 0.0, alone = 0.0;  // in typical sizes over the noise
+      for (int k = 0; k < effect->parameterCount(); ++k) {
+        if (std::find(nonlinear.begin(), nonlinear.end(), k) != nonlinear.end()) continue;
+        const Eigen::VectorXd column = all.col(k) * effect->parameters()[static_cast<std::size_t>(k)].scale;
+        alone = std::max(alone, column.norm());
+        seen = std::max(seen, (column - q * (q.transpose() * column)).norm());
+      }
+      if (!(alone > 0.0))
+        hidden.push_back({spec, "nothing that was measured depends on it", effect->shownBy()});
+      else if (seen < 1e-3 * alone)
+        hidden.push_back({spec,
+                          "what it does looks exactly like the artifact's pose, or like effects of the model",
+                          effect->shownBy()});
+    }
+  }
+  return hidden;
+}
+
+}  // namespace
+
+PointSet checkPointSet(const Session& session, const ModelSpec* spec) {
+  PointSet set;
+  for (const Observation& o : session.observations)
+    ++(o.kind == ObservationKind::kContact ? set.contacts : set.references);
+  const Domain domain = observedDomain(session);
+  set.duration = domain.duration;
+  auto problem = std::make_shared<Problem>(
+      session, Model(session.machine, domain, spec != nullptr ? spec->effects : std::vector<EffectSpec>()));
+  set.problem = problem;
+  set.hasModel = spec != nullptr;
+  set.features = coverFeatures(*problem);
+  set.joints = coverJoints(session, domain);
+  coverInputs(session, session.temperatures, true, set.inputs);
+  coverInputs(session, session.covariates, false, set.inputs);
+
+  const double stated =
+      spec != nullptr && spec->repeatability > 0.0 ? spec->repeatability : session.artifact.repeatability;
+  set.noiseDeclared = stated > 0.0;
+  set.noise = set.noiseDeclared ? stated : kMicrometre;
+  const Eigen::VectorXd sigma = problem->sigmas(set.noise, kArcsecond);
+  Eigen::VectorXd inverse = sigma.cwiseInverse();
+  for (int i = 0; i < inverse.size(); ++i)
+    if (!problem->uses(problem->rows()[static_cast<std::size_t>(i)].observation)) inverse[i] = 0.0;
+  const Eigen::VectorXd x = problem->start();
+  set.identifiability = identify(*problem, x, inverse, true);
+  const WhitenedSystem system(*problem, x, inverse, set.identifiability.fixed);
+  const int columns = static_cast<int>(system.free.size());
+  if (set.hasModel && columns > 0 && system.jacobian.rows() >= columns) {
+    const Eigen::MatrixXd r =
+        Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).matrixQR().topRows(columns);
+    const Eigen::MatrixXd inverseR =
+        r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(columns, columns));
+    for (int c = 0; c < columns; ++c) {
+      const Unknown& u =
+          problem->unknowns()[static_cast<std::size_t>(system.free[static_cast<std::size_t>(c)])];
+      if (u.kind != UnknownKind::kEffect) continue;
+      const double std = inverseR.row(c).norm() * system.scale[c];
+      if (std > u.scale)
+        set.weak.push_back(
+            {displayName(*problem, system.free[static_cast<std::size_t>(c)]), u.unit, std * u.toUnit});
+    }
+  }
+  set.cannotShow = judgeCatalogue(*problem, set.identifiability, inverse);
+  return set;
+}
+
+}  // namespace mm

@@ -1,0 +1,149 @@
+#include <cmath>
+
+#include "machine/units.h"
+#include "report/json_parts.h"
+#include "report/point_set.h"
+#include "report/quantiles.h"
+#include "report/text_parts.h"
+
+namespace mm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string featuresText(const PointSet& set) {
+  if (set.features.empty()) return {};
+  std::string text = "\nBalls and points        contacts   cone of approach   centre, alone\n";
+  for (const FeatureCoverage& f : set.features) {
+    text += "  " + padded(f.name, 22) + format("%8d   ", f.contacts);
+    text +=
+        padded(std::isfinite(f.coneHalfAngle) ? format("± %.0f deg", f.coneHalfAngle / kDegree) : "-", 19);
+    text += !f.ball                           ? "-"
+            : std::isfinite(f.centrePerNoise) ? format("%.2g x the noise", f.centrePerNoise)
+                                              : std::string("not determined: touch it from more sides");
+    text += "\n";
+  }
+  return text;
+}
+
+std::string jointsText(const PointSet& set) {
+  std::string text =
+      "\nJoints            range                      positions   travel + / - / unknown   with time\n";
+  for (const JointCoverage& j : set.joints) {
+    const double unit = j.rotary ? kDegree : kMillimetre;
+    text += "  " + padded(j.name, 16) +
+            padded(j.upper > j.lower
+                       ? format("%.4g … %.4g %s", j.lower / unit, j.upper / unit, j.rotary ? "deg" : "mm")
+                       : format("%.4g %s, not moved", j.lower / unit, j.rotary ? "deg" : "mm"),
+                   27) +
+            padded(j.positions > 0 ? std::to_string(j.positions) : "many", 12) +
+            padded(format("%d / %d / %d", j.up, j.down, j.unknown), 25) + format("%5.2f\n", j.withTime);
+  }
+  return text;
+}
+
+std::string inputsText(const PointSet& set) {
+  if (set.inputs.empty()) return {};
+  std::string text = "\nLogged            range                      missing     correlation with time\n";
+  for (const InputCoverage& i : set.inputs)
+    text += "  " + padded(i.name, 16) +
+            padded(format("%.4g … %.4g %s", i.lower, i.upper, i.unit.c_str()), 27) +
+            padded(std::to_string(i.missing), 12) +
+            format("%5.2f%s\n", i.withTime,
+                   std::abs(i.withTime) > 0.95 ? "  drift in time cannot be told from it" : "");
+  return text;
+}
+
+std::string modelText(const PointSet& set) {
+  if (!set.hasModel) return {};
+  const Identifiability& id = set.identifiability;
+  std::string text = format("\nThe model: %d of %d parameters are determined\n", id.rank, id.parameters);
+  for (const LostDirection& l : id.lost)
+    if (l.ofTheModel)
+      text += "  lost: " + l.inWords + (l.byConvention ? " (held by convention)" : "") + "; " + l.wouldShow +
+              "\n";
+  for (const WeakParameter& w : set.weak)
+    text += "  weak: " + w.name + " only to ± " + sixDigits(std::stod(format("%.2g", w.std))) +
+            (w.unit == "1" ? "" : " " + w.unit) + "\n";
+  return text;
+}
+
+std::string hiddenText(const PointSet& set) {
+  if (set.cannotShow.empty()) return "\nEvery effect of the catalogue would show in this session.\n";
+  std::string text = "\nThis session could not show\n";
+  for (const CannotBeShown& c : set.cannotShow)
+    text += "  " + spoken(c.effect) + ": " + c.why + "\n    would: " + c.moves + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string pointSetText(const PointSet& set) {
+  return format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
+                static_cast<long long>(set.contacts), static_cast<long long>(set.references), set.duration,
+                set.noise / kMicrometre, set.noiseDeclared ? "declared" : "assumed for the figures below") +
+         featuresText(set) + jointsText(set) + inputsText(set) + modelText(set) + hiddenText(set);
+}
+
+std::string pointSetJson(const PointSet& set) {
+  Json object;
+  object["observations"] = set.contacts + set.references;
+  object["contacts"] = set.contacts;
+  object["references"] = set.references;
+  object["duration_s"] = number(set.duration);
+  object["noise_um"] = number(set.noise / kMicrometre);
+  object["noise_from"] = set.noiseDeclared ? "declared" : "assumed";
+  object["features"] = Json::array();
+  for (const FeatureCoverage& f : set.features) {
+    Json one;
+    one["name"] = f.name;
+    one["kind"] = f.ball ? "ball" : "point";
+    one["contacts"] = f.contacts;
+    one["cone_half_angle_deg"] = number(f.coneHalfAngle / kDegree);
+    one["centre_std_per_noise"] = number(f.centrePerNoise);
+    object["features"].push_back(std::move(one));
+  }
+  object["joints"] = Json::array();
+  for (const JointCoverage& j : set.joints) {
+    const std::string unit = j.rotary ? "deg" : "mm";
+    const double factor = j.rotary ? kDegree : kMillimetre;
+    Json one;
+    one["name"] = j.name;
+    one["lower_" + unit] = number(j.lower / factor);
+    one["upper_" + unit] = number(j.upper / factor);
+    one["positions"] = j.positions > 0 ? Json(j.positions) : Json(nullptr);
+    one["travel"] = Json{{"up", j.up}, {"down", j.down}, {"unknown", j.unknown}};
+    one["slowest_" + unit + "_s"] = number(j.slowest / factor);
+    one["fastest_" + unit + "_s"] = number(j.fastest / factor);
+    one["correlation_with_time"] = number(j.withTime);
+    object["joints"].push_back(std::move(one));
+  }
+  object["logged"] = Json::array();
+  for (const InputCoverage& i : set.inputs) {
+    Json one;
+    one["name"] = i.name;
+    one["unit"] = i.unit;
+    one["lower"] = number(i.lower);
+    one["upper"] = number(i.upper);
+    one["missing"] = i.missing;
+    one["correlation_with_time"] = number(i.withTime);
+    object["logged"].push_back(std::move(one));
+  }
+  if (set.hasModel) {
+    object["identifiability"] = identifiabilityJson(*set.problem, set.identifiability, set.problem->start());
+    object["weak"] = Json::array();
+    for (const WeakParameter& w : set.weak)
+      object["weak"].push_back(Json{{"name", w.name}, {"std", number(w.std)}, {"unit", w.unit}});
+  }
+  object["cannot_show"] = Json::array();
+  for (const CannotBeShown& c : set.cannotShow) {
+    Json one;
+    one["effect"] = effectJson(c.effect);
+    one["why"] = c.why;
+    one["moves"] = c.moves;
+    object["cannot_show"].push_back(std::move(one));
+  }
+  return dump(object);
+}
+
+}  // namespace mm

@@ -1,0 +1,240 @@
+#include "report/recalibration.h"
+
+#include <algorithm>
+#include <ctime>
+
+#include "calibration_file/number_text.h"
+#include "effects/registry.h"
+#include "machine/error.h"
+#include "model/observed_domain.h"
+#include "session/session_hash.h"
+
+namespace mm {
+namespace {
+
+std::string nowUtc() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+bool angularOnly(const ResidualFigures& f) { return !std::isfinite(f.rms) && std::isfinite(f.rmsAngular); }
+
+LedgerEntry entryOf(const std::string& action, const EffectSpec& effect, const ResidualFigures& before,
+                    const ResidualFigures& after, const std::string& from) {
+  LedgerEntry entry;
+  entry.action = action;
+  entry.effect = effect;
+  entry.time = nowUtc();
+  const bool angular = angularOnly(after);
+  entry.rmsBefore = angular ? before.rmsAngular : before.rms;
+  entry.rmsAfter = angular ? after.rmsAngular : after.rms;
+  entry.heldOutBefore = angular ? before.heldOutRmsAngular : before.heldOutRms;
+  entry.heldOutAfter = angular ? after.heldOutRmsAngular : after.heldOutRms;
+  entry.calibration = from;
+  return entry;
+}
+
+bool sameItem(const std::string& a, const std::string& b) {
+  double x = 0.0, y = 0.0;
+  return a == b || (parseNumber(a, x) && parseNumber(b, y) && x == y);
+}
+
+bool sameKeys(const EffectSpec& a, const EffectSpec& b) {
+  if (a.type != b.type || a.keys.size() != b.keys.size()) return false;
+  return std::all_of(a.keys.begin(), a.keys.end(), [&](const auto& pair) {
+    const EffectSpec::Value* other = b.find(pair.first);
+    return other != nullptr && other->items.size() == pair.second.items.size() &&
+           std::equal(other->items.begin(), other->items.end(), pair.second.items.begin(), sameItem);
+  });
+}
+
+std::string listOf(const std::vector<EffectSpec>& effects) {
+  if (effects.empty()) return "it has no effects";
+  std::string text;
+  for (const EffectSpec& e : effects) text += (text.empty() ? "it has " : ", ") + e.yaml();
+  return text;
+}
+
+std::size_t findEffect(const Calibration& calibration, const EffectSpec& effect) {
+  std::size_t i = 0;
+  while (i < calibration.effects.size() && !sameEffect(calibration.effects[i], effect, calibration.domain))
+    ++i;
+  return i;
+}
+
+CalibrateOptions leastSquares(CalibrateOptions options, const Calibration& calibration) {
+  options.method = Method::kLeastSquares;
+  // the noise that was declared for the calibration stays declared, unless it is stated anew
+  if (options.repeatability <= 0.0 && calibration.repeatabilityFrom == "declared" &&
+      calibration.repeatability > 0.0 && std::isfinite(calibration.rms))
+    options.repeatability = calibration.repeatability;
+  return options;
+}
+
+/// The model as it is and the model as it shall be, both fitted to the same session.
+Recalibration refit(const Session& session, const Calibration& calibration,
+                    const std::vector<EffectSpec>& effects, const std::string& action,
+                    const EffectSpec& effect, const CalibrateOptions& given) {
+  const CalibrateOptions options = leastSquares(given, calibration);
+  Model before = modelFor(session, calibration.effects);
+  Model after = modelFor(session, effects);
+  const Eigen::VectorXd beforeStart = startFrom(calibration, before);
+  CalibrationResult base = calibrate(session, std::move(before), options, beforeStart);
+  if (base.cancelled) throw Cancelled("stopped before the model was refitted; nothing was changed");
+
+  Eigen::VectorXd start = startFrom(calibration, after);
+  Recalibration done;
+  done.result = calibrate(session, std::move(after), options, start);
+  done.calibration = toCalibration(done.result, calibration.machineName);
+  done.calibration.ledger = calibration.ledger;
+  done.calibration.ledger.push_back(
+      entryOf(action, effect, base.figures, done.result.figures, calibration.id));
+  return done;
+}
+
+}  // namespace
+
+bool sameEffect(const EffectSpec& a, const EffectSpec& b, const Domain& domain) {
+  if (sameKeys(a, b)) return true;
+  if (a.type != b.type) return false;
+  try {  // defaults that one of them left out
+    return sameKeys(createEffect(a, domain)->spec(), createEffect(b, domain)->spec());
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+Model modelFor(const Session& session, const std::vector<EffectSpec>& effects) {
+  return Model(session.machine, observedDomain(session), effects);
+}
+
+Model modelOf(const Calibration& calibration) {
+  return Model(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects);
+}
+
+Eigen::VectorXd valuesOf(const Calibration& calibration) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(calibration.values.size()));
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    values[i] = calibration.values[static_cast<std::size_t>(i)].value;
+  return values;
+}
+
+Eigen::VectorXd startFrom(const Calibration& calibration, const Model& model) {
+  Eigen::VectorXd start = model.start();
+  for (int i = 0; i < model.parameterCount(); ++i) {
+    const Effect& effect = *model.effects()[static_cast<std::size_t>(model.effectOf(i))];
+    for (const Calibration::Value& v : calibration.values)
+      if (!v.fixed && v.name == model.parameter(i).name &&
+          sameEffect(calibration.effects[static_cast<std::size_t>(v.effect)], effect.spec(),
+                     calibration.domain))
+        start[i] = v.value;
+  }
+  return start;
+}
+
+Calibration toCalibration(const CalibrationResult& result, const std::string& machineName) {
+  const Problem& problem = *result.problem;
+  const Session& session = problem.session();
+  const Model& model = problem.model();
+  Calibration c;
+  c.machineName = machineName.empty() ? model.machine().name() : machineName;
+  c.urdf = model.machine().urdf();
+  c.domain = model.domain();
+  for (const EffectPtr& e : model.effects()) c.effects.push_back(e->spec());
+  const int count = model.parameterCount();
+  for (int i = 0; i < count; ++i) {
+    const Parameter& p = model.parameter(i);
+    const bool fixed = result.identifiability.fixed[static_cast<std::size_t>(i)] != 0;
+    c.values.push_back(
+        {model.effectOf(i), p.name, p.unit, p.toUnit, result.x[i], fixed ? 0.0 : result.std(i), fixed});
+  }
+  c.covariance = result.covariance.topLeftCorner(count, count);
+  c.sessionSource = session.source;
+  c.sessionHash = sessionHash(session);
+  c.method = nameOf(result.method);
+  c.seed = result.seed;
+  c.observations = static_cast<std::int64_t>(session.observations.size());
+  c.rms = result.figures.rms;
+  c.heldOutRms = result.figures.heldOutRms;
+  c.rmsAngular = result.figures.rmsAngular;
+  c.heldOutRmsAngular = result.figures.heldOutRmsAngular;
+  c.chi2PerDof = result.figures.chi2PerDof;
+  c.repeatability = result.repeatability;
+  c.repeatabilityFrom = result.repeatabilityFrom;
+  return c;
+}
+
+Recalibration recalibrate(const Session& session, const ModelSpec& spec, const CalibrateOptions& given) {
+  CalibrateOptions options = given;
+  if (options.repeatability <= 0.0 && spec.repeatability > 0.0) options.repeatability = spec.repeatability;
+  for (std::size_t i = 0; i < spec.effects.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (sameKeys(spec.effects[i], spec.effects[j]))
+        throw InputError("the model names " + spec.effects[i].yaml() + " twice; leave one of them out");
+  Recalibration done;
+  done.result = calibrate(session, modelFor(session, spec.effects), options);
+  done.calibration = toCalibration(done.result, spec.machine);
+  done.calibration.ledger = {entryOf("calibrate", {}, done.result.before, done.result.figures, {})};
+  return done;
+}
+
+Recalibration addEffect(const Session& session, const Calibration& calibration, const EffectSpec& effect,
+                        const CalibrateOptions& options) {
+  createEffect(effect, observedDomain(session));  // its own message comes first
+  if (findEffect(calibration, effect) < calibration.effects.size())
+    throw InputError(effect.yaml() + " is in the model already (" + listOf(calibration.effects) +
+                     "); add another effect, or remove this one first");
+  std::vector<EffectSpec> effects = calibration.effects;
+  effects.push_back(effect);
+  return refit(session, calibration, effects, "add", effect, options);
+}
+
+Recalibration removeEffect(const Session& session, const Calibration& calibration, const EffectSpec& effect,
+                           const CalibrateOptions& options) {
+  const std::size_t at = findEffect(calibration, effect);
+  if (at == calibration.effects.size())
+    throw InputError(effect.yaml() + " is not in the model (" + listOf(calibration.effects) +
+                     "); name one of these");
+  std::vector<EffectSpec> effects = calibration.effects;
+  effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(at));
+  return refit(session, calibration, effects, "remove", effect, options);
+}
+
+CalibrationResult compareCalibration(const Session& session, const Calibration& calibration,
+                                     CalibrateOptions options) {
+  options.method = Method::kLeastSquares;
+  options.holdEffects = true;
+  return calibrate(session, modelOf(calibration), options, valuesOf(calibration));
+}
+
+Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibration,
+                              DiagnoseOptions options) {
+  options.calibrate = leastSquares(options.calibrate, calibration);
+  const Model model = modelFor(session, calibration.effects);
+  return diagnose(session, model, options, startFrom(calibration, model));
+}
+
+void checkMachine(const ModelSpec& model, const std::filesystem::path& folder, const Session& session) {
+  if (model.machine.empty()) return;
+  const Machine named = Machine::load(model.machine, folder);
+  const auto& a = named.joints();
+  const auto& b = session.machine.joints();
+  const bool same =
+      a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const Joint& p, const Joint& q) {
+        return p.name == q.name && p.kind == q.kind;
+      });
+  if (same) return;
+  const auto names = [](const std::vector<Joint>& joints) {
+    std::string text;
+    for (const Joint& j : joints) text += (text.empty() ? "" : ", ") + j.name;
+    return text;
+  };
+  throw InputError(session.source + ": its machine has the joints " + names(b) + ", the model's machine '" +
+                   model.machine + "' has " + names(a) + "; use the model of the machine that measured");
+}
+
+}  // namespace mm

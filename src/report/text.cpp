@@ -1,0 +1,159 @@
+#include "report/text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/units.h"
+#include "report/found_features.h"
+#include "report/quantiles.h"
+#include "report/text_parts.h"
+
+namespace mm {
+namespace {
+
+/// One line a kind of residual: RMS, held out.
+std::string figuresText(const CalibrationResult& r) {
+  std::string text;
+  for (const bool angular : {false, true}) {
+    const double before = angular ? r.before.rmsAngular : r.before.rms,
+                 after = angular ? r.figures.rmsAngular : r.figures.rms;
+    const double heldBefore = angular ? r.before.heldOutRmsAngular : r.before.heldOutRms;
+    const double heldAfter = angular ? r.figures.heldOutRmsAngular : r.figures.heldOutRms;
+    if (!std::isfinite(after)) continue;
+    text +=
+        "  RMS            " + padded(length(before, angular), 16) + " -> " + length(after, angular) + "\n";
+    text += "  RMS held out   " + padded(length(heldBefore, angular), 16) + " -> " +
+            length(heldAfter, angular) + "\n";
+  }
+  return text;
+}
+
+std::string parametersText(const CalibrationResult& r) {
+  const Model& model = r.problem->model();
+  std::string text;
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    const Effect& effect = *model.effects()[e];
+    text += "  " + spoken(effect.spec()) + "\n";
+    for (int k = 0; k < effect.parameterCount(); ++k) {
+      const int i = model.offset(static_cast<int>(e)) + k;
+      const Parameter& p = model.parameter(i);
+      const bool fixed = r.identifiability.fixed[static_cast<std::size_t>(i)] != 0;
+      text += "    " + padded(p.name, 18) +
+              (fixed ? sixDigits(r.x[i] * p.toUnit) + (p.unit == "1" ? "" : " " + p.unit) + "  (held)"
+                     : withUncertainty(r.x[i] * p.toUnit, r.std(i) * p.toUnit, p.unit)) +
+              "\n";
+    }
+  }
+  return text.empty() ? "  none: the machine as its scales read\n" : text;
+}
+
+std::string lostText(const CalibrationResult& r) {
+  std::string text;
+  for (const LostDirection& l : r.identifiability.lost) {
+    if (!l.ofTheModel) continue;
+    const Unknown& fixed = r.problem->unknowns()[static_cast<std::size_t>(l.fixedUnknown)];
+    text += "  " + l.inWords + "\n    held: " + displayName(*r.problem, l.fixedUnknown) + " = " +
+            sixDigits(r.x[l.fixedUnknown] * fixed.toUnit) + (l.byConvention ? ", by convention" : "") + "; " +
+            l.wouldShow + "\n";
+  }
+  if (text.empty()) return {};
+  return "Not determined by this session\n" + text;
+}
+
+std::string outliersText(const CalibrationResult& r) {
+  if (r.outliers.empty()) return {};
+  constexpr std::size_t kShown = 12;
+  std::string text = format("Outliers, left aside: %zu\n", r.outliers.size());
+  for (std::size_t i = 0; i < std::min(kShown, r.outliers.size()); ++i) {
+    const ResidualRow& row = r.problem->rows()[static_cast<std::size_t>(r.outliers[i].row)];
+    text += format("  row %lld   residual ",
+                   static_cast<long long>(
+                       r.problem->session().observations[static_cast<std::size_t>(row.observation)].row)) +
+            length(r.outliers[i].residual, row.angular) + "\n";
+  }
+  if (r.outliers.size() > kShown)
+    text += format("  and %zu more (--json lists them)\n", r.outliers.size() - kShown);
+  return text;
+}
+
+std::string noiseText(const CalibrationResult& r) {
+  const bool angular = angularOnly(r);
+  const std::string from = r.repeatabilityFrom == "declared"   ? "declared"
+                           : r.repeatabilityFrom == "repeated" ? "from repeated measurements"
+                                                               : "estimated from the residuals";
+  std::string text = "  Repeatability  " + length(r.repeatability, angular) + ", " + from + "\n";
+  if (r.repeatabilityFrom != "estimated")
+    text += format("  chi2 / dof     %.4g (1: nothing but noise is left)\n", r.figures.chi2PerDof);
+  return text;
+}
+
+std::string featuresText(const CalibrationResult& r) {
+  std::string text;
+  int shown = 0, all = 0;
+  for (const FoundFeature& f : foundFeatures(r)) {
+    if (!(f.std.maxCoeff() > 0.0)) continue;
+    if (++all > 12) continue;
+    ++shown;
+    text += "  " + padded(f.name, 12) +
+            format("%11.5f %11.5f %11.5f mm   ± %.2g %.2g %.2g um\n", f.position.x() / kMillimetre,
+                   f.position.y() / kMillimetre, f.position.z() / kMillimetre, f.std.x() / kMicrometre,
+                   f.std.y() / kMicrometre, f.std.z() / kMicrometre);
+  }
+  if (text.empty()) return {};
+  if (all > shown) text += format("  and %d more (--json lists them)\n", all - shown);
+  return "Found in workpiece (centres of balls, points)\n" + text;
+}
+
+}  // namespace
+
+std::string calibrateText(const CalibrationResult& r) {
+  const bool angular = angularOnly(r);
+  std::string text = format("%zu observations, %d residuals, %d of %d parameters determined\n",
+                            r.problem->session().observations.size(), r.problem->rowCount(),
+                            r.identifiability.rank, r.identifiability.parameters);
+  if (!r.problem->leftOut().empty())
+    text += format("%zu observations lack an input of the model and were left out\n",
+                   r.problem->leftOut().size());
+  text += "\nError                nominal machine     calibrated\n" + figuresText(r) + noiseText(r);
+  text += "\nParameters\n" + parametersText(r);
+  const std::string lost = lostText(r), features = featuresText(r), outliers = outliersText(r);
+  if (!lost.empty()) text += "\n" + lost;
+  if (!features.empty()) text += "\n" + features;
+  if (!outliers.empty()) text += "\n" + outliers;
+  text += "\nSearch\n";
+  if (r.genetic)
+    text += "  " + padded(r.genetic->method, 16) +
+            (r.genetic->evaluations == 0
+                 ? r.genetic->stop
+                 : "RMS " + length(r.genetic->rms, angular) +
+                       format(", %zu generations, %zu evaluations in %.2f s, seed %llu, stopped by %s",
+                              r.genetic->generations, r.genetic->evaluations, r.genetic->seconds,
+                              static_cast<unsigned long long>(r.genetic->seed), r.genetic->stop.c_str())) +
+            "\n";
+  text += "  polished        RMS " + length(angular ? r.figures.rmsAngular : r.figures.rms, angular) +
+          format(", %d iterations, %s\n", r.polishIterations, r.stop.c_str());
+  if (r.genetic && r.genetic->curve.size() > 1) text += curveText(*r.genetic, angular);
+  if (r.cancelled) text += "Stopped early: these are the best values found so far.\n";
+  return text;
+}
+
+std::string compareText(const CalibrationResult& c, const std::vector<WhereItFails>& where) {
+  std::string text = format("%zu observations, %d residuals; the calibration's values are held\n",
+                            c.problem->session().observations.size(), c.problem->rowCount());
+  text +=
+      "\nError                nominal machine     with this calibration\n" + figuresText(c) + noiseText(c);
+  for (const bool angular : {false, true}) {
+    const SizeOfResiduals size = sizeOfResiduals(c, angular);
+    if (size.count == 0) continue;
+    text += "  Quantiles      ";
+    for (const auto& [percent, value] : size.quantiles)
+      text += format("%d %%: ", percent) + length(value, angular) + "   ";
+    text += "\n  Largest        " + length(size.max, angular) + "\n";
+  }
+  text += "\n" + whereText(where);
+  const std::string outliers = outliersText(c);
+  if (!outliers.empty()) text += "\n" + outliers;
+  return text;
+}
+
+}  // namespace mm

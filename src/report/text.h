@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+#include "diagnosis/diagnose.h"
+#include "estimation/calibrate.h"
+
+namespace mm {
+
+// What `mm` prints for people: plain text of at most 100 columns, units beside every number.
+
+/// Parameters with their uncertainty, what the session does not determine, before and after, outliers by row.
+std::string calibrateText(const CalibrationResult& result);
+/// Size of the residuals, and where the model fails.
+std::string compareText(const CalibrationResult& compared, const std::vector<WhereItFails>& where);
+/// Verdict in a sentence, where it fails, what is missing with cause and remedy, and what to type next.
+/// @param session, calibration paths for the `mm add` line.
+std::string diagnoseText(const Diagnosis& diagnosis, const std::string& session,
+                         const std::string& calibration);
+/// Each step of the model, with the error as it fell. @param angular figures are in rad.
+std::string ledgerText(const std::vector<LedgerEntry>& ledger, bool angular);
+/// The best RMS of each generation as a small plot.
+std::string curveText(const GeneticSummary& genetic, bool angular);
+/// The same as CSV: `generation,rms_um` (or `rms_arcsec`).
+std::string curveCsv(const GeneticSummary& genetic, bool angular);
+
+}  // namespace mm

@@ -1,0 +1,65 @@
+#include "report/text_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "machine/units.h"
+#include "report/quantiles.h"
+
+namespace mm {
+
+std::string format(const char* pattern, ...) {
+  va_list arguments;
+  va_start(arguments, pattern);
+  char buffer[512];
+  std::vsnprintf(buffer, sizeof buffer, pattern, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+std::string length(double value, bool angular) {
+  if (!std::isfinite(value)) return "-";
+  return format("%.4g %s", value / (angular ? kArcsecond : kMicrometre), angular ? "arcsec" : "um");
+}
+
+std::string withUncertainty(double value, double std, const std::string& unit) {
+  const std::string suffix = unit.empty() || unit == "1" ? "" : " " + unit;
+  if (!std::isfinite(std) || !(std > 0.0)) return sixDigits(value) + suffix;
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(std)));
+  if (decimals > 6 || decimals < -4 || std::abs(value) >= 1e7)
+    return format("%.6g ± %.2g", value, std) + suffix;
+  return format("%.*f ± %.*f", std::max(0, decimals), value, std::max(0, decimals), std) + suffix;
+}
+
+std::string spoken(const EffectSpec& effect) {
+  std::string text = effect.type;
+  for (const auto& [key, value] : effect.keys) {
+    text += ", " + key;
+    for (const std::string& item : value.items) text += " " + item;
+  }
+  return text;
+}
+
+std::string padded(const std::string& text, int width) {
+  const auto characters = std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; });
+  return text + std::string(static_cast<std::size_t>(std::max<long>(0, width - characters)), ' ');
+}
+
+std::string whereText(const std::vector<WhereItFails>& where) {
+  std::string text;
+  int shown = 0;
+  for (const WhereItFails& w : where) {
+    if (w.pValue > 0.05 || ++shown > 8) continue;
+    text += "  " + padded(w.variable, 32) + format("%5.1f %%   p = %.1g\n", 100.0 * w.share, w.pValue);
+  }
+  if (text.empty()) return "Where it fails: no variable explains what is left.\n";
+  return "Where it fails                     share of the residual variance\n" + text;
+}
+
+bool angularOnly(const CalibrationResult& result) {
+  return !std::isfinite(result.figures.rms) && std::isfinite(result.figures.rmsAngular);
+}
+
+}  // namespace mm

@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "diagnosis/diagnose.h"
+#include "effects/effect_spec.h"
+#include "estimation/calibrate.h"
+
+namespace mm {
+
+// Pieces that the texts of several commands share. Private to this folder's sources.
+
+/// printf into a string.
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+/// "3.42 um", or "12.1 arcsec" where `angular`; "-" for what does not exist.
+std::string length(double value, bool angular);
+/// Value and uncertainty, the uncertainty with two digits: "25.41 ± 0.11 um".
+std::string withUncertainty(double value, double std, const std::string& unit);
+/// "x: backlash" for people is the spec itself without its braces: "backlash, axis x".
+std::string spoken(const EffectSpec& effect);
+/// Pads to a width counted in characters, not bytes.
+std::string padded(const std::string& text, int width);
+std::string whereText(const std::vector<WhereItFails>& where);
+bool angularOnly(const CalibrationResult& result);
+
+}  // namespace mm

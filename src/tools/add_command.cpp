@@ -1,0 +1,15 @@
+#include <CLI/CLI.hpp>
+
+#include "tools/change_command.h"
+#include "tools/commands.h"
+
+namespace mm {
+
+void addAddCommand(CLI::App& app, int& exitStatus) {
+  declareChange(
+      *app.add_subcommand("add", "One effect more: everything is refitted, the ledger tells what it did"),
+      addEffect, "mm add plate.bag --calibration plate.yaml '{type: backlash, axis: x}' -o plate2.yaml",
+      exitStatus);
+}
+
+}  // namespace mm

@@ -1,0 +1,125 @@
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "calibration_file/atomic_file.h"
+#include "calibration_file/calibration_yaml.h"
+#include "machine/error.h"
+#include "report/json.h"
+#include "report/recalibration.h"
+#include "report/text.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/progress_bar.h"
+#include "tools/session_input.h"
+
+namespace mm {
+namespace {
+
+struct CalibrateCommand {
+  std::string bag, model, output, method = "staged_mutation", curve, stages;
+  bool json = false;
+  FitOptions fit;
+};
+
+/// "15:1,30:0.5": last generation and share of half the range. @throw InputError.
+std::vector<MutationStage> stagesOf(const std::string& text) {
+  std::vector<MutationStage> stages;
+  std::istringstream list(text);
+  for (std::string one; std::getline(list, one, ',');) {
+    std::istringstream in(one);
+    MutationStage stage;
+    char colon = 0;
+    if (!(in >> stage.lastGeneration >> colon >> stage.fraction) || colon != ':' || !(in >> std::ws).eof())
+      throw InputError("--stages: '" + one +
+                       "' is not <last generation>:<share of half the range>, e.g. 15:1,30:0.5,50:0.05");
+    stages.push_back(stage);
+  }
+  return stages;
+}
+
+void declareGenetic(CLI::App& command, CalibrateCommand& c) {
+  StagedMutationSettings& s = c.fit.calibrate.stagedMutation;
+  const std::string group = "Genetic algorithm";
+  command.add_option("--population", s.population, "chromosomes")->capture_default_str()->group(group);
+  command.add_option("--generations", s.generations, "")->capture_default_str()->group(group);
+  command.add_option("--father-share", s.fatherShare, "the best share, fathers of the next generation")
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--stages", c.stages,
+                  "range of mutation: <last generation>:<share of half the range>, … "
+                  "[15:1,30:0.5,50:0.05,75:0.005,100:0.0005]")
+      ->group(group);
+  command
+      .add_option("--survivor-share", s.survivorShare, "fathers that live on unchanged, of the population")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--gene-share", s.geneShare, "probability that a gene of a child is mutated")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--reach", s.reach, "1: uniform mutation as published; below 1 mixes fine steps in")
+      ->capture_default_str()
+      ->group(group);
+}
+
+int runCalibrate(CalibrateCommand& c) {
+  checkOutput(c.output);
+  checkOutput(c.curve);
+  CalibrateOptions options = c.fit.checked();
+  options.method = methodOf(c.method);
+  if (!c.stages.empty()) options.stagedMutation.stages = stagesOf(c.stages);
+  options.stagedMutation.validate();
+  const ModelSpec model = loadModelSpec(c.model);
+  const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
+  std::optional<Machine> machine;
+  if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
+  const Session session = loadSession(c.bag, machine ? &*machine : nullptr);
+  checkMachine(model, folder, session);
+
+  std::optional<Recalibration> done;
+  {
+    const Interrupt interrupt;
+    ProgressBar bar("calibrating");
+    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
+    done = recalibrate(session, model, options);
+  }
+  const int status = verdictOf(done->result);
+  if (!c.output.empty()) saveCalibration(done->calibration, c.output);
+  const bool angular = !std::isfinite(done->result.figures.rms);
+  if (!c.curve.empty())
+    writeFileAtomically(c.curve, done->result.genetic ? curveCsv(*done->result.genetic, angular)
+                                                      : curveCsv(GeneticSummary(), angular));
+  if (c.json) {
+    std::cout << calibrateJson(done->result) << '\n';
+  } else {
+    std::cout << calibrateText(done->result);
+    if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
+  }
+  return status;
+}
+
+}  // namespace
+
+void addCalibrateCommand(CLI::App& app, int& exitStatus) {
+  auto c = std::make_shared<CalibrateCommand>();
+  CLI::App* command = app.add_subcommand("calibrate", "Finds the parameters of a model from a session");
+  command->add_option("bag", c->bag, "the session")->required();
+  command->add_option("--model", c->model, "YAML: machine and effects")->required();
+  command->add_option("-o,--output", c->output, "the calibration file");
+  command->add_option("--method", c->method, "staged_mutation, niching or least_squares")
+      ->capture_default_str();
+  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  command->add_option("--curve", c->curve, "CSV of the best RMS in each generation");
+  c->fit.declare(*command, true);
+  declareGenetic(*command, *c);
+  command->footer(
+      "Exit status: 0 done; 1 not converged, or a parameter that this session does not determine and no\n"
+      "convention fixes (the file is still written); 2 bad input.\n"
+      "Example:\n  mm calibrate plate.bag --model model.yaml -o plate.yaml");
+  command->callback([c, &exitStatus] { exitStatus = runCalibrate(*c); });
+}
+
+}  // namespace mm

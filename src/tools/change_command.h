@@ -1,0 +1,19 @@
+#pragma once
+#include <string>
+
+#include "calibration_file/calibration.h"
+#include "report/recalibration.h"
+
+namespace CLI {
+class App;
+}
+
+namespace mm {
+
+/// What `add` and `remove` share: one effect more or less, everything refitted, the ledger told.
+using ModelChange = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
+                                      const CalibrateOptions&);
+/// @param command the subcommand, without options yet.
+void declareChange(CLI::App& command, ModelChange change, const std::string& example, int& exitStatus);
+
+}  // namespace mm

@@ -1,0 +1,51 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "report/point_set.h"
+#include "report/recalibration.h"
+#include "tools/commands.h"
+#include "tools/session_input.h"
+
+namespace mm {
+namespace {
+
+struct CheckCommand {
+  std::string bag, model;
+  bool json = false;
+};
+
+int runCheck(const CheckCommand& c) {
+  std::optional<ModelSpec> model;
+  std::optional<Machine> machine;
+  const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
+  if (!c.model.empty()) {
+    model = loadModelSpec(c.model);
+    if (!model->machine.empty()) machine = Machine::load(model->machine, folder);
+  }
+  const Session session = loadSession(c.bag, machine ? &*machine : nullptr);
+  if (model) checkMachine(*model, folder, session);
+  const PointSet set = checkPointSet(session, model ? &*model : nullptr);
+  std::cout << (c.json ? pointSetJson(set) + "\n" : pointSetText(set));
+  return set.hasModel && set.identifiability.incomplete() ? 1 : 0;
+}
+
+}  // namespace
+
+void addCheckCommand(CLI::App& app, int& exitStatus) {
+  auto c = std::make_shared<CheckCommand>();
+  CLI::App* command =
+      app.add_subcommand("check", "The point set before the fit: what was covered, what it can show");
+  command->add_option("bag", c->bag, "the session")->required();
+  command->add_option("--model", c->model, "YAML: which of its parameters can be found");
+  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  command->footer(
+      "Exit status 1: the model has a parameter that this session does not determine and no convention "
+      "fixes.\n"
+      "Example:\n  mm check plate.bag --model model.yaml");
+  command->callback([c, &exitStatus] { exitStatus = runCheck(*c); });
+}
+
+}  // namespace mm

@@ -1,0 +1,58 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "calibration_file/calibration_yaml.h"
+#include "report/json.h"
+#include "report/recalibration.h"
+#include "report/text.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/progress_bar.h"
+#include "tools/session_input.h"
+
+namespace mm {
+namespace {
+
+struct CompareCommand {
+  std::string bag, calibration;
+  bool json = false;
+  FitOptions fit;
+};
+
+void runCompare(const CompareCommand& c) {
+  CalibrateOptions options = c.fit.checked();
+  const Calibration calibration = loadCalibration(c.calibration);
+  const Machine machine(calibration.urdf, calibration.machineName);
+  const Session session = loadSession(c.bag, &machine);
+  std::optional<CalibrationResult> compared;
+  {
+    const Interrupt interrupt;
+    ProgressBar bar("comparing");
+    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
+    compared = compareCalibration(session, calibration, options);
+  }
+  const std::vector<WhereItFails> where = whereItFails(*compared);
+  if (c.json)
+    std::cout << compareJson(*compared, where) << '\n';
+  else
+    std::cout << compareText(*compared, where);
+}
+
+}  // namespace
+
+void addCompareCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto c = std::make_shared<CompareCommand>();
+  CLI::App* command = app.add_subcommand("compare", "Where a calibration fails on a session");
+  command->add_option("bag", c->bag, "the session")->required();
+  command->add_option("--calibration", c->calibration, "the calibration file")->required();
+  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  c->fit.declare(*command, false);
+  command->footer(
+      "The values of the calibration are held; only what belongs to the session (pose of the artifact, free\n"
+      "centres, zeros of setups) is fitted.\n"
+      "Example:\n  mm compare plate.bag --calibration plate.yaml");
+  command->callback([c] { runCompare(*c); });
+}
+
+}  // namespace mm

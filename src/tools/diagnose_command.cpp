@@ -1,0 +1,57 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "calibration_file/calibration_yaml.h"
+#include "report/json.h"
+#include "report/recalibration.h"
+#include "report/text.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/progress_bar.h"
+#include "tools/session_input.h"
+
+namespace mm {
+namespace {
+
+struct DiagnoseCommand {
+  std::string bag, calibration;
+  bool json = false;
+  FitOptions fit;
+};
+
+void runDiagnose(const DiagnoseCommand& c) {
+  DiagnoseOptions options;
+  options.calibrate = c.fit.checked();
+  options.seed = c.fit.calibrate.seed;
+  options.cancelled = options.calibrate.cancelled;
+  const Calibration calibration = loadCalibration(c.calibration);
+  const Machine machine(calibration.urdf, calibration.machineName);
+  const Session session = loadSession(c.bag, &machine);
+  std::optional<Diagnosis> diagnosis;
+  {
+    const Interrupt interrupt;
+    ProgressBar bar("diagnosing");
+    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
+    diagnosis = diagnoseCalibration(session, calibration, options);
+  }
+  if (c.json)
+    std::cout << diagnoseJson(*diagnosis) << '\n';
+  else
+    std::cout << diagnoseText(*diagnosis, c.bag, c.calibration);
+}
+
+}  // namespace
+
+void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto c = std::make_shared<DiagnoseCommand>();
+  CLI::App* command = app.add_subcommand("diagnose", "Which physical effect the model misses");
+  command->add_option("bag", c->bag, "the session")->required();
+  command->add_option("--calibration", c->calibration, "the calibration file")->required();
+  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  c->fit.declare(*command, true);
+  command->footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");
+  command->callback([c] { runDiagnose(*c); });
+}
+
+}  // namespace mm

@@ -1,0 +1,72 @@
+#include "tools/session_input.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+
+#include "machine/error.h"
+#include "machine/units.h"
+#include "report/quantiles.h"
+#include "ros_bridge/bag_session.h"
+#include "tools/interrupt.h"
+#include "tools/one_line.h"
+#include "tools/progress_bar.h"
+
+namespace mm {
+
+Session loadSession(const std::string& bag, const Machine* fallback) {
+  ProgressBar bar("reading");
+  Session session = readSessionBag(bag, bar.callback(), fallback);
+  if (!session.warning.empty())
+    std::cerr << "mm: warning: " << oneLine(bag + ": " + session.warning) << std::endl;
+  return session;
+}
+
+void checkOutput(const std::string& file) {
+  if (file.empty()) return;
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    throw InputError(file + ": the folder '" + folder.string() +
+                     "' does not exist; make it, or name another");
+  if (std::filesystem::is_directory(file)) throw InputError(file + ": is a folder; name a file");
+}
+
+void FitOptions::declare(CLI::App& command, bool genetic) {
+  command.add_option(
+      "--repeatability-um", repeatability,
+      "noise of one measurement (else the model's, the artifact's, or found from repetitions)");
+  command.add_flag("--keep-outliers", keepOutliers, "nothing is left aside");
+  if (!genetic) return;
+  command.add_option("--seed", calibrate.seed, "of the genetic algorithm")->capture_default_str();
+  command.add_option("--threads", calibrate.threads, "0: all cores; the result does not depend on it")
+      ->capture_default_str();
+}
+
+CalibrateOptions FitOptions::checked() const {
+  CalibrateOptions options = calibrate;
+  if (repeatability < 0.0 || !std::isfinite(repeatability))
+    throw InputError("--repeatability-um is " + sixDigits(repeatability) + "; it must be above 0");
+  if (repeatability > 0.0) options.repeatability = repeatability * kMicrometre;
+  options.rejectOutliers = !keepOutliers;
+  options.cancelled = [] { return Interrupt::asked(); };
+  return options;
+}
+
+int verdictOf(const CalibrationResult& result) {
+  int status = 0;
+  const auto say = [&](const std::string& text) {
+    std::cerr << "mm: " << oneLine(text) << std::endl;
+    status = 1;
+  };
+  if (result.cancelled)
+    say("stopped by Ctrl-C: what follows is the best found so far");
+  else if (!result.converged)
+    say("not converged (" + result.stop + "); try another --seed, or a simpler model");
+  for (const LostDirection& l : result.identifiability.lost)
+    if (l.ofTheModel && !l.byConvention)
+      say("not determined by this session: " + l.inWords + "; " + l.wouldShow);
+  return status;
+}
+
+}  // namespace mm

@@ -1,0 +1,35 @@
+#pragma once
+#include <string>
+
+#include "estimation/calibrate.h"
+#include "session/session.h"
+
+namespace CLI {
+class App;
+}
+
+namespace mm {
+
+/// Reads a session's bag with a progress bar; what is wrong with it is said on standard error.
+/// @param fallback machine of a bag that does not bring its own; may be null. @throw InputError.
+Session loadSession(const std::string& bag, const Machine* fallback = nullptr);
+
+/// @throw InputError when a file cannot be written there because the folder does not exist: before the work,
+/// not after.
+void checkOutput(const std::string& file);
+
+/// The options of a fit that several commands share: --seed, --threads, --repeatability-um, --keep-outliers.
+struct FitOptions {
+  CalibrateOptions calibrate;
+  double repeatability = 0.0;  // um; 0: not stated
+  bool keepOutliers = false;
+
+  void declare(CLI::App& command, bool genetic);
+  /// The options checked, with progress on `bar`'s terminal and Ctrl-C as cancel. @throw InputError.
+  CalibrateOptions checked() const;
+};
+
+/// Says what Ctrl-C and doubtful results mean: a line on standard error each. @return exit status, 0 or 1.
+int verdictOf(const CalibrationResult& result);
+
+}  // namespace mm
