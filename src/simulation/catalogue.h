@@ -36,6 +36,8 @@ struct Workshop {
   bool touches = false;              // the plan touches balls
   std::vector<double> lower, upper;  // travel of each joint in the session, m or rad
   Physics& physics;                  // gets the source
+  /// What the instrument goes through at each measurement of the plan, nothing being hidden.
+  std::function<const std::vector<Condition>&()> visits;
 };
 
 /// One kind of source that can be hidden.
@@ -45,6 +47,7 @@ struct SourceKind {
     kLinear,
     kRotary,
     kOtherLinear,
+    kLevel,  // linear, nearly square to the vertical
     kDirection,
     kOtherDirection,
     kAbout,
@@ -78,7 +81,8 @@ const std::vector<SourceKind>& sourceKinds();
 
 /// Reads one source as written for `--hide`, draws what is left open, and builds it into `workshop.physics`.
 /// Forms: `backlash`, `backlash:x=3um`, `straightness:x/y=2um`, `lead_screw_periodic:x=1um,period=2mm`,
-/// `{type: backlash, axis: x, gap: 3um}`, `random`. @param stream what makes its random numbers its own.
+/// `{type: backlash, axis: x, gap: 3um}`, `random`, `random_uncatalogued`. @param stream what makes its
+/// random numbers its own.
 /// @throw InputError naming `where`, what is wrong and what is possible.
 HiddenSource hideSource(const std::string& text, const std::string& where, std::uint64_t seed,
                         const std::string& stream, Workshop& workshop);

@@ -10,6 +10,7 @@
 #include "machine/units.h"
 #include "simulation/catalogue.h"
 #include "simulation/quantity.h"
+#include "simulation/uncatalogued.h"
 
 namespace mm {
 namespace {
@@ -91,7 +92,8 @@ std::vector<std::string> choices(Key kind, const HiddenSource& source, const Sou
   for (const Joint& joint : w.machine.joints()) {
     const bool linear = joint.kind == JointKind::kLinear;
     if (kind == Key::kJoint || (kind == Key::kLinear && linear) || (kind == Key::kRotary && !linear) ||
-        (kind == Key::kOtherLinear && linear && joint.name != first))
+        (kind == Key::kOtherLinear && linear && joint.name != first) ||
+        (kind == Key::kLevel && linear && std::abs(w.chain.axis(w.machine.findJoint(joint.name)).z()) < 0.5))
       names.push_back(joint.name);
   }
   if (kind == Key::kDirection || kind == Key::kOtherDirection || kind == Key::kAbout)
@@ -206,10 +208,18 @@ bool fits(const SourceKind& kind, const Workshop& w) {
   return true;
 }
 
+void refuseWrongProbe(const SourceKind& kind, const std::string& where, const Workshop& w) {
+  if (kind.probe == SourceKind::Probe::kTouch && !w.touches)
+    throw InputError(where + ": '" + kind.type + "' is of a touch probe, but the plan touches nothing");
+  if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present)
+    throw InputError(where + ": '" + kind.type +
+                     "' is of a laser probe, but the plan measures with a touch probe");
+}
+
 const SourceKind& kindOf(const std::string& type, const std::string& where, Random& random,
                          const Workshop& w) {
   std::vector<std::string> known;
-  std::vector<const SourceKind*> fitting;
+  std::vector<const SourceKind*> fitting, uncatalogued;
   const auto other = kOtherNames.find(type);
   const std::string name = other != kOtherNames.end() ? other->second : type;
   const double draw = random.uniform();
@@ -217,18 +227,23 @@ const SourceKind& kindOf(const std::string& type, const std::string& where, Rand
     known.push_back(kind.type);
     if (fits(kind, w)) fitting.push_back(&kind);
     if (kind.type != name) continue;
-    if (kind.probe == SourceKind::Probe::kTouch && !w.touches)
-      throw InputError(where + ": '" + name + "' is of a touch probe, but the plan touches nothing");
+    refuseWrongProbe(kind, where, w);
     if (kind.type == "artifact_expansion" && w.artifact.features.empty())
       throw InputError(where + ": '" + name + "' needs an artifact, but the plan has none");
-    if (kind.probe == SourceKind::Probe::kLaser && !w.settings.laser.present)
-      throw InputError(where + ": '" + name +
-                       "' is of a laser probe, but the plan measures with a touch probe");
     return kind;
   }
-  if (name == "random" && !fitting.empty()) return *fitting[static_cast<std::size_t>(draw * fitting.size())];
-  throw InputError(where + ": nothing called '" + type + "' can be hidden; possible are random, " +
-                   joined(known));
+  for (const SourceKind& kind : uncataloguedSourceKinds()) {
+    if (kind.type == name) {
+      refuseWrongProbe(kind, where, w);
+      return kind;
+    }
+    if (fits(kind, w)) uncatalogued.push_back(&kind);
+  }
+  if (name == "random_uncatalogued") fitting.swap(uncatalogued);
+  if ((name == "random" || name == "random_uncatalogued") && !fitting.empty())
+    return *fitting[static_cast<std::size_t>(draw * fitting.size())];
+  throw InputError(where + ": nothing called '" + type +
+                   "' can be hidden; possible are random, random_uncatalogued, " + joined(known));
 }
 
 }  // namespace

@@ -52,6 +52,13 @@ const std::vector<Unit>& units() {
       {"um/m/K", "1/K", 1e-6},
       {"1/K", "1/K", 1.0},
       {"1/m", "1/m", 1.0},
+      {"share", "share", 1.0},
+      {"", "share", 1.0},
+      {"mm", "length", 1e-3},
+      {"um", "length", 1e-6},
+      {"m", "length", 1.0},
+      {"mm/s", "speed", 1e-3},
+      {"m/s", "speed", 1.0},
   };
   return list;
 }

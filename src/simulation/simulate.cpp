@@ -168,10 +168,34 @@ class Recorder {
   Random noise_;
 };
 
-}  // namespace
+enum class Hide { kNothing, kAsked };
 
-SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
-                                   const SimulationRequest& request) {
+SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, const SimulationRequest& request,
+                                   Hide hide);
+
+/// What an instrument without errors goes through at each measurement of a plan.
+std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, const SimulationRequest& request) {
+  Recorder recorder(plan, request, makeInstrument(machine, plan, request, Hide::kNothing));
+  for (const PlanMove& move : plan.moves) recorder.run(move);
+  const Simulation run = recorder.finish();
+  const InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
+  const int bodies = settings.thermalModel().bodyCount();
+  std::vector<Condition> visits;
+  for (const TrueState& state : run.states) {
+    Condition visit;
+    visit.time = state.time;
+    visit.drive = visit.slide = state.position;
+    visit.velocity = state.velocity;
+    for (int b = 0; b < bodies; ++b) visit.bodies.push_back(run.truth->temperature(b, state.time));
+    for (const TrueCovariate& covariate : settings.covariates)
+      visit.covariates.push_back(covariate.at(state.time));
+    visits.push_back(std::move(visit));
+  }
+  return visits;
+}
+
+SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, const SimulationRequest& request,
+                                   Hide hide) {
   const InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
   const Chain chain(machine);
   const ThermalModel thermal = settings.thermalModel();
@@ -191,11 +215,18 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
   physics.artifact.scatterFree(plan.artifact, settings.placement.freeCentres, placing);
   if (settings.placement.form > 0.0) physics.artifact.roughen(settings.placement.form, placing);
 
-  Workshop workshop{machine, chain, plan.artifact, thermal, settings, false, {}, {}, physics};
+  std::vector<Condition> visits;
+  const auto rehearsed = [&]() -> const std::vector<Condition>& {
+    if (visits.empty()) visits = rehearse(machine, plan, request);
+    return visits;
+  };
+  Workshop workshop{machine, chain, plan.artifact, thermal, settings, false, {}, {}, physics, rehearsed};
   workshop.touches = std::any_of(plan.moves.begin(), plan.moves.end(),
                                  [](const PlanMove& move) { return move.kind == MoveKind::kTouch; });
   rangesOf(plan, machine, workshop.lower, workshop.upper);
   std::vector<HiddenSource> known, hidden;
+  if (hide == Hide::kNothing)
+    return {SimulatedMachine(machine, plan.artifact, settings, physics, request.seed), {}, {}};
   for (std::size_t i = 0; i < settings.errors.size(); ++i)
     known.push_back(hideSource(settings.errors[i], plan.source + ": errors", request.seed,
                                "known " + std::to_string(i), workshop));
@@ -204,6 +235,13 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
         hideSource(request.hide[i], "--hide", request.seed, "hidden " + std::to_string(i), workshop));
   return {SimulatedMachine(machine, plan.artifact, settings, physics, request.seed), std::move(known),
           std::move(hidden)};
+}
+
+}  // namespace
+
+SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
+                                   const SimulationRequest& request) {
+  return makeInstrument(machine, plan, request, Hide::kAsked);
 }
 
 Simulation simulate(const Machine& machine, const Plan& plan, const SimulationRequest& request,

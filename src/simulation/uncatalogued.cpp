@@ -1,0 +1,120 @@
+#include "simulation/uncatalogued.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+using Along = UncataloguedKind::Along;
+
+const UncataloguedKind& kindOf(const std::string& type) {
+  for (const UncataloguedKind& kind : uncataloguedKinds())
+    if (kind.type == type) return kind;
+  throw InputError("'" + type + "' is not an uncatalogued source");
+}
+
+/// The axis of workpiece that is most nearly square to two joints.
+std::string third(const HiddenSource& source, const Machine& machine, const Chain& chain) {
+  const int first = machine.findJoint(source.key("axis")), second = machine.findJoint(source.key("across"));
+  Eigen::Index component = 0;
+  chain.axis(first).cross(chain.axis(second)).cwiseAbs().maxCoeff(&component);
+  return std::string(1, static_cast<char>('x' + component));
+}
+
+std::string directionName(const UncataloguedKind& kind, const HiddenSource& source, const Machine& machine,
+                          const Chain& chain) {
+  switch (kind.along) {
+    case Along::kOwnAxis:
+      return source.key("axis");
+    case Along::kDirection:
+      return source.key("direction");
+    case Along::kThird:
+      return third(source, machine, chain);
+    case Along::kApproach:
+      break;
+  }
+  return "approach";
+}
+
+/// Puts the values of the keys where their names stand in brackets.
+std::string filledIn(std::string text, const HiddenSource& source) {
+  for (const auto& [key, value] : source.keys) {
+    const std::string name = "[" + key + "]";
+    const std::size_t at = text.find(name);
+    if (at != std::string::npos) text.replace(at, name.size(), value);
+  }
+  return text;
+}
+
+void build(const UncataloguedKind& kind, const HiddenSource& source, Workshop& w) {
+  const Quantity shape = kind.shape(Setting(source, w));
+  const Spread spread = spreadOf(shape, w.visits());
+  if (!(spread.deviation > 1e-12))
+    throw InputError("'" + source.text() + "' cannot be hidden: the plan does not vary what it depends on");
+  const double factor = source.number("size") / spread.deviation;
+  const Quantity error = [shape, factor, mean = spread.mean](const Condition& c) {
+    return factor * (shape(c) - mean);
+  };
+  if (kind.along == Along::kApproach) {
+    w.physics.sources.push_back(std::make_shared<ApproachError>(error, linearAxes(w)));
+    return;
+  }
+  const std::string name = directionName(kind, source, w.machine, w.chain);
+  const int joint = w.machine.findJoint(name);
+  const Direction direction{joint, joint >= 0 ? -1 : name[0] - 'x'};
+  w.physics.sources.push_back(std::make_shared<ShapedError>(error, direction));
+}
+
+/// Only a probe that is moving when it measures has a speed and a way by which it comes.
+bool needsMotion(const UncataloguedKind& kind) {
+  return kind.along == Along::kApproach ||
+         std::any_of(kind.variables.begin(), kind.variables.end(), [](const std::string& name) {
+           return name.find("speed") != std::string::npos || name.find("travel") != std::string::npos;
+         });
+}
+
+}  // namespace
+
+void ShapedError::apply(const Condition& condition, Distortion& distortion) const {
+  direction_.add(distortion, error_(condition));
+}
+
+void ApproachError::apply(const Condition& condition, Distortion& distortion) const {
+  const Eigen::Vector3d motion = tipMotion(axes_, condition);
+  const double speed = motion.norm();
+  if (speed > 0.0) distortion.tipShift += error_(condition) / speed * motion;
+}
+
+bool isUncatalogued(const std::string& type) { return type.rfind("uncatalogued_", 0) == 0; }
+
+UncataloguedTruth uncataloguedTruth(const HiddenSource& source, const Machine& machine) {
+  const UncataloguedKind& kind = kindOf(source.type);
+  UncataloguedTruth truth;
+  truth.cause = kind.cause;
+  for (const std::string& name : kind.variables) truth.variables.push_back(filledIn(name, source));
+  truth.direction = directionName(kind, source, machine, Chain(machine));
+  return truth;
+}
+
+const std::vector<SourceKind>& uncataloguedSourceKinds() {
+  static const std::vector<SourceKind> kinds = [] {
+    std::vector<SourceKind> list;
+    for (const UncataloguedKind& kind : uncataloguedKinds()) {
+      SourceKind rule;
+      rule.type = kind.type;
+      rule.keys = kind.keys;
+      rule.numbers = {{"size", "m", 1e-6, 4e-6, true}};
+      rule.numbers.insert(rule.numbers.end(), kind.shapeNumbers.begin(), kind.shapeNumbers.end());
+      rule.probe = needsMotion(kind) ? SourceKind::Probe::kTouch : SourceKind::Probe::kAny;
+      rule.build = [kind](const HiddenSource& source, Workshop& w, Random&) { build(kind, source, w); };
+      list.push_back(std::move(rule));
+    }
+    return list;
+  }();
+  return kinds;
+}
+
+}  // namespace mm

@@ -1,0 +1,69 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "simulation/catalogue.h"
+#include "simulation/uncatalogued_setting.h"
+
+namespace mm {
+
+/// What an uncatalogued source truly is: what a formula that explains it should be made of.
+struct UncataloguedTruth {
+  std::string cause;  // in plain words
+  /// Names as a comparison gives them: `x`, `x speed`, `x travel direction`, `time`, `temperature bed`,
+  /// `humidity`; `tip speed` and `approach` depend on the velocities of all linear joints.
+  std::vector<std::string> variables;
+  std::string direction;  // x, y, z, a joint, or `approach`
+};
+
+/// One kind of physical effect that no effect of the catalogue describes.
+struct UncataloguedKind {
+  enum class Along {
+    kOwnAxis,    // the joint of the key `axis`
+    kDirection,  // the key `direction`
+    kThird,      // square to the joints of the keys `axis` and `across`
+    kApproach    // the way the probe comes
+  };
+  std::string type, cause;
+  Along along = Along::kDirection;
+  std::vector<SourceKind::KeyRule> keys;
+  std::vector<SourceKind::NumberRule> shapeNumbers;  // after the size
+  std::vector<std::string> variables;                // a key in brackets stands for its value: `[axis] speed`
+  std::function<Quantity(const Setting&)> shape;     // of any size
+};
+
+/// All of them; every type begins with `uncatalogued_`.
+const std::vector<UncataloguedKind>& uncataloguedKinds();
+bool isUncatalogued(const std::string& type);
+/// @throw InputError when the source is not uncatalogued.
+UncataloguedTruth uncataloguedTruth(const HiddenSource& source, const Machine& machine);
+/// The same kinds as the simulation hides them: `random` never draws them, `random_uncatalogued` draws only
+/// them. Their size is the RMS along their direction over the measurements of the session, without its mean.
+const std::vector<SourceKind>& uncataloguedSourceKinds();
+
+/// An error of any shape along one direction.
+class ShapedError : public Source {
+ public:
+  ShapedError(Quantity error, Direction direction) : error_(std::move(error)), direction_(direction) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  Quantity error_;  // m
+  Direction direction_;
+};
+
+/// An error of any shape along the way the probe comes: the tip is farther on than it says. None at
+/// standstill.
+class ApproachError : public Source {
+ public:
+  /// @param axes of each joint in workpiece, zero for those that do not carry the tip straight.
+  ApproachError(Quantity error, std::vector<Eigen::Vector3d> axes)
+      : error_(std::move(error)), axes_(std::move(axes)) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  Quantity error_;  // m
+  std::vector<Eigen::Vector3d> axes_;
+};
+
+}  // namespace mm

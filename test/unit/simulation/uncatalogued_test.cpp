@@ -1,0 +1,231 @@
+#include "simulation/uncatalogued.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "machine/error.h"
+#include "session/plan.h"
+#include "simulation/simulate.h"
+
+namespace mm {
+namespace {
+
+const Machine& machine() {
+  static const Machine loaded = Machine::load("three_axis");
+  return loaded;
+}
+
+/// The shipped session with fewer contacts a ball and without noise of the contacts.
+const Plan& plan() {
+  static const Plan read = [] {
+    std::ifstream in("config/plans/nine_ball_plate.yaml");
+    std::ostringstream text;
+    text << in.rdbuf();
+    std::string yaml = text.str();
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      const std::size_t at = yaml.find(from);
+      if (at == std::string::npos) throw InputError("the plan has no '" + from + "'");
+      yaml.replace(at, from.size(), to);
+    };
+    replace("points: 75", "points: 40");
+    replace("every: 60", "every: 32");
+    replace("noise: {repeatability_um: 0.3", "noise: {repeatability_um: 0");
+    return Plan::parse(yaml, "nine_ball_plate", {}, machine());
+  }();
+  return read;
+}
+
+Simulation run(const std::string& hide, std::uint64_t seed = 1) {
+  SimulationRequest request;
+  if (!hide.empty()) request.hide = {hide};
+  request.seed = seed;
+  return simulate(machine(), plan(), request);
+}
+
+Eigen::Vector3d unitOf(const std::string& direction, const TrueState& state) {
+  return direction == "approach" ? state.approach : Eigen::Vector3d::Unit(direction[0] - 'x');
+}
+
+bool lists(const UncataloguedTruth& truth, const std::string& name) {
+  return std::find(truth.variables.begin(), truth.variables.end(), name) != truth.variables.end();
+}
+
+/// The error along its direction; the joints of this machine are the axes of workpiece.
+double errorOf(const Source& source, const Condition& condition, const UncataloguedTruth& truth) {
+  Distortion d(3);
+  source.apply(condition, d);
+  const Eigen::Vector3d error = d.tipShift + Eigen::Vector3d(d.travel[0], d.travel[1], d.travel[2]);
+  if (truth.direction != "approach") return error.dot(Eigen::Vector3d::Unit(truth.direction[0] - 'x'));
+  return error.dot(
+      Eigen::Vector3d(condition.velocity[0], condition.velocity[1], condition.velocity[2]).normalized());
+}
+
+/// Largest change of the error over the conditions when each is altered.
+template <typename Change>
+double changeBy(const Source& source, const UncataloguedTruth& truth,
+                const std::vector<Condition>& conditions, Change change) {
+  double largest = 0.0;
+  for (const Condition& condition : conditions) {
+    Condition altered = condition;
+    change(altered);
+    largest =
+        std::max(largest, std::abs(errorOf(source, altered, truth) - errorOf(source, condition, truth)));
+  }
+  return largest;
+}
+
+std::vector<Condition> conditionsOf(const Simulation& s) {
+  std::vector<Condition> conditions;
+  for (const TrueState& state : s.states) {
+    Condition c;
+    c.time = state.time;
+    c.drive = c.slide = state.position;
+    c.velocity = state.velocity;
+    for (int b = 0; b < 4; ++b) c.bodies.push_back(s.truth->temperature(b, state.time));
+    for (const TrueCovariate& covariate : s.truth->physics().covariates)
+      c.covariates.push_back(covariate.at(state.time));
+    conditions.push_back(std::move(c));
+  }
+  return conditions;
+}
+
+TEST(Uncatalogued, ThereAreManyKindsAndNoneIsOfTheCatalogue) {
+  std::set<std::string> types, causes;
+  for (const UncataloguedKind& kind : uncataloguedKinds()) {
+    EXPECT_TRUE(isUncatalogued(kind.type)) << kind.type;
+    EXPECT_FALSE(kind.variables.empty()) << kind.type;
+    types.insert(kind.type);
+    causes.insert(kind.cause);
+  }
+  EXPECT_EQ(types.size(), uncataloguedKinds().size());
+  EXPECT_EQ(causes.size(), uncataloguedKinds().size());
+  EXPECT_GE(types.size(), 24u);
+  for (const SourceKind& kind : sourceKinds()) EXPECT_FALSE(isUncatalogued(kind.type)) << kind.type;
+}
+
+TEST(Uncatalogued, SizeIsTheRmsAlongTheDirectionAndNothingGoesElsewhere) {
+  for (const UncataloguedKind& kind : uncataloguedKinds()) {
+    const Simulation s = run(kind.type + "=2um", 7);
+    ASSERT_EQ(s.hidden.size(), 1u);
+    ASSERT_EQ(s.missed, 0) << kind.type;
+    const UncataloguedTruth truth = uncataloguedTruth(s.hidden[0], machine());
+    double mean = 0.0, square = 0.0, aside = 0.0;
+    const double count = static_cast<double>(s.states.size());
+    for (std::size_t i = 0; i < s.states.size(); ++i) {
+      const Eigen::Vector3d error = s.truePositions[i] - s.truth->nominal(s.states[i]);
+      const Eigen::Vector3d unit = unitOf(truth.direction, s.states[i]);
+      const double along = error.dot(unit);
+      mean += along / count;
+      square += along * along / count;
+      aside = std::max(aside, (error - along * unit).norm());
+    }
+    EXPECT_NEAR(std::sqrt(square - mean * mean), 2e-6, 0.06e-6) << s.hidden[0].text();
+    EXPECT_NEAR(mean, 0.0, 0.1e-6) << s.hidden[0].text();
+    EXPECT_LT(aside, 1e-10) << s.hidden[0].text();
+  }
+}
+
+TEST(Uncatalogued, TheErrorDependsOnJustTheVariablesItStates) {
+  const std::vector<Condition> conditions = conditionsOf(run(""));
+  const char* const joints[] = {"x", "y", "z"};
+  constexpr double kNothing = 1e-13, kSomething = 2e-8;  // m, of an error of 2 um
+  for (const UncataloguedKind& kind : uncataloguedKinds()) {
+    const Simulation s = run(kind.type + "=2um", 11);
+    const UncataloguedTruth truth = uncataloguedTruth(s.hidden[0], machine());
+    ASSERT_EQ(s.truth->physics().sources.size(), 1u);
+    const Source& source = *s.truth->physics().sources[0];
+    const auto expect = [&](double change, const std::string& name, bool stated) {
+      if (stated)
+        EXPECT_GT(change, kSomething) << s.hidden[0].text() << " by " << name;
+      else
+        EXPECT_LT(change, kNothing) << s.hidden[0].text() << " by " << name;
+    };
+    for (int j = 0; j < 3; ++j) {
+      const std::string joint = joints[j];
+      const bool tip = lists(truth, "tip speed") || lists(truth, "approach");
+      expect(changeBy(source, truth, conditions, [&](Condition& c) { c.drive[j] += 0.7e-3; }), joint,
+             lists(truth, joint));
+      expect(changeBy(source, truth, conditions, [&](Condition& c) { c.velocity[j] *= -1.7; }),
+             joint + " speed",
+             tip || lists(truth, joint + " speed") || lists(truth, joint + " travel direction"));
+    }
+    expect(changeBy(source, truth, conditions, [](Condition& c) { c.time += 100.0; }), "time",
+           lists(truth, "time"));
+    for (std::size_t b = 0; b < 4; ++b) {
+      const std::string name =
+          ThermalModel::usualBodies().size() > b ? ThermalModel::usualBodies()[b].name : "air";
+      expect(changeBy(source, truth, conditions, [&](Condition& c) { c.bodies[b] += 0.3; }),
+             "temperature " + name, lists(truth, "temperature " + name));
+    }
+    expect(changeBy(source, truth, conditions, [](Condition& c) { c.covariates[0] += 1.0; }), "humidity",
+           lists(truth, "humidity"));
+  }
+}
+
+TEST(Uncatalogued, AnErrorByTheDirectionOfTravelIsTheSameAtEverySpeed) {
+  const Simulation s = run("uncatalogued_reversal_heave:x/z=2um", 3);
+  const Source& source = *s.truth->physics().sources[0];
+  const auto at = [&](double velocity) {
+    Condition c = conditionsOf(s)[0];
+    c.velocity = {velocity, 1e-3, -1e-3};
+    Distortion d(3);
+    source.apply(c, d);
+    return d.travel[2];
+  };
+  EXPECT_NEAR(at(1e-3), at(4e-3), 1e-12);
+  EXPECT_NEAR(at(-1e-3), at(-4e-3), 1e-12);
+  EXPECT_NEAR(std::abs(at(1e-3) - at(-1e-3)), 4e-6, 0.3e-6);
+}
+
+TEST(Uncatalogued, WhatWasHiddenCanBeHiddenAgainAndScales) {
+  for (const UncataloguedKind& kind : uncataloguedKinds()) {
+    const Simulation first = run(kind.type, 5);
+    HiddenSource twice = first.hidden[0];
+    twice.numbers[0].value *= 2.0;
+    const Simulation again = run(twice.text(), 5);
+    EXPECT_EQ(again.hidden[0].text(), twice.text());
+    const std::vector<Condition> conditions = conditionsOf(first);
+    const UncataloguedTruth truth = uncataloguedTruth(twice, machine());
+    const double expected = std::abs(twice.numbers[0].value);
+    for (std::size_t i = 0; i < conditions.size(); i += 37) {
+      const double one = errorOf(*first.truth->physics().sources[0], conditions[i], truth);
+      const double two = errorOf(*again.truth->physics().sources[0], conditions[i], truth);
+      EXPECT_NEAR(two, 2.0 * one, 0.01 * expected) << twice.text();
+    }
+  }
+}
+
+TEST(Uncatalogued, OnlyTheirOwnRandomDrawsThem) {
+  std::set<std::string> drawn;
+  SimulationRequest request;
+  for (request.seed = 1; request.seed <= 150; ++request.seed) {
+    request.hide = {"random"};
+    EXPECT_FALSE(isUncatalogued(makeInstrument(machine(), plan(), request).hidden[0].type));
+    if (request.seed > 60) continue;
+    request.hide = {"random_uncatalogued"};
+    const SimulatedInstrument instrument = makeInstrument(machine(), plan(), request);
+    EXPECT_TRUE(isUncatalogued(instrument.hidden[0].type));
+    drawn.insert(instrument.hidden[0].type);
+  }
+  EXPECT_GT(drawn.size(), 18u);
+}
+
+TEST(Uncatalogued, WhatThePlanCannotShowIsRefused) {
+  const Plan standing = Plan::parse("reference: {joint: x, positions_mm: [10, 150], runs: 1}\n", "reference",
+                                    {}, Machine::load("five_axis"));
+  for (const char* text : {"uncatalogued_reversal_heave:x/z=1um",  // nothing is touched
+                           "uncatalogued_diagonal_ribs:y/z=1um",   // y and z stand still
+                           "uncatalogued_nothing", "uncatalogued_guide_load:x/x=1um", "random_uncatalogue"}) {
+    SimulationRequest request;
+    request.hide = {text};
+    EXPECT_THROW(simulate(Machine::load("five_axis"), standing, request), InputError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace mm
