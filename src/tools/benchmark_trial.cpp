@@ -1,7 +1,5 @@
 #include "tools/benchmark_trial.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <chrono>
@@ -14,20 +12,11 @@
 #include "machine/units.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
+#include "tools/benchmark_session.h"
+#include "tools/formula_judge.h"
 
 namespace mm {
 namespace {
-
-std::string withoutNoise(const std::string& planYaml) {
-  YAML::Node plan = YAML::Load(planYaml);
-  YAML::Node noise = plan["instrument"]["noise"];
-  noise["repeatability_um"] = 0.0;
-  noise.remove("outlier_share");
-  noise.remove("outliers");
-  YAML::Emitter out;
-  out << plan;
-  return out.c_str();
-}
 
 /// The nominal machine fitted to a session, and the view in which residuals are compared.
 struct Fitted {
@@ -36,7 +25,8 @@ struct Fitted {
     CalibrateOptions options;
     options.method = Method::kLeastSquares;
     options.rejectOutliers = false;
-    return calibrate(session, Model(session.machine, observedDomain(session), std::vector<EffectPtr>{}), options);
+    return calibrate(session, Model(session.machine, observedDomain(session), std::vector<EffectPtr>{}),
+                     options);
   }
   CalibrationResult result;
 };
@@ -51,6 +41,9 @@ EffectSpec specOf(const HiddenSource& source) {
   return spec;
 }
 
+/// An effect that would have to be made larger than this is one that the session hardly shows.
+constexpr double kLargestFactor = 30.0;
+
 std::string sensorPair(const EffectSpec& s) {
   std::vector<std::string> names;
   if (const auto* v = s.find("sensors")) names = v->items;
@@ -62,15 +55,32 @@ std::string sensorPair(const EffectSpec& s) {
   return text;
 }
 
+Trial::Unknown judge(const Diagnosis& d, const HiddenSource& hidden, const Machine& machine, double noise) {
+  Trial::Unknown unknown;
+  unknown.truth = uncataloguedTruth(hidden, machine);
+  if (d.formulas.empty()) return unknown;
+  const FormulaResult& first = d.formulas[0];
+  unknown.formula = first.effect.text("formula");
+  unknown.direction = first.effect.text("direction");
+  unknown.justTheVariables = justTheVariables(variablesOfFormula(unknown.formula), unknown.truth);
+  unknown.rightDirection = unknown.direction == unknown.truth.direction;
+  unknown.heldOut = first.heldOutAfter / noise;
+  unknown.explained = unknown.heldOut <= 1.2;
+  return unknown;
+}
+
 }  // namespace
 
-/// The same cause: the same type, and the same axis, direction, sensor … wherever both name one. The shape (degree,
-/// power, lag) is no part of the cause.
+/// The same cause: the same type, and the same axis, direction, sensor … wherever both name one. The shape
+/// (degree, power, lag) is no part of the cause.
 static bool sameCause(const EffectSpec& hidden, const EffectSpec& named) {
   if (hidden.type != named.type) return false;
-  for (const char* key : {"axis", "of", "direction", "about", "sensor", "ball", "feature", "covariate", "joint", "with"}) {
+  for (const char* key :
+       {"axis", "of", "direction", "about", "sensor", "ball", "feature", "covariate", "joint", "with"}) {
     const std::string a = hidden.text(key), b = named.text(key);
-    if (!a.empty() && !b.empty() && a != b && !(hidden.type == "thermal_bending" && std::string(key) == "axis")) return false;
+    if (!a.empty() && !b.empty() && a != b &&
+        !(hidden.type == "thermal_bending" && std::string(key) == "axis"))
+      return false;
   }
   const std::string pa = sensorPair(hidden), pb = sensorPair(named);
   return pa.empty() || pb.empty() || pa == pb;
@@ -79,17 +89,18 @@ static bool sameCause(const EffectSpec& hidden, const EffectSpec& named) {
 Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_t seed) {
   const Plan plan = Plan::parse(options.planYaml, options.planSource, {}, machine);
   const Plan quiet = Plan::parse(withoutNoise(options.planYaml), options.planSource, {}, machine);
-  const double noise = plan.artifact.repeatability;
+  const double noise = InstrumentSettings::parse(options.planYaml, options.planSource).noise.repeatability;
   Trial trial;
   trial.seed = seed;
 
+  const std::string any = options.uncatalogued ? "random_uncatalogued" : "random";
   std::vector<std::string> scaled;
   std::vector<EffectSpec> specs;
   for (std::uint64_t draw = 0; draw < 50; ++draw) {
     SimulationRequest request;
     request.seed = seed * 1000 + draw;
     for (int i = 0; i < options.effects; ++i)
-      request.hide.push_back(options.only.empty() ? "random" : options.only[(seed + i) % options.only.size()]);
+      request.hide.push_back(options.only.empty() ? any : options.only[(seed + i) % options.only.size()]);
     const SimulatedInstrument drawn = makeInstrument(machine, quiet, request);
     scaled.clear();
     specs.clear();
@@ -117,6 +128,10 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
           break;
         }
         if (pass == 0) factor = options.size * noise / rms;
+        if (factor > kLargestFactor) {
+          apart = false;
+          break;
+        }
       }
       if (!apart) break;
       for (const Eigen::VectorXd& other : lefts)
@@ -153,18 +168,28 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
   };
   for (const CandidateResult& m : d.missing) {
     trial.found.push_back(m.effect.yaml());
-    trial.falseClaims += std::none_of(specs.begin(), specs.end(), [&](const EffectSpec& h) { return matches(m, h, true); });
+    trial.falseClaims +=
+        std::none_of(specs.begin(), specs.end(), [&](const EffectSpec& h) { return matches(m, h, true); });
   }
   for (const FormulaResult& f : d.formulas) trial.found.push_back(f.effect.yaml());
   for (const EffectSpec& h : specs) {
-    trial.right += std::any_of(d.missing.begin(), d.missing.end(), [&](const CandidateResult& m) { return matches(m, h, true); });
-    trial.exact += std::any_of(d.missing.begin(), d.missing.end(), [&](const CandidateResult& m) { return matches(m, h, false); });
+    trial.right += std::any_of(d.missing.begin(), d.missing.end(),
+                               [&](const CandidateResult& m) { return matches(m, h, true); });
+    trial.exact += std::any_of(d.missing.begin(), d.missing.end(),
+                               [&](const CandidateResult& m) { return matches(m, h, false); });
   }
-  trial.firstRight = !d.missing.empty() &&
-                     std::any_of(specs.begin(), specs.end(), [&](const EffectSpec& h) { return matches(d.missing[0], h, true); });
-  trial.heldOutEnd = (!d.formulas.empty() ? d.formulas[0].heldOutAfter
+  trial.firstRight = !d.missing.empty() && std::any_of(specs.begin(), specs.end(), [&](const EffectSpec& h) {
+    return matches(d.missing[0], h, true);
+  });
+  trial.heldOutEnd = (!d.formulas.empty()  ? d.formulas[0].heldOutAfter
                       : !d.missing.empty() ? d.missing.back().heldOutAfter
-                                           : d.base.figures.heldOutRms) / noise;
+                                           : d.base.figures.heldOutRms) /
+                     noise;
+
+  if (options.uncatalogued && !simulation.hidden.empty()) {
+    trial.unknown = judge(d, simulation.hidden[0], machine, noise);
+    return trial;
+  }
 
   // what people do by hand: rank the candidates by their correlation with the residual
   std::vector<std::pair<double, EffectSpec>> ranked;
@@ -187,7 +212,8 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
     ranked.emplace_back(-best, c.effect);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](auto& a, auto& b) { return a.first < b.first; });
-  for (std::size_t i = 0; i < ranked.size() && i < specs.size(); ++i) trial.byCorrelation.push_back(ranked[i].second.yaml());
+  for (std::size_t i = 0; i < ranked.size() && i < specs.size(); ++i)
+    trial.byCorrelation.push_back(ranked[i].second.yaml());
   for (const EffectSpec& h : specs)
     for (std::size_t i = 0; i < ranked.size() && i < specs.size(); ++i)
       if (sameCause(h, ranked[i].second)) {

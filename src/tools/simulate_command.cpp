@@ -10,6 +10,7 @@
 #include "session/session_summary.h"
 #include "simulation/session_csv.h"
 #include "simulation/simulate.h"
+#include "simulation/uncatalogued.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 
@@ -74,15 +75,18 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("-o,--output", options->output, "the session's bag")->required();
   command->add_option("--csv", options->csv, "also as CSV, in the format of mm import");
   command->add_option("--truth", options->truth, "also what was hidden, as YAML: the bag does not tell");
-  std::string kinds, line;
+  std::string kinds, uncatalogued;
   for (const SourceKind& kind : sourceKinds()) {
     std::string places;
     for (const SourceKind::KeyRule& key : kind.keys)
       if (key.standard.empty()) places += (places.empty() ? ":" : "/") + key.name;
     kinds += "  " + kind.type + places + "\n";
   }
+  for (const SourceKind& kind : uncataloguedSourceKinds()) uncatalogued += "  " + kind.type + "\n";
   command->footer(
       "What can be hidden (what is left open is drawn by the seed; =size and ,key=value set it):\n" + kinds +
+      "Effects outside the catalogue of effects (never drawn by random, but by random_uncatalogued):\n" +
+      uncatalogued +
       "Examples:\n"
       "  mm simulate --machine three_axis --plan config/plans/nine_ball_plate.yaml --hide random --seed 7 -o "
       "s.bag\n"

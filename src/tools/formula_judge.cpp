@@ -1,0 +1,80 @@
+#include "tools/formula_judge.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace mm {
+namespace {
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+bool isUnknown(const std::string& name) {
+  return name.size() > 1 && name[0] == 'k' &&
+         std::all_of(name.begin() + 1, name.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// A variable as a formula calls it; empty for what is made of velocities of any joints.
+std::string inFormulas(const std::string& variable) {
+  for (const char* end : {" speed", " travel direction"})
+    if (endsWith(variable, end)) {
+      const std::string joint = variable.substr(0, variable.size() - std::string(end).size());
+      return joint == "tip" ? "" : joint + "_velocity";
+    }
+  if (variable == "approach") return "";
+  if (variable == "time") return "t";
+  const std::string temperature = "temperature ";
+  return variable.rfind(temperature, 0) == 0 ? variable.substr(temperature.size()) : variable;
+}
+
+}  // namespace
+
+std::set<std::string> variablesOfFormula(const std::string& formula) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < formula.size();) {
+    const auto letter = [&](std::size_t at) {
+      return at < formula.size() &&
+             (std::isalnum(static_cast<unsigned char>(formula[at])) || formula[at] == '_');
+    };
+    if (!letter(i)) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i;
+    while (letter(end)) ++end;
+    const std::string name = formula.substr(i, end - i);
+    const bool number = std::isdigit(static_cast<unsigned char>(name[0])) != 0;
+    // 1e-3: the sign and the digits after it are no names either
+    if (number && (name.back() == 'e' || name.back() == 'E') && end < formula.size() &&
+        (formula[end] == '-' || formula[end] == '+'))
+      for (++end; letter(end);) ++end;
+    std::size_t next = end;
+    while (next < formula.size() && formula[next] == ' ') ++next;
+    const bool function = next < formula.size() && formula[next] == '(';
+    if (!number && !function && !isUnknown(name) && name != "pi" && name != "e") names.insert(name);
+    i = end;
+  }
+  return names;
+}
+
+bool justTheVariables(const std::set<std::string>& variables, const UncataloguedTruth& truth) {
+  std::set<std::string> needed;
+  bool anyVelocity = false;
+  for (const std::string& variable : truth.variables) {
+    const std::string name = inFormulas(variable);
+    anyVelocity = anyVelocity || name.empty();
+    if (!name.empty()) needed.insert(name);
+  }
+  bool moves = false;
+  for (const std::string& name : variables) {
+    const bool velocity = endsWith(name, "_velocity");
+    moves = moves || velocity;
+    if (needed.count(name) == 0 && !(anyVelocity && velocity)) return false;
+  }
+  for (const std::string& name : needed)
+    if (variables.count(name) == 0) return false;
+  return !anyVelocity || moves;
+}
+
+}  // namespace mm
