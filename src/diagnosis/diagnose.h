@@ -56,6 +56,7 @@ struct Move {
   std::vector<std::pair<std::string, double>> values;           // "x_mm", "b_deg", "wait_s" …
   std::vector<std::pair<std::string, std::string>> words;       // "feature"
   std::vector<double> approach;                                 // unit vector in workpiece, or empty
+  std::vector<std::pair<std::string, double>> from;             // a joint: the side it comes from, -1 or +1
 };
 
 enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEffect, kExplained };

@@ -15,6 +15,11 @@ HeldOutJudge::HeldOutJudge(const ResidualSpace& space) : space_(space) {
     if (fold.rows.empty()) continue;
     fold.q.resize(static_cast<int>(fold.rows.size()), rank);
     for (std::size_t i = 0; i < fold.rows.size(); ++i) fold.q.row(static_cast<int>(i)) = space.basis().row(fold.rows[i]);
+    fold.gain.resize(rank, rank);
+    if (rank == 0) {
+      folds_.push_back(std::move(fold));
+      continue;
+    }
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(fold.q.transpose() * fold.q);
     Eigen::VectorXd gain(rank);
     for (int k = 0; k < rank; ++k) gain[k] = eigen.eigenvalues()[k] > 1.0 - 1e-7 ? 0.0 : 1.0 / (1.0 - eigen.eigenvalues()[k]);
@@ -34,7 +39,8 @@ double HeldOutJudge::rms(const Eigen::MatrixXd& added) const {
       if (k > 0) v.row(static_cast<int>(i)).head(k) = added.row(fold.rows[i]);
       v(static_cast<int>(i), k) = left[fold.rows[i]];
     }
-    const Eigen::MatrixXd solved = v + fold.q * (fold.gain * (fold.q.transpose() * v));
+    Eigen::MatrixXd solved = v;
+    if (fold.q.cols() > 0) solved += fold.q * (fold.gain * (fold.q.transpose() * v));
     Eigen::VectorXd held = solved.col(k);
     if (k > 0) {
       const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(k, k) - v.leftCols(k).transpose() * solved.leftCols(k);

@@ -71,31 +71,37 @@ Session hypothetical(const ResidualSpace& space) {
           at.time = time;
           at.approach = -side;
           if (!reach(session.machine, centre + distance * side, at.laserReading, at.position)) continue;
-          const double speed = std::max(1e-4, space.problem().model().domain().maxSpeed);
-          for (int j = 0; j < session.machine.jointCount(); ++j) {
-            const auto jacobian = session.machine.jacobian(at.position.data(), at.laserReading);
-            const double v = speed * at.approach.dot(jacobian.block<3, 1>(0, j));
-            at.velocity[j] = session.machine.joints()[j].kind == JointKind::kLinear ? v : 0.0;
-            at.travel[j] = v > 0 ? 1.0 : v < 0 ? -1.0 : o.travel[j];
+          const auto jacobian = session.machine.jacobian(at.position.data(), at.laserReading);
+          const double fastest = std::max(1e-4, space.problem().model().domain().maxSpeed);
+          for (double speed : {fastest, 0.3 * fastest}) {
+            for (int j = 0; j < session.machine.jointCount(); ++j) {
+              const double v = speed * at.approach.dot(jacobian.block<3, 1>(0, j));
+              at.velocity[j] = session.machine.joints()[j].kind == JointKind::kLinear ? v : 0.0;
+              at.travel[j] = v > 0 ? 1.0 : v < 0 ? -1.0 : o.travel[j];
+            }
+            next.observations.push_back(at);
           }
-          next.observations.push_back(at);
         }
       }
     }
-  } else {  // an independent instrument: positions over the range of each axis, in both directions
+  } else {  // an independent instrument: positions over the range of each axis, in both directions, at two speeds
     const Domain& domain = space.problem().model().domain();
     for (int j = 0; j < session.machine.jointCount(); ++j)
       for (int i = 0; i <= 8; ++i)
         for (double sign : {-1.0, 1.0})
-          for (double time : {end + 1.0, end + kWait}) {
-            Observation at = first;
-            if (!(domain.upper[j] > domain.lower[j])) continue;
-            at.time = time;
-            at.position[j] = domain.lower[j] + (domain.upper[j] - domain.lower[j]) * i / 8.0;
-            at.travel[j] = sign;
-            at.velocity[j] = sign * std::max(1e-4, std::abs(first.velocity[j]));
-            next.observations.push_back(at);
-          }
+          for (double share : {1.0, 0.3})
+            for (double time : {end + 1.0, end + kWait}) {
+              Observation at = first;
+              if (!(domain.upper[j] > domain.lower[j])) continue;
+              at.time = time;
+              at.position[j] = domain.lower[j] + (domain.upper[j] - domain.lower[j]) * i / 8.0;
+              at.travel[j] = sign;
+              const double speed = std::isfinite(first.velocity[j]) ? std::abs(first.velocity[j]) : 0.0;
+              at.velocity[j] = sign * share * std::max(1e-4, speed);
+              at.deviation.assign(at.deviation.size(), kNotMeasured);
+              if (at.kind == ObservationKind::kDeviation) at.deviation[j] = 0.0;
+              next.observations.push_back(at);
+            }
   }
   std::stable_sort(next.observations.begin(), next.observations.end(), [](auto& a, auto& b) { return a.time < b.time; });
   return next;
@@ -127,6 +133,17 @@ Move moveOf(const Session& session, const Observation& o, double end) {
     const bool linear = joint.kind == JointKind::kLinear;
     move.values.emplace_back(joint.name + (linear ? "_mm" : "_deg"), o.position[j] / (linear ? kMillimetre : kDegree));
   }
+  double fastest = 0.0;  // of the tip, or of the joint that is measured
+  for (int j = 0; j < session.machine.jointCount(); ++j)
+    if (std::isfinite(o.velocity[j]) && session.machine.joints()[j].kind == JointKind::kLinear)
+      fastest = o.kind == ObservationKind::kContact ? std::hypot(fastest, o.velocity[j]) : std::max(fastest, std::abs(o.velocity[j]));
+  if (fastest > 0.0) move.values.emplace_back("speed_mm_s", fastest / kMillimetre);
+  if (o.kind == ObservationKind::kDeviation)
+    for (int j = 0; j < session.machine.jointCount(); ++j)
+      if (std::isfinite(o.deviation[j])) {
+        move.words.emplace_back("reference", session.machine.joints()[j].name);
+        move.from.emplace_back(session.machine.joints()[j].name, o.travel[j] > 0 ? -1.0 : 1.0);
+      }
   if (o.kind == ObservationKind::kContact) {
     move.words.emplace_back("feature", session.artifact.features[o.feature].name);
     move.approach = {o.approach.x(), o.approach.y(), o.approach.z()};

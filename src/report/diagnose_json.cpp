@@ -39,6 +39,10 @@ Json moveJson(const Move& move) {
   Json one = Json::object();
   for (const auto& [name, value] : move.values) one[name] = number(value);
   for (const auto& [name, word] : move.words) one[name] = word;
+  if (!move.from.empty()) {
+    one["from"] = Json::object();
+    for (const auto& [joint, side] : move.from) one["from"][joint] = number(side);
+  }
   if (!move.approach.empty()) {
     one["approach"] = Json::array();
     for (double a : move.approach) one["approach"].push_back(number(a));

@@ -2,8 +2,10 @@
 #include <iostream>
 #include <memory>
 
+#include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
+#include "report/moves.h"
 #include "report/recalibration.h"
 #include "report/text.h"
 #include "tools/commands.h"
@@ -15,7 +17,7 @@ namespace mm {
 namespace {
 
 struct DiagnoseCommand {
-  std::string bag, calibration;
+  std::string bag, calibration, moves;
   bool json = false;
   FitOptions fit;
 };
@@ -35,6 +37,11 @@ void runDiagnose(const DiagnoseCommand& c) {
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     diagnosis = diagnoseCalibration(session, calibration, options);
   }
+  if (!c.moves.empty()) {
+    const std::string plan = movesYaml(*diagnosis, session);
+    if (!plan.empty()) writeFileAtomically(c.moves, plan);
+    std::cerr << (plan.empty() ? "no moves are proposed: " + c.moves + " is not written\n" : "moves written to " + c.moves + "\n");
+  }
   if (c.json)
     std::cout << diagnoseJson(*diagnosis) << '\n';
   else
@@ -49,6 +56,7 @@ void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("bag", c->bag, "the session")->required();
   command->add_option("--calibration", c->calibration, "the calibration file")->required();
   command->add_flag("--json", c->json, "the result as JSON on standard output");
+  command->add_option("--moves", c->moves, "writes the proposed moves as a plan for mm simulate and the node measure");
   c->fit.declare(*command, true);
   command->footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");
   command->callback([c] { runDiagnose(*c); });

@@ -1,0 +1,37 @@
+#include "report/moves.h"
+
+#include <cstdio>
+
+#include "session/plan_writer.h"
+
+namespace mm {
+namespace {
+
+std::string number(double v) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", v);
+  return text;
+}
+
+}  // namespace
+
+std::string movesYaml(const Diagnosis& diagnosis, const Session& session) {
+  if (diagnosis.nextMeasurement.empty()) return "";
+  std::string text = "name: next_measurement\n";
+  if (!session.artifact.features.empty()) text += "artifact:\n" + artifactYaml(session.artifact, 2);
+  if (session.hasLaser()) text += "probe: laser\n";
+  text += "moves:\n";
+  for (const Move& move : diagnosis.nextMeasurement) {
+    std::string entry;
+    const auto add = [&](const std::string& key, const std::string& value) { entry += (entry.empty() ? "" : ", ") + key + ": " + value; };
+    for (const auto& [key, value] : move.values) add(key, number(value));
+    for (const auto& [key, value] : move.words) add(key, value);
+    if (move.approach.size() == 3)
+      add("approach", "[" + number(move.approach[0]) + ", " + number(move.approach[1]) + ", " + number(move.approach[2]) + "]");
+    for (const auto& [joint, side] : move.from) add("from", "{" + joint + ": " + number(side) + "}");
+    text += "  - {" + entry + "}\n";
+  }
+  return text;
+}
+
+}  // namespace mm
