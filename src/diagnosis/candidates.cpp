@@ -81,7 +81,14 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
         if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) c.linear.push_back(k);
       c.freeParameters = c.effect->parameterCount();
       c.tried = true;
-      if (type.type == "lead_screw_periodic") {
+      for (const char* key : {"axis", "of", "with", "joint"}) {  // a law of a position needs more than one position
+        const int joint = domain.findJoint(spec.text(key));
+        const bool names = type.type == "thermal_bending" || type.type == "backlash" || type.type.rfind("rotary_zero", 0) == 0;
+        if (joint < 0 || names || domain.upper[joint] - domain.lower[joint] > 1e-9) continue;
+        c.tried = false;
+        c.why = spec.text(key) + " never moved";
+      }
+      if (type.type == "lead_screw_periodic" && c.tried) {
         const int joint = domain.findJoint(spec.text("axis"));
         if (joint >= 0 && distinctPositions(problem, joint) < c.freeParameters + kMoreThanParameters) {
           c.tried = false;

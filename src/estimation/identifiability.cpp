@@ -93,12 +93,14 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
   Eigen::MatrixXd null(count, lostColumns.size());
   for (std::size_t k = 0; k < lostColumns.size(); ++k) null.col(static_cast<int>(k)) = svd.matrixV().col(lostColumns[k]);
 
-  // Hold one unknown a direction: the effects' parameters from the last to the first, then the rest.
+  // Hold one unknown a direction: the instrument's zeros, the effects' parameters from the last to the first, the rest.
   std::vector<int> order;
+  for (int u = count - 1; u >= 0; --u)
+    if (unknowns[u].kind == UnknownKind::kSetup) order.push_back(u);
   for (int u = count - 1; u >= 0; --u)
     if (unknowns[u].kind == UnknownKind::kEffect) order.push_back(u);
   for (int u = count - 1; u >= 0; --u)
-    if (unknowns[u].kind != UnknownKind::kEffect) order.push_back(u);
+    if (unknowns[u].kind != UnknownKind::kEffect && unknowns[u].kind != UnknownKind::kSetup) order.push_back(u);
   Eigen::MatrixXd rest = null;
   for (int u : order) {
     if (rest.cols() == 0) break;

@@ -1,6 +1,7 @@
 #include "estimation/problem.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "machine/error.h"
@@ -148,17 +149,26 @@ void Problem::addUnknowns() {
            1e-2, 0.0, features[f].radiusStd});
     }
   }
-  // one zero a setup and measured component
+  // one zero a setup and measured component; rows without a setup share one too, unless the model is the user's own law
+  // from end to end: an instrument measures from a datum of its own, a law written as a formula says where it starts
+  const auto& effects = model_.effects();
+  const bool lawOnly = !effects.empty() && std::all_of(effects.begin(), effects.end(),
+                                                       [](const EffectPtr& e) { return e->spec().type == "formula"; });
+  const int named = static_cast<int>(session_->setups.size());
+  for (const Observation& o : session_->observations)
+    setupOf_.push_back(o.setup >= 0 ? o.setup : o.kind == ObservationKind::kDeviation && !lawOnly ? named : -1);
   const int width = std::max(3, model_.machine().jointCount());
-  setupOffset_.assign(session_->setups.size() * width, -1);
+  setupOffset_.assign((named + 1) * width, -1);
   for (const ResidualRow& row : rows_) {
-    const Observation& o = session_->observations[row.observation];
-    if (o.kind == ObservationKind::kContact || o.setup < 0) continue;
-    int& offset = setupOffset_[o.setup * width + row.component];
+    const int setup = setupOf_[row.observation];
+    if (session_->observations[row.observation].kind == ObservationKind::kContact || setup < 0) continue;
+    int& offset = setupOffset_[setup * width + row.component];
     if (offset >= 0) continue;
     offset = unknownCount();
     const double unit = row.angular ? kArcsecond : kMicrometre;
-    add({UnknownKind::kSetup, o.setup, row.component, "zero of setup " + session_->setups[o.setup],
+    add({UnknownKind::kSetup, setup, row.component,
+         (setup < named ? "zero of setup " + session_->setups[setup] : "zero of the instrument along ") +
+             (setup < named ? "" : model_.machine().joints()[row.component].name),
          row.angular ? "arcsec" : "um", 1.0 / unit, unit, row.angular ? 1.0 : 1.0, 0.0, 0.0});
   }
 }
@@ -309,10 +319,10 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
       }
     }
   }
-  if (o.setup >= 0 && o.kind != ObservationKind::kContact) {
+  if (setupOf_[observation] >= 0 && o.kind != ObservationKind::kContact) {
     const int width = std::max(3, model_.machine().jointCount());
     for (int i = 0; i < rows; ++i) {
-      const int offset = setupOffset_[o.setup * width + rows_[firstRow_[observation] + i].component];
+      const int offset = setupOffset_[setupOf_[observation] * width + rows_[firstRow_[observation] + i].component];
       r[i] -= x[offset];
     }
   }
@@ -340,9 +350,9 @@ void Problem::scatter(int observation, const Derivative& d, Eigen::MatrixXd& row
   if (at.kind == ObservationKind::kContact) {
     if (featureOffset_[at.feature] >= 0) rows.middleCols(featureOffset_[at.feature], 3) = d.feature;
     if (radiusOffset_[at.feature] >= 0) rows.col(radiusOffset_[at.feature]) = d.radius;
-  } else if (at.setup >= 0) {
+  } else if (setupOf_[observation] >= 0) {
     const int width = std::max(3, model_.machine().jointCount());
-    for (int i = 0; i < n; ++i) rows(i, setupOffset_[at.setup * width + rows_[first + i].component]) = -1.0;
+    for (int i = 0; i < n; ++i) rows(i, setupOffset_[setupOf_[observation] * width + rows_[first + i].component]) = -1.0;
   }
 }
 

@@ -113,6 +113,7 @@ class Problem {
   void findUsable();
   int poseOffset_ = -1;
   std::vector<int> featureOffset_, radiusOffset_, setupOffset_;
+  std::vector<int> setupOf_;  // an observation: its setup; the last one is that of rows without a setup; -1: none
   Eigen::Vector3d translation0_ = Eigen::Vector3d::Zero();
   Eigen::MatrixXd slotGradients_;  // rowCount x slots at the point of linearisation
 };
