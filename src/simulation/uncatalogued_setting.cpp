@@ -1,5 +1,6 @@
 #include "simulation/uncatalogued_setting.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -81,6 +82,22 @@ Quantity Setting::slant() const {
     const double speed = motion.norm();
     return speed > 0.0 ? std::hypot(motion.x(), motion.y()) / speed : 0.0;
   };
+}
+
+Quantity Setting::qualified(const Quantity& error) const {
+  const std::vector<Eigen::Vector3d> axes = linearAxes(workshop_);
+  const auto terms = [axes](const Condition& c) -> Eigen::RowVector4d {
+    const Eigen::Vector3d motion = tipMotion(axes, c), way = motion / std::max(1e-12, motion.norm());
+    return {1.0, way.x(), way.y(), way.z()};
+  };
+  Eigen::MatrixX4d columns(visits_.size(), 4);
+  Eigen::VectorXd values(visits_.size());
+  for (std::size_t i = 0; i < visits_.size(); ++i) {
+    columns.row(i) = terms(visits_[i]);
+    values(i) = error(visits_[i]);
+  }
+  const Eigen::Vector4d fitted = columns.colPivHouseholderQr().solve(values);
+  return [error, terms, fitted](const Condition& c) { return error(c) - terms(c).dot(fitted); };
 }
 
 Quantity Setting::warmth(const std::string& key) const {

@@ -25,6 +25,9 @@ class Setting {
   Quantity slant() const;  ///< 0 for a motion along the vertical stylus, 1 square to it
   Quantity warmth(const std::string& key) const;    ///< K of a body from its mean over the measurements
   Quantity moisture(const std::string& key) const;  ///< covariate from its mean, over its standard deviation
+  /// What a qualification of the probe on a sphere leaves of an error along the approach: it takes out the
+  /// radius and the offsets of the stylus that fit best.
+  Quantity qualified(const Quantity& error) const;
   double number(const std::string& name) const { return source_.number(name); }
   double duration() const { return duration_; }  ///< s, of the session
 

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -41,7 +42,7 @@ struct Options {
 /// What is counted of effects outside the catalogue, together and by kind.
 struct UnknownCounts {
   struct Count {
-    int all = 0, verdict = 0, variables = 0, direction = 0, heldOut = 0, everything = 0;
+    int all = 0, verdict = 0, variables = 0, direction = 0, heldOut = 0, everything = 0, byCatalogue = 0;
   };
   Count sum;
   std::map<std::string, Count> byKind;
@@ -55,6 +56,7 @@ struct UnknownCounts {
       c->direction += r.unknown.justTheVariables && r.unknown.rightDirection;
       c->heldOut += r.unknown.explained;
       c->everything += good(r);
+      c->byCatalogue += r.unknown.byCatalogue;
     }
   }
   static bool good(const Trial& r) {
@@ -66,10 +68,12 @@ struct UnknownCounts {
     std::printf("  and in the right direction                %s\n", wilson(sum.direction, sum.all).c_str());
     std::printf("held-out RMS within 20 %% of the noise       %s\n", wilson(sum.heldOut, sum.all).c_str());
     std::printf("verdict, variables and held-out RMS         %s\n", wilson(sum.everything, sum.all).c_str());
-    std::printf("by kind (all three | verdict, variables, direction too, held-out of trials):\n");
+    std::printf("explained by effects of the catalogue       %s\n", wilson(sum.byCatalogue, sum.all).c_str());
+    std::printf(
+        "by kind (all three | verdict, variables, direction too, held-out, by the catalogue of trials):\n");
     for (const auto& [kind, c] : byKind)
-      std::printf("  %-36s %s | %d %d %d %d of %d\n", kind.c_str(), wilson(c.everything, c.all).c_str(),
-                  c.verdict, c.variables, c.direction, c.heldOut, c.all);
+      std::printf("  %-36s %s | %d %d %d %d %d of %d\n", kind.c_str(), wilson(c.everything, c.all).c_str(),
+                  c.verdict, c.variables, c.direction, c.heldOut, c.byCatalogue, c.all);
   }
 };
 

@@ -188,6 +188,7 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
 
   if (options.uncatalogued && !simulation.hidden.empty()) {
     trial.unknown = judge(d, simulation.hidden[0], machine, noise);
+    trial.unknown.byCatalogue = d.verdict != Verdict::kUnknownEffect && trial.heldOutEnd <= 1.05;
     return trial;
   }
 

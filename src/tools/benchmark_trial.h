@@ -34,6 +34,9 @@ struct Trial {
     bool rightDirection = false;
     double heldOut = 0.0;    // held-out RMS with it, over the noise
     bool explained = false;  // the noise is reached within 20 %
+    /// No unknown effect is claimed, and what was named of the catalogue reaches the noise within 5 %: this
+    /// session cannot tell the hidden effect from those.
+    bool byCatalogue = false;
   } unknown;
 };
 
