@@ -1,8 +1,9 @@
 #include "ros_bridge/session_collector.h"
 
+#include <tinyxml2.h>
+
 #include <algorithm>
 #include <cmath>
-#include <regex>
 
 #include "machine/error.h"
 #include "machine/nearest_name.h"
@@ -16,9 +17,11 @@ const char* const kReferenceTopic = "/reference";
 
 /// The name in `<robot name="…">`: what messages call a machine that has no file.
 std::string robotName(const std::string& urdf) {
-  static const std::regex kName("<robot[^>]*\\sname\\s*=\\s*[\"']([^\"']*)[\"']");
-  std::smatch match;
-  return std::regex_search(urdf, match, kName) ? match[1].str() : "robot_description";
+  tinyxml2::XMLDocument document;
+  const bool parsed = document.Parse(urdf.c_str(), urdf.size()) == tinyxml2::XML_SUCCESS;
+  const tinyxml2::XMLElement* robot = parsed ? document.FirstChildElement("robot") : nullptr;
+  const char* name = robot != nullptr ? robot->Attribute("name") : nullptr;
+  return name != nullptr ? name : "robot_description";
 }
 
 template <typename Item>

@@ -24,7 +24,7 @@ LineReader::~LineReader() { std::fclose(file_); }
 double LineReader::fraction() const { return size_ > 0.0 ? taken_ / size_ : 0.0; }
 
 bool LineReader::fill() {
-  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  if (end_ > begin_) std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
   buffer_.resize(end_ + kBlock);
