@@ -1,0 +1,57 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "calibration_file/calibration_store.h"
+#include "compensation/compensator.h"
+
+namespace mm {
+
+/// A calibration in memory, ready to be applied. Immutable.
+struct LoadedCalibration {
+  std::string id;
+  Calibration calibration;
+  Compensator frames;    // without uncertainty: for every joint state
+  Compensator contacts;  // with it
+  LoadedCalibration(Calibration c, double margin);
+};
+
+/// What is active and what is the candidate, at one moment. Immutable: a frame is made from one of these.
+struct CalibrationPair {
+  std::shared_ptr<const LoadedCalibration> active, candidate;
+  std::string warning, candidateWarning;  // why it is not what the folder says, or that its file is damaged
+};
+
+/// Follows a folder of calibrations. What is in memory stays in use until something readable takes its place:
+/// a file that is damaged or gone while it is active changes nothing but the warning.
+class CalibrationWatch {
+ public:
+  /// @param machine whose joints a calibration must have. @param margin as Compensator::Options.
+  CalibrationWatch(CalibrationStore store, const Machine& machine, double margin);
+
+  /// Looks whether links or files changed, and loads what did. @return a new pair, or null when nothing
+  /// changed. Does not throw: what is wrong is in the warnings.
+  std::shared_ptr<const CalibrationPair> refresh();
+
+ private:
+  struct Link {
+    std::string id;  // empty: no link
+    std::filesystem::file_time_type changed{};
+    std::uintmax_t size = 0;
+    bool operator==(const Link& o) const { return id == o.id && changed == o.changed && size == o.size; }
+  };
+  Link look(const char* name) const;
+  void load(const Link& link, const char* what, std::shared_ptr<const LoadedCalibration>& loaded,
+            std::string& warning) const;
+  void loadFirst();
+
+  CalibrationStore store_;
+  std::vector<std::string> joints_;
+  double margin_;
+  bool first_ = true;
+  Link activeLink_, candidateLink_;
+  CalibrationPair now_;
+};
+
+}  // namespace mm

@@ -1,0 +1,198 @@
+#include "nodes/live_inputs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace mm {
+namespace {
+
+constexpr double kNanosecond = 1e-9;  // s
+constexpr std::int64_t kBlink =
+    100000000;  // ns: what comes later than that out of order is a clock that went back
+constexpr std::int64_t kDense = 5000000000;  // ns between the values that a history keeps
+constexpr std::size_t kHistory = 20000;      // values: more than a day
+
+int indexOf(const std::vector<std::string>& names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+}  // namespace
+
+/// The past of one domain's sensors; made anew when a temperature has arrived, and only when it is asked.
+class LiveInputs::History final : public TemperatureHistory {
+ public:
+  History(const LiveInputs& inputs, std::vector<int> sensors)
+      : inputs_(inputs), sensors_(std::move(sensors)) {}
+
+  double lagged(int sensor, double tau, double /*time*/, double* byTau) const override {
+    if (!series_ || revision_ != inputs_.revision_) {
+      std::vector<Series> past;
+      for (const int place : sensors_) past.push_back(inputs_.sensors_[place].history);
+      series_ = std::make_unique<SeriesHistory>(std::move(past));
+      revision_ = inputs_.revision_;
+    }
+    return series_->lagged(sensor, tau, static_cast<double>(inputs_.last_ - inputs_.origin_) * kNanosecond,
+                           byTau);
+  }
+
+ private:
+  const LiveInputs& inputs_;
+  std::vector<int> sensors_;
+  mutable std::unique_ptr<SeriesHistory> series_;
+  mutable std::uint64_t revision_ = 0;
+};
+
+LiveInputs::LiveInputs(const Machine& machine, Settings settings) : settings_(settings) {
+  for (const Joint& joint : machine.joints()) joints_.push_back(joint.name);
+  seen_.assign(joints_.size(), 0);
+  position_.assign(joints_.size(), kNotMeasured);
+  velocity_ = position_;
+  travel_.assign(joints_.size(), 0.0);
+}
+
+void LiveInputs::orderFor(const std::vector<std::string>& names) {
+  if (names == namesBefore_) return;
+  namesBefore_ = names;
+  order_.clear();
+  for (const std::string& name : names) order_.push_back(indexOf(joints_, name));
+}
+
+void LiveInputs::forget() {
+  std::fill(seen_.begin(), seen_.end(), 0);
+  std::fill(travel_.begin(), travel_.end(), 0.0);
+  for (Logged& logged : sensors_) logged = Logged();
+  for (Logged& logged : covariates_) logged = Logged();
+  ++revision_;
+  last_ = origin_ = 0;
+}
+
+bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& names,
+                            const std::vector<double>& position, const std::vector<double>& velocity,
+                            std::string& reason) {
+  reason.clear();
+  if (stamp == 0) reason = "a joint state has no stamp";
+  if (position.size() != names.size() || (!velocity.empty() && velocity.size() != names.size()))
+    reason = "a joint state has " + std::to_string(names.size()) + " names, " +
+             std::to_string(position.size()) + " positions and " + std::to_string(velocity.size()) +
+             " velocities";
+  if (!reason.empty()) return false;
+  if (stamp < last_ - kBlink) forget();  // the clock went back, or a replay began again
+  if (stamp < last_) reason = "a joint state is older than the one before";
+  if (stamp <= last_) return false;
+  last_ = stamp;
+  if (origin_ == 0) origin_ = stamp;
+  orderFor(names);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int j = order_[i];
+    if (j < 0) continue;  // another machine's, or a gripper
+    seen_[j] = stamp;
+    position_[j] = position[i];
+    velocity_[j] = velocity.empty() ? kNotMeasured : velocity[i];
+    if (std::isnan(velocity_[j]))
+      travel_[j] = 0.0;
+    else if (velocity_[j] != 0.0)
+      travel_[j] = velocity_[j] > 0.0 ? 1.0 : -1.0;
+  }
+  complete_ = false;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (seen_[j] == 0)
+      reason = "joint " + joints_[j] + " is missing in the joint states";
+    else if (static_cast<double>(stamp - seen_[j]) * kNanosecond > settings_.jointAge)
+      reason = "joint " + joints_[j] + " has not been heard for " +
+               std::to_string(static_cast<double>(stamp - seen_[j]) * kNanosecond) + " s";
+    if (!reason.empty()) return false;
+  }
+  complete_ = true;
+  return true;
+}
+
+void LiveInputs::take(Logged& logged, std::int64_t stamp, double value) {
+  if (stamp < logged.stamp - kBlink) logged = Logged();
+  if (stamp <= logged.stamp) return;
+  if (origin_ == 0) origin_ = stamp;
+  const bool gap = logged.stamp != 0 &&
+                   static_cast<double>(stamp - logged.stamp) * kNanosecond > 10.0 * settings_.sensorAge;
+  logged.stamp = stamp;
+  logged.value = value;
+  if (!std::isfinite(value)) return;
+  std::vector<double>&times = logged.history.time, &values = logged.history.value;
+  if (gap) times.clear(), values.clear();  // what happened in between nobody knows
+  const double t = static_cast<double>(stamp - origin_) * kNanosecond;
+  // The last value moves on with the time until it is far enough from the one before to be kept.
+  if (times.size() > 1 && t - times[times.size() - 2] < kDense * kNanosecond)
+    times.pop_back(), values.pop_back();
+  times.push_back(t);
+  values.push_back(value);
+  if (times.size() > kHistory) {
+    times.erase(times.begin(), times.begin() + kHistory / 4);
+    values.erase(values.begin(), values.begin() + kHistory / 4);
+  }
+}
+
+void LiveInputs::takeTemperature(const std::string& name, std::int64_t stamp, double value) {
+  const int sensor = indexOf(sensorNames_, name);
+  if (sensor < 0) return;
+  take(sensors_[sensor], stamp, value);
+  ++revision_;
+}
+
+void LiveInputs::takeCovariate(const std::string& name, std::int64_t stamp, double value) {
+  const int covariate = indexOf(covariateNames_, name);
+  if (covariate >= 0) take(covariates_[covariate], stamp, value);
+}
+
+LiveInputs::View LiveInputs::watch(const Domain& domain) {
+  View view;
+  const auto place = [](const std::string& name, std::vector<std::string>& names,
+                        std::vector<Logged>& logged) {
+    int at = indexOf(names, name);
+    if (at >= 0) return at;
+    names.push_back(name);
+    logged.emplace_back();
+    return static_cast<int>(names.size()) - 1;
+  };
+  for (const std::string& name : domain.sensors) view.sensors.push_back(place(name, sensorNames_, sensors_));
+  for (const std::string& name : domain.covariates)
+    view.covariates.push_back(place(name, covariateNames_, covariates_));
+  view.history = std::make_shared<History>(*this, view.sensors);
+  ++revision_;
+  return view;
+}
+
+double LiveInputs::at(const Logged& logged, std::int64_t stamp) const {
+  if (logged.stamp == 0) return kNotMeasured;
+  const double age = std::abs(static_cast<double>(stamp - logged.stamp)) * kNanosecond;
+  return age > settings_.sensorAge ? kNotMeasured : logged.value;
+}
+
+void LiveInputs::fillLogged(const View& view, std::int64_t stamp, State& state) const {
+  state.time = zero_ == 0 ? kNotMeasured : static_cast<double>(stamp - zero_) * kNanosecond;
+  state.temperature.resize(view.sensors.size());
+  for (std::size_t s = 0; s < view.sensors.size(); ++s)
+    state.temperature[s] = at(sensors_[view.sensors[s]], stamp);
+  state.covariate.resize(view.covariates.size());
+  for (std::size_t c = 0; c < view.covariates.size(); ++c)
+    state.covariate[c] = at(covariates_[view.covariates[c]], stamp);
+  state.history = view.history.get();
+}
+
+void LiveInputs::fill(const View& view, State& state) const {
+  fillLogged(view, last_, state);
+  state.position = position_;
+  state.velocity = velocity_;
+  state.travel = travel_;
+}
+
+void LiveInputs::fill(const View& view, std::int64_t stamp, const std::vector<double>& position,
+                      const std::vector<double>& velocity, State& state) const {
+  fillLogged(view, stamp, state);
+  state.position = position;
+  state.velocity = velocity;
+  state.travel = travel_;
+  for (std::size_t j = 0; j < velocity.size(); ++j)
+    if (velocity[j] != 0.0 && !std::isnan(velocity[j])) state.travel[j] = velocity[j] > 0.0 ? 1.0 : -1.0;
+}
+
+}  // namespace mm

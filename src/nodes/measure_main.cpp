@@ -1,0 +1,12 @@
+#include "nodes/measure_node.h"
+#include "ros_bridge/node_support.h"
+
+int main(int argc, char** argv) {
+  return mm::runNode(argc, argv, "measure", [] {
+    ros::NodeHandle node, own("~");
+    ros::AsyncSpinner spinner(3);
+    spinner.start();
+    const mm::MeasureNode measure(node, own, mm::machineFromParameter(node));
+    ros::waitForShutdown();
+  });
+}

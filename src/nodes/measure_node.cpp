@@ -1,0 +1,221 @@
+#include "nodes/measure_node.h"
+
+#include <std_msgs/String.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "machine/error.h"
+#include "ros_bridge/message_conversion.h"
+#include "ros_bridge/node_support.h"
+
+namespace mm {
+namespace {
+
+const ros::WallDuration kShortWait(0.02);  // s between looks at pause and cancel
+
+}  // namespace
+
+MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
+    : machine_(machine),
+      axes_("axis_driver/move", true),
+      server_(
+          own, "run", [this](const measuring_machine::MeasureGoalConstPtr& goal) { execute(goal); }, false) {
+  refuseUnknownParameters(own, {"retries", "give_up", "contact_timeout"});
+  retries_ = static_cast<int>(numberParameter(own, "retries", 2, 0, 100));
+  giveUp_ = static_cast<int>(numberParameter(own, "give_up", 3, 1, 1000));
+  contactTimeout_ = numberParameter(own, "contact_timeout", 1.0, 0.01, 100.0);
+  artifactOut_ = node.advertise<measuring_machine::Artifact>("artifact", 10, true);
+  descriptionOut_ = node.advertise<std_msgs::String>("robot_description", 10, true);
+  contactIn_ = node.subscribe<measuring_machine::ProbeContact>(
+      "probe/contact", 1000, [this](const measuring_machine::ProbeContactConstPtr&) {
+        {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          ++contacts_;
+        }
+        contact_.notify_all();
+      });
+  pause_ = own.advertiseService<std_srvs::SetBool::Request, std_srvs::SetBool::Response>(
+      "pause", [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+        paused_ = request.data;
+        response.success = true;
+        response.message = paused_ ? "pauses after the move that is under way" : "goes on";
+        return true;
+      });
+  server_.start();
+}
+
+Plan MeasureNode::loadPlan(const std::string& plan) const {
+  if (plan.empty()) throw InputError("the goal names no plan; give the path of a plan file, or its text");
+  if (plan.find('\n') != std::string::npos)
+    return Plan::parse(plan, "plan of the goal", std::filesystem::current_path(), machine_);
+  return Plan::load(plan, machine_);
+}
+
+void MeasureNode::announce(const Plan& plan) {
+  std_msgs::String urdf;
+  urdf.data = machine_.urdf();
+  descriptionOut_.publish(urdf);
+  measuring_machine::Artifact artifact = toMessage(plan.artifact);
+  artifact.header.stamp = ros::Time::now();
+  artifactOut_.publish(artifact);
+}
+
+void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
+  measuring_machine::MeasureResult result;
+  feedback_ = {};
+  paused_ = false;
+  const auto fill = [&](const std::string& message) {
+    result.contacts = feedback_.contacts;
+    result.missed = feedback_.missed;
+    result.next = feedback_.move;
+    result.message = message;
+  };
+  try {
+    const Plan plan = loadPlan(goal->plan);
+    for (const PlanMove& move : plan.moves)
+      if (move.kind == MoveKind::kDeviation || move.kind == MoveKind::kPosition)
+        throw InputError(
+            plan.source + ":" + std::to_string(move.line) +
+            ": needs an independent instrument, which this node does not have; use `mm simulate`, "
+            "or publish /reference from the instrument's own node");
+    if (goal->first >= plan.moves.size())
+      throw InputError("'first' is " + std::to_string(goal->first) + "; the plan has moves 0 to " +
+                       std::to_string(plan.moves.size() - 1));
+    if (!axes_.waitForServer(ros::Duration(5.0)))
+      throw Error("the axis driver does not answer; is the node axis_driver running?");
+    if (goal->first == 0) announce(plan);
+    runFrom(plan, goal->first);
+    fill("done");
+    server_.setSucceeded(result);
+  } catch (const Cancelled&) {
+    fill("cancelled before move " + std::to_string(feedback_.move));
+    server_.setPreempted(result, result.message);
+  } catch (const std::exception& e) {
+    ROS_ERROR("measurement ended: %s", e.what());
+    fill(e.what());
+    server_.setAborted(result, result.message);
+  }
+}
+
+void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
+  int inARow = 0;
+  for (std::size_t m = first; m < plan.moves.size(); ++m) {
+    const PlanMove& move = plan.moves[m];
+    tell(plan, m);
+    holdWhilePaused();
+    if (move.kind == MoveKind::kGo) {
+      drive(plan, measuring_machine::MoveGoal::GO, move.position, move.speed, {});
+      pauseFor(move.wait);
+      continue;
+    }
+    if (measure(plan, move)) {
+      ++feedback_.contacts;
+      inARow = 0;
+      continue;
+    }
+    ++feedback_.missed;
+    if (++inARow >= giveUp_)
+      throw Error(plan.source + ":" + std::to_string(move.line) + ": " + std::to_string(inARow) +
+                  " measurements in a row without a contact (last: '" + feedback_.feature +
+                  "'); look at the probe, and where the artifact is");
+  }
+  feedback_.move = static_cast<std::uint32_t>(plan.moves.size());
+  feedback_.progress = 1.0;
+  server_.publishFeedback(feedback_);
+}
+
+bool MeasureNode::measure(const Plan& plan, const PlanMove& move) {
+  for (int attempt = 0; attempt <= retries_; ++attempt) {
+    if (move.kind == MoveKind::kTouch) {
+      if (touch(plan, move)) return true;
+      continue;
+    }
+    drive(plan, measuring_machine::MoveGoal::GO, move.position, move.speed, {});
+    pauseFor(move.wait);
+    const std::uint64_t before = contactsSeen();
+    if (drive(plan, measuring_machine::MoveGoal::LASER, move.position, move.speed, feedback_.feature) &&
+        waitForContact(before))
+      return true;
+  }
+  return false;
+}
+
+bool MeasureNode::touch(const Plan& plan, const PlanMove& move) {
+  using Goal = measuring_machine::MoveGoal;
+  drive(plan, Goal::GO, move.position, 0.0, {});
+  pauseFor(move.wait);
+  const std::uint64_t before = contactsSeen();
+  const bool tripped = drive(plan, Goal::PROBE, move.target, move.speed, feedback_.feature);
+  const bool contact = tripped && waitForContact(before);
+  drive(plan, Goal::GO, move.position, 0.0, {});
+  return contact;
+}
+
+bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position,
+                        double speed, const std::string& feature) {
+  measuring_machine::MoveGoal goal;
+  goal.kind = kind;
+  for (const Joint& joint : machine_.joints()) goal.name.push_back(joint.name);
+  goal.position = position;
+  goal.linear_speed = speed > 0.0 ? speed : plan.rapid;
+  goal.rotary_speed = plan.rapidRotary;
+  goal.feature = feature;
+  axes_.sendGoal(goal);
+  while (!axes_.waitForResult(ros::Duration(0.5))) {
+    if (server_.isPreemptRequested() || !ros::ok()) {
+      axes_.cancelGoal();
+      axes_.waitForResult(ros::Duration(2.0));
+      throw Cancelled("cancelled");
+    }
+    if (!axes_.isServerConnected())
+      throw Error("the axis driver has gone; home again, then go on from this move");
+  }
+  if (server_.isPreemptRequested()) throw Cancelled("cancelled");
+  const actionlib::SimpleClientGoalState state = axes_.getState();
+  if (state == actionlib::SimpleClientGoalState::SUCCEEDED) return axes_.getResult()->tripped;
+  throw Error("axes: " + state.getText());
+}
+
+void MeasureNode::pauseFor(double seconds) {
+  const ros::Time end = ros::Time::now() + ros::Duration(seconds);
+  while (seconds > 0.0 && ros::Time::now() < end) {
+    if (server_.isPreemptRequested() || !ros::ok()) throw Cancelled("cancelled");
+    kShortWait.sleep();
+  }
+}
+
+void MeasureNode::holdWhilePaused() {
+  while (paused_) {
+    if (server_.isPreemptRequested() || !ros::ok()) throw Cancelled("cancelled");
+    kShortWait.sleep();
+    if (feedback_.paused) continue;
+    feedback_.paused = true;
+    server_.publishFeedback(feedback_);
+  }
+  feedback_.paused = false;
+}
+
+void MeasureNode::tell(const Plan& plan, std::size_t move) {
+  feedback_.move = static_cast<std::uint32_t>(move);
+  feedback_.moves = static_cast<std::uint32_t>(plan.moves.size());
+  const int feature = plan.moves[move].feature;
+  feedback_.feature = feature >= 0 ? plan.artifact.features[feature].name : std::string();
+  feedback_.progress = static_cast<double>(move) / static_cast<double>(plan.moves.size());
+  server_.publishFeedback(feedback_);
+}
+
+std::uint64_t MeasureNode::contactsSeen() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return contacts_;
+}
+
+bool MeasureNode::waitForContact(std::uint64_t before) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const ros::Time end = ros::Time::now() + ros::Duration(contactTimeout_);
+  while (contacts_ == before && ros::ok() && ros::Time::now() < end)
+    contact_.wait_for(lock, std::chrono::milliseconds(20));
+  return contacts_ != before;
+}
+
+}  // namespace mm

@@ -1,0 +1,125 @@
+#include "nodes/probe_node.h"
+
+#include <cmath>
+
+#include "machine/error.h"
+#include "ros_bridge/axis_messages.h"
+#include "ros_bridge/message_conversion.h"
+#include "ros_bridge/node_support.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNear = 2e-3;  // m between a contact and the surface of the ball that it belongs to
+
+ProbeDebounce::Settings settingsFrom(const ros::NodeHandle& own) {
+  ProbeDebounce::Settings settings;
+  settings.settle = numberParameter(own, "settle", settings.settle, 0.0, 1.0);
+  settings.longest = numberParameter(own, "longest", settings.longest, settings.settle, 10.0);
+  settings.stuck = numberParameter(own, "stuck", settings.stuck, 0.1, 3600.0);
+  return settings;
+}
+
+}  // namespace
+
+ProbeNode::ProbeNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
+    : machine_(machine),
+      debounce_(settingsFrom(own)),
+      silentMoves_(static_cast<int>(numberParameter(own, "silent_moves", 3, 1, 1000))),
+      updater_(node, own, ros::this_node::getName()) {
+  refuseUnknownParameters(own, {"settle", "longest", "stuck", "silent_moves"});
+  contactsOut_ = node.advertise<measuring_machine::ProbeContact>("probe/contact", 1000);
+  latchIn_ = node.subscribe("axis_driver/latch", 1000, &ProbeNode::takeLatch, this);
+  statusIn_ = node.subscribe("axis_driver/status", 100, &ProbeNode::takeStatus, this);
+  artifactIn_ = node.subscribe<measuring_machine::Artifact>(
+      "artifact", 1, [this](const measuring_machine::ArtifactConstPtr& message) {
+        try {
+          artifact_ = fromMessage(*message);
+        } catch (const InputError& e) {
+          ROS_ERROR("artifact: %s", e.what());
+        }
+      });
+  updater_.setHardwareID("probe");
+  updater_.add("probe", this, &ProbeNode::diagnose);
+  timer_ = node.createTimer(ros::Duration(0.005), &ProbeNode::poll, this);
+}
+
+void ProbeNode::takeLatch(const measuring_machine::ProbeLatch& latch) {
+  if (std::isfinite(latch.laser_reading)) return publish(latch);
+  if (latch.closed) closings_.push_back(latch);
+  debounce_.edge(fromMessage(latch));
+}
+
+void ProbeNode::takeStatus(const measuring_machine::AxisStatus& status) { status_ = status; }
+
+void ProbeNode::poll(const ros::TimerEvent&) {
+  const ros::Time now = ros::Time::now();
+  if (now < last_) {  // a replay began again
+    debounce_.reset();
+    closings_.clear();
+  }
+  last_ = now;
+  const std::optional<ProbeEdge> contact = debounce_.poll(now.toSec(), status_.probe_closed, status_.probing);
+  if (contact)
+    for (const measuring_machine::ProbeLatch& latch : closings_)
+      if (latch.header.stamp.toSec() == contact->time) {
+        publish(latch);
+        break;
+      }
+  while (!closings_.empty() && (contact || now - closings_.front().header.stamp > ros::Duration(1.0)))
+    closings_.pop_front();
+  const std::string wrong = complaint();
+  if (wrong != said_ && !wrong.empty()) ROS_WARN("%s", wrong.c_str());
+  if (wrong != said_) updater_.force_update();
+  said_ = wrong;
+  updater_.update();
+}
+
+void ProbeNode::publish(const measuring_machine::ProbeLatch& latch) {
+  try {
+    measuring_machine::ProbeContact contact = toContactMessage(latch, machine_);
+    if (contact.feature.empty()) contact.feature = featureAt(contact);
+    contactsOut_.publish(contact);
+    ++contacts_;
+    refusal_.clear();
+  } catch (const InputError& e) {
+    refusal_ = e.what();
+  }
+}
+
+std::string ProbeNode::featureAt(const measuring_machine::ProbeContact& contact) const {
+  if (!artifact_) return {};
+  const bool laser = std::isfinite(contact.laser_reading);
+  const Eigen::Vector3d at = machine_.nominal(contact.position.data(), contact.laser_reading).position;
+  std::string name;
+  double nearest = kNear;
+  for (const Feature& f : artifact_->features) {
+    const double surface = f.radius + (laser ? 0.0 : artifact_->tipRadius);
+    const double away = std::abs((at - f.position).norm() - surface);
+    if (away < nearest) nearest = away, name = f.name;
+  }
+  return name;
+}
+
+std::string ProbeNode::complaint() const {
+  if (!refusal_.empty()) return refusal_;
+  if (!debounce_.complaint().empty()) return debounce_.complaint();
+  if (static_cast<int>(status_.unsuccessful) >= silentMoves_)
+    return "the probe does not trip: " + std::to_string(status_.unsuccessful) +
+           " probing moves in a row ended without a contact; look at the stylus, the cable, and where the "
+           "artifact is";
+  return {};
+}
+
+void ProbeNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const std::string wrong = complaint();
+  status.summary(wrong.empty() ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
+                 wrong.empty() ? "ready" : wrong);
+  status.add("contacts", contacts_);
+  status.add("bounces swallowed", debounce_.bounces());
+  status.add("trips refused", debounce_.refused());
+  status.add("switch", status_.probe_closed ? "closed" : "open");
+}
+
+}  // namespace mm

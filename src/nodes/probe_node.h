@@ -1,0 +1,50 @@
+#pragma once
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <measuring_machine/Artifact.h>
+#include <measuring_machine/AxisStatus.h>
+#include <measuring_machine/ProbeContact.h>
+#include <measuring_machine/ProbeLatch.h>
+#include <ros/ros.h>
+
+#include <deque>
+#include <optional>
+
+#include "drivers/probe_debounce.h"
+#include "session/session.h"
+
+namespace mm {
+
+/// Makes `/probe/contact` of what the motion controller latched: debounced, only with the position of the
+/// trip, and with the ball that was meant (or, for a move that names none, the one that is there).
+/// Subscribes to `axis_driver/latch`, `axis_driver/status`, `artifact`. Parameters: `settle`, `longest`,
+/// `stuck` (s, as in ProbeDebounce), `silent_moves` (probing moves without a trip until it is said). One
+/// thread.
+class ProbeNode {
+ public:
+  ProbeNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
+
+ private:
+  void takeLatch(const measuring_machine::ProbeLatch& latch);
+  void takeStatus(const measuring_machine::AxisStatus& status);
+  void poll(const ros::TimerEvent& event);
+  void publish(const measuring_machine::ProbeLatch& latch);
+  std::string featureAt(const measuring_machine::ProbeContact& contact) const;
+  std::string complaint() const;
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  Machine machine_;
+  ProbeDebounce debounce_;
+  std::deque<measuring_machine::ProbeLatch> closings_;  // not yet confirmed
+  measuring_machine::AxisStatus status_;
+  std::optional<Artifact> artifact_;
+  std::string said_, refusal_;
+  ros::Time last_;
+  std::uint64_t contacts_ = 0;
+  int silentMoves_;
+  ros::Publisher contactsOut_;
+  ros::Subscriber latchIn_, statusIn_, artifactIn_;
+  ros::Timer timer_;
+  diagnostic_updater::Updater updater_;
+};
+
+}  // namespace mm

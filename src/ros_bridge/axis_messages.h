@@ -1,0 +1,29 @@
+#pragma once
+#include <measuring_machine/ProbeContact.h>
+#include <measuring_machine/ProbeLatch.h>
+#include <sensor_msgs/JointState.h>
+
+#include <string>
+#include <vector>
+
+#include "drivers/axis_controller.h"
+
+namespace mm {
+
+// Between the messages of the nodes and the structures of the drivers. Both sides are SI.
+
+sensor_msgs::JointState toJointState(const std::vector<std::string>& axes, const AxesState& state,
+                                     const ros::Time& stamp);
+
+measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::vector<std::string>& axes,
+                                             const ros::Time& stamp, const std::string& feature);
+/// `time` is the stamp in s: differences of such times are good to a microsecond.
+ProbeEdge fromMessage(const measuring_machine::ProbeLatch& message);
+
+/// The contact that a latched edge is. @param machine gives the direction of the approach: that of the tip's
+/// motion by the latched velocities, or along the beam for a laser; zero at standstill.
+/// @throw InputError when a joint of the machine is missing in the message.
+measuring_machine::ProbeContact toContactMessage(const measuring_machine::ProbeLatch& latch,
+                                                 const Machine& machine);
+
+}  // namespace mm

@@ -1,0 +1,93 @@
+#include "ros_bridge/node_support.h"
+
+#include <ros/console.h>
+#include <ros/init.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "machine/nearest_name.h"
+
+namespace mm {
+namespace {
+
+[[noreturn]] void wrongType(const ros::NodeHandle& node, const std::string& name, const std::string& needed) {
+  throw InputError("parameter '" + node.resolveName(name) + "' is not " + needed);
+}
+
+}  // namespace
+
+Machine machineFromParameter(const ros::NodeHandle& node) {
+  std::string key, urdf;
+  if (!node.searchParam("robot_description", key) || !node.getParam(key, urdf))
+    throw InputError(
+        "parameter 'robot_description' is missing; launch the node with instrument.launch, or "
+        "load the machine's URDF there");
+  return Machine(urdf, "robot_description");
+}
+
+std::string textParameter(const ros::NodeHandle& node, const std::string& name, const std::string& standard) {
+  XmlRpc::XmlRpcValue value;
+  if (!node.getParam(name, value)) return standard;
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeString:
+      return static_cast<std::string>(value);
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return std::to_string(static_cast<int>(value));
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return std::to_string(static_cast<double>(value));
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return static_cast<bool>(value) ? "true" : "false";
+    default:
+      wrongType(node, name, "a text");
+  }
+}
+
+double numberParameter(const ros::NodeHandle& node, const std::string& name, double standard, double lower,
+                       double upper) {
+  XmlRpc::XmlRpcValue value;
+  if (!node.getParam(name, value)) return standard;
+  double number = 0.0;
+  if (value.getType() == XmlRpc::XmlRpcValue::TypeInt)
+    number = static_cast<int>(value);
+  else if (value.getType() == XmlRpc::XmlRpcValue::TypeDouble)
+    number = static_cast<double>(value);
+  else
+    wrongType(node, name, "a number");
+  if (!(number >= lower && number <= upper))
+    throw InputError("parameter '" + node.resolveName(name) + "' is " + std::to_string(number) +
+                     "; it must be from " + std::to_string(lower) + " to " + std::to_string(upper));
+  return number;
+}
+
+bool flagParameter(const ros::NodeHandle& node, const std::string& name, bool standard) {
+  XmlRpc::XmlRpcValue value;
+  if (!node.getParam(name, value)) return standard;
+  if (value.getType() != XmlRpc::XmlRpcValue::TypeBoolean) wrongType(node, name, "true or false");
+  return static_cast<bool>(value);
+}
+
+void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std::string>& known) {
+  const std::string own = node.getNamespace() + "/";
+  std::vector<std::string> names;
+  ros::param::getParamNames(names);
+  for (const std::string& full : names) {
+    if (full.rfind(own, 0) != 0) continue;
+    const std::string name = full.substr(own.size());
+    if (name.find('/') != std::string::npos || std::count(known.begin(), known.end(), name) > 0) continue;
+    throw InputError("parameter '" + full + "' is not known" + didYouMean(name, known));
+  }
+}
+
+int runNode(int argc, char** argv, const std::string& name, const std::function<void()>& work) {
+  ros::init(argc, argv, name);
+  try {
+    work();
+    return 0;
+  } catch (const std::exception& e) {
+    ROS_FATAL("%s", e.what());
+    return 2;
+  }
+}
+
+}  // namespace mm

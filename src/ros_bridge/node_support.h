@@ -1,0 +1,45 @@
+#pragma once
+#include <ros/node_handle.h>
+#include <ros/param.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "machine/error.h"
+#include "machine/machine.h"
+
+namespace mm {
+
+/// The URDF on the parameter server (`robot_description`, looked for upwards from the node's namespace) as a
+/// machine. @throw InputError when it is missing or no machine.
+Machine machineFromParameter(const ros::NodeHandle& node);
+
+/// A private parameter, or `standard` where it is not set. @throw InputError when it has another type.
+std::string textParameter(const ros::NodeHandle& node, const std::string& name, const std::string& standard);
+/// @throw InputError when it has another type or is outside `lower` … `upper`.
+double numberParameter(const ros::NodeHandle& node, const std::string& name, double standard, double lower,
+                       double upper);
+bool flagParameter(const ros::NodeHandle& node, const std::string& name, bool standard);
+/// @throw InputError naming a private parameter that the node does not know. Those with a `/` belong to
+/// others.
+void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std::string>& known);
+
+/// The boundary of a service: `work` fills the response; what it throws becomes `success: false` and a
+/// message.
+template <typename Response, typename Work>
+void answer(Response& response, Work&& work) {
+  try {
+    response.success = true;
+    work();
+  } catch (const std::exception& e) {
+    response.success = false;
+    response.message = e.what();
+  }
+}
+
+/// The boundary of a node: initialises ROS, runs `work` and says what it throws. @return exit status: 0, or
+/// 2 for bad parameters.
+int runNode(int argc, char** argv, const std::string& name, const std::function<void()>& work);
+
+}  // namespace mm
