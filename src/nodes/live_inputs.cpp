@@ -161,6 +161,13 @@ LiveInputs::View LiveInputs::watch(const Domain& domain) {
   return view;
 }
 
+bool LiveInputs::heard(const View& view) const {
+  const auto known = [](const std::vector<int>& places, const std::vector<Logged>& logged) {
+    return std::all_of(places.begin(), places.end(), [&](int place) { return logged[place].stamp != 0; });
+  };
+  return known(view.sensors, sensors_) && known(view.covariates, covariates_);
+}
+
 double LiveInputs::at(const Logged& logged, std::int64_t stamp) const {
   if (logged.stamp == 0) return kNotMeasured;
   const double age = std::abs(static_cast<double>(stamp - logged.stamp)) * kNanosecond;

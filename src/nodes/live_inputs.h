@@ -50,6 +50,8 @@ class LiveInputs {
   /// velocity: not known.
   void fill(const View& view, std::int64_t stamp, const std::vector<double>& position,
             const std::vector<double>& velocity, State& state) const;
+  /// Whether every sensor and covariate of the view has been heard.
+  bool heard(const View& view) const;
   std::int64_t stamp() const { return last_; }
   bool complete() const { return complete_; }
 

@@ -212,8 +212,10 @@ std::uint64_t MeasureNode::contactsSeen() {
 
 bool MeasureNode::waitForContact(std::uint64_t before) {
   std::unique_lock<std::mutex> lock(mutex_);
+  // By both clocks: simulated time may run faster than messages travel.
   const ros::Time end = ros::Time::now() + ros::Duration(contactTimeout_);
-  while (contacts_ == before && ros::ok() && ros::Time::now() < end)
+  const ros::WallTime wallEnd = ros::WallTime::now() + ros::WallDuration(contactTimeout_);
+  while (contacts_ == before && ros::ok() && (ros::Time::now() < end || ros::WallTime::now() < wallEnd))
     contact_.wait_for(lock, std::chrono::milliseconds(20));
   return contacts_ != before;
 }

@@ -10,9 +10,9 @@ namespace mm {
 
 /// Reads a session from a bag: /probe/contact, /reference, /temperature/<sensor>, /covariate/<name>,
 /// /joint_states, /artifact and /robot_description; other topics are left alone. Contacts are sorted by their
-/// header's stamp; t = 0 is the earliest stamp of these topics. A truncated or unindexed bag is read up to
-/// the damage, and `Session::warning` says so. @param fallback the machine of a bag without
-/// /robot_description; may be null.
+/// header's stamp; t = 0 is the stamp of /artifact (else the earliest of these topics; see SessionCollector).
+/// A truncated or unindexed bag is read up to the damage, and `Session::warning` says so. @param fallback the
+/// machine of a bag without /robot_description; may be null.
 /// @throw InputError when it is no bag, holds no session (names the topics found), or a message is wrong.
 Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress = {},
                        const Machine* fallback = nullptr);

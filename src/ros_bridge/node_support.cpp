@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration_file/calibration_store.h"
 #include "machine/nearest_name.h"
 
 namespace mm {
@@ -65,6 +66,11 @@ bool flagParameter(const ros::NodeHandle& node, const std::string& name, bool st
   if (!node.getParam(name, value)) return standard;
   if (value.getType() != XmlRpc::XmlRpcValue::TypeBoolean) wrongType(node, name, "true or false");
   return static_cast<bool>(value);
+}
+
+std::filesystem::path storeFolder(const ros::NodeHandle& node) {
+  const std::string folder = textParameter(node, "store", "");
+  return folder.empty() ? CalibrationStore::defaultFolder() : std::filesystem::path(folder);
 }
 
 void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std::string>& known) {

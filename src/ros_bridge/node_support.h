@@ -2,6 +2,7 @@
 #include <ros/node_handle.h>
 #include <ros/param.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ std::string textParameter(const ros::NodeHandle& node, const std::string& name, 
 double numberParameter(const ros::NodeHandle& node, const std::string& name, double standard, double lower,
                        double upper);
 bool flagParameter(const ros::NodeHandle& node, const std::string& name, bool standard);
+/// Folder of the calibrations: parameter `store`, else the one that `mm` uses.
+std::filesystem::path storeFolder(const ros::NodeHandle& node);
 /// @throw InputError naming a private parameter that the node does not know. Those with a `/` belong to
 /// others.
 void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std::string>& known);

@@ -47,7 +47,7 @@ void SessionCollector::fail(const std::string& topic, std::size_t number, const 
 std::int64_t SessionCollector::stampOf(const ros::Time& stamp, const std::string& topic, std::size_t number) {
   if (stamp.isZero()) fail(topic, number, "its header has no stamp; the time of the reading is needed");
   const std::int64_t ns = nanoseconds(stamp);
-  start_ = start_ ? std::min(*start_, ns) : ns;
+  earliest_ = earliest_ ? std::min(*earliest_, ns) : ns;
   return ns;
 }
 
@@ -73,7 +73,8 @@ void SessionCollector::addArtifact(const measuring_machine::Artifact& message) {
   } catch (const InputError& e) {
     throw InputError(source_ + ": /artifact: " + e.what());
   }
-  if (!message.header.stamp.isZero()) stampOf(message.header.stamp, "/artifact", 1);
+  artifactStamp_.reset();
+  if (!message.header.stamp.isZero()) artifactStamp_ = stampOf(message.header.stamp, "/artifact", 1);
 }
 
 void SessionCollector::addContact(const measuring_machine::ProbeContact& message) {
@@ -187,7 +188,69 @@ std::vector<SessionCollector::Row> SessionCollector::sortedRows() const {
   return rows;
 }
 
-std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>& all,
+std::int64_t SessionCollector::startOf(const std::vector<Row>& rows) const {
+  const bool announced = artifactStamp_ && *artifactStamp_ <= rows.front().stamp;
+  return announced ? *artifactStamp_ : *earliest_;
+}
+
+std::int64_t SessionCollector::newest() const {
+  std::int64_t newest = 0;
+  for (const Row& row : rows_) newest = std::max(newest, row.stamp);
+  for (const auto& message : waiting_)
+    newest = std::max(newest, std::visit([](const auto& m) { return nanoseconds(m.header.stamp); }, message));
+  return newest;
+}
+
+void SessionCollector::renumber() {
+  contactCount_ = referenceCount_ = 0;
+  for (Row& row : rows_)
+    row.observation.row =
+        row.observation.kind == ObservationKind::kContact ? ++contactCount_ : ++referenceCount_;
+}
+
+void SessionCollector::dropAfter(std::int64_t stamp) {
+  const auto erase = [](auto& items, auto late) {
+    items.erase(std::remove_if(items.begin(), items.end(), late), items.end());
+  };
+  erase(rows_, [&](const Row& row) { return row.stamp >= stamp; });
+  erase(waiting_, [&](const auto& message) {
+    return std::visit([&](const auto& m) { return nanoseconds(m.header.stamp) >= stamp; }, message);
+  });
+  renumber();
+  for (std::map<std::string, Logged>* all : {&temperatures_, &covariates_})
+    for (auto& [name, logged] : *all) erase(logged.values, [&](const auto& v) { return v.first >= stamp; });
+  for (auto& [joint, motions] : motions_) erase(motions, [&](const Motion& m) { return m.stamp >= stamp; });
+}
+
+void SessionCollector::dropBefore(std::int64_t stamp) {
+  const auto erase = [](auto& items, auto old) {
+    items.erase(std::remove_if(items.begin(), items.end(), old), items.end());
+  };
+  erase(rows_, [&](const Row& row) { return row.stamp < stamp; });
+  erase(waiting_, [&](const auto& message) {
+    return std::visit([&](const auto& m) { return nanoseconds(m.header.stamp) < stamp; }, message);
+  });
+  renumber();
+  // Of what was logged the last value before the stamp still counts.
+  for (std::map<std::string, Logged>* all : {&temperatures_, &covariates_})
+    for (auto& [name, logged] : *all) {
+      std::int64_t last = 0;
+      for (const auto& [at, value] : logged.values)
+        if (at <= stamp) last = std::max(last, at);
+      erase(logged.values, [&](const auto& v) { return v.first < last; });
+      logged.messages = logged.values.size();
+      logged.lost = 0;
+    }
+  for (auto& [joint, motions] : motions_)
+    if (motions.size() > 1) {
+      auto keep = motions.begin();
+      while (keep + 1 != motions.end() && (keep + 1)->stamp <= stamp) ++keep;
+      motions.erase(motions.begin(), keep);
+    }
+  earliest_ = stamp;
+}
+
+std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>& all, std::int64_t start,
                                              std::string& warning) const {
   std::vector<Series> result;
   for (const auto& [name, logged] : all) {
@@ -198,8 +261,10 @@ std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>
     std::stable_sort(values.begin(), values.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     Series s{name, logged.unit, {}, {}};
-    for (const auto& [stamp, value] : values) {
-      s.time.push_back(secondsBetween(*start_, stamp));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const auto& [stamp, value] = values[i];
+      if (i + 1 < values.size() && values[i + 1].first <= start) continue;
+      s.time.push_back(secondsBetween(start, stamp));
       s.value.push_back(value);
     }
     result.push_back(std::move(s));
@@ -221,9 +286,11 @@ Session SessionCollector::build() const {
   std::vector<std::string> names;
   for (const Feature& f : session.artifact.features) names.push_back(f.name);
   for (const std::string& name : features_) features.push_back(session.artifact.findFeature(name));
-  for (Row& row : sortedRows()) {
+  std::vector<Row> rows = sortedRows();
+  const std::int64_t start = startOf(rows);
+  for (Row& row : rows) {
     Observation& o = row.observation;
-    o.time = secondsBetween(*start_, row.stamp);
+    o.time = secondsBetween(start, row.stamp);
     if (o.kind == ObservationKind::kContact) {
       const std::string& name = features_[o.feature];
       o.feature = features[o.feature];
@@ -235,9 +302,9 @@ Session SessionCollector::build() const {
     session.observations.push_back(std::move(o));
   }
   session.setups = setups_;
-  session.temperatures = series(temperatures_, session.warning);
-  session.covariates = series(covariates_, session.warning);
-  session.epoch = secondsBetween(0, *start_);
+  session.temperatures = series(temperatures_, start, session.warning);
+  session.covariates = series(covariates_, start, session.warning);
+  session.epoch = secondsBetween(0, start);
   session.prepare();
   return session;
 }

@@ -29,12 +29,21 @@ class SessionCollector {
   void addCovariate(const measuring_machine::Covariate& message);
   void addJointState(const sensor_msgs::JointState& message);
 
+  /// Forgets everything stamped earlier (ns): a new session begins there. Live only.
+  void dropBefore(std::int64_t stamp);
+  /// Forgets everything stamped at that time or later (ns): the clock went back. Live only.
+  void dropAfter(std::int64_t stamp);
+  /// Stamp of the newest observation, ns; 0: none yet.
+  std::int64_t newest() const;
+
   std::size_t observationCount() const { return rows_.size() + waiting_.size(); }
   bool hasMachine() const { return machine_.has_value(); }
   /// Used when there is no robot description. @throw InputError when messages do not fit it.
   void setMachine(Machine machine);
 
-  /// The prepared session. t = 0 is the earliest stamp of all messages (also of /artifact, where it has one).
+  /// The prepared session. It begins (t = 0) at the stamp of /artifact, where that has one no later than the
+  /// first observation; of what was logged before it only the last value counts. So a recorder that was
+  /// started earlier gives the same session. Else t = 0 is the earliest stamp of all messages.
   /// @throw InputError when there is no machine, no observation, or a bad value.
   Session build() const;
 
@@ -59,8 +68,11 @@ class SessionCollector {
   void convert(const measuring_machine::ReferenceMeasurement& message);
   void addValue(Logged& logged, const std::string& topic, const ros::Time& stamp, double value);
   std::vector<Row> sortedRows() const;
+  void renumber();
+  std::int64_t startOf(const std::vector<Row>& rows) const;
   void fillTravel(std::vector<Row>& rows) const;
-  std::vector<Series> series(const std::map<std::string, Logged>& all, std::string& warning) const;
+  std::vector<Series> series(const std::map<std::string, Logged>& all, std::int64_t start,
+                             std::string& warning) const;
 
   std::string source_;
   std::optional<Machine> machine_;
@@ -74,7 +86,7 @@ class SessionCollector {
   std::map<std::string, std::vector<Motion>>
       motions_;  // of each joint: where the direction of travel changed
   std::int64_t contactCount_ = 0, referenceCount_ = 0;
-  std::optional<std::int64_t> start_;
+  std::optional<std::int64_t> earliest_, artifactStamp_;
 };
 
 }  // namespace mm

@@ -1,0 +1,264 @@
+#include "nodes/calibration_server.h"
+
+#include <measuring_machine/Progress.h>
+#include <std_msgs/String.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <filesystem>
+
+#include "calibration_file/calibration_yaml.h"
+#include "machine/error.h"
+#include "report/json.h"
+#include "report/text.h"
+#include "ros_bridge/bag_session.h"
+#include "ros_bridge/node_support.h"
+#include "ros_bridge/residual_markers.h"
+#include "session/session_hash.h"
+
+namespace mm {
+namespace {
+
+/// What is doubtful about a result although there is one; empty: nothing.
+std::string doubtsOf(const CalibrationResult& result) {
+  if (result.cancelled) return "cancelled; what is kept is the best found so far";
+  if (!result.converged) return "not converged (" + result.stop + "); try another seed, or a simpler model";
+  for (const LostDirection& l : result.identifiability.lost)
+    if (l.ofTheModel && !l.byConvention)
+      return "not determined by this session: " + l.inWords + "; " + l.wouldShow;
+  return {};
+}
+
+}  // namespace
+
+CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
+    : node_(node),
+      own_(own),
+      machine_(machine),
+      store_(storeFolder(own)),
+      threads_(static_cast<unsigned>(numberParameter(own, "threads", 0, 0, 1024))),
+      residualScale_(numberParameter(own, "residual_scale", 1000.0, 0.0, 1e9)),
+      prefix_(textParameter(own, "frame_prefix", "")),
+      live_(node),
+      job_([this](const Job::State& state) { publishProgress(state); }) {
+  refuseUnknownParameters(own, {"store", "threads", "residual_scale", "frame_prefix"});
+  progressOut_ = own.advertise<measuring_machine::Progress>("progress", 100, true);
+  ledgerOut_ = own.advertise<std_msgs::String>("ledger", 10, true);
+  residualsOut_ = own.advertise<visualization_msgs::MarkerArray>("residuals", 10, true);
+  changedOut_ = own.advertise<std_msgs::String>("changed", 10, true);
+  offer<measuring_machine::Calibrate>("calibrate", &CalibrationServer::calibrate);
+  offer<measuring_machine::Compare>("compare", &CalibrationServer::compare);
+  offer<measuring_machine::Diagnose>("diagnose", &CalibrationServer::diagnose);
+  offer<measuring_machine::AddEffect>("add_effect", &CalibrationServer::addEffect);
+  offer<measuring_machine::RemoveEffect>("remove_effect", &CalibrationServer::removeEffect);
+  offer<measuring_machine::Promote>("promote", &CalibrationServer::promote);
+  offer<measuring_machine::Rollback>("rollback", &CalibrationServer::rollback);
+  offer<measuring_machine::Cancel>("cancel", &CalibrationServer::cancel);
+  publishProgress(Job::State());
+}
+
+template <typename Service>
+void CalibrationServer::offer(const std::string& name,
+                              bool (CalibrationServer::*method)(typename Service::Request&,
+                                                                typename Service::Response&)) {
+  services_.push_back(own_.advertiseService(name, method, this));
+  services_.push_back(node_.advertiseService(name, method, this));
+}
+
+void CalibrationServer::publishProgress(const Job::State& state) {
+  measuring_machine::Progress message;
+  message.header.stamp = ros::Time::now();
+  message.task = state.task;
+  message.stage = state.stage;
+  message.share = state.share;
+  progressOut_.publish(message);
+}
+
+CalibrateOptions CalibrationServer::options() {
+  CalibrateOptions options;
+  options.threads = threads_;
+  options.cancelled = [this] { return job_.cancelled(); };
+  // The fit itself looks at `cancelled` and then keeps the best so far; here it is only told.
+  options.progress = [this](const std::string& stage, double share) { job_.tell(stage, share); };
+  return options;
+}
+
+CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& bag,
+                                                             const Machine& fallback) {
+  if (bag.empty()) {
+    job_.step("collecting the live session", 0.0);
+    return last_ = std::make_shared<const Session>(live_.session(fallback));
+  }
+  Session session = readSessionBag(
+      bag, [this](double share) { job_.step("reading the bag", share); }, &fallback);
+  if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
+  return last_ = std::make_shared<const Session>(std::move(session));
+}
+
+/// The session that a calibration was made from: the last one used, its bag, or the live one.
+CalibrationServer::SessionPtr CalibrationServer::sessionOf(const Calibration& calibration) {
+  if (last_ && sessionHash(*last_) == calibration.sessionHash) return last_;
+  const Machine machine(calibration.urdf, calibration.machineName);
+  if (std::filesystem::is_regular_file(calibration.sessionSource))
+    return openSession(calibration.sessionSource, machine);
+  if (live_.observations() > 0) return openSession({}, machine);
+  throw InputError("the session of calibration '" + calibration.id + "' (" + calibration.sessionSource +
+                   ") is not here any more; calibrate again first");
+}
+
+ModelSpec CalibrationServer::modelFrom(const std::string& model, const Session& session) const {
+  ModelSpec spec;
+  if (model.empty()) {
+    const CalibrationStore::Active active = store_.active();
+    if (!active.calibration)
+      throw InputError(
+          "no model is given, and no calibration is active whose model could be used; name a model file");
+    spec.effects = active.calibration->effects;
+    return spec;
+  }
+  if (std::filesystem::is_regular_file(model)) {
+    spec = loadModelSpec(model);
+    checkMachine(spec, std::filesystem::path(model).parent_path(), session);
+  } else if (model.find(':') != std::string::npos) {
+    spec = parseModelSpec(model, "model of the request");
+    checkMachine(spec, {}, session);
+  } else {
+    throw InputError("model '" + model +
+                     "' is neither a file nor YAML; e.g. 'effects: [{type: scale, axis: x}]'");
+  }
+  return spec;
+}
+
+Calibration CalibrationServer::calibrationFrom(const std::string& idOrPath) const {
+  if (!idOrPath.empty())
+    return std::filesystem::is_regular_file(idOrPath) ? loadCalibration(idOrPath) : store_.load(idOrPath);
+  const CalibrationStore::Active candidate = store_.candidate();
+  if (candidate.calibration) return *candidate.calibration;
+  const CalibrationStore::Active active = store_.active();
+  if (active.calibration) return *active.calibration;
+  throw InputError("there is no calibration yet in " + store_.folder().string() + "; call calibrate first");
+}
+
+std::string CalibrationServer::keep(Recalibration& done, std::uint8_t& success, std::string& message) {
+  const std::string id = store_.add(done.calibration);
+  const std::string doubts = doubtsOf(done.result);
+  success = doubts.empty();
+  message = doubts.empty() ? "candidate " + id : doubts + " (candidate " + id + ")";
+  std_msgs::String ledger;
+  ledger.data = ledgerText(done.calibration.ledger, !std::isfinite(done.result.figures.rms));
+  ledgerOut_.publish(ledger);
+  residualsOut_.publish(residualMarkers(done.result, residualScale_, prefix_ + "workpiece"));
+  return id;
+}
+
+bool CalibrationServer::calibrate(measuring_machine::Calibrate::Request& request,
+                                  measuring_machine::Calibrate::Response& response) {
+  answer(response, [&] {
+    job_.run("calibrate", [&] {
+      CalibrateOptions fit = options();
+      fit.method = methodOf(request.method.empty() ? nameOf(fit.method) : request.method);
+      fit.seed = request.seed != 0 ? request.seed : fit.seed;
+      const SessionPtr session = openSession(request.bag, machine_);
+      Recalibration done = recalibrate(*session, modelFrom(request.model, *session), fit);
+      response.calibration_id = keep(done, response.success, response.message);
+      response.json = calibrateJson(done.result);
+    });
+  });
+  return true;
+}
+
+bool CalibrationServer::compare(measuring_machine::Compare::Request& request,
+                                measuring_machine::Compare::Response& response) {
+  answer(response, [&] {
+    job_.run("compare", [&] {
+      const Calibration calibration = calibrationFrom(request.calibration);
+      const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
+      const CalibrationResult compared = compareCalibration(*session, calibration, options());
+      job_.step("finding where it fails", 0.0);
+      response.json = compareJson(compared, whereItFails(compared));
+      residualsOut_.publish(residualMarkers(compared, residualScale_, prefix_ + "workpiece"));
+      response.message = "compared with calibration " + calibration.id;
+    });
+  });
+  return true;
+}
+
+bool CalibrationServer::diagnose(measuring_machine::Diagnose::Request& request,
+                                 measuring_machine::Diagnose::Response& response) {
+  answer(response, [&] {
+    job_.run("diagnose", [&] {
+      const Calibration calibration = calibrationFrom(request.calibration);
+      const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
+      DiagnoseOptions how;
+      how.calibrate = options();
+      how.cancelled = how.calibrate.cancelled;
+      how.progress = how.calibrate.progress;
+      const Diagnosis diagnosis = diagnoseCalibration(*session, calibration, how);
+      job_.step("answering", 1.0);  // a search that was cut short is no verdict
+      response.json = diagnoseJson(diagnosis);
+      response.message = diagnosis.sentence;
+    });
+  });
+  return true;
+}
+
+template <typename Response>
+void CalibrationServer::change(const std::string& task, const std::string& effect, Change change,
+                               Response& response) {
+  answer(response, [&] {
+    job_.run(task, [&] {
+      const EffectSpec spec = parseEffectSpec(effect, "effect");
+      const Calibration before = calibrationFrom({});
+      const SessionPtr session = sessionOf(before);
+      Recalibration done = change(*session, before, spec, options());
+      keep(done, response.success, response.message);
+      response.json = changeJson(done.result, done.calibration.ledger);
+    });
+  });
+}
+
+bool CalibrationServer::addEffect(measuring_machine::AddEffect::Request& request,
+                                  measuring_machine::AddEffect::Response& response) {
+  change("add_effect", request.effect, &mm::addEffect, response);
+  return true;
+}
+
+bool CalibrationServer::removeEffect(measuring_machine::RemoveEffect::Request& request,
+                                     measuring_machine::RemoveEffect::Response& response) {
+  change("remove_effect", request.effect, &mm::removeEffect, response);
+  return true;
+}
+
+bool CalibrationServer::promote(measuring_machine::Promote::Request& request,
+                                measuring_machine::Promote::Response& response) {
+  answer(response, [&] {
+    std_msgs::String id;
+    id.data = store_.promote(request.calibration_id);
+    response.message = id.data + " is active";
+    changedOut_.publish(id);
+  });
+  return true;
+}
+
+bool CalibrationServer::rollback(measuring_machine::Rollback::Request& request,
+                                 measuring_machine::Rollback::Response& response) {
+  answer(response, [&] {
+    std_msgs::String id;
+    id.data = store_.rollback(request.calibration_id);
+    response.message = id.data + " is active again";
+    changedOut_.publish(id);
+  });
+  return true;
+}
+
+bool CalibrationServer::cancel(measuring_machine::Cancel::Request&,
+                               measuring_machine::Cancel::Response& response) {
+  const Job::State running = job_.cancel();
+  response.success = !running.task.empty();
+  response.message = running.task.empty() ? "nothing is running"
+                                          : "'" + running.task + "' is asked to stop (" +
+                                                (running.stage.empty() ? "begins" : running.stage) +
+                                                "); its caller gets the answer";
+  return true;
+}
+
+}  // namespace mm

@@ -1,0 +1,78 @@
+#pragma once
+#include <measuring_machine/AddEffect.h>
+#include <measuring_machine/Calibrate.h>
+#include <measuring_machine/Cancel.h>
+#include <measuring_machine/Compare.h>
+#include <measuring_machine/Diagnose.h>
+#include <measuring_machine/Promote.h>
+#include <measuring_machine/RemoveEffect.h>
+#include <measuring_machine/Rollback.h>
+#include <ros/ros.h>
+
+#include <memory>
+#include <string>
+
+#include "calibration_file/calibration_store.h"
+#include "machine/machine.h"
+#include "nodes/job.h"
+#include "report/recalibration.h"
+#include "ros_bridge/live_session.h"
+
+namespace mm {
+
+/// The loop measure, calibrate, compare, diagnose, add, as services with the JSON of `mm`. One long call at a
+/// time, each in the thread of its caller; everything else goes on. Services under `~` and, with the same
+/// names, in the node's namespace; topics `~progress`, `~ledger`, `~residuals`, `~changed` (id made active).
+/// Parameters: `store`, `threads`, `residual_scale` (of the arrows), `frame_prefix`. Needs several threads.
+class CalibrationServer {
+ public:
+  CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
+
+ private:
+  using SessionPtr = std::shared_ptr<const Session>;
+  using Change = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
+                                   const CalibrateOptions&);
+  template <typename Service>
+  void offer(const std::string& name,
+             bool (CalibrationServer::*method)(typename Service::Request&, typename Service::Response&));
+
+  bool calibrate(measuring_machine::Calibrate::Request& request,
+                 measuring_machine::Calibrate::Response& response);
+  bool compare(measuring_machine::Compare::Request& request, measuring_machine::Compare::Response& response);
+  bool diagnose(measuring_machine::Diagnose::Request& request,
+                measuring_machine::Diagnose::Response& response);
+  bool addEffect(measuring_machine::AddEffect::Request& request,
+                 measuring_machine::AddEffect::Response& response);
+  bool removeEffect(measuring_machine::RemoveEffect::Request& request,
+                    measuring_machine::RemoveEffect::Response& response);
+  bool promote(measuring_machine::Promote::Request& request, measuring_machine::Promote::Response& response);
+  bool rollback(measuring_machine::Rollback::Request& request,
+                measuring_machine::Rollback::Response& response);
+  bool cancel(measuring_machine::Cancel::Request& request, measuring_machine::Cancel::Response& response);
+
+  template <typename Response>
+  void change(const std::string& task, const std::string& effect, Change change, Response& response);
+  SessionPtr openSession(const std::string& bag, const Machine& fallback);
+  SessionPtr sessionOf(const Calibration& calibration);
+  ModelSpec modelFrom(const std::string& model, const Session& session) const;
+  Calibration calibrationFrom(const std::string& idOrPath) const;
+  CalibrateOptions options();
+  /// Keeps the result as candidate and shows it. @return its id; `success` and `message` say what it is
+  /// worth.
+  std::string keep(Recalibration& done, std::uint8_t& success, std::string& message);
+  void publishProgress(const Job::State& state);
+
+  ros::NodeHandle node_, own_;
+  Machine machine_;
+  CalibrationStore store_;
+  unsigned threads_;
+  double residualScale_;
+  std::string prefix_;
+  LiveSession live_;
+  Job job_;
+  SessionPtr last_;  // of the last long call; only the running job touches it
+  ros::Publisher progressOut_, ledgerOut_, residualsOut_, changedOut_;
+  std::vector<ros::ServiceServer> services_;
+};
+
+}  // namespace mm

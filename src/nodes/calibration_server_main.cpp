@@ -1,0 +1,13 @@
+#include "nodes/calibration_server.h"
+#include "ros_bridge/node_support.h"
+
+int main(int argc, char** argv) {
+  return mm::runNode(argc, argv, "calibration_server", [] {
+    ros::NodeHandle node, own("~");
+    // Threads for the topics, a long call, and everybody who asks meanwhile.
+    ros::AsyncSpinner spinner(6);
+    const mm::CalibrationServer server(node, own, mm::machineFromParameter(node));
+    spinner.start();
+    ros::waitForShutdown();
+  });
+}

@@ -1,0 +1,83 @@
+#pragma once
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <measuring_machine/AxisStatus.h>
+#include <measuring_machine/CompensationStatus.h>
+#include <measuring_machine/CorrectTarget.h>
+#include <measuring_machine/Covariate.h>
+#include <measuring_machine/ProbeContact.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <sensor_msgs/JointState.h>
+#include <sensor_msgs/Temperature.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "nodes/calibration_watch.h"
+#include "nodes/live_inputs.h"
+
+namespace mm {
+
+/// Applies the active calibration, and the candidate beside it, to every joint state: one TF message each,
+/// with the joint state's stamp, made from one immutable CalibrationPair. What cannot be trusted is not
+/// published;
+/// `~status` and diagnostics say why. Joint states, contacts and sensors come on the node's own queue (one
+/// thread); files are read and services answered by another. Parameters: `store`, `margin`, `frame_prefix`,
+/// `joint_timeout` (s), `sensor_timeout` (s).
+class CompensationNode {
+ public:
+  CompensationNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
+
+ private:
+  /// One calibration at work: what it sees of the inputs, and its buffers.
+  struct Applied {
+    std::shared_ptr<const LoadedCalibration> loaded;
+    LiveInputs::View view;
+    State state;
+    Compensator::Workspace work;
+    std::string reason, note;  // why the last frame was withheld; what to know although it was not
+  };
+
+  void takeJoints(const sensor_msgs::JointStateConstPtr& message);
+  void addFrame(Applied& applied, const ros::Time& stamp, const std::string& child, bool isActive);
+  void takeContact(const measuring_machine::ProbeContactConstPtr& message);
+  void withhold(const std::string& reason);
+  void install(const std::shared_ptr<const CalibrationPair>& pair);
+  void apply(Applied& applied, const std::shared_ptr<const LoadedCalibration>& loaded);
+  void subscribeSensors();
+  void look(const ros::WallTimerEvent& event);
+  measuring_machine::CompensationStatus statusNow();
+  bool correctTarget(measuring_machine::CorrectTarget::Request& request,
+                     measuring_machine::CorrectTarget::Response& response);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ros::NodeHandle node_;
+  Machine machine_;
+  std::string prefix_;
+  CalibrationWatch watch_;  // of the slow thread
+
+  std::mutex mutex_;  // everything below
+  LiveInputs inputs_;
+  std::shared_ptr<const CalibrationPair> pair_;
+  Applied active_, candidate_;
+  tf2_msgs::TFMessage frames_;
+  measuring_machine::CompensationStatus status_;
+  std::string withheldSince_;  // the reason of a frame withheld since the last status
+  ros::WallTime heard_;        // the last joint state
+  bool homedKnown_ = false;
+  std::map<std::string, ros::Subscriber> temperaturesIn_, covariatesIn_;
+
+  measuring_machine::CompensationStatus shown_;
+  ros::WallTime nextStatus_;
+  ros::CallbackQueue slow_;
+  ros::Publisher framesOut_, contactsOut_, statusOut_;
+  ros::Subscriber jointsIn_, contactsIn_, axesIn_, artifactIn_;
+  ros::ServiceServer correctTarget_, correctTargetShort_;
+  ros::WallTimer timer_;
+  diagnostic_updater::Updater updater_;
+  std::unique_ptr<ros::AsyncSpinner> spinner_;
+};
+
+}  // namespace mm

@@ -1,0 +1,111 @@
+#include "ros_bridge/live_session.h"
+
+#include <ros/console.h>
+#include <ros/master.h>
+#include <std_msgs/String.h>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+constexpr int kQueue = 0;                    // without limit: a session misses nothing
+constexpr std::int64_t kBlink = 1000000000;  // ns: contacts out of order by more are a clock that went back
+const char* const kName = "the live session";
+
+}  // namespace
+
+LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) {
+  subscribe("joint_states", &SessionCollector::addJointState);
+  subscribe("reference", &SessionCollector::addReference);
+  subscribers_["artifact"] = node_.subscribe<measuring_machine::Artifact>(
+      "artifact", kQueue, [this](const measuring_machine::ArtifactConstPtr& m) { takeArtifact(*m); });
+  subscribers_["robot_description"] = node_.subscribe<std_msgs::String>(
+      "robot_description", kQueue, [this](const std_msgs::StringConstPtr& m) {
+        take([&](SessionCollector& collector) { collector.addRobotDescription(m->data); });
+      });
+  subscribers_["probe/contact"] = node_.subscribe<measuring_machine::ProbeContact>(
+      "probe/contact", kQueue, [this](const measuring_machine::ProbeContactConstPtr& m) {
+        const std::int64_t stamp = nanoseconds(m->header.stamp);
+        beginAgainIfBack(stamp);
+        take([&](SessionCollector& collector) { collector.addContact(*m); });
+      });
+  timer_ = node_.createWallTimer(ros::WallDuration(0.2), &LiveSession::findTopics, this);
+}
+
+template <typename Message>
+void LiveSession::subscribe(const std::string& topic, void (SessionCollector::*add)(const Message&)) {
+  subscribers_[topic] =
+      node_.subscribe<Message>(topic, kQueue, [this, add](const typename Message::ConstPtr& message) {
+        take([&](SessionCollector& collector) { (collector.*add)(*message); });
+      });
+}
+
+void LiveSession::take(const std::function<void(SessionCollector&)>& add) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  try {
+    add(collector_);
+  } catch (const std::exception& e) {
+    if (wrong_.empty()) wrong_ = e.what();
+    ROS_WARN_THROTTLE(10.0, "%s", e.what());
+  }
+}
+
+void LiveSession::beginAgainIfBack(std::int64_t stamp) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (stamp == 0 || stamp >= collector_.newest() - kBlink) return;
+  ROS_WARN("the clock went back: the live session begins anew");
+  collector_.dropAfter(stamp);
+  wrong_.clear();
+}
+
+void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
+  const ros::Time stamp = message.header.stamp;
+  if (!stamp.isZero() && stamp != artifact_) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::size_t before = collector_.observationCount();
+    if (stamp < artifact_) collector_.dropAfter(nanoseconds(stamp));
+    collector_.dropBefore(nanoseconds(stamp));
+    wrong_.clear();
+    if (before > 0) ROS_INFO("a new session begins; the %zu contacts before it are forgotten", before);
+  }
+  artifact_ = stamp;
+  take([&](SessionCollector& collector) { collector.addArtifact(message); });
+}
+
+void LiveSession::findTopics(const ros::WallTimerEvent&) {
+  ros::master::V_TopicInfo topics;
+  if (!ros::master::getTopics(topics)) return;
+  const std::string temperature = node_.resolveName("temperature") + "/",
+                    covariate = node_.resolveName("covariate") + "/";
+  for (const ros::master::TopicInfo& topic : topics) {
+    if (subscribers_.count(topic.name) != 0) continue;
+    if (topic.name.rfind(temperature, 0) == 0 && topic.datatype == "sensor_msgs/Temperature") {
+      const std::string sensor = topic.name.substr(temperature.size());
+      subscribers_[topic.name] = node_.subscribe<sensor_msgs::Temperature>(
+          topic.name, kQueue, [this, sensor](const sensor_msgs::TemperatureConstPtr& m) {
+            take([&](SessionCollector& collector) { collector.addTemperature(sensor, *m); });
+          });
+    } else if (topic.name.rfind(covariate, 0) == 0 && topic.datatype == "measuring_machine/Covariate") {
+      subscribe(topic.name, &SessionCollector::addCovariate);
+    }
+  }
+}
+
+Session LiveSession::session(const Machine& fallback) const {
+  SessionCollector copy(kName);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!wrong_.empty()) throw InputError(wrong_ + "; begin a new session (measure a plan)");
+    copy = collector_;
+  }
+  if (!copy.hasMachine()) copy.setMachine(fallback);
+  return copy.build();
+}
+
+std::size_t LiveSession::observations() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return collector_.observationCount();
+}
+
+}  // namespace mm

@@ -1,0 +1,15 @@
+#pragma once
+#include <visualization_msgs/MarkerArray.h>
+
+#include <string>
+
+#include "estimation/calibrate.h"
+
+namespace mm {
+
+/// Residuals for rviz: an arrow at every contact, balls where the calibration found them, contacts as dots,
+/// outliers in red. @param scale length of an arrow over its residual. @param frame of the workpiece.
+visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result, double scale,
+                                                const std::string& frame);
+
+}  // namespace mm
