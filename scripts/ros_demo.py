@@ -69,6 +69,7 @@ class Demo:
         goal = MoveGoal(kind=MoveGoal.GO, name=names, position=list(position), linear_speed=0.02)
         self.axes.send_goal(goal)
         self.axes.wait_for_result()
+        rospy.rostime.wallsleep(0.02)  # its last status may still be on the way
         if self.axes.get_state() != actionlib.GoalStatus.SUCCEEDED:
             raise RuntimeError("a check position was not reached: " + self.axes.get_goal_status_text())
 

@@ -3,6 +3,7 @@
 #include <measuring_machine/Artifact.h>
 #include <measuring_machine/CorrectedContact.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "machine/error.h"
@@ -21,6 +22,12 @@ LiveInputs::Settings settingsFrom(const ros::NodeHandle& own) {
   settings.jointAge = numberParameter(own, "joint_timeout", settings.jointAge, 1e-6, 1e3);
   settings.sensorAge = numberParameter(own, "sensor_timeout", settings.sensorAge, 1e-3, 1e6);
   return settings;
+}
+
+std::string wordsOf(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '+' && c <= '9'; }),
+             text.end());
+  return text;
 }
 
 }  // namespace
@@ -228,12 +235,16 @@ void CompensationNode::look(const ros::WallTimerEvent&) {
   if (const auto pair = watch_.refresh()) install(pair);
   measuring_machine::CompensationStatus status = statusNow();
   const ros::WallTime now = ros::WallTime::now();
-  const bool same = status.message == shown_.message && status.publishing == shown_.publishing &&
-                    status.calibration_id == shown_.calibration_id &&
-                    status.candidate_id == shown_.candidate_id &&
-                    status.candidate_message == shown_.candidate_message;
+  // The words without their numbers: a value that moves on is no news.
+  const std::string words = wordsOf(status.calibration_id) + "|" + wordsOf(status.candidate_id) + "|" +
+                            wordsOf(status.message) + "|" + wordsOf(status.candidate_message);
+  const bool ids =
+      status.calibration_id == shown_.calibration_id && status.candidate_id == shown_.candidate_id;
+  const bool same = words == words_ && ids && status.publishing == shown_.publishing;
   if (same && now < nextStatus_) return;
-  if (status.message != shown_.message && !status.message.empty()) ROS_WARN("%s", status.message.c_str());
+  if (words != words_ && !status.message.empty() && !status.publishing)
+    ROS_WARN("%s", status.message.c_str());
+  words_ = words;
   nextStatus_ = now + ros::WallDuration(1.0);
   status.header.stamp = ros::Time::now();
   shown_ = status;

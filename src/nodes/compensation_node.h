@@ -70,6 +70,7 @@ class CompensationNode {
   std::map<std::string, ros::Subscriber> temperaturesIn_, covariatesIn_;
 
   measuring_machine::CompensationStatus shown_;
+  std::string words_;  // of the status as last published
   ros::WallTime nextStatus_;
   ros::CallbackQueue slow_;
   ros::Publisher framesOut_, contactsOut_, statusOut_;
