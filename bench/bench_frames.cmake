@@ -1,0 +1,1 @@
+set(bench_frames_dependencies nodes catkin)

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""The demo ends well by itself; its bag replayed, and read by mm, gives the same calibration to the bit; master restart."""
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+import rospy
+import rostest
+
+import support
+
+PORT = 11911
+MODEL = os.path.join(support.PACKAGE, "config/demo_model.yaml")
+
+
+def environment(port):
+    return dict(os.environ, ROS_MASTER_URI="http://localhost:%d" % port)
+
+
+def launch(port, *arguments):
+    return subprocess.Popen(["roslaunch", "-p", str(port), "measuring_machine"] + list(arguments), stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True, env=environment(port), start_new_session=True)
+
+
+def stop(process):
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGINT)
+        try:
+            process.wait(20)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def figures(text):
+    """Parameters and residual figures of a calibration's JSON: all but the seconds that it took."""
+    found = json.loads(text)
+    if found.get("genetic"):
+        found["genetic"].pop("seconds")
+    return found
+
+
+def call(port, service, request, seconds=60):
+    return subprocess.run(["rosservice", "call", service, request], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env=environment(port), timeout=seconds).stdout
+
+
+class Demo(unittest.TestCase):
+    folder = support.folder()
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(cls.folder)
+
+    def test_1_demo(self):
+        demo = launch(PORT, "demo.launch", "folder:=" + self.folder)
+        self.addCleanup(stop, demo)
+        output, _ = demo.communicate(timeout=200)
+        self.assertEqual(demo.returncode, 0, output)
+        before = re.search(r"before \(probe_tip\) +RMS +([0-9.]+) um", output)
+        after = re.search(r"after +\(probe_tip_corrected\) +RMS +([0-9.]+) um", output)
+        self.assertTrue(before and after, output)
+        print(before.group(0), "->", after.group(0))
+        self.assertGreater(float(before.group(1)), 5.0)
+        self.assertLess(float(after.group(1)), 1.0)
+
+    def test_2_bag_replay_and_mm_agree_to_the_bit(self):
+        bag = os.path.join(self.folder, "session.bag")
+        with open(os.path.join(self.folder, "calibration.json")) as f:
+            served = figures(f.read())
+        self.assertEqual(served["observations"], 120)
+        by_mm = figures(support.mm("calibrate", bag, "--model", MODEL, "--seed", "1", "--json"))
+        self.assertEqual(by_mm, served)
+        replay = launch(PORT + 1, "replay.launch", "bag:=" + bag, "rate:=25", "store:=" + os.path.join(self.folder, "replayed"))
+        self.addCleanup(stop, replay)
+        for line in replay.stdout:
+            if "play" in line and "finished cleanly" in line:
+                break
+        script = ("import rospy,sys; from measuring_machine.srv import Calibrate; rospy.wait_for_service('calibration_server/calibrate');"
+                  "a=rospy.ServiceProxy('calibration_server/calibrate',Calibrate)(model=sys.argv[1],seed=1);"
+                  "sys.stderr.write(a.message); print(a.json)")
+        done = subprocess.run(["python3", "-c", script, MODEL], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                              env=environment(PORT + 1), timeout=60)
+        self.assertEqual(figures(done.stdout or "{}"), served, done.stderr)
+
+    def test_3_master_restart_is_said(self):
+        port = PORT + 2
+        master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=environment(port), stdout=subprocess.DEVNULL)
+        self.addCleanup(master.kill)
+        time.sleep(2)
+        urdf = os.path.join(support.PACKAGE, "urdf/three_axis.urdf")
+        with open(urdf) as f:
+            subprocess.run(["python3", "-c", "import rosgraph,sys; rosgraph.Master('/t').setParam('/robot_description', sys.argv[1])", f.read()],
+                           env=environment(port), check=True)
+        log = os.path.join(self.folder, "compensation.log")
+        with open(log, "w") as out:
+            node = subprocess.Popen([support.node("compensation"), "_store:=" + self.folder], env=environment(port), stdout=out, stderr=out)
+        self.addCleanup(node.kill)
+
+        def said(words):
+            with open(log) as f:
+                return words in f.read()
+
+        time.sleep(3)
+        self.assertIsNone(node.poll())
+        master.kill()
+        master.wait()
+        self.assertTrue(support.wait_until(lambda: said("does not answer: what is connected goes on"), 10))
+        self.assertIsNone(node.poll(), "the node outlives its master")
+
+
+if __name__ == "__main__":
+    rospy.init_node("demo_test")
+    rostest.rosrun("measuring_machine", "demo", Demo)

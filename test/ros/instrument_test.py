@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""Homing, limits, cancel, stop, emergency stop; a plan with pause, cancel and resume; contacts that are true."""
+import math
+import os
+import time
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact
+from measuring_machine.srv import Calibrate
+from sensor_msgs.msg import JointState, Temperature
+from std_srvs.srv import SetBool, Trigger
+
+import support
+
+PLAN = os.path.join(support.PACKAGE, "test/ros/short_plan.yaml")
+CENTRE, DISTANCE = (0.005, 0.008, -0.002), 0.0049685  # m, of short_plan.yaml
+
+
+class Instrument(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
+        cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
+        assert cls.axes.wait_for_server(rospy.Duration(100)) and cls.measure.wait_for_server(rospy.Duration(100))
+        cls.joints = [None]
+        rospy.Subscriber("joint_states", JointState, lambda m: cls.joints.__setitem__(0, m))
+        assert support.wait_until(lambda: cls.joints[0])
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(rospy.get_param("/compensation/store"))
+
+    def call(self, name, kind=Trigger, *arguments):
+        rospy.wait_for_service(name, 20)
+        return rospy.ServiceProxy(name, kind)(*arguments)
+
+    def start(self, position, **keys):
+        self.feedback = []
+        self.axes.send_goal(MoveGoal(name=["x", "y", "z"], position=position, **keys), feedback_cb=self.feedback.append)
+
+    def end(self, seconds=20.0):
+        self.assertTrue(support.wait_until(lambda: self.axes.get_state() not in (GoalStatus.PENDING, GoalStatus.ACTIVE), seconds))
+        time.sleep(0.05)
+        return self.axes.get_state(), self.axes.get_goal_status_text()
+
+    def test_1_no_motion_before_homing(self):
+        self.start([0.0, 0.0, 0.01])
+        state, text = self.end()
+        self.assertEqual(state, GoalStatus.ABORTED)
+        self.assertIn("not homed", text)
+        self.assertTrue(self.call("axis_driver/home").success)
+
+    def test_2_limits_of_the_urdf(self):
+        for position, words in (([0.021, 0, 0], "joint x: target 21 mm"), ([0, 0, math.nan], "not a number")):
+            self.start(position)
+            state, text = self.end()
+            self.assertEqual(state, GoalStatus.ABORTED)
+            self.assertIn(words, text)
+        self.axes.send_goal(MoveGoal(name=["w"], position=[0.0]))
+        self.assertIn("'w' is not moved", self.end()[1])
+
+    def test_3_progress_cancel_stop(self):
+        self.start([0.0, 0.0, 0.010])
+        self.assertEqual(self.end()[0], GoalStatus.SUCCEEDED)
+        self.assertAlmostEqual(self.joints[0].position[2], 0.010, delta=1e-12)
+        self.start([0.015, 0.0, 0.010], linear_speed=0.002)
+        self.assertTrue(support.wait_until(lambda: len(self.feedback) > 2))
+        shares = [f.progress for f in self.feedback]
+        self.assertEqual(shares, sorted(shares))
+        self.axes.cancel_goal()
+        self.assertEqual(self.end()[0], GoalStatus.PREEMPTED)
+        self.assertTrue(0.0 < self.joints[0].position[0] < 0.014)
+        self.start([0.015, 0.0, 0.010], linear_speed=0.002)
+        time.sleep(0.2)
+        self.assertTrue(self.call("axis_driver/stop").success)
+        state, text = self.end()
+        self.assertEqual(state, GoalStatus.ABORTED)
+        self.assertIn("stopped", text)
+
+    def test_4_emergency_stop_needs_homing(self):
+        self.start([-0.015, 0.0, 0.010], linear_speed=0.002)
+        time.sleep(0.2)
+        self.call("axis_driver/emergency_stop", SetBool, True)
+        self.assertIn("emergency stop", self.end()[1])
+        self.assertFalse(self.call("axis_driver/home").success)
+        self.call("axis_driver/emergency_stop", SetBool, False)
+        self.start([0.0, 0.0, 0.010])
+        self.assertIn("not homed", self.end()[1])
+        self.assertTrue(self.call("axis_driver/home").success)
+
+    def test_5_a_plan_with_pause_cancel_and_resume(self):
+        contacts, temperatures, told = [], [], []
+        rospy.Subscriber("probe/contact", ProbeContact, contacts.append)
+        rospy.Subscriber("temperature/bed", Temperature, temperatures.append)
+        self.measure.send_goal(MeasureGoal(plan=PLAN), feedback_cb=told.append)
+        self.assertTrue(support.wait_until(lambda: len(contacts) >= 2, 30))
+        self.call("measure/pause", SetBool, True)
+        self.assertTrue(support.wait_until(lambda: told[-1].paused))
+        held = len(contacts)
+        time.sleep(1.0)
+        self.assertEqual(len(contacts), held)
+        self.call("measure/pause", SetBool, False)
+        self.assertTrue(support.wait_until(lambda: len(contacts) >= held + 2, 30))
+        self.measure.cancel_goal()
+        self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.PREEMPTED, 10))
+        time.sleep(0.1)
+        result = self.measure.get_result()
+        self.assertIn("cancelled", result.message)
+        self.measure.send_goal(MeasureGoal(plan=PLAN, first=result.next))
+        self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.SUCCEEDED, 40),
+                        self.measure.get_goal_status_text())
+        self.assertTrue(support.wait_until(lambda: len(contacts) >= 8))
+        self.assertLessEqual(len(contacts), 9)  # the one that was cancelled may be touched twice
+        self.assertTrue(temperatures)
+        for c in contacts:
+            self.assertEqual((c.feature, c.name), ("b0", ["x", "y", "z"]))
+            away = math.dist(c.position, CENTRE)
+            self.assertAlmostEqual(away, DISTANCE, delta=3e-6)  # repeatability 0.3 um, 1 mm of trigger delay: none
+            inward = [(q - p) / away for p, q in zip(c.position, CENTRE)]
+            approach = (c.approach.x, c.approach.y, c.approach.z)
+            self.assertGreater(sum(a * b for a, b in zip(inward, approach)), 0.99)
+            self.assertAlmostEqual(math.hypot(*c.velocity), 0.003, delta=1e-6)
+        live = self.call("calibration_server/calibrate", Calibrate, "", support.model("{type: probe_radius}"), "least_squares", 1)
+        self.assertTrue(live.calibration_id, live.message)
+        self.assertIn('"observations": %d' % len(contacts), live.json)
+
+    def test_6_plans_that_cannot_be_run(self):
+        for plan, words in (("/nowhere.yaml", "/nowhere.yaml"), ("", "names no plan"),
+                            (os.path.join(support.PACKAGE, "config/plans/interferometer.yaml"), "independent instrument")):
+            self.measure.send_goal(MeasureGoal(plan=plan))
+            self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.ABORTED))
+            time.sleep(0.05)
+            self.assertIn(words, self.measure.get_goal_status_text())
+
+
+if __name__ == "__main__":
+    rospy.init_node("instrument_test")
+    rostest.rosrun("measuring_machine", "instrument", Instrument)

@@ -1,0 +1,139 @@
+"""What the rostests share: mm, sessions, logs of frames and statuses."""
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+
+import roslib.packages
+import rospy
+from measuring_machine.msg import CompensationStatus
+from measuring_machine.srv import Calibrate, Promote
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+
+PACKAGE = roslib.packages.get_pkg_dir("measuring_machine")
+# The errors that the sessions of these tests have, by themselves: the answers are checked against these.
+HIDDEN = ("scale:x=0.001", "scale:y=-0.0005")
+
+
+def node(name):
+    return roslib.packages.find_node("measuring_machine", name)[0]
+
+
+def mm(*arguments):
+    done = subprocess.run([node("mm")] + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if done.returncode not in (0, 1):
+        raise AssertionError("mm %s: %s" % (" ".join(arguments), done.stderr))
+    return done.stdout
+
+
+def simulate(bag, plan="config/demo_plan.yaml", hide=(), seed=1):
+    arguments = ["simulate", "--machine", "three_axis", "--plan", os.path.join(PACKAGE, plan), "--seed", str(seed)]
+    for source in hide:
+        arguments += ["--hide", source]
+    mm(*arguments, "-o", bag)
+    return bag
+
+
+def model(*effects):
+    return "effects: [%s]" % ", ".join(effects)
+
+
+def wait_until(true, seconds=10.0):
+    end = time.time() + seconds
+    while time.time() < end:
+        if true():
+            return True
+        time.sleep(0.02)
+    return bool(true())
+
+
+def folder():
+    return tempfile.mkdtemp(prefix="mm_rostest_")
+
+
+def parameter(answer, effect, **keys):
+    """Value of the first parameter of an effect in the JSON of a calibration."""
+    for p in json.loads(answer)["parameters"]:
+        if p["effect"]["type"] == effect and all(p["effect"].get(k) == v for k, v in keys.items()):
+            return p["value"], p["unit"]
+    raise AssertionError("no parameter of %s in %s" % (effect, answer))
+
+
+def scale(answer, axis):
+    value, unit = parameter(answer, "scale", axis=axis)
+    assert unit == "um/m", unit
+    return 1e-6 * value
+
+
+def calibrate_and_promote(bag, effects, server="calibration_server/"):
+    rospy.wait_for_service(server + "calibrate", 20)
+    answer = rospy.ServiceProxy(server + "calibrate", Calibrate)(bag=bag, model=effects, method="least_squares")
+    assert answer.calibration_id, answer.message
+    promoted = rospy.ServiceProxy(server + "promote", Promote)(calibration_id=answer.calibration_id)
+    assert promoted.success, promoted.message
+    return answer
+
+
+class Frames:
+    """Every frame of some children on /tf, by its stamp in ns."""
+
+    def __init__(self, *children):
+        self.lock = threading.Lock()
+        self.frames = {child: {} for child in children}
+        self.doubled = 0
+        self.subscriber = rospy.Subscriber("/tf", TFMessage, self.take, queue_size=None, buff_size=1 << 24, tcp_nodelay=True)
+
+    def take(self, message):
+        with self.lock:
+            for t in message.transforms:
+                if t.child_frame_id not in self.frames:
+                    continue
+                stamp = t.header.stamp.to_nsec()
+                self.doubled += stamp in self.frames[t.child_frame_id]
+                v = t.transform.translation
+                self.frames[t.child_frame_id][stamp] = (v.x, v.y, v.z)
+
+    def of(self, child):
+        with self.lock:
+            return dict(self.frames[child])
+
+
+class Statuses:
+    def __init__(self, topic="compensation/status"):
+        self.all = []
+        self.subscriber = rospy.Subscriber(topic, CompensationStatus, self.all.append, queue_size=None)
+
+    def last(self):
+        return self.all[-1] if self.all else CompensationStatus()
+
+    def says(self, words, seconds=5.0, since=0):
+        return wait_until(lambda: any(words in s.message for s in self.all[since:]), seconds)
+
+
+class Joints:
+    """Stands for an axis driver."""
+
+    NAMES = ["x", "y", "z"]
+
+    def __init__(self, topic="joint_states"):
+        self.publisher = rospy.Publisher(topic, JointState, queue_size=1000)
+        self.stamp = rospy.Time.from_sec(time.time())
+
+    def ready(self, listeners=2):
+        return wait_until(lambda: self.publisher.get_num_connections() >= listeners)
+
+    def send(self, position=(0.005, 0.003, 0.001), names=None, velocity=(1e-3, 1e-3, 1e-3), ahead=0.01):
+        """@return the stamp in ns."""
+        self.stamp += rospy.Duration(ahead)
+        message = JointState(name=list(names or self.NAMES), position=list(position), velocity=list(velocity))
+        message.header.stamp = self.stamp
+        self.publisher.publish(message)
+        return self.stamp.to_nsec()
+
+
+def remove(path):
+    shutil.rmtree(path, ignore_errors=True)

@@ -1,0 +1,1 @@
+set(nodes_test_dependencies catkin)
