@@ -2,6 +2,7 @@
 // beside nominal, for the same messages in one run.
 //   bench_frames [seconds, default 60]       with instrument.launch rate:=1000 nominal_rate:=1000 and a
 //   promoted calibration
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <tf2_msgs/TFMessage.h>

@@ -122,8 +122,9 @@ ModelSpec CalibrationServer::modelFrom(const std::string& model, const Session& 
     spec = parseModelSpec(model, "model of the request");
     checkMachine(spec, {}, session);
   } else {
-    throw InputError("model '" + model +
-                     "' is neither a file nor YAML; e.g. 'effects: [{type: scale, axis: x}]'");
+    throw InputError("model '" + model + "' is neither a file (seen from " +
+                     std::filesystem::current_path().string() +
+                     ") nor YAML; give a whole path, or e.g. 'effects: [{type: scale, axis: x}]'");
   }
   return spec;
 }

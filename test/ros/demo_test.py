@@ -76,9 +76,12 @@ class Demo(unittest.TestCase):
         self.assertEqual(by_mm, served)
         replay = launch(PORT + 1, "replay.launch", "bag:=" + bag, "rate:=25", "store:=" + os.path.join(self.folder, "replayed"))
         self.addCleanup(stop, replay)
+        output = ""
         for line in replay.stdout:
+            output += line
             if "play" in line and "finished cleanly" in line:
                 break
+        self.assertIsNone(replay.poll(), output)
         script = ("import rospy,sys; from measuring_machine.srv import Calibrate; rospy.wait_for_service('calibration_server/calibrate');"
                   "a=rospy.ServiceProxy('calibration_server/calibrate',Calibrate)(model=sys.argv[1],seed=1);"
                   "sys.stderr.write(a.message); print(a.json)")
