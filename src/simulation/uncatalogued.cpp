@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "machine/error.h"
 
@@ -52,8 +53,10 @@ std::string filledIn(std::string text, const HiddenSource& source) {
 void build(const UncataloguedKind& kind, const HiddenSource& source, Workshop& w) {
   const Quantity shape = kind.shape(Setting(source, w));
   const Spread spread = spreadOf(shape, w.visits());
-  if (!(spread.deviation > 1e-12))
-    throw InputError("'" + source.text() + "' cannot be hidden: the plan does not vary what it depends on");
+  // Nearly constant: what little it varies would be blown up to the size asked for.
+  if (!(spread.deviation > 0.05 * std::abs(spread.mean)) || !(spread.deviation > 1e-12))
+    throw SourceNotShown("'" + source.text() +
+                         "' cannot be hidden: the plan does not vary what it depends on");
   const double factor = source.number("size") / spread.deviation;
   const Quantity error = [shape, factor, mean = spread.mean](const Condition& c) {
     return factor * (shape(c) - mean);

@@ -2,10 +2,17 @@
 #include <string>
 #include <vector>
 
+#include "machine/error.h"
 #include "simulation/catalogue.h"
 #include "simulation/uncatalogued_setting.h"
 
 namespace mm {
+
+/// A source that the plan does not make act: it does not vary what the error depends on.
+class SourceNotShown : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// What an uncatalogued source truly is: what a formula that explains it should be made of.
 struct UncataloguedTruth {

@@ -24,8 +24,8 @@ std::string wilson(int right, int count) {
   const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
   const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
   char text[80];
-  std::snprintf(text, sizeof text, "%5.1f %% (%.1f-%.1f %%) %d/%d", 100 * p, 100 * (centre - half),
-                100 * (centre + half), right, count);
+  std::snprintf(text, sizeof text, "%5.1f %% (%.1f-%.1f %%) %d/%d", 100 * p,
+                100 * std::max(0.0, centre - half), 100 * std::min(1.0, centre + half), right, count);
   return text;
 }
 
@@ -107,6 +107,7 @@ void run(const Options& o) {
                        "outside the catalogue; give such names with --uncatalogued, and no others");
   int all = 0, exactly = 0, first = 0, clean = 0, byHand = 0, atNoise = 0, confused = 0, missed = 0,
       falseClaims = 0;
+  int notShown = 0;
   double seconds = 0.0;
   UnknownCounts unknown;
   std::map<std::string, std::pair<int, int>> byType;
@@ -114,6 +115,10 @@ void run(const Options& o) {
   for (int t = 0; t < o.trials; ++t) {
     bar.show(static_cast<double>(t) / o.trials);
     const Trial r = runTrial(machine, trial, o.seed + static_cast<std::uint64_t>(t));
+    if (r.notShown) {
+      ++notShown;
+      continue;
+    }
     ++all;
     const int hidden = static_cast<int>(r.hidden.size());
     const bool exact = r.right == hidden && r.falseClaims == 0 && r.verdict != Verdict::kUnknownEffect;
@@ -142,6 +147,7 @@ void run(const Options& o) {
       std::fflush(stdout);
     }
   }
+  if (notShown > 0) std::printf("not counted: %d sessions, which show nothing of what was drawn\n", notShown);
   if (o.uncatalogued) {
     unknown.print();
     std::printf("longest diagnosis %.2f s\n", seconds);

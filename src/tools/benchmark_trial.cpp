@@ -55,6 +55,15 @@ std::string sensorPair(const EffectSpec& s) {
   return text;
 }
 
+/// What is hidden in an instrument; empty where the plan could not show it.
+std::vector<HiddenSource> draw(const Machine& machine, const Plan& plan, const SimulationRequest& request) {
+  try {
+    return makeInstrument(machine, plan, request).hidden;
+  } catch (const SourceNotShown&) {
+    return {};
+  }
+}
+
 Trial::Unknown judge(const Diagnosis& d, const HiddenSource& hidden, const Machine& machine, double noise) {
   Trial::Unknown unknown;
   unknown.truth = uncataloguedTruth(hidden, machine);
@@ -96,20 +105,21 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
   const std::string any = options.uncatalogued ? "random_uncatalogued" : "random";
   std::vector<std::string> scaled;
   std::vector<EffectSpec> specs;
-  for (std::uint64_t draw = 0; draw < 50; ++draw) {
+  bool ready = false;
+  for (std::uint64_t attempt = 0; attempt < 50 && !ready; ++attempt) {
     SimulationRequest request;
-    request.seed = seed * 1000 + draw;
+    request.seed = seed * 1000 + attempt;
     for (int i = 0; i < options.effects; ++i)
       request.hide.push_back(options.only.empty() ? any : options.only[(seed + i) % options.only.size()]);
-    const SimulatedInstrument drawn = makeInstrument(machine, quiet, request);
+    const std::vector<HiddenSource> drawn = draw(machine, quiet, request);
     scaled.clear();
     specs.clear();
     std::vector<Eigen::VectorXd> lefts;
-    bool apart = true;
+    bool apart = options.effects == 0 || !drawn.empty();
     SimulationRequest nothing;
     nothing.seed = request.seed;
     const Eigen::VectorXd clean = leftOf(simulate(machine, quiet, nothing));
-    for (const HiddenSource& source : drawn.hidden) {
+    for (const HiddenSource& source : drawn) {
       std::string text = source.text();
       SimulationRequest alone;
       alone.seed = request.seed;
@@ -143,8 +153,12 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
     }
     if (apart) {
       trial.seed = request.seed;
-      break;
+      ready = true;
     }
+  }
+  if (!ready) {
+    trial.notShown = true;
+    return trial;
   }
   trial.hidden = specs;
   trial.hiddenText = scaled;

@@ -25,6 +25,7 @@ struct Trial {
   bool firstRight = false;
   double heldOutEnd = 0.0;  // held-out RMS with everything named in the model, over the noise
   double seconds = 0.0;     // of the diagnosis
+  bool notShown = false;    // nothing was tried: no draw was of effects that such a session shows
 
   /// What was said of an effect outside the catalogue.
   struct Unknown {

@@ -85,6 +85,20 @@ TEST(SessionVariant, OneSidedContactsMoveOneWay) {
     for (int k = 0; k < 3; ++k) EXPECT_LT(state.approach(k), 0.0);
 }
 
+TEST(SessionVariant, ContactsFromOneSideDoNotShowWhatReversalDoes) {
+  SessionVariant variant;
+  variant.contacts = 90;
+  SimulationRequest request;
+  const Machine machine = Machine::load("three_axis");
+  for (const char* text : {"uncatalogued_reversal_heave:x/z=1um", "uncatalogued_reversal_heave:y/z=1um"}) {
+    request.hide = {text};
+    variant.oneSided = true;
+    EXPECT_THROW(makeInstrument(machine, planOf(variant), request), SourceNotShown) << text;
+    variant.oneSided = false;
+    EXPECT_NO_THROW(makeInstrument(machine, planOf(variant), request)) << text;
+  }
+}
+
 TEST(SessionVariant, FreeCentresAreFree) {
   SessionVariant variant;
   variant.freeCentres = true;
