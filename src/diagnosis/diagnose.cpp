@@ -247,7 +247,7 @@ class Diagnoser {
         i = 0;
       }
     }
-    const Structure structure = structureLeft(round.space, found.left, found.basis);
+    const Structure structure = structureLeft(round.space, found.left, found.basis, round.search.modulations(found));
     std::vector<FoundFormula> formulas;
     Subset kept = found;
     lookForFormulas(round, found, structure, kept, formulas);
@@ -309,14 +309,18 @@ class Diagnoser {
     const int causes = search.causes(found);
     if (!isStructure(structure) && causes < 2) return;
     const double dof = search.degreesOfFreedom();
-    const FormulaSearch formulaSearch(round.space);
+    std::vector<FoundPeriod> periods;  // a wave that was found may be part of a formula
+    for (const Chosen& c : found.chosen)
+      if (round.set.candidates[c.candidate].spec.type == "lead_screw_periodic" && !c.nonlinear.empty())
+        periods.push_back({round.set.candidates[c.candidate].spec.text("axis"), c.nonlinear[0]});
+    const FormulaSearch formulaSearch(round.space, periods);
     // what the shapes of the effects found cannot account for is the trace of another cause
     bool beyondShape = found.chosen.empty();
     if (!found.chosen.empty() && isStructure(structure)) {
       Subset wide = found;
       wide.basis = search.withShapes(found);
       wide.left = round.space.target() - wide.basis * (wide.basis.transpose() * round.space.target());
-      beyondShape = isStructure(structureLeft(round.space, wide.left, wide.basis));
+      beyondShape = isStructure(structureLeft(round.space, wide.left, wide.basis, search.modulations(found)));
     }
     std::vector<Subset> rests;
     if (isStructure(structure)) rests.push_back(found);

@@ -49,8 +49,17 @@ Written writtenAs(const Variable& v, const Domain& domain) {
   return w;
 }
 
+int distinctValues(Eigen::ArrayXd values) {
+  std::sort(values.begin(), values.end());
+  const double apart = 1e-4 * (values[values.size() - 1] - values[0]);
+  int count = 1;
+  for (Eigen::Index i = 1; i < values.size(); ++i) count += values[i] - values[i - 1] > apart;
+  return count;
+}
+
 /// Single-variable shapes, then products of two and three variables and functions of sums of equal units.
-std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain& domain) {
+std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain& domain, const std::vector<FoundPeriod>& periods) {
+  constexpr int kFewValues = 9;  // with fewer distinct values a wave, a step or a decay is any profile
   constexpr double kMoreVariables = 0.3, kHigherPower = 0.15;  // description length beyond the factor itself
   std::vector<Term> terms;
   std::vector<int> continuous;
@@ -86,6 +95,7 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
       const std::string middle = number(centre);
       shapes[i].push_back({"(" + s + "-" + middle + ")", {i}, raw - std::stod(middle), 1 + kHigherPower});
     }
+    if (distinctValues(raw) < kFewValues) continue;
     for (int step = -6; step <= 6; ++step) {
       const std::string at = number(centre + half * step / 7.0);
       const Eigen::ArrayXd from = raw - std::stod(at);
@@ -114,6 +124,20 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
       }
     }
   }
+  for (const FoundPeriod& found : periods)
+    for (int i : continuous) {
+      if (variables[i].symbol != found.joint) continue;
+      const std::string period = number(found.period / (written[i].unit == "mm" ? kMillimetre : 1.0));
+      const Eigen::ArrayXd phase = 2.0 * kPi / std::stod(period) * written[i].values;
+      const std::string inside = "(2*pi*" + written[i].text + "/" + period + ")";
+      add("sin" + inside, {i}, phase.sin(), 2);
+      add("cos" + inside, {i}, phase.cos(), 2);
+      for (int k : continuous) {
+        if (k == i) continue;
+        add(written[k].text + "*sin" + inside, {k, i}, written[k].values * phase.sin(), 2);
+        add(written[k].text + "*cos" + inside, {k, i}, written[k].values * phase.cos(), 2);
+      }
+    }
   for (std::size_t ia = 0; ia < continuous.size(); ++ia)
     for (std::size_t ib = ia + 1; ib < continuous.size(); ++ib) {
       const int a = continuous[ia], b = continuous[ib];
@@ -129,7 +153,7 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
           add("sign(" + text + ")", {a, b}, sum.sign(), 1 + kHigherPower);
           add("(" + text + ")^2", {a, b}, sum.square(), 1 + kHigherPower);
           add("(" + text + ")^3", {a, b}, sum.cube(), 1 + 2 * kHigherPower);
-          if (wa.unit == "degC") continue;
+          if (wa.unit == "degC" || distinctValues(sum) < kFewValues) continue;
           const double range = sum.maxCoeff() - sum.minCoeff();
           for (double waves = 1.0; waves <= 16.0; waves += waves < 4 ? 0.25 : 0.5) {
             const std::string period = number(range / waves);
@@ -141,7 +165,7 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
         add("sqrt(" + wa.text + "^2+" + wb.text + "^2)", {a, b}, (wa.values.square() + wb.values.square()).sqrt(), 1 + kHigherPower);
       }
       const auto waving = [&](int over, int factor) {  // the wave's amplitude grows with another variable
-        if (written[over].speed) return;
+        if (written[over].speed || distinctValues(written[over].values) < kFewValues) return;
         for (double waves : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0}) {
           const std::string period = number(2.0 * variables[over].half / waves);
           const double k = 2.0 * kPi / std::stod(period);
@@ -221,6 +245,7 @@ class Greedy {
       }
     }
     pick.objective = objective;
+    shorten(pick);
     for (std::size_t i = 0; i < pick.terms.size() && pick.terms.size() > 1;) {
       std::vector<int> fewer = pick.terms;
       fewer.erase(fewer.begin() + static_cast<long>(i));
@@ -235,6 +260,26 @@ class Greedy {
       }
     }
     return pick;
+  }
+
+  /// The shortest formula that explains nearly as much: terms whose loss leaves the RMS within 3 % go.
+  void shorten(Pick& pick) const {
+    constexpr double kAsGood = 1.06;  // of the residual sum of squares
+    const double full = rssOf(pick.terms);
+    while (pick.terms.size() > 1) {
+      double least = 1e300;
+      std::size_t goes = 0;
+      for (std::size_t i = 0; i < pick.terms.size(); ++i) {
+        std::vector<int> fewer = pick.terms;
+        fewer.erase(fewer.begin() + static_cast<long>(i));
+        const double rss = rssOf(fewer);
+        if (rss < least) least = rss, goes = i;
+      }
+      if (least > kAsGood * full) return;
+      pick.cost -= costs_[pick.terms[goes]];
+      pick.terms.erase(pick.terms.begin() + static_cast<long>(goes));
+      pick.objective = objectiveOf(least, pick.cost);
+    }
   }
 
   double rssOf(const std::vector<int>& members) const {
@@ -259,10 +304,10 @@ struct FormulaSearch::Dictionary {
   std::vector<Eigen::MatrixXd> columns;  // a direction: projected columns of all terms
 };
 
-FormulaSearch::FormulaSearch(const ResidualSpace& space) : space_(space), dictionary_(std::make_unique<Dictionary>()) {
+FormulaSearch::FormulaSearch(const ResidualSpace& space, const std::vector<FoundPeriod>& periods) : space_(space), dictionary_(std::make_unique<Dictionary>()) {
   dictionary_->variables = variablesOf(space);
   dictionary_->directions = directionsOf(space);
-  dictionary_->terms = makeTerms(dictionary_->variables, space.problem().model().domain());
+  dictionary_->terms = makeTerms(dictionary_->variables, space.problem().model().domain(), periods);
   for (int d = 0; d < static_cast<int>(dictionary_->directions.names.size()); ++d) {
     const Domain& domain = space.problem().model().domain();
     const int joint = domain.findJoint(dictionary_->directions.names[d]);

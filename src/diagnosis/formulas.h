@@ -17,12 +17,18 @@ struct FoundFormula {
   double objective = 0.0;   // penalised negative log-likelihood
 };
 
+/// A wave found along a joint: its period in m (rad), from the catalogue's search.
+struct FoundPeriod {
+  std::string joint;
+  double period = 0.0;
+};
+
 /// Sparse search over products, powers, harmonics, steps and decays of the session's variables and their sums, in every
 /// direction: the shortest formulas first. Values in um (arcsec for rotary directions), variables in the units of
 /// `formula`.
 class FormulaSearch {
  public:
-  explicit FormulaSearch(const ResidualSpace& space);
+  explicit FormulaSearch(const ResidualSpace& space, const std::vector<FoundPeriod>& periods = {});
   ~FormulaSearch();
 
   /// @param rest what is already in the model and found: its `left` is to be explained.

@@ -186,7 +186,8 @@ std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const 
   return out;
 }
 
-Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found) {
+Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found,
+                        const Eigen::MatrixXd& others) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
   std::vector<Test> tests;
@@ -205,6 +206,7 @@ Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left,
       test(product);
     }
   }
+  for (int k = 0; k < others.cols(); ++k) tests.push_back(explain(space, left, found, others.col(k)));
   Structure structure;
   for (const Test& t : tests) {
     const double p = std::min(1.0, std::exp(t.logP) * static_cast<double>(tests.size()));

@@ -38,6 +38,8 @@ struct Structure {
   double pValue = 1.0;  // corrected for the number of tests
   double share = 0.0;   // of the residual variance, adjusted
 };
-Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found);
+/// @param others further columns to be tested one by one (length of the space); may have none.
+Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found,
+                        const Eigen::MatrixXd& others);
 
 }  // namespace mm

@@ -328,6 +328,21 @@ void SubsetSearch::refineAll(Subset& subset) const {
   }
 }
 
+Eigen::MatrixXd SubsetSearch::modulations(const Subset& subset) const {
+  std::vector<Eigen::VectorXd> columns;
+  for (const Chosen& c : subset.chosen)
+    for (int k = 0; k < c.columns.cols(); ++k)
+      for (const Variable& v : variables_) {
+        if (v.category) continue;
+        Eigen::VectorXd product = c.columns.col(k);
+        product.head(space_.rows()) = product.head(space_.rows()).cwiseProduct(v.values);
+        columns.push_back(product);
+      }
+  Eigen::MatrixXd all(space_.length(), columns.size());
+  for (std::size_t k = 0; k < columns.size(); ++k) all.col(static_cast<int>(k)) = columns[k];
+  return all;
+}
+
 Subset SubsetSearch::withFamily(const Subset& rest, const std::vector<int>& family) const {
   Subset best = rest;
   std::vector<int> left = family;
@@ -437,12 +452,19 @@ Subset SubsetSearch::run() const {
     exchange(best);
     prune(best);
   }
-  // in the order of what each explains alone after the others
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < best.chosen.size(); ++i) order.emplace_back(-without(best, i).objective, i);
-  std::sort(order.begin(), order.end());
+  // in the order of what each explains beside those before it: the error falls as fast as it can
   Subset sorted = empty();
-  for (const auto& [loss, i] : order) sorted = extend(sorted, best.chosen[i]);
+  std::vector<Chosen> left = best.chosen;
+  while (!left.empty()) {
+    std::size_t first = 0;
+    Subset next = extend(sorted, left[0]);
+    for (std::size_t i = 1; i < left.size(); ++i) {
+      Subset other = extend(sorted, left[i]);
+      if (other.rss < next.rss) next = std::move(other), first = i;
+    }
+    sorted = std::move(next);
+    left.erase(left.begin() + static_cast<long>(first));
+  }
   return sorted;
 }
 

@@ -71,6 +71,8 @@ class SubsetSearch {
   bool standsAlone(const Subset& subset, const Gain& gain) const;
   /// Number of different causes in a subset: the same type at the same place in other shapes is one.
   int causes(const Subset& subset) const;
+  /// The found effects' columns times each variable: what is left if the size of an effect depends on another variable.
+  Eigen::MatrixXd modulations(const Subset& subset) const;
   /// `rest` with one cause added in as many of its shapes as pay; `rest` itself when none does.
   Subset withFamily(const Subset& rest, const std::vector<int>& family) const;
   /// Candidates of the same cause, for the causes that have several shapes.
