@@ -1,0 +1,20 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace mm {
+
+/// Measurements by others, beside the repository; empty path when they are not there.
+inline std::filesystem::path sharedData(const std::string& name) {
+  const std::filesystem::path path = std::filesystem::path("../shared/data") / name;
+  return std::filesystem::exists(path) ? path : std::filesystem::path();
+}
+
+}  // namespace mm
+
+#define MM_NEEDS_SHARED_DATA(variable, name)                               \
+  const std::filesystem::path variable = mm::sharedData(name);             \
+  if (variable.empty()) {                                                  \
+    std::cout << "skipped: ../shared/data/" << (name) << " is not there\n"; \
+    GTEST_SKIP() << "../shared/data/" << (name) << " is not there";        \
+  }
