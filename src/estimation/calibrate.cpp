@@ -6,6 +6,7 @@
 
 #include "estimation/folds.h"
 #include "estimation/genetic_start.h"
+#include "estimation/linear_start.h"
 #include "estimation/nonlinear_start.h"
 #include "estimation/polish.h"
 #include "estimation/robust.h"
@@ -74,6 +75,13 @@ class Fitter {
       weight = next;
       if (same && !noiseMoved) break;
       fit(fixed);
+    }
+    if (options_.rejectOutliers && !cancelled) {
+      const Eigen::VectorXd back = reinstated(problem_, x, residuals, problem_.sigmas(noise.linear, noise.angular), weight, fixed);
+      if (back != weight) {
+        weight = back;
+        fit(fixed);
+      }
     }
     sigma = problem_.sigmas(noise.linear, noise.angular);
   }
@@ -246,9 +254,18 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
                          std::to_string(free) + " unknowns; measure more, or leave effects out of the model");
 
   nonlinearStart(*result.problem, x, result.identifiability.fixed, inverseOf(sigma0, weight0));
+  std::vector<Eigen::VectorXd> starts = {x};
   if (options.method != Method::kLeastSquares) {
     result.genetic = geneticStart(problem, x, result.identifiability.fixed, sigma0, weight0, options);
     result.cancelled = result.genetic->stop == "cancelled";
+    starts.push_back(x);
+  }
+  if (!options.holdEffects && !result.cancelled && hasNonlinearParameters(problem)) {
+    for (std::size_t i = 0, given = starts.size(); i < given; ++i) {
+      Eigen::VectorXd solved = starts[i];
+      if (linearStart(problem, solved, result.identifiability.fixed, inverseOf(sigma0, weight0))) starts.push_back(solved);
+    }
+    x = bestPolished(problem, starts, result.identifiability.fixed, sigma0, weight0);
   }
   Fitter fit(problem, options, noise);
   if (!options.rejectOutliers && options.weights.size() == problem.rowCount()) {

@@ -107,21 +107,34 @@ class Watcher final : public ceres::IterationCallback {
   const PolishOptions& options_;
 };
 
-/// Gauss-Newton steps by QR until they no longer shorten the residual: the last digits, for small problems.
-int refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed, Eigen::VectorXd& x) {
-  int steps = 0;
+/// Gauss-Newton steps by QR, halved until they shorten the residual: the last digits, for small problems.
+/// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the relative
+/// offset), or when no step shortens it any more.
+bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed, Eigen::VectorXd& x) {
+  constexpr int kSteps = 100, kHalvings = 12;
+  constexpr double kOffset = 1e-9, kFlat = 1e-4;
   WhitenedSystem system(problem, x, inverseSigma, fixed);
-  for (; steps < 10; ++steps) {
-    const Eigen::VectorXd step = system.jacobian.colPivHouseholderQr().solve(-system.residuals);
-    if (!step.allFinite()) break;
-    Eigen::VectorXd next = x;
-    for (std::size_t i = 0; i < system.free.size(); ++i) next[system.free[i]] += step[static_cast<int>(i)] * system.scale[static_cast<int>(i)];
-    WhitenedSystem trial(problem, next, inverseSigma, fixed);
-    if (!(trial.residuals.squaredNorm() < system.residuals.squaredNorm())) break;
-    x = next;
-    system = std::move(trial);
+  for (int step = 0; step < kSteps; ++step) {
+    const double cost = system.residuals.squaredNorm();
+    const Eigen::VectorXd full = system.jacobian.colPivHouseholderQr().solve(-system.residuals);
+    if (!full.allFinite()) return false;
+    const double offset = (system.jacobian * full).norm() / std::sqrt(cost);
+    bool shorter = false;
+    double factor = 1.0;
+    for (int half = 0; half < kHalvings && !shorter; ++half, factor *= 0.5) {
+      Eigen::VectorXd next = x;
+      for (std::size_t i = 0; i < system.free.size(); ++i)
+        next[system.free[i]] += factor * full[static_cast<int>(i)] * system.scale[static_cast<int>(i)];
+      WhitenedSystem trial(problem, next, inverseSigma, fixed);
+      shorter = trial.residuals.squaredNorm() < cost;
+      if (!shorter) continue;
+      x = next;
+      system = std::move(trial);
+    }
+    if (!shorter) return !(offset > kFlat);
+    if (offset < kOffset) return true;
   }
-  return steps;
+  return false;
 }
 
 }  // namespace
@@ -214,8 +227,7 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
                                                                     : "the residual cannot be evaluated";
   const double size = static_cast<double>(problem.rowCount()) * problem.unknownCount() * problem.unknownCount();
   if (!result.cancelled && summary.termination_type != ceres::FAILURE && size < 5e7) {
-    const int steps = refine(problem, inverseSigma, fixed, result.x);
-    result.converged |= steps < 10;
+    result.converged |= refine(problem, inverseSigma, fixed, result.x);
     if (result.converged) result.stop = "converged";
   }
   return result;

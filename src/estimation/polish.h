@@ -9,7 +9,7 @@
 namespace mm {
 
 struct PolishOptions {
-  int maxIterations = 200;
+  int maxIterations = 500;
   /// Called after each iteration with its number and the cost; return false to stop with the best so far.
   std::function<bool(int iteration, double cost)> progress;
 };

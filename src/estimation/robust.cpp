@@ -1,8 +1,11 @@
 #include "estimation/robust.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "estimation/whitened.h"
 
 namespace mm {
 namespace {
@@ -104,9 +107,16 @@ double robustSigma(std::vector<double> values) {
   return 1.4826 * median(std::move(values));
 }
 
+double outlyingLimit(int degreesOfFreedom) {
+  constexpr double kSmallest = 9.0, kNormal = 6.1;  // 6.1: 1e-9 of a normal distribution lies beyond
+  const double dof = std::max(1, degreesOfFreedom);
+  const double z = kNormal * (8.0 * dof + 3.0) / (8.0 * dof + 1.0);
+  return std::max(kSmallest, std::sqrt(dof * std::expm1(z * z / dof)));
+}
+
 Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& whitened, int freeUnknowns) {
   constexpr int kFewest = 20;
-  constexpr double kLarge = 6.0, kApart = 5.0;
+  constexpr double kApart = 6.0;
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(problem.rowCount());
   std::vector<char> outlying(problem.session().observations.size(), 0);
   for (const std::vector<int>& rows : comparableRows(problem)) {
@@ -118,7 +128,8 @@ Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& wh
     if (!(sigma > 0.0)) continue;
     std::vector<char> large(rows.size(), 0);
     bool any = false;
-    for (std::size_t i = 0; i < rows.size(); ++i) any |= (large[i] = std::abs(r[i]) > kLarge * sigma) != 0;
+    const double limit = outlyingLimit(n - freeUnknowns);
+    for (std::size_t i = 0; i < rows.size(); ++i) any |= (large[i] = std::abs(r[i]) > limit * sigma) != 0;
     if (!any) continue;
     std::vector<char> apart = large;
     standsApart(timeView(problem, rows), r, large, kApart * sigma, apart);
@@ -132,6 +143,35 @@ Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& wh
   for (int i = 0; i < problem.rowCount(); ++i)
     if (outlying[problem.rows()[i].observation]) weight[i] = 0.0;
   return weight;
+}
+
+Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& residuals,
+                           const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const std::vector<char>& fixed) {
+  Eigen::VectorXd result = weight;
+  std::vector<int> out;
+  for (int i = 0; i < weight.size(); ++i)
+    if (weight[i] == 0.0 && problem.uses(problem.rows()[i].observation)) out.push_back(i);
+  if (out.empty()) return result;
+  const WhitenedSystem system(problem, x, weight.cwiseSqrt().cwiseQuotient(sigma), fixed);
+  Eigen::VectorXd only = Eigen::VectorXd::Zero(weight.size());
+  for (int i : out) only[i] = 1.0 / sigma[i];
+  const WhitenedSystem left(problem, x, only, fixed);
+  const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
+  const int used = static_cast<int>((weight.array() > 0.0).count());
+  if (columns == 0 || rows < columns || used <= columns) return result;
+  const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).matrixQR().topRows(columns);
+  const double limit = outlyingLimit(used - columns);
+  const double spread = system.residuals.squaredNorm() / (used - columns);
+  for (int i : out) {
+    const Eigen::VectorXd leverage = r.triangularView<Eigen::Upper>().transpose().solve(left.jacobian.row(i).transpose());
+    const double expected = spread * (1.0 + leverage.squaredNorm());
+    const double size = residuals[i] / sigma[i];
+    if (!(size * size > limit * limit * expected)) result[i] = 1.0;
+  }
+  for (int i : out)  // an observation is in or out with all its rows
+    for (int j = problem.firstRow(problem.rows()[i].observation); j < problem.firstRow(problem.rows()[i].observation + 1); ++j)
+      if (result[j] == 0.0) result[i] = 0.0;
+  return result;
 }
 
 double repeatedContacts(const Problem& problem, const Eigen::VectorXd& residuals, bool angular) {

@@ -14,16 +14,16 @@ std::string ledgerText(const std::vector<LedgerEntry>& ledger, bool angular) {
     for (const double v : {e.rmsBefore, e.rmsAfter})
       if (std::isfinite(v)) largest = std::max(largest, v);
   const auto bar = [&](double value) {
-    constexpr int kWidth = 24;
+    constexpr int kWidth = 16;
     const double share = std::isfinite(value) && largest > 0.0 ? value / largest : 0.0;
     return std::string(static_cast<std::size_t>(std::lround(kWidth * share)), '#');
   };
-  std::string text = "Ledger                                            RMS          held out\n";
-  text += "  " + padded("nominal machine", 46) + padded(length(ledger.front().rmsBefore, angular), 13) +
+  std::string text = padded("Ledger", 70) + padded("RMS", 13) + "held out\n";
+  text += "  " + padded("nominal machine", 68) + padded(length(ledger.front().rmsBefore, angular), 13) +
           padded(length(ledger.front().heldOutBefore, angular), 13) + bar(ledger.front().rmsBefore) + "\n";
   for (const LedgerEntry& e : ledger) {
     const std::string what = e.action + (e.effect.type.empty() ? "" : " " + e.effect.yaml());
-    text += "  " + padded(what, 45) + " " + padded(length(e.rmsAfter, angular), 13) +
+    text += "  " + padded(what, 67) + " " + padded(length(e.rmsAfter, angular), 13) +
             padded(length(e.heldOutAfter, angular), 13) + bar(e.rmsAfter) + "\n";
   }
   return text;

@@ -117,6 +117,30 @@ void coverInputs(const Session& session, const std::vector<Series>& logged, bool
   }
 }
 
+/// Orthonormal basis of what the free unknowns, and a constant in each measured component, can explain of the
+/// data rows.
+Eigen::MatrixXd explainedBy(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverse,
+                            const std::vector<char>& fixed) {
+  const WhitenedSystem system(problem, x, inverse, fixed);
+  const int data = problem.rowCount(), free = static_cast<int>(system.free.size());
+  std::vector<int> constantOf;
+  std::vector<std::pair<ObservationKind, int>> constants;
+  for (const ResidualRow& row : problem.rows()) {
+    const std::pair<ObservationKind, int> key(
+        problem.session().observations[static_cast<std::size_t>(row.observation)].kind, row.component);
+    auto found = std::find(constants.begin(), constants.end(), key);
+    if (found == constants.end()) found = constants.insert(found, key);
+    constantOf.push_back(static_cast<int>(found - constants.begin()));
+  }
+  Eigen::MatrixXd all =
+      Eigen::MatrixXd::Zero(system.jacobian.rows(), free + static_cast<Eigen::Index>(constants.size()));
+  all.leftCols(free) = system.jacobian;
+  for (int i = 0; i < data; ++i) all(i, free + constantOf[static_cast<std::size_t>(i)]) = inverse[i];
+  if (all.rows() == 0 || all.cols() == 0) return Eigen::MatrixXd(data, 0);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
+  return (qr.householderQ() * Eigen::MatrixXd::Identity(all.rows(), qr.rank())).topRows(data);
+}
+
 /// Judges each member of the catalogue by what is left of its columns beside those of the model and the
 /// artifact.
 std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability& identifiability,
@@ -124,13 +148,7 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
   const Domain& domain = problem.model().domain();
   const Eigen::VectorXd x = problem.start();
   problem.linearise(x);
-  const WhitenedSystem system(problem, x, inverse, identifiability.fixed);
-  const int data = problem.rowCount(), columns = static_cast<int>(system.free.size());
-  Eigen::MatrixXd q(data, 0);
-  if (columns > 0 && system.jacobian.rows() >= columns) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(system.jacobian);
-    q = (qr.householderQ() * Eigen::MatrixXd::Identity(system.jacobian.rows(), columns)).topRows(data);
-  }
+  const Eigen::MatrixXd q = explainedBy(problem, x, inverse, identifiability.fixed);
   std::vector<CannotBeShown> hidden;
   for (const EffectType& type : effectRegistry()) {
     if (type.composite || !type.candidates) continue;
@@ -163,8 +181,7 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
       if (!(alone > 0.0))
         hidden.push_back({spec, "nothing that was measured depends on it", effect->shownBy()});
       else if (seen < 1e-3 * alone)
-        hidden.push_back({spec,
-                          "what it does looks exactly like the artifact's pose, or like effects of the model",
+        hidden.push_back({spec, "here a constant, the artifact's pose or the model's effects do the same",
                           effect->shownBy()});
     }
   }

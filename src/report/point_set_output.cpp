@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "machine/units.h"
@@ -68,11 +69,29 @@ std::string modelText(const PointSet& set) {
   return text;
 }
 
+/// Members of one type that are hidden for the same reason, on one line.
 std::string hiddenText(const PointSet& set) {
   if (set.cannotShow.empty()) return "\nEvery effect of the catalogue would show in this session.\n";
-  std::string text = "\nThis session could not show\n";
-  for (const CannotBeShown& c : set.cannotShow)
-    text += "  " + spoken(c.effect) + ": " + c.why + "\n    would: " + c.moves + "\n";
+  std::string text = "\nThis session could not show (--json says what would)\n";
+  std::vector<char> told(set.cannotShow.size(), 0);
+  for (std::size_t first = 0; first < set.cannotShow.size(); ++first) {
+    if (told[first] != 0) continue;
+    const CannotBeShown& head = set.cannotShow[first];
+    std::vector<std::string> members;
+    for (std::size_t i = first; i < set.cannotShow.size(); ++i) {
+      const CannotBeShown& c = set.cannotShow[i];
+      if (c.why != head.why || c.effect.type != head.effect.type) continue;
+      told[i] = 1;
+      std::string keys = spoken(c.effect).substr(c.effect.type.size());
+      members.push_back(keys.empty() ? "" : keys.substr(2));
+    }
+    text += "  " + padded(head.effect.type, 24);
+    constexpr std::size_t kShown = 3;
+    for (std::size_t i = 0; i < std::min(kShown, members.size()); ++i)
+      text += (i > 0 ? "; " : "") + members[i];
+    if (members.size() > kShown) text += format("; %zu more", members.size() - kShown);
+    text += "\n      " + head.why + "\n";
+  }
   return text;
 }
 

@@ -33,8 +33,10 @@ inline NistProblem readNist(const std::filesystem::path& file) {
     std::string name, equals;
     double start1, start2, certified, std;
     if (line.rfind("Residual Sum of Squares:", 0) == 0) p.residualSum = std::stod(line.substr(24));
-    if (line.rfind("Data:", 0) == 0 && line.find('y') != std::string::npos && !p.certified.empty()) data = true;
-    if (words >> name >> equals && name[0] == 'b' && equals == "=" && words >> start1 >> start2 >> certified >> std) {
+    if (line.rfind("Data:", 0) == 0 && line.find('y') != std::string::npos && !p.certified.empty())
+      data = true;
+    if (words >> name >> equals && name[0] == 'b' && equals == "=" &&
+        words >> start1 >> start2 >> certified >> std) {
       p.start1.push_back(start1);
       p.start2.push_back(start2);
       p.certified.push_back(certified);

@@ -1,5 +1,5 @@
-// NIST's Statistical Reference Datasets as `formula` effects, through the library: y is the deviation of an axis, the
-// predictors are covariates. What is certified comes from NIST's files.
+// NIST's Statistical Reference Datasets as `formula` effects, through the library: y is the deviation of an
+// axis, the predictors are covariates. What is certified comes from NIST's files.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,8 @@ const std::vector<Entry> kProblems = {
     {"Misra1d", "k1*k2*u*((1+k2*u)^(-1))"},
     {"Roszman1", "k1 - k2*u - atan(k3/(u-k4))/pi"},
     {"ENSO",
-     "k1 + k2*cos(2*pi*u/12) + k3*sin(2*pi*u/12) + k5*cos(2*pi*u/k4) + k6*sin(2*pi*u/k4) + k8*cos(2*pi*u/k7) + "
+     "k1 + k2*cos(2*pi*u/12) + k3*sin(2*pi*u/12) + k5*cos(2*pi*u/k4) + k6*sin(2*pi*u/k4) + k8*cos(2*pi*u/k7) "
+     "+ "
      "k9*sin(2*pi*u/k7)"},
     {"MGH09", "k1*(u^2+u*k2)/(u^2+u*k3+k4)"},
     {"Thurber", kCubic},
@@ -59,7 +60,8 @@ Session sessionOf(const NistProblem& problem, const Entry& entry) {
   Session session(Machine::load("three_axis"));
   session.source = entry.name;
   const char* const names[] = {"u", "w"};
-  for (std::size_t k = 0; k < problem.x.front().size(); ++k) session.covariates.push_back({names[k], "1", {}, {}});
+  for (std::size_t k = 0; k < problem.x.front().size(); ++k)
+    session.covariates.push_back({names[k], "1", {}, {}});
   for (std::size_t i = 0; i < problem.y.size(); ++i) {
     Observation o;
     o.kind = ObservationKind::kDeviation;
@@ -67,7 +69,8 @@ Session sessionOf(const NistProblem& problem, const Entry& entry) {
     o.row = static_cast<std::int64_t>(i) + 2;
     o.position.assign(3, 0.0);
     o.velocity.assign(3, kNotMeasured);
-    o.deviation = {(entry.logarithm ? std::log(problem.y[i]) : problem.y[i]) * kMicrometre, kNotMeasured, kNotMeasured};
+    o.deviation = {(entry.logarithm ? std::log(problem.y[i]) : problem.y[i]) * kMicrometre, kNotMeasured,
+                   kNotMeasured};
     o.deviationStd.assign(3, kNotMeasured);
     session.observations.push_back(o);
     for (std::size_t k = 0; k < problem.x[i].size(); ++k) {
@@ -79,7 +82,8 @@ Session sessionOf(const NistProblem& problem, const Entry& entry) {
   return session;
 }
 
-CalibrationResult solve(const Session& session, const Entry& entry, const std::vector<double>& start, Method method) {
+CalibrationResult solve(const Session& session, const Entry& entry, const std::vector<double>& start,
+                        Method method) {
   EffectSpec spec("formula");
   std::vector<std::string> starts;
   for (const double s : start) starts.push_back(EffectSpec().set("s", s).text("s"));

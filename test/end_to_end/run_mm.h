@@ -48,7 +48,8 @@ struct Answer {
 /// Runs the built `mm`. @param arguments as typed in a shell.
 inline Answer mmRun(const TestFolder& folder, const std::string& arguments) {
   const std::string out = folder / "stdout.txt", error = folder / "stderr.txt";
-  const int status = std::system(("'" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'").c_str());
+  const int status =
+      std::system(("'" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'").c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(out), textOf(error)};
 }
 

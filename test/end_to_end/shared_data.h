@@ -12,9 +12,9 @@ inline std::filesystem::path sharedData(const std::string& name) {
 
 }  // namespace mm
 
-#define MM_NEEDS_SHARED_DATA(variable, name)                               \
-  const std::filesystem::path variable = mm::sharedData(name);             \
-  if (variable.empty()) {                                                  \
+#define MM_NEEDS_SHARED_DATA(variable, name)                                \
+  const std::filesystem::path variable = mm::sharedData(name);              \
+  if (variable.empty()) {                                                   \
     std::cout << "skipped: ../shared/data/" << (name) << " is not there\n"; \
-    GTEST_SKIP() << "../shared/data/" << (name) << " is not there";        \
+    GTEST_SKIP() << "../shared/data/" << (name) << " is not there";         \
   }

@@ -1,0 +1,106 @@
+// Measurements that others made on real machines, from the CSV to the corrected state, as typed. The figures
+// are those of ordinary least squares by other means (../shared/data/NOTES.md).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "run_mm.h"
+#include "shared_data.h"
+
+namespace mm {
+namespace {
+
+nlohmann::json parameterOf(const nlohmann::json& result, const std::string& type, const std::string& name) {
+  for (const auto& p : result["parameters"])
+    if (p["effect"]["type"] == type && p["name"] == name) return p;
+  return nullptr;
+}
+
+/// Imports a CSV and calibrates it. @param effects list items of the model file.
+nlohmann::json calibrated(const TestFolder& folder, const std::string& csv, const std::string& effects,
+                          const std::string& options = "", const std::string& machine = "three_axis",
+                          const std::string& artifact = "") {
+  const Answer imported =
+      mmRun(folder, "import '" + csv + "' " + artifact + " --machine " + machine + " -o " + folder / "s.bag");
+  EXPECT_EQ(imported.status, 0) << imported.error;
+  const std::string model = folder.write("m.yaml", "machine: " + machine + "\neffects:\n" + effects);
+  const Answer answer = mmRun(folder, "calibrate " + folder / "s.bag" + " --model " + model + " -o " +
+                                          folder / "c.yaml" + " --json " + options);
+  EXPECT_EQ(answer.status, 0) << answer.error;
+  return answer.json();
+}
+
+std::string tableModel(const std::string& axis) {
+  return "  - {type: position_table, axis: " + axis + "}\n  - {type: backlash, axis: " + axis + "}\n" +
+         "  - {type: formula, direction: " + axis + ", formula: \"k1*t\"}\n";
+}
+
+TEST(RealData, InterferometerX) {
+  MM_NEEDS_SHARED_DATA(folder, "iso230_interferometer");
+  const TestFolder work;
+  const nlohmann::json result = calibrated(work, folder / "x_axis.csv", tableModel("x"));
+  EXPECT_NEAR(result["rms_um"].get<double>(), 3.3, 0.05);
+  EXPECT_NEAR(std::abs(parameterOf(result, "backlash", "gap")["value"].get<double>()), 25.4, 1.0);
+
+  // what was found goes back into the readings: a state at x = -10 mm, moving up
+  const std::string states = work.write("states.csv", "time_s,x_mm,y_mm,z_mm,x_velocity_mm_s\n0,-10,0,0,1\n");
+  const Answer applied =
+      mmRun(work, "apply " + states + " --calibration " + work / "c.yaml" + " -o " + work / "corrected.csv");
+  ASSERT_EQ(applied.status, 0) << applied.error;
+  std::istringstream lines(textOf(work / "corrected.csv"));
+  std::string header, row, cell;
+  std::getline(lines, header);
+  std::getline(lines, row);
+  std::istringstream names(header), cells(row);
+  double corrected = 0.0;
+  for (std::string name; std::getline(names, name, ',') && std::getline(cells, cell, ',');)
+    if (name == "corrected_x_mm") corrected = std::stod(cell);
+  EXPECT_NEAR(corrected, -10 + 0.0734, 0.002);  // mean of the five runs there: 73.4 um
+}
+
+TEST(RealData, InterferometerY) {
+  MM_NEEDS_SHARED_DATA(folder, "iso230_interferometer");
+  const TestFolder work;
+  EXPECT_NEAR(calibrated(work, folder / "y_axis.csv", tableModel("y"))["rms_um"].get<double>(), 3.5, 0.05);
+}
+
+TEST(RealData, InterferometerZ) {
+  MM_NEEDS_SHARED_DATA(folder, "iso230_interferometer");
+  const TestFolder work;
+  std::string effects = "  - {type: scale, axis: z}\n  - {type: backlash, axis: z}\n";
+  for (const char* degree : {"2", "3", "4", "5"})
+    effects += std::string("  - {type: positioning_polynomial, axis: z, degree: ") + degree + "}\n";
+  effects += "  - {type: formula, direction: z, formula: \"k1*t\"}\n";
+  EXPECT_NEAR(calibrated(work, folder / "z_axis.csv", effects, "--keep-outliers")["rms_um"].get<double>(),
+              0.64, 0.01);
+}
+
+TEST(RealData, FrameThermal) {
+  MM_NEEDS_SHARED_DATA(folder, "frame_thermal");
+  const TestFolder work;
+  // the zero of the nozzle's switch is not known
+  const std::string zero = "  - {type: formula, direction: z, formula: k1}\n";
+  const std::string bed = "  - {type: thermal_growth, direction: z, sensor: bed}\n";
+  const std::string frame = "  - {type: thermal_growth, direction: z, sensor: frame}\n";
+  const std::string csv = folder / "z_against_temperatures.csv";
+  EXPECT_NEAR(calibrated(work, csv, zero + bed + frame)["rms_um"].get<double>(), 8.1, 0.05);
+  EXPECT_NEAR(calibrated(work, csv, zero + bed)["rms_um"].get<double>(), 77.0, 0.5);
+  EXPECT_NEAR(calibrated(work, csv, zero + frame)["rms_um"].get<double>(), 42.9, 0.05);
+}
+
+TEST(RealData, LaserTable2) {
+  MM_NEEDS_SHARED_DATA(folder, "laser_table2");
+  const TestFolder work;
+  const nlohmann::json result =
+      calibrated(work, folder / "centres.csv", "  - {type: laser_mount}\n", "", "five_axis",
+                 "--artifact '" + (folder / "artifact.yaml").string() + "'");
+  EXPECT_NEAR(result["rms_um"].get<double>(), 6.34, 0.005);
+  const nlohmann::json y32 = parameterOf(result, "laser_mount", "y32");
+  const double micrometres = y32["unit"] == "mm" ? 1000.0 : 1.0;
+  EXPECT_NEAR(y32["value"].get<double>() * micrometres, -54, 1);
+  EXPECT_NEAR(y32["std"].get<double>() * micrometres, 77, 1);
+}
+
+}  // namespace
+}  // namespace mm
