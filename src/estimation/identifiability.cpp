@@ -107,7 +107,8 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
     const Eigen::RowVectorXd row = rest.row(u);
     const double share = row.norm();
     const bool last = u == order.back();
-    if (share < 0.05 && !last) continue;
+    // a zero of the instrument has no bound to speak of: any part in the direction counts
+    if (share < (unknowns[u].kind == UnknownKind::kSetup ? 1e-6 : 0.05) && !last) continue;
     if (share < 1e-9) continue;
     if (beforeFit && unknowns[u].kind == UnknownKind::kEffect && !problem.model().effects()[unknowns[u].owner]->separable() &&
         problem.model().effects()[unknowns[u].owner]->spec().type != "laser_mount")

@@ -1,0 +1,1 @@
+set(report_test_dependencies nlohmann_json::nlohmann_json)

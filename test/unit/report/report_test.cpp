@@ -1,0 +1,234 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "calibration_file/calibration_yaml.h"
+#include "machine/error.h"
+#include "machine/units.h"
+#include "model/observed_domain.h"
+#include "report/json.h"
+#include "report/point_set.h"
+#include "report/recalibration.h"
+#include "report/text.h"
+
+namespace mm {
+namespace {
+
+/// Deviations of one joint: slope * position + gap / 2 * direction + noise. SI.
+Session deviations(const std::string& machine, const std::string& joint, double slope, double gap,
+                   double noise) {
+  Session session(Machine::load(machine));
+  session.source = "made up";
+  const int j = session.machine.findJoint(joint), joints = session.machine.jointCount();
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal(0.0, noise);
+  for (int i = 0; i < 80; ++i) {
+    Observation o;
+    o.kind = ObservationKind::kDeviation;
+    o.time = i;
+    o.row = i + 2;
+    o.position.assign(joints, 0.0);
+    o.velocity.assign(joints, 0.0);
+    const int way = (i / 10) % 2 == 0 ? 1 : -1;
+    o.position[j] = way * (i % 10 - 4.5) * 2e-3;
+    o.velocity[j] = way * 1e-3;
+    o.deviation.assign(joints, kNotMeasured);
+    o.deviationStd.assign(joints, kNotMeasured);
+    o.deviation[j] = slope * o.position[j] - 0.5 * gap * way + normal(random);
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  return session;
+}
+
+EffectSpec scale(const std::string& axis) { return EffectSpec("scale").set("axis", axis); }
+EffectSpec backlash(const std::string& axis) { return EffectSpec("backlash").set("axis", axis); }
+
+CalibrateOptions leastSquares() {
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  return options;
+}
+
+void expectNoNumberIsMissing(const nlohmann::json& value, const std::string& text) {
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_EQ(text.find("inf"), std::string::npos);
+  EXPECT_FALSE(value.is_discarded());
+}
+
+TEST(Report, AngularFiguresAreInArcseconds) {
+  const Session session = deviations("five_axis", "b", 1e-3, 0.0, 2.0 * kArcsecond);
+  ModelSpec model;
+  model.effects = {EffectSpec("formula").set("direction", "b").set("formula", "k1*b")};
+  const Recalibration done = recalibrate(session, model, leastSquares());
+  const std::string text = calibrateJson(done.result);
+  const nlohmann::json json = nlohmann::json::parse(text);
+  expectNoNumberIsMissing(json, text);
+  EXPECT_TRUE(json["rms_um"].is_null());
+  EXPECT_TRUE(json["held_out_rms_um"].is_null());
+  EXPECT_NEAR(json["rms_arcsec"].get<double>(), 2.0, 0.4);
+  EXPECT_NEAR(json["held_out_rms_arcsec"].get<double>(), 2.0, 0.4);
+  EXPECT_TRUE(std::isnan(done.calibration.rms));
+  EXPECT_NEAR(done.calibration.rmsAngular, 2.0 * kArcsecond, 0.4 * kArcsecond);
+  EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 1e-3 / kArcsecond, 30.0);  // arcsec a rad
+  EXPECT_NE(calibrateText(done.result).find("arcsec"), std::string::npos);
+}
+
+TEST(Report, EffectsKeepTheirKindsOfValues) {
+  const Session session = deviations("three_axis", "x", 1e-3, 0.0, 1e-7);
+  ModelSpec model;
+  model.effects = {
+      scale("x"), EffectSpec("positioning_polynomial").set("axis", "x").set("degree", "3"),
+      EffectSpec("formula").set("direction", "x").set("formula", "k1*x^2").setList("start", {"0.5"})};
+  const nlohmann::json json =
+      nlohmann::json::parse(calibrateJson(recalibrate(session, model, leastSquares()).result));
+  EXPECT_EQ(json["parameters"][0]["effect"], (nlohmann::json{{"type", "scale"}, {"axis", "x"}}));
+  EXPECT_EQ(json["parameters"][1]["effect"]["degree"], 3);
+  EXPECT_EQ(json["parameters"][2]["effect"]["start"], nlohmann::json::array({0.5}));
+}
+
+TEST(Report, CalibrationKeepsWhatTheFitFound) {
+  const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
+  ModelSpec model;
+  model.machine = "three_axis";
+  model.effects = {scale("x"), backlash("x")};
+  Recalibration done = recalibrate(session, model, leastSquares());
+  ASSERT_EQ(done.calibration.values.size(), 2u);
+  EXPECT_NEAR(done.calibration.values[0].value, 4e-4, 2e-5);
+  EXPECT_NEAR(done.calibration.values[1].value, 6e-6, 2e-7);
+  EXPECT_DOUBLE_EQ(std::sqrt(done.calibration.covariance(1, 1)), done.calibration.values[1].std);
+  ASSERT_EQ(done.calibration.ledger.size(), 1u);
+  EXPECT_EQ(done.calibration.ledger[0].action, "calibrate");
+  EXPECT_LT(done.calibration.ledger[0].rmsAfter, 0.2 * done.calibration.ledger[0].rmsBefore);
+
+  // it survives its file, and the file alone gives the same residuals
+  completeCalibration(done.calibration);
+  const Calibration read = parseCalibration(calibrationYaml(done.calibration), "text");
+  const CalibrationResult compared = compareCalibration(session, read, {});
+  EXPECT_NEAR(compared.figures.rms, done.result.figures.rms, 1e-15);
+  EXPECT_EQ(compared.x.head(2), done.result.x.head(2));
+}
+
+TEST(Report, NoiseThatWasDeclaredStaysDeclared) {
+  const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
+  ModelSpec model;
+  model.effects = {scale("x")};
+  CalibrateOptions options = leastSquares();
+  options.repeatability = 2e-7;
+  Recalibration done = recalibrate(session, model, options);
+  const Recalibration added = addEffect(session, done.calibration, backlash("x"), {});
+  EXPECT_EQ(added.result.repeatabilityFrom, "declared");
+  EXPECT_NEAR(added.result.figures.chi2PerDof, 1.0, 0.4);
+}
+
+TEST(Report, EachStepCanBeTakenBack) {
+  const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
+  ModelSpec model;
+  model.effects = {scale("x"), EffectSpec("positioning_polynomial").set("axis", "x").set("degree", "2")};
+  Recalibration first = recalibrate(session, model, {});
+  completeCalibration(first.calibration);
+  Recalibration added = addEffect(session, first.calibration, backlash("x"), {});
+  completeCalibration(added.calibration);
+  const Recalibration back = removeEffect(session, added.calibration, backlash("x"), {});
+  EXPECT_NEAR(back.result.figures.rms / first.result.figures.rms, 1.0, 1e-9);
+  EXPECT_NEAR(back.result.figures.heldOutRms / first.result.figures.heldOutRms, 1.0, 1e-9);
+  for (int i = 0; i < 2; ++i) EXPECT_NEAR(back.result.x[i], first.result.x[i], 1e-6 * first.result.std(i));
+  ASSERT_EQ(back.calibration.ledger.size(), 3u);
+  EXPECT_EQ(back.calibration.ledger[1].calibration, first.calibration.id);
+  EXPECT_EQ(back.calibration.ledger[2].calibration, added.calibration.id);
+  EXPECT_GT(back.calibration.ledger[1].rmsBefore, 5.0 * back.calibration.ledger[1].rmsAfter);
+}
+
+TEST(Report, SameEffectHoweverItIsWritten) {
+  const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
+  ModelSpec model;
+  model.effects = {EffectSpec("angular_motion").set("axis", "x").set("about", "y")};
+  const Domain domain = observedDomain(session);
+  EXPECT_TRUE(
+      sameEffect(model.effects[0], EffectSpec("angular_motion").set("about", "y").set("axis", "x"), domain));
+  EXPECT_TRUE(sameEffect(model.effects[0],
+                         EffectSpec("angular_motion").set("axis", "x").set("about", "y").set("degree", "1"),
+                         domain));
+  EXPECT_FALSE(sameEffect(model.effects[0],
+                          EffectSpec("angular_motion").set("axis", "x").set("about", "y").set("degree", "2"),
+                          domain));
+}
+
+TEST(Report, AnEffectTwiceIsRefused) {
+  const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
+  ModelSpec model;
+  model.effects = {scale("x"), scale("x")};
+  EXPECT_THROW(recalibrate(session, model, leastSquares()), InputError);
+}
+
+TEST(Report, ACalibrationOfAnotherDayIsHeld) {
+  ModelSpec model;
+  model.effects = {scale("x")};
+  const Session first = deviations("three_axis", "x", 4e-4, 0.0, 2e-7),
+                later = deviations("three_axis", "x", 6e-4, 0.0, 2e-7);
+  const Recalibration done = recalibrate(first, model, leastSquares());
+  const CalibrationResult compared = compareCalibration(later, done.calibration, {});
+  EXPECT_EQ(compared.x[0], done.result.x[0]);
+  EXPECT_NEAR(compared.figures.rms, 2e-4 * 2e-3 * std::sqrt(8.25),
+              1e-7);  // RMS of the positions is sqrt(8.25) * 2 mm
+  EXPECT_TRUE(compared.converged);
+  EXPECT_FALSE(compared.identifiability.incomplete());
+}
+
+TEST(Report, CandidatesInTheUnitsOfPeople) {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::kMissingEffect;
+  CandidateResult missing;
+  missing.effect = backlash("x");
+  missing.parameters = {{"gap", "um", 2.06, 0.03}};
+  missing.heldOutBefore = 0.93e-6;
+  missing.heldOutAfter = 0.32e-6;
+  missing.pValue = 1e-40;
+  missing.confusableWith = {{EffectSpec("speed_lag"), 2.1}};
+  diagnosis.missing = {missing};
+  diagnosis.formulas = {
+      {EffectSpec("formula").set("direction", "z").set("formula", "k1*x*y"), 0.93e-6, 0.33e-6}};
+  diagnosis.nextMeasurement.resize(1);
+  diagnosis.nextMeasurement[0].values = {{"x_mm", 0.0}};
+  diagnosis.nextMeasurement[0].words = {{"feature", "b0"}};
+  diagnosis.where = {{"x travel direction", 0.41, 1e-30},
+                     {"t", std::numeric_limits<double>::quiet_NaN(), 1.0}};
+  const nlohmann::json json = nlohmann::json::parse(diagnoseJson(diagnosis));
+  EXPECT_EQ(json["verdict"], "missing_effect");
+  const nlohmann::json& one = json["missing"][0];
+  EXPECT_EQ(one["effect"], (nlohmann::json{{"type", "backlash"}, {"axis", "x"}}));
+  EXPECT_EQ(one["parameters"][0],
+            (nlohmann::json{{"name", "gap"}, {"value", 2.06}, {"std", 0.03}, {"unit", "um"}}));
+  EXPECT_NEAR(one["held_out_rms_um"][0].get<double>(), 0.93, 1e-12);
+  EXPECT_NEAR(one["held_out_rms_um"][1].get<double>(), 0.32, 1e-12);
+  EXPECT_EQ(one["confusable_with"][0]["effect"]["type"], "speed_lag");
+  EXPECT_EQ(json["formulas"][0]["formula"], "k1*x*y");
+  EXPECT_EQ(json["formulas"][0]["direction"], "z");
+  EXPECT_EQ(json["next_measurement"][0]["x_mm"], 0.0);
+  EXPECT_EQ(json["next_measurement"][0]["feature"], "b0");
+  EXPECT_TRUE(json["where"][1]["share"].is_null());
+}
+
+TEST(Report, CheckSeesWhatTheSessionCannotShow) {
+  const Session session = deviations("three_axis", "x", 4e-4, 6e-6, 2e-7);
+  const PointSet set = checkPointSet(session, nullptr);
+  EXPECT_EQ(set.references, 80);
+  EXPECT_EQ(set.joints[0].positions, 10);
+  EXPECT_EQ(set.joints[0].up, 40);
+  EXPECT_EQ(set.joints[0].down, 40);
+  const auto hidden = [&](const EffectSpec& effect) {
+    return std::any_of(set.cannotShow.begin(), set.cannotShow.end(),
+                       [&](const CannotBeShown& c) { return c.effect == effect; });
+  };
+  EXPECT_FALSE(hidden(backlash("x")));
+  EXPECT_FALSE(hidden(scale("x")));
+  EXPECT_TRUE(hidden(backlash("y")));
+  EXPECT_TRUE(hidden(scale("z")));
+  // y was never moved: what a polynomial of y does is a constant
+  EXPECT_TRUE(hidden(EffectSpec("straightness").set("axis", "y").set("direction", "x").set("degree", "2")));
+}
+
+}  // namespace
+}  // namespace mm
