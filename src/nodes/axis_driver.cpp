@@ -74,9 +74,9 @@ void AxisDriver::run() {
     std::this_thread::sleep_until(next);
     const auto now = Clock::now();
     next += wait;
-    if (next < now) {  // late: go on from here, no burst
-      next = now + wait;
+    if (next < now) {  // late: catches up, but after a long pause it goes on from here
       ++late_;
+      if (clock_ || now - next > std::chrono::milliseconds(50)) next = now + wait;
     }
     const double gone = std::chrono::duration<double>(now - last).count();
     last = now;

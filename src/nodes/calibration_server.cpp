@@ -36,7 +36,7 @@ CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, 
       machine_(machine),
       store_(storeFolder(own)),
       threads_(static_cast<unsigned>(numberParameter(own, "threads", 0, 0, 1024))),
-      residualScale_(numberParameter(own, "residual_scale", 1000.0, 0.0, 1e9)),
+      residualScale_(numberParameter(own, "residual_scale", 0.0, 0.0, 1e9)),
       prefix_(textParameter(own, "frame_prefix", "")),
       live_(node),
       job_([this](const Job::State& state) { publishProgress(state); }) {

@@ -23,7 +23,8 @@ namespace mm {
 /// The loop measure, calibrate, compare, diagnose, add, as services with the JSON of `mm`. One long call at a
 /// time, each in the thread of its caller; everything else goes on. Services under `~` and, with the same
 /// names, in the node's namespace; topics `~progress`, `~ledger`, `~residuals`, `~changed` (id made active).
-/// Parameters: `store`, `threads`, `residual_scale` (of the arrows), `frame_prefix`. Needs several threads.
+/// Parameters: `store`, `threads`, `residual_scale` (of the arrows; 0: by their size), `frame_prefix`. Needs
+/// several threads.
 class CalibrationServer {
  public:
   CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);

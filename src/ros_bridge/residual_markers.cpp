@@ -7,6 +7,8 @@ namespace {
 
 using visualization_msgs::Marker;
 
+constexpr double kUsualArrow = 2e-3;  // m
+
 Marker marker(const std::string& frame, const std::string& name, int type) {
   Marker m;
   m.header.frame_id = frame;
@@ -71,6 +73,7 @@ Eigen::Vector3d residualVector(const CalibrationResult& result, int observation,
 
 visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result, double scale,
                                                 const std::string& frame) {
+  if (!(scale > 0.0)) scale = result.figures.rms > 0.0 ? kUsualArrow / result.figures.rms : 1.0;
   visualization_msgs::MarkerArray all;
   Marker clear = marker(frame, "", Marker::SPHERE);
   clear.action = Marker::DELETEALL;

@@ -89,7 +89,27 @@ class Demo(unittest.TestCase):
                               env=environment(PORT + 1), timeout=60)
         self.assertEqual(figures(done.stdout or "{}"), served, done.stderr)
 
-    def test_3_master_restart_is_said(self):
+    def test_3_a_replay_in_a_loop(self):
+        """The clock goes back at every turn: the live session begins anew, frames go on."""
+        bag = os.path.join(self.folder, "session.bag")
+        replay = launch(PORT + 3, "replay.launch", "bag:=" + bag, "rate:=60", "loop:=true",
+                        "store:=" + os.path.join(self.folder, "calibrations"))
+        self.addCleanup(stop, replay)
+        turns, output = 0, ""
+        for line in replay.stdout:
+            output += line
+            turns += "the clock went back: the live session begins anew" in line
+            if turns == 2:
+                break
+        self.assertEqual(turns, 2, output)
+        answer = call(PORT + 3, "/calibration_server/calibrate", "{model: '%s', method: least_squares}" % "effects: []")
+        observations = int(re.search(r'observations\\": (\d+)', answer.replace("\n", "")).group(1))
+        self.assertLessEqual(observations, 120)
+        status = subprocess.run(["rostopic", "echo", "-n1", "/compensation/status/frames"], stdout=subprocess.PIPE, text=True,
+                                env=environment(PORT + 3), timeout=20).stdout
+        self.assertGreater(int(status.split()[0]), 5000)
+
+    def test_4_master_restart_is_said(self):
         port = PORT + 2
         master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=environment(port), stdout=subprocess.DEVNULL)
         self.addCleanup(master.kill)
