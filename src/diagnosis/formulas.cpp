@@ -245,6 +245,7 @@ class Greedy {
       }
     }
     pick.objective = objective;
+    if (pick.terms.empty()) return pick;
     shorten(pick);
     for (std::size_t i = 0; i < pick.terms.size() && pick.terms.size() > 1;) {
       std::vector<int> fewer = pick.terms;
