@@ -109,7 +109,7 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
     }
     if (!written[i].speed) {
       const bool joint = !written[i].unit.empty() && written[i].unit != "degC";
-      for (double waves = 0.5; waves <= (joint ? 24.0 : 10.0); waves += waves < 4 ? 0.25 : 0.5) {
+      for (double waves = 0.5; waves <= (joint ? 24.0 : 10.0); waves += waves < 4 ? 0.125 : 0.25) {
         const std::string period = number(2.0 * half / waves);
         const double k = 2.0 * kPi / std::stod(period);
         add("sin(2*pi*" + s + "/" + period + ")", {i}, (k * raw).sin(), 2);

@@ -443,6 +443,12 @@ Subset SubsetSearch::run() const {
     if (beam.size() > width) beam.resize(width);
     if (beam[0].objective < best.objective) best = beam[0];
   }
+  for (const std::vector<int>& family : families_) {  // shapes of which each alone says little
+    Subset grown = withFamily(best, family);
+    if (grown.objective >= best.objective - kNewCause) continue;
+    prune(grown);
+    if (grown.objective < best.objective) best = grown;
+  }
   exchange(best);
   prune(best);
   for (int again = 0; again < 3; ++again) {  // room may have been made for another
