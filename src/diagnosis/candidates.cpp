@@ -24,7 +24,8 @@ bool sameSpec(const EffectSpec& a, const EffectSpec& b) {
 
 int distinctPositions(const Problem& problem, int joint) {
   std::vector<double> q;
-  for (std::size_t o = 0; o < problem.session().observations.size(); ++o) q.push_back(problem.state(static_cast<int>(o)).position[joint]);
+  for (std::size_t o = 0; o < problem.session().observations.size(); ++o)
+    q.push_back(problem.state(static_cast<int>(o)).position[joint]);
   std::sort(q.begin(), q.end());
   const double apart = 1e-4 * std::max(q.back() - q.front(), 1e-9);
   int count = 1;
@@ -41,14 +42,16 @@ std::vector<double> pointOf(const Effect& effect, const std::vector<double>& non
   return p;
 }
 
-Eigen::MatrixXd rawColumns(const ResidualSpace& space, const Candidate& c, const std::vector<double>& nonlinear, int* missing) {
+Eigen::MatrixXd rawColumns(const ResidualSpace& space, const Candidate& c,
+                           const std::vector<double>& nonlinear, int* missing) {
   const Eigen::MatrixXd all = space.columns(*c.effect, pointOf(*c.effect, nonlinear), missing);
   Eigen::MatrixXd columns(all.rows(), c.linear.size());
   for (std::size_t k = 0; k < c.linear.size(); ++k) columns.col(static_cast<int>(k)) = all.col(c.linear[k]);
   return columns;
 }
 
-/// Decides whether the session can show the candidate at all, from raw and projected columns of one of its atoms.
+/// Decides whether the session can show the candidate at all, from raw and projected columns of one of its
+/// atoms.
 std::string invisible(const Eigen::MatrixXd& raw, const Eigen::MatrixXd& projected) {
   const double before = raw.norm(), after = projected.norm();
   if (!(before > 0.0)) return "nothing in this session excites it";
@@ -58,7 +61,8 @@ std::string invisible(const Eigen::MatrixXd& raw, const Eigen::MatrixXd& project
 
 }  // namespace
 
-Eigen::MatrixXd CandidateSet::columnsAt(const ResidualSpace& space, int candidate, const std::vector<double>& nonlinear) const {
+Eigen::MatrixXd CandidateSet::columnsAt(const ResidualSpace& space, int candidate,
+                                        const std::vector<double>& nonlinear) const {
   Eigen::MatrixXd columns = rawColumns(space, candidates[candidate], nonlinear, nullptr);
   space.project(columns);
   return columns;
@@ -72,7 +76,8 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
     if (type.composite || !type.candidates) continue;
     for (const EffectSpec& spec : type.candidates(domain)) {
       const auto& in = problem.model().effects();
-      if (std::any_of(in.begin(), in.end(), [&](const EffectPtr& e) { return sameSpec(e->spec(), spec); })) continue;
+      if (std::any_of(in.begin(), in.end(), [&](const EffectPtr& e) { return sameSpec(e->spec(), spec); }))
+        continue;
       Candidate c;
       c.spec = spec;
       c.effect = type.create(spec, domain);
@@ -81,9 +86,11 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
         if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) c.linear.push_back(k);
       c.freeParameters = c.effect->parameterCount();
       c.tried = true;
-      for (const char* key : {"axis", "of", "with", "joint"}) {  // a law of a position needs more than one position
+      for (const char* key :
+           {"axis", "of", "with", "joint"}) {  // a law of a position needs more than one position
         const int joint = domain.findJoint(spec.text(key));
-        const bool names = type.type == "thermal_bending" || type.type == "backlash" || type.type.rfind("rotary_zero", 0) == 0;
+        const bool names = type.type == "thermal_bending" || type.type == "backlash" ||
+                           type.type.rfind("rotary_zero", 0) == 0;
         if (joint < 0 || names || domain.upper[joint] - domain.lower[joint] > 1e-9) continue;
         c.tried = false;
         c.why = spec.text(key) + " never moved";
@@ -123,7 +130,8 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
         int missing = 0;
         const Eigen::MatrixXd raw = rawColumns(space, c, start, &missing);
         if (10 * missing > space.rows()) {
-          why = "an input is not known for " + std::to_string(missing) + " of " + std::to_string(space.rows()) + " residuals";
+          why = "an input is not known for " + std::to_string(missing) + " of " +
+                std::to_string(space.rows()) + " residuals";
           break;
         }
         Eigen::MatrixXd columns = raw;

@@ -22,8 +22,8 @@ struct Candidate {
   std::vector<int> linear;  // parameters that give columns
   int freeParameters = 0;   // linear and nonlinear
   bool tried = false;
-  std::string why;          // why it is not tried
-  double logTried = 0.0;    // log of the number of values searched for its nonlinear parameters
+  std::string why;        // why it is not tried
+  double logTried = 0.0;  // log of the number of values searched for its nonlinear parameters
 };
 
 /// All candidates of a session with their projected columns.
@@ -34,7 +34,8 @@ struct CandidateSet {
   double logTried = 0.0;    // log of the number of atoms: what significance pays for
 
   /// Projected columns of one candidate at other values of its nonlinear parameters.
-  Eigen::MatrixXd columnsAt(const ResidualSpace& space, int candidate, const std::vector<double>& nonlinear) const;
+  Eigen::MatrixXd columnsAt(const ResidualSpace& space, int candidate,
+                            const std::vector<double>& nonlinear) const;
 };
 
 /// @param model its effects are not candidates again with the same keys; composites are none.

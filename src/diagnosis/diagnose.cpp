@@ -19,10 +19,10 @@
 namespace mm {
 namespace {
 
-constexpr double kConfusable = 3.0;           // difference of penalised log-likelihoods
+constexpr double kConfusable = 3.0;  // difference of penalised log-likelihoods
 constexpr std::size_t kMostConfusable = 4;
-constexpr double kStructure = 1e-4;           // p-value below which structure is left
-constexpr double kFormulaMargin = 5.0;        // log-likelihood by which a formula must beat the catalogue
+constexpr double kStructure = 1e-4;     // p-value below which structure is left
+constexpr double kFormulaMargin = 5.0;  // log-likelihood by which a formula must beat the catalogue
 
 Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
   std::vector<EffectPtr> effects = model.effects();
@@ -32,7 +32,8 @@ Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
 
 /// Everything that belongs to one round of the search.
 struct Round {
-  explicit Round(const CalibrationResult& fitted) : space(fitted), set(makeCandidates(space)), search(space, set) {}
+  explicit Round(const CalibrationResult& fitted)
+      : space(fitted), set(makeCandidates(space)), search(space, set) {}
   ResidualSpace space;
   CandidateSet set;
   SubsetSearch search;
@@ -62,7 +63,8 @@ class Diagnoser {
     out_.base.problem->linearise(out_.base.x);
     out_.angular = !std::isfinite(out_.base.figures.rms);
 
-    // outliers may have been structure, and structure may have hidden outliers: look again with what was found in
+    // outliers may have been structure, and structure may have hidden outliers: look again with what was
+    // found in
     CalibrationResult fitted = out_.base;
     std::vector<Chosen> before;
     for (int round = 0;; ++round) {
@@ -121,7 +123,8 @@ class Diagnoser {
       effects.push_back(candidate.effect);
       const int first = static_cast<int>(start.size());
       start.conservativeResize(first + candidate.effect->parameterCount());
-      for (int k = 0; k < candidate.effect->parameterCount(); ++k) start[first + k] = candidate.effect->parameters()[k].start;
+      for (int k = 0; k < candidate.effect->parameterCount(); ++k)
+        start[first + k] = candidate.effect->parameters()[k].start;
     }
     Eigen::MatrixXd all(round.space.length(), 0);
     for (const Chosen& c : subset.chosen) {
@@ -134,7 +137,8 @@ class Diagnoser {
     int at = 0, first = model_.parameterCount();
     for (const Chosen& c : subset.chosen) {
       const Candidate& candidate = round.set.candidates[c.candidate];
-      for (int k : candidate.linear) start[first + k] = values[at++] * candidate.effect->parameters()[k].scale;
+      for (int k : candidate.linear)
+        start[first + k] = values[at++] * candidate.effect->parameters()[k].scale;
       const std::vector<int> nonlinear = candidate.effect->nonlinearParameters();
       for (std::size_t k = 0; k < nonlinear.size(); ++k) start[first + nonlinear[k]] = c.nonlinear[k];
       first += candidate.effect->parameterCount();
@@ -142,7 +146,8 @@ class Diagnoser {
     return start;
   }
 
-  CandidateResult resultOf(const Round& round, const HeldOutJudge& judge, const Subset& rest, const Gain& gain) const {
+  CandidateResult resultOf(const Round& round, const HeldOutJudge& judge, const Subset& rest,
+                           const Gain& gain) const {
     CandidateResult r;
     const Candidate& candidate = round.set.candidates[gain.candidate];
     const double unit = unitOf(round.space, out_.angular);
@@ -160,11 +165,13 @@ class Diagnoser {
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
     const Eigen::VectorXd values = qr.solve(rest.left);
     const double variance = with.rss / std::max(1.0, round.search.degreesOfFreedom() - with.basis.cols());
-    const Eigen::MatrixXd inverse = (columns.transpose() * columns).completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd inverse =
+        (columns.transpose() * columns).completeOrthogonalDecomposition().pseudoInverse();
     for (std::size_t k = 0; k < candidate.linear.size(); ++k) {
       const Parameter& p = candidate.effect->parameters()[candidate.linear[k]];
-      r.parameters.push_back({p.name, p.unit, values[static_cast<int>(k)] * p.scale * p.toUnit,
-                              std::sqrt(std::max(0.0, variance * inverse(k, k))) * p.scale * std::abs(p.toUnit)});
+      r.parameters.push_back(
+          {p.name, p.unit, values[static_cast<int>(k)] * p.scale * p.toUnit,
+           std::sqrt(std::max(0.0, variance * inverse(k, k))) * p.scale * std::abs(p.toUnit)});
     }
     const std::vector<int> nonlinear = candidate.effect->nonlinearParameters();
     for (std::size_t k = 0; k < nonlinear.size(); ++k) {
@@ -203,33 +210,39 @@ class Diagnoser {
         if (best * std::sqrt(static_cast<double>(round.space.rows())) * kHidden > 5.0) continue;
         why = "the model's other unknowns absorb nearly all of it here";
       }
-      out_.cannotShow.push_back({c.spec, why.empty() ? "nothing in this session excites it" : why, c.effect->shownBy()});
+      out_.cannotShow.push_back(
+          {c.spec, why.empty() ? "nothing in this session excites it" : why, c.effect->shownBy()});
     }
   }
 
   /// Alternatives to one member of a subset, after refit of everything else.
-  std::vector<Confusable> alternatives(const Round& round, const Subset& subset, std::size_t member, std::vector<Gain>& rivals) const {
+  std::vector<Confusable> alternatives(const Round& round, const Subset& subset, std::size_t member,
+                                       std::vector<Gain>& rivals) const {
     const Subset rest = round.search.without(subset, member);
     rivals = round.search.bestGains(rest, 12, true);
     std::vector<Confusable> out;
     for (const Gain& g : rivals) {
       if (g.candidate == subset.chosen[member].candidate) continue;
       const double delta = g.objective - subset.objective;
-      if (delta <= kConfusable && out.size() < kMostConfusable) out.push_back({round.set.candidates[g.candidate].spec, std::max(0.0, delta)});
+      if (delta <= kConfusable && out.size() < kMostConfusable)
+        out.push_back({round.set.candidates[g.candidate].spec, std::max(0.0, delta)});
     }
     // the same with one or two members out and one cause in several shapes in their place
     const EffectSpec& own = round.set.candidates[subset.chosen[member].candidate].spec;
     for (const std::vector<int>& family : round.search.families()) {
       const EffectSpec& other = round.set.candidates[family[0]].spec;
       if (out.size() >= kMostConfusable || sameCause(other, own)) continue;
-      if (std::any_of(out.begin(), out.end(), [&](const Confusable& c) { return sameCause(c.effect, other); })) continue;
+      if (std::any_of(out.begin(), out.end(),
+                      [&](const Confusable& c) { return sameCause(c.effect, other); }))
+        continue;
       double best = 1e300;
       for (std::size_t also = 0; also < subset.chosen.size(); ++also) {
         Subset without = round.search.without(subset, std::max(also, member));
         if (also != member) without = round.search.without(without, std::min(also, member));
         best = std::min(best, round.search.withFamily(without, family).objective);
       }
-      if (best - subset.objective <= kConfusable) out.push_back({other, std::max(0.0, best - subset.objective)});
+      if (best - subset.objective <= kConfusable)
+        out.push_back({other, std::max(0.0, best - subset.objective)});
     }
     return out;
   }
@@ -247,7 +260,8 @@ class Diagnoser {
         i = 0;
       }
     }
-    const Structure structure = structureLeft(round.space, found.left, found.basis, round.search.modulations(found));
+    const Structure structure =
+        structureLeft(round.space, found.left, found.basis, round.search.modulations(found));
     std::vector<FoundFormula> formulas;
     Subset kept = found;
     lookForFormulas(round, found, structure, kept, formulas);
@@ -268,10 +282,12 @@ class Diagnoser {
       r.size = std::sqrt(own.drop / std::max(1, round.space.rows())) * unit;
       std::vector<Gain> apart;  // what cannot be told apart is no loss of stability
       for (const Gain& v : rivals)
-        if (std::none_of(r.confusableWith.begin(), r.confusableWith.end(),
-                         [&](const Confusable& f) { return f.effect == round.set.candidates[v.candidate].spec; }))
+        if (std::none_of(r.confusableWith.begin(), r.confusableWith.end(), [&](const Confusable& f) {
+              return f.effect == round.set.candidates[v.candidate].spec;
+            }))
           apart.push_back(v);
-      r.stability = stability(round.space, round.set, rest, own, apart, round.search.degreesOfFreedom(), options_.seed + i);
+      r.stability = stability(round.space, round.set, rest, own, apart, round.search.degreesOfFreedom(),
+                              options_.seed + i);
       out_.missing.push_back(std::move(r));
       grown = round.search.extend(grown, c);
     }
@@ -281,18 +297,21 @@ class Diagnoser {
       r.effect = f.spec;
       Eigen::MatrixXd fresh = f.columns;
       if (kept.basis.cols() > 0) fresh -= kept.basis * (kept.basis.transpose() * fresh);
-      const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(fresh).householderQ() * Eigen::MatrixXd::Identity(fresh.rows(), fresh.cols());
+      const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(fresh).householderQ() *
+                                Eigen::MatrixXd::Identity(fresh.rows(), fresh.cols());
       Eigen::MatrixXd with(kept.basis.rows(), kept.basis.cols() + q.cols());
       with << kept.basis, q;
       r.heldOutBefore = judge.rms(kept.basis) * unit;
       r.heldOutAfter = judge.rms(with) * unit;
       if (r.heldOutAfter < r.heldOutBefore) out_.formulas.push_back(r);
     }
-    out_.where = explainedByVariable(round.space, round.space.target(), Eigen::MatrixXd(round.space.length(), 0));
+    out_.where =
+        explainedByVariable(round.space, round.space.target(), Eigen::MatrixXd(round.space.length(), 0));
     const bool unknown = !out_.formulas.empty() || isStructure(structure);
-    const bool confusable = std::any_of(out_.missing.begin(), out_.missing.end(), [](auto& m) { return !m.confusableWith.empty(); });
-    out_.verdict = unknown ? Verdict::kUnknownEffect
-                   : confusable ? Verdict::kConfusable
+    const bool confusable = std::any_of(out_.missing.begin(), out_.missing.end(),
+                                        [](auto& m) { return !m.confusableWith.empty(); });
+    out_.verdict = unknown                 ? Verdict::kUnknownEffect
+                   : confusable            ? Verdict::kConfusable
                    : !out_.missing.empty() ? Verdict::kMissingEffect
                                            : Verdict::kExplained;
     if (confusable) separate(round, kept);
@@ -302,7 +321,8 @@ class Diagnoser {
   /// Significant, and large enough to matter: a residual RMS more than about 2.5 % above the noise.
   static bool isStructure(const Structure& s) { return s.pValue < kStructure && s.share > 0.05; }
 
-  /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or beside some.
+  /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
+  /// beside some.
   void lookForFormulas(const Round& round, const Subset& found, const Structure& structure, Subset& kept,
                        std::vector<FoundFormula>& formulas) {
     const SubsetSearch& search = round.search;
@@ -359,7 +379,8 @@ class Diagnoser {
     for (std::size_t i = 0; i < effects.size(); ++i) {
       out_.missing[i].parameters.clear();
       for (const Parameter& p : effects[i]->parameters()) {
-        out_.missing[i].parameters.push_back({p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
+        out_.missing[i].parameters.push_back(
+            {p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
         ++at;
       }
     }
@@ -374,7 +395,8 @@ class Diagnoser {
         for (std::size_t k = 0; k < round.set.candidates.size(); ++k)
           if (round.set.candidates[k].spec == c.effect) {
             for (const Gain& g : round.search.bestGains(rest, 12, true))
-              if (g.candidate == static_cast<int>(k)) rivals.push_back({round.set.candidates[k].effect, g.nonlinear});
+              if (g.candidate == static_cast<int>(k))
+                rivals.push_back({round.set.candidates[k].effect, g.nonlinear});
           }
       const Hypothesis own{round.set.candidates[kept.chosen[i].candidate].effect, kept.chosen[i].nonlinear};
       out_.nextMeasurement = nextMeasurement(round.space, own, rivals);
@@ -392,15 +414,21 @@ class Diagnoser {
 
 std::string nameOf(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kInsufficientData: return "insufficient_data";
-    case Verdict::kUnknownEffect: return "unknown_effect";
-    case Verdict::kConfusable: return "confusable";
-    case Verdict::kMissingEffect: return "missing_effect";
-    default: return "explained";
+    case Verdict::kInsufficientData:
+      return "insufficient_data";
+    case Verdict::kUnknownEffect:
+      return "unknown_effect";
+    case Verdict::kConfusable:
+      return "confusable";
+    case Verdict::kMissingEffect:
+      return "missing_effect";
+    default:
+      return "explained";
   }
 }
 
-Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options, const Eigen::VectorXd& start) {
+Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options,
+                   const Eigen::VectorXd& start) {
   Diagnosis out;
   try {
     Diagnoser(session, model, options, out).run(start);

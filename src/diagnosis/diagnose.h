@@ -32,17 +32,17 @@ struct Confusable {
 struct CandidateResult {
   EffectSpec effect;
   std::vector<NamedValue> parameters;
-  double pValue = 1.0;        // corrected for everything tried
-  double stability = 0.0;     // share of resampled blocks in which it is still the choice
+  double pValue = 1.0;     // corrected for everything tried
+  double stability = 0.0;  // share of resampled blocks in which it is still the choice
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // RMS, m (rad for angular sessions)
-  double size = 0.0;          // RMS of its contribution after refit, m (rad for angular sessions)
+  double size = 0.0;  // RMS of its contribution after refit, m (rad for angular sessions)
   std::vector<Confusable> confusableWith;
   std::string cause, remedy;
 };
 
 /// A formula that explains what no effect of the catalogue does.
 struct FormulaResult {
-  EffectSpec effect;  // type formula: ready to be added
+  EffectSpec effect;                               // type formula: ready to be added
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // m (rad)
 };
 
@@ -53,10 +53,10 @@ struct CannotShow {
 
 /// A target for the measurement plan: values by the names of the import columns.
 struct Move {
-  std::vector<std::pair<std::string, double>> values;           // "x_mm", "b_deg", "wait_s" …
-  std::vector<std::pair<std::string, std::string>> words;       // "feature"
-  std::vector<double> approach;                                 // unit vector in workpiece, or empty
-  std::vector<std::pair<std::string, double>> from;             // a joint: the side it comes from, -1 or +1
+  std::vector<std::pair<std::string, double>> values;      // "x_mm", "b_deg", "wait_s" …
+  std::vector<std::pair<std::string, std::string>> words;  // "feature"
+  std::vector<double> approach;                            // unit vector in workpiece, or empty
+  std::vector<std::pair<std::string, double>> from;        // a joint: the side it comes from, -1 or +1
 };
 
 enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEffect, kExplained };
@@ -65,7 +65,7 @@ std::string nameOf(Verdict verdict);
 struct Diagnosis {
   CalibrationResult base;  // the model as it is, refitted to the session
   Verdict verdict = Verdict::kExplained;
-  std::string sentence;    // the verdict in words
+  std::string sentence;  // the verdict in words
   std::vector<WhereItFails> where;
   std::vector<CandidateResult> missing;     // accepted, in the order found
   std::vector<CandidateResult> candidates;  // every effect tried, best first

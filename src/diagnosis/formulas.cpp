@@ -14,10 +14,10 @@ namespace {
 
 /// One term of a formula: a function of the variables with one free factor.
 struct Term {
-  std::string text;              // without the factor: "x*y"
+  std::string text;  // without the factor: "x*y"
   std::vector<int> variables;
-  Eigen::VectorXd values;        // a used row, in the units of formulas
-  double cost = 1.0;             // description length in parameters: factor 1, constants inside 1 each
+  Eigen::VectorXd values;  // a used row, in the units of formulas
+  double cost = 1.0;       // description length in parameters: factor 1, constants inside 1 each
 };
 
 std::string number(double v) {
@@ -26,7 +26,8 @@ std::string number(double v) {
   return text;
 }
 
-/// How a variable is written in formulas, and its values there. Temperatures count from the reference temperature.
+/// How a variable is written in formulas, and its values there. Temperatures count from the reference
+/// temperature.
 struct Written {
   std::string text;
   Eigen::ArrayXd values;
@@ -58,7 +59,8 @@ int distinctValues(Eigen::ArrayXd values) {
 }
 
 /// Single-variable shapes, then products of two and three variables and functions of sums of equal units.
-std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain& domain, const std::vector<FoundPeriod>& periods) {
+std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain& domain,
+                            const std::vector<FoundPeriod>& periods) {
   constexpr int kFewValues = 9;  // with fewer distinct values a wave, a step or a decay is any profile
   constexpr double kMoreVariables = 0.3, kHigherPower = 0.15;  // description length beyond the factor itself
   std::vector<Term> terms;
@@ -69,7 +71,8 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
       continuous.push_back(i);
       written[i] = writtenAs(variables[i], domain);
     }
-  const auto add = [&](const std::string& text, std::vector<int> on, const Eigen::VectorXd& values, double cost) {
+  const auto add = [&](const std::string& text, std::vector<int> on, const Eigen::VectorXd& values,
+                       double cost) {
     if (!values.allFinite() || !(values.maxCoeff() > values.minCoeff())) return;
     cost += kMoreVariables * (static_cast<double>(on.size()) - 1.0);
     terms.push_back({text, std::move(on), values, cost});
@@ -91,7 +94,8 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
     }
     shapes[i].assign(terms.begin() + static_cast<long>(first), terms.end());
     const double half = variables[i].half, centre = 0.5 * (raw.minCoeff() + raw.maxCoeff());
-    if (std::abs(centre) > 2.0 * half && written[i].unit.empty()) {  // far from zero: deviations from the middle count
+    if (std::abs(centre) > 2.0 * half &&
+        written[i].unit.empty()) {  // far from zero: deviations from the middle count
       const std::string middle = number(centre);
       shapes[i].push_back({"(" + s + "-" + middle + ")", {i}, raw - std::stod(middle), 1 + kHigherPower});
     }
@@ -119,8 +123,10 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
         const std::string scale = number(2.0 * half * tau);
         const std::string low = number(-(centre - half)), high = number(-(centre + half));
         const auto plus = [](const std::string& v) { return v[0] == '-' ? v : "+" + v; };
-        add("exp(-(" + s + plus(low) + ")/" + scale + ")", {i}, (-(raw + std::stod(low)) / std::stod(scale)).exp(), 2);
-        add("exp((" + s + plus(high) + ")/" + scale + ")", {i}, ((raw + std::stod(high)) / std::stod(scale)).exp(), 2);
+        add("exp(-(" + s + plus(low) + ")/" + scale + ")", {i},
+            (-(raw + std::stod(low)) / std::stod(scale)).exp(), 2);
+        add("exp((" + s + plus(high) + ")/" + scale + ")", {i},
+            ((raw + std::stod(high)) / std::stod(scale)).exp(), 2);
       }
     }
   }
@@ -162,7 +168,8 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
             add("cos(2*pi*(" + text + ")/" + period + ")", {a, b}, (k * sum).cos(), 2);
           }
         }
-        add("sqrt(" + wa.text + "^2+" + wb.text + "^2)", {a, b}, (wa.values.square() + wb.values.square()).sqrt(), 1 + kHigherPower);
+        add("sqrt(" + wa.text + "^2+" + wb.text + "^2)", {a, b},
+            (wa.values.square() + wb.values.square()).sqrt(), 1 + kHigherPower);
       }
       const auto waving = [&](int over, int factor) {  // the wave's amplitude grows with another variable
         if (written[over].speed || distinctValues(written[over].values) < kFewValues) return;
@@ -179,17 +186,20 @@ std::vector<Term> makeTerms(const std::vector<Variable>& variables, const Domain
       waving(b, a);
       for (std::size_t ic = ib + 1; ic < continuous.size(); ++ic) {
         const int c = continuous[ic];
-        add(wa.text + "*" + wb.text + "*" + written[c].text, {a, b, c}, wa.values * wb.values * written[c].values, 1);
+        add(wa.text + "*" + wb.text + "*" + written[c].text, {a, b, c},
+            wa.values * wb.values * written[c].values, 1);
       }
     }
   return terms;
 }
 
 /// Columns of the terms in one direction, projected on the model; rows + priors long.
-Eigen::MatrixXd columnsOf(const ResidualSpace& space, const std::vector<Term>& terms, const Eigen::VectorXd& factor, double unit) {
+Eigen::MatrixXd columnsOf(const ResidualSpace& space, const std::vector<Term>& terms,
+                          const Eigen::VectorXd& factor, double unit) {
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(space.problem().rowCount(), terms.size());
   for (std::size_t t = 0; t < terms.size(); ++t)
-    for (int i = 0; i < space.rows(); ++i) all(space.used()[i], static_cast<int>(t)) = factor[i] * terms[t].values[i] * unit;
+    for (int i = 0; i < space.rows(); ++i)
+      all(space.used()[i], static_cast<int>(t)) = factor[i] * terms[t].values[i] * unit;
   Eigen::MatrixXd columns = space.whiten(all);
   space.project(columns);
   return columns;
@@ -206,11 +216,13 @@ struct Pick {
 /// Greedy choice of terms with a backward look, on columns that are orthogonal to what is already found.
 class Greedy {
  public:
-  Greedy(const Eigen::MatrixXd& columns, const std::vector<double>& costs, const Subset& rest, double dof, double logTried)
+  Greedy(const Eigen::MatrixXd& columns, const std::vector<double>& costs, const Subset& rest, double dof,
+         double logTried)
       : columns_(columns), costs_(costs), rest_(rest), dof_(dof), logTried_(logTried) {}
 
   double objectiveOf(double rss, double cost) const {
-    return 0.5 * dof_ * std::log(std::max(rss, 1e-300) / dof_) + (0.5 * std::log(dof_) + 0.5 * logTried_) * cost;
+    return 0.5 * dof_ * std::log(std::max(rss, 1e-300) / dof_) +
+           (0.5 * std::log(dof_) + 0.5 * logTried_) * cost;
   }
 
   /// From one first term on. @param most terms.
@@ -305,7 +317,8 @@ struct FormulaSearch::Dictionary {
   std::vector<Eigen::MatrixXd> columns;  // a direction: projected columns of all terms
 };
 
-FormulaSearch::FormulaSearch(const ResidualSpace& space, const std::vector<FoundPeriod>& periods) : space_(space), dictionary_(std::make_unique<Dictionary>()) {
+FormulaSearch::FormulaSearch(const ResidualSpace& space, const std::vector<FoundPeriod>& periods)
+    : space_(space), dictionary_(std::make_unique<Dictionary>()) {
   dictionary_->variables = variablesOf(space);
   dictionary_->directions = directionsOf(space);
   dictionary_->terms = makeTerms(dictionary_->variables, space.problem().model().domain(), periods);
@@ -313,13 +326,16 @@ FormulaSearch::FormulaSearch(const ResidualSpace& space, const std::vector<Found
     const Domain& domain = space.problem().model().domain();
     const int joint = domain.findJoint(dictionary_->directions.names[d]);
     const bool rotary = joint >= 0 && domain.joints[joint].kind == JointKind::kRotary;
-    dictionary_->columns.push_back(columnsOf(space, dictionary_->terms, dictionary_->directions.factors.col(d), rotary ? kArcsecond : kMicrometre));
+    dictionary_->columns.push_back(columnsOf(space, dictionary_->terms,
+                                             dictionary_->directions.factors.col(d),
+                                             rotary ? kArcsecond : kMicrometre));
   }
 }
 
 FormulaSearch::~FormulaSearch() = default;
 
-std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, double significance, int count) const {
+std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, double significance,
+                                             int count) const {
   constexpr std::size_t kKept = 900, kStarts = 5, kMostTerms = 4;
   const Dictionary& book = *dictionary_;
   std::vector<FoundFormula> found;
@@ -337,7 +353,8 @@ std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, dou
       const double total = all.col(t).squaredNorm(), room = total - inBasis.col(t).squaredNorm();
       if (room > 1e-6 * total && room > 0.0)
         order.emplace_back(0.5 * dof * std::log(std::max(1e-9, 1.0 - score[t] * score[t] / room / rest.rss)) +
-                               book.terms[t].cost * 0.5 * (std::log(dof) + logTried), t);
+                               book.terms[t].cost * 0.5 * (std::log(dof) + logTried),
+                           t);
     }
     const std::size_t kept = std::min(kKept, order.size());
     std::partial_sort(order.begin(), order.begin() + static_cast<long>(kept), order.end());
@@ -359,7 +376,8 @@ std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, dou
       picks.push_back(std::move(pick));
     }
   }
-  std::stable_sort(picks.begin(), picks.end(), [](const Pick& a, const Pick& b) { return a.objective < b.objective; });
+  std::stable_sort(picks.begin(), picks.end(),
+                   [](const Pick& a, const Pick& b) { return a.objective < b.objective; });
   for (const Pick& pick : picks) {
     if (static_cast<int>(found.size()) >= count) break;
     FoundFormula f;
@@ -377,13 +395,15 @@ std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, dou
     if (rest.basis.cols() > 0) c -= rest.basis * (rest.basis.transpose() * c);
     c.colwise().normalize();
     const double after = (rest.left - c * c.colPivHouseholderQr().solve(rest.left)).squaredNorm();
-    const double logP = logPValueF((rest.rss - after) / pick.cost / (after / std::max(1.0, dof - pick.cost)), pick.cost, dof - pick.cost) +
+    const double logP = logPValueF((rest.rss - after) / pick.cost / (after / std::max(1.0, dof - pick.cost)),
+                                   pick.cost, dof - pick.cost) +
                         static_cast<double>(pick.terms.size()) * logTried;
     if (logP > std::log(significance)) continue;
     f.spec = EffectSpec("formula");
     f.spec.set("direction", book.directions.names[pick.direction]).set("formula", text);
     f.objective = pick.objective;
-    if (std::none_of(found.begin(), found.end(), [&](const FoundFormula& o) { return o.spec == f.spec; })) found.push_back(std::move(f));
+    if (std::none_of(found.begin(), found.end(), [&](const FoundFormula& o) { return o.spec == f.spec; }))
+      found.push_back(std::move(f));
   }
   return found;
 }

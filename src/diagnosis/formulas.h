@@ -14,7 +14,7 @@ struct FoundFormula {
   EffectSpec spec;
   Eigen::MatrixXd columns;  // projected on the model, whitened
   std::vector<std::string> variables;
-  double objective = 0.0;   // penalised negative log-likelihood
+  double objective = 0.0;  // penalised negative log-likelihood
 };
 
 /// A wave found along a joint: its period in m (rad), from the catalogue's search.
@@ -23,16 +23,17 @@ struct FoundPeriod {
   double period = 0.0;
 };
 
-/// Sparse search over products, powers, harmonics, steps and decays of the session's variables and their sums, in every
-/// direction: the shortest formulas first. Values in um (arcsec for rotary directions), variables in the units of
-/// `formula`.
+/// Sparse search over products, powers, harmonics, steps and decays of the session's variables and their
+/// sums, in every direction: the shortest formulas first. Values in um (arcsec for rotary directions),
+/// variables in the units of `formula`.
 class FormulaSearch {
  public:
   explicit FormulaSearch(const ResidualSpace& space, const std::vector<FoundPeriod>& periods = {});
   ~FormulaSearch();
 
   /// @param rest what is already in the model and found: its `left` is to be explained.
-  /// @return at most `count`, best first; empty when none is significant after correction for all terms tried.
+  /// @return at most `count`, best first; empty when none is significant after correction for all terms
+  /// tried.
   std::vector<FoundFormula> run(const Subset& rest, double dof, double significance, int count) const;
 
  private:

@@ -14,7 +14,8 @@ HeldOutJudge::HeldOutJudge(const ResidualSpace& space) : space_(space) {
       if (space.folds().ofRow[i] == f) fold.rows.push_back(i);
     if (fold.rows.empty()) continue;
     fold.q.resize(static_cast<int>(fold.rows.size()), rank);
-    for (std::size_t i = 0; i < fold.rows.size(); ++i) fold.q.row(static_cast<int>(i)) = space.basis().row(fold.rows[i]);
+    for (std::size_t i = 0; i < fold.rows.size(); ++i)
+      fold.q.row(static_cast<int>(i)) = space.basis().row(fold.rows[i]);
     fold.gain.resize(rank, rank);
     if (rank == 0) {
       folds_.push_back(std::move(fold));
@@ -22,7 +23,8 @@ HeldOutJudge::HeldOutJudge(const ResidualSpace& space) : space_(space) {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(fold.q.transpose() * fold.q);
     Eigen::VectorXd gain(rank);
-    for (int k = 0; k < rank; ++k) gain[k] = eigen.eigenvalues()[k] > 1.0 - 1e-7 ? 0.0 : 1.0 / (1.0 - eigen.eigenvalues()[k]);
+    for (int k = 0; k < rank; ++k)
+      gain[k] = eigen.eigenvalues()[k] > 1.0 - 1e-7 ? 0.0 : 1.0 / (1.0 - eigen.eigenvalues()[k]);
     fold.gain = eigen.eigenvectors() * gain.asDiagonal() * eigen.eigenvectors().transpose();
     folds_.push_back(std::move(fold));
   }
@@ -43,12 +45,15 @@ double HeldOutJudge::rms(const Eigen::MatrixXd& added) const {
     if (fold.q.cols() > 0) solved += fold.q * (fold.gain * (fold.q.transpose() * v));
     Eigen::VectorXd held = solved.col(k);
     if (k > 0) {
-      const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(k, k) - v.leftCols(k).transpose() * solved.leftCols(k);
+      const Eigen::MatrixXd inner =
+          Eigen::MatrixXd::Identity(k, k) - v.leftCols(k).transpose() * solved.leftCols(k);
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (inner + inner.transpose()));
       Eigen::VectorXd inverse(k);
-      for (int i = 0; i < k; ++i) inverse[i] = eigen.eigenvalues()[i] > 1e-6 ? 1.0 / eigen.eigenvalues()[i] : 0.0;
+      for (int i = 0; i < k; ++i)
+        inverse[i] = eigen.eigenvalues()[i] > 1e-6 ? 1.0 / eigen.eigenvalues()[i] : 0.0;
       const Eigen::VectorXd right = v.leftCols(k).transpose() * solved.col(k);
-      held += solved.leftCols(k) * (eigen.eigenvectors() * inverse.cwiseProduct(eigen.eigenvectors().transpose() * right));
+      held += solved.leftCols(k) *
+              (eigen.eigenvectors() * inverse.cwiseProduct(eigen.eigenvectors().transpose() * right));
     }
     sum += held.squaredNorm();
   }
@@ -98,7 +103,9 @@ double dropOf(const BlockScores& b, const std::vector<int>& counts) {
 double stability(const ResidualSpace& space, const CandidateSet& set, const Subset& rest, const Gain& chosen,
                  const std::vector<Gain>& rivals, double dof, std::uint64_t seed) {
   constexpr int kDraws = 100;
-  const auto penalty = [&](const Gain& g) { return 0.5 * std::log(dof) * set.candidates[g.candidate].freeParameters; };
+  const auto penalty = [&](const Gain& g) {
+    return 0.5 * std::log(dof) * set.candidates[g.candidate].freeParameters;
+  };
   const BlockScores own = blockScores(space, rest, chosen, penalty(chosen));
   std::vector<BlockScores> others;
   for (const Gain& g : rivals)

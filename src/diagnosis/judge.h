@@ -8,8 +8,8 @@
 
 namespace mm {
 
-/// Held-out RMS of effects added to the model, fold by fold, without a fit each: the model's part of every fold is
-/// solved once, an effect's columns are a low-rank update of it.
+/// Held-out RMS of effects added to the model, fold by fold, without a fit each: the model's part of every
+/// fold is solved once, an effect's columns are a low-rank update of it.
 class HeldOutJudge {
  public:
   explicit HeldOutJudge(const ResidualSpace& space);
@@ -25,8 +25,8 @@ class HeldOutJudge {
   std::vector<Fold> folds_;
 };
 
-/// Share of resampled blocks (bootstrap over blocks of time) in which member `index` of the subset beats, after
-/// penalty, every rival in its place.
+/// Share of resampled blocks (bootstrap over blocks of time) in which member `index` of the subset beats,
+/// after penalty, every rival in its place.
 double stability(const ResidualSpace& space, const CandidateSet& set, const Subset& rest, const Gain& chosen,
                  const std::vector<Gain>& rivals, double dof, std::uint64_t seed);
 

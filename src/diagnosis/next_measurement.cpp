@@ -13,7 +13,8 @@ namespace {
 constexpr int kMoves = 12;
 constexpr double kWait = 3600.0;  // s: long enough for a small machine to cool
 
-/// Readings at which the tip is at `target`, the rotary joints staying where they are; false when out of the limits.
+/// Readings at which the tip is at `target`, the rotary joints staying where they are; false when out of the
+/// limits.
 bool reach(const Machine& machine, const Eigen::Vector3d& target, double laser, std::vector<double>& q) {
   std::vector<int> linear;
   for (int j = 0; j < machine.jointCount(); ++j)
@@ -23,7 +24,8 @@ bool reach(const Machine& machine, const Eigen::Vector3d& target, double laser, 
     const Eigen::Vector3d miss = target - machine.nominal(q.data(), laser).position;
     const auto full = machine.jacobian(q.data(), laser);
     Eigen::MatrixXd j(3, linear.size());
-    for (std::size_t k = 0; k < linear.size(); ++k) j.col(static_cast<int>(k)) = full.block<3, 1>(0, linear[k]);
+    for (std::size_t k = 0; k < linear.size(); ++k)
+      j.col(static_cast<int>(k)) = full.block<3, 1>(0, linear[k]);
     const Eigen::VectorXd step = j.colPivHouseholderQr().solve(miss);
     for (std::size_t k = 0; k < linear.size(); ++k) q[linear[k]] += step[static_cast<int>(k)];
   }
@@ -61,7 +63,8 @@ Session hypothetical(const ResidualSpace& space) {
       if (o.kind != ObservationKind::kContact || done[o.feature]++) continue;
       const Eigen::Vector3d centre = space.problem().featureInWorkpiece(o.feature, space.fitted().x);
       const Feature& feature = session.artifact.features[o.feature];
-      const double distance = feature.radius + (std::isfinite(o.laserReading) ? 0.0 : session.artifact.tipRadius);
+      const double distance =
+          feature.radius + (std::isfinite(o.laserReading) ? 0.0 : session.artifact.tipRadius);
       for (int i = 0; i < 26; ++i) {
         const int c = i < 13 ? i : i + 1;
         const Eigen::Vector3d side = Eigen::Vector3d(c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1).normalized();
@@ -84,7 +87,8 @@ Session hypothetical(const ResidualSpace& space) {
         }
       }
     }
-  } else {  // an independent instrument: positions over the range of each axis, in both directions, at two speeds
+  } else {  // an independent instrument: positions over the range of each axis, in both directions, at two
+            // speeds
     const Domain& domain = space.problem().model().domain();
     for (int j = 0; j < session.machine.jointCount(); ++j)
       for (int i = 0; i <= 8; ++i)
@@ -103,7 +107,8 @@ Session hypothetical(const ResidualSpace& space) {
               next.observations.push_back(at);
             }
   }
-  std::stable_sort(next.observations.begin(), next.observations.end(), [](auto& a, auto& b) { return a.time < b.time; });
+  std::stable_sort(next.observations.begin(), next.observations.end(),
+                   [](auto& a, auto& b) { return a.time < b.time; });
   return next;
 }
 
@@ -131,12 +136,14 @@ Move moveOf(const Session& session, const Observation& o, double end) {
   for (int j = 0; j < session.machine.jointCount(); ++j) {
     const Joint& joint = session.machine.joints()[j];
     const bool linear = joint.kind == JointKind::kLinear;
-    move.values.emplace_back(joint.name + (linear ? "_mm" : "_deg"), o.position[j] / (linear ? kMillimetre : kDegree));
+    move.values.emplace_back(joint.name + (linear ? "_mm" : "_deg"),
+                             o.position[j] / (linear ? kMillimetre : kDegree));
   }
   double fastest = 0.0;  // of the tip, or of the joint that is measured
   for (int j = 0; j < session.machine.jointCount(); ++j)
     if (std::isfinite(o.velocity[j]) && session.machine.joints()[j].kind == JointKind::kLinear)
-      fastest = o.kind == ObservationKind::kContact ? std::hypot(fastest, o.velocity[j]) : std::max(fastest, std::abs(o.velocity[j]));
+      fastest = o.kind == ObservationKind::kContact ? std::hypot(fastest, o.velocity[j])
+                                                    : std::max(fastest, std::abs(o.velocity[j]));
   if (fastest > 0.0) move.values.emplace_back("speed_mm_s", fastest / kMillimetre);
   if (o.kind == ObservationKind::kDeviation)
     for (int j = 0; j < session.machine.jointCount(); ++j)
@@ -154,7 +161,8 @@ Move moveOf(const Session& session, const Observation& o, double end) {
 
 }  // namespace
 
-std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& own, const std::vector<Hypothesis>& rivals) {
+std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& own,
+                                  const std::vector<Hypothesis>& rivals) {
   std::vector<Move> moves;
   if (rivals.empty()) return moves;
   const Session next = hypothetical(space);
@@ -175,8 +183,10 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
       for (int i = 0; i < m.rows(); ++i) m.row(i) *= inverse[i];
       return m;
     };
-    const Eigen::MatrixXd ownNow = whitened(linearColumns(*own.effect, problem.effectColumns(*own.effect, pointOf(own))));
-    const Eigen::MatrixXd ownNext = linearColumns(*own.effect, future.effectColumns(*own.effect, pointOf(own))) / sigma;
+    const Eigen::MatrixXd ownNow =
+        whitened(linearColumns(*own.effect, problem.effectColumns(*own.effect, pointOf(own))));
+    const Eigen::MatrixXd ownNext =
+        linearColumns(*own.effect, future.effectColumns(*own.effect, pointOf(own))) / sigma;
     // the leading hypothesis at its fitted size
     Eigen::MatrixXd left = Eigen::MatrixXd::Zero(space.length(), ownNow.cols());
     for (int i = 0; i < space.rows(); ++i) left.row(i) = ownNow.row(space.used()[i]);
@@ -184,13 +194,17 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
     const Eigen::VectorXd size = left.colPivHouseholderQr().solve(space.target());
 
     const int free = problem.unknownCount();
-    std::vector<Eigen::VectorXd> misses;  // a rival: how far its imitation is from the leading hypothesis, a future row
+    std::vector<Eigen::VectorXd>
+        misses;  // a rival: how far its imitation is from the leading hypothesis, a future row
     std::vector<Eigen::MatrixXd> nextRows;
     std::vector<Eigen::MatrixXd> information;
     for (const Hypothesis& rival : rivals) {
-      const Eigen::MatrixXd rivalNow = whitened(linearColumns(*rival.effect, problem.effectColumns(*rival.effect, pointOf(rival))));
-      const Eigen::MatrixXd rivalNext = linearColumns(*rival.effect, future.effectColumns(*rival.effect, pointOf(rival))) / sigma;
-      Eigen::MatrixXd now(jacobian.rows(), free + rivalNow.cols()), later(futureJacobian.rows(), free + rivalNow.cols());
+      const Eigen::MatrixXd rivalNow =
+          whitened(linearColumns(*rival.effect, problem.effectColumns(*rival.effect, pointOf(rival))));
+      const Eigen::MatrixXd rivalNext =
+          linearColumns(*rival.effect, future.effectColumns(*rival.effect, pointOf(rival))) / sigma;
+      Eigen::MatrixXd now(jacobian.rows(), free + rivalNow.cols()),
+          later(futureJacobian.rows(), free + rivalNow.cols());
       now << whitened(jacobian), rivalNow;
       later << futureJacobian / sigma, rivalNext;
       for (int c = 0; c < now.cols(); ++c) {  // held unknowns do not imitate
@@ -203,7 +217,8 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
           later.col(c) /= norm;
         }
       }
-      const Eigen::MatrixXd gram = now.transpose() * now + 1e-9 * Eigen::MatrixXd::Identity(now.cols(), now.cols());
+      const Eigen::MatrixXd gram =
+          now.transpose() * now + 1e-9 * Eigen::MatrixXd::Identity(now.cols(), now.cols());
       const Eigen::VectorXd imitation = gram.ldlt().solve(now.transpose() * (ownNow * size));
       misses.push_back(ownNext * size - later * imitation);
       nextRows.push_back(later);
@@ -220,7 +235,8 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
         double worst = 1e300;  // the rival that is told apart least
         for (std::size_t r = 0; r < rivals.size(); ++r) {
           double told = 0.0;
-          for (int i = future.firstRow(static_cast<int>(o)); i < future.firstRow(static_cast<int>(o) + 1); ++i) {
+          for (int i = future.firstRow(static_cast<int>(o)); i < future.firstRow(static_cast<int>(o) + 1);
+               ++i) {
             const Eigen::VectorXd row = nextRows[r].row(i).transpose();
             told += misses[r][i] * misses[r][i] / (1.0 + row.dot(information[r].ldlt().solve(row)));
           }
@@ -233,15 +249,18 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
       for (std::size_t r = 0; r < rivals.size(); ++r)
         for (int i = future.firstRow(pick); i < future.firstRow(pick + 1); ++i)
           information[r] += nextRows[r].row(i).transpose() * nextRows[r].row(i);
-      chosen.emplace_back(next.observations[pick].time, moveOf(problem.session(), next.observations[pick], end));
+      chosen.emplace_back(next.observations[pick].time,
+                          moveOf(problem.session(), next.observations[pick], end));
     }
     std::stable_sort(chosen.begin(), chosen.end(), [](auto& a, auto& b) { return a.first < b.first; });
     bool waited = false;
     for (auto& [time, move] : chosen) {  // one wait, before the first of the later moves
       auto& v = move.values;
       const auto wait = std::find_if(v.begin(), v.end(), [](auto& p) { return p.first == "wait_s"; });
-      if (wait != v.end() && waited) v.erase(wait);
-      else waited |= wait != v.end();
+      if (wait != v.end() && waited)
+        v.erase(wait);
+      else
+        waited |= wait != v.end();
       moves.push_back(move);
     }
   } catch (const InputError&) {

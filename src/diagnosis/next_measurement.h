@@ -12,9 +12,10 @@ struct Hypothesis {
   std::vector<double> nonlinear;
 };
 
-/// Feasible moves that best tell `own` from its rivals: the leading hypothesis is believed at its fitted size, each rival
-/// imitates it as well as it can on the data so far, and the moves are those at which the imitation fails most for its
-/// uncertainty (T-optimal design, greedily).
-std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& own, const std::vector<Hypothesis>& rivals);
+/// Feasible moves that best tell `own` from its rivals: the leading hypothesis is believed at its fitted
+/// size, each rival imitates it as well as it can on the data so far, and the moves are those at which the
+/// imitation fails most for its uncertainty (T-optimal design, greedily).
+std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& own,
+                                  const std::vector<Hypothesis>& rivals);
 
 }  // namespace mm

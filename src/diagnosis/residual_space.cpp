@@ -47,7 +47,8 @@ ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) 
   target_ -= q_ * (q_.transpose() * target_);
 }
 
-Eigen::MatrixXd ResidualSpace::columns(const Effect& effect, const std::vector<double>& p, int* missing) const {
+Eigen::MatrixXd ResidualSpace::columns(const Effect& effect, const std::vector<double>& p,
+                                       int* missing) const {
   Eigen::MatrixXd all = fitted_.problem->effectColumns(effect, p);
   for (int k = 0; k < all.cols(); ++k) all.col(k) *= effect.parameters()[k].scale;
   if (missing != nullptr) {

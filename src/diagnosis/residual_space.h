@@ -7,9 +7,10 @@
 
 namespace mm {
 
-/// The linearised view of a fitted session in which every candidate is judged: one projection instead of one fit each.
-/// Rows are the used data rows, whitened; everything that the model's own unknowns can absorb is projected out, so that
-/// what is left of a candidate's columns is what it would do after everything is refitted together.
+/// The linearised view of a fitted session in which every candidate is judged: one projection instead of one
+/// fit each. Rows are the used data rows, whitened; everything that the model's own unknowns can absorb is
+/// projected out, so that what is left of a candidate's columns is what it would do after everything is
+/// refitted together.
 class ResidualSpace {
  public:
   explicit ResidualSpace(const CalibrationResult& fitted);
@@ -24,8 +25,8 @@ class ResidualSpace {
   const Eigen::MatrixXd& basis() const { return q_; }  // orthonormal, (rows + priors) x baseRank
   const Folds& folds() const { return folds_; }        // of the rows here
 
-  /// Columns of an effect at its parameters `p`, whitened and in units of the parameters' scale; rows + priors long.
-  /// Rows that lack an input are 0. @param missing number of such rows.
+  /// Columns of an effect at its parameters `p`, whitened and in units of the parameters' scale; rows +
+  /// priors long. Rows that lack an input are 0. @param missing number of such rows.
   Eigen::MatrixXd columns(const Effect& effect, const std::vector<double>& p, int* missing = nullptr) const;
   /// Columns made of values a data row of the problem (m or rad each): whitened, rows + priors long.
   Eigen::MatrixXd whiten(const Eigen::MatrixXd& columns) const;

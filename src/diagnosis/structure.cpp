@@ -11,7 +11,8 @@ namespace mm {
 namespace {
 
 /// Adds a variable when it varies and is known in at least nine of ten rows; unknown values become the mean.
-void addVariable(std::vector<Variable>& to, const std::string& name, const std::string& symbol, Eigen::VectorXd raw, bool category) {
+void addVariable(std::vector<Variable>& to, const std::string& name, const std::string& symbol,
+                 Eigen::VectorXd raw, bool category) {
   double low = 1e300, high = -1e300, sum = 0.0;
   int known = 0;
   for (double v : raw)
@@ -66,7 +67,8 @@ struct Test {
 };
 
 /// F test of what the columns explain of `left` beyond the model and what was found.
-Test explain(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found, Eigen::MatrixXd columns) {
+Test explain(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found,
+             Eigen::MatrixXd columns) {
   space.project(columns);
   if (found.cols() > 0) columns -= found * (found.transpose() * columns);
   for (int k = 0; k < columns.cols(); ++k) {
@@ -93,11 +95,13 @@ Test explain(const ResidualSpace& space, const Eigen::VectorXd& left, const Eige
   return test;
 }
 
-Eigen::MatrixXd times(const ResidualSpace& space, const Eigen::MatrixXd& terms, const Eigen::MatrixXd& factors) {
+Eigen::MatrixXd times(const ResidualSpace& space, const Eigen::MatrixXd& terms,
+                      const Eigen::MatrixXd& factors) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(space.problem().rowCount(), terms.cols() * factors.cols());
   for (int i = 0; i < space.rows(); ++i)
     for (int d = 0; d < factors.cols(); ++d)
-      for (int k = 0; k < terms.cols(); ++k) columns(space.used()[i], d * terms.cols() + k) = factors(i, d) * terms(i, k);
+      for (int k = 0; k < terms.cols(); ++k)
+        columns(space.used()[i], d * terms.cols() + k) = factors(i, d) * terms(i, k);
   return space.whiten(columns);
 }
 
@@ -116,26 +120,34 @@ std::vector<Variable> variablesOf(const ResidualSpace& space) {
   for (int j = 0; j < static_cast<int>(domain.joints.size()); ++j) {
     const bool linear = domain.joints[j].kind == JointKind::kLinear;
     const std::string& name = domain.joints[j].name;
-    addVariable(variables, name, name, collect([&](const State& s) { return s.position[j] / (linear ? kMillimetre : 1.0); }), false);
+    addVariable(variables, name, name,
+                collect([&](const State& s) { return s.position[j] / (linear ? kMillimetre : 1.0); }), false);
     addVariable(variables, name + " travel direction", "",
-                collect([&](const State& s) { return s.travel[j] == 0.0 ? kNotMeasured : s.travel[j]; }), true);
+                collect([&](const State& s) { return s.travel[j] == 0.0 ? kNotMeasured : s.travel[j]; }),
+                true);
     addVariable(variables, name + " speed", name + "_velocity",
                 collect([&](const State& s) { return s.velocity[j] / (linear ? kMillimetre : 1.0); }), false);
   }
   const char* const axes[] = {"x", "y", "z"};
   for (int k = 0; k < 3; ++k)
-    addVariable(variables, std::string("approach ") + axes[k], "",
-                collect([&](const State& s) { return s.approach.norm() > 0.5 ? s.approach[k] : kNotMeasured; }), false);
+    addVariable(variables, std::string("approach ") + axes[k], "", collect([&](const State& s) {
+                  return s.approach.norm() > 0.5 ? s.approach[k] : kNotMeasured;
+                }),
+                false);
   addVariable(variables, "time", "t", collect([&](const State& s) { return s.time; }), false);
   for (std::size_t k = 0; k < domain.sensors.size(); ++k)
-    addVariable(variables, "temperature " + domain.sensors[k], domain.sensors[k], collect([&](const State& s) { return s.temperature[k]; }), false);
+    addVariable(variables, "temperature " + domain.sensors[k], domain.sensors[k],
+                collect([&](const State& s) { return s.temperature[k]; }), false);
   for (std::size_t k = 0; k < domain.covariates.size(); ++k)
-    addVariable(variables, domain.covariates[k], domain.covariates[k], collect([&](const State& s) { return s.covariate[k]; }), false);
+    addVariable(variables, domain.covariates[k], domain.covariates[k],
+                collect([&](const State& s) { return s.covariate[k]; }), false);
   const auto& features = problem.session().artifact.features;
   if (features.size() > 1 && features.size() <= 40)
-    addVariable(variables, "ball", "", collect([&](const State& s) { return s.feature < 0 ? kNotMeasured : s.feature; }), true);
+    addVariable(variables, "ball", "",
+                collect([&](const State& s) { return s.feature < 0 ? kNotMeasured : s.feature; }), true);
   if (problem.session().hasLaser())
-    addVariable(variables, "laser reading", "", collect([&](const State& s) { return s.laserReading; }), false);
+    addVariable(variables, "laser reading", "", collect([&](const State& s) { return s.laserReading; }),
+                false);
   return variables;
 }
 
@@ -156,7 +168,8 @@ Directions directionsOf(const ResidualSpace& space) {
   std::set<std::string> taken;
   const char* const axes[] = {"x", "y", "z"};
   for (int j = 0; j < static_cast<int>(joints.size()); ++j)
-    if (joints[j].kind == JointKind::kLinear || std::any_of(problem.rows().begin(), problem.rows().end(), [](auto& r) { return r.angular; })) {
+    if (joints[j].kind == JointKind::kLinear ||
+        std::any_of(problem.rows().begin(), problem.rows().end(), [](auto& r) { return r.angular; })) {
       add(joints[j].name, [&](int row) { return g(row, layout.axis(j)); });
       taken.insert(joints[j].name);
     }
@@ -172,7 +185,8 @@ Directions directionsOf(const ResidualSpace& space) {
   return directions;
 }
 
-std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found) {
+std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left,
+                                              const Eigen::MatrixXd& found) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
   std::vector<WhereItFails> out;
@@ -202,7 +216,8 @@ Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left,
       const Eigen::MatrixXd ua = termsOf(variables[a], 2), ub = termsOf(variables[b], 2);
       Eigen::MatrixXd product(ua.rows(), ua.cols() * ub.cols());
       for (int i = 0; i < ua.cols(); ++i)
-        for (int j = 0; j < ub.cols(); ++j) product.col(i * ub.cols() + j) = ua.col(i).cwiseProduct(ub.col(j));
+        for (int j = 0; j < ub.cols(); ++j)
+          product.col(i * ub.cols() + j) = ua.col(i).cwiseProduct(ub.col(j));
       test(product);
     }
   }

@@ -10,28 +10,31 @@ namespace mm {
 
 /// A quantity that the residual may depend on, one value a used row. Continuous ones are scaled to [-1, 1].
 struct Variable {
-  std::string name;            // for people: "x", "x travel direction", "temperature bed", "time", "ball"
-  std::string symbol;          // in formulas: "x", "x_velocity", "bed", "t"; empty for categories
-  bool category = false;       // values are then small integers
-  Eigen::VectorXd values;      // a used row
+  std::string name;        // for people: "x", "x travel direction", "temperature bed", "time", "ball"
+  std::string symbol;      // in formulas: "x", "x_velocity", "bed", "t"; empty for categories
+  bool category = false;   // values are then small integers
+  Eigen::VectorXd values;  // a used row
   double centre = 0.0, half = 1.0;  // raw = centre + half * scaled, in the unit of formulas
 };
 
 /// Every variable of the session that varies and is known for (nearly) all used rows.
 std::vector<Variable> variablesOf(const ResidualSpace& space);
 
-/// In which directions a residual can be caused: the factor of a displacement along x, y, z of the workpiece, of the
-/// approach (contacts), and of each rotary joint's reading (angular residuals); rows x directions, SI.
+/// In which directions a residual can be caused: the factor of a displacement along x, y, z of the workpiece,
+/// of the approach (contacts), and of each rotary joint's reading (angular residuals); rows x directions, SI.
 struct Directions {
   std::vector<std::string> names;  // as in formula's `direction`
   Eigen::MatrixXd factors;         // a used row x directions, not whitened
 };
 Directions directionsOf(const ResidualSpace& space);
 
-/// How much of `left` (whitened, projected residual, length of the space) each variable explains, in any direction: low
-/// order terms of the variable times each direction, after everything that the model and `found` absorb.
-/// @param found orthonormal columns of effects already found. The p-values are corrected for the number of variables.
-std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found);
+/// How much of `left` (whitened, projected residual, length of the space) each variable explains, in any
+/// direction: low order terms of the variable times each direction, after everything that the model and
+/// `found` absorb.
+/// @param found orthonormal columns of effects already found. The p-values are corrected for the number of
+/// variables.
+std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left,
+                                              const Eigen::MatrixXd& found);
 
 /// Structure that is left: the most significant of the tests of single variables and of pairs of variables.
 struct Structure {

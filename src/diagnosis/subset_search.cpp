@@ -38,16 +38,19 @@ std::vector<int> membersOf(const Subset& s) {
   return m;
 }
 
-constexpr double kNewCause = 4.0;  // log of the odds against one more cause rather than one more shape of a known one
+constexpr double kNewCause =
+    4.0;  // log of the odds against one more cause rather than one more shape of a known one
 
 /// Keys that describe the shape of an effect, not its cause.
 bool isShape(const std::string& key) {
-  static const std::set<std::string> kShapes = {"degree", "power", "order", "harmonic", "lag", "period_mm", "period_deg"};
+  static const std::set<std::string> kShapes = {"degree", "power",     "order",     "harmonic",
+                                                "lag",    "period_mm", "period_deg"};
   return kShapes.count(key) > 0;
 }
 
 bool contains(const Subset& s, int candidate) {
-  return std::any_of(s.chosen.begin(), s.chosen.end(), [&](const Chosen& c) { return c.candidate == candidate; });
+  return std::any_of(s.chosen.begin(), s.chosen.end(),
+                     [&](const Chosen& c) { return c.candidate == candidate; });
 }
 
 /// The variables that an effect's columns depend on, by the names of `variablesOf`.
@@ -62,7 +65,8 @@ std::set<std::string> variablesIn(const EffectSpec& spec) {
   if (spec.type == "backlash") names.insert(spec.text("axis") + " speed");
   if (spec.type == "time_drift" || spec.type == "warm_up") names.insert("time");
   if (spec.type == "speed_lag") names.insert({"x speed", "y speed", "z speed"});
-  if (spec.type.rfind("probe_", 0) == 0 || spec.type.rfind("laser_", 0) == 0 || spec.type == "artifact_expansion")
+  if (spec.type.rfind("probe_", 0) == 0 || spec.type.rfind("laser_", 0) == 0 ||
+      spec.type == "artifact_expansion")
     names.insert({"approach x", "approach y", "approach z"});
   return names;
 }
@@ -84,10 +88,13 @@ SubsetSearch::SubsetSearch(const ResidualSpace& space, const CandidateSet& set) 
   for (int i = 0; i < static_cast<int>(set.candidates.size()); ++i) {
     const Candidate& c = set.candidates[i];
     if (!c.tried || c.spec.find("degree") == nullptr) continue;
-    const auto same = std::find_if(families_.begin(), families_.end(),
-                                   [&](const std::vector<int>& f) { return sameCause(set.candidates[f[0]].spec, c.spec); });
-    if (same != families_.end()) same->push_back(i);
-    else families_.push_back({i});
+    const auto same = std::find_if(families_.begin(), families_.end(), [&](const std::vector<int>& f) {
+      return sameCause(set.candidates[f[0]].spec, c.spec);
+    });
+    if (same != families_.end())
+      same->push_back(i);
+    else
+      families_.push_back({i});
   }
   for (const Atom& a : set.atoms) {
     const auto c = set.columns.middleCols(a.first, a.count);
@@ -108,7 +115,8 @@ int SubsetSearch::causes(const Subset& subset) const {
   for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
     bool first = true;
     for (std::size_t k = 0; k < i; ++k)
-      first &= !sameCause(set_.candidates[subset.chosen[i].candidate].spec, set_.candidates[subset.chosen[k].candidate].spec);
+      first &= !sameCause(set_.candidates[subset.chosen[i].candidate].spec,
+                          set_.candidates[subset.chosen[k].candidate].spec);
     count += first;
   }
   return count;
@@ -207,7 +215,8 @@ Subset SubsetSearch::without(const Subset& subset, std::size_t member) const {
   return s;
 }
 
-Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear, Eigen::MatrixXd columns) const {
+Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
+                            Eigen::MatrixXd columns) const {
   Gain g;
   g.candidate = candidate;
   g.nonlinear = nonlinear;
@@ -217,16 +226,19 @@ Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vect
   g.drop = (fresh.transpose() * subset.left).squaredNorm();
   const double rss = std::max(subset.rss - g.drop, 1e-300);
   g.objective = 0.5 * dof_ * std::log(rss / dof_) + subset.penalty + penaltyOf(subset, candidate);
-  const int free = g.rank + set_.candidates[candidate].freeParameters - static_cast<int>(set_.candidates[candidate].linear.size());
+  const int free = g.rank + set_.candidates[candidate].freeParameters -
+                   static_cast<int>(set_.candidates[candidate].linear.size());
   const double rest = dof_ - subset.basis.cols() - g.rank;
   g.logP = g.rank > 0 && rest > 0 ? logPValueF(g.drop / free / (rss / rest), free, rest) : 0.0;
   return g;
 }
 
-Gain SubsetSearch::gainOf(const Subset& subset, int candidate, const std::vector<double>& nonlinear, bool refine) const {
+Gain SubsetSearch::gainOf(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
+                          bool refine) const {
   Gain best = evaluate(subset, candidate, nonlinear, set_.columnsAt(space_, candidate, nonlinear));
   if (!refine || nonlinear.empty()) return best;
-  // descent in one nonlinear parameter after the other, by golden section in the logarithm between the neighbours
+  // descent in one nonlinear parameter after the other, by golden section in the logarithm between the
+  // neighbours
   const std::vector<std::vector<double>> starts = set_.candidates[candidate].effect->searchStarts();
   for (std::size_t k = 0; k < nonlinear.size(); ++k) {
     std::vector<double> values;
@@ -290,15 +302,18 @@ std::vector<Gain> SubsetSearch::bestGains(const Subset& subset, int count, bool 
       for (int k = 0; k < a.count; ++k)
         if (eigen.eigenvalues()[k] > kDependent) drop += s[k] * s[k] / eigen.eigenvalues()[k];
     }
-    const double objective = 0.5 * dof_ * std::log(std::max(subset.rss - drop, 1e-300) / dof_) + subset.penalty + penaltyOf(subset, a.candidate);
+    const double objective = 0.5 * dof_ * std::log(std::max(subset.rss - drop, 1e-300) / dof_) +
+                             subset.penalty + penaltyOf(subset, a.candidate);
     auto [it, fresh] = best.try_emplace(a.candidate, Quick{objective, static_cast<int>(i)});
     if (!fresh && objective < it->second.objective) it->second = {objective, static_cast<int>(i)};
   }
   std::vector<Quick> order;
   for (const auto& [candidate, quick] : best) order.push_back(quick);
-  std::sort(order.begin(), order.end(), [](const Quick& x, const Quick& y) { return x.objective < y.objective; });
+  std::sort(order.begin(), order.end(),
+            [](const Quick& x, const Quick& y) { return x.objective < y.objective; });
   std::vector<Gain> gains;
-  const std::size_t looked = std::min(order.size(), static_cast<std::size_t>(refine ? count + count / 2 + 2 : count));
+  const std::size_t looked =
+      std::min(order.size(), static_cast<std::size_t>(refine ? count + count / 2 + 2 : count));
   for (std::size_t i = 0; i < looked; ++i) {
     const Atom& a = set_.atoms[order[i].atom];
     if (refine && !a.nonlinear.empty())
@@ -306,14 +321,19 @@ std::vector<Gain> SubsetSearch::bestGains(const Subset& subset, int count, bool 
     else
       gains.push_back(evaluate(subset, a.candidate, a.nonlinear, set_.columns.middleCols(a.first, a.count)));
   }
-  std::stable_sort(gains.begin(), gains.end(), [](const Gain& x, const Gain& y) { return x.objective < y.objective; });
+  std::stable_sort(gains.begin(), gains.end(),
+                   [](const Gain& x, const Gain& y) { return x.objective < y.objective; });
   if (static_cast<int>(gains.size()) > count) gains.resize(count);
   return gains;
 }
 
-double SubsetSearch::correctedLogP(const Gain& gain) const { return std::min(0.0, gain.logP + set_.logTried); }
+double SubsetSearch::correctedLogP(const Gain& gain) const {
+  return std::min(0.0, gain.logP + set_.logTried);
+}
 
-bool SubsetSearch::significant(const Gain& gain) const { return gain.rank > 0 && correctedLogP(gain) < std::log(significance); }
+bool SubsetSearch::significant(const Gain& gain) const {
+  return gain.rank > 0 && correctedLogP(gain) < std::log(significance);
+}
 
 void SubsetSearch::refineAll(Subset& subset) const {
   for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
@@ -408,7 +428,8 @@ void SubsetSearch::prune(Subset& subset) const {
     std::size_t goes = subset.chosen.size();
     for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
       const Subset rest = without(subset, i);
-      const Gain g = evaluate(rest, subset.chosen[i].candidate, subset.chosen[i].nonlinear, subset.chosen[i].columns);
+      const Gain g =
+          evaluate(rest, subset.chosen[i].candidate, subset.chosen[i].nonlinear, subset.chosen[i].columns);
       if ((!significant(g) || g.objective >= rest.objective || !standsAlone(rest, g)) && g.drop < smallest) {
         smallest = g.drop;
         goes = i;
@@ -439,7 +460,8 @@ Subset SubsetSearch::run() const {
     if (next.empty()) break;
     beam.clear();
     for (auto& [key, s] : next) beam.push_back(std::move(s));
-    std::stable_sort(beam.begin(), beam.end(), [](const Subset& x, const Subset& y) { return x.objective < y.objective; });
+    std::stable_sort(beam.begin(), beam.end(),
+                     [](const Subset& x, const Subset& y) { return x.objective < y.objective; });
     if (beam.size() > width) beam.resize(width);
     if (beam[0].objective < best.objective) best = beam[0];
   }
@@ -453,7 +475,9 @@ Subset SubsetSearch::run() const {
   prune(best);
   for (int again = 0; again < 3; ++again) {  // room may have been made for another
     const std::vector<Gain> more = bestGains(best, 1, true);
-    if (more.empty() || !significant(more[0]) || more[0].objective >= best.objective || !standsAlone(best, more[0])) break;
+    if (more.empty() || !significant(more[0]) || more[0].objective >= best.objective ||
+        !standsAlone(best, more[0]))
+      break;
     best = extend(best, {more[0].candidate, more[0].nonlinear, more[0].columns});
     exchange(best);
     prune(best);

@@ -20,14 +20,15 @@ struct Chosen {
 /// A set of effects and how well it explains the residual.
 struct Subset {
   std::vector<Chosen> chosen;
-  Eigen::MatrixXd basis;   // orthonormal columns of the set
-  Eigen::VectorXd left;    // what it leaves of the target
+  Eigen::MatrixXd basis;  // orthonormal columns of the set
+  Eigen::VectorXd left;   // what it leaves of the target
   double rss = 0.0;
   double penalty = 0.0;    // 1/2 ln N for each parameter
   double objective = 0.0;  // penalised negative log-likelihood: 1/2 N ln(rss / N) + penalty
 };
 
-/// The same physical cause: same type at the same place; degree, power, order, harmonic, period and lag are its shape.
+/// The same physical cause: same type at the same place; degree, power, order, harmonic, period and lag are
+/// its shape.
 bool sameCause(const EffectSpec& a, const EffectSpec& b);
 
 /// What one effect adds to a set.
@@ -35,14 +36,14 @@ struct Gain {
   int candidate = -1;
   std::vector<double> nonlinear;
   Eigen::MatrixXd columns;
-  double drop = 0.0;       // of the residual sum of squares
+  double drop = 0.0;  // of the residual sum of squares
   int rank = 0;
   double objective = 0.0;  // of the set with it
   double logP = 0.0;       // F test, not corrected
 };
 
-/// Which set of effects explains a residual: forward search with a beam, exchange of each member against every other
-/// candidate, and a backward look. Everything is judged after joint refit, by projection.
+/// Which set of effects explains a residual: forward search with a beam, exchange of each member against
+/// every other candidate, and a backward look. Everything is judged after joint refit, by projection.
 class SubsetSearch {
  public:
   SubsetSearch(const ResidualSpace& space, const CandidateSet& set);
@@ -61,17 +62,20 @@ class SubsetSearch {
   std::vector<Gain> bestGains(const Subset& subset, int count, bool refine) const;
   /// Gain of one candidate near given nonlinear values.
   Gain gainOf(const Subset& subset, int candidate, const std::vector<double>& nonlinear, bool refine) const;
-  /// What the shape of a found effect may differ by from the catalogue's: its columns times low-order functions of the
-  /// variables it depends on, projected on the model, orthonormal. No physical effect is exactly a Legendre polynomial
-  /// or one exponential: what lies in this span is the same cause in another shape before it is another cause.
+  /// What the shape of a found effect may differ by from the catalogue's: its columns times low-order
+  /// functions of the variables it depends on, projected on the model, orthonormal. No physical effect is
+  /// exactly a Legendre polynomial or one exponential: what lies in this span is the same cause in another
+  /// shape before it is another cause.
   const Eigen::MatrixXd& shapeOf(const Chosen& chosen) const;
-  /// Orthonormal columns of the subset and of the shapes of all its members (of those whose cause is not `but`).
+  /// Orthonormal columns of the subset and of the shapes of all its members (of those whose cause is not
+  /// `but`).
   Eigen::MatrixXd withShapes(const Subset& subset, const EffectSpec* but = nullptr) const;
   /// False when a gain is only what the shape of a larger member leaves over.
   bool standsAlone(const Subset& subset, const Gain& gain) const;
   /// Number of different causes in a subset: the same type at the same place in other shapes is one.
   int causes(const Subset& subset) const;
-  /// The found effects' columns times each variable: what is left if the size of an effect depends on another variable.
+  /// The found effects' columns times each variable: what is left if the size of an effect depends on another
+  /// variable.
   Eigen::MatrixXd modulations(const Subset& subset) const;
   /// `rest` with one cause added in as many of its shapes as pay; `rest` itself when none does.
   Subset withFamily(const Subset& rest, const std::vector<int>& family) const;
@@ -84,11 +88,13 @@ class SubsetSearch {
 
  private:
   void exchange(Subset& subset) const;
-  /// One or two members against one cause in several shapes (degrees): a smooth profile is rarely one polynomial.
+  /// One or two members against one cause in several shapes (degrees): a smooth profile is rarely one
+  /// polynomial.
   bool exchangeForFamilies(Subset& subset) const;
   void prune(Subset& subset) const;
   void refineAll(Subset& subset) const;
-  Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear, Eigen::MatrixXd columns) const;
+  Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
+                Eigen::MatrixXd columns) const;
   double penaltyOf(const Subset& subset, int candidate) const;
 
   const ResidualSpace& space_;
@@ -96,7 +102,7 @@ class SubsetSearch {
   mutable std::map<std::pair<int, std::vector<double>>, Eigen::MatrixXd> shapes_;
   std::vector<Variable> variables_;
   std::vector<std::vector<int>> families_;
-  double dof_ = 1.0;  // residuals minus the model's unknowns
+  double dof_ = 1.0;                    // residuals minus the model's unknowns
   std::vector<Eigen::MatrixXd> grams_;  // an atom
 };
 

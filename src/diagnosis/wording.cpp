@@ -36,22 +36,27 @@ std::string sentenceOf(const Diagnosis& d, const std::vector<WhereItFails>& left
       std::string text = "Structure is left that no effect of the catalogue explains";
       if (!onLeft.empty()) text += "; it depends on " + onLeft;
       if (!d.formulas.empty())
-        text += "; the formula " + d.formulas[0].effect.text("formula") + " along " + d.formulas[0].effect.text("direction") +
-                " lowers the held-out RMS from " + rms(d.formulas[0].heldOutBefore) + " to " + rms(d.formulas[0].heldOutAfter);
-      if (!d.missing.empty()) text += "; found on the way: " + listOf(d.missing) + ", which is not the whole answer";
+        text += "; the formula " + d.formulas[0].effect.text("formula") + " along " +
+                d.formulas[0].effect.text("direction") + " lowers the held-out RMS from " +
+                rms(d.formulas[0].heldOutBefore) + " to " + rms(d.formulas[0].heldOutAfter);
+      if (!d.missing.empty())
+        text += "; found on the way: " + listOf(d.missing) + ", which is not the whole answer";
       return text + ".";
     }
     case Verdict::kConfusable:
       return "Missing: " + listOf(d.missing) +
              ", but these data cannot tell at least one of them from another effect; the listed moves would.";
     case Verdict::kMissingEffect:
-      return "Missing: " + listOf(d.missing) + "; held-out RMS " + rms(before) + " -> " + rms(d.missing.back().heldOutAfter) + ".";
+      return "Missing: " + listOf(d.missing) + "; held-out RMS " + rms(before) + " -> " +
+             rms(d.missing.back().heldOutAfter) + ".";
     case Verdict::kExplained: {
-      std::string text = "Nothing is missing: no effect is significant and no structure is left in the residual";
-      if (d.base.repeatabilityFrom == "estimated") return text + " (the repeatability was not stated: estimated as " + rms(d.base.repeatability) + ").";
+      std::string text =
+          "Nothing is missing: no effect is significant and no structure is left in the residual";
+      if (d.base.repeatabilityFrom == "estimated")
+        return text + " (the repeatability was not stated: estimated as " + rms(d.base.repeatability) + ").";
       if (d.base.figures.chi2PerDof > 1.5)
-        return text + "; its scatter is " + shortNumber(std::sqrt(d.base.figures.chi2PerDof)) + " times the repeatability of " + rms(d.base.repeatability) +
-               ", which seems stated too small.";
+        return text + "; its scatter is " + shortNumber(std::sqrt(d.base.figures.chi2PerDof)) +
+               " times the repeatability of " + rms(d.base.repeatability) + ", which seems stated too small.";
       return text + ", which is at the repeatability of " + rms(d.base.repeatability) + ".";
     }
     default:

@@ -56,7 +56,8 @@ GeometricStart geometricStart(const Session& session) {
     const ProbePose pose = session.machine.nominal(o.position.data(), o.laserReading);
     touched[o.feature].push_back(pose.position);
     if (o.laserReading == o.laserReading) laser[o.feature] = 1;
-    if (o.approach.allFinite() && o.approach.norm() > 0.5) approaches[o.feature].push_back(o.approach.normalized());
+    if (o.approach.allFinite() && o.approach.norm() > 0.5)
+      approaches[o.feature].push_back(o.approach.normalized());
   }
   start.features.resize(features.size());
   std::vector<char> found(features.size(), 0);
@@ -74,7 +75,8 @@ GeometricStart geometricStart(const Session& session) {
     const double distance = features[f].radius + (laser[f] ? 0.0 : session.artifact.tipRadius);
     if (approaches[f].size() == touched[f].size()) {
       Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-      for (std::size_t i = 0; i < touched[f].size(); ++i) centre += touched[f][i] + distance * approaches[f][i];
+      for (std::size_t i = 0; i < touched[f].size(); ++i)
+        centre += touched[f][i] + distance * approaches[f][i];
       start.features[f] = centre / static_cast<double>(touched[f].size());
       found[f] = 1;
     }
@@ -102,14 +104,16 @@ GeometricStart geometricStart(const Session& session) {
         Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
         start.rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
       } else if (from.cols() > 1) {  // on one line: the shortest rotation
-        const Eigen::Vector3d u = (from.rightCols<1>() - from.leftCols<1>()), v = (to.rightCols<1>() - to.leftCols<1>());
+        const Eigen::Vector3d u = (from.rightCols<1>() - from.leftCols<1>()),
+                              v = (to.rightCols<1>() - to.leftCols<1>());
         start.rotation = Eigen::Quaterniond::FromTwoVectors(u, v).toRotationMatrix();
       }
       start.translation = b - start.rotation * a;
     }
   }
   for (std::size_t f = 0; f < features.size(); ++f)
-    if (features[f].known || !found[f]) start.features[f] = start.rotation * features[f].position + start.translation;
+    if (features[f].known || !found[f])
+      start.features[f] = start.rotation * features[f].position + start.translation;
   return start;
 }
 

@@ -15,14 +15,15 @@ bool choosesFrame(const Problem& problem, int unknown) {
   if (u.kind != UnknownKind::kEffect) return true;
   const std::string type = problem.model().effects()[u.owner]->spec().type;
   if (type == "mmt_deviation") return u.name.rfind("alpha", 0) == 0;
-  return type == "cross_talk" || type == "rotary_zero" || type == "rotary_axis_offset" || type == "artifact_position" ||
-         type == "laser_mount" || type == "position_table";
+  return type == "cross_talk" || type == "rotary_zero" || type == "rotary_axis_offset" ||
+         type == "artifact_position" || type == "laser_mount" || type == "position_table";
 }
 
 std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
   std::vector<std::pair<int, double>> big;
   for (const auto& d : lost.direction)
-    if (std::abs(d.second) > 0.15 && problem.unknowns()[d.first].kind == UnknownKind::kEffect) big.push_back(d);
+    if (std::abs(d.second) > 0.15 && problem.unknowns()[d.first].kind == UnknownKind::kEffect)
+      big.push_back(d);
   if (big.empty())
     for (const auto& d : lost.direction)
       if (std::abs(d.second) > 0.15) big.push_back(d);
@@ -33,7 +34,8 @@ std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
   for (std::size_t i = 0; i < big.size(); ++i)
     names += (i == 0 ? "" : i + 1 == big.size() ? " and " : ", ") + displayName(problem, big[i].first);
   if (big.size() == 2 && std::abs(std::abs(big[0].second) - std::abs(big[1].second)) < 0.1)
-    return names + ": only their " + (big[0].second * big[1].second < 0 ? "sum" : "difference") + " is determined";
+    return names + ": only their " + (big[0].second * big[1].second < 0 ? "sum" : "difference") +
+           " is determined";
   return names + ": one combination of them is not determined";
 }
 
@@ -56,16 +58,18 @@ std::string displayName(const Problem& problem, int unknown) {
   const Unknown& u = problem.unknowns()[unknown];
   if (u.kind != UnknownKind::kEffect) return u.name;
   int same = 0;
-  for (const Unknown& other : problem.unknowns()) same += other.kind == UnknownKind::kEffect && other.name == u.name;
+  for (const Unknown& other : problem.unknowns())
+    same += other.kind == UnknownKind::kEffect && other.name == u.name;
   return same == 1 ? u.name : u.name + " of " + problem.model().effects()[u.owner]->spec().yaml();
 }
 
 bool Identifiability::incomplete() const {
-  return std::any_of(lost.begin(), lost.end(), [](const LostDirection& l) { return l.ofTheModel && !l.byConvention; });
+  return std::any_of(lost.begin(), lost.end(),
+                     [](const LostDirection& l) { return l.ofTheModel && !l.byConvention; });
 }
 
-Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
-                        bool beforeFit, const std::vector<char>& held) {
+Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
+                         const Eigen::VectorXd& inverseSigma, bool beforeFit, const std::vector<char>& held) {
   const int count = problem.unknownCount();
   const auto& unknowns = problem.unknowns();
   Identifiability result;
@@ -80,7 +84,10 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
   if (!held.empty()) holdColumns(scaled, held);
   Eigen::MatrixXd r;
   if (scaled.rows() > count) {
-    r = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled).matrixQR().topRows(count).triangularView<Eigen::Upper>();
+    r = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled)
+            .matrixQR()
+            .topRows(count)
+            .triangularView<Eigen::Upper>();
   } else {
     r = scaled;
   }
@@ -91,16 +98,19 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
     if (!(s >= 1.0)) lostColumns.push_back(i);
   }
   Eigen::MatrixXd null(count, lostColumns.size());
-  for (std::size_t k = 0; k < lostColumns.size(); ++k) null.col(static_cast<int>(k)) = svd.matrixV().col(lostColumns[k]);
+  for (std::size_t k = 0; k < lostColumns.size(); ++k)
+    null.col(static_cast<int>(k)) = svd.matrixV().col(lostColumns[k]);
 
-  // Hold one unknown a direction: the instrument's zeros, the effects' parameters from the last to the first, the rest.
+  // Hold one unknown a direction: the instrument's zeros, the effects' parameters from the last to the first,
+  // the rest.
   std::vector<int> order;
   for (int u = count - 1; u >= 0; --u)
     if (unknowns[u].kind == UnknownKind::kSetup) order.push_back(u);
   for (int u = count - 1; u >= 0; --u)
     if (unknowns[u].kind == UnknownKind::kEffect) order.push_back(u);
   for (int u = count - 1; u >= 0; --u)
-    if (unknowns[u].kind != UnknownKind::kEffect && unknowns[u].kind != UnknownKind::kSetup) order.push_back(u);
+    if (unknowns[u].kind != UnknownKind::kEffect && unknowns[u].kind != UnknownKind::kSetup)
+      order.push_back(u);
   Eigen::MatrixXd rest = null;
   for (int u : order) {
     if (rest.cols() == 0) break;
@@ -110,7 +120,8 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
     // a zero of the instrument has no bound to speak of: any part in the direction counts
     if (share < (unknowns[u].kind == UnknownKind::kSetup ? 1e-6 : 0.05) && !last) continue;
     if (share < 1e-9) continue;
-    if (beforeFit && unknowns[u].kind == UnknownKind::kEffect && !problem.model().effects()[unknowns[u].owner]->separable() &&
+    if (beforeFit && unknowns[u].kind == UnknownKind::kEffect &&
+        !problem.model().effects()[unknowns[u].owner]->separable() &&
         problem.model().effects()[unknowns[u].owner]->spec().type != "laser_mount")
       continue;
     // the member of the remaining null space that u belongs to
@@ -125,10 +136,11 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
     lost.fixedUnknown = u;
     lost.byConvention = choosesFrame(problem, u);
     lost.inWords = inWordsOf(problem, lost);
-    lost.wouldShow = unknowns[u].kind == UnknownKind::kEffect
-                         ? (lost.byConvention ? "a ball at a known position, or a reference direction, would separate them"
-                                              : problem.model().effects()[unknowns[u].owner]->shownBy())
-                         : "contacts spread over more of the ball, or over more balls";
+    lost.wouldShow =
+        unknowns[u].kind == UnknownKind::kEffect
+            ? (lost.byConvention ? "a ball at a known position, or a reference direction, would separate them"
+                                 : problem.model().effects()[unknowns[u].owner]->shownBy())
+            : "contacts spread over more of the ball, or over more balls";
     result.fixed[u] = 1;
     result.lost.push_back(lost);
     // remove u from the null space: what remains has no component along u
@@ -139,7 +151,8 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x, const
     rest = next;
   }
   int fixedParameters = 0;
-  for (int u = 0; u < count; ++u) fixedParameters += result.fixed[u] && unknowns[u].kind == UnknownKind::kEffect;
+  for (int u = 0; u < count; ++u)
+    fixedParameters += result.fixed[u] && unknowns[u].kind == UnknownKind::kEffect;
   result.rank = result.parameters - fixedParameters;
   for (std::size_t u = 0; u < held.size(); ++u) result.fixed[u] |= held[u];
   return result;

@@ -8,7 +8,8 @@
 
 namespace mm {
 
-void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed, const Eigen::VectorXd& inverseSigma) {
+void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
+                    const Eigen::VectorXd& inverseSigma) {
   const Model& model = problem.model();
   for (int e = 0; e < static_cast<int>(model.effects().size()); ++e) {
     const Effect& effect = *model.effects()[e];
@@ -25,12 +26,15 @@ void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char
     for (int k = 0; k < effect.parameterCount(); ++k) without[offset + k] = 1;
     for (int other = e + 1; other < static_cast<int>(model.effects().size()); ++other)
       if (!model.effects()[other]->searchStarts().empty())
-        for (int k = 0; k < model.effects()[other]->parameterCount(); ++k) without[model.offset(other) + k] = 1;
+        for (int k = 0; k < model.effects()[other]->parameterCount(); ++k)
+          without[model.offset(other) + k] = 1;
     const WhitenedSystem system(problem, x, inverseSigma, without);
-    const int columns = static_cast<int>(system.jacobian.cols()), rows = static_cast<int>(system.jacobian.rows());
+    const int columns = static_cast<int>(system.jacobian.cols()),
+              rows = static_cast<int>(system.jacobian.rows());
     Eigen::MatrixXd q(rows, 0);
     if (columns > 0 && rows > columns)
-      q = Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).householderQ() * Eigen::MatrixXd::Identity(rows, columns);
+      q = Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).householderQ() *
+          Eigen::MatrixXd::Identity(rows, columns);
     Eigen::VectorXd target = -system.residuals;
     target -= q * (q.transpose() * target);
     problem.linearise(x);
@@ -43,7 +47,8 @@ void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char
       const Eigen::MatrixXd all = problem.effectColumns(effect, p);
       std::vector<int> linear;
       for (int k = 0; k < effect.parameterCount(); ++k)
-        if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end() && !fixed[offset + k]) linear.push_back(k);
+        if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end() && !fixed[offset + k])
+          linear.push_back(k);
       if (linear.empty()) break;
       Eigen::MatrixXd a = Eigen::MatrixXd::Zero(rows, linear.size());
       for (std::size_t k = 0; k < linear.size(); ++k)

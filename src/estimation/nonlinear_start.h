@@ -6,9 +6,10 @@
 
 namespace mm {
 
-/// Start values for parameters that enter nonlinearly (a period, a time constant): each effect's searchStarts are
-/// tried with everything else refitted by the linearised problem; the best, with its amplitudes, goes into x.
-/// Effects whose nonlinear parameters have no searchStarts (formulas) are left alone.
-void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed, const Eigen::VectorXd& inverseSigma);
+/// Start values for parameters that enter nonlinearly (a period, a time constant): each effect's searchStarts
+/// are tried with everything else refitted by the linearised problem; the best, with its amplitudes, goes
+/// into x. Effects whose nonlinear parameters have no searchStarts (formulas) are left alone.
+void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
+                    const Eigen::VectorXd& inverseSigma);
 
 }  // namespace mm

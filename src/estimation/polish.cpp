@@ -16,16 +16,22 @@ struct Block {
   std::vector<double> values;  // divided by the unknowns' scale
 };
 
-/// The whitened residuals of the observations that share one local block (a free feature), or of a slice of the rest.
+/// The whitened residuals of the observations that share one local block (a free feature), or of a slice of
+/// the rest.
 class GroupCost final : public ceres::CostFunction {
  public:
   GroupCost(const Problem& problem, const Eigen::VectorXd& base, const Eigen::VectorXd& inverseSigma,
             std::vector<int> observations, const std::vector<const Block*>& blocks)
-      : problem_(problem), base_(base), inverseSigma_(inverseSigma), observations_(std::move(observations)), blocks_(blocks) {
+      : problem_(problem),
+        base_(base),
+        inverseSigma_(inverseSigma),
+        observations_(std::move(observations)),
+        blocks_(blocks) {
     int rows = 0;
     for (int o : observations_) rows += problem.firstRow(o + 1) - problem.firstRow(o);
     set_num_residuals(rows);
-    for (const Block* b : blocks_) mutable_parameter_block_sizes()->push_back(static_cast<int>(b->unknowns.size()));
+    for (const Block* b : blocks_)
+      mutable_parameter_block_sizes()->push_back(static_cast<int>(b->unknowns.size()));
   }
 
   bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
@@ -108,9 +114,10 @@ class Watcher final : public ceres::IterationCallback {
 };
 
 /// Gauss-Newton steps by QR, halved until they shorten the residual: the last digits, for small problems.
-/// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the relative
-/// offset), or when no step shortens it any more.
-bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed, Eigen::VectorXd& x) {
+/// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the
+/// relative offset), or when no step shortens it any more.
+bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed,
+            Eigen::VectorXd& x) {
   constexpr int kSteps = 100, kHalvings = 12;
   constexpr double kOffset = 1e-9, kFlat = 1e-4;
   WhitenedSystem system(problem, x, inverseSigma, fixed);
@@ -140,7 +147,8 @@ bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const s
 }  // namespace
 
 PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
-                    const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const PolishOptions& options) {
+                    const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
+                    const PolishOptions& options) {
   PolishResult result;
   result.x = start;
   const Eigen::VectorXd inverseSigma = weight.cwiseSqrt().cwiseQuotient(sigma);
@@ -152,7 +160,8 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
   for (int u = 0; u < problem.unknownCount(); ++u) {
     if (fixed[u]) continue;
     const int first = u - unknowns[u].component;
-    const bool isLocal = unknowns[u].kind == UnknownKind::kFeature && !fixed[first] && !fixed[first + 1] && !fixed[first + 2];
+    const bool isLocal =
+        unknowns[u].kind == UnknownKind::kFeature && !fixed[first] && !fixed[first + 1] && !fixed[first + 2];
     Block& block = isLocal ? local[unknowns[u].owner] : global;
     block.unknowns.push_back(u);
     block.values.push_back(start[u] / unknowns[u].scale);
@@ -166,28 +175,32 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
   std::map<int, std::vector<int>> groups;  // feature, or a negative slice of the rest
   const auto& observations = problem.session().observations;
   for (int o = 0; o < static_cast<int>(observations.size()); ++o) {
-    const bool has = observations[o].kind == ObservationKind::kContact && local.count(observations[o].feature) > 0;
+    const bool has =
+        observations[o].kind == ObservationKind::kContact && local.count(observations[o].feature) > 0;
     if (has || !global.unknowns.empty()) groups[has ? observations[o].feature : -1 - o / 256].push_back(o);
   }
   const Eigen::VectorXd base = start;
   ceres::Problem ceresProblem;
   std::map<int, std::pair<Block*, int>> placeOf;  // unknown -> block, index
-  for (std::size_t i = 0; i < global.unknowns.size(); ++i) placeOf[global.unknowns[i]] = {&global, static_cast<int>(i)};
+  for (std::size_t i = 0; i < global.unknowns.size(); ++i)
+    placeOf[global.unknowns[i]] = {&global, static_cast<int>(i)};
   for (auto& [feature, block] : local)
-    for (std::size_t i = 0; i < block.unknowns.size(); ++i) placeOf[block.unknowns[i]] = {&block, static_cast<int>(i)};
+    for (std::size_t i = 0; i < block.unknowns.size(); ++i)
+      placeOf[block.unknowns[i]] = {&block, static_cast<int>(i)};
   for (auto& [key, members] : groups) {
     std::vector<const Block*> blocks;
     std::vector<double*> values;
     if (!global.unknowns.empty()) blocks.push_back(&global), values.push_back(global.values.data());
     if (key >= 0) blocks.push_back(&local[key]), values.push_back(local[key].values.data());
-    ceresProblem.AddResidualBlock(new GroupCost(problem, base, inverseSigma, members, blocks), nullptr, values);
+    ceresProblem.AddResidualBlock(new GroupCost(problem, base, inverseSigma, members, blocks), nullptr,
+                                  values);
   }
   for (int u : problem.priors()) {
     if (fixed[u]) continue;
     auto [block, index] = placeOf[u];
-    ceresProblem.AddResidualBlock(
-        new PriorCost(index, static_cast<int>(block->unknowns.size()), unknowns[u].scale / unknowns[u].priorStd), nullptr,
-        block->values.data());
+    ceresProblem.AddResidualBlock(new PriorCost(index, static_cast<int>(block->unknowns.size()),
+                                                unknowns[u].scale / unknowns[u].priorStd),
+                                  nullptr, block->values.data());
   }
 
   ceres::Solver::Options solver;
@@ -221,11 +234,12 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cancelled = summary.termination_type == ceres::USER_SUCCESS;
   result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.stop = result.cancelled ? "cancelled"
-                : result.converged ? "converged"
+  result.stop = result.cancelled                                    ? "cancelled"
+                : result.converged                                  ? "converged"
                 : summary.termination_type == ceres::NO_CONVERGENCE ? "iterations"
                                                                     : "the residual cannot be evaluated";
-  const double size = static_cast<double>(problem.rowCount()) * problem.unknownCount() * problem.unknownCount();
+  const double size =
+      static_cast<double>(problem.rowCount()) * problem.unknownCount() * problem.unknownCount();
   if (!result.cancelled && summary.termination_type != ceres::FAILURE && size < 5e7) {
     result.converged |= refine(problem, inverseSigma, fixed, result.x);
     if (result.converged) result.stop = "converged";

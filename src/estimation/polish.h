@@ -22,10 +22,11 @@ struct PolishResult {
   std::string stop;  // in words
 };
 
-/// Levenberg-Marquardt (Ceres) from `x` over the unknowns that are not fixed. Runs on one thread, so that bits do
-/// not depend on threads. Free positions of features are eliminated first (Schur).
+/// Levenberg-Marquardt (Ceres) from `x` over the unknowns that are not fixed. Runs on one thread, so that
+/// bits do not depend on threads. Free positions of features are eliminated first (Schur).
 /// @param sigma standard deviation a data row (m, rad). @param weight a data row: 1, or 0 to leave it out.
 PolishResult polish(const Problem& problem, const Eigen::VectorXd& x, const std::vector<char>& fixed,
-                    const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const PolishOptions& options);
+                    const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
+                    const PolishOptions& options);
 
 }  // namespace mm

@@ -29,7 +29,8 @@ const char* const kAxisNames[] = {"x", "y", "z"};
 
 Problem::Problem(const Session& session, Model model) : session_(&session), model_(std::move(model)) {
   if (session.observations.empty())
-    throw InputError(session.source + ": the session has no observations; record contacts or references first");
+    throw InputError(session.source +
+                     ": the session has no observations; record contacts or references first");
   const GeometricStart start = geometricStart(session);
   rotation0_ = start.rotation;
   translation0_ = start.translation;
@@ -60,8 +61,8 @@ void Problem::findUsable() {
   }
   if (5 * leftOut_.size() <= usable_.size()) return;
   const int o = leftOut_.front();  // which effect lacks its input?
-  const std::string where = session_->source + ": row " + std::to_string(session_->observations[o].row) + " and " +
-                            std::to_string(leftOut_.size() - 1) + " more: ";
+  const std::string where = session_->source + ": row " + std::to_string(session_->observations[o].row) +
+                            " and " + std::to_string(leftOut_.size() - 1) + " more: ";
   for (const EffectPtr& e : model_.effects()) {
     Model one(model_.machine(), model_.domain(), {e});
     std::vector<double> p;
@@ -93,14 +94,16 @@ void Problem::addRows() {
         if (std::isfinite(at.deviation[row.component])) {
           ResidualRow r = row;
           r.angular = model_.machine().joints()[row.component].kind == JointKind::kRotary;
-          if (row.component < static_cast<int>(at.deviationStd.size()) && std::isfinite(at.deviationStd[row.component]))
+          if (row.component < static_cast<int>(at.deviationStd.size()) &&
+              std::isfinite(at.deviationStd[row.component]))
             r.statedSigma = at.deviationStd[row.component];
           rows_.push_back(r);
         }
     }
   }
   firstRow_.push_back(static_cast<int>(rows_.size()));
-  if (rows_.empty()) throw InputError(session_->source + ": no observation has a measured value; nothing to fit");
+  if (rows_.empty())
+    throw InputError(session_->source + ": no observation has a measured value; nothing to fit");
 }
 
 void Problem::addUnknowns() {
@@ -124,13 +127,15 @@ void Problem::addUnknowns() {
   }
   bool knownTouched = positions;
   for (std::size_t f = 0; f < features.size(); ++f) knownTouched |= touched[f] && features[f].known;
-  if (!session_->artifact.poseKnown && knownTouched) {  // with free features only, the pose is absorbed by them
+  if (!session_->artifact.poseKnown &&
+      knownTouched) {  // with free features only, the pose is absorbed by them
     poseOffset_ = unknownCount();
     for (int k = 0; k < 6; ++k) {
       const bool rotation = k < 3;
-      add({UnknownKind::kPose, 0, k, std::string(rotation ? "rotation " : "position ") + kAxisNames[k % 3] + " of the artifact",
-           rotation ? "arcsec" : "um", rotation ? 1.0 / kArcsecond : 1.0 / kMicrometre, rotation ? 1e-3 : 1e-4,
-           rotation ? 0.5 : 1.0, 0.0, 0.0});
+      add({UnknownKind::kPose, 0, k,
+           std::string(rotation ? "rotation " : "position ") + kAxisNames[k % 3] + " of the artifact",
+           rotation ? "arcsec" : "um", rotation ? 1.0 / kArcsecond : 1.0 / kMicrometre,
+           rotation ? 1e-3 : 1e-4, rotation ? 0.5 : 1.0, 0.0, 0.0});
     }
   }
   featureOffset_.assign(features.size(), -1);
@@ -145,18 +150,22 @@ void Problem::addUnknowns() {
     }
     if (features[f].kind == FeatureKind::kBall && features[f].radiusStd > 0.0) {
       radiusOffset_[f] = unknownCount();
-      add({UnknownKind::kRadius, static_cast<int>(f), 0, "radius of " + features[f].name, "um", 1.0 / kMicrometre, 1e-6,
-           1e-2, 0.0, features[f].radiusStd});
+      add({UnknownKind::kRadius, static_cast<int>(f), 0, "radius of " + features[f].name, "um",
+           1.0 / kMicrometre, 1e-6, 1e-2, 0.0, features[f].radiusStd});
     }
   }
-  // one zero a setup and measured component; rows without a setup share one too, unless the model is the user's own law
-  // from end to end: an instrument measures from a datum of its own, a law written as a formula says where it starts
+  // one zero a setup and measured component; rows without a setup share one too, unless the model is the
+  // user's own law from end to end: an instrument measures from a datum of its own, a law written as a
+  // formula says where it starts
   const auto& effects = model_.effects();
-  const bool lawOnly = !effects.empty() && std::all_of(effects.begin(), effects.end(),
-                                                       [](const EffectPtr& e) { return e->spec().type == "formula"; });
+  const bool lawOnly =
+      !effects.empty() && std::all_of(effects.begin(), effects.end(),
+                                      [](const EffectPtr& e) { return e->spec().type == "formula"; });
   const int named = static_cast<int>(session_->setups.size());
   for (const Observation& o : session_->observations)
-    setupOf_.push_back(o.setup >= 0 ? o.setup : o.kind == ObservationKind::kDeviation && !lawOnly ? named : -1);
+    setupOf_.push_back(o.setup >= 0                                        ? o.setup
+                       : o.kind == ObservationKind::kDeviation && !lawOnly ? named
+                                                                           : -1);
   const int width = std::max(3, model_.machine().jointCount());
   setupOffset_.assign((named + 1) * width, -1);
   for (const ResidualRow& row : rows_) {
@@ -188,7 +197,8 @@ int Problem::find(UnknownKind kind, int owner) const {
 Eigen::VectorXd Problem::sigmas(double linearSigma, double angularSigma) const {
   Eigen::VectorXd s(rowCount());
   for (int i = 0; i < rowCount(); ++i)
-    s[i] = rows_[i].statedSigma > 0.0 ? rows_[i].statedSigma : (rows_[i].angular ? angularSigma : linearSigma);
+    s[i] =
+        rows_[i].statedSigma > 0.0 ? rows_[i].statedSigma : (rows_[i].angular ? angularSigma : linearSigma);
   return s;
 }
 
@@ -200,7 +210,8 @@ Eigen::Matrix3d Problem::poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d*
   if (angle < 1e-12) return (Eigen::Matrix3d::Identity() + skew(w)) * rotation0_;
   const Eigen::Matrix3d k = skew(w / angle);
   if (leftJacobian != nullptr)
-    *leftJacobian = Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / angle * k + (1 - std::sin(angle) / angle) * k * k;
+    *leftJacobian = Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / angle * k +
+                    (1 - std::sin(angle) / angle) * k * k;
   return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() * rotation0_;
 }
 
@@ -212,7 +223,8 @@ Eigen::Vector3d Problem::featureInWorkpiece(int feature, const Eigen::VectorXd& 
   return poseRotation(x, nullptr) * c + t;
 }
 
-int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, Derivative* d, Model::Workspace& work) const {
+int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, Derivative* d,
+                         Model::Workspace& work) const {
   const Observation& o = session_->observations[observation];
   const State& at = state(observation);
   const ErrorLayout layout = model_.machine().layout();
@@ -244,14 +256,16 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
 
   if (o.kind == ObservationKind::kDeviation) {
     const ProbePose nominal = model_.machine().nominal(o.position.data(), o.laserReading);
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian = model_.machine().jacobian(o.position.data(), o.laserReading);
+    const Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian =
+        model_.machine().jacobian(o.position.data(), o.laserReading);
     const Eigen::Vector3d moved = pose.position - nominal.position;
     const Eigen::Vector3d turned = rotationVector(pose.orientation * nominal.orientation.transpose());
     for (int i = 0; i < rows; ++i) {
       const int joint = rows_[firstRow_[observation] + i].component;
       Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
       if (model_.machine().joints()[joint].kind == JointKind::kLinear) {
-        by.head<3>() = jacobian.block<3, 1>(0, joint).transpose() / jacobian.block<3, 1>(0, joint).squaredNorm();
+        by.head<3>() =
+            jacobian.block<3, 1>(0, joint).transpose() / jacobian.block<3, 1>(0, joint).squaredNorm();
         r[i] = o.deviation[joint] - by.head<3>().dot(moved);
       } else {
         by.tail<3>() = jacobian.block<3, 1>(3, joint).transpose();
@@ -270,7 +284,8 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
       const int sensor = model_.domain().findSensor(artifact.temperatureSensor);
       if (sensor >= 0) growth += artifact.expansion * (at.temperature[sensor] - kReferenceTemperature);
     }
-    if (o.kind == ObservationKind::kPosition) {  // in the artifact's frame, where its components were measured
+    if (o.kind ==
+        ObservationKind::kPosition) {  // in the artifact's frame, where its components were measured
       const Eigen::Vector3d inArtifact = rotation.transpose() * (pose.position - translation);
       for (int i = 0; i < rows; ++i) {
         const int k = rows_[firstRow_[observation] + i].component;
@@ -280,7 +295,8 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
         by.head<3>() = -rotation.col(k).transpose();
         chain(i, by);
         // inArtifact = R'(p - t); a left rotation by w turns it by -w
-        d->pose.block<1, 3>(i, 0) = -rotation.col(k).transpose() * skew(pose.position - translation) * leftJacobian;
+        d->pose.block<1, 3>(i, 0) =
+            -rotation.col(k).transpose() * skew(pose.position - translation) * leftJacobian;
         d->pose.block<1, 3>(i, 3) = rotation.col(k).transpose();
       }
     } else {
@@ -291,7 +307,8 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
       inArtifact = growth * inArtifact + Eigen::Map<const Eigen::Vector3d>(errors + layout.feature(0));
       const Eigen::Vector3d offset = rotation * inArtifact;
       const Eigen::Vector3d away = pose.position - offset - translation;
-      const auto geometry = [&](int row, const Eigen::RowVector3d& n) {  // residual changes by n . (tip - feature)
+      const auto geometry = [&](int row,
+                                const Eigen::RowVector3d& n) {  // residual changes by n . (tip - feature)
         Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
         by.head<3>() = n;
         chain(row, by);
@@ -306,7 +323,8 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
           if (d != nullptr) geometry(k, Eigen::RowVector3d::Unit(k));
         }
       } else {
-        double distance = growth * feature.radius + (std::isfinite(o.laserReading) ? 0.0 : artifact.tipRadius) +
+        double distance = growth * feature.radius +
+                          (std::isfinite(o.laserReading) ? 0.0 : artifact.tipRadius) +
                           errors[layout.distance()];
         if (radiusOffset_[o.feature] >= 0) distance += x[radiusOffset_[o.feature]];
         const double length = away.norm();
@@ -322,7 +340,8 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
   if (setupOf_[observation] >= 0 && o.kind != ObservationKind::kContact) {
     const int width = std::max(3, model_.machine().jointCount());
     for (int i = 0; i < rows; ++i) {
-      const int offset = setupOffset_[setupOf_[observation] * width + rows_[firstRow_[observation] + i].component];
+      const int offset =
+          setupOffset_[setupOf_[observation] * width + rows_[firstRow_[observation] + i].component];
       r[i] -= x[offset];
     }
   }
@@ -352,7 +371,8 @@ void Problem::scatter(int observation, const Derivative& d, Eigen::MatrixXd& row
     if (radiusOffset_[at.feature] >= 0) rows.col(radiusOffset_[at.feature]) = d.radius;
   } else if (setupOf_[observation] >= 0) {
     const int width = std::max(3, model_.machine().jointCount());
-    for (int i = 0; i < n; ++i) rows(i, setupOffset_[setupOf_[observation] * width + rows_[first + i].component]) = -1.0;
+    for (int i = 0; i < n; ++i)
+      rows(i, setupOffset_[setupOf_[observation] * width + rows_[first + i].component]) = -1.0;
   }
 }
 
@@ -386,7 +406,8 @@ namespace {
 /// Takes the derivatives of one effect at one state to the residuals of one observation.
 class ColumnSink final : public ErrorSink {
  public:
-  ColumnSink(const Eigen::MatrixXd& gradients, Eigen::MatrixXd& columns) : gradients_(gradients), columns_(columns) {}
+  ColumnSink(const Eigen::MatrixXd& gradients, Eigen::MatrixXd& columns)
+      : gradients_(gradients), columns_(columns) {}
   void at(int first, int rows) { first_ = first, rows_ = rows; }
   void add(int slot, int parameter, double, double basis) override { derivative(slot, parameter, basis); }
   void value(int, double) override {}

@@ -15,9 +15,9 @@ enum class UnknownKind { kEffect, kPose, kFeature, kRadius, kSetup };
 /// One unknown of a calibration. SI; `unit` and `toUnit` are for people.
 struct Unknown {
   UnknownKind kind = UnknownKind::kEffect;
-  int owner = 0;       // effect, feature or setup
-  int component = 0;   // within the owner
-  std::string name;    // unique: "gap (backlash x)", "rotation x of the artifact" …
+  int owner = 0;      // effect, feature or setup
+  int component = 0;  // within the owner
+  std::string name;   // unique: "gap (backlash x)", "rotation x of the artifact" …
   std::string unit;
   double toUnit = 1.0;
   double scale = 1.0;
@@ -29,19 +29,21 @@ struct Unknown {
 /// One scalar residual of the data.
 struct ResidualRow {
   int observation = 0;
-  int component = 0;      // kContact on a ball: 0 (distance); points and positions: 0-2; deviations: the joint
-  bool angular = false;   // rad instead of m
-  double statedSigma = 0; // m or rad from the data (deviation_std); 0: the session's repeatability
+  int component = 0;     // kContact on a ball: 0 (distance); points and positions: 0-2; deviations: the joint
+  bool angular = false;  // rad instead of m
+  double statedSigma = 0;  // m or rad from the data (deviation_std); 0: the session's repeatability
 };
 
-/// Session + model -> residuals as a function of the unknowns: the effects' parameters, the pose of the artifact,
-/// free (or not exactly known) positions of features, not exactly known radii, zeros of setups.
+/// Session + model -> residuals as a function of the unknowns: the effects' parameters, the pose of the
+/// artifact, free (or not exactly known) positions of features, not exactly known radii, zeros of setups.
 ///
-/// Residual of a contact on a ball: distance of the corrected probe from the ball's centre minus what it should be,
-/// MMT eq. (16); of a point: three components; of a reference: measured minus model. Whitened by `sigma`.
+/// Residual of a contact on a ball: distance of the corrected probe from the ball's centre minus what it
+/// should be, MMT eq. (16); of a point: three components; of a reference: measured minus model. Whitened by
+/// `sigma`.
 class Problem {
  public:
-  /// The derivative of one observation's residuals, by groups of unknowns. Rows: its residuals (at most kMaxRows).
+  /// The derivative of one observation's residuals, by groups of unknowns. Rows: its residuals (at most
+  /// kMaxRows).
   struct Derivative {
     Eigen::MatrixXd effects;  // rows x parameterCount
     Eigen::MatrixXd pose;     // rows x 6
@@ -77,8 +79,8 @@ class Problem {
                   Model::Workspace& work) const;
   /// Spreads the derivative of one observation over all unknowns. @param rows its residuals x unknownCount.
   void scatter(int observation, const Derivative& derivative, Eigen::MatrixXd& rows) const;
-  /// Columns (rowCount x parameters) by which an effect that is not in the model would change the residuals, at x,
-  /// with the effect's parameters at `p`.
+  /// Columns (rowCount x parameters) by which an effect that is not in the model would change the residuals,
+  /// at x, with the effect's parameters at `p`.
   Eigen::MatrixXd effectColumns(const Effect& effect, const std::vector<double>& p) const;
   /// Observations that lack an input of the model: they have no weight. Empty when all are used.
   const std::vector<int>& leftOut() const { return leftOut_; }
@@ -113,7 +115,8 @@ class Problem {
   void findUsable();
   int poseOffset_ = -1;
   std::vector<int> featureOffset_, radiusOffset_, setupOffset_;
-  std::vector<int> setupOf_;  // an observation: its setup; the last one is that of rows without a setup; -1: none
+  std::vector<int>
+      setupOf_;  // an observation: its setup; the last one is that of rows without a setup; -1: none
   Eigen::Vector3d translation0_ = Eigen::Vector3d::Zero();
   Eigen::MatrixXd slotGradients_;  // rowCount x slots at the point of linearisation
 };

@@ -74,7 +74,8 @@ View stateView(const Problem& problem, const std::vector<int>& rows, bool approa
   return v;
 }
 
-/// True for each row of `rows` whose residual is farther than `limit` from the median of its nearest neighbours.
+/// True for each row of `rows` whose residual is farther than `limit` from the median of its nearest
+/// neighbours.
 void standsApart(const View& view, const std::vector<double>& r, const std::vector<char>& large, double limit,
                  std::vector<char>& apart) {
   constexpr std::size_t kNeighbours = 7;
@@ -146,7 +147,8 @@ Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& wh
 }
 
 Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& residuals,
-                           const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const std::vector<char>& fixed) {
+                           const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
+                           const std::vector<char>& fixed) {
   Eigen::VectorXd result = weight;
   std::vector<int> out;
   for (int i = 0; i < weight.size(); ++i)
@@ -159,17 +161,20 @@ Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, con
   const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
   const int used = static_cast<int>((weight.array() > 0.0).count());
   if (columns == 0 || rows < columns || used <= columns) return result;
-  const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).matrixQR().topRows(columns);
+  const Eigen::MatrixXd r =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).matrixQR().topRows(columns);
   const double limit = outlyingLimit(used - columns);
   const double spread = system.residuals.squaredNorm() / (used - columns);
   for (int i : out) {
-    const Eigen::VectorXd leverage = r.triangularView<Eigen::Upper>().transpose().solve(left.jacobian.row(i).transpose());
+    const Eigen::VectorXd leverage =
+        r.triangularView<Eigen::Upper>().transpose().solve(left.jacobian.row(i).transpose());
     const double expected = spread * (1.0 + leverage.squaredNorm());
     const double size = residuals[i] / sigma[i];
     if (!(size * size > limit * limit * expected)) result[i] = 1.0;
   }
   for (int i : out)  // an observation is in or out with all its rows
-    for (int j = problem.firstRow(problem.rows()[i].observation); j < problem.firstRow(problem.rows()[i].observation + 1); ++j)
+    for (int j = problem.firstRow(problem.rows()[i].observation);
+         j < problem.firstRow(problem.rows()[i].observation + 1); ++j)
       if (result[j] == 0.0) result[i] = 0.0;
   return result;
 }
@@ -192,7 +197,8 @@ double repeatedContacts(const Problem& problem, const Eigen::VectorXd& residuals
         same &= std::abs(a.position[j] - b.position[j]) < kSameAngle;
     if (!same || (sa.approach - sb.approach).norm() > kSameApproach) continue;
     for (int i = problem.firstRow(static_cast<int>(o)), j = problem.firstRow(static_cast<int>(o + 1));
-         i < problem.firstRow(static_cast<int>(o) + 1) && j < problem.firstRow(static_cast<int>(o) + 2); ++i, ++j)
+         i < problem.firstRow(static_cast<int>(o) + 1) && j < problem.firstRow(static_cast<int>(o) + 2);
+         ++i, ++j)
       if (problem.rows()[i].angular == angular && problem.rows()[i].component == problem.rows()[j].component)
         differences.push_back(residuals[i] - residuals[j]);
   }

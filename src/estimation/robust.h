@@ -9,22 +9,28 @@ namespace mm {
 /// 1.4826 times the median absolute value: standard deviation of the bulk. 0 for an empty list.
 double robustSigma(std::vector<double> values);
 
-/// From how many standard deviations of the bulk on a residual can be an outlier: 9, and more where few degrees of
-/// freedom say how large the bulk is (Student's t at 1e-9, by Wallace's approximation).
+/// From how many standard deviations of the bulk on a residual can be an outlier: 9, and more where few
+/// degrees of freedom say how large the bulk is (Student's t at 1e-9, by Wallace's approximation).
 double outlyingLimit(int degreesOfFreedom);
 
-/// Finds outliers: residuals that are large against the bulk AND stand apart from their neighbours in time, in
-/// approach and in position. What its neighbours share is structure (an effect that is missing), not an outlier.
-/// @param whitened residual a data row over its sigma. @return weight a data row: 0 for all rows of an outlying
-/// observation, else 1; all 1 when there are fewer than 20 rows or when more than a fifth stand apart.
+/// Finds outliers: residuals that are large against the bulk AND stand apart from their neighbours in time,
+/// in approach and in position. What its neighbours share is structure (an effect that is missing), not an
+/// outlier.
+/// @param whitened residual a data row over its sigma. @return weight a data row: 0 for all rows of an
+/// outlying observation, else 1; all 1 when there are fewer than 20 rows or when more than a fifth stand
+/// apart.
 Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& whitened, int freeUnknowns);
 
-/// Takes back into the fit what only seems to stand apart because the others hardly determine the model there (leverage).
-/// @param x fit without the rows of weight 0, `residuals` (m, rad) at it. @return the weights with those rows at 1.
+/// Takes back into the fit what only seems to stand apart because the others hardly determine the model there
+/// (leverage).
+/// @param x fit without the rows of weight 0, `residuals` (m, rad) at it. @return the weights with those rows
+/// at 1.
 Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& residuals,
-                           const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const std::vector<char>& fixed);
+                           const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
+                           const std::vector<char>& fixed);
 
-/// Repeatability (m, or rad for angular rows) from repeated contacts: consecutive observations of the same target.
+/// Repeatability (m, or rad for angular rows) from repeated contacts: consecutive observations of the same
+/// target.
 /// @param residuals m or rad a data row. @return negative when there are fewer than ten pairs.
 double repeatedContacts(const Problem& problem, const Eigen::VectorXd& residuals, bool angular);
 

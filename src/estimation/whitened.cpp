@@ -2,8 +2,8 @@
 
 namespace mm {
 
-WhitenedSystem::WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
-                               const std::vector<char>& fixed) {
+WhitenedSystem::WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x,
+                               const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed) {
   for (int u = 0; u < problem.unknownCount(); ++u)
     if (!fixed[u]) free.push_back(u);
   const int data = problem.rowCount();

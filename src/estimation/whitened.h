@@ -6,8 +6,8 @@
 
 namespace mm {
 
-/// The linear system of a problem at x: whitened residuals and Jacobian of the free unknowns (each divided by its
-/// scale), with the priors as the last rows.
+/// The linear system of a problem at x: whitened residuals and Jacobian of the free unknowns (each divided by
+/// its scale), with the priors as the last rows.
 struct WhitenedSystem {
   /// @param inverseSigma a data row: sqrt(weight) / sigma, in 1/m or 1/rad; 0 leaves the row out.
   WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,

@@ -15,8 +15,9 @@ struct Joint {
   double lower = 0.0;  // limits of motion; they never bound import
   double upper = 0.0;
   double maxVelocity = 0.0;
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();    // unit vector, axes of the joint's fixed side
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // from the joint before it, axes of the joint's fixed side, m
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // unit vector, axes of the joint's fixed side
+  Eigen::Vector3d origin =
+      Eigen::Vector3d::Zero();  // from the joint before it, axes of the joint's fixed side, m
 };
 
 /// Where each small error of one state stands in the vector of errors that `Machine::measure` takes.
@@ -25,16 +26,23 @@ class ErrorLayout {
  public:
   explicit ErrorLayout(int joints) : joints_(joints) {}
   int axis(int joint) const { return joint; }  ///< added to the reading of a joint
-  /// Translation and rotation at a joint, before its motion, in the axes of the joint's fixed side (ISO 230-1).
+  /// Translation and rotation at a joint, before its motion, in the axes of the joint's fixed side (ISO
+  /// 230-1).
   int jointTranslation(int joint, int k) const { return joints_ + 6 * joint + k; }
   int jointRotation(int joint, int k) const { return joints_ + 6 * joint + 3 + k; }
-  int volume(int k) const { return 7 * joints_ + k; }         ///< displacement of the tip, in workpiece
-  int orientation(int k) const { return 7 * joints_ + 3 + k; }  ///< rotation of the probe about its tip, in workpiece
-  int probe(int k) const { return 7 * joints_ + 6 + k; }      ///< displacement in the axes of the link probe_tip
-  int beam(int k) const { return 7 * joints_ + 9 + k; }       ///< change of the beam's direction, axes of probe_tip
-  int reading() const { return 7 * joints_ + 12; }            ///< added to the laser's reading
-  int distance() const { return 7 * joints_ + 13; }           ///< added to the distance tip centre - ball centre
-  int feature(int k) const { return 7 * joints_ + 14 + k; }   ///< displacement of the touched feature, artifact frame
+  int volume(int k) const { return 7 * joints_ + k; }  ///< displacement of the tip, in workpiece
+  int orientation(int k) const {
+    return 7 * joints_ + 3 + k;
+  }  ///< rotation of the probe about its tip, in workpiece
+  int probe(int k) const { return 7 * joints_ + 6 + k; }  ///< displacement in the axes of the link probe_tip
+  int beam(int k) const {
+    return 7 * joints_ + 9 + k;
+  }                                                  ///< change of the beam's direction, axes of probe_tip
+  int reading() const { return 7 * joints_ + 12; }   ///< added to the laser's reading
+  int distance() const { return 7 * joints_ + 13; }  ///< added to the distance tip centre - ball centre
+  int feature(int k) const {
+    return 7 * joints_ + 14 + k;
+  }  ///< displacement of the touched feature, artifact frame
   int size() const { return 7 * joints_ + 17; }
   int joints() const { return joints_; }
 
@@ -42,7 +50,8 @@ class ErrorLayout {
   int joints_;
 };
 
-/// Where the probe is: tip centre (touch) or surface point (laser), and the orientation of probe_tip, in workpiece.
+/// Where the probe is: tip centre (touch) or surface point (laser), and the orientation of probe_tip, in
+/// workpiece.
 struct ProbePose {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();         // m
   Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();  // columns: axes of probe_tip in workpiece
@@ -51,11 +60,12 @@ struct ProbePose {
 /// The kinematic chain from link `workpiece` to link `probe_tip` of a URDF.
 class Machine {
  public:
-  /// @param urdf text of the URDF. @param name what `machine:` said. @throw InputError when a link is missing.
+  /// @param urdf text of the URDF. @param name what `machine:` said. @throw InputError when a link is
+  /// missing.
   Machine(std::string urdf, std::string name);
 
-  /// @param nameOrPath `three_axis`, `five_axis` or the path of a URDF. @param relativeTo folder of the file that
-  /// names it. @throw InputError when it cannot be read.
+  /// @param nameOrPath `three_axis`, `five_axis` or the path of a URDF. @param relativeTo folder of the file
+  /// that names it. @throw InputError when it cannot be read.
   static Machine load(const std::string& nameOrPath, const std::filesystem::path& relativeTo = {});
 
   const std::string& name() const { return name_; }
@@ -65,27 +75,31 @@ class Machine {
   /// @return index of a joint, or -1.
   int findJoint(const std::string& name) const;
   ErrorLayout layout() const { return ErrorLayout(jointCount()); }
-  /// Nominal probe_tip in the frame of the last moving joint (its moving side, at zero the axes of its fixed side).
+  /// Nominal probe_tip in the frame of the last moving joint (its moving side, at zero the axes of its fixed
+  /// side).
   const Eigen::Vector3d& tipTranslation() const { return tipTranslation_; }  // m
   const Eigen::Matrix3d& tipRotation() const { return tipRotation_; }
 
-  /// Pose at the readings `q` (one a joint, m or rad) with the beam's reading (m; NaN or 0 for a touch probe).
+  /// Pose at the readings `q` (one a joint, m or rad) with the beam's reading (m; NaN or 0 for a touch
+  /// probe).
   ProbePose nominal(const double* q, double laserReading) const;
 
-  /// Pose with the small errors of `layout()` applied, exact in the axis errors, first order in small rotations.
-  /// @param errors layout().size() values. @param gradient if not null, 6 x layout().size(): derivative of the
-  /// position (rows 0-2, m) and of the orientation as a rotation vector in workpiece (rows 3-5, rad).
+  /// Pose with the small errors of `layout()` applied, exact in the axis errors, first order in small
+  /// rotations.
+  /// @param errors layout().size() values. @param gradient if not null, 6 x layout().size(): derivative of
+  /// the position (rows 0-2, m) and of the orientation as a rotation vector in workpiece (rows 3-5, rad).
   ProbePose measure(const double* q, double laserReading, const double* errors,
                     Eigen::Matrix<double, 6, Eigen::Dynamic>* gradient = nullptr) const;
 
-  /// Velocity of the tip per unit velocity of a joint: rows 0-2 linear, 3-5 angular, in workpiece, nominal chain.
+  /// Velocity of the tip per unit velocity of a joint: rows 0-2 linear, 3-5 angular, in workpiece, nominal
+  /// chain.
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const double* q, double laserReading) const;
 
  private:
-  struct Link {                   // one moving joint
-    Eigen::Matrix3d rotation;     // fixed transform before the joint
+  struct Link {                // one moving joint
+    Eigen::Matrix3d rotation;  // fixed transform before the joint
     Eigen::Vector3d translation;
-    Eigen::Vector3d axis;         // in the frame after the fixed transform
+    Eigen::Vector3d axis;  // in the frame after the fixed transform
   };
   std::string name_, urdf_;
   std::vector<Joint> joints_;

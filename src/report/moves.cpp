@@ -23,11 +23,14 @@ std::string movesYaml(const Diagnosis& diagnosis, const Session& session) {
   text += "moves:\n";
   for (const Move& move : diagnosis.nextMeasurement) {
     std::string entry;
-    const auto add = [&](const std::string& key, const std::string& value) { entry += (entry.empty() ? "" : ", ") + key + ": " + value; };
+    const auto add = [&](const std::string& key, const std::string& value) {
+      entry += (entry.empty() ? "" : ", ") + key + ": " + value;
+    };
     for (const auto& [key, value] : move.values) add(key, number(value));
     for (const auto& [key, value] : move.words) add(key, value);
     if (move.approach.size() == 3)
-      add("approach", "[" + number(move.approach[0]) + ", " + number(move.approach[1]) + ", " + number(move.approach[2]) + "]");
+      add("approach", "[" + number(move.approach[0]) + ", " + number(move.approach[1]) + ", " +
+                          number(move.approach[2]) + "]");
     for (const auto& [joint, side] : move.from) add("from", "{" + joint + ": " + number(side) + "}");
     text += "  - {" + entry + "}\n";
   }
