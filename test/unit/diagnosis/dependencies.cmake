@@ -1,0 +1,1 @@
+set(diagnosis_test_dependencies simulation)

@@ -1,0 +1,132 @@
+// The loop's middle on sessions of the simulated instrument, whose physics share no code with the effects.
+#include "diagnosis/diagnose.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/registry.h"
+#include "model/observed_domain.h"
+#include "simulation/simulate.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNoise = 0.3e-6;  // m, of the plan
+
+Simulation measured(const std::vector<std::string>& hide, std::uint64_t seed) {
+  const Machine machine = Machine::load("three_axis");
+  return simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, seed});
+}
+
+Diagnosis diagnosed(const Session& session, const std::vector<EffectSpec>& model = {}) {
+  return diagnose(session, Model(session.machine, observedDomain(session), model), {});
+}
+
+bool names(const Diagnosis& d, const std::string& type, const std::string& key, const std::string& value) {
+  return std::any_of(d.missing.begin(), d.missing.end(), [&](const CandidateResult& m) {
+    return m.effect.type == type && m.effect.text(key) == value;
+  });
+}
+
+TEST(Diagnose, ClaimsNothingWhereNothingIsHidden) {
+  for (std::uint64_t seed : {11, 12, 13, 14, 15}) {
+    const Simulation s = measured({}, seed);
+    const Diagnosis d = diagnosed(s.session);
+    EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
+    EXPECT_TRUE(d.missing.empty());
+    EXPECT_TRUE(d.formulas.empty());
+  }
+}
+
+TEST(Diagnose, FindsHiddenBacklashWithItsSizeAndStopsWhenItIsAdded) {
+  const Simulation s = measured({"backlash:x=3um"}, 5);
+  const Diagnosis d = diagnosed(s.session);
+  ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::kMissingEffect);
+  EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x"));
+  EXPECT_NEAR(d.missing[0].parameters[0].value, 3.0, 4.0 * d.missing[0].parameters[0].std + 0.03);
+  EXPECT_LT(d.missing[0].pValue, 1e-10);
+  EXPECT_GT(d.missing[0].stability, 0.95);
+  EXPECT_LT(d.missing[0].heldOutAfter, 1.05 * kNoise);
+  EXPECT_EQ(d.where[0].variable, "x travel direction");
+
+  const Diagnosis after = diagnosed(s.session, {d.missing[0].effect});
+  EXPECT_EQ(after.verdict, Verdict::kExplained) << after.sentence;
+}
+
+TEST(Diagnose, FindsTwoEffectsOneAfterTheOther) {
+  const Simulation s = measured({"backlash:y=3um", "thermal_growth:z/bed=0.6um"}, 6);
+  const Diagnosis d = diagnosed(s.session);
+  EXPECT_TRUE(names(d, "backlash", "axis", "y")) << d.sentence;
+  EXPECT_TRUE(names(d, "thermal_growth", "direction", "z")) << d.sentence;
+  for (std::size_t i = 1; i < d.missing.size(); ++i)
+    EXPECT_EQ(d.missing[i].heldOutBefore, d.missing[i - 1].heldOutAfter);
+}
+
+TEST(Diagnose, OutliersNeitherHideAnEffectNorBecomeOne) {
+  Simulation s = measured({"backlash:x=3um"}, 7);
+  for (std::size_t i = 0; i < s.session.observations.size(); i += 40)  // 20 um in z on every fortieth contact
+    s.session.observations[i].position[2] += i % 80 == 0 ? 20e-6 : -20e-6;
+  const Diagnosis d = diagnosed(s.session);
+  ASSERT_FALSE(d.missing.empty()) << d.sentence;
+  EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x"));
+  EXPECT_EQ(d.missing.size(), 1u) << d.sentence;
+  EXPECT_GE(d.base.outliers.size(), 8u);  // those that met the ball steeply enough in z to be seen
+}
+
+TEST(Diagnose, AnEffectWithoutItsInputIsNotTriedButListed) {
+  Simulation s = measured({}, 8);
+  for (Observation& o : s.session.observations) {
+    std::fill(o.velocity.begin(), o.velocity.end(), kNotMeasured);
+    std::fill(o.travel.begin(), o.travel.end(), 0.0);
+  }
+  const Diagnosis d = diagnosed(s.session);
+  const EffectSpec backlash = EffectSpec("backlash").set("axis", "x");
+  EXPECT_TRUE(std::any_of(d.cannotShow.begin(), d.cannotShow.end(),
+                          [&](const CannotShow& c) { return c.effect == backlash; }));
+  EXPECT_TRUE(std::none_of(d.candidates.begin(), d.candidates.end(),
+                           [&](const CandidateResult& c) { return c.effect == backlash; }));
+}
+
+TEST(Diagnose, TheMovesTellConfusableEffectsApart) {
+  // every approach at one speed along x only: play and a late trigger look alike
+  Simulation s = measured({"backlash:x=3um"}, 9);
+  auto& all = s.session.observations;
+  for (Observation& o : all)
+    for (std::size_t j = 0; j < 3; ++j)
+      o.velocity[j] = o.travel[j] * (j == 0 ? 2e-3 : 0.0), o.travel[j] = j == 0 ? o.travel[j] : 0.0;
+  const Diagnosis d = diagnosed(s.session);
+  ASSERT_FALSE(d.missing.empty());
+  ASSERT_EQ(d.verdict, Verdict::kConfusable) << d.sentence;
+  EXPECT_FALSE(d.nextMeasurement.empty());
+  const bool slower = std::any_of(d.nextMeasurement.begin(), d.nextMeasurement.end(), [](const Move& m) {
+    return std::any_of(m.values.begin(), m.values.end(),
+                       [](const auto& v) { return v.first == "speed_mm_s" && v.second < 1.5; });
+  });
+  EXPECT_TRUE(slower);
+}
+
+TEST(Diagnose, TooFewResidualsAreInsufficientData) {
+  Simulation s = measured({}, 10);
+  s.session.observations.resize(8);
+  const Diagnosis d =
+      diagnosed(s.session, {EffectSpec("scale").set("axis", "x"), EffectSpec("scale").set("axis", "y"),
+                            EffectSpec("backlash").set("axis", "x")});
+  EXPECT_EQ(d.verdict, Verdict::kInsufficientData) << d.sentence;
+}
+
+TEST(Diagnose, TheSameSeedGivesTheSameBits) {
+  const Simulation s = measured({"warm_up:z=2um"}, 16);
+  const Diagnosis a = diagnosed(s.session), b = diagnosed(s.session);
+  ASSERT_EQ(a.missing.size(), b.missing.size());
+  for (std::size_t i = 0; i < a.missing.size(); ++i) {
+    EXPECT_EQ(a.missing[i].effect, b.missing[i].effect);
+    EXPECT_EQ(a.missing[i].heldOutAfter, b.missing[i].heldOutAfter);
+    EXPECT_EQ(a.missing[i].stability, b.missing[i].stability);
+  }
+}
+
+}  // namespace
+}  // namespace mm
