@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "estimation/genetic_niching.h"
 #include "estimation/genetic_staged_mutation.h"
 #include "estimation/identifiability.h"
 #include "estimation/problem.h"
@@ -27,6 +28,7 @@ struct CalibrateOptions {
   Eigen::VectorXd weights;     // a data row, with rejectOutliers false: 0 leaves it out; empty: all count
   bool holdEffects = false;    // the effects' parameters stay at `start`; only what belongs to the session is fitted
   StagedMutationSettings stagedMutation;
+  NichingSettings niching;
   /// Called with a stage ("genetic", "polish", "uncertainty") and its share done in 0 … 1.
   std::function<void(const std::string& stage, double share)> progress;
   std::function<bool()> cancelled;

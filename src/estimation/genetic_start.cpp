@@ -176,7 +176,9 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     settings.start.clear();
     return make(settings).run(*fitness, ranges, control);
   };
-  const GeneticResult found = run(options.stagedMutation, [](auto s) { return StagedMutation(s); });
+  const GeneticResult found = options.method == Method::kNiching
+                                  ? run(options.niching, [](auto s) { return Niching(s); })
+                                  : run(options.stagedMutation, [](auto s) { return StagedMutation(s); });
   for (std::size_t g = 0; g < genes.size(); ++g) x[genes[g]] = found.best[g];
   summary.rms = found.rms();
   summary.curve = found.rmsCurve();

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <sstream>
 
 #include "calibration_file/atomic_file.h"
@@ -20,7 +21,8 @@ namespace {
 
 struct CalibrateCommand {
   std::string bag, model, output, method = "staged_mutation", curve, stages;
-  bool json = false;
+  bool json = false, traditional = false;
+  std::optional<std::size_t> population, generations;
   FitOptions fit;
 };
 
@@ -40,29 +42,36 @@ std::vector<MutationStage> stagesOf(const std::string& text) {
   return stages;
 }
 
+/// The published settings of both algorithms, as their structs hold them.
 void declareGenetic(CLI::App& command, CalibrateCommand& c) {
   StagedMutationSettings& s = c.fit.calibrate.stagedMutation;
-  const std::string group = "Genetic algorithm";
-  command.add_option("--population", s.population, "chromosomes")->capture_default_str()->group(group);
-  command.add_option("--generations", s.generations, "")->capture_default_str()->group(group);
-  command.add_option("--father-share", s.fatherShare, "the best share, fathers of the next generation")
-      ->capture_default_str()
-      ->group(group);
+  NichingSettings& n = c.fit.calibrate.niching;
+  const auto add = [&](const char* group, const char* name, auto& value, const char* what) {
+    command.add_option(name, value, what)->capture_default_str()->group(group);
+  };
+  const char* const both = "Genetic algorithm";
+  command.add_option("--population", c.population, "chromosomes [staged_mutation 500, niching 200]")
+      ->group(both);
+  command.add_option("--generations", c.generations, "[staged_mutation 100, niching 500]")->group(both);
+  const char* const staged = "Genetic algorithm: staged_mutation";
+  add(staged, "--father-share", s.fatherShare, "the best share, fathers of the next generation");
   command
       .add_option("--stages", c.stages,
-                  "range of mutation: <last generation>:<share of half the range>, … "
-                  "[15:1,30:0.5,50:0.05,75:0.005,100:0.0005]")
-      ->group(group);
+                  "<last generation>:<share of half the range>, … [15:1,30:0.5,50:0.05,75:0.005,100:0.0005]")
+      ->group(staged);
+  add(staged, "--survivor-share", s.survivorShare, "fathers that live on unchanged, of the population");
+  add(staged, "--gene-share", s.geneShare, "probability that a gene of a child is mutated");
+  add(staged, "--reach", s.reach, "1: uniform mutation as published; below 1 mixes fine steps in");
+  const char* const niching = "Genetic algorithm: niching";
+  add(niching, "--crossover", n.crossover, "probability");
+  add(niching, "--mutation", n.mutation, "probability of a gene");
+  add(niching, "--precision", n.precision, "of a gene, in parts of its range");
+  add(niching, "--threshold", n.threshold,
+      "chromosomes closer than this are dropped, in parts of the ranges' diagonal");
+  add(niching, "--niching-reach", n.reach, "1: uniform mutation; below 1 mixes fine steps in");
   command
-      .add_option("--survivor-share", s.survivorShare, "fathers that live on unchanged, of the population")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--gene-share", s.geneShare, "probability that a gene of a child is mutated")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--reach", s.reach, "1: uniform mutation as published; below 1 mixes fine steps in")
-      ->capture_default_str()
-      ->group(group);
+      .add_flag("--traditional", c.traditional, "niching without dropping: the algorithm LASER compares with")
+      ->group(niching);
 }
 
 int runCalibrate(CalibrateCommand& c) {
@@ -71,7 +80,14 @@ int runCalibrate(CalibrateCommand& c) {
   CalibrateOptions options = c.fit.checked();
   options.method = methodOf(c.method);
   if (!c.stages.empty()) options.stagedMutation.stages = stagesOf(c.stages);
+  for (GeneticSettings* settings : {static_cast<GeneticSettings*>(&options.stagedMutation),
+                                    static_cast<GeneticSettings*>(&options.niching)}) {
+    if (c.population) settings->population = *c.population;
+    if (c.generations) settings->generations = *c.generations;
+  }
+  options.niching.eliminate = !c.traditional;
   options.stagedMutation.validate();
+  options.niching.validate();
   const ModelSpec model = loadModelSpec(c.model);
   const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
   std::optional<Machine> machine;

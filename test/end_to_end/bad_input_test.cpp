@@ -178,6 +178,30 @@ TEST_F(MmAnswers, CurveOfTheGeneticAlgorithm) {
   EXPECT_EQ(std::count(curve.begin(), curve.end(), '\n'), 14);
 }
 
+TEST_F(MmAnswers, TheMethodThatWasAskedFor) {
+  for (const std::string method : {"staged_mutation", "niching"}) {
+    const nlohmann::json result = calibrate("{type: scale, axis: x}", "--json --method " + method).json();
+    EXPECT_EQ(result["genetic"]["method"], method);
+    EXPECT_EQ(result["genetic"]["generations"], method == "niching" ? 500 : 100);
+    EXPECT_NEAR(result["parameters"][0]["value"].get<double>(), 400.0, 5.0);
+  }
+  EXPECT_TRUE(
+      calibrate("{type: scale, axis: x}", "--json --method least_squares").json()["genetic"].is_null());
+}
+
+TEST_F(MmAnswers, InterruptedButNotLost) {
+  // a search that would take minutes, stopped after half a second
+  const std::string file = model("{type: scale, axis: x}, {type: backlash, axis: x}");
+  const std::string command = "timeout -s INT 0.5 '" MM_PROGRAM "' calibrate " + folder_ / "s.bag" +
+                              " --model " + file + " -o " + folder_ / "c.yaml" +
+                              " --generations 10000000 --stages 10000000:1 2>" + folder_ / "err.txt" + " >" +
+                              folder_ / "out.txt";
+  EXPECT_NE(std::system(command.c_str()), 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "c.yaml"));
+  EXPECT_NE(textOf(folder_ / "err.txt").find("best found so far"), std::string::npos)
+      << textOf(folder_ / "err.txt");
+}
+
 TEST_F(MmAnswers, WhatAddDidRemoveTakesBack) {
   ASSERT_EQ(calibrate("{type: scale, axis: x}").status, 0);
   const std::string bag = folder_ / "s.bag", effect = " '{type: backlash, axis: x}' ";
