@@ -10,6 +10,7 @@
 #include "estimation/nonlinear_start.h"
 #include "estimation/polish.h"
 #include "estimation/robust.h"
+#include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 #include "machine/error.h"
 #include "machine/units.h"
@@ -25,12 +26,13 @@ struct Noise {
 };
 
 bool has(const Problem& problem, bool angular) {
-  return std::any_of(problem.rows().begin(), problem.rows().end(), [&](const ResidualRow& r) { return r.angular == angular; });
+  return std::any_of(problem.rows().begin(), problem.rows().end(),
+                     [&](const ResidualRow& r) { return r.angular == angular; });
 }
 
 /// RMS over the used rows of one kind; NaN without any. @param count rows used.
-double rmsOf(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& weight, bool angular, int* count = nullptr,
-             bool onlyUnstated = false) {
+double rmsOf(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& weight, bool angular,
+             int* count = nullptr, bool onlyUnstated = false) {
   double sum = 0.0;
   int n = 0;
   for (int i = 0; i < r.size(); ++i) {
@@ -53,7 +55,9 @@ Eigen::VectorXd inverseOf(const Eigen::VectorXd& sigma, const Eigen::VectorXd& w
   return weight.cwiseSqrt().cwiseQuotient(sigma);
 }
 
-int freeCount(const std::vector<char>& fixed) { return static_cast<int>(std::count(fixed.begin(), fixed.end(), 0)); }
+int freeCount(const std::vector<char>& fixed) {
+  return static_cast<int>(std::count(fixed.begin(), fixed.end(), 0));
+}
 
 /// One fit and everything that belongs to it: polish, outliers, noise of each kind of row.
 class Fitter {
@@ -70,7 +74,8 @@ class Fitter {
       Eigen::VectorXd next = usableWeight(problem_);
       if (options_.rejectOutliers)
         next = next.cwiseProduct(
-            outlierWeights(problem_, residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular)), freeCount(fixed)));
+            outlierWeights(problem_, residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular)),
+                           freeCount(fixed)));
       const bool same = next == weight;
       weight = next;
       if (same && !noiseMoved) break;
@@ -100,7 +105,8 @@ class Fitter {
       if (options_.progress) options_.progress("polish", 1.0 - 1.0 / (1.0 + iteration));
       return !(options_.cancelled && options_.cancelled());
     };
-    const PolishResult p = polish(problem_, x, fixed, problem_.sigmas(noise.linear, noise.angular), weight, polishing);
+    const PolishResult p =
+        polish(problem_, x, fixed, problem_.sigmas(noise.linear, noise.angular), weight, polishing);
     x = p.x;
     iterations += p.iterations;
     converged = p.converged;
@@ -116,12 +122,14 @@ class Fitter {
       const double bulk = robustSigma(std::vector<double>(w.data(), w.data() + w.size()));
       if (!(bulk > 0.0) || w.cwiseAbs().maxCoeff() < 8.0 * bulk) return;
       weight = usableWeight(problem_);
-      for (int i = 0; i < w.size(); ++i) weight[i] *= std::min(1.0, 1.5 * bulk / std::max(std::abs(w[i]), 1e-300));
+      for (int i = 0; i < w.size(); ++i)
+        weight[i] *= std::min(1.0, 1.5 * bulk / std::max(std::abs(w[i]), 1e-300));
       fit(fixed);
     }
   }
 
-  /// Rows of two kinds without stated noise are weighed by their own residuals. @return whether a weight moved.
+  /// Rows of two kinds without stated noise are weighed by their own residuals. @return whether a weight
+  /// moved.
   bool estimateNoise(const std::vector<char>& fixed) {
     if (!has(problem_, true) || !has(problem_, false)) {
       return false;
@@ -152,7 +160,8 @@ class Fitter {
 };
 
 ResidualFigures figuresOf(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& heldOut,
-                          const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, double dof, double priorChi2) {
+                          const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, double dof,
+                          double priorChi2) {
   ResidualFigures f;
   f.rms = rmsOf(problem, r, weight, false);
   f.rmsAngular = rmsOf(problem, r, weight, true);
@@ -175,8 +184,7 @@ struct Summary {
 
 Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<char>& fixed) {
   Summary s;
-  const Eigen::VectorXd inverse = inverseOf(fit.sigma, fit.weight);
-  const WhitenedSystem system(problem, fit.x, inverse, fixed);
+  const WhitenedSystem system(problem, fit.x, inverseOf(fit.sigma, fit.weight), fixed);
   const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
   const int data = problem.rowCount();
   for (int i = data; i < rows; ++i) s.priorChi2 += system.residuals[i] * system.residuals[i];
@@ -184,15 +192,18 @@ Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<c
   s.covariance.setZero(problem.unknownCount(), problem.unknownCount());
   Eigen::MatrixXd q(rows, 0);
   if (columns > 0 && rows >= columns) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(system.jacobian);
-    q = qr.householderQ() * Eigen::MatrixXd::Identity(rows, columns);
-    const Eigen::MatrixXd inverseR = qr.matrixQR().topRows(columns).triangularView<Eigen::Upper>().solve(
-        Eigen::MatrixXd::Identity(columns, columns));
+    ThinQr qr = thinQr(system.jacobian, localBlocks(problem, system.jacobian, system.free), true);
+    q = std::move(qr.q);
+    Eigen::MatrixXd inverseR(columns, columns);  // its rows in the order of the unknowns
+    const Eigen::MatrixXd inverse =
+        qr.r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(columns, columns));
+    for (int k = 0; k < columns; ++k) inverseR.row(qr.order[k]) = inverse.row(k);
     const double chi2 = system.residuals.squaredNorm();
     const double variance = s.dof > 0 ? chi2 / s.dof : 1.0;
     const Eigen::MatrixXd c = variance * inverseR * inverseR.transpose();
     for (int i = 0; i < columns; ++i)
-      for (int j = 0; j < columns; ++j) s.covariance(system.free[i], system.free[j]) = c(i, j) * system.scale[i] * system.scale[j];
+      for (int j = 0; j < columns; ++j)
+        s.covariance(system.free[i], system.free[j]) = c(i, j) * system.scale[i] * system.scale[j];
   }
   s.heldOut = heldOutResiduals(q, system.residuals, makeFolds(problem));
   for (int i = 0; i < data; ++i) s.heldOut[i] *= fit.sigma[i];
@@ -201,7 +212,8 @@ Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<c
 
 Noise noiseOf(const Problem& problem, const CalibrateOptions& options) {
   Noise noise;
-  const double declared = options.repeatability > 0 ? options.repeatability : problem.session().artifact.repeatability;
+  const double declared =
+      options.repeatability > 0 ? options.repeatability : problem.session().artifact.repeatability;
   if (declared > 0) {
     noise.from = "declared";
     noise.linear = declared;
@@ -224,12 +236,17 @@ Method methodOf(const std::string& name) {
 }
 
 std::string nameOf(Method method) {
-  return method == Method::kStagedMutation ? "staged_mutation" : method == Method::kNiching ? "niching" : "least_squares";
+  return method == Method::kStagedMutation ? "staged_mutation"
+         : method == Method::kNiching      ? "niching"
+                                           : "least_squares";
 }
 
-double CalibrationResult::std(int unknown) const { return std::sqrt(std::max(0.0, covariance(unknown, unknown))); }
+double CalibrationResult::std(int unknown) const {
+  return std::sqrt(std::max(0.0, covariance(unknown, unknown)));
+}
 
-CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options, const Eigen::VectorXd& start) {
+CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options,
+                            const Eigen::VectorXd& start) {
   CalibrationResult result;
   result.method = options.method;
   result.seed = options.seed;
@@ -250,8 +267,9 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   result.identifiability = identify(problem, x, inverseOf(sigma0, weight0), true, held);
   const int free = freeCount(result.identifiability.fixed);
   if (static_cast<int>((weight0.array() > 0.0).count()) + problem.priorCount() < free)
-    throw NumericalError(session.source + ": " + std::to_string(problem.rowCount()) + " residuals cannot determine " +
-                         std::to_string(free) + " unknowns; measure more, or leave effects out of the model");
+    throw NumericalError(session.source + ": " + std::to_string(problem.rowCount()) +
+                         " residuals cannot determine " + std::to_string(free) +
+                         " unknowns; measure more, or leave effects out of the model");
 
   nonlinearStart(*result.problem, x, result.identifiability.fixed, inverseOf(sigma0, weight0));
   std::vector<Eigen::VectorXd> starts = {x};
@@ -274,10 +292,12 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   } else {
     fit.run(x, result.identifiability.fixed);
   }
-  if (problem.model().parameterCount() > 0 && !options.holdEffects) {  // nonlinear parameters may turn out to be lost
+  if (problem.model().parameterCount() > 0 &&
+      !options.holdEffects) {  // nonlinear parameters may turn out to be lost
     const Identifiability after = identify(problem, fit.x, inverseOf(fit.sigma, fit.weight), false);
     for (const LostDirection& l : after.lost)
-      if (!result.identifiability.fixed[l.fixedUnknown] && after.lost.size() > result.identifiability.lost.size() && l.ofTheModel) {
+      if (!result.identifiability.fixed[l.fixedUnknown] &&
+          after.lost.size() > result.identifiability.lost.size() && l.ofTheModel) {
         result.identifiability.fixed[l.fixedUnknown] = 1;
         result.identifiability.lost.push_back(l);
         --result.identifiability.rank;
@@ -316,9 +336,11 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   }
   result.sigma = fit.sigma;
   result.repeatability = repeatability;
-  result.figures = figuresOf(problem, fit.residuals, summary.heldOut, fit.sigma, fit.weight, summary.dof, summary.priorChi2);
+  result.figures = figuresOf(problem, fit.residuals, summary.heldOut, fit.sigma, fit.weight, summary.dof,
+                             summary.priorChi2);
   for (int i = 0; i < problem.rowCount(); ++i)
-    if (fit.weight[i] == 0.0 && problem.uses(problem.rows()[i].observation)) result.outliers.push_back({i, fit.residuals[i]});
+    if (fit.weight[i] == 0.0 && problem.uses(problem.rows()[i].observation))
+      result.outliers.push_back({i, fit.residuals[i]});
 
   // the nominal machine on the same rows, for "before"
   const Problem nominal(session, Model(machine, domain, std::vector<EffectPtr>{}));
@@ -330,7 +352,8 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   before.weight = fit.weight;
   before.fitOnce(nominal.start(), gauge.fixed);
   const Summary beforeSummary = summarise(nominal, before, gauge.fixed);
-  result.before = figuresOf(nominal, before.residuals, beforeSummary.heldOut, fit.sigma, fit.weight, beforeSummary.dof, 0.0);
+  result.before = figuresOf(nominal, before.residuals, beforeSummary.heldOut, fit.sigma, fit.weight,
+                            beforeSummary.dof, 0.0);
   return result;
 }
 

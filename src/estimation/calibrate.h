@@ -22,13 +22,14 @@ std::string nameOf(Method method);
 struct CalibrateOptions {
   Method method = Method::kStagedMutation;
   std::uint64_t seed = 1;
-  unsigned threads = 0;        // 0: all cores; the result does not depend on it
-  double repeatability = -1;   // m, declared: overrides the artifact's; negative: not stated here
+  unsigned threads = 0;       // 0: all cores; the result does not depend on it
+  double repeatability = -1;  // m, declared: overrides the artifact's; negative: not stated here
   bool rejectOutliers = true;
-  Eigen::VectorXd weights;     // a data row, with rejectOutliers false: 0 leaves it out; empty: all count
-  bool holdEffects = false;    // the effects' parameters stay at `start`; only what belongs to the session is fitted
-  StagedMutationSettings stagedMutation;
-  NichingSettings niching;
+  Eigen::VectorXd weights;  // a data row, with rejectOutliers false: 0 leaves it out; empty: all count
+  bool holdEffects =
+      false;  // the effects' parameters stay at `start`; only what belongs to the session is fitted
+  StagedMutationSettings stagedMutation;  // seed and threads are those above
+  NichingSettings niching;                // likewise
   /// Called with a stage ("genetic", "polish", "uncertainty") and its share done in 0 … 1.
   std::function<void(const std::string& stage, double share)> progress;
   std::function<bool()> cancelled;
@@ -59,16 +60,17 @@ struct ResidualFigures {
 /// What a calibration found. Refers to the session given to `calibrate`.
 struct CalibrationResult {
   std::shared_ptr<Problem> problem;
-  Eigen::VectorXd x;           // all unknowns, SI
-  Eigen::MatrixXd covariance;  // SI, of all unknowns; zero rows where fixed; scaled by the residuals' variance
-  Eigen::VectorXd residuals;   // a data row, m or rad
-  Eigen::VectorXd sigma;       // a data row, m or rad: the noise taken for it
-  Eigen::VectorXd weight;      // a data row: 0 for outliers
-  Eigen::VectorXd heldOut;     // a data row, m or rad: residual under the fit to the other folds
-  double repeatability = 0.0;         // m (rad for angular sessions), as used
-  std::string repeatabilityFrom;      // "declared", "repeated" or "estimated"
+  Eigen::VectorXd x;  // all unknowns, SI
+  Eigen::MatrixXd
+      covariance;             // SI, of all unknowns; zero rows where fixed; scaled by the residuals' variance
+  Eigen::VectorXd residuals;  // a data row, m or rad
+  Eigen::VectorXd sigma;      // a data row, m or rad: the noise taken for it
+  Eigen::VectorXd weight;     // a data row: 0 for outliers
+  Eigen::VectorXd heldOut;    // a data row, m or rad: residual under the fit to the other folds
+  double repeatability = 0.0;     // m (rad for angular sessions), as used
+  std::string repeatabilityFrom;  // "declared", "repeated" or "estimated"
   ResidualFigures figures;
-  ResidualFigures before;             // of the nominal machine (no effects), same rows
+  ResidualFigures before;  // of the nominal machine (no effects), same rows
   Identifiability identifiability;
   std::optional<GeneticSummary> genetic;
   int polishIterations = 0;
@@ -83,9 +85,9 @@ struct CalibrationResult {
 };
 
 /// Calibrates: gauge by convention, genetic algorithm, polish, outliers, uncertainty.
-/// @param session must outlive the result. @param start values of the effects' parameters to begin with (empty: the
-/// effects' own). @throw InputError: the session cannot be used with the model. @throw NumericalError: nothing left
-/// to fit (fewer residuals than unknowns).
+/// @param session must outlive the result. @param start values of the effects' parameters to begin with
+/// (empty: the effects' own). @throw InputError: the session cannot be used with the model. @throw
+/// NumericalError: nothing left to fit (fewer residuals than unknowns).
 CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options,
                             const Eigen::VectorXd& start = {});
 

@@ -5,22 +5,69 @@
 
 namespace mm {
 
+namespace {
+
+/// First observation behind each stretch that a block must not cut: a free feature that was measured in one
+/// go and is little longer than a block. What a cut leaves of its contacts would have to find its position.
+std::vector<int> stretchEnds(const Problem& problem, int size) {
+  struct Run {
+    int first = -1, last = -1, count = 0;
+  };
+  const auto& observations = problem.session().observations;
+  std::vector<Run> runs(problem.session().artifact.features.size());
+  std::vector<int> ends(observations.size());
+  for (int o = 0; o < static_cast<int>(observations.size()); ++o) {
+    ends[o] = o + 1;
+    if (observations[o].kind != ObservationKind::kContact) continue;
+    Run& run = runs[observations[o].feature];
+    if (run.count == 0) run.first = o;
+    run.last = o;
+    ++run.count;
+  }
+  for (std::size_t f = 0; f < runs.size(); ++f) {
+    const Run& run = runs[f];
+    const bool free = run.count > 0 && problem.find(UnknownKind::kFeature, static_cast<int>(f)) >= 0;
+    if (free && run.count < 2 * size && run.last - run.first + 1 == run.count)
+      for (int o = run.first; o <= run.last; ++o) ends[o] = run.last + 1;
+  }
+  return ends;
+}
+
+/// A block for each observation, numbered from 0 in the order of time.
+std::vector<int> blocksOf(const std::vector<int>& ends, int size) {
+  std::vector<int> blocks(ends.size());
+  int block = 0, first = 0;
+  for (int o = 0; o < static_cast<int>(ends.size());) {
+    const int end = ends[o];
+    for (; o < end; ++o) blocks[o] = block;
+    if (end - first >= size) ++block, first = end;
+  }
+  return blocks;
+}
+
+}  // namespace
+
 Folds makeFolds(const Problem& problem) {
   constexpr int kFolds = 10, kSmallestBlock = 8, kBlocks = 60;
   Folds folds;
   const int observations = static_cast<int>(problem.session().observations.size());
-  const int size = std::max(std::min(kSmallestBlock, std::max(1, observations / kFolds)), observations / kBlocks);
-  folds.blocks = (observations + size - 1) / size;
+  const int size =
+      std::max(std::min(kSmallestBlock, std::max(1, observations / kFolds)), observations / kBlocks);
+  std::vector<int> blocks = blocksOf(stretchEnds(problem, size), size);
+  if (blocks.back() == 0)
+    for (int o = 0; o < observations; ++o) blocks[o] = o / size;
+  folds.blocks = blocks.back() + 1;
   folds.folds = std::min(kFolds, folds.blocks);
   for (const ResidualRow& row : problem.rows()) {
-    const int block = row.observation / size;
+    const int block = blocks[row.observation];
     folds.blockOfRow.push_back(block);
     folds.ofRow.push_back(block % folds.folds);
   }
   return folds;
 }
 
-Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd& residuals, const Folds& folds) {
+Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd& residuals,
+                                 const Folds& folds) {
   const int data = static_cast<int>(folds.ofRow.size()), rank = static_cast<int>(q.cols());
   Eigen::VectorXd out = residuals.head(data);
   if (rank == 0) return out;
@@ -29,20 +76,27 @@ Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd
     for (int i = 0; i < data; ++i)
       if (folds.ofRow[i] == f) rows.push_back(i);
     if (rows.empty()) continue;
-    Eigen::MatrixXd qf(rows.size(), rank);
+    std::vector<int> columns;  // that the fold touches: the centres of other balls are zero in it
+    for (int k = 0; k < rank; ++k)
+      if (std::any_of(rows.begin(), rows.end(), [&](int i) { return q(i, k) != 0.0; })) columns.push_back(k);
+    const int touched = static_cast<int>(columns.size());
+    if (touched == 0) continue;
+    Eigen::MatrixXd qf(rows.size(), touched);
     Eigen::VectorXd rf(rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      qf.row(static_cast<int>(i)) = q.row(rows[i]);
+      for (int k = 0; k < touched; ++k) qf(static_cast<int>(i), k) = q(rows[i], columns[k]);
       rf[static_cast<int>(i)] = residuals[rows[i]];
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(qf.transpose() * qf);
-    Eigen::VectorXd gain(rank);
-    for (int k = 0; k < rank; ++k) {
-      const double share = eigen.eigenvalues()[k];  // of the information on this direction that the fold alone holds
+    Eigen::VectorXd gain(touched);
+    for (int k = 0; k < touched; ++k) {
+      const double share =
+          eigen.eigenvalues()[k];  // of the information on this direction that the fold alone holds
       gain[k] = share > 1.0 - 1e-7 ? 0.0 : 1.0 / (1.0 - share);
     }
     const Eigen::VectorXd held =
-        rf + qf * (eigen.eigenvectors() * gain.cwiseProduct(eigen.eigenvectors().transpose() * (qf.transpose() * rf)));
+        rf + qf * (eigen.eigenvectors() *
+                   gain.cwiseProduct(eigen.eigenvectors().transpose() * (qf.transpose() * rf)));
     for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = held[static_cast<int>(i)];
   }
   return out;

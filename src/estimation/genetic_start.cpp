@@ -48,8 +48,8 @@ bool allLinear(const Problem& problem) {
 }
 
 /// Adds one entry to a sparse set of columns.
-void addTo(std::vector<SparseColumn>& columns, std::vector<int>& columnOf, int coefficient, std::size_t row, std::size_t rows,
-           double value) {
+void addTo(std::vector<SparseColumn>& columns, std::vector<int>& columnOf, int coefficient, std::size_t row,
+           std::size_t rows, double value) {
   if (value == 0.0) return;
   int& c = columnOf[coefficient];
   if (c < 0) {
@@ -62,7 +62,8 @@ void addTo(std::vector<SparseColumn>& columns, std::vector<int>& columnOf, int c
 }  // namespace
 
 GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
-                            const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, const CalibrateOptions& options) {
+                            const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
+                            const CalibrateOptions& options) {
   const auto& unknowns = problem.unknowns();
   const bool linear = allLinear(problem);
   double unit = 0.0;  // the mean sigma: costs are then squares of metres (or radians)
@@ -103,7 +104,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     for (int i = 0; i < problem.rowCount(); ++i) {
       if (inverseSigma[i] == 0.0 || !problem.uses(problem.rows()[i].observation)) continue;
       const Observation& o = session.observations[problem.rows()[i].observation];
-      const bool ball = o.kind == ObservationKind::kContact && session.artifact.features[o.feature].kind == FeatureKind::kBall;
+      const bool ball = o.kind == ObservationKind::kContact &&
+                        session.artifact.features[o.feature].kind == FeatureKind::kBall;
       (ball ? sphere : other).push_back(i);
     }
     const ErrorLayout layout = problem.model().machine().layout();
@@ -118,7 +120,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
       const ProbePose pose = problem.model().corrected(problem.state(o), x.data(), work, &unused);
       // at the start the genes have values: take their part out, so that the contact is P0 + B c
       Eigen::Vector3d p0 = pose.position;
-      double d0 = session.artifact.features[at.feature].radius + (std::isfinite(at.laserReading) ? 0.0 : session.artifact.tipRadius) +
+      double d0 = session.artifact.features[at.feature].radius +
+                  (std::isfinite(at.laserReading) ? 0.0 : session.artifact.tipRadius) +
                   work.errors[layout.distance()];
       for (const Model::Derivative& d : work.derivatives) {
         const int g = geneOf[d.parameter];
@@ -153,7 +156,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
         for (std::size_t c = 0; c < system.free.size(); ++c) {
           const int g = geneOf[system.free[c]];
           if (g < 0) continue;
-          const double b = system.jacobian(other[i], static_cast<int>(c)) / system.scale[static_cast<int>(c)] * unit;
+          const double b =
+              system.jacobian(other[i], static_cast<int>(c)) / system.scale[static_cast<int>(c)] * unit;
           addTo(rows.columns, rowColumnOf, g, i, other.size(), b);
           offset -= b * x[system.free[c]];
         }
@@ -168,7 +172,9 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
   GeneticControl control;
   control.cancelled = options.cancelled;
   control.progress = [&](const GeneticProgress& p) {
-    if (options.progress) options.progress("genetic", static_cast<double>(p.generation) / std::max<std::size_t>(1, p.generations));
+    if (options.progress)
+      options.progress("genetic",
+                       static_cast<double>(p.generation) / std::max<std::size_t>(1, p.generations));
   };
   const auto run = [&](auto settings, auto make) {
     settings.seed = options.seed;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
 namespace mm {
@@ -17,6 +18,21 @@ bool choosesFrame(const Problem& problem, int unknown) {
   if (type == "mmt_deviation") return u.name.rfind("alpha", 0) == 0;
   return type == "cross_talk" || type == "rotary_zero" || type == "rotary_axis_offset" ||
          type == "artifact_position" || type == "laser_mount" || type == "position_table";
+}
+
+/// MMT's convention, in whatever order the effects are listed: alpha of an axis by one before it is zero
+/// (alpha_xy, alpha_xz, alpha_yz).
+bool zeroByConvention(const Problem& problem, int unknown) {
+  const Unknown& u = problem.unknowns()[unknown];
+  if (u.kind != UnknownKind::kEffect || u.component < 5) return false;
+  const EffectSpec& spec = problem.model().effects()[u.owner]->spec();
+  if (spec.type != "mmt_deviation") return false;
+  const Machine& machine = problem.model().machine();
+  const std::string axis = spec.text("axis");
+  const int of = machine.findJoint(axis);
+  for (int j = 0; j < of; ++j)
+    if (u.name == "alpha_" + machine.joints()[j].name + axis) return true;
+  return false;
 }
 
 std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
@@ -84,10 +100,7 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
   if (!held.empty()) holdColumns(scaled, held);
   Eigen::MatrixXd r;
   if (scaled.rows() > count) {
-    r = Eigen::HouseholderQR<Eigen::MatrixXd>(scaled)
-            .matrixQR()
-            .topRows(count)
-            .triangularView<Eigen::Upper>();
+    r = thinQr(scaled, localBlocks(problem, scaled, system.free), false).rInOrder();
   } else {
     r = scaled;
   }
@@ -101,13 +114,15 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
   for (std::size_t k = 0; k < lostColumns.size(); ++k)
     null.col(static_cast<int>(k)) = svd.matrixV().col(lostColumns[k]);
 
-  // Hold one unknown a direction: the instrument's zeros, the effects' parameters from the last to the first,
-  // the rest.
+  // Hold one unknown a direction: the instrument's zeros, what a convention names, the other parameters of
+  // the effects from the last to the first, the rest.
   std::vector<int> order;
   for (int u = count - 1; u >= 0; --u)
     if (unknowns[u].kind == UnknownKind::kSetup) order.push_back(u);
-  for (int u = count - 1; u >= 0; --u)
-    if (unknowns[u].kind == UnknownKind::kEffect) order.push_back(u);
+  for (const bool named : {true, false})
+    for (int u = count - 1; u >= 0; --u)
+      if (unknowns[u].kind == UnknownKind::kEffect && zeroByConvention(problem, u) == named)
+        order.push_back(u);
   for (int u = count - 1; u >= 0; --u)
     if (unknowns[u].kind != UnknownKind::kEffect && unknowns[u].kind != UnknownKind::kSetup)
       order.push_back(u);

@@ -30,8 +30,8 @@ struct Identifiability {
 };
 
 /// A direction is lost when its standard deviation exceeds the parameters' declared bounds: no numerical
-/// threshold. The gauge is fixed by convention: of a lost direction the last listed parameter is held, so
-/// that for MMT alpha_xy = alpha_xz = alpha_yz = 0.
+/// threshold. The gauge is fixed by convention: for MMT alpha_xy = alpha_xz = alpha_yz = 0 in whatever order
+/// the axes are listed; else, of a lost direction, the last listed parameter is held.
 /// @param x point of linearisation. @param inverseSigma a data row, 1/m or 1/rad, 0: left out.
 /// @param beforeFit effects that are not linear in their parameters are left alone: only a fit can tell.
 /// @param held unknowns that are not estimated (empty: none): they are fixed, and neither lost nor counted.

@@ -27,7 +27,7 @@ double costOf(const Problem& problem, const Eigen::VectorXd& x, const Eigen::Vec
 bool hasNonlinearParameters(const Problem& problem) {
   const auto& effects = problem.model().effects();
   return std::any_of(effects.begin(), effects.end(),
-                     [](const EffectPtr& e) { return !e->nonlinearParameters().empty(); });
+                     [](const EffectPtr& e) { return !e->separable() && !e->nonlinearParameters().empty(); });
 }
 
 bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,

@@ -6,7 +6,8 @@
 
 namespace mm {
 
-/// Unknowns of effects that enter nonlinearly, e.g. a rate inside an exponential of a formula.
+/// Unknowns of effects that enter nonlinearly, e.g. a rate inside an exponential of a formula; not the angles
+/// of MMT, whose effect is as good as linear.
 bool hasNonlinearParameters(const Problem& problem);
 
 /// Everything that enters linearly at its optimum, with the nonlinear parameters of the effects held where

@@ -14,7 +14,7 @@ void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char
   for (int e = 0; e < static_cast<int>(model.effects().size()); ++e) {
     const Effect& effect = *model.effects()[e];
     const std::vector<std::vector<double>> starts = effect.searchStarts();
-    if (starts.empty()) continue;
+    if (starts.empty() || effect.separable()) continue;  // nothing to search where all amplitudes are linear
     const std::vector<int> nonlinear = effect.nonlinearParameters();
     const int offset = model.offset(e);
     bool atZero = true;  // a start that the caller chose is kept

@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <map>
 
 #include "estimation/whitened.h"
@@ -13,7 +14,8 @@ namespace {
 /// Which unknowns make one parameter block of Ceres.
 struct Block {
   std::vector<int> unknowns;
-  std::vector<double> values;  // divided by the unknowns' scale
+  std::vector<double> scales;
+  double* values = nullptr;  // divided by the scales
 };
 
 /// The whitened residuals of the observations that share one local block (a free feature), or of a slice of
@@ -37,10 +39,8 @@ class GroupCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
     Eigen::VectorXd x = base_;
     for (std::size_t b = 0; b < blocks_.size(); ++b)
-      for (std::size_t i = 0; i < blocks_[b]->unknowns.size(); ++i) {
-        const int u = blocks_[b]->unknowns[i];
-        x[u] = values[b][i] * problem_.unknowns()[u].scale;
-      }
+      for (std::size_t i = 0; i < blocks_[b]->unknowns.size(); ++i)
+        x[blocks_[b]->unknowns[i]] = values[b][i] * blocks_[b]->scales[i];
     Model::Workspace work;
     Problem::Derivative d;
     Eigen::MatrixXd rows;
@@ -61,8 +61,7 @@ class GroupCost final : public ceres::CostFunction {
           for (int i = 0; i < n; ++i) {
             const double s = inverseSigma_[problem_.firstRow(o) + i];
             for (std::size_t k = 0; k < width; ++k) {
-              const int u = blocks_[b]->unknowns[k];
-              const double v = s == 0.0 ? 0.0 : s * rows(i, u) * problem_.unknowns()[u].scale;
+              const double v = s == 0.0 ? 0.0 : s * rows(i, blocks_[b]->unknowns[k]) * blocks_[b]->scales[k];
               if (!std::isfinite(v)) return false;
               jacobians[b][(at + i) * width + k] = v;
             }
@@ -112,6 +111,11 @@ class Watcher final : public ceres::IterationCallback {
  private:
   const PolishOptions& options_;
 };
+
+bool nearlyLinear(const Problem& problem) {
+  return std::all_of(problem.model().effects().begin(), problem.model().effects().end(),
+                     [](const EffectPtr& e) { return e->separable(); });
+}
 
 /// Gauss-Newton steps by QR, halved until they shorten the residual: the last digits, for small problems.
 /// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the
@@ -164,13 +168,24 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
         unknowns[u].kind == UnknownKind::kFeature && !fixed[first] && !fixed[first + 1] && !fixed[first + 2];
     Block& block = isLocal ? local[unknowns[u].owner] : global;
     block.unknowns.push_back(u);
-    block.values.push_back(start[u] / unknowns[u].scale);
+    block.scales.push_back(unknowns[u].scale);
   }
   if (global.unknowns.empty() && local.empty()) {
     result.converged = true;
     result.stop = "nothing to estimate";
     return result;
   }
+
+  // Ceres orders the blocks of a group by their addresses: in one array, the same in every run
+  std::vector<double> all;
+  all.reserve(static_cast<std::size_t>(problem.unknownCount()));
+  const auto place = [&](Block& block) {
+    block.values = all.data() + all.size();
+    for (std::size_t i = 0; i < block.unknowns.size(); ++i)
+      all.push_back(start[block.unknowns[i]] / block.scales[i]);
+  };
+  place(global);
+  for (auto& [feature, block] : local) place(block);
 
   std::map<int, std::vector<int>> groups;  // feature, or a negative slice of the rest
   const auto& observations = problem.session().observations;
@@ -190,8 +205,8 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
   for (auto& [key, members] : groups) {
     std::vector<const Block*> blocks;
     std::vector<double*> values;
-    if (!global.unknowns.empty()) blocks.push_back(&global), values.push_back(global.values.data());
-    if (key >= 0) blocks.push_back(&local[key]), values.push_back(local[key].values.data());
+    if (!global.unknowns.empty()) blocks.push_back(&global), values.push_back(global.values);
+    if (key >= 0) blocks.push_back(&local[key]), values.push_back(local[key].values);
     ceresProblem.AddResidualBlock(new GroupCost(problem, base, inverseSigma, members, blocks), nullptr,
                                   values);
   }
@@ -200,7 +215,7 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
     auto [block, index] = placeOf[u];
     ceresProblem.AddResidualBlock(new PriorCost(index, static_cast<int>(block->unknowns.size()),
                                                 unknowns[u].scale / unknowns[u].priorStd),
-                                  nullptr, block->values.data());
+                                  nullptr, block->values);
   }
 
   ceres::Solver::Options solver;
@@ -209,6 +224,8 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
   solver.function_tolerance = 1e-15;
   solver.parameter_tolerance = 1e-13;
   solver.gradient_tolerance = 1e-16;
+  // damping only holds back the weak directions of a problem that is linear but for the geometry
+  if (nearlyLinear(problem)) solver.initial_trust_region_radius = 1e9;
   solver.logging_type = ceres::SILENT;
   solver.max_num_consecutive_invalid_steps = 20;
   if (local.empty() || global.unknowns.empty()) {
@@ -216,8 +233,8 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
   } else {
     solver.linear_solver_type = ceres::DENSE_SCHUR;
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (auto& [feature, block] : local) ordering->AddElementToGroup(block.values.data(), 0);
-    ordering->AddElementToGroup(global.values.data(), 1);
+    for (auto& [feature, block] : local) ordering->AddElementToGroup(block.values, 0);
+    ordering->AddElementToGroup(global.values, 1);
     solver.linear_solver_ordering = ordering;
   }
   Watcher watcher(options);
@@ -227,7 +244,7 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
 
   const auto read = [&](const Block& block) {
     for (std::size_t i = 0; i < block.unknowns.size(); ++i)
-      result.x[block.unknowns[i]] = block.values[i] * unknowns[block.unknowns[i]].scale;
+      result.x[block.unknowns[i]] = block.values[i] * block.scales[i];
   };
   read(global);
   for (const auto& [feature, block] : local) read(block);

@@ -240,8 +240,7 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
     d->radius.setZero(rows);
     return rows;
   }
-  Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;  // not used: the slots carry all derivatives
-  const ProbePose pose = model_.corrected(at, x.data(), work, d != nullptr ? &byParameter : nullptr);
+  const ProbePose pose = model_.corrected(at, x.data(), work, d != nullptr ? &d->unused : nullptr);
   if (d != nullptr) {
     d->effects.setZero(rows, parameters);
     d->pose.setZero(rows, 6);
@@ -251,7 +250,7 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
   }
   // by: derivative of a scalar residual with respect to the pose of the probe (6)
   const auto chain = [&](int row, const Eigen::Matrix<double, 1, 6>& by) {
-    d->slots.row(row).noalias() += by * work.bySlot;
+    for (int s = 0; s < layout.size(); ++s) d->slots(row, s) += (by * work.bySlot.col(s)).value();
   };
 
   if (o.kind == ObservationKind::kDeviation) {

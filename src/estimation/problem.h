@@ -50,6 +50,8 @@ class Problem {
     Eigen::MatrixXd feature;  // rows x 3
     Eigen::MatrixXd slots;    // rows x ErrorLayout::size(): by each small error
     Eigen::VectorXd radius;   // rows
+    Eigen::Matrix<double, 6, Eigen::Dynamic>
+        unused;  // of the pose by parameter: the slots carry all derivatives
   };
 
   /// @param session must outlive the problem. @throw InputError when a session cannot be used with the model

@@ -1,0 +1,106 @@
+#include "estimation/thin_qr.h"
+
+#include <Eigen/Dense>
+
+namespace mm {
+
+std::vector<LocalBlock> localBlocks(const Problem& problem, const Eigen::MatrixXd& jacobian,
+                                    const std::vector<int>& unknowns) {
+  std::vector<LocalBlock> ofFeature(problem.session().artifact.features.size());
+  for (std::size_t c = 0; c < unknowns.size(); ++c) {
+    const Unknown& u = problem.unknowns()[unknowns[c]];
+    if (u.kind == UnknownKind::kFeature) ofFeature[u.owner].columns.push_back(static_cast<int>(c));
+  }
+  for (int i = 0; i < problem.rowCount(); ++i) {
+    const Observation& o = problem.session().observations[problem.rows()[i].observation];
+    if (o.kind == ObservationKind::kContact && !ofFeature[o.feature].columns.empty())
+      ofFeature[o.feature].rows.push_back(i);
+  }
+  std::vector<LocalBlock> blocks;
+  for (LocalBlock& block : ofFeature) {
+    for (int i = problem.rowCount(); i < jacobian.rows(); ++i)
+      for (const int c : block.columns)
+        if (jacobian(i, c) != 0.0) {
+          block.rows.push_back(i);
+          break;
+        }
+    if (!block.columns.empty() && block.rows.size() >= block.columns.size())
+      blocks.push_back(std::move(block));
+  }
+  return blocks;
+}
+
+Eigen::MatrixXd ThinQr::rInOrder() const {
+  Eigen::MatrixXd ordered(r.rows(), r.cols());
+  for (std::size_t k = 0; k < order.size(); ++k) ordered.col(order[k]) = r.col(static_cast<Eigen::Index>(k));
+  return ordered;
+}
+
+ThinQr thinQr(const Eigen::MatrixXd& jacobian, const std::vector<LocalBlock>& blocks, bool wantQ) {
+  using Qr = Eigen::HouseholderQR<Eigen::MatrixXd>;
+  const Eigen::Index rows = jacobian.rows(), columns = jacobian.cols();
+  ThinQr result;
+  std::vector<char> localColumn(columns, 0), localRow(rows, 0);
+  for (const LocalBlock& block : blocks) {
+    for (const int c : block.columns) localColumn[c] = 1, result.order.push_back(c);
+    for (const int i : block.rows) localRow[i] = 1;
+  }
+  const Eigen::Index local = static_cast<Eigen::Index>(result.order.size()), shared = columns - local;
+  for (Eigen::Index c = 0; c < columns; ++c)
+    if (localColumn[c] == 0) result.order.push_back(static_cast<int>(c));
+
+  result.r.setZero(columns, columns);
+  std::vector<Qr> small;
+  Eigen::MatrixXd rest(rows - local, shared);  // what the blocks leave of the shared columns
+  Eigen::Index filled = 0, column = 0;
+  for (const LocalBlock& block : blocks) {
+    const Eigen::Index n = static_cast<Eigen::Index>(block.rows.size()),
+                       m = static_cast<Eigen::Index>(block.columns.size());
+    Eigen::MatrixXd own(n, m), others(n, shared);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      for (Eigen::Index k = 0; k < m; ++k) own(i, k) = jacobian(block.rows[i], block.columns[k]);
+      for (Eigen::Index k = 0; k < shared; ++k)
+        others(i, k) = jacobian(block.rows[i], result.order[local + k]);
+    }
+    small.emplace_back(own);
+    others.applyOnTheLeft(small.back().householderQ().transpose());
+    result.r.block(column, column, m, m) = small.back().matrixQR().topRows(m).triangularView<Eigen::Upper>();
+    result.r.block(column, local, m, shared) = others.topRows(m);
+    rest.middleRows(filled, n - m) = others.bottomRows(n - m);
+    filled += n - m;
+    column += m;
+  }
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    if (localRow[i] != 0) continue;
+    for (Eigen::Index k = 0; k < shared; ++k) rest(filled, k) = jacobian(i, result.order[local + k]);
+    ++filled;
+  }
+  const Qr last(rest);
+  result.r.block(local, local, shared, shared) =
+      last.matrixQR().topRows(shared).triangularView<Eigen::Upper>();
+  if (!wantQ) return result;
+
+  const Eigen::MatrixXd lastQ = last.householderQ() * Eigen::MatrixXd::Identity(rest.rows(), shared);
+  result.q.setZero(rows, columns);
+  filled = column = 0;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const LocalBlock& block = blocks[b];
+    const Eigen::Index n = static_cast<Eigen::Index>(block.rows.size()),
+                       m = static_cast<Eigen::Index>(block.columns.size());
+    Eigen::MatrixXd part = Eigen::MatrixXd::Zero(n, m + shared);
+    part.topLeftCorner(m, m).setIdentity();
+    part.bottomRightCorner(n - m, shared) = lastQ.middleRows(filled, n - m);
+    part.applyOnTheLeft(small[b].householderQ());
+    for (Eigen::Index i = 0; i < n; ++i) {
+      result.q.block(block.rows[i], column, 1, m) = part.row(i).head(m);
+      result.q.block(block.rows[i], local, 1, shared) = part.row(i).tail(shared);
+    }
+    filled += n - m;
+    column += m;
+  }
+  for (Eigen::Index i = 0; i < rows; ++i)
+    if (localRow[i] == 0) result.q.block(i, local, 1, shared) = lastQ.row(filled++);
+  return result;
+}
+
+}  // namespace mm

@@ -1,0 +1,1 @@
+set(estimation_test_dependencies report compensation simulation)
