@@ -97,6 +97,8 @@ class Problem {
   bool poseFree() const { return poseOffset_ >= 0; }
   /// True position of a feature in workpiece at x (m), without thermal growth of the artifact.
   Eigen::Vector3d featureInWorkpiece(int feature, const Eigen::VectorXd& x) const;
+  /// Rotation artifact -> workpiece at x.
+  Eigen::Matrix3d artifactRotation(const Eigen::VectorXd& x) const { return poseRotation(x, nullptr); }
 
   static constexpr int kMaxRows = 16;
 

@@ -8,9 +8,12 @@
 namespace mm {
 namespace {
 
-std::string quoted(const EffectSpec& effect) {
+/// A word of a shell's line: quoted where it must be.
+std::string quoted(const std::string& word) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+-=@%,";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos && word.front() != '-') return word;
   std::string text = "'";
-  for (const char c : effect.yaml()) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return text + "'";
 }
 
@@ -53,6 +56,15 @@ std::string nextName(const std::string& file) {
 
 }  // namespace
 
+std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
+  const EffectSpec* next = !d.missing.empty()    ? &d.missing.front().effect
+                           : !d.formulas.empty() ? &d.formulas.front().effect
+                                                 : nullptr;
+  if (next == nullptr) return {};
+  return "mm add " + quoted(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
+         " -o " + quoted(nextName(calibration));
+}
+
 std::string diagnoseText(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   std::string text = d.sentence + "\n";
   if (d.base.problem) {
@@ -88,12 +100,8 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
       text += "  " + moveText(d.nextMeasurement[i]) + "\n";
     if (d.nextMeasurement.size() > kShown) text += "  … (--json lists them)\n";
   }
-  const EffectSpec* next = !d.missing.empty()    ? &d.missing.front().effect
-                           : !d.formulas.empty() ? &d.formulas.front().effect
-                                                 : nullptr;
-  if (next != nullptr)
-    text += "\nType next:\n  mm add " + session + " --calibration " + calibration + " " + quoted(*next) +
-            " -o " + nextName(calibration) + "\n";
+  const std::string next = addCommand(d, session, calibration);
+  if (!next.empty()) text += "\nType next:\n  " + next + "\n";
   return text;
 }
 

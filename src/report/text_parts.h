@@ -21,6 +21,9 @@ std::string spoken(const EffectSpec& effect);
 /// Pads to a width counted in characters, not bytes.
 std::string padded(const std::string& text, int width);
 std::string whereText(const std::vector<WhereItFails>& where);
+/// The `mm add` line to type next; empty when there is nothing to add.
+std::string addCommand(const Diagnosis& diagnosis, const std::string& session,
+                       const std::string& calibration);
 bool angularOnly(const CalibrationResult& result);
 
 }  // namespace mm

@@ -1,0 +1,35 @@
+# Fetches Plotly (MIT) from npm into FOLDER, once. Never fails a build: without it only `mm report` cannot work, and says so.
+# cmake -DPACKAGE=plotly.js-dist-min@<version> -DFOLDER=<build>/web -P cmake/fetch_plotly.cmake
+
+# sha256 of the plotly.min.js of that version
+set(expected "2f645d1bade8182fce161b7f10f89402f8b315805250ff4a94672a28d23c390a")
+if(EXISTS ${FOLDER}/plotly.min.js)
+  file(SHA256 ${FOLDER}/plotly.min.js found)
+  if(found STREQUAL expected)
+    return()
+  endif()
+endif()
+find_program(NPM npm)
+if(NOT NPM)
+  message(WARNING "npm is not installed: mm report will not work; install npm (Debian: apt-get install npm) and build again")
+  return()
+endif()
+set(work ${FOLDER}/fetch)
+file(REMOVE_RECURSE ${work})
+file(MAKE_DIRECTORY ${work})
+execute_process(
+  COMMAND ${NPM} pack --silent --fetch-retries=1 --fetch-timeout=30000 ${PACKAGE}
+  WORKING_DIRECTORY ${work} RESULT_VARIABLE status OUTPUT_QUIET ERROR_VARIABLE problem TIMEOUT 120)
+file(GLOB archive ${work}/*.tgz)
+if(NOT status EQUAL 0 OR NOT archive)
+  message(WARNING "npm pack ${PACKAGE} failed: mm report will not work until a build can reach the npm registry\n${problem}")
+  return()
+endif()
+file(ARCHIVE_EXTRACT INPUT ${archive} DESTINATION ${work} PATTERNS package/plotly.min.js package/LICENSE)
+file(SHA256 ${work}/package/plotly.min.js found)
+if(NOT found STREQUAL expected)
+  message(WARNING "${PACKAGE}: plotly.min.js has sha256 ${found} instead of ${expected}; it is not used")
+  return()
+endif()
+file(RENAME ${work}/package/plotly.min.js ${FOLDER}/plotly.min.js)
+file(REMOVE_RECURSE ${work})

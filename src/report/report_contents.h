@@ -1,0 +1,51 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+#include "diagnosis/diagnose.h"
+#include "report/point_set.h"
+#include "report/report_curve.h"
+#include "report/report_positioning.h"
+#include "report/report_variables.h"
+#include "report/report_vectors.h"
+
+namespace mm {
+
+/// Everything that the report's page shows. Refers to the session, which must outlive it.
+struct ReportContents {
+  const Session* session = nullptr;
+  std::string sessionPath, calibrationPath;  // as typed: for the line to type next
+  std::string created;                       // ISO 8601, UTC
+  Calibration calibration;
+  Diagnosis diagnosis;                       // its base: the model refitted to this session
+  std::optional<CalibrationResult> nominal;  // no effects
+  std::optional<CalibrationResult>
+      held;  // the calibration's values held, only the session's own unknowns fitted
+  std::optional<CalibrationResult> improved;  // with what the diagnosis named added
+  std::vector<EffectSpec> added;              // effects of `improved` that the calibration does not have
+  PointSet pointSet;
+  std::vector<VariableView> variables;
+  ResidualVectors vectors;
+  std::vector<AxisPositioning> positioning;
+  std::vector<ConvergenceCurve> curves;
+};
+
+struct ReportOptions {
+  DiagnoseOptions diagnose;
+  std::string sessionPath, calibrationPath;
+  std::vector<ConvergenceCurve> curves;
+  std::string created;  // empty: now
+};
+
+/// Diagnoses the calibration on the session and collects what the page shows.
+/// @throw InputError as `diagnoseCalibration`; Cancelled.
+ReportContents makeReport(const Session& session, const Calibration& calibration,
+                          const ReportOptions& options);
+
+/// The contents as one JSON object in the units of people; what does not exist is null.
+std::string reportJson(const ReportContents& report);
+
+}  // namespace mm

@@ -1,0 +1,304 @@
+#include <cmath>
+
+#include "machine/units.h"
+#include "report/json.h"
+#include "report/json_parts.h"
+#include "report/quantiles.h"
+#include "report/report_contents.h"
+#include "report/text_parts.h"
+#include "session/session_hash.h"
+
+namespace mm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// For pictures: no more digits than can be seen.
+Json rounded(double value, double step) {
+  return std::isfinite(value) ? Json(std::round(value / step) * step) : Json(nullptr);
+}
+
+template <typename Range>
+Json list(const Range& values, double step) {
+  Json out = Json::array();
+  for (const double v : values) out.push_back(rounded(v, step));
+  return out;
+}
+
+/// Five digits of the largest value.
+double stepOf(const std::vector<double>& values) {
+  double most = 0.0;
+  for (const double v : values)
+    if (std::isfinite(v)) most = std::max(most, std::abs(v));
+  return most > 0.0 ? std::pow(10.0, std::floor(std::log10(most)) - 4.0) : 1.0;
+}
+
+Json figuresJson(const std::string& name, const std::string& note, const CalibrationResult* fit,
+                 const ResidualFigures& f) {
+  Json one;
+  one["name"] = name;
+  one["note"] = note;
+  setFigures(one, f, true);
+  one["chi2_per_dof"] = f.degreesOfFreedom > 0 ? number(f.chi2PerDof) : Json(nullptr);
+  if (fit == nullptr) return one;
+  one["outliers"] = fit->outliers.size();
+  for (const bool angular : {false, true}) {
+    const SizeOfResiduals size = sizeOfResiduals(*fit, angular);
+    if (size.count == 0) continue;
+    const double unit = angular ? kArcsecond : kMicrometre;
+    const std::string suffix = angular ? "_arcsec" : "_um";
+    one["max" + suffix] = number(size.max / unit);
+    for (const auto& [percent, value] : size.quantiles)
+      if (percent == 95) one["q95" + suffix] = number(value / unit);
+  }
+  return one;
+}
+
+Json figures(const ReportContents& r) {
+  Json out = Json::array();
+  if (!r.diagnosis.base.problem) return out;
+  const CalibrationResult& base = r.diagnosis.base;
+  out.push_back(figuresJson("Nominal machine", "no effect in the model", r.nominal ? &*r.nominal : nullptr,
+                            r.nominal ? r.nominal->figures : base.before));
+  if (r.held)
+    out.push_back(
+        figuresJson("This calibration, values held",
+                    "does it still hold here? Only the artifact's pose, free centres and zeros fitted",
+                    &*r.held, r.held->figures));
+  out.push_back(figuresJson("This calibration, refitted", "the same effects, values fitted to this session",
+                            &base, base.figures));
+  if (r.improved)
+    out.push_back(figuresJson("With the named effects added", "what the diagnosis proposes", &*r.improved,
+                              r.improved->figures));
+  return out;
+}
+
+Json variablesJson(const std::vector<VariableView>& views) {
+  Json out = Json::array();
+  for (const VariableView& v : views) {
+    Json one;
+    one["name"] = v.name;
+    one["unit"] = v.unit;
+    one["category"] = v.category;
+    one["labels"] = v.labels;
+    one["direction"] = v.direction;
+    one["share"] = number(v.share);
+    one["p_value"] = number(v.pValue);
+    one["observations"] = v.observations;
+    std::vector<double> at, mean, error, improved;
+    Json counts = Json::array();
+    for (const VariableBin& b : v.bins) {
+      at.push_back(b.at);
+      mean.push_back(b.mean);
+      error.push_back(b.standardError);
+      improved.push_back(b.meanImproved);
+      counts.push_back(b.count);
+    }
+    const double xStep = stepOf(v.x), yStep = stepOf(v.y);
+    one["at"] = list(at, stepOf(at));
+    one["mean"] = list(mean, yStep * 0.1);
+    one["standard_error"] = list(error, yStep * 0.01);
+    one["improved"] = list(improved, yStep * 0.1);
+    one["count"] = std::move(counts);
+    one["x"] = list(v.x, xStep);
+    one["y"] = list(v.y, yStep);
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Json vectorsJson(const ResidualVectors& v, const Session& session) {
+  if (v.places.empty()) return nullptr;
+  Json out;
+  out["observations"] = v.observations;
+  out["signed"] = v.signedValues;
+  Json at = Json::array(), rows = Json::array(), names = Json::array(), outliers = Json::array();
+  for (const ResidualVectors::Place& p : v.places) {
+    at.push_back(list(p.at, 1e-4));
+    rows.push_back(p.row);
+    names.push_back(p.feature >= 0 ? session.artifact.features[static_cast<std::size_t>(p.feature)].name
+                                   : std::string());
+    outliers.push_back(p.outlier ? 1 : 0);
+  }
+  out["at_mm"] = std::move(at);
+  out["row"] = std::move(rows);
+  out["feature"] = std::move(names);
+  out["outlier"] = std::move(outliers);
+  out["states"] = Json::array();
+  for (const ResidualVectors::State& s : v.states) {
+    Json state, vectors = Json::array();
+    for (const Eigen::Vector3d& one : s.vectors) vectors.push_back(list(one, 1e-3));
+    state["name"] = s.name;
+    state["vector_um"] = std::move(vectors);
+    state["value_um"] = list(s.values, 1e-3);
+    out["states"].push_back(std::move(state));
+  }
+  out["balls"] = Json::array();
+  for (const ResidualVectors::Ball& b : v.balls)
+    out["balls"].push_back(
+        Json{{"name", b.name}, {"centre_mm", list(b.centre, 1e-4)}, {"radius_mm", rounded(b.radius, 1e-4)}});
+  return out;
+}
+
+Json positioningTestJson(const PositioningTest& test) {
+  Json out;
+  std::vector<double> at, up, down, sUp, sDown;
+  Json runs = Json::array();
+  for (const PositioningTarget& t : test.targets) {
+    at.push_back(t.at);
+    up.push_back(t.meanForward);
+    down.push_back(t.meanBackward);
+    sUp.push_back(t.sForward);
+    sDown.push_back(t.sBackward);
+    runs.push_back(Json::array({t.forward, t.backward}));
+  }
+  out["at"] = list(at, 1e-4);
+  out["forward"] = list(up, 1e-3);
+  out["backward"] = list(down, 1e-3);
+  out["s_forward"] = list(sUp, 1e-3);
+  out["s_backward"] = list(sDown, 1e-3);
+  out["runs"] = std::move(runs);
+  const PositioningFigures& f = test.figures;
+  out["figures"] = Json{{"A", number(f.accuracy)},
+                        {"R", number(f.repeatability)},
+                        {"R_forward", number(f.repeatabilityForward)},
+                        {"R_backward", number(f.repeatabilityBackward)},
+                        {"E", number(f.systematic)},
+                        {"M", number(f.meanRange)},
+                        {"B", number(f.reversal)},
+                        {"B_mean", number(f.meanReversal)}};
+  return out;
+}
+
+Json positioningJson(const std::vector<AxisPositioning>& axes) {
+  Json out = Json::array();
+  for (const AxisPositioning& a : axes) {
+    Json one;
+    one["axis"] = a.axis;
+    one["unit"] = a.rotary ? "arcsec" : "um";
+    one["position_unit"] = a.rotary ? "deg" : "mm";
+    one["measured"] = positioningTestJson(a.measured);
+    one["calibrated"] = positioningTestJson(a.calibrated);
+    Json x = Json::array(), y = Json::array(), left = Json::array(), up = Json::array();
+    for (std::size_t i = 0; i < a.runs.size(); ++i) {
+      x.push_back(rounded(a.runs[i].at, 1e-4));
+      y.push_back(rounded(a.runs[i].deviation, 1e-3));
+      left.push_back(rounded(a.left[i].deviation, 1e-3));
+      up.push_back(a.runs[i].forward ? 1 : 0);
+    }
+    one["x"] = std::move(x);
+    one["y"] = std::move(y);
+    one["left"] = std::move(left);
+    one["up"] = std::move(up);
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
+  Json out = Json::array();
+  for (const LedgerEntry& e : ledger) {
+    Json one;
+    one["action"] = e.action;
+    one["effect"] = e.effect.type.empty() ? Json(nullptr) : effectJson(e.effect);
+    one["time"] = e.time;
+    setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
+    setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);
+    one["calibration"] = e.calibration;
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Json parametersJson(const Calibration& c) {
+  Json out = Json::array();
+  for (std::size_t e = 0; e < c.effects.size(); ++e) {
+    Json one;
+    one["effect"] = effectJson(c.effects[e]);
+    one["values"] = Json::array();
+    for (const Calibration::Value& v : c.values) {
+      if (v.effect != static_cast<int>(e)) continue;
+      Json value;
+      value["name"] = v.name;
+      value["value"] = number(v.value * v.toUnit);
+      value["std"] = v.fixed ? Json(nullptr) : number(v.std * std::abs(v.toUnit));
+      value["unit"] = v.unit;
+      value["held"] = v.fixed;
+      one["values"].push_back(std::move(value));
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Json outliersWithNames(const CalibrationResult& r) {
+  Json out = Json::array();
+  for (const Outlier& o : r.outliers) {
+    const ResidualRow& row = r.problem->rows()[static_cast<std::size_t>(o.row)];
+    const Observation& at = r.problem->session().observations[static_cast<std::size_t>(row.observation)];
+    Json one;
+    one["row"] = at.row;
+    one["time_s"] = number(at.time);
+    one["feature"] =
+        at.feature >= 0
+            ? Json(r.problem->session().artifact.features[static_cast<std::size_t>(at.feature)].name)
+            : Json(nullptr);
+    one["residual"] = number(o.residual / (row.angular ? kArcsecond : kMicrometre));
+    one["unit"] = row.angular ? "arcsec" : "um";
+    one["sigmas"] = number(o.residual / r.sigma[o.row]);
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Json curvesJson(const std::vector<ConvergenceCurve>& curves) {
+  Json out = Json::array();
+  for (const ConvergenceCurve& c : curves)
+    out.push_back(Json{{"name", c.name},
+                       {"unit", c.angular ? "arcsec" : "um"},
+                       {"generation", c.generation},
+                       {"rms", c.rms}});
+  return out;
+}
+
+}  // namespace
+
+std::string reportJson(const ReportContents& r) {
+  const Calibration& c = r.calibration;
+  const Diagnosis& d = r.diagnosis;
+  const bool fitted = d.base.problem != nullptr;
+  const bool angular = fitted ? d.angular : !std::isfinite(c.rms) && std::isfinite(c.rmsAngular);
+  Json out;
+  out["session"] = r.sessionPath;
+  out["session_warning"] = r.session->warning;
+  out["calibration"] = r.calibrationPath;
+  out["calibration_id"] = c.id;
+  out["calibrated"] = c.created;
+  out["same_session"] =
+      c.sessionHash.empty() ? Json(nullptr) : Json(c.sessionHash == sessionHash(*r.session));
+  out["created"] = r.created;
+  out["software"] = c.software;
+  out["machine"] = c.machineName;
+  out["method"] = c.method;
+  out["seed"] = c.seed;
+  out["residuals"] = fitted ? Json(d.base.problem->rowCount()) : Json(nullptr);
+  out["left_out"] = fitted ? d.base.problem->leftOut().size() : 0;
+  out["unit"] = angular ? "arcsec" : "um";
+  out["noise"] = fitted ? number(d.base.repeatability / (angular ? kArcsecond : kMicrometre)) : Json(nullptr);
+  out["command"] = addCommand(d, r.sessionPath, r.calibrationPath);
+  out["figures"] = figures(r);
+  out["diagnosis"] = Json::parse(diagnoseJson(d));
+  out["variables"] = variablesJson(r.variables);
+  out["vectors"] = vectorsJson(r.vectors, *r.session);
+  out["positioning"] = positioningJson(r.positioning);
+  out["ledger"] = ledgerJson(c.ledger, angular);
+  out["parameters"] = parametersJson(c);
+  out["identifiability"] =
+      fitted ? identifiabilityJson(*d.base.problem, d.base.identifiability, d.base.x) : Json(nullptr);
+  out["point_set"] = Json::parse(pointSetJson(r.pointSet));
+  out["curves"] = curvesJson(r.curves);
+  out["outliers"] = fitted ? outliersWithNames(d.base) : Json::array();
+  return out.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace mm

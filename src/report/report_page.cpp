@@ -1,0 +1,121 @@
+#include "report/report_page.h"
+
+#include <vector>
+
+#include "calibration_file/atomic_file.h"
+#include "machine/error.h"
+#include "report/text_parts.h"
+
+namespace mm {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path firstOf(const std::string& name, const std::vector<const char*>& folders) {
+  for (const char* folder : folders)
+    if (const fs::path path = fs::path(folder) / name; fs::is_regular_file(path)) return path;
+  return {};
+}
+
+std::string pageFile(const std::string& name) {
+  const fs::path path = firstOf(name, {MM_SOURCE_WEB, MM_INSTALLED_WEB});
+  if (path.empty())
+    throw InputError("the report's " + name + " is neither in " + MM_SOURCE_WEB + " nor in " +
+                     MM_INSTALLED_WEB + "; install the package again");
+  return readFile(path);
+}
+
+void replaceAll(std::string& text, const std::string& what, const std::string& by) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
+}
+
+std::string plotlyText(const fs::path& given) {
+  const std::string fetch =
+      std::string("npm pack ") + MM_PLOTLY_PACKAGE + "; tar xzf plotly.js-dist-min-*.tgz";
+  fs::path path = given;
+  if (path.empty()) path = firstOf("plotly.min.js", {MM_BUILD_WEB, MM_INSTALLED_WEB});
+  if (path.empty())
+    throw InputError(
+        std::string("plotly.min.js is not in ") + MM_BUILD_WEB +
+        ": npm was not available when the package was built; install npm and build again, or fetch it (" +
+        fetch + ") and give --plotly package/plotly.min.js");
+  if (!fs::is_regular_file(path))
+    throw InputError("--plotly: no such file as " + path.string() + "; fetch it (" + fetch +
+                     ") and give package/plotly.min.js");
+  std::string text = readFile(path);
+  if (text.size() < 100000 || text.find("plotly") == std::string::npos)
+    throw InputError(path.string() + ": not a complete plotly.min.js (" + std::to_string(text.size()) +
+                     " bytes); fetch it again (" + fetch + ")");
+  return text;
+}
+
+}  // namespace
+
+std::string escapedHtml(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string escapedForScript(const std::string& json) {
+  std::string out = json;
+  replaceAll(out, "<", "\\u003c");
+  return out;
+}
+
+ReportFiles loadReportFiles(const fs::path& plotly) {
+  ReportFiles files{pageFile("report.html"), pageFile("report.css"),
+                    pageFile("report_parts.js") + pageFile("report_plots.js") + pageFile("report_space.js") +
+                        pageFile("report.js"),
+                    plotlyText(plotly)};
+  // inside the library's strings and comments only: nothing may end its element
+  replaceAll(files.plotly, "</script", "<\\/script");
+  return files;
+}
+
+std::string reportPage(const ReportContents& report, const ReportFiles& files) {
+  // Pieces are put in one after the other from left to right, so that what a user's name contains is never a
+  // mark.
+  const std::vector<std::pair<std::string, std::string>> marks = {
+      {"{{title}}", escapedHtml(std::filesystem::path(report.sessionPath).filename().string())},
+      {"{{style}}", files.css},
+      {"{{sentence}}", escapedHtml(report.diagnosis.sentence)},
+      {"{{command}}", escapedHtml(addCommand(report.diagnosis, report.sessionPath, report.calibrationPath))},
+      {"{{data}}", escapedForScript(reportJson(report))},
+      {"{{plotly}}", files.plotly},
+      {"{{script}}", files.js}};
+  std::string page;
+  std::size_t from = 0;
+  for (const auto& [mark, text] : marks) {
+    const std::size_t at = files.html.find(mark, from);
+    if (at == std::string::npos)
+      throw InputError("report.html: the mark " + mark +
+                       " is missing or out of order; install the package again");
+    page.append(files.html, from, at - from).append(text);
+    from = at + mark.size();
+  }
+  return page.append(files.html, from, std::string::npos);
+}
+
+}  // namespace mm

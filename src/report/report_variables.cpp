@@ -1,0 +1,220 @@
+#include "report/report_variables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/residual_space.h"
+#include "diagnosis/structure.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kPoints = 600;  // drawn a variable; the bins use all rows
+
+/// The rows of one kind (m or rad), in units of people.
+struct Rows {
+  std::vector<int> space;                          // row of the residual space
+  std::vector<double> residual, improved, weight;  // um or arcsec, 1/um^2 or 1/arcsec^2
+};
+
+/// A variable's unit for people and the factor from the unit of formulas.
+struct Scale {
+  std::string unit;
+  double factor = 1.0;
+};
+
+Scale scaleOf(const Variable& variable, const Problem& problem) {
+  const Domain& domain = problem.model().domain();
+  for (const Joint& joint : domain.joints) {
+    const bool rotary = joint.kind == JointKind::kRotary;
+    if (variable.name == joint.name) return {rotary ? "deg" : "mm", rotary ? 1.0 / kDegree : 1.0};
+    if (variable.name == joint.name + " speed")
+      return {rotary ? "deg/s" : "mm/s", rotary ? 1.0 / kDegree : 1.0};
+  }
+  if (variable.name == "time")
+    return domain.duration > 7200.0  ? Scale{"h", 1.0 / 3600.0}
+           : domain.duration > 300.0 ? Scale{"min", 1.0 / 60.0}
+                                     : Scale{"s", 1.0};
+  if (variable.name.rfind("temperature ", 0) == 0) return {"degC", 1.0};
+  if (variable.name == "laser reading") return {"mm", 1.0 / kMillimetre};
+  for (const Series& series : problem.session().covariates)
+    if (series.name == variable.name) return {series.unit, 1.0};
+  return {};
+}
+
+std::string labelOf(const Variable& variable, double level, const Problem& problem) {
+  if (variable.name == "ball")
+    return problem.session().artifact.features[static_cast<std::size_t>(level)].name;
+  return level > 0.0 ? "+" : "\u2212";
+}
+
+/// Rows in bins: one a level where there are few, else about as many rows in each. Equal values stay
+/// together.
+std::vector<std::vector<int>> binsOf(const Eigen::VectorXd& values, const Rows& rows) {
+  constexpr std::size_t kLevels = 16;
+  std::vector<int> order(rows.space.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto value = [&](int i) { return values[rows.space[static_cast<std::size_t>(i)]]; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return value(a) < value(b); });
+  std::vector<std::vector<int>> levels;
+  for (const int i : order) {
+    if (levels.empty() || value(i) - value(levels.back().front()) > 1e-4) levels.emplace_back();
+    levels.back().push_back(i);
+  }
+  if (levels.size() <= kLevels) return levels;
+  const double wanted = std::clamp(std::sqrt(static_cast<double>(order.size())) / 1.5, 6.0, 40.0);
+  const auto enough = static_cast<std::size_t>(std::ceil(static_cast<double>(order.size()) / wanted));
+  std::vector<std::vector<int>> bins(1);
+  for (const std::vector<int>& level : levels) {
+    if (bins.back().size() >= enough) bins.emplace_back();
+    bins.back().insert(bins.back().end(), level.begin(), level.end());
+  }
+  if (bins.size() > 1 && 2 * bins.back().size() < enough) {
+    const std::vector<int> last = bins.back();
+    bins.pop_back();
+    bins.back().insert(bins.back().end(), last.begin(), last.end());
+  }
+  return bins;
+}
+
+struct Line {
+  std::vector<VariableBin> bins;
+  double chi2 = 0.0;  // of the bins' means
+};
+
+/// The displacement along one direction in each bin: weighted least squares of residual = -factor *
+/// displacement.
+Line lineOf(const std::vector<std::vector<int>>& bins, const Rows& rows, const Eigen::VectorXd& values,
+            const Eigen::VectorXd& factor) {
+  Line line;
+  const double most = factor.cwiseAbs().maxCoeff();
+  double scatter = 0.0;
+  int rest = 0;
+  std::vector<double> information;
+  for (const std::vector<int>& bin : bins) {
+    double ff = 0.0, fr = 0.0, fi = 0.0, at = 0.0, seen = 0.0;
+    for (const int i : bin) {
+      const auto k = static_cast<std::size_t>(i);
+      const double f = factor[rows.space[k]], w = rows.weight[k];
+      ff += w * f * f;
+      fr -= w * f * rows.residual[k];
+      fi -= w * f * rows.improved[k];
+      at += values[rows.space[k]];
+      seen += f * f / (most * most);
+    }
+    if (!(seen > 0.5)) continue;  // the direction was not measured in this bin
+    VariableBin one;
+    one.at = at / static_cast<double>(bin.size());
+    one.mean = fr / ff;
+    one.meanImproved = fi / ff;
+    one.count = static_cast<int>(bin.size());
+    for (const int i : bin) {
+      const auto k = static_cast<std::size_t>(i);
+      const double left = rows.residual[k] + factor[rows.space[k]] * one.mean;
+      scatter += rows.weight[k] * left * left;
+    }
+    rest += one.count - 1;
+    information.push_back(ff);
+    line.bins.push_back(one);
+  }
+  const double variance = rest > 0 ? scatter / rest : 1.0;  // pooled: single bins may hold very few rows
+  for (std::size_t b = 0; b < line.bins.size(); ++b) {
+    line.bins[b].standardError = std::sqrt(variance / information[b]);
+    line.chi2 += line.bins[b].mean * line.bins[b].mean * information[b] / std::max(variance, 1e-300);
+  }
+  return line;
+}
+
+void addPoints(VariableView& view, const Rows& rows, const Eigen::VectorXd& raw,
+               const Eigen::VectorXd& factor) {
+  const double least = 0.5 * factor.cwiseAbs().maxCoeff();
+  std::vector<int> seen;
+  for (std::size_t i = 0; i < rows.space.size(); ++i)
+    if (std::abs(factor[rows.space[i]]) >= least) seen.push_back(static_cast<int>(i));
+  const std::size_t shown = std::min(kPoints, seen.size());
+  for (std::size_t n = 0; n < shown; ++n) {
+    const auto i = static_cast<std::size_t>(seen[n * seen.size() / shown]);
+    view.x.push_back(raw[rows.space[i]]);
+    view.y.push_back(-rows.residual[i] / factor[rows.space[i]]);
+  }
+}
+
+VariableView viewOf(const Variable& variable, const Directions& directions, const Rows& rows,
+                    const Problem& problem) {
+  VariableView view;
+  view.name = variable.name;
+  view.category = variable.category;
+  view.observations = static_cast<int>(rows.space.size());
+  const std::vector<std::vector<int>> bins = binsOf(variable.values, rows);
+  const Scale scale = scaleOf(variable, problem);
+  view.unit = scale.unit;
+  Eigen::VectorXd raw = variable.values;
+  if (!variable.category) raw = (variable.centre + variable.half * variable.values.array()) * scale.factor;
+  double best = -1.0;
+  int direction = 0;
+  for (int d = 0; d < directions.factors.cols(); ++d) {
+    Line line = lineOf(bins, rows, raw, directions.factors.col(d));
+    const double gain = line.bins.empty() ? -1.0 : line.chi2 / static_cast<double>(line.bins.size());
+    if (!(gain > best)) continue;
+    best = gain;
+    direction = d;
+    view.bins = std::move(line.bins);
+  }
+  if (view.bins.empty()) return view;
+  view.direction = directions.names[static_cast<std::size_t>(direction)];
+  addPoints(view, rows, raw, directions.factors.col(direction));
+  if (!view.category) return view;
+  for (VariableBin& bin : view.bins) {  // a category's levels are numbered from 0
+    view.labels.push_back(labelOf(variable, bin.at, problem));
+    const double level = bin.at;
+    bin.at = static_cast<double>(view.labels.size()) - 1.0;
+    for (double& x : view.x)
+      if (x == level) x = bin.at + 1e6;
+  }
+  for (double& x : view.x) x -= 1e6;
+  return view;
+}
+
+}  // namespace
+
+std::vector<VariableView> residualsByVariable(const CalibrationResult& fitted,
+                                              const CalibrationResult* improved,
+                                              const std::vector<WhereItFails>& where) {
+  fitted.problem->linearise(fitted.x);
+  const ResidualSpace space(fitted);
+  const bool angular = !std::isfinite(fitted.figures.rms);
+  const double unit = angular ? kArcsecond : kMicrometre;
+  const bool paired = improved != nullptr && improved->residuals.size() == fitted.residuals.size();
+  Rows rows;
+  for (int i = 0; i < space.rows(); ++i) {
+    const int row = space.used()[static_cast<std::size_t>(i)];
+    if (fitted.problem->rows()[static_cast<std::size_t>(row)].angular != angular) continue;
+    rows.space.push_back(i);
+    rows.residual.push_back(fitted.residuals[row] / unit);
+    rows.improved.push_back(paired ? improved->residuals[row] / unit : kNotMeasured);
+    rows.weight.push_back(unit * unit / (fitted.sigma[row] * fitted.sigma[row]));
+  }
+  const Directions directions = directionsOf(space);
+  std::vector<VariableView> views;
+  if (rows.space.empty() || directions.names.empty()) return views;
+  for (const Variable& variable : variablesOf(space)) {
+    VariableView view = viewOf(variable, directions, rows, *fitted.problem);
+    if (!view.bins.empty()) views.push_back(std::move(view));
+  }
+  const auto place = [&](const VariableView& v) {
+    return std::find_if(where.begin(), where.end(),
+                        [&](const WhereItFails& w) { return w.variable == v.name; });
+  };
+  for (VariableView& view : views)
+    if (const auto found = place(view); found != where.end()) {
+      view.share = found->share;
+      view.pValue = found->pValue;
+    }
+  std::stable_sort(views.begin(), views.end(),
+                   [&](const VariableView& a, const VariableView& b) { return place(a) < place(b); });
+  return views;
+}
+
+}  // namespace mm

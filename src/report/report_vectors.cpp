@@ -1,0 +1,99 @@
+#include "report/report_vectors.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kPlaces = 3000;
+
+bool onBall(const Problem& problem, const Observation& o) {
+  return o.kind == ObservationKind::kContact &&
+         problem.session().artifact.features[static_cast<std::size_t>(o.feature)].kind == FeatureKind::kBall;
+}
+
+/// From where the target should be to where the machine found it (m, workpiece).
+Eigen::Vector3d vectorOf(const CalibrationResult& fit, int observation, const Eigen::Vector3d& normal,
+                         bool ball) {
+  const int first = fit.problem->firstRow(observation), last = fit.problem->firstRow(observation + 1);
+  if (ball) return normal * fit.residuals[first];
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+  for (int row = first; row < last; ++row)
+    vector[fit.problem->rows()[static_cast<std::size_t>(row)].component] = fit.residuals[row];
+  const Observation& o = fit.problem->session().observations[static_cast<std::size_t>(observation)];
+  if (o.kind != ObservationKind::kPosition) return vector;
+  // measured minus model, in the artifact's frame
+  return -(fit.problem->artifactRotation(fit.x) * vector);
+}
+
+bool spatial(const std::vector<ResidualVectors::Place>& places) {
+  if (places.size() < 3) return false;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : places) mean += p.at / static_cast<double>(places.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& p : places) spread += (p.at - mean) * (p.at - mean).transpose();
+  const Eigen::Vector3d sizes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
+  return sizes[1] > 1e-4 * sizes[2];  // more than a line
+}
+
+}  // namespace
+
+ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
+  ResidualVectors out;
+  if (fits.empty() || fits.front().fit == nullptr) return out;
+  const Problem& problem = *fits.front().fit->problem;
+  const Session& session = problem.session();
+  std::vector<int> used;
+  for (std::size_t o = 0; o < session.observations.size(); ++o)
+    if (session.observations[o].kind != ObservationKind::kDeviation && problem.uses(static_cast<int>(o)))
+      used.push_back(static_cast<int>(o));
+  out.observations = static_cast<int>(used.size());
+  const std::size_t shown = std::min(kPlaces, used.size());
+  out.signedValues = shown > 0;
+  for (const NamedFit& f : fits)
+    if (f.fit->problem->rowCount() == problem.rowCount()) out.states.push_back({f.name, {}, {}});
+  for (std::size_t n = 0; n < shown; ++n) {
+    const int observation = used[n * used.size() / shown];
+    const Observation& o = session.observations[static_cast<std::size_t>(observation)];
+    const State& state = problem.state(observation);
+    const bool ball = onBall(problem, o);
+    const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
+    const Eigen::Vector3d tip = problem.model().machine().nominal(o.position.data(), reading).position;
+    Eigen::Vector3d normal = -state.approach;
+    if (state.surfaceNormal.norm() > 0.5) normal = state.surfaceNormal;
+    if (ball && !(normal.norm() > 0.5)) continue;
+    ResidualVectors::Place place;
+    place.at = tip / kMillimetre;
+    if (ball && !std::isfinite(o.laserReading)) place.at -= normal * session.artifact.tipRadius / kMillimetre;
+    place.row = o.row;
+    place.feature = o.feature;
+    place.outlier = !(fits.front().fit->weight[problem.firstRow(observation)] > 0.0);
+    out.signedValues = out.signedValues && ball;
+    out.places.push_back(place);
+    std::size_t s = 0;
+    for (const NamedFit& f : fits) {
+      if (f.fit->problem->rowCount() != problem.rowCount()) continue;
+      const Eigen::Vector3d vector = vectorOf(*f.fit, observation, normal, ball) / kMicrometre;
+      out.states[s].vectors.push_back(vector);
+      out.states[s].values.push_back(ball ? vector.dot(normal) : vector.norm());
+      ++s;
+    }
+  }
+  if (!spatial(out.places)) return ResidualVectors();
+  for (std::size_t f = 0; f < session.artifact.features.size(); ++f) {
+    const Feature& feature = session.artifact.features[f];
+    const bool touched = std::any_of(out.places.begin(), out.places.end(),
+                                     [&](const auto& p) { return p.feature == static_cast<int>(f); });
+    if (feature.kind == FeatureKind::kBall && touched)
+      out.balls.push_back({feature.name,
+                           problem.featureInWorkpiece(static_cast<int>(f), fits.front().fit->x) / kMillimetre,
+                           feature.radius / kMillimetre});
+  }
+  return out;
+}
+
+}  // namespace mm

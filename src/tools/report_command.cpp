@@ -1,0 +1,67 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "calibration_file/atomic_file.h"
+#include "calibration_file/calibration_yaml.h"
+#include "report/recalibration.h"
+#include "report/report_page.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/progress_bar.h"
+#include "tools/session_input.h"
+
+namespace mm {
+namespace {
+
+struct ReportCommand {
+  std::string bag, calibration, output = "report.html", plotly;
+  std::vector<std::string> curves;
+  FitOptions fit;
+};
+
+void runReport(const ReportCommand& c) {
+  checkOutput(c.output);
+  const ReportFiles files = loadReportFiles(c.plotly);
+  ReportOptions options;
+  options.diagnose.calibrate = c.fit.checked();
+  options.diagnose.seed = c.fit.calibrate.seed;
+  options.diagnose.cancelled = options.diagnose.calibrate.cancelled;
+  options.sessionPath = c.bag;
+  options.calibrationPath = c.calibration;
+  for (const std::string& curve : c.curves) options.curves.push_back(readConvergenceCurve(curve));
+  const Calibration calibration = loadCalibration(c.calibration);
+  const Machine machine(calibration.urdf, calibration.machineName);
+  const Session session = loadSession(c.bag, &machine);
+  std::optional<ReportContents> report;
+  {
+    const Interrupt interrupt;
+    ProgressBar bar("diagnosing");
+    options.diagnose.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
+    report = makeReport(session, calibration, options);
+  }
+  writeFileAtomically(c.output, reportPage(*report, files));
+  std::cout << report->diagnosis.sentence << "\nwritten to " << c.output << '\n';
+}
+
+}  // namespace
+
+void addReportCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto c = std::make_shared<ReportCommand>();
+  CLI::App* command =
+      app.add_subcommand("report", "One self-contained HTML page about a session and its calibration");
+  command->add_option("bag", c->bag, "the session")->required();
+  command->add_option("--calibration", c->calibration, "the calibration file")->required();
+  command->add_option("-o,--output", c->output, "the page")->capture_default_str();
+  command->add_option("--curve", c->curves, "CSV of mm calibrate --curve; two are drawn beside each other")
+      ->expected(1, 2);
+  command->add_option("--plotly", c->plotly, "path of plotly.min.js, if the build could not fetch it");
+  c->fit.declare(*command, true);
+  command->footer(
+      "The page opens without a network.\nExample:\n  mm report plate.bag --calibration plate.yaml -o "
+      "report.html");
+  command->callback([c] { runReport(*c); });
+}
+
+}  // namespace mm

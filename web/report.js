@@ -1,0 +1,208 @@
+// The page, section by section.
+
+const kVerdicts = {
+  insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Cannot be told apart yet",
+  missing_effect: "Missing effect", explained: "Explained",
+};
+const kNoise = { declared: "declared", repeated: "from repeated measurements", estimated: "estimated from the residuals" };
+const main = document.getElementById("report");
+const contents = el("ul", {});
+const fileName = (path) => path.split("/").pop();
+
+function section(id, title, ...children) {
+  contents.append(el("li", {}, el("a", { href: "#" + id }, title)));
+  main.append(el("section", { "aria-labelledby": id }, el("h2", { id }, title), ...children.flat(9).filter((x) => x !== null && x !== undefined)));
+}
+const lead = (text) => el("p", { class: "lead" }, text);
+
+function commandLine(command) {
+  if (!command) return null;
+  const button = el("button", { type: "button" }, "Copy");
+  button.addEventListener("click", () => {
+    const done = () => { button.textContent = "Copied"; setTimeout(() => (button.textContent = "Copy"), 1500); };
+    const select = () => getSelection().selectAllChildren(code);
+    if (navigator.clipboard) navigator.clipboard.writeText(command).then(done, select);
+    else select();
+  });
+  const code = el("code", {}, command);
+  return [el("p", { class: "lead" }, diagnosis.missing.length + diagnosis.formulas.length > 1 ? "Type next (it adds the first; then diagnose again):" : "Type next:"), el("div", { class: "command" }, code, button)];
+}
+
+function header() {
+  const facts = [data.machine, data.observations, diagnosis.observations ? diagnosis.observations + " measurements" : null,
+    "calibration " + fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : ""),
+    data.method ? "found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : null, "report of " + data.created.replace("T", " ").replace("Z", " UTC")];
+  main.replaceChildren(el("header", {}, el("h1", {}, fileName(data.session)), el("p", { class: "meta" }, facts.filter(Boolean).join(" · ")),
+    el("div", { class: "verdict " + diagnosis.verdict }, el("div", { class: "badge" }, kVerdicts[diagnosis.verdict] || diagnosis.verdict),
+      el("p", { class: "sentence" }, diagnosis.sentence.replace(/\bum\b/g, "µm")), commandLine(data.command))));
+  const warnings = [data.session_warning ? "The session: " + data.session_warning : null,
+    data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” says whether it still holds." : null,
+    data.left_out ? data.left_out + " measurements lack an input of the model and were left out." : null];
+  for (const text of warnings.filter(Boolean)) main.append(el("p", { class: "warning" }, text));
+  main.append(el("nav", { "aria-label": "Sections" }, contents));
+}
+
+function errors() {
+  if (!data.figures.length) return;
+  const held = (f) => f["held_out_rms" + kSuffix];
+  const tiles = data.figures.filter((f) => !/values held/.test(f.name)).map((f) => [f.name + ": held-out RMS", held(f)]);
+  tiles.push(["Noise of one measurement, " + (kNoise[diagnosis.repeatability_from] || ""), data.noise]);
+  const kinds = [["um", "_um"], ["arcsec", "_arcsec"]].filter(([, suffix]) => data.figures.some((f) => known(f["rms" + suffix])));
+  const columns = [["Model", "text"]];
+  for (const [unit] of kinds) for (const name of ["RMS", "held-out RMS", "95 % below", "largest"]) columns.push([name + ", " + unitText(unit), "n"]);
+  columns.push(["χ²/ν", "n"], ["outliers", "n"]);
+  section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value]) =>
+    el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : ""))))),
+  table("Size of the residuals, outliers left aside (each fit leaves aside its own)", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
+    ...kinds.flatMap(([, s]) => [num(f["rms" + s]), num(f["held_out_rms" + s]), num(f["q95" + s]), num(f["max" + s])]), num(f.chi2_per_dof), known(f.outliers) ? String(f.outliers) : "–"])));
+}
+
+function entry(term, ...content) {
+  return content.flat().some((x) => x) ? [el("dt", {}, term), el("dd", {}, ...content)] : [];
+}
+const arrow = (pair) => num(pair[0]) + " → " + length(pair[1]);
+
+function missing() {
+  if (!diagnosis.missing.length && !diagnosis.formulas.length) return;
+  section("missing", "What is missing", lead("In the order found; sizes after everything was refitted together, ± one standard uncertainty."),
+    diagnosis.missing.map((m, i) => el("div", { class: "card" }, el("h3", {}, i + 1 + ". " + spoken(m.effect)), el("dl", {},
+      entry("Size", m.parameters.map((p) => p.name + " = " + plusMinus(p.value, p.std, p.unit)).join(", ")),
+      entry("Share of the error", known(m["size" + kSuffix]) ? length(m["size" + kSuffix]) + " RMS after refit, " + num(m["size" + kSuffix] / data.noise, 2) + " × the noise" : ""),
+      entry("Held-out RMS", arrow(m["held_out_rms" + kSuffix])),
+      entry("Certainty", "p ≈ " + pValue(m.p_value) + ", corrected for everything tried; chosen in " + percent(m.stability) + " of the resampled sessions"),
+      entry("As likely", m.confusable_with.length ? m.confusable_with.map((c) => spoken(c.effect) + " (log-likelihood lower by " + num(c.delta, 2) + ")").join("; ") : ""),
+      entry("Cause", m.cause), entry("Remedy", m.remedy)))),
+    diagnosis.formulas.map((f) => el("div", { class: "card" }, el("h3", {}, "Formula along " + f.direction), el("p", {}, el("code", {}, f.formula)),
+      el("dl", {}, entry("Held-out RMS", arrow(f["held_out_rms" + kSuffix])),
+        entry("Units", "linear joints in mm, rotary in rad, t in s, speeds in mm/s, temperatures in °C; the value in µm (arcsec along a rotary joint)")))));
+}
+
+function where() {
+  if (!diagnosis.where.length) return;
+  const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), percent(w.share, 1)], pValue(w.p_value)], { chosen: w.p_value < 0.01 }));
+  section("where", "Where the model fails", lead("Share of what is left that one variable alone explains, in any direction. p: probability of so much by chance, corrected for the number of variables; bold below 0.01."),
+    longTable("Variables, largest share first", [["Variable"], ["Share", "nowrap"], ["p", "n"]], rows, 12));
+}
+
+function variables() {
+  if (!data.variables.length) return;
+  const improved = data.variables.some((v) => v.improved.some(known));
+  section("variables", "Residual against each variable",
+    lead("What would have to be added, along the direction in which the variable explains most: mean ± standard error of the measurements in each bin (blue), single measurements (grey, thinned)" +
+      (improved ? ", and the means with the named effects added (green)" : "") + ". The fit has absorbed a part of what is missing, so an effect is larger than it looks here."),
+    el("div", { class: "grid" }, data.variables.map((v) => variableFigure(v).node)));
+}
+
+function space() {
+  if (data.vectors) section("space", "Residuals in space", spaceSection(data.vectors));
+}
+
+function positioning() {
+  if (!data.positioning.length) return;
+  const names = [["A", "Bi-directional accuracy A"], ["E", "Bi-directional systematic deviation E"], ["M", "Range of the mean deviation M"], ["B", "Largest reversal B (forward − backward)"],
+    ["B_mean", "Mean reversal B̄"], ["R", "Bi-directional repeatability R"], ["R_forward", "Repeatability R↑"], ["R_backward", "Repeatability R↓"]];
+  section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) of an independent instrument, by target and direction of approach, as in ISO 230-2; the standard asks for five runs in each direction. What the model leaves is the deviation that a corrected machine would still have."),
+    data.positioning.map((a) => {
+      const counts = a.measured.runs.flat().filter((n) => n > 0);
+      const most = Math.max(...counts), least = Math.min(...counts);
+      return [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, positioningFigure(a, "measured", "As measured").node, positioningFigure(a, "calibrated", "What the model leaves").node),
+        table("Axis " + a.axis + ", " + a.measured.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + (least < 5 ? "; fewer than the standard asks for" : ""),
+          [["Figure"], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]], names.map(([key, name]) => [name, num(a.measured.figures[key]), num(a.calibrated.figures[key])]))];
+    }));
+}
+
+function candidates() {
+  if (!diagnosis.candidates.length) return;
+  const key = "held_out_rms" + kSuffix;
+  const rows = diagnosis.candidates.map((c, i) => {
+    const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
+    const gain = c[key] && known(c[key][0]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
+    return Object.assign([spoken(c.effect), [meter(gain), num(c[key] && c[key][1])], pValue(c.p_value), num(c["size" + kSuffix]), taken ? percent(taken.stability) : "–",
+      taken && taken.confusable_with.length ? taken.confusable_with.map((o) => spoken(o.effect)).join("; ") : "–"], { chosen: !!taken });
+  });
+  section("candidates", "Candidates, best first", lead("Each effect of the catalogue added alone to the model and everything refitted together; the bar is the share of the held-out RMS that it removes. Bold: named as missing. Stability and what it is confusable with are worked out for those."),
+    longTable(diagnosis.candidates.length + " effects tried", [["Effect"], ["held-out RMS after, " + kUnit, "nowrap"], ["p", "n"], ["size, " + kUnit, "n"], ["stability", "n"], ["confusable with", "text"]], rows, 12));
+}
+
+function ledger() {
+  if (!data.ledger.length) return;
+  const key = "held_out_rms" + kSuffix, rmsKey = "rms" + kSuffix;
+  const name = (e) => (e.action === "calibrate" ? "calibrated" : e.action + " " + spoken(e.effect));
+  const steps = [{ name: data.ledger[0].action === "calibrate" ? "nominal machine" : "before", held_out: data.ledger[0][key] && data.ledger[0][key][0] }];
+  for (const e of data.ledger) steps.push({ name: name(e), held_out: e[key] && e[key][1] });
+  const proposed = data.figures.find((f) => /named effects/.test(f.name));
+  if (proposed) steps.push({ name: "proposed: " + diagnosis.missing.map((m) => spoken(m.effect)).concat(diagnosis.formulas.map((f) => "a formula along " + f.direction)).join(" and "), held_out: proposed[key], proposed: true });
+  const shown = steps.filter((s) => known(s.held_out));
+  section("ledger", "Ledger: the error as it fell", shown.length > 1 ? ledgerFigure(shown, data.noise).node : null,
+    table("Every step, and what it did to the error", [["Step"], ["RMS, " + kUnit, "n"], ["held-out RMS, " + kUnit, "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
+      data.ledger.map((e) => [name(e), e[rmsKey] ? num(e[rmsKey][0]) + " → " + num(e[rmsKey][1]) : "–", e[key] ? num(e[key][0]) + " → " + num(e[key][1]) : "–", e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"])),
+    el("p", { class: "note" }, "Any step can be taken back: mm remove."));
+}
+
+function parameters() {
+  const lost = data.identifiability ? data.identifiability.lost : [];
+  const rows = data.parameters.flatMap((e) => e.values.map((v) => [spoken(e.effect), v.name, v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
+  section("parameters", "Parameters", rows.length ? longTable("As in the calibration file, ± one standard uncertainty", [["Effect"], ["Parameter"], ["Value", "n"]], rows, 40) : lead("The model has no effects: the machine as its scales read."),
+    data.identifiability ? el("p", {}, data.identifiability.rank + " of " + data.identifiability.parameters + " parameters are determined by this session.") : null,
+    lost.length ? [el("h3", {}, "Directions that this session does not determine"), el("ul", {}, lost.map((l) => el("li", {}, l.in_words + " Held: " + l.fixed_by + (l.by_convention ? ", by convention" : "") + ". " + (l.would_show || ""))))] : null);
+}
+
+function pointSet() {
+  const p = data.point_set, range = (a, b, unit) => (known(a) ? (a === b ? num(a, 4) : num(a, 4) + " … " + num(b, 4)) + " " + unitText(unit) : "–");
+  section("points", "The point set", lead(p.contacts + " contacts and " + p.references + " references in " + (p.duration_s > 300 ? num(p.duration_s / 60) + " min" : num(p.duration_s) + " s") + "."),
+    p.features.length ? longTable("Balls and points", [["Name"], ["contacts", "n"], ["cone of approach, ± °", "n"], ["centre alone, × noise", "n"]], p.features.map((f) => [f.name, String(f.contacts), num(f.cone_half_angle_deg),
+      f.kind !== "ball" ? "–" : known(f.centre_std_per_noise) ? num(f.centre_std_per_noise, 2) : "not determined"]), 20) : null,
+    table("Joints", [["Joint"], ["range", "nowrap"], ["positions", "n"], ["travel + / − / unknown", "n"], ["correlation with time", "n"]], p.joints.map((j) => {
+      const unit = "lower_deg" in j ? "deg" : "mm";
+      return [j.name, range(j["lower_" + unit], j["upper_" + unit], unit), known(j.positions) ? String(j.positions) : "many", j.travel.up + " / " + j.travel.down + " / " + j.travel.unknown, num(j.correlation_with_time, 2)];
+    })),
+    p.logged.length ? table("Logged", [["Quantity"], ["range", "nowrap"], ["missing", "n"], ["correlation with time", "n"]], p.logged.map((i) => [i.name, range(i.lower, i.upper, i.unit), String(i.missing),
+      num(i.correlation_with_time, 2) + (Math.abs(i.correlation_with_time) > 0.95 ? " (drift cannot be told from it)" : "")])) : null,
+    p.weak && p.weak.length ? table("Weakly determined parameters", [["Parameter"], ["only to ±", "n"]], p.weak.map((w) => [w.name, withUnit(num(w.std, 2), w.unit)])) : null);
+}
+
+function outliers() {
+  if (!data.outliers.length) return;
+  section("outliers", "Outliers, left aside", longTable(data.outliers.length + " measurements that stand apart from their neighbours", [["Row", "n"], ["feature"], ["time, s", "n"], ["residual", "n"], ["× noise", "n"]],
+    data.outliers.map((o) => [String(o.row), o.feature || "–", num(o.time_s, 5), withUnit(num(o.residual), o.unit), num(o.sigmas, 2)]), 12));
+}
+
+function curves() {
+  if (data.curves.length) section("convergence", "Convergence of the search", el("div", { class: "pair" }, data.curves.map((c) => curveFigure(c).node)));
+}
+
+function limits() {
+  const groups = new Map();
+  for (const c of diagnosis.cannot_show) {
+    const key = c.why + "\n" + c.moves;
+    if (!groups.has(key)) groups.set(key, { names: [], why: c.why, moves: c.moves });
+    groups.get(key).names.push(spoken(c.effect));
+  }
+  section("limits", "What this session cannot show", groups.size ? [lead("These effects may be there all the same: this session could not have shown them."),
+    longTable("Effects, why they stay hidden, and what would show them", [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], [...groups.values()].map((g) => [g.names.join("; "), g.why, g.moves || "–"]), 10)] :
+    lead("Every effect of the catalogue would have shown in this session."));
+}
+
+function nextMeasurement() {
+  const moves = diagnosis.next_measurement;
+  if (!moves.length) return;
+  const keys = [...new Set(moves.flatMap((m) => Object.keys(m)))];
+  const head = (k) => k.replace(/_(mm|deg|um|s|degC|mm_s|deg_s)$/, (x, unit) => ", " + unitText(unit.replace("_s", "/s"))).replace(/_/g, " ");
+  const text = (v) => (Array.isArray(v) ? "(" + v.map((a) => num(a, 2)).join(", ") + ")" : typeof v === "number" ? num(v, 4) : v === undefined || v === null ? "–" : v);
+  section("next", "Next measurement", lead(moves.length + " targets that best separate what these data cannot tell apart, most useful first."),
+    longTable("Targets", [["#", "n"], ...keys.map((k) => [head(k), "n"])], moves.map((m, i) => [String(i + 1), ...keys.map((k) => text(m[k]))]), 12));
+}
+
+function legend() {
+  const terms = [["RMS", "root mean square of the scalar residuals: one a contact on a ball, one a measured component of a reference."],
+    ["Held-out RMS", "the same, of measurements that the fit did not see: blocks of time are left out in turn. It does not fall by fitting noise."],
+    ["χ²/ν", "squared residuals over the noise, a degree of freedom: 1 when nothing but noise is left."],
+    ["p", "probability of a gain at least as large by chance, corrected for everything that was tried."],
+    ["Stability", "share of sessions resampled in blocks of time in which the effect is still the choice."],
+    ["±", "one standard uncertainty, from the covariance of the fit."]];
+  main.append(el("footer", {}, el("h3", {}, "How to read the figures"), el("dl", {}, terms.map(([a, b]) => [el("dt", {}, a), el("dd", {}, b)])),
+    el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is complete in itself and loads nothing from a network. Figures by Plotly.js (MIT).")));
+}
+
+[header, errors, missing, where, variables, space, positioning, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
+drawAll();

@@ -1,0 +1,92 @@
+"use strict";
+// Text, numbers and elements. Whatever comes from a file goes in as text, never as markup.
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const diagnosis = data.diagnosis;
+const kUnits = { um: "µm", "um/m": "µm/m", "um/K": "µm/K", degC: "°C", deg: "°", "deg/s": "°/s", "1": "" };
+const unitText = (unit) => (unit in kUnits ? kUnits[unit] : (unit || "").replace(/\bum\b/g, "µm").replace(/\bdegC\b/g, "°C"));
+const kUnit = unitText(data.unit);
+const kSuffix = data.unit === "arcsec" ? "_arcsec" : "_um";
+
+/** An element: attributes, then children (text or nodes; null is left out). */
+function el(tag, attributes, ...children) {
+  const node = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes || {})) if (value !== null && value !== undefined) node.setAttribute(key, value);
+  for (const child of children.flat(9)) if (child !== null && child !== undefined) node.append(child);
+  return node;
+}
+
+const known = (value) => typeof value === "number" && Number.isFinite(value);
+const minus = (text) => text.replace(/^-/, "−").replace(/e-/, "e−");
+const kSuperscript = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
+const power = (exponent) => "10" + [...String(exponent)].map((c) => kSuperscript[c]).join("");
+
+/** A number with so many significant digits, without exponent where that is readable. */
+function num(value, digits = 3) {
+  if (!known(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.floor(Math.log10(Math.abs(value)));
+  if (size < -4 || size > 6) {
+    const [mantissa, exponent] = value.toExponential(Math.max(0, digits - 1)).split("e");
+    return minus(mantissa) + " × " + power(Number(exponent));
+  }
+  return minus(value.toFixed(Math.max(0, digits - 1 - size)));
+}
+const withUnit = (text, unit) => (text === "–" || !unitText(unit) ? text : text + " " + unitText(unit));
+const length = (value, digits = 3) => withUnit(num(value, digits), data.unit);
+
+/** Value ± uncertainty, the uncertainty with two digits. */
+function plusMinus(value, std, unit) {
+  if (!known(value)) return "–";
+  if (!known(std) || std <= 0) return withUnit(num(value, 5), unit);
+  const size = Math.floor(Math.log10(Math.max(Math.abs(value), std)));
+  if (size < -4 || size > 6) {
+    const decimals = Math.min(12, Math.max(0, size + 1 - Math.floor(Math.log10(std))));
+    const scaled = (x) => minus((x / 10 ** size).toFixed(decimals));
+    return withUnit("(" + scaled(value) + " ± " + scaled(std) + ") × " + power(size), unit);
+  }
+  const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(std))));
+  return withUnit(minus(value.toFixed(decimals)) + " ± " + std.toFixed(decimals), unit);
+}
+
+function pValue(p) {
+  if (!known(p)) return "–";
+  if (p >= 0.995) return "1";
+  if (p >= 0.001) return p.toFixed(p < 0.1 ? 3 : 2);
+  if (p === 0) return "< " + power(-300);
+  const [mantissa, exponent] = p.toExponential(0).split("e");
+  return mantissa + " × " + power(Number(exponent));
+}
+const percent = (share, digits = 0) => (known(share) ? (100 * share).toFixed(digits) + " %" : "–");
+
+/** `{type: backlash, axis: x}` in words: backlash, axis x. */
+function spoken(effect) {
+  if (!effect) return "";
+  const keys = Object.entries(effect).filter(([key]) => key !== "type");
+  return effect.type.replace(/_/g, " ") + keys.map(([key, value]) => ", " + key + " " + (Array.isArray(value) ? value.join(" and ") : value)).join("");
+}
+const sameEffect = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+/** Plotly reads a little markup in its texts. */
+const plain = (text) => String(text).replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
+
+/** A table that scrolls by itself where the window is narrow. Columns: [heading, class]; rows of cells. */
+function table(caption, columns, rows) {
+  const cell = (tag, content, kind, scope) => el(tag, { class: kind || null, scope: scope || null }, content);
+  return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption },
+    el("table", {}, el("caption", {}, caption),
+      el("thead", {}, el("tr", {}, columns.map(([name, kind]) => cell("th", name, kind, "col")))),
+      el("tbody", {}, rows.map((row) => el("tr", { class: row.chosen ? "chosen" : null },
+        row.map((content, i) => (i === 0 ? cell("th", content, columns[0][1], "row") : cell("td", content, columns[i][1]))))))));
+}
+
+function meter(share) {
+  return el("span", { class: "meter", "aria-hidden": "true" }, el("i", { style: "width:" + (100 * Math.min(1, Math.max(0, share || 0))).toFixed(1) + "%" }));
+}
+
+/** The first rows, and the others behind a line that opens. */
+function longTable(caption, columns, rows, shown) {
+  if (rows.length <= shown + 2) return [table(caption, columns, rows)];
+  return [table(caption, columns, rows.slice(0, shown)),
+    el("details", {}, el("summary", {}, (rows.length - shown) + " more"), table(caption + ", continued", columns, rows.slice(shown)))];
+}

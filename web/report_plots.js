@@ -1,0 +1,143 @@
+// Figures. Each is drawn by a function that reads the colours anew, so that it follows light, dark and print.
+
+const plots = [];
+let printing = false;
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+const hasWebGl = (() => {
+  try {
+    const canvas = document.createElement("canvas");
+    return !!(canvas.getContext("webgl2") || canvas.getContext("webgl"));
+  } catch (error) {
+    return false;
+  }
+})();
+
+function theme() {
+  // while printing, the colours of paper: the style sheet changes only after the figures are made
+  if (printing) return { ink: "#000", soft: "#444", line: "#ccc", accent: "#1f5fa8", warm: "#b4490f", good: "#1a6f3c", card: "#fff" };
+  return Object.fromEntries(["ink", "soft", "line", "accent", "warm", "good", "card"].map((name) => [name, colour(name)]));
+}
+
+/** A figure: heading, plot, caption. `make` gives [traces, layout] for the colours; `label` is what it shows in words. */
+function figure({ name, label, caption, make, kind, modeBar }) {
+  const plot = el("div", { class: "plot " + (kind || ""), role: "img", "aria-label": label });
+  const draw = () => {
+    const c = theme();
+    const [traces, layout] = make(c);
+    const axis = { gridcolor: c.line, zerolinecolor: c.line, linecolor: c.line, automargin: true };
+    const base = { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: c.ink, size: 12, family: getComputedStyle(document.body).fontFamily },
+      margin: { l: 52, r: 12, t: 8, b: 40 }, showlegend: false, hoverlabel: { font: { size: 12 } } };
+    const full = Object.assign(base, layout);
+    for (const key of Object.keys(full)) if (/^[xy]axis/.test(key)) full[key] = Object.assign({}, axis, full[key]);
+    return Plotly.react(plot, traces, full, { responsive: true, displaylogo: false, displayModeBar: !!modeBar });
+  };
+  plots.push(draw);
+  const head = name ? el("div", { class: "name" }, name) : null;
+  return { node: el("figure", {}, head, plot, caption ? el("figcaption", {}, caption) : null), draw };
+}
+
+/** One after the other, so that the page can be read and scrolled meanwhile. */
+function drawAll() {
+  let next = 0;
+  const step = () => {
+    if (next >= plots.length) {
+      document.body.dataset.drawn = "yes";
+      return;
+    }
+    plots[next++]();
+    setTimeout(step, 0);
+  };
+  step();
+}
+
+window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
+window.addEventListener("beforeprint", () => { printing = true; plots.forEach((draw) => draw()); });
+window.addEventListener("afterprint", () => { printing = false; plots.forEach((draw) => draw()); });
+
+const titled = (text) => ({ text: plain(text), standoff: 6, font: { size: 12 } });
+
+function variableFigure(v) {
+  const along = v.direction === "approach" ? "along the approach" : "along " + v.direction;
+  const unit = unitText(v.unit);
+  const most = v.mean.reduce((best, m, i) => (Math.abs(m) > Math.abs(v.mean[best]) ? i : best), 0);
+  const where = v.category ? v.labels[most] : num(v.at[most]) + (unit ? " " + unit : "");
+  const means = v.mean.concat(v.improved.filter(known));
+  const reach = 1.25 * Math.max(...v.mean.map((m, i) => Math.abs(m) + (v.standard_error[i] || 0)), ...means.map(Math.abs),
+    quantile(v.y.map(Math.abs), 0.98) || 0, 1e-9);
+  const jitter = v.category ? v.x.map((x, i) => x + 0.25 * (((i * 0.618034) % 1) - 0.5)) : v.x;
+  return figure({
+    name: v.name,
+    label: "Mean residual " + along + " against " + v.name + ": largest " + length(v.mean[most]) + " at " + where,
+    caption: along + "; explains " + percent(v.share) + " (p " + (v.p_value >= 0.001 ? "= " : "≈ ") + pValue(v.p_value) + ")",
+    make: (c) => [[
+      { x: jitter, y: v.y, mode: "markers", type: "scatter", marker: { size: 3, color: c.soft, opacity: 0.35 }, hoverinfo: "skip" },
+      v.improved.some(known) ? { x: v.at, y: v.improved, mode: v.category ? "markers" : "lines", type: "scatter", line: { color: c.good, width: 1.5, dash: "dot" },
+        marker: { color: c.good, symbol: "diamond-open", size: 9 }, hovertemplate: "with the named effects: %{y:.3g} " + kUnit + "<extra></extra>" } : null,
+      { x: v.at, y: v.mean, mode: v.category || v.at.length < 3 ? "markers" : "lines+markers", type: "scatter", line: { color: c.accent, width: 1.5 },
+        marker: { color: c.accent, size: 6 }, error_y: { type: "data", array: v.standard_error, color: c.accent, thickness: 1.5, width: 3 },
+        customdata: v.count.map((n, i) => [n, v.standard_error[i], v.category ? plain(v.labels[i]) : num(v.at[i]) + " " + unit]),
+        hovertemplate: "%{customdata[2]}: %{y:.3g} ± %{customdata[1]:.2g} " + kUnit + " (%{customdata[0]} measurements)<extra></extra>" },
+    ].filter(Boolean), {
+      xaxis: Object.assign({ title: titled(v.category ? v.name : v.name + (unit ? ", " + unit : "")), zeroline: false },
+        v.category ? { tickvals: v.at, ticktext: v.labels.map(plain), range: [-0.5, v.labels.length - 0.5] } : {}),
+      yaxis: { title: titled("missing, " + kUnit), range: [-reach, reach] },
+    }],
+  });
+}
+
+function quantile(values, share) {
+  const sorted = values.filter(known).sort((a, b) => a - b);
+  return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] : null;
+}
+
+function ledgerFigure(steps, noise) {
+  const values = steps.map((s) => s.held_out).filter(known);
+  const log = Math.min(...values.concat(known(noise) && noise > 0 ? [noise] : [])) * 20 < Math.max(...values);
+  return figure({
+    kind: "tall", label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
+    caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + ". The dashed line is the noise: no model can do better.",
+    make: (c) => [[{ type: "bar", x: steps.map((s, i) => i), y: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.55 : 0.9)) },
+      text: steps.map((s) => num(s.held_out) + " " + kUnit), textposition: "outside", cliponaxis: false, hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + length(s.held_out)) }],
+    { margin: { l: 60, r: 12, t: 24, b: 60 }, bargap: 0.35,
+      xaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, 16)), range: [-0.6, Math.max(3, steps.length) - 0.4], showgrid: false },
+      yaxis: Object.assign({ title: titled("held-out RMS, " + kUnit) }, log ? { type: "log", dtick: 1 } : { rangemode: "tozero" }),
+      shapes: known(noise) && noise > 0 ? [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: noise, y1: noise, line: { color: c.warm, width: 1.5, dash: "dash" } }] : [],
+      annotations: known(noise) && noise > 0 ? [{ xref: "paper", x: 1, xanchor: "right", y: log ? Math.log10(noise) : noise, yanchor: "bottom", text: "noise " + length(noise), showarrow: false, font: { color: c.warm } }] : [] }],
+  });
+}
+
+function wrapped(text, width) {
+  const lines = [""];
+  for (const word of String(text).split(" ")) {
+    if (lines[lines.length - 1] && (lines[lines.length - 1] + " " + word).length > width) lines.push("");
+    lines[lines.length - 1] += (lines[lines.length - 1] ? " " : "") + word;
+  }
+  return lines.map(plain).join("<br>");
+}
+
+function curveFigure(curve) {
+  const unit = unitText(curve.unit), last = curve.rms[curve.rms.length - 1];
+  return figure({
+    name: curve.name, kind: "tall", label: "Convergence of the genetic algorithm: RMS " + num(curve.rms[0]) + " " + unit + " at first, " + num(last) + " " + unit + " after " + curve.generation[curve.generation.length - 1] + " generations",
+    caption: "Best RMS " + num(curve.rms[0]) + " " + unit + " → " + num(last) + " " + unit + " in " + curve.generation[curve.generation.length - 1] + " generations",
+    make: (c) => [[{ x: curve.generation, y: curve.rms, mode: "lines", type: "scatter", line: { color: c.accent, width: 2, shape: "hv" }, hovertemplate: "generation %{x}: %{y:.4g} " + unit + "<extra></extra>" }],
+      { xaxis: { title: titled("generation"), zeroline: false }, yaxis: { title: titled("best RMS, " + unit + " (logarithmic)"), type: "log" } }],
+  });
+}
+
+function positioningFigure(axis, part, name) {
+  const test = axis[part], unit = unitText(axis.unit), runs = part === "measured" ? axis.y : axis.left;
+  const band = (mean, s, c) => ({ x: test.at, y: mean, error_y: { type: "data", array: s.map((v) => (known(v) ? 2 * v : 0)), color: c, thickness: 1, width: 4 } });
+  const dots = (up) => runs.map((y, i) => (axis.up[i] === up ? y : null));
+  return figure({
+    name, kind: "tall", label: name + ", axis " + axis.axis + ": bi-directional accuracy A " + num(test.figures.A) + " " + unit + ", reversal B " + num(test.figures.B) + " " + unit,
+    caption: "Means of the runs; the bars are ± 2 s. Dots: single runs.",
+    make: (c) => [[
+      { x: axis.x, y: dots(1), mode: "markers", type: "scatter", marker: { size: 4, color: c.accent, opacity: 0.45 }, hoverinfo: "skip", showlegend: false },
+      { x: axis.x, y: dots(0), mode: "markers", type: "scatter", marker: { size: 4, color: c.warm, opacity: 0.45 }, hoverinfo: "skip", showlegend: false },
+      Object.assign(band(test.forward, test.s_forward, c.accent), { name: "forward ↑", mode: "lines+markers", type: "scatter", line: { color: c.accent }, marker: { symbol: "triangle-up", size: 8 }, hovertemplate: "↑ %{x:.4g}: %{y:.3g} " + unit + "<extra></extra>" }),
+      Object.assign(band(test.backward, test.s_backward, c.warm), { name: "backward ↓", mode: "lines+markers", type: "scatter", line: { color: c.warm, dash: "dash" }, marker: { symbol: "triangle-down", size: 8 }, hovertemplate: "↓ %{x:.4g}: %{y:.3g} " + unit + "<extra></extra>" }),
+    ], { showlegend: true, legend: { orientation: "h", y: 1.12, x: 0 }, margin: { l: 56, r: 12, t: 28, b: 40 },
+      xaxis: { title: titled("position of " + axis.axis + ", " + unitText(axis.position_unit)), zeroline: false }, yaxis: { title: titled("deviation, " + unit) } }],
+  });
+}
