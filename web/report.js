@@ -29,12 +29,12 @@ function commandLine(command) {
 }
 
 function header() {
-  const facts = [data.machine, data.observations, diagnosis.observations ? diagnosis.observations + " measurements" : null,
+  const facts = [data.machine, diagnosis.observations ? diagnosis.observations + " measurements" : null,
     "calibration " + fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : ""),
     data.method ? "found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : null, "report of " + data.created.replace("T", " ").replace("Z", " UTC")];
   main.replaceChildren(el("header", {}, el("h1", {}, fileName(data.session)), el("p", { class: "meta" }, facts.filter(Boolean).join(" · ")),
     el("div", { class: "verdict " + diagnosis.verdict }, el("div", { class: "badge" }, kVerdicts[diagnosis.verdict] || diagnosis.verdict),
-      el("p", { class: "sentence" }, diagnosis.sentence.replace(/\bum\b/g, "µm")), commandLine(data.command))));
+      el("p", { class: "sentence" }, diagnosis.sentence.replace(/\bum\b/g, "µm").replace(/->/g, "→")), commandLine(data.command))));
   const warnings = [data.session_warning ? "The session: " + data.session_warning : null,
     data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” says whether it still holds." : null,
     data.left_out ? data.left_out + " measurements lack an input of the model and were left out." : null];
@@ -54,7 +54,7 @@ function errors() {
   section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value]) =>
     el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : ""))))),
   table("Size of the residuals, outliers left aside (each fit leaves aside its own)", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
-    ...kinds.flatMap(([, s]) => [num(f["rms" + s]), num(f["held_out_rms" + s]), num(f["q95" + s]), num(f["max" + s])]), num(f.chi2_per_dof), known(f.outliers) ? String(f.outliers) : "–"])));
+    ...kinds.flatMap(([, s]) => [num(f["rms" + s]), num(f["held_out_rms" + s]), num(f["q95" + s]), num(f["max" + s])]), diagnosis.repeatability_from === "estimated" ? "–" : num(f.chi2_per_dof), known(f.outliers) ? String(f.outliers) : "–"])));
 }
 
 function entry(term, ...content) {
@@ -70,9 +70,9 @@ function missing() {
       entry("Share of the error", known(m["size" + kSuffix]) ? length(m["size" + kSuffix]) + " RMS after refit, " + num(m["size" + kSuffix] / data.noise, 2) + " × the noise" : ""),
       entry("Held-out RMS", arrow(m["held_out_rms" + kSuffix])),
       entry("Certainty", "p ≈ " + pValue(m.p_value) + ", corrected for everything tried; chosen in " + percent(m.stability) + " of the resampled sessions"),
-      entry("As likely", m.confusable_with.length ? m.confusable_with.map((c) => spoken(c.effect) + " (log-likelihood lower by " + num(c.delta, 2) + ")").join("; ") : ""),
+      entry("As likely", m.confusable_with.length ? m.confusable_with.map((c) => spoken(c.effect) + (c.delta < 0.05 ? " (exactly as likely)" : " (log-likelihood lower by " + num(c.delta, 2) + ")")).join("; ") : ""),
       entry("Cause", m.cause), entry("Remedy", m.remedy)))),
-    diagnosis.formulas.map((f) => el("div", { class: "card" }, el("h3", {}, "Formula along " + f.direction), el("p", {}, el("code", {}, f.formula)),
+    diagnosis.formulas.map((f, i) => el("div", { class: "card" }, el("h3", {}, (i ? "Or the formula along " : "Formula along ") + f.direction), el("p", {}, el("code", {}, f.formula)),
       el("dl", {}, entry("Held-out RMS", arrow(f["held_out_rms" + kSuffix])),
         entry("Units", "linear joints in mm, rotary in rad, t in s, speeds in mm/s, temperatures in °C; the value in µm (arcsec along a rotary joint)")))));
 }
@@ -131,9 +131,9 @@ function ledger() {
   const steps = [{ name: data.ledger[0].action === "calibrate" ? "nominal machine" : "before", held_out: data.ledger[0][key] && data.ledger[0][key][0] }];
   for (const e of data.ledger) steps.push({ name: name(e), held_out: e[key] && e[key][1] });
   const proposed = data.figures.find((f) => /named effects/.test(f.name));
-  if (proposed) steps.push({ name: "proposed: " + diagnosis.missing.map((m) => spoken(m.effect)).concat(diagnosis.formulas.map((f) => "a formula along " + f.direction)).join(" and "), held_out: proposed[key], proposed: true });
+  if (proposed) steps.push({ name: "proposed: " + diagnosis.missing.map((m) => spoken(m.effect)).concat(diagnosis.formulas.slice(0, 1).map((f) => "a formula along " + f.direction)).join(" and "), held_out: proposed[key], proposed: true });
   const shown = steps.filter((s) => known(s.held_out));
-  section("ledger", "Ledger: the error as it fell", shown.length > 1 ? ledgerFigure(shown, data.noise).node : null,
+  section("ledger", "Ledger: the error as it fell", shown.length > 1 ? ledgerFigure(shown, data.noise, diagnosis.repeatability_from === "estimated").node : null,
     table("Every step, and what it did to the error", [["Step"], ["RMS, " + kUnit, "n"], ["held-out RMS, " + kUnit, "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
       data.ledger.map((e) => [name(e), e[rmsKey] ? num(e[rmsKey][0]) + " → " + num(e[rmsKey][1]) : "–", e[key] ? num(e[key][0]) + " → " + num(e[key][1]) : "–", e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"])),
     el("p", { class: "note" }, "Any step can be taken back: mm remove."));
@@ -154,10 +154,10 @@ function pointSet() {
       f.kind !== "ball" ? "–" : known(f.centre_std_per_noise) ? num(f.centre_std_per_noise, 2) : "not determined"]), 20) : null,
     table("Joints", [["Joint"], ["range", "nowrap"], ["positions", "n"], ["travel + / − / unknown", "n"], ["correlation with time", "n"]], p.joints.map((j) => {
       const unit = "lower_deg" in j ? "deg" : "mm";
-      return [j.name, range(j["lower_" + unit], j["upper_" + unit], unit), known(j.positions) ? String(j.positions) : "many", j.travel.up + " / " + j.travel.down + " / " + j.travel.unknown, num(j.correlation_with_time, 2)];
+      return [j.name, range(j["lower_" + unit], j["upper_" + unit], unit), known(j.positions) ? String(j.positions) : "many", j.travel.up + " / " + j.travel.down + " / " + j.travel.unknown, fixed(j.correlation_with_time)];
     })),
     p.logged.length ? table("Logged", [["Quantity"], ["range", "nowrap"], ["missing", "n"], ["correlation with time", "n"]], p.logged.map((i) => [i.name, range(i.lower, i.upper, i.unit), String(i.missing),
-      num(i.correlation_with_time, 2) + (Math.abs(i.correlation_with_time) > 0.95 ? " (drift cannot be told from it)" : "")])) : null,
+      fixed(i.correlation_with_time) + (Math.abs(i.correlation_with_time) > 0.95 ? " (drift cannot be told from it)" : "")])) : null,
     p.weak && p.weak.length ? table("Weakly determined parameters", [["Parameter"], ["only to ±", "n"]], p.weak.map((w) => [w.name, withUnit(num(w.std, 2), w.unit)])) : null);
 }
 
@@ -196,7 +196,7 @@ function nextMeasurement() {
 function legend() {
   const terms = [["RMS", "root mean square of the scalar residuals: one a contact on a ball, one a measured component of a reference."],
     ["Held-out RMS", "the same, of measurements that the fit did not see: blocks of time are left out in turn. It does not fall by fitting noise."],
-    ["χ²/ν", "squared residuals over the noise, a degree of freedom: 1 when nothing but noise is left."],
+    ["χ²/ν", "squared residuals over the noise, a degree of freedom: 1 when nothing but noise is left; says nothing where the noise was estimated from the residuals."],
     ["p", "probability of a gain at least as large by chance, corrected for everything that was tried."],
     ["Stability", "share of sessions resampled in blocks of time in which the effect is still the choice."],
     ["±", "one standard uncertainty, from the covariance of the fit."]];

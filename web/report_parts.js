@@ -3,7 +3,7 @@
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const diagnosis = data.diagnosis;
-const kUnits = { um: "µm", "um/m": "µm/m", "um/K": "µm/K", degC: "°C", deg: "°", "deg/s": "°/s", "1": "" };
+const kUnits = { um: "µm", "um/m": "µm/m", "um/K": "µm/K", degC: "°C", deg: "°", "deg/s": "°/s", percent: "%", "1": "" };
 const unitText = (unit) => (unit in kUnits ? kUnits[unit] : (unit || "").replace(/\bum\b/g, "µm").replace(/\bdegC\b/g, "°C"));
 const kUnit = unitText(data.unit);
 const kSuffix = data.unit === "arcsec" ? "_arcsec" : "_um";
@@ -25,7 +25,7 @@ const power = (exponent) => "10" + [...String(exponent)].map((c) => kSuperscript
 function num(value, digits = 3) {
   if (!known(value)) return "–";
   if (value === 0) return "0";
-  const size = Math.floor(Math.log10(Math.abs(value)));
+  const size = Math.floor(Math.log10(Math.abs(Number(value.toPrecision(digits)))));
   if (size < -4 || size > 6) {
     const [mantissa, exponent] = value.toExponential(Math.max(0, digits - 1)).split("e");
     return minus(mantissa) + " × " + power(Number(exponent));
@@ -57,13 +57,14 @@ function pValue(p) {
   const [mantissa, exponent] = p.toExponential(0).split("e");
   return mantissa + " × " + power(Number(exponent));
 }
+const fixed = (value) => (known(value) ? minus(value.toFixed(2)) : "–");
 const percent = (share, digits = 0) => (known(share) ? (100 * share).toFixed(digits) + " %" : "–");
 
 /** `{type: backlash, axis: x}` in words: backlash, axis x. */
 function spoken(effect) {
   if (!effect) return "";
   const keys = Object.entries(effect).filter(([key]) => key !== "type");
-  return effect.type.replace(/_/g, " ") + keys.map(([key, value]) => ", " + key + " " + (Array.isArray(value) ? value.join(" and ") : value)).join("");
+  return effect.type.replace(/_/g, " ") + keys.map(([key, value]) => value === false ? "" : value === true ? ", with " + key : ", " + key.replace(/_(mm|deg|s)$/, "") + " " + (Array.isArray(value) ? value.join(" and ") : value)).join("");
 }
 const sameEffect = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
@@ -74,7 +75,7 @@ const plain = (text) => String(text).replace(/&/g, "&amp;").replace(/</g, "&lt;"
 function table(caption, columns, rows) {
   const cell = (tag, content, kind, scope) => el(tag, { class: kind || null, scope: scope || null }, content);
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption },
-    el("table", {}, el("caption", {}, caption),
+    el("table", {}, el("caption", {}, el("span", {}, caption)),
       el("thead", {}, el("tr", {}, columns.map(([name, kind]) => cell("th", name, kind, "col")))),
       el("tbody", {}, rows.map((row) => el("tr", { class: row.chosen ? "chosen" : null },
         row.map((content, i) => (i === 0 ? cell("th", content, columns[0][1], "row") : cell("td", content, columns[i][1]))))))));

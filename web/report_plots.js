@@ -19,8 +19,8 @@ function theme() {
 }
 
 /** A figure: heading, plot, caption. `make` gives [traces, layout] for the colours; `label` is what it shows in words. */
-function figure({ name, label, caption, make, kind, modeBar }) {
-  const plot = el("div", { class: "plot " + (kind || ""), role: "img", "aria-label": label });
+function figure({ name, label, caption, make, kind, modeBar, height }) {
+  const plot = el("div", { class: "plot " + (kind || ""), style: height ? "height:" + height + "px" : null, role: "img", "aria-label": label });
   const draw = () => {
     const c = theme();
     const [traces, layout] = make(c);
@@ -29,9 +29,10 @@ function figure({ name, label, caption, make, kind, modeBar }) {
       margin: { l: 52, r: 12, t: 8, b: 40 }, showlegend: false, hoverlabel: { font: { size: 12 } } };
     const full = Object.assign(base, layout);
     for (const key of Object.keys(full)) if (/^[xy]axis/.test(key)) full[key] = Object.assign({}, axis, full[key]);
-    return Plotly.react(plot, traces, full, { responsive: true, displaylogo: false, displayModeBar: !!modeBar });
+    return Plotly.react(plot, traces, full, { displaylogo: false, displayModeBar: !!modeBar });
   };
   plots.push(draw);
+  new ResizeObserver(() => { if (plot.data) Plotly.Plots.resize(plot); }).observe(plot);
   const head = name ? el("div", { class: "name" }, name) : null;
   return { node: el("figure", {}, head, plot, caption ? el("figcaption", {}, caption) : null), draw };
 }
@@ -68,7 +69,7 @@ function variableFigure(v) {
   return figure({
     name: v.name,
     label: "Mean residual " + along + " against " + v.name + ": largest " + length(v.mean[most]) + " at " + where,
-    caption: along + "; explains " + percent(v.share) + " (p " + (v.p_value >= 0.001 ? "= " : "≈ ") + pValue(v.p_value) + ")",
+    caption: along + "; explains " + percent(v.share) + " (p\u00a0=\u00a0" + pValue(v.p_value).replace(/ /g, "\u00a0") + ")",
     make: (c) => [[
       { x: jitter, y: v.y, mode: "markers", type: "scatter", marker: { size: 3, color: c.soft, opacity: 0.35 }, hoverinfo: "skip" },
       v.improved.some(known) ? { x: v.at, y: v.improved, mode: v.category ? "markers" : "lines", type: "scatter", line: { color: c.good, width: 1.5, dash: "dot" },
@@ -90,19 +91,21 @@ function quantile(values, share) {
   return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] : null;
 }
 
-function ledgerFigure(steps, noise) {
-  const values = steps.map((s) => s.held_out).filter(known);
-  const log = Math.min(...values.concat(known(noise) && noise > 0 ? [noise] : [])) * 20 < Math.max(...values);
+function ledgerFigure(steps, noise, estimated) {
+  const line = known(noise) && noise > 0;
+  const values = steps.map((s) => s.held_out).concat(line ? [noise] : []);
+  const log = Math.min(...values) * 20 < Math.max(...values);
+  const from = Math.min(...values) / 3, to = Math.max(...values) * (log ? 4 : 1.25);
   return figure({
-    kind: "tall", label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
-    caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + ". The dashed line is the noise: no model can do better.",
-    make: (c) => [[{ type: "bar", x: steps.map((s, i) => i), y: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.55 : 0.9)) },
-      text: steps.map((s) => num(s.held_out) + " " + kUnit), textposition: "outside", cliponaxis: false, hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + length(s.held_out)) }],
-    { margin: { l: 60, r: 12, t: 24, b: 60 }, bargap: 0.35,
-      xaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, 16)), range: [-0.6, Math.max(3, steps.length) - 0.4], showgrid: false },
-      yaxis: Object.assign({ title: titled("held-out RMS, " + kUnit) }, log ? { type: "log", dtick: 1 } : { rangemode: "tozero" }),
-      shapes: known(noise) && noise > 0 ? [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: noise, y1: noise, line: { color: c.warm, width: 1.5, dash: "dash" } }] : [],
-      annotations: known(noise) && noise > 0 ? [{ xref: "paper", x: 1, xanchor: "right", y: log ? Math.log10(noise) : noise, yanchor: "bottom", text: "noise " + length(noise), showarrow: false, font: { color: c.warm } }] : [] }],
+    height: 70 + 46 * steps.length, label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
+    caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + (!line ? "." : ". The dashed line is the noise, " + length(noise) +
+      (estimated ? ", estimated from what this model leaves: a better model may lower it." : ": no model can do better.")),
+    make: (c) => [[{ type: "bar", orientation: "h", y: steps.map((s, i) => i), x: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.6 : 0.9)) },
+      text: steps.map((s) => " " + num(s.held_out) + " " + kUnit), textposition: "outside", cliponaxis: false, hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + length(s.held_out)) }],
+    { margin: { l: 20, r: 20, t: 8, b: 44 }, bargap: 0.35,
+      yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, 18) + " "), range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
+      xaxis: Object.assign({ title: titled("held-out RMS, " + kUnit), zeroline: false, nticks: 6 }, log ? { type: "log", dtick: 1, range: [Math.log10(from), Math.log10(to)] } : { range: [0, to] }),
+      shapes: line ? [{ type: "line", yref: "paper", y0: 0, y1: 1, x0: noise, x1: noise, line: { color: c.warm, width: 1.5, dash: "dash" } }] : [] }],
   });
 }
 

@@ -159,14 +159,15 @@ Json positioningTestJson(const PositioningTest& test) {
   out["s_backward"] = list(sDown, 1e-3);
   out["runs"] = std::move(runs);
   const PositioningFigures& f = test.figures;
-  out["figures"] = Json{{"A", number(f.accuracy)},
-                        {"R", number(f.repeatability)},
-                        {"R_forward", number(f.repeatabilityForward)},
-                        {"R_backward", number(f.repeatabilityBackward)},
-                        {"E", number(f.systematic)},
-                        {"M", number(f.meanRange)},
-                        {"B", number(f.reversal)},
-                        {"B_mean", number(f.meanReversal)}};
+  const auto figure = [](double value) { return rounded(value, 1e-4); };
+  out["figures"] = Json{{"A", figure(f.accuracy)},
+                        {"R", figure(f.repeatability)},
+                        {"R_forward", figure(f.repeatabilityForward)},
+                        {"R_backward", figure(f.repeatabilityBackward)},
+                        {"E", figure(f.systematic)},
+                        {"M", figure(f.meanRange)},
+                        {"B", figure(f.reversal)},
+                        {"B_mean", figure(f.meanReversal)}};
   return out;
 }
 

@@ -1,5 +1,6 @@
 #include "report/report_variables.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,12 +12,15 @@
 namespace mm {
 namespace {
 
+constexpr double kSeen = 0.05;        // least mean square of the direction's factor in a bin
 constexpr std::size_t kPoints = 600;  // drawn a variable; the bins use all rows
 
 /// The rows of one kind (m or rad), in units of people.
 struct Rows {
   std::vector<int> space;                          // row of the residual space
   std::vector<double> residual, improved, weight;  // um or arcsec, 1/um^2 or 1/arcsec^2
+  std::vector<double>
+      varying;  // the residual without what a constant displacement in every direction explains
 };
 
 /// A variable's unit for people and the factor from the unit of formulas.
@@ -81,7 +85,7 @@ std::vector<std::vector<int>> binsOf(const Eigen::VectorXd& values, const Rows& 
 
 struct Line {
   std::vector<VariableBin> bins;
-  double chi2 = 0.0;  // of the bins' means
+  double gain = 0.0;  // what the bins explain of the varying part, whitened
 };
 
 /// The displacement along one direction in each bin: weighted least squares of residual = -factor *
@@ -94,17 +98,19 @@ Line lineOf(const std::vector<std::vector<int>>& bins, const Rows& rows, const E
   int rest = 0;
   std::vector<double> information;
   for (const std::vector<int>& bin : bins) {
-    double ff = 0.0, fr = 0.0, fi = 0.0, at = 0.0, seen = 0.0;
+    double ff = 0.0, fr = 0.0, fi = 0.0, fv = 0.0, at = 0.0, seen = 0.0;
     for (const int i : bin) {
       const auto k = static_cast<std::size_t>(i);
       const double f = factor[rows.space[k]], w = rows.weight[k];
       ff += w * f * f;
       fr -= w * f * rows.residual[k];
       fi -= w * f * rows.improved[k];
+      fv -= w * f * rows.varying[k];
       at += values[rows.space[k]];
       seen += f * f / (most * most);
     }
-    if (!(seen > 0.5)) continue;  // the direction was not measured in this bin
+    if (!(seen > kSeen * static_cast<double>(bin.size())))
+      continue;  // the direction was hardly measured here
     VariableBin one;
     one.at = at / static_cast<double>(bin.size());
     one.mean = fr / ff;
@@ -117,14 +123,30 @@ Line lineOf(const std::vector<std::vector<int>>& bins, const Rows& rows, const E
     }
     rest += one.count - 1;
     information.push_back(ff);
+    line.gain += fv * fv / ff;
     line.bins.push_back(one);
   }
   const double variance = rest > 0 ? scatter / rest : 1.0;  // pooled: single bins may hold very few rows
-  for (std::size_t b = 0; b < line.bins.size(); ++b) {
+  for (std::size_t b = 0; b < line.bins.size(); ++b)
     line.bins[b].standardError = std::sqrt(variance / information[b]);
-    line.chi2 += line.bins[b].mean * line.bins[b].mean * information[b] / std::max(variance, 1e-300);
-  }
   return line;
+}
+
+/// Takes out of the residual what a constant displacement along each direction explains, all fitted together.
+void removeConstants(Rows& rows, const Eigen::MatrixXd& factors) {
+  const auto n = static_cast<Eigen::Index>(rows.space.size());
+  Eigen::MatrixXd columns(n, factors.cols());
+  Eigen::VectorXd whitened(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double root = std::sqrt(rows.weight[k]);
+    columns.row(i) = root * factors.row(rows.space[k]);
+    whitened[i] = root * rows.residual[k];
+  }
+  const Eigen::VectorXd left = whitened - columns * columns.colPivHouseholderQr().solve(whitened);
+  rows.varying.clear();
+  for (Eigen::Index i = 0; i < n; ++i)
+    rows.varying.push_back(left[i] / std::sqrt(rows.weight[static_cast<std::size_t>(i)]));
 }
 
 void addPoints(VariableView& view, const Rows& rows, const Eigen::VectorXd& raw,
@@ -156,9 +178,8 @@ VariableView viewOf(const Variable& variable, const Directions& directions, cons
   int direction = 0;
   for (int d = 0; d < directions.factors.cols(); ++d) {
     Line line = lineOf(bins, rows, raw, directions.factors.col(d));
-    const double gain = line.bins.empty() ? -1.0 : line.chi2 / static_cast<double>(line.bins.size());
-    if (!(gain > best)) continue;
-    best = gain;
+    if (line.bins.empty() || !(line.gain > best)) continue;
+    best = line.gain;
     direction = d;
     view.bins = std::move(line.bins);
   }
@@ -199,6 +220,7 @@ std::vector<VariableView> residualsByVariable(const CalibrationResult& fitted,
   const Directions directions = directionsOf(space);
   std::vector<VariableView> views;
   if (rows.space.empty() || directions.names.empty()) return views;
+  removeConstants(rows, directions.factors);
   for (const Variable& variable : variablesOf(space)) {
     VariableView view = viewOf(variable, directions, rows, *fitted.problem);
     if (!view.bins.empty()) views.push_back(std::move(view));

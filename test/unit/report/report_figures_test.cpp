@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/recalibration.h"
+#include "report/report_positioning.h"
+#include "report/report_variables.h"
+#include "report/report_vectors.h"
+#include "report_sessions.h"
+
+namespace mm {
+namespace {
+
+CalibrationResult fitOf(const Session& session, const std::vector<EffectSpec>& effects = {}) {
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  options.rejectOutliers = false;
+  return calibrate(session, modelFor(session, effects), options);
+}
+
+const VariableView& view(const std::vector<VariableView>& views, const std::string& name) {
+  const auto found =
+      std::find_if(views.begin(), views.end(), [&](const VariableView& v) { return v.name == name; });
+  if (found == views.end()) throw std::out_of_range(name);
+  return *found;
+}
+
+TEST(ReportVariables, AStepByTravelIsSeenWithItsSignSizeAndError) {
+  const Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const CalibrationResult fit = fitOf(session);
+  const auto views = residualsByVariable(fit, nullptr, {});
+  const VariableView& travel = view(views, "x travel direction");
+  EXPECT_EQ(travel.direction, "x");
+  ASSERT_EQ(travel.bins.size(), 2u);
+  ASSERT_EQ(travel.labels.size(), 2u);
+  EXPECT_EQ(travel.labels[1], "+");
+  EXPECT_EQ(travel.bins[0].count, 45);
+  EXPECT_NEAR(travel.bins[0].mean, -2.0, 0.06);
+  EXPECT_NEAR(travel.bins[1].mean, 2.0, 0.06);
+  EXPECT_NEAR(travel.bins[1].standardError, 0.1 / std::sqrt(45.0), 0.006);
+  const VariableView& position = view(views, "x");
+  EXPECT_EQ(position.unit, "mm");
+  ASSERT_EQ(position.bins.size(), 9u);
+  EXPECT_NEAR(position.bins[0].at, -20.0, 1e-9);
+  for (const VariableBin& bin : position.bins) EXPECT_NEAR(bin.mean, 0.0, 0.15);
+}
+
+TEST(ReportVariables, TheImprovedFitIsShownBesideIt) {
+  const Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const CalibrationResult fit = fitOf(session),
+                          improved = fitOf(session, {EffectSpec("backlash").set("axis", "x")});
+  const VariableView travel = view(residualsByVariable(fit, &improved, {}), "x travel direction");
+  EXPECT_NEAR(travel.bins[1].mean, 2.0, 0.06);
+  EXPECT_NEAR(travel.bins[1].meanImproved, 0.0, 0.06);
+}
+
+TEST(ReportVectors, StartAtTheTouchedPointAndRunAlongTheNormal) {
+  const Session session = test::ballSession("b0", 3e-6);
+  const CalibrationResult fit = fitOf(session);
+  const ResidualVectors v = residualVectors({{"now", &fit}});
+  ASSERT_EQ(v.places.size(), 60u);
+  ASSERT_EQ(v.states.size(), 1u);
+  ASSERT_EQ(v.balls.size(), 1u);
+  EXPECT_TRUE(v.signedValues);
+  EXPECT_NEAR(v.balls[0].radius, 4.0, 1e-12);
+  for (std::size_t i = 0; i < v.places.size(); ++i) {
+    const Eigen::Vector3d outwards = v.places[i].at - Eigen::Vector3d(0, 10, 0);
+    EXPECT_NEAR(outwards.norm(), 4.003, 1e-6);
+    EXPECT_NEAR(v.states[0].values[i], 3.0, 1e-6);
+    EXPECT_NEAR((v.states[0].vectors[i] - 3.0 * outwards.normalized()).norm(), 0.0, 1e-6);
+  }
+}
+
+TEST(ReportVectors, DeviationsAloneAreNothingToSeeInSpace) {
+  const Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const CalibrationResult fit = fitOf(session);
+  EXPECT_TRUE(residualVectors({{"now", &fit}}).places.empty());
+}
+
+TEST(ReportPositioning, TheModelTakesTheReversalAway) {
+  const Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const auto axes = axisPositioning(fitOf(session, {EffectSpec("backlash").set("axis", "x")}));
+  ASSERT_EQ(axes.size(), 1u);
+  EXPECT_EQ(axes[0].axis, "x");
+  EXPECT_NEAR(axes[0].measured.figures.meanReversal, 4.0, 0.1);
+  EXPECT_NEAR(axes[0].calibrated.figures.meanReversal, 0.0, 0.1);
+}
+
+}  // namespace
+}  // namespace mm

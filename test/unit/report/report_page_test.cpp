@@ -1,0 +1,120 @@
+#include "report/report_page.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "machine/error.h"
+#include "report/recalibration.h"
+#include "report_sessions.h"
+#include "session_files.h"
+
+namespace mm {
+namespace {
+
+constexpr const char* kHostile = "</script><script>alert(1)</script><!--";
+
+std::size_t countOf(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+class ReportPage : public ::testing::Test {
+ protected:
+  test::Folder folder_;
+  std::filesystem::path plotly_ = folder_.write("plotly.min.js", "/* plotly */" + std::string(200000, ' '));
+
+  ReportContents contents(const Session& session, const std::string& path,
+                          const std::vector<EffectSpec>& effects = {}) {
+    CalibrateOptions fit;
+    fit.method = Method::kLeastSquares;
+    ModelSpec model;
+    model.effects = effects;
+    ReportOptions options;
+    options.sessionPath = path;
+    options.calibrationPath = "c.yaml";
+    options.created = "2026-01-02T03:04:05Z";
+    return makeReport(session, recalibrate(session, model, fit).calibration, options);
+  }
+};
+
+TEST_F(ReportPage, NamesOfUsersFilesAreNeverMarkup) {
+  const Session session = test::ballSession(kHostile, 3e-6, 0.2e-6);
+  const ReportContents report = contents(session, std::string("{{data}}") + kHostile + ".bag");
+  const std::string page = reportPage(report, loadReportFiles(plotly_));
+  EXPECT_EQ(page.find("alert(1)</script>"), std::string::npos);
+  EXPECT_EQ(countOf(page, "</script"), 3u);  // data, library, page
+  EXPECT_EQ(countOf(page, "<!--"), 0u);
+  const nlohmann::json data = nlohmann::json::parse(reportJson(report));
+  EXPECT_EQ(data["point_set"]["features"][0]["name"], kHostile);
+}
+
+TEST_F(ReportPage, SaysWhatTheDiagnosisSaysAndWhatToTypeNext) {
+  const Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const ReportContents report = contents(session, "my session.bag", {EffectSpec("scale").set("axis", "x")});
+  ASSERT_FALSE(report.diagnosis.missing.empty());
+  const nlohmann::json data = nlohmann::json::parse(reportJson(report));
+  EXPECT_EQ(data["diagnosis"]["missing"][0]["effect"]["type"], "backlash");
+  EXPECT_EQ(data["command"],
+            "mm add 'my session.bag' --calibration c.yaml '{type: backlash, axis: x}' -o c2.yaml");
+  EXPECT_EQ(data["same_session"], true);
+  ASSERT_EQ(data["figures"].size(), 4u);
+  EXPECT_NEAR(data["figures"][0]["rms_um"].get<double>(), 2.0, 0.1);
+  EXPECT_NEAR(data["figures"][3]["rms_um"].get<double>(), 0.1, 0.03);
+  EXPECT_EQ(data["positioning"][0]["axis"], "x");
+  EXPECT_TRUE(data["vectors"].is_null());
+  const std::string page = reportPage(report, loadReportFiles(plotly_));
+  EXPECT_NE(page.find("mm add &#39;my session.bag&#39;"), std::string::npos);
+  EXPECT_EQ(countOf(page, "{{"), 0u);
+}
+
+TEST_F(ReportPage, LoadsNothing) {
+  const ReportFiles files = loadReportFiles(plotly_);
+  for (const std::string& text : {files.html, files.css, files.js})
+    for (const char* loader : {"src=\"", "@import", "url(", "fetch(", "http://", "https://"})
+      EXPECT_EQ(text.find(loader), std::string::npos) << loader;
+  EXPECT_NE(files.html.find("default-src 'none'"), std::string::npos);
+}
+
+TEST_F(ReportPage, AMissingOrBrokenPlotlySaysWhatToDo) {
+  const std::string missing = test::messageOf<InputError>([&] { loadReportFiles(folder_.path("none.js")); });
+  EXPECT_NE(missing.find("none.js"), std::string::npos);
+  EXPECT_NE(missing.find("npm pack plotly.js-dist-min@"), std::string::npos);
+  const auto broken = folder_.write("broken.js", "plotly");
+  EXPECT_NE(test::messageOf<InputError>([&] { loadReportFiles(broken); }).find("6 bytes"), std::string::npos);
+}
+
+TEST_F(ReportPage, ASessionThatCannotBeFittedStillGivesAPage) {
+  const Session whole = test::interferometerSession(2e-6, 0.1e-6);
+  ReportContents report = contents(whole, "s.bag");
+  report.diagnosis = Diagnosis();
+  report.diagnosis.verdict = Verdict::kInsufficientData;
+  report.diagnosis.sentence = "The model cannot be fitted to this session.";
+  const nlohmann::json data = nlohmann::json::parse(reportJson(report));
+  EXPECT_EQ(data["diagnosis"]["verdict"], "insufficient_data");
+  EXPECT_TRUE(data["figures"].empty());
+  EXPECT_EQ(data["command"], "");
+}
+
+TEST(ReportCurve, ReadsWhatCalibrateWrites) {
+  const test::Folder folder;
+  const ConvergenceCurve curve =
+      readConvergenceCurve(folder.write("c.csv", "generation,rms_um\n0,9.5\n1,2.25\n"));
+  EXPECT_EQ(curve.name, "c.csv");
+  EXPECT_FALSE(curve.angular);
+  EXPECT_EQ(curve.rms, (std::vector<double>{9.5, 2.25}));
+}
+
+TEST(ReportCurve, RefusesOtherFilesByLine) {
+  const test::Folder folder;
+  const auto message = [&](const std::string& text) {
+    return test::messageOf<InputError>([&] { readConvergenceCurve(folder.write("c.csv", text)); });
+  };
+  EXPECT_NE(message("time,rms\n").find("line 1"), std::string::npos);
+  EXPECT_NE(message("generation,rms_um\n0,1\n1,many\n").find("line 3: '1,many'"), std::string::npos);
+  EXPECT_NE(message("generation,rms_um\n").find("least_squares"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mm
