@@ -188,9 +188,11 @@ function nextMeasurement() {
   if (!moves.length) return;
   const keys = [...new Set(moves.flatMap((m) => Object.keys(m)))];
   const head = (k) => k.replace(/_(mm|deg|um|s|degC|mm_s|deg_s)$/, (x, unit) => ", " + unitText(unit.replace("_s", "/s"))).replace(/_/g, " ");
-  const text = (v) => (Array.isArray(v) ? "(" + v.map((a) => num(a, 2)).join(", ") + ")" : typeof v === "number" ? num(v, 4) : v === undefined || v === null ? "–" : v);
+  const text = (v) => (Array.isArray(v) ? "(" + v.map((a) => num(a, 2)).join(", ") + ")" : typeof v === "number" ? num(v, 4) : v === undefined || v === null ? "–" :
+    typeof v === "object" ? Object.entries(v).map(([joint, side]) => (side > 0 ? "+" : "−") + joint).join(", ") : v);
   section("next", "Next measurement", lead(moves.length + " targets that best separate what these data cannot tell apart, most useful first."),
-    longTable("Targets", [["#", "n"], ...keys.map((k) => [head(k), "n"])], moves.map((m, i) => [String(i + 1), ...keys.map((k) => text(m[k]))]), 12));
+    longTable("Targets", [["#", "n"], ...keys.map((k) => [head(k), "n"])], moves.map((m, i) => [String(i + 1), ...keys.map((k) => text(m[k]))]), 12),
+    el("p", { class: "lead" }, "As a plan that mm simulate and the node measure run:"), el("div", { class: "command" }, el("code", {}, data.moves_command)));
 }
 
 function legend() {

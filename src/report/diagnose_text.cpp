@@ -65,6 +65,10 @@ std::string addCommand(const Diagnosis& d, const std::string& session, const std
          " -o " + quoted(nextName(calibration));
 }
 
+std::string movesCommand(const std::string& session, const std::string& calibration) {
+  return "mm diagnose " + quoted(session) + " --calibration " + quoted(calibration) + " --moves moves.yaml";
+}
+
 std::string diagnoseText(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   std::string text = d.sentence + "\n";
   if (d.base.problem) {

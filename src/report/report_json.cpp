@@ -287,6 +287,7 @@ std::string reportJson(const ReportContents& r) {
   out["unit"] = angular ? "arcsec" : "um";
   out["noise"] = fitted ? number(d.base.repeatability / (angular ? kArcsecond : kMicrometre)) : Json(nullptr);
   out["command"] = addCommand(d, r.sessionPath, r.calibrationPath);
+  out["moves_command"] = movesCommand(r.sessionPath, r.calibrationPath);
   out["figures"] = figures(r);
   out["diagnosis"] = Json::parse(diagnoseJson(d));
   out["variables"] = variablesJson(r.variables);

@@ -24,6 +24,8 @@ std::string whereText(const std::vector<WhereItFails>& where);
 /// The `mm add` line to type next; empty when there is nothing to add.
 std::string addCommand(const Diagnosis& diagnosis, const std::string& session,
                        const std::string& calibration);
+/// The line that writes the proposed moves as a plan.
+std::string movesCommand(const std::string& session, const std::string& calibration);
 bool angularOnly(const CalibrationResult& result);
 
 }  // namespace mm
