@@ -161,11 +161,23 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   goal.linear_speed = speed > 0.0 ? speed : plan.rapid;
   goal.rotary_speed = plan.rapidRotary;
   goal.feature = feature;
-  axes_.sendGoal(goal);
-  while (!axes_.waitForResult(ros::Duration(0.5))) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    arrived_ = false;
+  }
+  axes_.sendGoal(
+      goal, [this](const actionlib::SimpleClientGoalState&, const measuring_machine::MoveResultConstPtr&) {
+        {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          arrived_ = true;
+        }
+        contact_.notify_all();
+      });
+  // On the wall clock: simulated time stops when the one who makes it dies.
+  while (!waitForArrival(0.2)) {
     if (server_.isPreemptRequested() || !ros::ok()) {
       axes_.cancelGoal();
-      axes_.waitForResult(ros::Duration(2.0));
+      waitForArrival(2.0);
       throw Cancelled("cancelled");
     }
     if (!axes_.isServerConnected())
@@ -175,6 +187,11 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   const actionlib::SimpleClientGoalState state = axes_.getState();
   if (state == actionlib::SimpleClientGoalState::SUCCEEDED) return axes_.getResult()->tripped;
   throw Error("axes: " + state.getText());
+}
+
+bool MeasureNode::waitForArrival(double wallSeconds) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  return contact_.wait_for(lock, std::chrono::duration<double>(wallSeconds), [this] { return arrived_; });
 }
 
 void MeasureNode::pauseFor(double seconds) {

@@ -37,6 +37,7 @@ class MeasureNode {
   /// @return the action's `tripped`. @throw Error when the goal was not reached, Cancelled.
   bool drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position, double speed,
              const std::string& feature);
+  bool waitForArrival(double wallSeconds);
   void pauseFor(double seconds);
   void holdWhilePaused();
   void tell(const Plan& plan, std::size_t move);
@@ -49,8 +50,9 @@ class MeasureNode {
   measuring_machine::MeasureFeedback feedback_;
   std::atomic<bool> paused_{false};
   std::mutex mutex_;
-  std::condition_variable contact_;
-  std::uint64_t contacts_ = 0;  // seen on /probe/contact
+  std::condition_variable contact_;  // or arrival
+  bool arrived_ = false;             // the move under way has ended
+  std::uint64_t contacts_ = 0;       // seen on /probe/contact
   ros::Publisher artifactOut_, descriptionOut_;
   ros::Subscriber contactIn_;
   ros::ServiceServer pause_;

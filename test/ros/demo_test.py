@@ -13,7 +13,7 @@ import rostest
 
 import support
 
-PORT = 11911
+PORTS = [support.free_port() for _ in range(4)]
 MODEL = os.path.join(support.PACKAGE, "config/demo_model.yaml")
 
 
@@ -56,10 +56,11 @@ class Demo(unittest.TestCase):
         support.remove(cls.folder)
 
     def test_1_demo(self):
-        demo = launch(PORT, "demo.launch", "folder:=" + self.folder)
+        demo = launch(PORTS[0], "demo.launch", "folder:=" + self.folder)
         self.addCleanup(stop, demo)
         output, _ = demo.communicate(timeout=200)
         self.assertEqual(demo.returncode, 0, output)
+        self.assertIn("live session and bag give the same to the bit", output)
         before = re.search(r"before \(probe_tip\) +RMS +([0-9.]+) um", output)
         after = re.search(r"after +\(probe_tip_corrected\) +RMS +([0-9.]+) um", output)
         self.assertTrue(before and after, output)
@@ -74,7 +75,7 @@ class Demo(unittest.TestCase):
         self.assertEqual(served["observations"], 120)
         by_mm = figures(support.mm("calibrate", bag, "--model", MODEL, "--seed", "1", "--json"))
         self.assertEqual(by_mm, served)
-        replay = launch(PORT + 1, "replay.launch", "bag:=" + bag, "rate:=25", "store:=" + os.path.join(self.folder, "replayed"))
+        replay = launch(PORTS[1], "replay.launch", "bag:=" + bag, "rate:=25", "store:=" + os.path.join(self.folder, "replayed"))
         self.addCleanup(stop, replay)
         output = ""
         for line in replay.stdout:
@@ -86,13 +87,13 @@ class Demo(unittest.TestCase):
                   "a=rospy.ServiceProxy('calibration_server/calibrate',Calibrate)(model=sys.argv[1],seed=1);"
                   "sys.stderr.write(a.message); print(a.json)")
         done = subprocess.run(["python3", "-c", script, MODEL], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                              env=environment(PORT + 1), timeout=60)
+                              env=environment(PORTS[1]), timeout=60)
         self.assertEqual(figures(done.stdout or "{}"), served, done.stderr)
 
     def test_3_a_replay_in_a_loop(self):
         """The clock goes back at every turn: the live session begins anew, frames go on."""
         bag = os.path.join(self.folder, "session.bag")
-        replay = launch(PORT + 3, "replay.launch", "bag:=" + bag, "rate:=60", "loop:=true",
+        replay = launch(PORTS[3], "replay.launch", "bag:=" + bag, "rate:=60", "loop:=true",
                         "store:=" + os.path.join(self.folder, "calibrations"))
         self.addCleanup(stop, replay)
         turns, output = 0, ""
@@ -102,15 +103,15 @@ class Demo(unittest.TestCase):
             if turns == 2:
                 break
         self.assertEqual(turns, 2, output)
-        answer = call(PORT + 3, "/calibration_server/calibrate", "{model: '%s', method: least_squares}" % "effects: []")
+        answer = call(PORTS[3], "/calibration_server/calibrate", "{model: '%s', method: least_squares}" % "effects: []")
         observations = int(re.search(r'observations\\": (\d+)', answer.replace("\n", "")).group(1))
         self.assertLessEqual(observations, 120)
         status = subprocess.run(["rostopic", "echo", "-n1", "/compensation/status/frames"], stdout=subprocess.PIPE, text=True,
-                                env=environment(PORT + 3), timeout=20).stdout
+                                env=environment(PORTS[3]), timeout=20).stdout
         self.assertGreater(int(status.split()[0]), 5000)
 
     def test_4_master_restart_is_said(self):
-        port = PORT + 2
+        port = PORTS[2]
         master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=environment(port), stdout=subprocess.DEVNULL)
         self.addCleanup(master.kill)
         time.sleep(2)

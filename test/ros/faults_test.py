@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """Each fault, and what the user sees of it."""
-import glob
+import json
 import math
 import os
-import subprocess
 import threading
 import time
 import unittest
@@ -11,7 +10,7 @@ import unittest
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from measuring_machine.msg import Progress, SensorReadings
+from measuring_machine.msg import CorrectedContact, ProbeContact, Progress, SensorReadings
 from measuring_machine.srv import (AddEffect, Calibrate, Cancel, Compare, CorrectTarget, Diagnose, Promote,
                                    RemoveEffect, Rollback)
 from sensor_msgs.msg import Temperature
@@ -67,6 +66,9 @@ class Faults(unittest.TestCase):
         self.assertTrue(self.statuses.says(words, since=self.mark),
                         "status never said '%s', but %s" % (words, [s.message for s in self.statuses.all[self.mark:]]))
         self.assertNotIn(stamp, self.frames.of(CORRECTED))
+
+    def test_a_live_session_that_is_empty(self):
+        self.assertIn("the session is empty", service("calibrate", Calibrate, model=support.model("{type: scale, axis: x}")).message)
 
     def test_nan(self):
         withheld = self.statuses.last().withheld
@@ -162,11 +164,11 @@ class Faults(unittest.TestCase):
         finally:
             with open(file, "w") as f:
                 f.write(good)
-        self.assertTrue(support.wait_until(lambda: self.statuses.last().message == ""), self.statuses.last().message)
+        self.assertTrue(support.wait_until(lambda: self.joints.send() and self.statuses.last().message == ""),
+                        self.statuses.last().message)
 
     def test_node_dies_and_comes_back(self):
-        pid = int(subprocess.check_output(["pgrep", "-n", "-f", "__name:=compensation"]).split()[0])
-        os.kill(pid, 9)
+        support.kill("/compensation")
         before = len(self.statuses.all)
         self.assertTrue(support.wait_until(lambda: len(self.statuses.all) > before, 20.0))
         self.assertTrue(self.joints.ready())
@@ -192,13 +194,45 @@ class Faults(unittest.TestCase):
         request.name = ["x", "q", "z"]
         self.assertIn("'q' is not a joint", ask(request).message)
 
+    def test_corrected_contact(self):
+        found = []
+        listener = rospy.Subscriber("probe/contact_corrected", CorrectedContact, found.append)
+        out = rospy.Publisher("probe/contact", ProbeContact, queue_size=10)
+        self.assertTrue(support.wait_until(lambda: listener.get_num_connections() > 0 and out.get_num_connections() > 1))
+        contact = ProbeContact(name=["z", "y", "x"], position=[0.001, 0.003, 0.005], velocity=[-1e-3, 0.0, 0.0],
+                               laser_reading=math.nan, feature="b0")
+        contact.header.stamp = self.joints.stamp
+        out.publish(contact)
+        self.assertTrue(support.wait_until(lambda: found))
+        self.assertAlmostEqual(found[0].position.x, 0.005 * (1 + support.scale(self.scales.json, "x")), delta=1e-11)
+        self.assertEqual((found[0].feature, found[0].calibration_id), ("b0", self.scales.calibration_id))
+        repeatability = 1e-6 * json.loads(self.scales.json)["repeatability_um"]
+        self.assertGreater(found[0].sigma, repeatability)
+        self.assertLess(found[0].sigma, 3 * repeatability)
+        contact.position[0] = math.nan
+        mark = len(self.statuses.all)
+        out.publish(contact)
+        self.assertTrue(self.statuses.says("contact on 'b0' is not corrected: reading of joint z is not known", since=mark),
+                        self.statuses.all[mark:])
+        self.assertEqual(len(found), 1)
+
+    def test_the_candidate_beside(self):
+        candidates = support.Frames("probe_tip_candidate")
+        other = service("calibrate", Calibrate, bag=self.bag, method="least_squares", model=support.model("{type: scale, axis: z}"))
+        self.assertTrue(support.wait_until(lambda: self.statuses.last().candidate_id == other.calibration_id))
+        stamp = self.joints.send()
+        self.expect_frame(stamp)
+        self.assertTrue(support.wait_until(lambda: stamp in candidates.of("probe_tip_candidate")))
+        x, y, z = candidates.of("probe_tip_candidate")[stamp]
+        self.assertEqual((x, y), (0.005, 0.003))
+        self.assertAlmostEqual(z, 0.001 * (1 + support.scale(other.json, "z")), delta=1e-12)
+
     def test_requests_that_cannot_be_answered(self):
         missing = service("calibrate", Calibrate, bag="/nowhere/s.bag", model=support.model("{type: scale, axis: x}"))
         self.assertFalse(missing.success)
         self.assertIn("/nowhere/s.bag", missing.message)
-        self.assertIn("the session is empty", service("calibrate", Calibrate, model=support.model("{type: scale, axis: x}")).message)
         self.assertIn("axiss", service("calibrate", Calibrate, bag=self.bag, model=support.model("{type: scale, axiss: x}")).message)
-        self.assertIn("neither a file nor YAML", service("calibrate", Calibrate, bag=self.bag, model="nosuchmodel").message)
+        self.assertIn("is neither a file", service("calibrate", Calibrate, bag=self.bag, model="nosuchmodel").message)
         self.assertIn("annealing", service("calibrate", Calibrate, bag=self.bag, method="annealing").message)
         self.assertIn("nosuchid", service("compare", Compare, bag=self.bag, calibration="nosuchid").message)
         self.assertIn("nosuchid", service("promote", Promote, calibration_id="nosuchid").message)
@@ -229,7 +263,9 @@ class Faults(unittest.TestCase):
         # Without cancel first: the stages there are.
         seen = []
         watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: seen.append(m.stage), queue_size=None)
+        began = time.time()
         done = service("calibrate", Calibrate, bag=big, model=effects)
+        whole = time.time() - began
         self.assertTrue(done.calibration_id, done.message)
         watch.unregister()
         stages = [s for i, s in enumerate(seen) if s and s not in seen[:i]]
@@ -248,9 +284,9 @@ class Faults(unittest.TestCase):
                 refused += "'calibrate' is running since" in second.message and not second.success
                 service("cancel", Cancel)
             began = time.time()
-            call.join(20.0)
+            call.join(60.0)
             self.assertFalse(call.is_alive(), "cancel in stage '%s' was not heard" % stage)
-            self.assertLess(time.time() - began, 10.0)
+            self.assertLess(time.time() - began, max(5.0, whole), "as slow as without cancel, in stage '%s'" % stage)
             if stage in ("reading the bag", "genetic"):
                 self.assertFalse(answers[0].success, stage)
                 self.assertIn("cancelled", answers[0].message)

@@ -136,6 +136,23 @@ class Instrument(unittest.TestCase):
             time.sleep(0.05)
             self.assertIn(words, self.measure.get_goal_status_text())
 
+    def test_7_the_axis_driver_dies_in_the_middle(self):
+        told = []
+        self.measure.send_goal(MeasureGoal(plan=PLAN), feedback_cb=told.append)
+        self.assertTrue(support.wait_until(lambda: any(f.contacts >= 1 for f in told), 30))
+        support.kill("/axis_driver")
+        self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.ABORTED, 20))
+        time.sleep(0.05)
+        self.assertRegex(self.measure.get_goal_status_text(), "the axis driver has gone|not homed")
+        # roslaunch starts it again; nothing moves before it is homed.
+        def homed():
+            try:
+                return self.call("axis_driver/home").success
+            except rospy.ServiceException:
+                return False  # still the one that died
+
+        self.assertTrue(support.wait_until(homed, 20))
+
 
 if __name__ == "__main__":
     rospy.init_node("instrument_test")

@@ -2,11 +2,14 @@
 import json
 import os
 import shutil
+import socket
 import subprocess
 import tempfile
 import threading
 import time
+import xmlrpc.client
 
+import rosgraph
 import roslib.packages
 import rospy
 from measuring_machine.msg import CompensationStatus
@@ -133,6 +136,18 @@ class Joints:
         message.header.stamp = self.stamp
         self.publisher.publish(message)
         return self.stamp.to_nsec()
+
+
+def kill(name):
+    """Ends one node of this test's master, as a crash would."""
+    answer = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(name)).getPid("/test")
+    os.kill(answer[2], 9)
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(("", 0))
+        return s.getsockname()[1]
 
 
 def remove(path):
