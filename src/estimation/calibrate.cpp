@@ -82,7 +82,8 @@ class Fitter {
       fit(fixed);
     }
     if (options_.rejectOutliers && !cancelled) {
-      const Eigen::VectorXd back = reinstated(problem_, x, residuals, problem_.sigmas(noise.linear, noise.angular), weight, fixed);
+      const Eigen::VectorXd back =
+          reinstated(problem_, x, residuals, problem_.sigmas(noise.linear, noise.angular), weight, fixed);
       if (back != weight) {
         weight = back;
         fit(fixed);
@@ -281,7 +282,8 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   if (!options.holdEffects && !result.cancelled && hasNonlinearParameters(problem)) {
     for (std::size_t i = 0, given = starts.size(); i < given; ++i) {
       Eigen::VectorXd solved = starts[i];
-      if (linearStart(problem, solved, result.identifiability.fixed, inverseOf(sigma0, weight0))) starts.push_back(solved);
+      if (linearStart(problem, solved, result.identifiability.fixed, inverseOf(sigma0, weight0)))
+        starts.push_back(solved);
     }
     x = bestPolished(problem, starts, result.identifiability.fixed, sigma0, weight0);
   }

@@ -11,7 +11,8 @@ namespace {
 /// A word of a shell's line: quoted where it must be.
 std::string quoted(const std::string& word) {
   constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+-=@%,";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos && word.front() != '-') return word;
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos && word.front() != '-')
+    return word;
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return text + "'";

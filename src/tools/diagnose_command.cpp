@@ -40,7 +40,8 @@ void runDiagnose(const DiagnoseCommand& c) {
   if (!c.moves.empty()) {
     const std::string plan = movesYaml(*diagnosis, session);
     if (!plan.empty()) writeFileAtomically(c.moves, plan);
-    std::cerr << (plan.empty() ? "no moves are proposed: " + c.moves + " is not written\n" : "moves written to " + c.moves + "\n");
+    std::cerr << (plan.empty() ? "no moves are proposed: " + c.moves + " is not written\n"
+                               : "moves written to " + c.moves + "\n");
   }
   if (c.json)
     std::cout << diagnoseJson(*diagnosis) << '\n';
@@ -56,7 +57,8 @@ void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("bag", c->bag, "the session")->required();
   command->add_option("--calibration", c->calibration, "the calibration file")->required();
   command->add_flag("--json", c->json, "the result as JSON on standard output");
-  command->add_option("--moves", c->moves, "writes the proposed moves as a plan for mm simulate and the node measure");
+  command->add_option("--moves", c->moves,
+                      "writes the proposed moves as a plan for mm simulate and the node measure");
   c->fit.declare(*command, true);
   command->footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");
   command->callback([c] { runDiagnose(*c); });
