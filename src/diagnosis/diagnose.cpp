@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kConfusable = 3.0;  // difference of penalised log-likelihoods
 constexpr std::size_t kMostConfusable = 4;
+constexpr int kFewestFreedoms = 5;      // residuals beyond the unknowns
 constexpr double kStructure = 1e-4;     // p-value below which structure is left
 constexpr double kFormulaMargin = 5.0;  // log-likelihood by which a formula must beat the catalogue
 
@@ -62,6 +63,10 @@ class Diagnoser {
     out_.base = calibrate(session_, model_, fit, start);
     out_.base.problem->linearise(out_.base.x);
     out_.angular = !std::isfinite(out_.base.figures.rms);
+    if (out_.base.figures.degreesOfFreedom < kFewestFreedoms)
+      throw NumericalError(std::to_string(out_.base.problem->rowCount()) + " residuals leave " +
+                           std::to_string(out_.base.figures.degreesOfFreedom) +
+                           " degrees of freedom, too few to tell a missing effect from noise; measure more");
 
     // outliers may have been structure, and structure may have hidden outliers: look again with what was
     // found in
