@@ -14,6 +14,8 @@ namespace {
 
 const ros::WallDuration kShortWait(0.02);  // s between looks at pause and cancel
 
+const char* const kDriverGone = "the axis driver has gone; home again, then go on from this move";
+
 }  // namespace
 
 MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
@@ -180,12 +182,12 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
       waitForArrival(2.0);
       throw Cancelled("cancelled");
     }
-    if (!axes_.isServerConnected())
-      throw Error("the axis driver has gone; home again, then go on from this move");
+    if (!axes_.isServerConnected()) throw Error(kDriverGone);
   }
   if (server_.isPreemptRequested()) throw Cancelled("cancelled");
   const actionlib::SimpleClientGoalState state = axes_.getState();
   if (state == actionlib::SimpleClientGoalState::SUCCEEDED) return axes_.getResult()->tripped;
+  if (state == actionlib::SimpleClientGoalState::LOST || !axes_.isServerConnected()) throw Error(kDriverGone);
   throw Error("axes: " + state.getText());
 }
 
