@@ -103,8 +103,10 @@ void BagReader::read(const std::function<void(const BagMessage&)>& take, const P
 /// Reads the next record; `whole` is false when its data ends with the file. False: no record is here.
 bool BagReader::readRecord(Fields& fields, std::vector<std::uint8_t>& data, bool& whole) {
   const auto readBytes = [&](std::uint32_t count) {
-    data.resize(count);
-    in_.read(reinterpret_cast<char*>(data.data()), count);
+    // a damaged length must not ask for more memory than the file can fill
+    const auto at = static_cast<std::uint64_t>(in_.tellg());
+    data.resize(std::min<std::uint64_t>(count, size_ > at ? size_ - at : 0));
+    in_.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(data.size()));
     const auto got = static_cast<std::size_t>(in_.gcount());
     data.resize(got);
     return got == count;

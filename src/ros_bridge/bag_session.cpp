@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <new>
+#include <stdexcept>
 
 #include "machine/error.h"
 #include "ros_bridge/bag_reader.h"
@@ -34,6 +36,12 @@ Message decode(const BagMessage& raw, const std::string& source) {
   try {
     ros::serialization::deserialize(stream, message);
   } catch (const ros::serialization::StreamOverrunException&) {
+    throw InputError(source + ": topic " + c.topic +
+                     " holds a message that is shorter than its type; the bag is damaged");
+  } catch (const std::bad_alloc&) {  // a damaged length asks for more than there is
+    throw InputError(source + ": topic " + c.topic +
+                     " holds a message that is shorter than its type; the bag is damaged");
+  } catch (const std::length_error&) {
     throw InputError(source + ": topic " + c.topic +
                      " holds a message that is shorter than its type; the bag is damaged");
   }
