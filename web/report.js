@@ -7,6 +7,7 @@ const kVerdicts = {
 const kNoise = { declared: "declared", repeated: "from repeated measurements", estimated: "estimated from the residuals" };
 const main = document.getElementById("report");
 const contents = el("ul", {});
+const short = (value) => minus(String(Number(value.toPrecision(4))));
 const fileName = (path) => path.split("/").pop();
 
 function section(id, title, ...children) {
@@ -25,7 +26,7 @@ function commandLine(command) {
     else select();
   });
   const code = el("code", {}, command);
-  return [el("p", { class: "lead" }, diagnosis.missing.length + diagnosis.formulas.length > 1 ? "Type next (it adds the first; then diagnose again):" : "Type next:"), el("div", { class: "command" }, code, button)];
+  return [el("p", { class: "lead" }, diagnosis.missing.length + Math.min(1, diagnosis.formulas.length) > 1 ? "Type next (it adds the first; then diagnose again):" : "Type next:"), el("div", { class: "command" }, code, button)];
 }
 
 function header() {
@@ -73,7 +74,8 @@ function missing() {
       entry("As likely", m.confusable_with.length ? m.confusable_with.map((c) => spoken(c.effect) + (c.delta < 0.05 ? " (exactly as likely)" : " (log-likelihood lower by " + num(c.delta, 2) + ")")).join("; ") : ""),
       entry("Cause", m.cause), entry("Remedy", m.remedy)))),
     diagnosis.formulas.map((f, i) => el("div", { class: "card" }, el("h3", {}, (i ? "Or the formula along " : "Formula along ") + f.direction), el("p", {}, el("code", {}, f.formula)),
-      el("dl", {}, entry("Held-out RMS", arrow(f["held_out_rms" + kSuffix])),
+      el("dl", {}, entry("Values", i === 0 ? data.added.filter((a) => a.effect.type === "formula").flatMap((a) => a.values.map((v) => v.name + " = " + plusMinus(v.value, v.std, v.unit))).join(", ") : ""),
+        entry("Held-out RMS", arrow(f["held_out_rms" + kSuffix])),
         entry("Units", "linear joints in mm, rotary in rad, t in s, speeds in mm/s, temperatures in °C; the value in µm (arcsec along a rotary joint)")))));
 }
 
@@ -144,11 +146,11 @@ function parameters() {
   const rows = data.parameters.flatMap((e) => e.values.map((v) => [spoken(e.effect), v.name, v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
   section("parameters", "Parameters", rows.length ? longTable("As in the calibration file, ± one standard uncertainty", [["Effect"], ["Parameter"], ["Value", "n"]], rows, 40) : lead("The model has no effects: the machine as its scales read."),
     data.identifiability ? el("p", {}, data.identifiability.rank + " of " + data.identifiability.parameters + " parameters are determined by this session.") : null,
-    lost.length ? [el("h3", {}, "Directions that this session does not determine"), el("ul", {}, lost.map((l) => el("li", {}, l.in_words + " Held: " + l.fixed_by + (l.by_convention ? ", by convention" : "") + ". " + (l.would_show || ""))))] : null);
+    lost.length ? [el("h3", {}, "Directions that this session does not determine"), el("ul", {}, lost.map((l) => el("li", {}, l.in_words.replace(/\.$/, "") + ". Held: " + l.fixed_by + (l.by_convention ? ", by convention" : "") + (l.would_show ? "; " + l.would_show : "") + ".")))] : null);
 }
 
 function pointSet() {
-  const p = data.point_set, range = (a, b, unit) => (known(a) ? (a === b ? num(a, 4) : num(a, 4) + " … " + num(b, 4)) + " " + unitText(unit) : "–");
+  const p = data.point_set, range = (a, b, unit) => (known(a) ? (a === b ? short(a) : short(a) + " … " + short(b)) + " " + unitText(unit) : "–");
   section("points", "The point set", lead(p.contacts + " contacts and " + p.references + " references in " + (p.duration_s > 300 ? num(p.duration_s / 60) + " min" : num(p.duration_s) + " s") + "."),
     p.features.length ? longTable("Balls and points", [["Name"], ["contacts", "n"], ["cone of approach, ± °", "n"], ["centre alone, × noise", "n"]], p.features.map((f) => [f.name, String(f.contacts), num(f.cone_half_angle_deg),
       f.kind !== "ball" ? "–" : known(f.centre_std_per_noise) ? num(f.centre_std_per_noise, 2) : "not determined"]), 20) : null,
@@ -163,7 +165,7 @@ function pointSet() {
 
 function outliers() {
   if (!data.outliers.length) return;
-  section("outliers", "Outliers, left aside", longTable(data.outliers.length + " measurements that stand apart from their neighbours", [["Row", "n"], ["feature"], ["time, s", "n"], ["residual", "n"], ["× noise", "n"]],
+  section("outliers", "Outliers, left aside", longTable(data.outliers.length + (data.outliers.length === 1 ? " measurement that stands apart from its" : " measurements that stand apart from their") + " neighbours", [["Row", "n"], ["feature"], ["time, s", "n"], ["residual", "n"], ["× noise", "n"]],
     data.outliers.map((o) => [String(o.row), o.feature || "–", num(o.time_s, 5), withUnit(num(o.residual), o.unit), num(o.sigmas, 2)]), 12));
 }
 
@@ -188,7 +190,7 @@ function nextMeasurement() {
   if (!moves.length) return;
   const keys = [...new Set(moves.flatMap((m) => Object.keys(m)))];
   const head = (k) => k.replace(/_(mm|deg|um|s|degC|mm_s|deg_s)$/, (x, unit) => ", " + unitText(unit.replace("_s", "/s"))).replace(/_/g, " ");
-  const text = (v) => (Array.isArray(v) ? "(" + v.map((a) => num(a, 2)).join(", ") + ")" : typeof v === "number" ? num(v, 4) : v === undefined || v === null ? "–" :
+  const text = (v) => (Array.isArray(v) ? "(" + v.map((a) => num(a, 2)).join(", ") + ")" : typeof v === "number" ? short(v) : v === undefined || v === null ? "–" :
     typeof v === "object" ? Object.entries(v).map(([joint, side]) => (side > 0 ? "+" : "−") + joint).join(", ") : v);
   section("next", "Next measurement", lead(moves.length + " targets that best separate what these data cannot tell apart, most useful first."),
     longTable("Targets", [["#", "n"], ...keys.map((k) => [head(k), "n"])], moves.map((m, i) => [String(i + 1), ...keys.map((k) => text(m[k]))]), 12),

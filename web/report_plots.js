@@ -26,7 +26,7 @@ function figure({ name, label, caption, make, kind, modeBar, height }) {
     const [traces, layout] = make(c);
     const axis = { gridcolor: c.line, zerolinecolor: c.line, linecolor: c.line, automargin: true };
     const base = { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: c.ink, size: 12, family: getComputedStyle(document.body).fontFamily },
-      margin: { l: 52, r: 12, t: 8, b: 40 }, showlegend: false, hoverlabel: { font: { size: 12 } } };
+      margin: { l: 52, r: 12, t: 8, b: 40 }, showlegend: false, modebar: { bgcolor: "rgba(0,0,0,0)", color: c.soft, activecolor: c.accent }, hoverlabel: { font: { size: 12 } } };
     const full = Object.assign(base, layout);
     for (const key of Object.keys(full)) if (/^[xy]axis/.test(key)) full[key] = Object.assign({}, axis, full[key]);
     return Plotly.react(plot, traces, full, { displaylogo: false, displayModeBar: !!modeBar });

@@ -232,6 +232,28 @@ Json parametersJson(const Calibration& c) {
   return out;
 }
 
+/// What was added, with the values of the full refit.
+Json addedJson(const ReportContents& r) {
+  Json out = Json::array();
+  if (!r.improved) return out;
+  const Model& model = r.improved->problem->model();
+  for (std::size_t e = r.calibration.effects.size(); e < model.effects().size(); ++e) {
+    Json one;
+    one["effect"] = effectJson(model.effects()[e]->spec());
+    one["values"] = Json::array();
+    for (int k = 0; k < model.effects()[e]->parameterCount(); ++k) {
+      const int i = model.offset(static_cast<int>(e)) + k;
+      const Parameter& p = model.parameter(i);
+      one["values"].push_back(Json{{"name", p.name},
+                                   {"value", number(r.improved->x[i] * p.toUnit)},
+                                   {"std", number(r.improved->std(i) * std::abs(p.toUnit))},
+                                   {"unit", p.unit}});
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
 Json outliersWithNames(const CalibrationResult& r) {
   Json out = Json::array();
   for (const Outlier& o : r.outliers) {
@@ -295,6 +317,7 @@ std::string reportJson(const ReportContents& r) {
   out["positioning"] = positioningJson(r.positioning);
   out["ledger"] = ledgerJson(c.ledger, angular);
   out["parameters"] = parametersJson(c);
+  out["added"] = addedJson(r);
   out["identifiability"] =
       fitted ? identifiabilityJson(*d.base.problem, d.base.identifiability, d.base.x) : Json(nullptr);
   out["point_set"] = Json::parse(pointSetJson(r.pointSet));

@@ -187,14 +187,29 @@ VariableView viewOf(const Variable& variable, const Directions& directions, cons
   view.direction = directions.names[static_cast<std::size_t>(direction)];
   addPoints(view, rows, raw, directions.factors.col(direction));
   if (!view.category) return view;
-  for (VariableBin& bin : view.bins) {  // a category's levels are numbered from 0
+  const bool travel = variable.name != "ball";
+  const auto unknown = [&](double level) {
+    return travel ? std::abs(level) != 1.0 : level != std::floor(level);
+  };
+  std::vector<VariableBin> known;
+  std::vector<double> levels;
+  for (const VariableBin& bin : view.bins) {  // a category's levels are numbered from 0
+    if (unknown(bin.at)) continue;            // rows whose level is not known
+    levels.push_back(bin.at);
     view.labels.push_back(labelOf(variable, bin.at, problem));
-    const double level = bin.at;
-    bin.at = static_cast<double>(view.labels.size()) - 1.0;
-    for (double& x : view.x)
-      if (x == level) x = bin.at + 1e6;
+    known.push_back(bin);
+    known.back().at = static_cast<double>(levels.size()) - 1.0;
   }
-  for (double& x : view.x) x -= 1e6;
+  view.bins = std::move(known);
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < view.x.size(); ++i) {
+    const auto level = std::find(levels.begin(), levels.end(), view.x[i]);
+    if (level == levels.end()) continue;
+    x.push_back(static_cast<double>(level - levels.begin()));
+    y.push_back(view.y[i]);
+  }
+  view.x = std::move(x);
+  view.y = std::move(y);
   return view;
 }
 

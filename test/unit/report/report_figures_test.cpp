@@ -46,6 +46,15 @@ TEST(ReportVariables, AStepByTravelIsSeenWithItsSignSizeAndError) {
   for (const VariableBin& bin : position.bins) EXPECT_NEAR(bin.mean, 0.0, 0.15);
 }
 
+TEST(ReportVariables, AnUnknownDirectionOfTravelIsNoLevel) {
+  Session session = test::interferometerSession(2e-6, 0.1e-6);
+  session.observations[0].velocity[0] = kNotMeasured;
+  session.observations[0].travel.clear();
+  session.prepare();
+  const auto views = residualsByVariable(fitOf(session), nullptr, {});
+  EXPECT_EQ(view(views, "x travel direction").labels.size(), 2u);
+}
+
 TEST(ReportVariables, TheImprovedFitIsShownBesideIt) {
   const Session session = test::interferometerSession(2e-6, 0.1e-6);
   const CalibrationResult fit = fitOf(session),

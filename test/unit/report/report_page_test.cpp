@@ -63,6 +63,9 @@ TEST_F(ReportPage, SaysWhatTheDiagnosisSaysAndWhatToTypeNext) {
   EXPECT_NEAR(data["figures"][0]["rms_um"].get<double>(), 2.0, 0.1);
   EXPECT_NEAR(data["figures"][3]["rms_um"].get<double>(), 0.1, 0.03);
   EXPECT_EQ(data["positioning"][0]["axis"], "x");
+  ASSERT_EQ(data["added"].size(), 1u);  // backlash: -gap / 2 going forward
+  EXPECT_NEAR(data["added"][0]["values"][0]["value"].get<double>(), -4.0, 0.1);
+  EXPECT_EQ(data["added"][0]["values"][0]["unit"], "um");
   EXPECT_TRUE(data["vectors"].is_null());
   const std::string page = reportPage(report, loadReportFiles(plotly_));
   EXPECT_NE(page.find("mm add &#39;my session.bag&#39;"), std::string::npos);
