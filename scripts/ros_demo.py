@@ -12,7 +12,7 @@ import threading
 import actionlib
 import rospy
 from geometry_msgs.msg import PointStamped
-from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ReferenceMeasurement
+from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact, ReferenceMeasurement
 from measuring_machine.srv import Calibrate, Promote
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
@@ -21,10 +21,58 @@ TOPICS = (
     "/(joint_states|reference|artifact|robot_description|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
 )
 CLEAR = 0.0078  # m, z above every ball and within the calibrated volume
-# Fresh points, m: none of them is a point of the plan; the low ones lie between the balls.
+# Fresh points of the touching machine, m: none of them is a point of the plan; the low ones lie between the balls.
 CHECKS = [(x, y, CLEAR) for x in (-0.015, 0.002, 0.014) for y in (-0.009, 0.011, 0.027)]
 CHECKS += [(x, y, z) for x, y in ((0.0, -0.009), (0.001, 0.027), (-0.013, 0.010), (0.012, 0.009)) for z in (0.0, -0.006)]
-FRAMES = ("probe_tip", "probe_tip_corrected")
+LASER_CHECKS = 12  # postures half-way between two of the plan: a laser meets nothing on its way
+
+
+def rotated(q, v):
+    """v turned by the unit quaternion (x, y, z, w)."""
+    x, y, z, w = q
+    t = (2.0 * (y * v[2] - z * v[1]), 2.0 * (z * v[0] - x * v[2]), 2.0 * (x * v[1] - y * v[0]))
+    return (v[0] + w * t[0] + y * t[2] - z * t[1], v[1] + w * t[1] + z * t[0] - x * t[2], v[2] + w * t[2] + x * t[1] - y * t[0])
+
+
+class FrameTree:
+    """Positions of frames in `workpiece`, from the transforms of one stamp and the fixed ones."""
+
+    def __init__(self):
+        self.fixed, self.moving = {}, {}
+
+    def take(self, message, fixed=False):
+        for t in message.transforms:
+            v, q = t.transform.translation, t.transform.rotation
+            link = (t.header.frame_id, (v.x, v.y, v.z), (q.x, q.y, q.z, q.w))
+            if fixed:
+                self.fixed[t.child_frame_id] = link
+            else:
+                self.moving.setdefault(t.header.stamp, {})[t.child_frame_id] = link
+
+    def root_of(self, frame, links):
+        """(root frame, position of the frame's origin in it, way down to it)"""
+        way = []
+        while frame in links:
+            way.append(links[frame])
+            frame = links[frame][0]
+        point = (0.0, 0.0, 0.0)
+        for _, shift, turn in way:
+            point = tuple(a + b for a, b in zip(rotated(turn, point), shift))
+        return frame, point, way
+
+    def position(self, frame, stamp):
+        """m, in workpiece; None when the stamp lacks a link."""
+        links = {**self.fixed, **self.moving.get(stamp, {})}
+        if frame not in links:
+            return None
+        root, point, _ = self.root_of(frame, links)
+        base, _, way = self.root_of("workpiece", links)
+        if root != base:
+            return None
+        for _, shift, turn in reversed(way):  # from the root up to workpiece
+            back = (-turn[0], -turn[1], -turn[2], turn[3])
+            point = rotated(back, tuple(a - b for a, b in zip(point, shift)))
+        return point
 
 
 def without_seconds(text):
@@ -37,9 +85,11 @@ class Demo:
     def __init__(self, folder, plan, model):
         self.folder, self.plan, self.model = folder, plan, model
         self.lock = threading.Lock()
-        self.truth, self.frames = {}, {frame: {} for frame in FRAMES}
+        self.truth, self.frames, self.contacts = {}, FrameTree(), []
         rospy.Subscriber("axis_driver/truth", PointStamped, self.take_truth, queue_size=1000)
         rospy.Subscriber("/tf", TFMessage, self.take_frames, queue_size=1000)
+        rospy.Subscriber("/tf_static", TFMessage, lambda m: self.frames.take(m, True), queue_size=100)
+        rospy.Subscriber("probe/contact", ProbeContact, self.contacts.append, queue_size=1000)
         self.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         self.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
 
@@ -49,31 +99,34 @@ class Demo:
 
     def take_frames(self, message):
         with self.lock:
-            slides = {}
-            for t in message.transforms:
-                v = t.transform.translation
-                if t.child_frame_id in FRAMES:
-                    self.frames[t.child_frame_id][t.header.stamp] = (v.x, v.y, v.z)
-                elif t.child_frame_id in ("x_slide", "y_slide", "z_slide"):
-                    slides[t.child_frame_id] = (v.x, v.y, v.z)
-            if len(slides) == 3:  # the nominal tip of three_axis sits on its last slide
-                total = tuple(sum(values) for values in zip(*slides.values()))
-                self.frames["probe_tip"][message.transforms[0].header.stamp] = total
+            self.frames.take(message)
+            while len(self.frames.moving) > 500:
+                del self.frames.moving[next(iter(self.frames.moving))]
+
+    def ways(self):
+        """The fresh points as moves: lists of (joints, positions)."""
+        if all(math.isnan(c.laser_reading) for c in self.contacts):
+            return [[(["z"], [CLEAR]), (["x", "y"], p[:2]), (["z"], p[2:])] for p in CHECKS]
+        step = max(1, len(self.contacts) // LASER_CHECKS)
+        pairs = [(self.contacts[i], self.contacts[(i + 2 * step + 7) % len(self.contacts)])
+                 for i in range(0, len(self.contacts), step)]
+        return [[(list(a.name), [0.5 * (p + q) for p, q in zip(a.position, b.position)])] for a, b in pairs]
 
     def errors_at_checks(self, frame):
         """RMS and largest distance between a frame and the true tip, um, over the fresh points."""
         errors = []
-        for point in CHECKS:
-            for names, position in ((["z"], [CLEAR]), (["x", "y"], point[:2]), (["z"], point[2:])):
+        for way in self.ways():
+            for names, position in way:
                 self.go(names, position)
             with self.lock:
                 self.truth.clear()
-                self.frames[frame].clear()
+                self.frames.moving.clear()
             errors.append(self.error_now(frame))
+        self.checks = len(errors)
         return math.sqrt(sum(e * e for e in errors) / len(errors)), max(errors)
 
     def go(self, names, position):
-        goal = MoveGoal(kind=MoveGoal.GO, name=names, position=list(position), linear_speed=0.02)
+        goal = MoveGoal(kind=MoveGoal.GO, name=names, position=list(position), linear_speed=0.02, rotary_speed=0.35)
         self.axes.send_goal(goal)
         self.axes.wait_for_result()
         rospy.rostime.wallsleep(0.02)  # its last status may still be on the way
@@ -83,10 +136,13 @@ class Demo:
     def error_now(self, frame):
         for _ in range(500):
             with self.lock:
-                both = sorted(set(self.truth) & set(self.frames[frame]))
+                both = []
+                for stamp in sorted(self.truth):
+                    position = self.frames.position(frame, stamp)
+                    if position:
+                        both.append(1e6 * math.dist(self.truth[stamp], position))
                 if len(both) >= 3:
-                    stamp = both[-1]
-                    return 1e6 * math.dist(self.truth[stamp], self.frames[frame][stamp])
+                    return both[-1]
             rospy.rostime.wallsleep(0.02)
         raise RuntimeError("no frame '%s' arrives with the stamps of the joint states" % frame)
 
@@ -134,10 +190,11 @@ class Demo:
         promoted = rospy.ServiceProxy("calibration_server/promote", Promote)()
         print("promote: %s" % promoted.message, flush=True)
         after = self.errors_at_checks("probe_tip_corrected")
-        print("error of the frame against the simulated truth at %d fresh points:" % len(CHECKS))
+        print("error of the frame against the simulated truth at %d fresh points:" % self.checks)
         print("  before (probe_tip)            RMS %7.2f um, largest %7.2f um" % before)
         print("  after  (probe_tip_corrected)  RMS %7.2f um, largest %7.2f um" % after, flush=True)
-        return 0 if after[0] < before[0] else 1
+        if not after[0] < before[0]:
+            raise RuntimeError("the corrected frame is no better than the nominal one")
 
     @staticmethod
     def tell(feedback):
@@ -145,11 +202,24 @@ class Demo:
             print("move %d of %d, %d contacts" % (feedback.move, feedback.moves, feedback.contacts), flush=True)
 
 
-if __name__ == "__main__":
+def main():
+    """roslaunch itself always ends with 0, so the last line and the file `result` in the folder say how it went."""
     rospy.init_node("demo")
+    arguments = rospy.myargv()[1:]
+    result = os.path.join(arguments[0], "result")
     try:
-        status = Demo(*rospy.myargv()[1:]).run()
-    except (RuntimeError, rospy.ROSException) as error:
-        print("demo: %s" % error, file=sys.stderr)
-        status = 1
-    sys.exit(status)
+        if os.path.exists(result):
+            os.remove(result)
+        Demo(*arguments).run()
+        said, status = "passed", 0
+    except (RuntimeError, rospy.ROSException, rospy.ServiceException, OSError) as error:
+        said, status = "FAILED: %s" % " ".join(str(error).split()), 1
+    print("demo: " + said, file=sys.stderr if status else sys.stdout, flush=True)
+    os.makedirs(arguments[0], exist_ok=True)
+    with open(result, "w") as out:
+        out.write(said + "\n")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

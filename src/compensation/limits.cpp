@@ -150,6 +150,21 @@ bool CalibratedLimits::lost(const State& state) const {
   return false;
 }
 
+/// The joints of which the model needs the direction of travel, but nobody knows it, and what to do.
+std::string CalibratedLimits::withoutTravel(const State& state) const {
+  std::string names;
+  bool silent = false;  // without a velocity no motion will ever tell
+  for (std::size_t j = 0; j < readings_.size(); ++j) {
+    if (!usesTravel_[j] || std::abs(state.travel[j]) > 0.0) continue;
+    names += (names.empty() ? "" : ", ") + readings_[j].name;
+    silent |= !std::isfinite(state.velocity[j]);
+  }
+  if (names.empty()) return {};
+  return "direction of travel of " + names + " is not known (the model has an error that depends on it); " +
+         (silent ? "its velocity must be told with its reading"
+                 : "move " + names + ", either way, by more than its play");
+}
+
 std::string CalibratedLimits::missing(const State& state) const {
   for (std::size_t j = 0; j < readings_.size(); ++j)
     if (!std::isfinite(state.position[j])) return "reading of joint " + readings_[j].name + " is not known";
@@ -159,12 +174,10 @@ std::string CalibratedLimits::missing(const State& state) const {
   for (std::size_t c = 0; c < covariates_.size(); ++c)
     if (covariates_[c].used && !std::isfinite(state.covariate[c]))
       return "covariate " + covariates_[c].name + " is not known";
-  for (std::size_t j = 0; j < readings_.size(); ++j) {
-    if (usesTravel_[j] && !(std::abs(state.travel[j]) > 0.0))
-      return "direction of travel of " + readings_[j].name + " is not known";
+  if (const std::string unmoved = withoutTravel(state); !unmoved.empty()) return unmoved;
+  for (std::size_t j = 0; j < readings_.size(); ++j)
     if (usesVelocity_[j] && !std::isfinite(state.velocity[j]))
       return "velocity of " + readings_[j].name + " is not known";
-  }
   if (usesTime_ && !std::isfinite(state.time)) return "time is not known";
   if (usesApproach_ && !(state.approach.squaredNorm() > 0.0)) return "direction of approach is not known";
   if (usesHistory_ && state.history == nullptr) return "history of the temperatures is not known";

@@ -31,6 +31,7 @@ class CalibratedLimits {
     double lower = 0.0, upper = 0.0;  // margin included
     bool used = false;
   };
+  std::string withoutTravel(const State& state) const;
   void findUsed(const Model& model, const double* parameters);
 
   std::vector<Joint> joints_;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "effects/registry.h"
+#include "machine/cancel_scope.h"
 #include "machine/error.h"
 
 namespace mm {
@@ -112,6 +113,7 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
     std::vector<Eigen::MatrixXd> columns;
   };
   std::vector<Made> made(set.candidates.size());
+  const CancelScope* scope = CancelScope::current();
   const auto work = [&](std::size_t begin, std::size_t stride) {
     for (std::size_t i = begin; i < set.candidates.size(); i += stride) {
       Candidate& c = set.candidates[i];
@@ -126,6 +128,7 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
         if (joint >= 0) longest = 0.5 * (domain.upper[joint] - domain.lower[joint]);
       }
       for (const std::vector<double>& start : starts) {
+        if (scope != nullptr && scope->asked()) return;
         if (!start.empty() && start[0] > longest) continue;
         int missing = 0;
         const Eigen::MatrixXd raw = rawColumns(space, c, start, &missing);
@@ -159,6 +162,7 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
   std::thread second(work, 1, 2);
   work(0, 2);
   second.join();
+  CancelScope::check();
 
   int total = 0;
   for (const Made& m : made)

@@ -13,6 +13,7 @@
 #include "diagnosis/subset_search.h"
 #include "diagnosis/wording.h"
 #include "effects/registry.h"
+#include "machine/cancel_scope.h"
 #include "machine/error.h"
 #include "machine/units.h"
 
@@ -435,6 +436,7 @@ std::string nameOf(Verdict verdict) {
 Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options,
                    const Eigen::VectorXd& start) {
   Diagnosis out;
+  const CancelScope scope(options.cancelled);
   try {
     Diagnoser(session, model, options, out).run(start);
   } catch (const NumericalError& error) {

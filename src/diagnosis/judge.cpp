@@ -4,6 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "machine/cancel_scope.h"
+
 namespace mm {
 
 HeldOutJudge::HeldOutJudge(const ResidualSpace& space) : space_(space) {
@@ -31,6 +33,7 @@ HeldOutJudge::HeldOutJudge(const ResidualSpace& space) : space_(space) {
 }
 
 double HeldOutJudge::rms(const Eigen::MatrixXd& added) const {
+  CancelScope::check();
   const int k = static_cast<int>(added.cols());
   Eigen::VectorXd left = space_.target();
   if (k > 0) left -= added * (added.transpose() * left);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "machine/cancel_scope.h"
 #include "machine/units.h"
 
 namespace mm {
@@ -69,6 +70,7 @@ struct Test {
 /// F test of what the columns explain of `left` beyond the model and what was found.
 Test explain(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found,
              Eigen::MatrixXd columns) {
+  CancelScope::check();
   space.project(columns);
   if (found.cols() > 0) columns -= found * (found.transpose() * columns);
   for (int k = 0; k < columns.cols(); ++k) {

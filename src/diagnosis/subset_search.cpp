@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "machine/cancel_scope.h"
+
 namespace mm {
 namespace {
 
@@ -196,6 +198,7 @@ Subset SubsetSearch::empty() const {
 }
 
 Subset SubsetSearch::extend(const Subset& subset, const Chosen& chosen) const {
+  CancelScope::check();
   Subset s = subset;
   s.chosen.push_back(chosen);
   const Eigen::MatrixXd fresh = freshBasis(subset.basis, chosen.columns);
@@ -217,6 +220,7 @@ Subset SubsetSearch::without(const Subset& subset, std::size_t member) const {
 
 Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
                             Eigen::MatrixXd columns) const {
+  CancelScope::check();
   Gain g;
   g.candidate = candidate;
   g.nonlinear = nonlinear;

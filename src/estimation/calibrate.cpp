@@ -68,7 +68,7 @@ class Fitter {
   void run(Eigen::VectorXd start, const std::vector<char>& fixed) {
     x = std::move(start);
     fit(fixed);
-    if (options_.rejectOutliers) soften(fixed);
+    if (options_.rejectOutliers && !cancelled) soften(fixed);
     for (int round = 0; round < 8 && !cancelled; ++round) {
       const bool noiseMoved = estimateNoise(fixed);
       Eigen::VectorXd next = usableWeight(problem_);
@@ -272,7 +272,8 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
                          " residuals cannot determine " + std::to_string(free) +
                          " unknowns; measure more, or leave effects out of the model");
 
-  nonlinearStart(*result.problem, x, result.identifiability.fixed, inverseOf(sigma0, weight0));
+  nonlinearStart(*result.problem, x, result.identifiability.fixed, inverseOf(sigma0, weight0),
+                 options.cancelled);
   std::vector<Eigen::VectorXd> starts = {x};
   if (options.method != Method::kLeastSquares) {
     result.genetic = geneticStart(problem, x, result.identifiability.fixed, sigma0, weight0, options);
@@ -285,7 +286,7 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
       if (linearStart(problem, solved, result.identifiability.fixed, inverseOf(sigma0, weight0)))
         starts.push_back(solved);
     }
-    x = bestPolished(problem, starts, result.identifiability.fixed, sigma0, weight0);
+    x = bestPolished(problem, starts, result.identifiability.fixed, sigma0, weight0, options.cancelled);
   }
   Fitter fit(problem, options, noise);
   if (!options.rejectOutliers && options.weights.size() == problem.rowCount()) {
@@ -294,8 +295,8 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   } else {
     fit.run(x, result.identifiability.fixed);
   }
-  if (problem.model().parameterCount() > 0 &&
-      !options.holdEffects) {  // nonlinear parameters may turn out to be lost
+  if (problem.model().parameterCount() > 0 && !options.holdEffects &&
+      !fit.cancelled) {  // nonlinear parameters may turn out to be lost
     const Identifiability after = identify(problem, fit.x, inverseOf(fit.sigma, fit.weight), false);
     for (const LostDirection& l : after.lost)
       if (!result.identifiability.fixed[l.fixedUnknown] &&

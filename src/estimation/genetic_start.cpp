@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "estimation/genetic_sphere_fitness.h"
 #include "estimation/whitened.h"
@@ -14,11 +15,21 @@ namespace {
 class ResidualFitness final : public GeneticFitness {
  public:
   ResidualFitness(const Problem& problem, const Eigen::VectorXd& base, std::vector<int> genes,
-                  const Eigen::VectorXd& inverseSigma, double unit)
-      : problem_(problem), base_(base), genes_(std::move(genes)), inverseSigma_(inverseSigma), unit_(unit) {}
+                  const Eigen::VectorXd& inverseSigma, double unit, std::function<bool()> cancelled)
+      : problem_(problem),
+        base_(base),
+        genes_(std::move(genes)),
+        inverseSigma_(inverseSigma),
+        unit_(unit),
+        cancelled_(std::move(cancelled)) {}
   std::size_t dimension() const override { return genes_.size(); }
   void evaluate(const double* population, std::size_t count, double* costs) const override {
     for (std::size_t c = 0; c < count; ++c) {
+      // A generation may take many seconds; one that is cut short only leaves its rest behind the best.
+      if (cancelled_ && cancelled_()) {
+        costs[c] = std::numeric_limits<double>::infinity();
+        continue;
+      }
       Eigen::VectorXd x = base_;
       for (std::size_t g = 0; g < genes_.size(); ++g) x[genes_[g]] = population[c * genes_.size() + g];
       const Eigen::VectorXd r = problem_.residuals(x);
@@ -40,6 +51,7 @@ class ResidualFitness final : public GeneticFitness {
   std::vector<int> genes_;
   const Eigen::VectorXd& inverseSigma_;
   double unit_;
+  std::function<bool()> cancelled_;
 };
 
 bool allLinear(const Problem& problem) {
@@ -166,7 +178,7 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     }
     fitness = std::make_unique<SphereFitness>(contacts, balls, rows, genes.size());
   } else {
-    fitness = std::make_unique<ResidualFitness>(problem, x, genes, inverseSigma, unit);
+    fitness = std::make_unique<ResidualFitness>(problem, x, genes, inverseSigma, unit, options.cancelled);
   }
 
   GeneticControl control;
@@ -182,9 +194,19 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     settings.start.clear();
     return make(settings).run(*fitness, ranges, control);
   };
-  const GeneticResult found = options.method == Method::kNiching
-                                  ? run(options.niching, [](auto s) { return Niching(s); })
-                                  : run(options.stagedMutation, [](auto s) { return StagedMutation(s); });
+  const auto search = [&] {
+    return options.method == Method::kNiching
+               ? run(options.niching, [](auto s) { return Niching(s); })
+               : run(options.stagedMutation, [](auto s) { return StagedMutation(s); });
+  };
+  GeneticResult found;
+  try {
+    found = search();
+  } catch (const NumericalError&) {
+    if (!options.cancelled || !options.cancelled()) throw;
+    summary.stop = nameOf(GeneticStop::kCancelled);  // before the first generation: the start is the best
+    return summary;
+  }
   for (std::size_t g = 0; g < genes.size(); ++g) x[genes[g]] = found.best[g];
   summary.rms = found.rms();
   summary.curve = found.rmsCurve();

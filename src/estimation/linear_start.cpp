@@ -50,12 +50,15 @@ bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<c
 
 Eigen::VectorXd bestPolished(const Problem& problem, const std::vector<Eigen::VectorXd>& candidates,
                              const std::vector<char>& fixed, const Eigen::VectorXd& sigma,
-                             const Eigen::VectorXd& weight) {
+                             const Eigen::VectorXd& weight, const std::function<bool()>& cancelled) {
   const Eigen::VectorXd inverse = weight.cwiseSqrt().cwiseQuotient(sigma);
   Eigen::VectorXd best = candidates.front();
   double least = std::numeric_limits<double>::infinity();
+  PolishOptions polishing;
+  polishing.progress = [&](int, double) { return !(cancelled && cancelled()); };
   for (const Eigen::VectorXd& candidate : candidates) {
-    const Eigen::VectorXd x = polish(problem, candidate, fixed, sigma, weight, {}).x;
+    if (cancelled && cancelled()) break;
+    const Eigen::VectorXd x = polish(problem, candidate, fixed, sigma, weight, polishing).x;
     const double cost = costOf(problem, x, inverse);
     if (!(cost < (1.0 - 1e-9) * least)) continue;
     least = cost;

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "estimation/problem.h"
@@ -17,8 +18,9 @@ bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<c
                  const Eigen::VectorXd& inverseSigma);
 
 /// Each candidate polished; the one that ends with the smallest residual. Of equal ones the first.
+/// @param cancelled ends it with the best so far; may be empty.
 Eigen::VectorXd bestPolished(const Problem& problem, const std::vector<Eigen::VectorXd>& candidates,
                              const std::vector<char>& fixed, const Eigen::VectorXd& sigma,
-                             const Eigen::VectorXd& weight);
+                             const Eigen::VectorXd& weight, const std::function<bool()>& cancelled);
 
 }  // namespace mm

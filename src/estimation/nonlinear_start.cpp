@@ -9,7 +9,7 @@
 namespace mm {
 
 void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
-                    const Eigen::VectorXd& inverseSigma) {
+                    const Eigen::VectorXd& inverseSigma, const std::function<bool()>& cancelled) {
   const Model& model = problem.model();
   for (int e = 0; e < static_cast<int>(model.effects().size()); ++e) {
     const Effect& effect = *model.effects()[e];
@@ -41,6 +41,7 @@ void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char
     double best = -1.0;
     Eigen::VectorXd bestValues;
     for (const std::vector<double>& start : starts) {
+      if (cancelled && cancelled()) break;
       std::vector<double> p;
       for (const Parameter& one : effect.parameters()) p.push_back(one.start);
       for (std::size_t k = 0; k < nonlinear.size(); ++k) p[nonlinear[k]] = start[k];

@@ -31,6 +31,7 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
     if (joint < 0) throw InputError("the controller moves joint '" + axis + "', which the machine has not");
     joints_.push_back(machine_.joints()[joint]);
   }
+  travel_.assign(joints_.size(), 0);
   jointsOut_ = node.advertise<sensor_msgs::JointState>("joint_states", 1000);
   statusOut_ = own.advertise<measuring_machine::AxisStatus>("status", 100, true);
   latchOut_ = own.advertise<measuring_machine::ProbeLatch>("latch", 1000);
@@ -94,6 +95,9 @@ void AxisDriver::cycle(double elapsed) {
       const ros::Time stamp = clock_ ? clockStart_ + ros::Duration(state_.time) : ros::Time::now();
       if (state_.homed && !homed) homedAt_ = stamp;
       if (!state_.homed) homedAt_ = ros::Time();
+      for (std::size_t j = 0; j < travel_.size() && j < state_.velocity.size(); ++j)
+        if (state_.velocity[j] != 0.0 && !std::isnan(state_.velocity[j]))
+          travel_[j] = state_.velocity[j] > 0.0 ? 1 : -1;
       if (clock_) {
         rosgraph_msgs::Clock clock;
         clock.clock = stamp;
@@ -162,9 +166,12 @@ void AxisDriver::publishStatus(const AxesState& state, const ros::Time& stamp) {
   status.probe_closed = state.probeClosed;
   status.unsuccessful = unsuccessful_;
   status.fault = state.fault;
-  const std::string text = std::to_string(state.homed + 2 * state.moving + 4 * probing_ +
-                                          8 * state.emergencyStop + 16 * state.probeClosed) +
-                           " " + std::to_string(unsuccessful_) + " " + state.fault;
+  status.name = controller_->axes();
+  status.travel = travel_;
+  std::string text = std::to_string(state.homed + 2 * state.moving + 4 * probing_ + 8 * state.emergencyStop +
+                                    16 * state.probeClosed) +
+                     " " + std::to_string(unsuccessful_) + " " + state.fault;
+  for (const std::int8_t direction : travel_) text += " " + std::to_string(direction);
   if (text == shown_ && stamp < nextStatus_ && nextStatus_ - stamp < ros::Duration(2.0)) return;
   shown_ = text;
   nextStatus_ = stamp + ros::Duration(1.0);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "calibration_file/calibration_yaml.h"
+#include "machine/cancel_scope.h"
 #include "machine/error.h"
 #include "report/json.h"
 #include "report/text.h"
@@ -88,8 +89,8 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
     job_.step("collecting the live session", 0.0);
     return last_ = std::make_shared<const Session>(live_.session(fallback));
   }
-  Session session = readSessionBag(
-      bag, [this](double share) { job_.step("reading the bag", share); }, &fallback);
+  Session session = readSessionBag(bag, [this](double share) { job_.step("reading the bag", share); },
+                                   &fallback, {node_.getNamespace(), false});
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
   return last_ = std::make_shared<const Session>(std::move(session));
 }
@@ -175,6 +176,7 @@ bool CalibrationServer::compare(measuring_machine::Compare::Request& request,
       const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
       const CalibrationResult compared = compareCalibration(*session, calibration, options());
       job_.step("finding where it fails", 0.0);
+      const CancelScope scope([this] { return job_.cancelled(); });
       response.json = compareJson(compared, whereItFails(compared));
       residualsOut_.publish(residualMarkers(compared, residualScale_, prefix_ + "workpiece"));
       response.message = "compared with calibration " + calibration.id;

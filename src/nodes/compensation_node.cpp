@@ -61,7 +61,9 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
       "axis_driver/status", 10, [this](const measuring_machine::AxisStatusConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
         homedKnown_ = !message->homed_at.isZero();
+        notHomed_ = !message->homed;
         inputs_.setTimeZero(nanoseconds(message->homed_at));
+        inputs_.takeTravel(message->name, message->travel);
       });
   artifactIn_ = node.subscribe<measuring_machine::Artifact>(
       "artifact", 10, [this](const measuring_machine::ArtifactConstPtr& message) {
@@ -138,7 +140,9 @@ void CompensationNode::takeJoints(const sensor_msgs::JointStateConstPtr& message
   std::string reason;
   const bool ready = inputs_.takeJoints(nanoseconds(message->header.stamp), message->name, message->position,
                                         message->velocity, reason);
-  if (!ready) {
+  if (ready && notHomed_)
+    reason = "the axes are not homed, so their readings mean nothing; call axis_driver/home";
+  if (!reason.empty() || !ready) {
     if (!reason.empty()) {
       withhold(reason);
       candidate_.reason = reason;

@@ -64,9 +64,9 @@ class CompensationNode {
   Applied active_, candidate_;
   tf2_msgs::TFMessage frames_;
   measuring_machine::CompensationStatus status_;
-  std::string withheldSince_;  // the reason of a frame withheld since the last status
-  ros::WallTime heard_;        // the last joint state
-  bool homedKnown_ = false;
+  std::string withheldSince_;                   // the reason of a frame withheld since the last status
+  ros::WallTime heard_;                         // the last joint state
+  bool homedKnown_ = false, notHomed_ = false;  // as the axis driver says
   std::map<std::string, ros::Subscriber> temperaturesIn_, covariatesIn_;
 
   measuring_machine::CompensationStatus shown_;

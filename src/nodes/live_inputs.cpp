@@ -108,6 +108,13 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
   return true;
 }
 
+void LiveInputs::takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel) {
+  for (std::size_t i = 0; i < std::min(names.size(), travel.size()); ++i) {
+    const int j = indexOf(joints_, names[i]);
+    if (j >= 0 && travel_[j] == 0.0) travel_[j] = travel[i] > 0 ? 1.0 : (travel[i] < 0 ? -1.0 : 0.0);
+  }
+}
+
 void LiveInputs::take(Logged& logged, std::int64_t stamp, double value) {
   if (stamp < logged.stamp - kBlink) logged = Logged();
   if (stamp <= logged.stamp) return;

@@ -36,6 +36,9 @@ class LiveInputs {
   /// @param name of a sensor that is watched; others are left alone. @param value degC.
   void takeTemperature(const std::string& name, std::int64_t stamp, double value);
   void takeCovariate(const std::string& name, std::int64_t stamp, double value);
+  /// Directions of the last motions as the driver tells them, -1, 0 or 1: they count for a joint that has not
+  /// been seen to move, as when the driver homed before this began to listen.
+  void takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel);
   /// What `t = 0` is: the last homing, or the session's start. 0: not known.
   void setTimeZero(std::int64_t stamp) { zero_ = stamp; }
 

@@ -1,17 +1,14 @@
 #include "ros_bridge/bag_session.h"
 
-#include <ros/serialization.h>
+#include <sensor_msgs/JointState.h>
 #include <std_msgs/String.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <new>
-#include <stdexcept>
 
 #include "machine/error.h"
-#include "ros_bridge/bag_reader.h"
 #include "ros_bridge/bag_writer.h"
-#include "ros_bridge/session_collector.h"
+#include "ros_bridge/message_conversion.h"
 
 namespace mm {
 namespace {
@@ -20,57 +17,6 @@ const std::string kTemperature = "/temperature/";
 const std::string kCovariate = "/covariate/";
 
 bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
-
-/// One message of a bag as `Message`. @throw InputError when the topic holds another type.
-template <typename Message>
-Message decode(const BagMessage& raw, const std::string& source) {
-  namespace traits = ros::message_traits;
-  const BagConnection& c = *raw.connection;
-  if (c.md5 != traits::MD5Sum<Message>::value())
-    throw InputError(source + ": topic " + c.topic + " holds " + c.type +
-                     (c.type == traits::DataType<Message>::value()
-                          ? " of another version"
-                          : std::string(", but ") + traits::DataType<Message>::value() + " is needed"));
-  Message message;
-  ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);
-  try {
-    ros::serialization::deserialize(stream, message);
-  } catch (const ros::serialization::StreamOverrunException&) {
-    throw InputError(source + ": topic " + c.topic +
-                     " holds a message that is shorter than its type; the bag is damaged");
-  } catch (const std::bad_alloc&) {  // a damaged length asks for more than there is
-    throw InputError(source + ": topic " + c.topic +
-                     " holds a message that is shorter than its type; the bag is damaged");
-  } catch (const std::length_error&) {
-    throw InputError(source + ": topic " + c.topic +
-                     " holds a message that is shorter than its type; the bag is damaged");
-  }
-  return message;
-}
-
-void collect(const BagMessage& raw, const std::string& source, SessionCollector& session) {
-  const std::string& topic = raw.connection->topic;
-  if (topic == "/probe/contact")
-    session.addContact(decode<measuring_machine::ProbeContact>(raw, source));
-  else if (topic == "/reference")
-    session.addReference(decode<measuring_machine::ReferenceMeasurement>(raw, source));
-  else if (topic == "/joint_states")
-    session.addJointState(decode<sensor_msgs::JointState>(raw, source));
-  else if (startsWith(topic, kTemperature))
-    session.addTemperature(topic.substr(kTemperature.size()), decode<sensor_msgs::Temperature>(raw, source));
-  else if (startsWith(topic, kCovariate))
-    session.addCovariate(decode<measuring_machine::Covariate>(raw, source));
-  else if (topic == "/artifact")
-    session.addArtifact(decode<measuring_machine::Artifact>(raw, source));
-  else if (topic == "/robot_description")
-    session.addRobotDescription(decode<std_msgs::String>(raw, source).data);
-}
-
-std::string list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
-}
 
 /// The file under a temporary name; removed unless it was put in place.
 class TemporaryFile {
@@ -196,26 +142,6 @@ class SessionWriter {
 };
 
 }  // namespace
-
-Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress,
-                       const Machine* fallback) {
-  BagReader bag(file);
-  const std::string source = file.string();
-  SessionCollector collector(source);
-  bag.read([&](const BagMessage& message) { collect(message, source, collector); }, progress);
-  if (!collector.hasMachine() && fallback != nullptr) collector.setMachine(*fallback);
-  if (collector.observationCount() == 0) {
-    const std::string damage = bag.damage().empty() ? "" : " (" + bag.damage() + ")";
-    throw InputError(
-        source +
-        ": holds no measurement: /probe/contact and /reference are missing or empty; topics found: " +
-        list(bag.topics()) + damage);
-  }
-  Session session = collector.build();
-  if (!bag.damage().empty())
-    session.warning = bag.damage() + (session.warning.empty() ? "" : "; " + session.warning);
-  return session;
-}
 
 void writeSessionBag(const Session& session, const std::filesystem::path& file,
                      const ProgressCallback& progress, const std::vector<MotionSample>& motion) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "session/motion.h"
@@ -8,14 +9,23 @@
 
 namespace mm {
 
+/// Which of several machines in one bag: the namespace that its topics stand in ("" or "/": none).
+struct BagNamespace {
+  std::string name;
+  bool required = false;  // false: taken where it holds a session; else the only one there is
+};
+
 /// Reads a session from a bag: /probe/contact, /reference, /temperature/<sensor>, /covariate/<name>,
 /// /joint_states, /artifact and /robot_description; other topics are left alone. Contacts are sorted by their
 /// header's stamp; t = 0 is the stamp of /artifact (else the earliest of these topics; see SessionCollector).
 /// A truncated or unindexed bag is read up to the damage, and `Session::warning` says so. @param fallback the
 /// machine of a bag without /robot_description; may be null.
-/// @throw InputError when it is no bag, holds no session (names the topics found), or a message is wrong.
+/// All topics may stand in one namespace (/machine1/probe/contact); where several hold a session, `where`
+/// chooses.
+/// @throw InputError when it is no bag, holds no session (names the topics found), holds several and none is
+/// chosen, or a message is wrong.
 Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress = {},
-                       const Machine* fallback = nullptr);
+                       const Machine* fallback = nullptr, const BagNamespace& where = {});
 
 /// Writes a prepared session as a bag that gives the same session back to the bit (times to 1 ns). Written
 /// under a temporary name, then renamed: the final name never holds half a bag.

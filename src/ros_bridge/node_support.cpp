@@ -2,51 +2,19 @@
 
 #include <ros/console.h>
 #include <ros/init.h>
-#include <ros/master.h>
-#include <ros/this_node.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
-#include <thread>
 
 #include "calibration_file/calibration_store.h"
 #include "machine/nearest_name.h"
+#include "ros_bridge/master_watch.h"
 
 namespace mm {
 namespace {
 
 [[noreturn]] void wrongType(const ros::NodeHandle& node, const std::string& name, const std::string& needed) {
   throw InputError("parameter '" + node.resolveName(name) + "' is not " + needed);
-}
-
-/// Says, every half minute, that the master is gone or is another one: what is connected goes on, but
-/// nothing new can find this node.
-void watchMaster(const std::atomic<bool>& ending) {
-  using Clock = std::chrono::steady_clock;
-  int first = 0;
-  Clock::time_point nextWord{}, nextLook{};
-  while (!ending && !ros::isShuttingDown()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    const Clock::time_point now = Clock::now();
-    if (now < nextLook || !ros::isStarted()) continue;
-    nextLook = now + std::chrono::seconds(1);
-    XmlRpc::XmlRpcValue request, response, pid;
-    request[0] = ros::this_node::getName();
-    std::string trouble;
-    if (!ros::master::execute("getPid", request, response, pid, false))
-      trouble = "does not answer: what is connected goes on, nothing new can connect; start it again";
-    else if (first == 0)
-      first = static_cast<int>(pid);
-    else if (first != static_cast<int>(pid))
-      trouble =
-          "was restarted and does not know this node: what is connected goes on, nothing new can "
-          "connect; launch the nodes again";
-    if (trouble.empty() || now < nextWord) continue;
-    nextWord = now + std::chrono::seconds(30);
-    ROS_ERROR("the ROS master at %s %s", ros::master::getURI().c_str(), trouble.c_str());
-  }
 }
 
 }  // namespace
@@ -120,8 +88,7 @@ void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std:
 
 int runNode(int argc, char** argv, const std::string& name, const std::function<void()>& work) {
   ros::init(argc, argv, name);
-  std::atomic<bool> ending{false};
-  std::thread watch([&] { watchMaster(ending); });
+  const MasterWatch watch;
   int status = 0;
   try {
     work();
@@ -129,8 +96,6 @@ int runNode(int argc, char** argv, const std::string& name, const std::function<
     ROS_FATAL("%s", e.what());
     status = 2;
   }
-  ending = true;
-  watch.join();
   return status;
 }
 

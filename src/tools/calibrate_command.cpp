@@ -92,7 +92,7 @@ int runCalibrate(CalibrateCommand& c) {
   const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
   std::optional<Machine> machine;
   if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
-  const Session session = loadSession(c.bag, machine ? &*machine : nullptr);
+  const Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.fit.space);
   checkMachine(model, folder, session);
 
   std::optional<Recalibration> done;

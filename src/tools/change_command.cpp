@@ -26,7 +26,7 @@ int runChange(const ChangeOptions& c, ModelChange change) {
   const EffectSpec effect = parseEffectSpec(c.effect, "effect");
   const Calibration before = loadCalibration(c.calibration);
   const Machine machine(before.urdf, before.machineName);
-  const Session session = loadSession(c.bag, &machine);
+  const Session session = loadSession(c.bag, &machine, c.fit.space);
   std::optional<Recalibration> done;
   {
     const Interrupt interrupt;

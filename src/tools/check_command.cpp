@@ -13,7 +13,7 @@ namespace mm {
 namespace {
 
 struct CheckCommand {
-  std::string bag, model;
+  std::string bag, model, space;
   bool json = false;
 };
 
@@ -25,7 +25,7 @@ int runCheck(const CheckCommand& c) {
     model = loadModelSpec(c.model);
     if (!model->machine.empty()) machine = Machine::load(model->machine, folder);
   }
-  const Session session = loadSession(c.bag, machine ? &*machine : nullptr);
+  const Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.space);
   if (model) checkMachine(*model, folder, session);
   const PointSet set = checkPointSet(session, model ? &*model : nullptr);
   std::cout << (c.json ? pointSetJson(set) + "\n" : pointSetText(set));
@@ -40,6 +40,7 @@ void addCheckCommand(CLI::App& app, int& exitStatus) {
       app.add_subcommand("check", "The point set before the fit: what was covered, what it can show");
   command->add_option("bag", c->bag, "the session")->required();
   command->add_option("--model", c->model, "YAML: which of its parameters can be found");
+  declareNamespace(*command, c->space);
   command->add_flag("--json", c->json, "the result as JSON on standard output");
   command->footer(
       "Exit status 1: the model has a parameter that this session does not determine and no convention "

@@ -24,7 +24,7 @@ void runCompare(const CompareCommand& c) {
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
   const Machine machine(calibration.urdf, calibration.machineName);
-  const Session session = loadSession(c.bag, &machine);
+  const Session session = loadSession(c.bag, &machine, c.fit.space);
   std::optional<CalibrationResult> compared;
   {
     const Interrupt interrupt;

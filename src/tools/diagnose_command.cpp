@@ -29,7 +29,7 @@ void runDiagnose(const DiagnoseCommand& c) {
   options.cancelled = options.calibrate.cancelled;
   const Calibration calibration = loadCalibration(c.calibration);
   const Machine machine(calibration.urdf, calibration.machineName);
-  const Session session = loadSession(c.bag, &machine);
+  const Session session = loadSession(c.bag, &machine, c.fit.space);
   std::optional<Diagnosis> diagnosis;
   {
     const Interrupt interrupt;

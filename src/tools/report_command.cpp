@@ -33,7 +33,7 @@ void runReport(const ReportCommand& c) {
   for (const std::string& curve : c.curves) options.curves.push_back(readConvergenceCurve(curve));
   const Calibration calibration = loadCalibration(c.calibration);
   const Machine machine(calibration.urdf, calibration.machineName);
-  const Session session = loadSession(c.bag, &machine);
+  const Session session = loadSession(c.bag, &machine, c.fit.space);
   std::optional<ReportContents> report;
   {
     const Interrupt interrupt;

@@ -15,12 +15,17 @@
 
 namespace mm {
 
-Session loadSession(const std::string& bag, const Machine* fallback) {
+Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space) {
   ProgressBar bar("reading");
-  Session session = readSessionBag(bag, bar.callback(), fallback);
+  Session session = readSessionBag(bag, bar.callback(), fallback, {space, !space.empty()});
   if (!session.warning.empty())
     std::cerr << "mm: warning: " << oneLine(bag + ": " + session.warning) << std::endl;
   return session;
+}
+
+void declareNamespace(CLI::App& command, std::string& space) {
+  command.add_option("--namespace", space,
+                     "of the topics, where the bag holds the sessions of several machines");
 }
 
 void checkOutput(const std::string& file) {
@@ -37,6 +42,7 @@ void FitOptions::declare(CLI::App& command, bool genetic) {
       "--repeatability-um", repeatability,
       "noise of one measurement (else the model's, the artifact's, or found from repetitions)");
   command.add_flag("--keep-outliers", keepOutliers, "nothing is left aside");
+  declareNamespace(command, space);
   if (!genetic) return;
   command.add_option("--seed", calibrate.seed, "of the genetic algorithm")->capture_default_str();
   command.add_option("--threads", calibrate.threads, "0: all cores; the result does not depend on it")

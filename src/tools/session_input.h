@@ -11,18 +11,23 @@ class App;
 namespace mm {
 
 /// Reads a session's bag with a progress bar; what is wrong with it is said on standard error.
-/// @param fallback machine of a bag that does not bring its own; may be null. @throw InputError.
-Session loadSession(const std::string& bag, const Machine* fallback = nullptr);
+/// @param fallback machine of a bag that does not bring its own; may be null. @param space of `--namespace`;
+/// empty: the only one that there is. @throw InputError.
+Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space);
+/// The option --namespace.
+void declareNamespace(CLI::App& command, std::string& space);
 
 /// @throw InputError when a file cannot be written there because the folder does not exist: before the work,
 /// not after.
 void checkOutput(const std::string& file);
 
-/// The options of a fit that several commands share: --seed, --threads, --repeatability-um, --keep-outliers.
+/// The options of a fit that several commands share: --namespace, --seed, --threads, --repeatability-um,
+/// --keep-outliers.
 struct FitOptions {
   CalibrateOptions calibrate;
   double repeatability = 0.0;  // um; 0: not stated
   bool keepOutliers = false;
+  std::string space;  // of the session's topics
 
   void declare(CLI::App& command, bool genetic);
   /// The options checked, with progress on `bar`'s terminal and Ctrl-C as cancel. @throw InputError.

@@ -7,13 +7,14 @@ import signal
 import subprocess
 import time
 import unittest
+import xmlrpc.client
 
 import rospy
 import rostest
 
 import support
 
-PORTS = [support.free_port() for _ in range(4)]
+PORTS = [support.free_port() for _ in range(6)]
 MODEL = os.path.join(support.PACKAGE, "config/demo_model.yaml")
 
 
@@ -22,17 +23,14 @@ def environment(port):
 
 
 def launch(port, *arguments):
-    return subprocess.Popen(["roslaunch", "-p", str(port), "measuring_machine"] + list(arguments), stdout=subprocess.PIPE,
-                            stderr=subprocess.STDOUT, text=True, env=environment(port), start_new_session=True)
+    return subprocess.Popen([support.REAPER, "roslaunch", "-p", str(port), "measuring_machine"] + list(arguments),
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment(port))
 
 
 def stop(process):
     if process.poll() is None:
-        os.killpg(process.pid, signal.SIGINT)
-        try:
-            process.wait(20)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
+        process.send_signal(signal.SIGINT)
+        process.wait(40)  # the reaper itself kills what does not end
 
 
 def figures(text):
@@ -55,18 +53,44 @@ class Demo(unittest.TestCase):
     def tearDownClass(cls):
         support.remove(cls.folder)
 
+    def errors(self, output):
+        """RMS before and after, um."""
+        found = [re.search(r"%s +RMS +([0-9.]+) um" % frame, output) for frame in (r"\(probe_tip\)", r"\(probe_tip_corrected\)")]
+        self.assertTrue(all(found), output)
+        return [float(f.group(1)) for f in found]
+
     def test_1_demo(self):
         demo = launch(PORTS[0], "demo.launch", "folder:=" + self.folder)
         self.addCleanup(stop, demo)
         output, _ = demo.communicate(timeout=200)
         self.assertEqual(demo.returncode, 0, output)
         self.assertIn("live session and bag give the same to the bit", output)
-        before = re.search(r"before \(probe_tip\) +RMS +([0-9.]+) um", output)
-        after = re.search(r"after +\(probe_tip_corrected\) +RMS +([0-9.]+) um", output)
-        self.assertTrue(before and after, output)
-        print(before.group(0), "->", after.group(0))
-        self.assertGreater(float(before.group(1)), 5.0)
-        self.assertLess(float(after.group(1)), 1.0)
+        self.assertIn("demo: passed", output)
+        before, after = self.errors(output)
+        self.assertGreater(before, 5.0)
+        self.assertLess(after, 1.0)
+
+    def test_1_five_axes_and_a_laser(self):
+        folder = os.path.join(self.folder, "five")
+        demo = launch(PORTS[4], "demo.launch", "machine:=five_axis", "probe:=laser", "folder:=" + folder)
+        self.addCleanup(stop, demo)
+        output, _ = demo.communicate(timeout=200)
+        self.assertIn("demo: passed", output)
+        self.assertIn("measured: 360 contacts", output)
+        before, after = self.errors(output)
+        self.assertGreater(before, 100.0)  # the laser stands 150 um beside its place
+        self.assertLess(after, 1.0)
+
+    def test_1_a_demo_that_fails_says_so(self):
+        folder = os.path.join(self.folder, "failed")
+        demo = launch(PORTS[5], "demo.launch", "folder:=" + folder, "model:=/nowhere/model.yaml", "plan:=" + os.path.join(
+            support.PACKAGE, "test/ros/short_plan.yaml"))
+        self.addCleanup(stop, demo)
+        output, _ = demo.communicate(timeout=100)
+        self.assertIn("demo: FAILED: ", output)
+        self.assertRegex(output, r"REQUIRED process \[demo-[0-9]+\] has died")
+        with open(os.path.join(folder, "result")) as result:
+            self.assertIn("FAILED: ", result.read())
 
     def test_2_bag_replay_and_mm_agree_to_the_bit(self):
         bag = os.path.join(self.folder, "session.bag")
@@ -110,30 +134,56 @@ class Demo(unittest.TestCase):
                                 env=environment(PORTS[3]), timeout=20).stdout
         self.assertGreater(int(status.split()[0]), 5000)
 
-    def test_4_master_restart_is_said(self):
+    def test_4_master_restart(self):
+        """The nodes say that the master is gone, and with the next one they can be found again, with their parameters."""
         port = PORTS[2]
-        master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=environment(port), stdout=subprocess.DEVNULL)
-        self.addCleanup(master.kill)
-        time.sleep(2)
-        urdf = os.path.join(support.PACKAGE, "urdf/three_axis.urdf")
-        with open(urdf) as f:
-            subprocess.run(["python3", "-c", "import rosgraph,sys; rosgraph.Master('/t').setParam('/robot_description', sys.argv[1])", f.read()],
-                           env=environment(port), check=True)
-        log = os.path.join(self.folder, "compensation.log")
+
+        def start_master():
+            master = subprocess.Popen([support.REAPER, "rosmaster", "--core", "-p", str(port)], env=environment(port),
+                                      stdout=subprocess.DEVNULL)
+            self.addCleanup(stop, master)
+            self.assertTrue(support.wait_until(lambda: ask("getPid"), 20))
+            return master
+
+        def ask(method, *arguments):
+            try:
+                code, _, value = getattr(xmlrpc.client.ServerProxy("http://localhost:%d" % port), method)("/test", *arguments)
+                return value if code == 1 else None
+            except OSError:
+                return None
+
+        def run(*command):
+            return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment(port),
+                                  timeout=40).stdout
+
+        master = start_master()
+        with open(os.path.join(support.PACKAGE, "urdf/three_axis.urdf")) as urdf:
+            ask("setParam", "/robot_description", urdf.read())
+        log = os.path.join(self.folder, "master_restart.log")
+        nodes = []
         with open(log, "w") as out:
-            node = subprocess.Popen([support.node("compensation"), "_store:=" + self.folder], env=environment(port), stdout=out, stderr=out)
-        self.addCleanup(node.kill)
+            for name, parameter in (("axis_driver", "_rate:=50.0"), ("compensation", "_store:=" + self.folder)):
+                nodes.append(subprocess.Popen([support.REAPER, support.node(name), parameter], env=environment(port), stdout=out, stderr=out))
+                self.addCleanup(stop, nodes[-1])
+        self.assertTrue(support.wait_until(lambda: ask("lookupService", "/compensation/correct_target"), 20))
+        self.assertTrue(support.wait_until(lambda: ask("lookupService", "/axis_driver/home"), 20))
+        time.sleep(7.0)  # the services are looked at every five seconds
 
         def said(words):
             with open(log) as f:
-                return words in f.read()
+                return f.read().count(words)
 
-        time.sleep(3)
-        self.assertIsNone(node.poll())
-        master.kill()
-        master.wait()
-        self.assertTrue(support.wait_until(lambda: said("does not answer: what is connected goes on"), 10))
-        self.assertIsNone(node.poll(), "the node outlives its master")
+        stop(master)
+        self.assertTrue(support.wait_until(lambda: said("does not answer: what is connected goes on") == 2, 20))
+        start_master()
+        self.assertTrue(support.wait_until(lambda: said("this node is registered again") == 2, 20))
+        self.assertTrue(all(node.poll() is None for node in nodes), "the nodes outlive their master")
+        self.assertIn("probe_mount", ask("getParam", "/robot_description"))
+        self.assertEqual(ask("getParam", "/compensation/store"), self.folder)
+        self.assertIn("success: True", run("rosservice", "call", "/axis_driver/home"))
+        self.assertIn("no calibration is active", run("rosservice", "call", "/correct_target", "{}"))
+        self.assertIn("[x, y, z]", run("rostopic", "echo", "-n1", "/joint_states").replace("'", ""))
+        self.assertIn("no calibration is active", run("rostopic", "echo", "-n1", "/compensation/status/message"))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
 PACKAGE = roslib.packages.get_pkg_dir("measuring_machine")
+REAPER = os.path.join(PACKAGE, "test/ros/reaper.py")
 # The errors that the sessions of these tests have, by themselves: the answers are checked against these.
 HIDDEN = ("scale:x=0.001", "scale:y=-0.0005")
 

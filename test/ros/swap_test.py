@@ -16,7 +16,24 @@ import support
 
 
 class Swap(unittest.TestCase):
-    def test_swaps(self):
+    def test_1_no_frame_before_homing_and_travel_known_after_a_restart(self):
+        """An error that depends on the direction of travel: the driver tells it to a node that starts after the motion."""
+        folder = support.folder()
+        self.addCleanup(support.remove, folder)
+        bag = support.simulate(os.path.join(folder, "s.bag"))
+        frames, statuses = support.Frames("probe_tip_corrected"), support.Statuses()
+        support.calibrate_and_promote(bag, support.model("{type: scale, axis: x}", "{type: backlash, axis: x}"))
+        self.assertTrue(statuses.says("the axes are not homed"), [s.message for s in statuses.all])
+        self.assertEqual(frames.of("probe_tip_corrected"), {})
+        rospy.wait_for_service("axis_driver/home", 20)
+        self.assertTrue(rospy.ServiceProxy("axis_driver/home", Trigger)().success)
+        self.assertTrue(support.wait_until(lambda: frames.of("probe_tip_corrected")), [s.message for s in statuses.all])
+        support.kill("/compensation")
+        seen = len(statuses.all)
+        self.assertTrue(support.wait_until(lambda: any(s.frames > 0 for s in statuses.all[seen:]), 20),
+                        [s.message for s in statuses.all[seen:]])
+
+    def test_2_swaps(self):
         folder = support.folder()
         self.addCleanup(support.remove, folder)
         self.addCleanup(support.remove, rospy.get_param("/compensation/store"))

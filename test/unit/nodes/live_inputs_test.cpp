@@ -48,6 +48,17 @@ TEST_F(LiveInputsTest, AVelocityThatIsMissingIsNotGuessed) {
   EXPECT_TRUE(std::isnan(state().velocity[0]));
 }
 
+TEST_F(LiveInputsTest, TheDriverTellsTheTravelOfAJointThatWasNotSeenToMove) {
+  inputs_.takeTravel({"z", "stranger", "x"}, {1, -1, -1});
+  EXPECT_TRUE(joints(kStart));
+  EXPECT_EQ(state().travel, (std::vector<double>{-1.0, 0.0, 1.0}));
+  EXPECT_TRUE(joints(kStart + kSecond, 1e-3));
+  inputs_.takeTravel({"x"}, {-1});  // older than what was seen
+  EXPECT_EQ(state().travel, (std::vector<double>{1.0, 0.0, 1.0}));
+  EXPECT_TRUE(joints(kStart - 50 * kSecond));
+  EXPECT_EQ(state().travel, (std::vector<double>{0.0, 0.0, 0.0}));
+}
+
 TEST_F(LiveInputsTest, NamesInAnotherOrderAndStrangers) {
   EXPECT_TRUE(inputs_.takeJoints(kStart, {"z", "gripper", "x", "y"}, {3.0, 9.0, 1.0, 2.0}, {}, reason_));
   EXPECT_EQ(state().position, (std::vector<double>{1.0, 2.0, 3.0}));

@@ -75,6 +75,15 @@ class BagSession : public ::testing::Test {
     for (const rosbag::MessageInstance& m : rosbag::View(in))
       out.write(m.getTopic(), m.getTime(), m, m.getConnectionHeader());
   }
+  /// The sessions of `bags`, each in a namespace, in one bag.
+  void gather(const std::vector<std::pair<std::string, std::string>>& bags, const std::string& to) const {
+    rosbag::Bag out(folder_.path(to).string(), rosbag::bagmode::Write);
+    for (const auto& [space, bag] : bags) {
+      rosbag::Bag in(folder_.path(bag).string());
+      for (const rosbag::MessageInstance& m : rosbag::View(in))
+        out.write(space + m.getTopic(), m.getTime(), m);
+    }
+  }
   std::string errorOf(const std::filesystem::path& file) const {
     return test::messageOf<InputError>([&] { readSessionBag(file); });
   }
@@ -110,6 +119,35 @@ TEST_F(BagSession, KeepsTimeZeroWhereNothingWasMeasuredAtOnce) {
   s.epoch = 0.0;  // a simulated session has no date
   writeSessionBag(s, folder_.path("s.bag"));
   EXPECT_EQ(sessionHash(readSessionBag(folder_.path("s.bag"))), sessionHash(s));
+}
+
+TEST_F(BagSession, ANamespaceIsFoundByItself) {
+  const Session csv = sample();
+  writeSessionBag(csv, folder_.path("s.bag"));
+  gather({{"/shop/machine1", "s.bag"}}, "n.bag");
+  EXPECT_EQ(sessionHash(readSessionBag(folder_.path("n.bag"))), sessionHash(csv));
+}
+
+TEST_F(BagSession, OfSeveralNamespacesOneMustBeChosen) {
+  writeSessionBag(sample(), folder_.path("s.bag"));
+  writeSessionBag(large(30), folder_.path("l.bag"));
+  gather({{"/machine1", "s.bag"}, {"/machine2", "l.bag"}}, "n.bag");
+  EXPECT_THAT(errorOf(folder_.path("n.bag")),
+              AllOf(HasSubstr("/machine1, /machine2"), HasSubstr("--namespace /machine1")));
+  const auto rows = [&](const BagNamespace& where) {
+    return readSessionBag(folder_.path("n.bag"), {}, nullptr, where).observations.size();
+  };
+  EXPECT_EQ(rows({"/machine1", true}), 7u);
+  EXPECT_EQ(rows({"machine2/", true}), 30u);
+  EXPECT_EQ(rows({"/machine2", false}), 30u);
+  EXPECT_THAT(test::messageOf<InputError>([&] {
+                rows({"/machine3", true});
+              }),
+              AllOf(HasSubstr("/machine3"), HasSubstr("/machine1, /machine2")));
+  gather({{"/machine1", "s.bag"}}, "one.bag");
+  EXPECT_EQ(readSessionBag(folder_.path("one.bag"), {}, nullptr, {"/machine2", false}).observations.size(),
+            7u)
+      << "the only one there is";
 }
 
 TEST_F(BagSession, RosbagReadsWhatIsWritten) {

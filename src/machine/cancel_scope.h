@@ -1,0 +1,28 @@
+#pragma once
+#include <functional>
+
+namespace mm {
+
+/// The wish to cancel, for work deep inside a long computation that nobody hands it to: while a scope lives,
+/// the loops of its thread can ask. Scopes nest; the innermost counts.
+class CancelScope {
+ public:
+  /// @param asked whether to stop; may be empty: never. Called often, also by threads that were given the
+  /// scope.
+  explicit CancelScope(std::function<bool()> asked);
+  ~CancelScope();
+  CancelScope(const CancelScope&) = delete;
+  CancelScope& operator=(const CancelScope&) = delete;
+
+  /// The scope of this thread; null: none.
+  static const CancelScope* current();
+  bool asked() const { return asked_ && asked_(); }
+  /// @throw Cancelled when this thread's scope was asked to stop.
+  static void check();
+
+ private:
+  std::function<bool()> asked_;
+  const CancelScope* outer_;
+};
+
+}  // namespace mm

@@ -1,0 +1,182 @@
+#include <ros/serialization.h>
+#include <std_msgs/String.h>
+
+#include <algorithm>
+#include <map>
+#include <new>
+#include <stdexcept>
+
+#include "machine/error.h"
+#include "ros_bridge/bag_reader.h"
+#include "ros_bridge/bag_session.h"
+#include "ros_bridge/session_collector.h"
+
+namespace mm {
+namespace {
+
+const std::string kTemperature = "/temperature/", kCovariate = "/covariate/";
+
+/// One message of a bag as `Message`. @throw InputError when the topic holds another type.
+template <typename Message>
+Message decode(const BagMessage& raw, const std::string& source) {
+  namespace traits = ros::message_traits;
+  const BagConnection& c = *raw.connection;
+  if (c.md5 != traits::MD5Sum<Message>::value())
+    throw InputError(source + ": topic " + c.topic + " holds " + c.type +
+                     (c.type == traits::DataType<Message>::value()
+                          ? " of another version"
+                          : std::string(", but ") + traits::DataType<Message>::value() + " is needed"));
+  Message message;
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);
+  try {
+    ros::serialization::deserialize(stream, message);
+  } catch (const ros::serialization::StreamOverrunException&) {
+    throw InputError(source + ": topic " + c.topic +
+                     " holds a message that is shorter than its type; the bag is damaged");
+  } catch (const std::bad_alloc&) {  // a damaged length asks for more than there is
+    throw InputError(source + ": topic " + c.topic +
+                     " holds a message that is shorter than its type; the bag is damaged");
+  } catch (const std::length_error&) {
+    throw InputError(source + ": topic " + c.topic +
+                     " holds a message that is shorter than its type; the bag is damaged");
+  }
+  return message;
+}
+
+std::string list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+/// "/m1/probe/contact" is "/probe/contact" in the namespace "/m1".
+struct SessionTopic {
+  std::string space, topic;  // topic empty: nothing of a session
+};
+
+SessionTopic splitTopic(const std::string& full) {
+  for (const char* name :
+       {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description"}) {
+    const std::string end = name;
+    if (full.size() >= end.size() && full.compare(full.size() - end.size(), end.size(), end) == 0)
+      return {full.substr(0, full.size() - end.size()), end};
+  }
+  for (const std::string& start : {kTemperature, kCovariate}) {
+    const std::size_t at = full.find(start);
+    if (at != std::string::npos && at + start.size() < full.size())
+      return {full.substr(0, at), full.substr(at)};
+  }
+  return {};
+}
+
+std::string shown(const std::string& space) { return space.empty() ? "/" : space; }
+
+std::string normalised(std::string space) {
+  while (!space.empty() && space.back() == '/') space.pop_back();
+  return space.empty() || space[0] == '/' ? space : "/" + space;
+}
+
+/// The sessions of all namespaces of a bag: only at its end it is known which one is meant.
+class NamespacedSessions {
+ public:
+  explicit NamespacedSessions(std::string source) : source_(std::move(source)) {}
+
+  void take(const BagMessage& raw) {
+    const auto [known, fresh] = topics_.try_emplace(raw.connection->topic);
+    if (fresh) known->second = splitTopic(raw.connection->topic);
+    if (known->second.topic.empty()) return;
+    One& one = all_.try_emplace(known->second.space, source_).first->second;
+    if (!one.wrong.empty()) return;
+    try {
+      add(known->second.topic, raw, one.session);
+    } catch (const InputError& e) {
+      one.wrong = e.what();  // counts if it is this one
+    }
+  }
+
+  /// @return the chosen one; null: there is no measurement anywhere. @throw InputError.
+  SessionCollector* choose(const BagNamespace& where) {
+    std::vector<std::string> holding;
+    for (const auto& [space, one] : all_)
+      if (one.session.observationCount() > 0) holding.push_back(space);
+    const std::string wanted = normalised(where.name);
+    if (std::find(holding.begin(), holding.end(), wanted) != holding.end()) return checked(wanted);
+    if (where.required)
+      throw InputError(source_ + ": holds no measurement in namespace " + shown(wanted) +
+                       "; there is one in: " + words(holding));
+    if (holding.size() > 1)
+      throw InputError(source_ + ": holds the sessions of several machines, in the namespaces " +
+                       words(holding) + "; choose one with --namespace " + shown(holding.front()) +
+                       " (of a service: ask the calibration_server in that namespace)");
+    if (holding.size() == 1) return checked(holding.front());
+    for (const auto& [space, one] : all_)
+      if (!one.wrong.empty()) throw InputError(one.wrong);
+    return nullptr;
+  }
+
+ private:
+  struct One {
+    explicit One(const std::string& source) : session(source) {}
+    SessionCollector session;
+    std::string wrong;  // the first message that is
+  };
+
+  void add(const std::string& topic, const BagMessage& raw, SessionCollector& session) {
+    if (topic == "/probe/contact")
+      session.addContact(decode<measuring_machine::ProbeContact>(raw, source_));
+    else if (topic == "/reference")
+      session.addReference(decode<measuring_machine::ReferenceMeasurement>(raw, source_));
+    else if (topic == "/joint_states")
+      session.addJointState(decode<sensor_msgs::JointState>(raw, source_));
+    else if (topic == "/artifact")
+      session.addArtifact(decode<measuring_machine::Artifact>(raw, source_));
+    else if (topic == "/robot_description")
+      session.addRobotDescription(decode<std_msgs::String>(raw, source_).data);
+    else if (topic.rfind(kTemperature, 0) == 0)
+      session.addTemperature(topic.substr(kTemperature.size()),
+                             decode<sensor_msgs::Temperature>(raw, source_));
+    else
+      session.addCovariate(decode<measuring_machine::Covariate>(raw, source_));
+  }
+
+  SessionCollector* checked(const std::string& space) {
+    One& one = all_.at(space);
+    if (!one.wrong.empty()) throw InputError(one.wrong);
+    return &one.session;
+  }
+
+  static std::string words(const std::vector<std::string>& spaces) {
+    std::vector<std::string> names;
+    for (const std::string& space : spaces) names.push_back(shown(space));
+    return list(names);
+  }
+
+  std::string source_;
+  std::map<std::string, SessionTopic> topics_;
+  std::map<std::string, One> all_;
+};
+
+}  // namespace
+
+Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress,
+                       const Machine* fallback, const BagNamespace& where) {
+  BagReader bag(file);
+  const std::string source = file.string();
+  NamespacedSessions sessions(source);
+  bag.read([&](const BagMessage& message) { sessions.take(message); }, progress);
+  SessionCollector* const collector = sessions.choose(where);
+  if (collector == nullptr) {
+    const std::string damage = bag.damage().empty() ? "" : " (" + bag.damage() + ")";
+    throw InputError(
+        source +
+        ": holds no measurement: /probe/contact and /reference are missing or empty; topics found: " +
+        list(bag.topics()) + damage);
+  }
+  if (!collector->hasMachine() && fallback != nullptr) collector->setMachine(*fallback);
+  Session session = collector->build();
+  if (!bag.damage().empty())
+    session.warning = bag.damage() + (session.warning.empty() ? "" : "; " + session.warning);
+  return session;
+}
+
+}  // namespace mm

@@ -1,0 +1,150 @@
+#include "ros_bridge/master_watch.h"
+
+#include <ros/connection_manager.h>
+#include <ros/console.h>
+#include <ros/init.h>
+#include <ros/network.h>
+#include <ros/node_handle.h>
+#include <ros/param.h>
+#include <ros/publication.h>
+#include <ros/this_node.h>
+#include <ros/topic_manager.h>
+#include <ros/xmlrpc_manager.h>
+
+#include <chrono>
+
+namespace mm {
+namespace {
+
+constexpr auto kTick = std::chrono::milliseconds(100);
+constexpr int kLook = 10;     // ticks between two looks at the master
+constexpr int kRemember = 5;  // looks between two of the services: they are made one after the other
+
+/// Topics and services of other nodes would be found as well, but only what this one has is its to register.
+bool has(const XmlRpc::XmlRpcValue& names, const std::string& node) {
+  for (int i = 0; i < names.size(); ++i)
+    if (static_cast<std::string>(names[i]) == node) return true;
+  return false;
+}
+
+/// What a master tells a subscriber when publishers come and go; here told by the node to itself, as the new
+/// master answers who publishes already, and tells only who comes later.
+void tellPublishers(const std::string& topic, XmlRpc::XmlRpcValue publishers) {
+  if (publishers.getType() != XmlRpc::XmlRpcValue::TypeArray || publishers.size() == 0) return;
+  XmlRpc::XmlRpcValue request, response;
+  request[0] = ros::this_node::getName();
+  request[1] = topic;
+  request[2] = publishers;
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::network::splitURI(ros::XMLRPCManager::instance()->getServerURI(), host, port)) return;
+  XmlRpc::XmlRpcClient self(host.c_str(), static_cast<int>(port), "/");
+  self.execute("publisherUpdate", request, response);
+}
+
+}  // namespace
+
+MasterWatch::MasterWatch() {
+  thread_ = std::thread([this] { run(); });
+}
+
+MasterWatch::~MasterWatch() {
+  ending_ = true;
+  thread_.join();
+}
+
+void MasterWatch::run() {
+  for (int tick = 0; !ending_ && !ros::isShuttingDown(); ++tick) {
+    std::this_thread::sleep_for(kTick);
+    if (tick % kLook != 0 || !ros::isStarted()) continue;
+    try {
+      look();
+    } catch (const XmlRpc::XmlRpcException& e) {
+      ROS_ERROR("the ROS master answers what cannot be understood: %s", e.getMessage().c_str());
+    }
+  }
+}
+
+bool MasterWatch::call(const std::string& method, const std::string& a, const std::string& b,
+                       const std::string& c, XmlRpc::XmlRpcValue& answer) const {
+  XmlRpc::XmlRpcValue request, response;
+  int n = 0;
+  request[n++] = ros::this_node::getName();
+  for (const std::string* text : {&a, &b, &c})
+    if (!text->empty()) request[n++] = *text;
+  return ros::master::execute(method, request, response, answer, false);
+}
+
+void MasterWatch::look() {
+  const std::string self = ros::this_node::getName(), uri = ros::master::getURI();
+  XmlRpc::XmlRpcValue answer;
+  if (call("lookupNode", self, "", "", answer)) {
+    if (away_) ROS_WARN("the ROS master at %s answers again", uri.c_str());
+    away_ = false;
+    if (!known_ || turns_++ % kRemember == 0) remember();
+    known_ = true;
+    return;
+  }
+  if (!known_) return;  // not registered yet
+  if (!call("getPid", "", "", "", answer)) {
+    if (!away_)
+      ROS_ERROR(
+          "the ROS master at %s does not answer: what is connected goes on, nothing new can connect; start "
+          "it "
+          "again, and this node registers again by itself",
+          uri.c_str());
+    away_ = true;
+    return;
+  }
+  away_ = false;
+  registerAgain();
+}
+
+/// What must be told again: services (roscpp does not list them) and parameters.
+void MasterWatch::remember() {
+  const std::string self = ros::this_node::getName();
+  XmlRpc::XmlRpcValue state;
+  if (call("getSystemState", "", "", "", state) && state.size() == 3) {
+    std::set<std::string> services;
+    for (int i = 0; i < state[2].size(); ++i)
+      if (has(state[2][i][1], self)) services.insert(static_cast<std::string>(state[2][i][0]));
+    services_ = services;
+  }
+  if (known_) return;
+  ros::NodeHandle node;
+  std::vector<std::string> names;
+  ros::param::getParamNames(names);
+  std::string description;
+  if (!node.searchParam("robot_description", description)) description.clear();
+  for (const std::string& name : names)
+    if (name.rfind(self + "/", 0) == 0 || name == "/use_sim_time" || name == description)
+      ros::param::get(name, parameters_[name]);
+}
+
+void MasterWatch::registerAgain() {
+  const std::string node = ros::XMLRPCManager::instance()->getServerURI();
+  const std::string services = "rosrpc://" + ros::network::getHost() + ":" +
+                               std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+  XmlRpc::XmlRpcValue answer;
+  bool done = true;
+  for (const auto& [name, value] : parameters_)
+    if (!ros::param::has(name)) ros::param::set(name, value);
+  ros::V_string topics;
+  ros::TopicManager::instance()->getSubscribedTopics(topics);
+  for (const std::string& topic : topics) {
+    done = call("registerSubscriber", topic, "*", node, answer) && done;
+    tellPublishers(topic, answer);
+  }
+  ros::TopicManager::instance()->getAdvertisedTopics(topics);
+  for (const std::string& topic : topics)
+    if (const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic))
+      done = call("registerPublisher", topic, publication->getDataType(), node, answer) && done;
+  for (const std::string& service : services_)
+    done = call("registerService", service, services, node, answer) && done;
+  if (done)
+    ROS_WARN(
+        "the ROS master at %s is a new one: this node is registered again, with %zu topics and %zu services",
+        ros::master::getURI().c_str(), topics.size(), services_.size());
+}
+
+}  // namespace mm
