@@ -8,6 +8,7 @@
 #include "diagnosis/diagnose.h"
 #include "machine/cancel_scope.h"
 #include "machine/error.h"
+#include "model/model_spec.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
 
@@ -105,7 +106,7 @@ TEST(Cancel, EndsADiagnosisWhereverItIs) {
     DiagnoseOptions options;
     options.cancelled = clock.asked();
     options.calibrate.cancelled = options.cancelled;
-    diagnose(session, Model(session.machine, observedDomain(session), {}), options);
+    diagnose(session, Model(session.machine, observedDomain(session), std::vector<EffectSpec>()), options);
     clock.mark();
   };
   Clock whole;
