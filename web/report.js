@@ -113,6 +113,17 @@ function positioning() {
     }));
 }
 
+function thermal() {
+  const t = data.thermal;
+  if (!t.axes.length && !data.networks.length) return;
+  section("thermal", "Heat: deviation against time, by ISO 230-3", t.axes.length ? lead("Deviations of an independent instrument at the same positions while the machine warms and cools, as measured and as the model leaves them, beside the temperatures.") : null,
+    data.networks.map((n) => el("p", {}, el("b", {}, spoken(n.effect)), ": ", n.summary.replace(/\bum\b/g, "µm"))),
+    t.axes.map((a) => [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, thermalFigure(a, "measured", "As measured").node, thermalFigure(a, "left", "What the model leaves").node),
+      table("Axis " + a.axis + ": range of the deviation over the test", [["Position, " + unitText(a.position_unit)], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]],
+        [...a.courses.map((c) => [num(c.at, 4), num(c.measured_range), num(c.left_range)]), ["largest of all positions", num(a.measured_range), num(a.left_range)]])]),
+    t.axes.length ? temperatureFigure(t.temperatures).node : null);
+}
+
 function candidates() {
   if (!diagnosis.candidates.length) return;
   const key = "held_out_rms" + kSuffix;
@@ -208,5 +219,5 @@ function legend() {
     el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is complete in itself and loads nothing from a network. Figures by Plotly.js (MIT).")));
 }
 
-[header, errors, missing, where, variables, space, positioning, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
+[header, errors, missing, where, variables, space, positioning, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
 drawAll();

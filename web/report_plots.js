@@ -144,3 +144,32 @@ function positioningFigure(axis, part, name) {
       xaxis: { title: titled("position of " + axis.axis + ", " + unitText(axis.position_unit)), zeroline: false }, yaxis: { title: titled("deviation, " + unit) } }],
   });
 }
+
+/** Deviation against time at some positions of an axis; both parts on one scale. */
+function thermalFigure(axis, part, name) {
+  const unit = unitText(axis.unit), place = unitText(axis.position_unit);
+  const all = axis.courses.flatMap((c) => c.measured.concat(c.left));
+  const low = Math.min(...all), high = Math.max(...all), room = 0.05 * (high - low) || 1;
+  const range = part === "measured" ? axis.measured_range : axis.left_range;
+  return figure({
+    name, kind: "tall", label: name + ", axis " + axis.axis + ": the deviation moves by up to " + num(range) + " " + unit + " over the test",
+    caption: "One line a position; both figures have the same scale.",
+    make: (c) => [axis.courses.map((course, i) => ({ x: course.hours, y: course[part], mode: "lines+markers", type: "scatter", name: num(course.at, 4) + " " + place,
+      line: { color: [c.accent, c.warm, c.good][i], width: 1.5, dash: ["solid", "dash", "dot"][i] }, marker: { size: 4, color: [c.accent, c.warm, c.good][i] },
+      hovertemplate: "%{x:.3g} h: %{y:.3g} " + unit + "<extra>" + num(course.at, 4) + " " + place + "</extra>" })),
+    { showlegend: true, legend: { orientation: "h", y: 1.12, x: 0 }, margin: { l: 56, r: 12, t: 28, b: 40 },
+      xaxis: { title: titled("time, h"), zeroline: false }, yaxis: { title: titled("deviation, " + unit), range: [low - room, high + room] } }],
+  });
+}
+
+function temperatureFigure(courses) {
+  return figure({
+    name: "Temperatures", kind: "tall", label: "Temperatures of " + courses.length + " sensors against time",
+    caption: courses.length === 12 ? "Twelve of the sensors; those of the networks come first." : null,
+    make: (c) => [courses.map((t, i) => ({ x: t.hours, y: t.temperature, mode: "lines", type: "scatter", name: plain(t.sensor),
+      line: { width: 1.5, color: [c.accent, c.warm, c.good, c.soft][i % 4], dash: ["solid", "dash", "dot"][Math.floor(i / 4)] },
+      hovertemplate: "%{x:.3g} h: %{y:.4g} °C<extra>" + plain(t.sensor) + "</extra>" })),
+    { showlegend: true, legend: { orientation: "h", y: -0.2, x: 0 }, margin: { l: 56, r: 12, t: 8, b: 60 },
+      xaxis: { title: titled("time, h"), zeroline: false }, yaxis: { title: titled("temperature, °C"), zeroline: false } }],
+  });
+}

@@ -132,6 +132,15 @@ void Housing::writeDeck(std::ostream& deck) const {
   deck << "*NODE PRINT, NSET=CANDIDATES\nNT\n*NODE PRINT, NSET=NOSE\nU\n*END STEP\n";
 }
 
+void Housing::writePositions(std::ostream& csv) const {
+  csv << "sensor,x_mm,y_mm,z_mm\n";
+  for (const Candidate& candidate : candidates_) {
+    const int n = candidate.node - 1, side = kY + 1;  // as node() numbers them
+    csv << candidate.name << ',' << 1e3 * kLength * (n / side / side) / kX << ','
+        << 1e3 * kWidth * (n / side % side) / kY << ',' << 1e3 * kWidth * (n % side) / kY << '\n';
+  }
+}
+
 void Housing::convert(std::istream& results, const std::string& name, std::ostream& csv) const {
   std::vector<std::string> rows;
   std::map<int, double> temperatures;

@@ -26,6 +26,9 @@ class Housing {
   /// Writes the deck: mesh, material, duty, and print requests for candidates and nose.
   void writeDeck(std::ostream& deck) const;
 
+  /// Writes where the candidates sit: sensor,x_mm,y_mm,z_mm.
+  void writePositions(std::ostream& csv) const;
+
   /// Reads what CalculiX printed and writes the CSV of `mm sensors`: time_s, one column a candidate in degC,
   /// and nose_um, the growth of the nose towards the workpiece. `name` is the file's, for messages. Throws
   /// InputError when samples are missing or not finite: the run stopped early or diverged.

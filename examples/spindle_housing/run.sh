@@ -21,10 +21,13 @@ echo "ccx: 100 steps of 72 s, log in $folder/ccx.log"
 [ -s "$folder/housing.dat" ] || fail "ccx wrote no results; see $folder/ccx.log"
 $tool convert "$folder/housing.dat" "$folder/housing.csv"
 
+$tool positions "$folder/positions.csv"
+
 for estimator in ksg histogram correlation; do
   echo
   echo "== $estimator"
-  $mm sensors "$folder/housing.csv" --target nose_um --max 2 --estimator $estimator
+  $mm sensors "$folder/housing.csv" --target nose_um --max 2 --estimator $estimator \
+    --picture "$folder/$estimator.svg" --positions "$folder/positions.csv"
 done
 echo
 echo "== histogram, corrected by circular shift"

@@ -10,6 +10,7 @@ namespace {
 
 int usage() {
   std::cerr << "spindle_housing deck housing.inp              writes the deck for CalculiX\n"
+               "spindle_housing positions out.csv             where the candidates sit\n"
                "spindle_housing convert housing.dat out.csv   its results to the series of mm sensors\n";
   return 2;
 }
@@ -29,6 +30,13 @@ int main(int argc, char** argv) {
       require(deck, words[1]);
       housing.writeDeck(deck);
       require(deck.flush(), words[1]);
+      return 0;
+    }
+    if (words.size() == 2 && words[0] == "positions") {
+      std::ofstream csv(words[1]);
+      require(csv, words[1]);
+      housing.writePositions(csv);
+      require(csv.flush(), words[1]);
       return 0;
     }
     if (words.size() == 3 && words[0] == "convert") {

@@ -96,6 +96,25 @@ Eigen::Vector3d vectorOf(YamlKeys& in, const char* key) {
   return {v[0], v[1], v[2]};
 }
 
+void readNetworks(YamlKeys& in, std::vector<LearnedNetwork>& networks) {
+  const std::vector<YAML::Node> items = in.list("networks");
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    YamlKeys keys = in.item(items[i], "domain.networks", i);
+    LearnedNetwork n;
+    n.effect = keys.text("effect");
+    n.active = keys.flag("active");
+    n.summary = keys.text("summary");
+    for (const YAML::Node& name : keys.list("sensors")) n.sensors.push_back(name.Scalar());
+    n.positions = keys.numbers("positions_si");
+    n.heldOut = keys.number("held_out_si");
+    n.heldOutRidge = keys.number("held_out_ridge_si");
+    n.heldOutNone = keys.number("held_out_none_si");
+    n.numbers = keys.numbers("network");
+    keys.finish();
+    networks.push_back(std::move(n));
+  }
+}
+
 void readDomain(YamlKeys in, Domain& d) {
   const std::vector<YAML::Node> joints = in.list("joints");
   for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -118,6 +137,7 @@ void readDomain(YamlKeys in, Domain& d) {
   d.tipUpper = vectorOf(in, "tip_upper_m");
   d.laser = in.flag("laser");
   d.artifactExpansion = in.number("artifact_expansion_per_K");
+  if (in.has("networks")) readNetworks(in, d.networks);
   in.finish();
 }
 

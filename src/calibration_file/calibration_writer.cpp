@@ -99,6 +99,27 @@ void ranges(YAML::Emitter& out, const char* key, const char* unit, const std::ve
   out << EndSeq;
 }
 
+void networks(YAML::Emitter& out, const std::vector<LearnedNetwork>& learned) {
+  out << Key << "networks" << Value << BeginSeq;
+  for (const LearnedNetwork& n : learned) {
+    out << BeginMap;
+    text(out, "effect", n.effect);
+    out << Key << "active" << Value << n.active;
+    text(out, "summary", n.summary);
+    out << Key << "sensors" << Value << Flow << BeginSeq;
+    for (const std::string& name : n.sensors) out << name;
+    out << EndSeq << Key << "positions_si" << Value;
+    numbers(out, n.positions);
+    number(out, "held_out_si", n.heldOut);
+    number(out, "held_out_ridge_si", n.heldOutRidge);
+    number(out, "held_out_none_si", n.heldOutNone);
+    out << Key << "network" << Value;
+    numbers(out, n.numbers);
+    out << EndMap;
+  }
+  out << EndSeq;
+}
+
 void domain(YAML::Emitter& out, const Domain& d) {
   out << Key << "domain" << Value << BeginMap << Key << "joints" << Value << BeginSeq;
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
@@ -125,6 +146,7 @@ void domain(YAML::Emitter& out, const Domain& d) {
   numbers(out, toVector(d.tipUpper));
   out << Key << "laser" << Value << d.laser;
   number(out, "artifact_expansion_per_K", d.artifactExpansion);
+  if (!d.networks.empty()) networks(out, d.networks);
   out << EndMap;
 }
 

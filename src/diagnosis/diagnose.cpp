@@ -63,6 +63,7 @@ class Diagnoser {
     fit.cancelled = options_.cancelled;
     out_.base = calibrate(session_, model_, fit, start);
     out_.base.problem->linearise(out_.base.x);
+    model_ = out_.base.problem->model();  // its networks have learned
     out_.angular = !std::isfinite(out_.base.figures.rms);
     if (out_.base.figures.degreesOfFreedom < kFewestFreedoms)
       throw NumericalError(std::to_string(out_.base.problem->rowCount()) + " residuals leave " +
@@ -411,7 +412,7 @@ class Diagnoser {
   }
 
   const Session& session_;
-  const Model& model_;
+  Model model_;
   const DiagnoseOptions& options_;
   Diagnosis& out_;
 };

@@ -33,6 +33,7 @@
 #include "effects/thermal_bending.h"
 #include "effects/thermal_expansion.h"
 #include "effects/thermal_growth.h"
+#include "effects/thermal_network.h"
 #include "effects/time_drift.h"
 #include "effects/warm_up.h"
 #include "machine/error.h"
@@ -74,6 +75,7 @@ std::vector<EffectType>& registry() {
       covariateOffsetType(),        //
       covariateScaleType(),         //
       formulaType(),                //
+      thermalNetworkType(),         //
   };
   return types;
 }

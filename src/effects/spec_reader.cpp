@@ -146,6 +146,29 @@ std::pair<int, int> SpecReader::sensorPair(const std::string& key) {
   return {index[0], index[1]};
 }
 
+bool SpecReader::isList(const std::string& key) const {
+  const EffectSpec::Value* value = spec_.find(key);
+  return value != nullptr && value->list;
+}
+
+std::vector<int> SpecReader::sensorList(const std::string& key) {
+  const EffectSpec::Value* value = spec_.find(key);
+  if (value == nullptr || !value->list || value->items.empty())
+    fail("key '" + key + "' must be a list of sensors, as [a, b]");
+  std::vector<int> sensors;
+  for (const std::string& name : value->items) {
+    const int index = domain_.findSensor(name);
+    if (index < 0)
+      fail(key + ": '" + name + "' is no temperature sensor of the session; there are: " +
+           listOf(domain_.sensors) + didYouMean(name, domain_.sensors));
+    if (std::find(sensors.begin(), sensors.end(), index) != sensors.end())
+      fail(key + ": '" + name + "' is listed twice; keep one");
+    sensors.push_back(index);
+  }
+  read_.setList(key, value->items);
+  return sensors;
+}
+
 int SpecReader::covariate(const std::string& key) {
   return find(key, "covariate of the session", domain_.covariates);
 }

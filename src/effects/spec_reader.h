@@ -25,6 +25,8 @@ class SpecReader {
   bool isWord(const std::string& key, const std::string& word);  ///< the key holds this word
   int sensor(const std::string& key);
   std::pair<int, int> sensorPair(const std::string& key);  ///< two different ones, as a list
+  bool isList(const std::string& key) const;
+  std::vector<int> sensorList(const std::string& key);  ///< one or more different ones
   int covariate(const std::string& key);
   int feature(const std::string& key);
   int ball(const std::string& key);

@@ -7,6 +7,7 @@
 #include "estimation/folds.h"
 #include "estimation/genetic_start.h"
 #include "estimation/linear_start.h"
+#include "estimation/network_learning.h"
 #include "estimation/nonlinear_start.h"
 #include "estimation/polish.h"
 #include "estimation/robust.h"
@@ -211,6 +212,23 @@ Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<c
   return s;
 }
 
+/// Held-out residuals are those of networks that were learned without the rows that they are judged on.
+void addNetworkShift(Problem& problem, const Eigen::VectorXd& x, const Eigen::MatrixXd& shift,
+                     Eigen::VectorXd& heldOut) {
+  problem.linearise(x);
+  const Model& model = problem.model();
+  Eigen::VectorXd gain = Eigen::VectorXd::Zero(shift.cols());
+  for (std::size_t e = 0; e < model.effects().size(); ++e)
+    if (model.effects()[e]->spec().type == "thermal_network" && model.effects()[e]->parameterCount() == 1)
+      gain[model.domain().findJoint(model.effects()[e]->spec().text("axis"))] =
+          x[model.offset(static_cast<int>(e))];
+  const ErrorLayout layout = model.machine().layout();
+  for (int i = 0; i < problem.rowCount(); ++i)
+    for (int j = 0; j < static_cast<int>(shift.cols()); ++j)
+      heldOut[i] +=
+          problem.slotGradients()(i, layout.axis(j)) * gain[j] * shift(problem.rows()[i].observation, j);
+}
+
 Noise noiseOf(const Problem& problem, const CalibrateOptions& options) {
   Noise noise;
   const double declared =
@@ -247,8 +265,16 @@ double CalibrationResult::std(int unknown) const {
 }
 
 CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options,
-                            const Eigen::VectorXd& start) {
+                            const Eigen::VectorXd& given) {
   CalibrationResult result;
+  Eigen::VectorXd start = given;
+  Eigen::MatrixXd networkShift;
+  if (!options.holdEffects && hasToLearn(model)) {
+    LearnedModel learned = learnNetworks(session, model, options, start);
+    model = std::move(learned.model);
+    start = std::move(learned.start);
+    networkShift = std::move(learned.heldOutShift);
+  }
   result.method = options.method;
   result.seed = options.seed;
   const Machine machine = model.machine();
@@ -309,6 +335,7 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   if (options.progress) options.progress("uncertainty", 0.0);
   const std::vector<char>& fixed = result.identifiability.fixed;
   Summary summary = summarise(problem, fit, fixed);
+  if (networkShift.size() > 0) addNetworkShift(*result.problem, fit.x, networkShift, summary.heldOut);
   result.x = fit.x;
   result.residuals = fit.residuals;
   result.weight = fit.weight;

@@ -45,6 +45,28 @@ Json parametersJson(const CalibrationResult& result) {
   return list;
 }
 
+Json networksJson(const CalibrationResult& result) {
+  const Model& model = result.problem->model();
+  Json list = Json::array();
+  for (const EffectPtr& effect : model.effects()) {
+    const LearnedNetwork* n = model.domain().findNetwork(effect->spec().yaml());
+    if (n == nullptr) continue;
+    const int axis = model.domain().findJoint(effect->spec().text("axis"));
+    const bool angular = model.domain().joints[static_cast<std::size_t>(axis)].kind == JointKind::kRotary;
+    Json one;
+    one["effect"] = effectJson(effect->spec());
+    one["active"] = n->active;
+    one["sensors"] = n->sensors;
+    one["positions"] = n->positions.size();
+    setEither(one, "held_out_rms", n->heldOut, angular);
+    setEither(one, "held_out_rms_ridge", n->heldOutRidge, angular);
+    setEither(one, "held_out_rms_none", n->heldOutNone, angular);
+    one["summary"] = n->summary;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
 Json artifactJson(const CalibrationResult& result) {
   Json object;
   object["balls"] = Json::array();
@@ -80,6 +102,7 @@ Json calibrationJson(const CalibrationResult& result) {
   setFigures(object["polish"], result.figures, false);
   object["polish"]["iterations"] = result.polishIterations;
   object["parameters"] = parametersJson(result);
+  if (!result.problem->model().domain().networks.empty()) object["networks"] = networksJson(result);
   object["identifiability"] = identifiabilityJson(*result.problem, result.identifiability, result.x);
   object["artifact"] = artifactJson(result);
   object["outliers"] = outliersJson(result);

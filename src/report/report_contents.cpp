@@ -83,6 +83,7 @@ ReportContents makeReport(const Session& session, const Calibration& calibration
   if (report.improved) fits.push_back({"with the named effects", &*report.improved});
   report.vectors = residualVectors(fits);
   report.positioning = axisPositioning(base);
+  report.thermal = thermalTest(base);
   return report;
 }
 

@@ -9,6 +9,7 @@
 #include "report/point_set.h"
 #include "report/report_curve.h"
 #include "report/report_positioning.h"
+#include "report/report_thermal.h"
 #include "report/report_variables.h"
 #include "report/report_vectors.h"
 
@@ -30,6 +31,7 @@ struct ReportContents {
   std::vector<VariableView> variables;
   ResidualVectors vectors;
   std::vector<AxisPositioning> positioning;
+  ThermalTest thermal;
   std::vector<ConvergenceCurve> curves;
 };
 

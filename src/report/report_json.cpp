@@ -196,6 +196,39 @@ Json positioningJson(const std::vector<AxisPositioning>& axes) {
   return out;
 }
 
+Json thermalJson(const ThermalTest& test) {
+  Json axes = Json::array(), temperatures = Json::array();
+  for (const AxisThermal& a : test.axes) {
+    Json courses = Json::array();
+    for (const ThermalCourse& c : a.courses)
+      courses.push_back({{"at", rounded(c.at, 1e-4)},
+                         {"hours", list(c.hours, 1e-5)},
+                         {"measured", list(c.measured, 1e-3)},
+                         {"left", list(c.left, 1e-3)},
+                         {"measured_range", rounded(c.measuredRange, 1e-4)},
+                         {"left_range", rounded(c.leftRange, 1e-4)}});
+    axes.push_back({{"axis", a.axis},
+                    {"unit", a.rotary ? "arcsec" : "um"},
+                    {"position_unit", a.rotary ? "deg" : "mm"},
+                    {"measured_range", rounded(a.measuredRange, 1e-4)},
+                    {"left_range", rounded(a.leftRange, 1e-4)},
+                    {"courses", std::move(courses)}});
+  }
+  for (const TemperatureCourse& c : test.temperatures)
+    temperatures.push_back(
+        {{"sensor", c.sensor}, {"hours", list(c.hours, 1e-5)}, {"temperature", list(c.temperature, 1e-4)}});
+  return {{"axes", std::move(axes)}, {"temperatures", std::move(temperatures)}};
+}
+
+/// What each thermal_network of the model learned, in words.
+Json networkSummaries(const Model& model) {
+  Json out = Json::array();
+  for (const EffectPtr& effect : model.effects())
+    if (const LearnedNetwork* learned = model.domain().findNetwork(effect->spec().yaml()))
+      out.push_back({{"effect", effectJson(effect->spec())}, {"summary", learned->summary}});
+  return out;
+}
+
 Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
   Json out = Json::array();
   for (const LedgerEntry& e : ledger) {
@@ -315,6 +348,8 @@ std::string reportJson(const ReportContents& r) {
   out["variables"] = variablesJson(r.variables);
   out["vectors"] = vectorsJson(r.vectors, *r.session);
   out["positioning"] = positioningJson(r.positioning);
+  out["thermal"] = thermalJson(r.thermal);
+  out["networks"] = fitted ? networkSummaries(d.base.problem->model()) : Json::array();
   out["ledger"] = ledgerJson(c.ledger, angular);
   out["parameters"] = parametersJson(c);
   out["added"] = addedJson(r);

@@ -34,6 +34,8 @@ std::string parametersText(const CalibrationResult& r) {
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const Effect& effect = *model.effects()[e];
     text += "  " + spoken(effect.spec()) + "\n";
+    if (const LearnedNetwork* learned = model.domain().findNetwork(effect.spec().yaml()))
+      text += "    " + learned->summary + "\n";
     for (int k = 0; k < effect.parameterCount(); ++k) {
       const int i = model.offset(static_cast<int>(e)) + k;
       const Parameter& p = model.parameter(i);

@@ -33,7 +33,7 @@ bool endsWith(const std::string& text, const std::string& ending) {
 
 }  // namespace
 
-int Series::column(const std::string& name) const {
+int SampledSeries::column(const std::string& name) const {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
   std::string list;
@@ -43,10 +43,10 @@ int Series::column(const std::string& name) const {
   throw InputError("there is no column '" + name + "'; the columns are: " + list);
 }
 
-Series readSeries(const std::string& path) {
+SampledSeries readSeries(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be opened; check the path");
-  Series series;
+  SampledSeries series;
   std::vector<double> numbers;
   std::string line;
   int lineNumber = 0;

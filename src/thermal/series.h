@@ -7,7 +7,7 @@ namespace mm {
 
 /// Quantities sampled together: one row a sample, in the order of time, one named column a quantity, in the
 /// unit of its name (temperatures in degC, displacements in um or mm).
-struct Series {
+struct SampledSeries {
   std::vector<std::string> names;
   Eigen::MatrixXd values;  // samples x columns
 
@@ -19,7 +19,7 @@ struct Series {
 /// Reads a CSV with one line of names and then numbers only. Lines that are empty or begin with '#' are
 /// skipped. Throws InputError, naming file and line, for doubled or empty names, rows that are too short or
 /// too long, and cells that are not finite numbers.
-Series readSeries(const std::string& path);
+SampledSeries readSeries(const std::string& path);
 
 /// True for the columns that hold the time of a sample rather than a measurement: t, time, or time_<unit>.
 bool isTimeColumn(const std::string& name);

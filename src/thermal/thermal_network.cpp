@@ -26,6 +26,11 @@ void check(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
     throw InputError("thermal network: a value is not a finite number; fill the gap or leave the sample out");
 }
 
+/// Contiguous blocks of time, at most one a sample.
+std::vector<Fold> foldsOf(Eigen::Index samples, const NetworkSettings& settings) {
+  return blockedFolds(static_cast<int>(samples), std::min(settings.blocks, static_cast<int>(samples)));
+}
+
 }  // namespace
 
 std::string nameOf(NetworkKind kind) {
@@ -124,26 +129,39 @@ std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& nu
   return network;
 }
 
+Eigen::MatrixXd heldOutPredictions(NetworkKind kind, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                                   const NetworkSettings& settings, const std::function<bool()>& goOn) {
+  check(x, y);
+  Eigen::MatrixXd predicted(y.rows(), y.cols());
+  for (const Fold& fold : foldsOf(y.rows(), settings)) {
+    if (goOn && !goOn()) throw Cancelled("thermal network: cancelled");
+    const std::unique_ptr<ThermalNetwork> network = makeNetwork(kind, settings);
+    network->fit(rowsOf(x, fold.train), rowsOf(y, fold.train));
+    predicted.middleRows(fold.test.front(), static_cast<Eigen::Index>(fold.test.size())) =
+        network->evaluateAll(rowsOf(x, fold.test));
+  }
+  return predicted;
+}
+
+Eigen::MatrixXd heldOutMeans(const Eigen::MatrixXd& y, const NetworkSettings& settings) {
+  Eigen::MatrixXd predicted(y.rows(), y.cols());
+  for (const Fold& fold : foldsOf(y.rows(), settings)) {
+    const Eigen::RowVectorXd mean = rowsOf(y, fold.train).colwise().mean();
+    predicted.middleRows(fold.test.front(), static_cast<Eigen::Index>(fold.test.size())).rowwise() = mean;
+  }
+  return predicted;
+}
+
 std::vector<NetworkComparison> compareNetworks(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
                                                const NetworkSettings& settings) {
   check(x, y);
-  const std::vector<Fold> folds =
-      blockedFolds(static_cast<int>(x.rows()), std::min(settings.blocks, static_cast<int>(x.rows())));
   std::vector<NetworkComparison> table{{"dfnn"}, {"rbf"}, {"ridge"}, {"none"}};
-  for (const Fold& fold : folds) {
-    const Eigen::MatrixXd trainX = rowsOf(x, fold.train), trainY = rowsOf(y, fold.train);
-    const Eigen::MatrixXd testX = rowsOf(x, fold.test), testY = rowsOf(y, fold.test);
-    for (NetworkComparison& entry : table) {
-      Eigen::MatrixXd predicted = trainY.colwise().mean().replicate(testY.rows(), 1);
-      if (entry.kind != "none") {
-        const std::unique_ptr<ThermalNetwork> network = makeNetwork(networkKind(entry.kind), settings);
-        network->fit(trainX, trainY);
-        predicted = network->evaluateAll(testX);
-      }
-      entry.heldOutRms += (predicted - testY).squaredNorm() / static_cast<double>(y.size());
-    }
+  for (NetworkComparison& entry : table) {
+    const Eigen::MatrixXd predicted = entry.kind == "none"
+                                          ? heldOutMeans(y, settings)
+                                          : heldOutPredictions(networkKind(entry.kind), x, y, settings);
+    entry.heldOutRms = (predicted - y).norm() / std::sqrt(static_cast<double>(y.size()));
   }
-  for (NetworkComparison& entry : table) entry.heldOutRms = std::sqrt(entry.heldOutRms);
   const double ridge = table[2].heldOutRms, none = table[3].heldOutRms;
   table[0].worthwhile = table[0].heldOutRms < std::min(ridge, none);
   table[1].worthwhile = table[1].heldOutRms < std::min(ridge, none);

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -77,6 +78,14 @@ struct NetworkComparison {
   /// False for a network that does not beat ridge-linear: it is not to be activated.
   bool worthwhile = false;
 };
+/// What a network says of every sample when it was fitted without the block of time that holds it. Throws
+/// InputError as fit() does; `goOn`, asked before each block, stops it with Cancelled.
+Eigen::MatrixXd heldOutPredictions(NetworkKind kind, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                                   const NetworkSettings& settings = {},
+                                   const std::function<bool()>& goOn = {});
+/// The same of no network: the mean of the other blocks.
+Eigen::MatrixXd heldOutMeans(const Eigen::MatrixXd& y, const NetworkSettings& settings = {});
+
 /// In the order dfnn, rbf, ridge, none. Throws InputError as fit() does.
 std::vector<NetworkComparison> compareNetworks(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
                                                const NetworkSettings& settings = {});

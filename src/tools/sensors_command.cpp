@@ -4,14 +4,18 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 
+#include "calibration_file/atomic_file.h"
 #include "estimation/genetic_subset.h"
 #include "machine/error.h"
 #include "thermal/sensor_selection.h"
-#include "thermal/series.h"
 #include "tools/commands.h"
 #include "tools/json_output.h"
 #include "tools/progress_bar.h"
+#include "tools/sensors_picture.h"
+#include "tools/sensors_source.h"
+#include "tools/session_input.h"
 
 namespace mm {
 namespace {
@@ -19,7 +23,7 @@ namespace {
 using nlohmann::ordered_json;
 
 struct SensorsOptions {
-  std::string csv, target;
+  std::string csv, target, picture, positions;
   int largest = 3, blocks = 10, gap = 0;
   double accuracyUm = 0.0;
   std::string estimator = "ksg", correction = "none", range = "common", choose;
@@ -27,40 +31,6 @@ struct SensorsOptions {
   std::uint64_t seed = 1;
   bool json = false;
 };
-
-/// The series as the selection needs it, and what people are told about it.
-struct Candidates {
-  std::vector<std::string> names;
-  Eigen::MatrixXd temperatures;
-  Eigen::VectorXd displacement;
-  double micrometres = 1.0;  // of one unit of the target
-  std::vector<std::string> leftOut;
-};
-
-Candidates readCandidates(const SensorsOptions& options) {
-  const Series series = readSeries(options.csv);
-  int target = 0;
-  try {
-    target = series.column(options.target);
-  } catch (const InputError& e) {
-    throw InputError(options.csv + ": --target: " + e.what());
-  }
-  Candidates candidates;
-  candidates.displacement = series.values.col(target);
-  candidates.micrometres = micrometresPerUnit(options.target);
-  std::vector<int> columns;
-  for (int c = 0; c < static_cast<int>(series.names.size()); ++c)
-    if (c != target && !isTimeColumn(series.names[static_cast<std::size_t>(c)])) columns.push_back(c);
-  if (columns.empty())
-    throw InputError(options.csv + ": there is no column beside '" + options.target +
-                     "' and the time; add one column a sensor");
-  candidates.temperatures.resize(series.values.rows(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    candidates.names.push_back(series.names[static_cast<std::size_t>(columns[i])]);
-    candidates.temperatures.col(static_cast<Eigen::Index>(i)) = series.values.col(columns[i]);
-  }
-  return candidates;
-}
 
 /// `subset` of SENSORS, which returns one set, as a search that returns the best it met.
 std::vector<std::vector<int>> searchSubsets(int sensors, int size, int keep, std::uint64_t seed,
@@ -120,7 +90,7 @@ SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) 
   return settings;
 }
 
-ordered_json toJson(const SensorSelection& selection, const Candidates& candidates) {
+ordered_json toJson(const SensorSelection& selection, const SensorCandidates& candidates) {
   const auto names = [&](const std::vector<int>& sensors) {
     ordered_json list = ordered_json::array();
     for (int s : sensors) list.push_back(candidates.names[static_cast<std::size_t>(s)]);
@@ -149,7 +119,7 @@ ordered_json toJson(const SensorSelection& selection, const Candidates& candidat
   return json;
 }
 
-std::string joined(const std::vector<int>& sensors, const Candidates& candidates,
+std::string joined(const std::vector<int>& sensors, const SensorCandidates& candidates,
                    const char* separator = " + ") {
   std::string text;
   for (int s : sensors)
@@ -157,7 +127,8 @@ std::string joined(const std::vector<int>& sensors, const Candidates& candidates
   return text;
 }
 
-void printText(const SensorSelection& selection, const Candidates& candidates, const std::string& target) {
+void printText(const SensorSelection& selection, const SensorCandidates& candidates,
+               const std::string& target) {
   const SensorSet& best = selection.sets[selection.recommended];
   std::printf("Measure %s: held-out error of %s %.3g um.\n\n", joined(best.sensors, candidates).c_str(),
               target.c_str(), best.heldOutRms * candidates.micrometres);
@@ -187,8 +158,13 @@ void printText(const SensorSelection& selection, const Candidates& candidates, c
 }
 
 void runSensors(const SensorsOptions& options) {
-  const Candidates candidates = readCandidates(options);
+  checkOutput(options.picture);
+  const SensorCandidates candidates = readSensorCandidates(options.csv, options.target);
   const SelectionSettings settings = settingsOf(options, candidates.micrometres);
+  const std::optional<Eigen::MatrixXd> positions =
+      options.positions.empty()
+          ? std::nullopt
+          : std::optional<Eigen::MatrixXd>(readSensorPositions(options.positions, candidates.names));
   SensorSelection selection;
   try {
     ProgressBar bar("sensors");
@@ -204,6 +180,9 @@ void runSensors(const SensorsOptions& options) {
     std::cerr << "mm: warning: " << options.csv << ": column '"
               << candidates.names[static_cast<std::size_t>(s)] << "' does not vary and is left out"
               << std::endl;
+  if (!options.picture.empty())
+    writeFileAtomically(options.picture, sensorsPicture(selection, candidates.names, positions,
+                                                        options.target, candidates.micrometres));
   if (options.json)
     printJson(std::cout, toJson(selection, candidates));
   else
@@ -217,11 +196,12 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
   CLI::App* command =
       app.add_subcommand("sensors", "Which temperatures to measure, from a series of all candidates");
   command
-      ->add_option("series", options->csv, "CSV: a line of names, then one sample a row in the order of time")
+      ->add_option("series", options->csv,
+                   "CSV: a line of names, then one sample a row in the order of time; or a session's bag")
       ->required();
   command
       ->add_option("--target", options->target,
-                   "column of the displacement (unit by its ending: _um, _mm, _m)")
+                   "column of the displacement (unit by its ending: _um, _mm, _m); of a bag: the axis")
       ->required();
   command->add_option("--max", options->largest, "largest set")
       ->capture_default_str()
@@ -259,6 +239,12 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
   command->add_option("--seed", options->seed, "of all that is random")->capture_default_str();
+  command->add_option("--picture", options->picture,
+                      "SVG: where the sensors sit, and the information and held-out error against m");
+  command
+      ->add_option("--positions", options->positions,
+                   "CSV for the picture: sensor,x_mm,y_mm,z_mm, one row a sensor")
+      ->needs("--picture");
   command->add_flag("--json", options->json, "for programs");
   command->footer(
       "Columns named t, time or time_<unit> are time; all others but the target are candidate sensors.\n"

@@ -87,6 +87,40 @@ TEST(RealData, FrameThermal) {
   EXPECT_NEAR(calibrated(work, csv, frame)["rms_um"].get<double>(), 42.9, 0.05);
 }
 
+/// What is left over bed and frame does not follow their temperatures: networks would make it worse, judged
+/// on held-out blocks of time, and are not activated. A physical effect, the bed's slow share, does help.
+TEST(RealData, FrameThermalNetworks) {
+  MM_NEEDS_SHARED_DATA(folder, "frame_thermal");
+  const TestFolder work;
+  const std::string physical =
+      "  - {type: thermal_growth, direction: z, sensor: bed}\n"
+      "  - {type: thermal_growth, direction: z, sensor: frame}\n";
+  const std::string csv = folder / "z_against_temperatures.csv";
+  for (const char* kind : {"dfnn", "rbf", "ridge"}) {
+    const nlohmann::json result = calibrated(
+        work, csv,
+        physical + "  - {type: thermal_network, axis: z, sensors: [bed, frame, chamber], network: " + kind +
+            "}\n",
+        "--method least_squares");
+    const nlohmann::json network = result["networks"][0];
+    EXPECT_FALSE(network["active"]) << network["summary"];
+    EXPECT_GT(network["held_out_rms_um"].get<double>(), network["held_out_rms_none_um"].get<double>())
+        << kind;
+    EXPECT_NEAR(network["held_out_rms_none_um"].get<double>(), 8.0, 0.2);
+    EXPECT_NEAR(result["rms_um"].get<double>(), 8.1, 0.05);
+  }
+  const nlohmann::json lag =
+      calibrated(work, csv, physical + "  - {type: thermal_growth, direction: z, sensor: bed, lag: true}\n",
+                 "--method least_squares");
+  EXPECT_LT(lag["rms_um"].get<double>(), 5.0);
+  EXPECT_LT(lag["held_out_rms_um"].get<double>(), 6.0);
+  // alone, without the physical effects, a linear network does about as well as bed and frame
+  const nlohmann::json alone = calibrated(work, csv, "  - {type: thermal_network, axis: z, network: ridge}\n",
+                                          "--method least_squares");
+  EXPECT_TRUE(alone["networks"][0]["active"]);
+  EXPECT_NEAR(alone["networks"][0]["held_out_rms_um"].get<double>(), 8.0, 1.0);
+}
+
 TEST(RealData, LaserTable2) {
   MM_NEEDS_SHARED_DATA(folder, "laser_table2");
   const TestFolder work;

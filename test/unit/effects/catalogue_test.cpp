@@ -48,6 +48,7 @@ std::vector<EffectSpec> everySpec(const Domain& domain, int which) {
                       "{type: formula, direction: pan, formula: k1*sin(tilt) + k2*cos(2*pan)}"};
   for (const std::string& text : more) specs.push_back(specOf(text));
   specs.push_back(EffectSpec("position_table").set("axis", domain.joints[0].name));
+  specs.push_back(EffectSpec("thermal_network").set("axis", domain.joints[0].name));
   return specs;
 }
 
@@ -252,9 +253,10 @@ TEST_P(Catalogue, missingInputGivesNan) {
       same = same && after[slot] == before[slot];
     }
     EXPECT_TRUE(nan || same);
-    const std::set<std::string> needy{
-        "backlash",     "speed_lag",       "thermal_expansion",  "thermal_growth",   "thermal_bending",
-        "probe_lobing", "laser_incidence", "artifact_expansion", "covariate_offset", "covariate_scale"};
+    const std::set<std::string> needy{"backlash",        "speed_lag",          "thermal_expansion",
+                                      "thermal_growth",  "thermal_bending",    "probe_lobing",
+                                      "laser_incidence", "artifact_expansion", "covariate_offset",
+                                      "covariate_scale", "thermal_network"};
     if (needy.count(effect->spec().type) != 0) {
       EXPECT_TRUE(nan);
     }

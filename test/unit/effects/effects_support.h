@@ -9,6 +9,7 @@
 
 #include "effects/registry.h"
 #include "machine/machine.h"
+#include "thermal/thermal_network.h"
 
 namespace mm {
 
@@ -68,6 +69,24 @@ inline const char* panTiltUrdf() {
   <joint name="mount" type="fixed"><parent link="tube"/><child link="probe_tip"/><origin xyz="0.2 0.01 0"/></joint></robot>)";
 }
 
+/// A network of two sensors and three positions of the first joint that has learned a bend.
+inline LearnedNetwork learnedNetwork(const Domain& d, const EffectSpec& effect) {
+  Eigen::MatrixXd x(12, 2), y(12, 3);
+  for (int k = 0; k < 12; ++k) {
+    x.row(k) << 20.0 + k, 30.0 - 0.5 * k + k % 3;
+    y.row(k) << 1e-6 * k, 2e-6 * k * k, 1e-6 * (k - x(k, 1));
+  }
+  const auto network = makeNetwork(NetworkKind::kRidge);
+  network->fit(x, y);
+  LearnedNetwork learned;
+  learned.effect = effect.yaml();
+  learned.active = true;
+  learned.sensors = {"spindle", "bed"};
+  learned.positions = {d.lower[0], 0.3 * d.lower[0] + 0.7 * d.upper[0], d.upper[0]};
+  learned.numbers = network->toNumbers();
+  return learned;
+}
+
 /// A domain with every kind of input, over the machine's own limits.
 inline Domain domainOf(const Machine& machine, bool laser) {
   Domain d;
@@ -90,6 +109,7 @@ inline Domain domainOf(const Machine& machine, bool laser) {
   d.duration = 3600;
   d.maxSpeed = 0.02;
   d.laser = laser;
+  d.networks = {learnedNetwork(d, EffectSpec("thermal_network").set("axis", d.joints[0].name))};
   return d;
 }
 

@@ -34,9 +34,9 @@ std::string complaint(const std::string& text) {
   return "";
 }
 
-TEST(Series, ReadsNamedColumns) {
+TEST(SampledSeries, ReadsNamedColumns) {
   const TextFile file("time_s, a_degC ,nose_um\r\n# a comment\n0,20.5,1e-1\n\n1,21,-3\n");
-  const Series series = readSeries(file.path());
+  const SampledSeries series = readSeries(file.path());
   EXPECT_EQ(series.names, (std::vector<std::string>{"time_s", "a_degC", "nose_um"}));
   ASSERT_EQ(series.samples(), 2);
   EXPECT_EQ(series.values(0, 1), 20.5);
@@ -45,7 +45,7 @@ TEST(Series, ReadsNamedColumns) {
   EXPECT_THROW(series.column("nose"), InputError);
 }
 
-TEST(Series, NamesLineAndColumnOfWhatIsWrong) {
+TEST(SampledSeries, NamesLineAndColumnOfWhatIsWrong) {
   EXPECT_NE(complaint("a,b\n1,2\n3\n").find(":3: 1 values for 2 columns"), std::string::npos);
   EXPECT_NE(complaint("a,b\n1,nan\n").find(":2: column 'b': 'nan'"), std::string::npos);
   EXPECT_NE(complaint("a,b\n1,\n").find(":2: column 'b': ''"), std::string::npos);
@@ -55,7 +55,7 @@ TEST(Series, NamesLineAndColumnOfWhatIsWrong) {
   EXPECT_THROW(readSeries("/nonexistent/series.csv"), InputError);
 }
 
-TEST(Series, KnowsTimeAndUnits) {
+TEST(SampledSeries, KnowsTimeAndUnits) {
   EXPECT_TRUE(isTimeColumn("time_s"));
   EXPECT_FALSE(isTimeColumn("timer_degC"));
   EXPECT_EQ(micrometresPerUnit("nose_mm"), 1e3);

@@ -9,8 +9,8 @@
 
 #include "machine/error.h"
 #include "random_numbers.h"
+#include "simulation/heated_mill.h"
 #include "thermal/grey_relation.h"
-#include "thermal_machine.h"
 
 namespace mm {
 namespace {
@@ -228,18 +228,18 @@ Medians onMachines(ThermalLaw law, int machines) {
   for (int k = 0; k < 11; ++k) minutes[static_cast<std::size_t>(k)] = 20.0 * k;
   for (int k = 0; k < machines; ++k) {
     const auto seed = static_cast<std::uint64_t>(k);
-    const RandomMachine machine(100 + seed, law);
-    MatrixXd t(33, RandomMachine::kSensors), y(33, RandomMachine::kPositions);
+    const HeatedMill machine(100 + seed, law);
+    MatrixXd t(33, HeatedMill::kSensors), y(33, HeatedMill::kPositions);
     const double loads[3] = {1.0, 0.5, 1.3}, starts[3] = {20.5, 20.2, 20.8};
     for (int day = 0; day < 3; ++day) {
-      const MachineRun run = machine.run(minutes, starts[day], loads[day], 0.05, 0.2,
+      const MillRun run = machine.run(minutes, starts[day], loads[day], 0.05, 0.2,
                                          10 * seed + static_cast<std::uint64_t>(day));
       t.middleRows(11 * day, 11) = run.temperatures;
       y.middleRows(11 * day, 11) = run.deviation;
     }
-    const MachineRun test = machine.run({0, 60, 120}, 21.0, 0.6 + 0.3 * (k % 3), 0.05, 0.0, 1000 + seed);
+    const MillRun test = machine.run({0, 60, 120}, 21.0, 0.6 + 0.3 * (k % 3), 0.05, 0.0, 1000 + seed);
     const Eigen::VectorXd grade = greyRelationalGrade(t, y);
-    std::vector<int> order(RandomMachine::kSensors);
+    std::vector<int> order(HeatedMill::kSensors);
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(), [&](int a, int b) { return grade(a) > grade(b); });
     MatrixXd x(33, 4), testX(3, 4);

@@ -1,0 +1,110 @@
+#include "effects/thermal_network.h"
+
+#include <algorithm>
+#include <array>
+
+#include "effects/catalogue_effect.h"
+#include "effects/quantity.h"
+#include "machine/error.h"
+#include "thermal/thermal_network.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kMostOutputs = 64;  // as many positions as a Domain keeps
+constexpr std::size_t kMostInputs = 64;
+
+class ThermalNetworkEffect : public CatalogueEffect {
+ public:
+  explicit ThermalNetworkEffect(SpecReader& read)
+      : CatalogueEffect(read, Stage::kAxis), axis_(read.joint("axis")), name_(read.text("axis")) {
+    std::vector<std::string> listed;
+    if (read.isList("sensors"))
+      for (const int sensor : read.sensorList("sensors")) listed.push_back(read.domain().sensors[sensor]);
+    else
+      read.choice("sensors", {"auto", "grey_grade"});
+    read.choice("network", {"dfnn", "rbf", "ridge"});
+    if (listed.size() > kMostInputs) read.fail("at most 64 sensors");
+    if (read.domain().sensors.empty())
+      read.fail("the session has no temperatures; log them (columns <sensor>_degC), or leave the effect out");
+    const LearnedNetwork* learned = read.domain().findNetwork(read.canonical().yaml());
+    if (learned != nullptr && learned->active) adoptNetwork(read, *learned);
+  }
+
+  bool composite() const override { return true; }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    if (!network_) return;
+    const int slot = layout_.axis(axis_);
+    std::array<double, kMostInputs> x;
+    std::array<double, kMostOutputs> y;
+    bool known = true;
+    for (std::size_t i = 0; i < sensors_.size(); ++i) {
+      x[i] = state.temperature[sensors_[i]];
+      known = known && x[i] == x[i];
+    }
+    if (!known) return sink.add(slot, 0, p[0], kUnknown);
+    network_->evaluate(x.data(), y.data());
+    const double q = state.position[axis_];
+    const auto after = std::upper_bound(positions_.begin(), positions_.end(), q);
+    const std::size_t i = static_cast<std::size_t>(after - positions_.begin());
+    if (i == 0) return sink.add(slot, 0, p[0], y[0]);
+    if (i == positions_.size()) return sink.add(slot, 0, p[0], q == q ? y[i - 1] : kUnknown);
+    const double share = (q - positions_[i - 1]) / (positions_[i] - positions_[i - 1]);
+    sink.add(slot, 0, p[0], (1.0 - share) * y[i - 1] + share * y[i]);
+  }
+
+  std::string cause() const override {
+    return "Heat deforms the machine along " + name_ + " in a way that no single thermal effect describes.";
+  }
+  std::string remedy() const override {
+    return "Cool or screen the sources, warm up before measuring, or leave the correction on.";
+  }
+  std::string shownBy() const override {
+    return "The same positions of " + name_ +
+           " measured many times while the machine warms and cools, all temperatures logged.";
+  }
+
+ private:
+  void adoptNetwork(const SpecReader& read, const LearnedNetwork& learned) {
+    try {
+      network_ = networkFromNumbers(learned.numbers);
+    } catch (const InputError& e) {
+      read.fail(e.what());
+    }
+    for (const std::string& name : learned.sensors) {
+      sensors_.push_back(read.domain().findSensor(name));
+      if (sensors_.back() < 0)
+        read.fail("its sensor '" + name + "' is not among the temperatures; there are: " +
+                  listOfSensors(read.domain()) + "; was it renamed? Calibrate again");
+    }
+    positions_ = learned.positions;
+    const bool fits = network_->inputs() == static_cast<int>(sensors_.size()) && !sensors_.empty() &&
+                      sensors_.size() <= kMostInputs && !positions_.empty() &&
+                      positions_.size() <= kMostOutputs &&
+                      network_->outputs() == static_cast<int>(positions_.size()) &&
+                      std::is_sorted(positions_.begin(), positions_.end());
+    if (!fits) read.fail("the stored network does not fit its sensors and positions; calibrate again");
+    parameters_ = {parameter("gain", Unit{"1", 1.0}, 1.0, 10.0)};
+  }
+
+  static std::string listOfSensors(const Domain& domain) {
+    std::string text;
+    for (const std::string& s : domain.sensors) text += (text.empty() ? "" : ", ") + s;
+    return text;
+  }
+
+  int axis_;
+  std::string name_;
+  std::shared_ptr<const ThermalNetwork> network_;
+  std::vector<int> sensors_;       // of the Domain
+  std::vector<double> positions_;  // m or rad, ascending
+};
+
+}  // namespace
+
+EffectType thermalNetworkType() {
+  return effectType<ThermalNetworkEffect>("thermal_network", {"axis", "sensors", "network"}, nullptr, true);
+}
+
+}  // namespace mm

@@ -1,0 +1,273 @@
+#include "estimation/network_learning.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "effects/registry.h"
+#include "estimation/network_samples.h"
+#include "machine/error.h"
+#include "machine/units.h"
+#include "thermal/grey_relation.h"
+#include "thermal/ridge.h"
+#include "thermal/sensor_selection.h"
+#include "thermal/thermal_network.h"
+
+namespace mm {
+namespace {
+
+constexpr const char* kType = "thermal_network";
+constexpr double kBetter = 0.98;     // of the ridge-linear held-out error: what counts as beating it
+constexpr int kSamplesForSets = 30;  // fewer say too little about the information of sets of sensors
+constexpr int kGreySensors = 4;      // as many as DFNN takes
+constexpr int kLargestSensorSet = 3;
+
+bool isNetwork(const Effect& effect) { return effect.spec().type == kType; }
+
+/// One network: its axis, its samples, and what is learned from them.
+class Learner {
+ public:
+  Learner(const EffectSpec& spec, const Domain& domain, NetworkSamples samples,
+          const CalibrateOptions& options)
+      : spec_(spec), domain_(domain), samples_(std::move(samples)), options_(options) {
+    axis_ = domain.findJoint(spec.text("axis"));
+    const std::string network = spec.text("network");
+    kind_ = networkKind(network.empty() ? "dfnn" : network);
+    chooseSensors();
+    keepKnown();
+  }
+
+  LearnedNetwork run() {
+    const auto goOn = [this] { return !(options_.cancelled && options_.cancelled()); };
+    const Eigen::MatrixXd &x = inputs_, &y = outputs_;
+    const Eigen::MatrixXd ridge = heldOutPredictions(NetworkKind::kRidge, x, y, {}, goOn);
+    predicted_ = kind_ == NetworkKind::kRidge ? ridge : heldOutPredictions(kind_, x, y, {}, goOn);
+    LearnedNetwork learned;
+    learned.effect = spec_.yaml();
+    learned.positions = samples_.positions;
+    for (const int s : sensors_) learned.sensors.push_back(domain_.sensors[static_cast<std::size_t>(s)]);
+    learned.heldOut = rms(predicted_ - y);
+    learned.heldOutRidge = rms(ridge - y);
+    learned.heldOutNone = std::min(rms(heldOutMeans(y) - y), rms(y));
+    const double best = kind_ == NetworkKind::kRidge ? learned.heldOutNone
+                                                     : std::min(learned.heldOutRidge, learned.heldOutNone);
+    learned.active = learned.heldOut < kBetter * best;
+    const std::unique_ptr<ThermalNetwork> network = makeNetwork(kind_);
+    network->fit(x, y);
+    if (learned.active) {
+      learned.numbers = network->toNumbers();
+      predicted_ -= network->evaluateAll(x);
+    } else {
+      predicted_.setZero();
+    }
+    learned.summary = summaryOf(learned, *network);
+    return learned;
+  }
+
+  /// After run(): held-out minus full prediction at an observation, m or rad; 0 outside the sets.
+  double shift(int observation, double reading) const {
+    const int set = samples_.setOf[static_cast<std::size_t>(observation)];
+    const int row = set < 0 ? -1 : rowOf_[static_cast<std::size_t>(set)];
+    return row < 0 ? 0.0 : samples_.at(reading, predicted_.row(row));
+  }
+  int axis() const { return axis_; }
+
+ private:
+  double rms(const Eigen::MatrixXd& e) const { return e.norm() / std::sqrt(static_cast<double>(e.size())); }
+
+  bool varies(int sensor) const {
+    double low = INFINITY, high = -INFINITY;
+    for (Eigen::Index k = 0; k < samples_.temperatures.rows(); ++k) {
+      low = std::fmin(low, samples_.temperatures(k, sensor));
+      high = std::fmax(high, samples_.temperatures(k, sensor));
+    }
+    return high > low;
+  }
+
+  void chooseSensors() {
+    if (const EffectSpec::Value* listed = spec_.find("sensors"); listed != nullptr && listed->list) {
+      for (const std::string& name : listed->items) {
+        sensors_.push_back(domain_.findSensor(name));
+        if (!varies(sensors_.back()))
+          throw InputError("effect " + spec_.yaml() + ": temperature " + name +
+                           " does not vary in this session, so nothing can be learned from it; check the "
+                           "sensor, or leave it out");
+      }
+      return;
+    }
+    std::vector<int> candidates;
+    for (int s = 0; s < static_cast<int>(domain_.sensors.size()); ++s)
+      if (varies(s) && samples_.temperatures.col(s).allFinite()) candidates.push_back(s);
+    if (candidates.empty())
+      throw InputError("effect " + spec_.yaml() +
+                       ": no temperature of the session varies and is known throughout; log the temperatures "
+                       "of the parts that warm up, or list the sensors");
+    Eigen::MatrixXd x(samples_.temperatures.rows(), static_cast<Eigen::Index>(candidates.size()));
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      x.col(static_cast<Eigen::Index>(i)) = samples_.temperatures.col(candidates[i]);
+    std::vector<int> chosen;
+    grey_ = spec_.text("sensors") == "grey_grade" || x.rows() < kSamplesForSets;
+    if (grey_) {
+      const Eigen::VectorXd grade = greyRelationalGrade(x, samples_.error);
+      chosen.resize(candidates.size());
+      std::iota(chosen.begin(), chosen.end(), 0);
+      std::stable_sort(chosen.begin(), chosen.end(), [&](int a, int b) { return grade[a] > grade[b]; });
+      if (chosen.size() > kGreySensors) chosen.resize(kGreySensors);
+    } else {
+      SelectionSettings settings;
+      settings.largestSize = kLargestSensorSet;
+      settings.threads = options_.threads;
+      settings.seed = options_.seed;
+      const SensorSelection selection = selectSensors(x, samples_.mainError(), settings);
+      chosen = selection.sets[selection.recommended].sensors;
+    }
+    std::sort(chosen.begin(), chosen.end());
+    for (const int c : chosen) sensors_.push_back(candidates[static_cast<std::size_t>(c)]);
+  }
+
+  /// Sets of which every chosen temperature is known.
+  void keepKnown() {
+    std::vector<int> rows;
+    rowOf_.assign(static_cast<std::size_t>(samples_.temperatures.rows()), -1);
+    for (int k = 0; k < static_cast<int>(rowOf_.size()); ++k) {
+      const bool known = std::all_of(sensors_.begin(), sensors_.end(),
+                                     [&](int s) { return std::isfinite(samples_.temperatures(k, s)); });
+      if (!known) continue;
+      rowOf_[static_cast<std::size_t>(k)] = static_cast<int>(rows.size());
+      rows.push_back(k);
+    }
+    if (static_cast<int>(rows.size()) < kFewestSets)
+      throw InputError("effect " + spec_.yaml() + ": its temperatures are known in " +
+                       std::to_string(rows.size()) + " sets of measurements only; at least " +
+                       std::to_string(kFewestSets) + " are needed to learn from");
+    const Eigen::MatrixXd known = rowsOf(samples_.temperatures, rows);
+    inputs_.resize(known.rows(), static_cast<Eigen::Index>(sensors_.size()));
+    for (std::size_t i = 0; i < sensors_.size(); ++i)
+      inputs_.col(static_cast<Eigen::Index>(i)) = known.col(sensors_[i]);
+    outputs_ = rowsOf(samples_.error, rows);
+  }
+
+  std::string summaryOf(const LearnedNetwork& l, const ThermalNetwork& network) const {
+    const bool linear = domain_.joints[static_cast<std::size_t>(axis_)].kind == JointKind::kLinear;
+    const double unit = linear ? kMicrometre : kArcsecond;
+    const char* name = linear ? "um" : "arcsec";
+    std::string sensors;
+    for (const std::string& s : l.sensors) sensors += (sensors.empty() ? "" : ", ") + s;
+    char text[400];
+    std::snprintf(
+        text, sizeof text, "held out %.3g %s; ridge-linear %.3g, none %.3g; %lld sets, %zu position%s, from ",
+        l.heldOut / unit, name, l.heldOutRidge / unit, l.heldOutNone / unit,
+        static_cast<long long>(outputs_.rows()), l.positions.size(), l.positions.size() == 1 ? "" : "s");
+    std::string summary = text + sensors;
+    if (spec_.find("sensors") == nullptr || !spec_.find("sensors")->list)
+      summary += grey_ ? " (highest grey grade)" : " (by information)";
+    if (l.active)
+      return nameOf(network.kind()) + " active" +
+             (network.rules() > 1 ? ", " + std::to_string(network.rules()) +
+                                        (network.kind() == NetworkKind::kRbf ? " centres" : " rules")
+                                  : std::string()) +
+             ": " + summary;
+    summary =
+        nameOf(network.kind()) + " not activated, it does not beat " +
+        (kind_ == NetworkKind::kRidge || l.heldOutNone <= l.heldOutRidge ? "no network" : "ridge-linear") +
+        " on held-out blocks of time: " + summary;
+    if (kind_ != NetworkKind::kRidge && l.heldOutRidge < kBetter * l.heldOutNone)
+      summary += "; ridge-linear itself is worth it: network: ridge";
+    return summary;
+  }
+
+  EffectSpec spec_;
+  const Domain& domain_;
+  NetworkSamples samples_;
+  const CalibrateOptions& options_;
+  int axis_ = 0;
+  NetworkKind kind_ = NetworkKind::kDfnn;
+  bool grey_ = false;
+  std::vector<int> sensors_;          // of the domain
+  std::vector<int> rowOf_;            // a set: its row below, -1: a temperature is not known
+  Eigen::MatrixXd inputs_, outputs_;  // sets x sensors, degC; sets x positions, m or rad
+  Eigen::MatrixXd predicted_;         // after run(): held-out minus full prediction
+};
+
+}  // namespace
+
+bool hasToLearn(const Model& model) {
+  return std::any_of(model.effects().begin(), model.effects().end(), [&](const EffectPtr& e) {
+    return isNetwork(*e) && model.domain().findNetwork(e->spec().yaml()) == nullptr;
+  });
+}
+
+LearnedModel learnNetworks(const Session& session, const Model& model, const CalibrateOptions& options,
+                           const Eigen::VectorXd& start) {
+  // the physical effects first, with all rows: what they do not explain is no outlier yet
+  std::vector<EffectPtr> physical;
+  std::vector<double> given;
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    const EffectPtr& effect = model.effects()[e];
+    if (isNetwork(*effect)) continue;
+    physical.push_back(effect);
+    for (int k = 0; k < effect->parameterCount(); ++k)
+      given.push_back(start.size() == model.parameterCount()
+                          ? start[model.offset(static_cast<int>(e)) + k]
+                          : effect->parameters()[static_cast<std::size_t>(k)].start);
+  }
+  CalibrateOptions first = options;
+  first.method = Method::kLeastSquares;
+  if (first.weights.size() == 0) first.rejectOutliers = false;
+  const auto report = [&](double share) {
+    if (options.cancelled && options.cancelled()) throw Cancelled("stopped before the networks had learned");
+    if (options.progress) options.progress("networks", share);
+  };
+  first.progress = {};
+  Domain domain = model.domain();
+  domain.networks.clear();
+  report(0.0);
+  CalibrationResult fitted =
+      calibrate(session, Model(model.machine(), domain, physical), first,
+                Eigen::Map<const Eigen::VectorXd>(given.data(), static_cast<Eigen::Index>(given.size())));
+  if (fitted.cancelled) throw Cancelled("stopped before the networks had learned");
+  fitted.problem->linearise(fitted.x);
+
+  const auto& observations = session.observations;
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(observations.size()),
+                                                static_cast<Eigen::Index>(domain.joints.size()));
+  Eigen::VectorXd residuals = fitted.residuals;
+  std::vector<EffectPtr> effects;
+  std::vector<double> values;
+  int taken = 0, learnedSoFar = 0;
+  const auto networks = std::count_if(model.effects().begin(), model.effects().end(),
+                                      [](const EffectPtr& e) { return isNetwork(*e); });
+  for (const EffectPtr& effect : model.effects()) {
+    if (!isNetwork(*effect)) {
+      effects.push_back(effect);
+      for (int k = 0; k < effect->parameterCount(); ++k) values.push_back(fitted.x[taken++]);
+      continue;
+    }
+    report(static_cast<double>(learnedSoFar++) / static_cast<double>(networks));
+    Learner learner(effect->spec(), fitted.problem->model().domain(),
+                    gatherNetworkSamples(*fitted.problem, residuals, fitted.weight,
+                                         domain.findJoint(effect->spec().text("axis"))),
+                    options);
+    domain.networks.push_back(learner.run());
+    effects.push_back(createEffect(effect->spec(), domain));
+    if (!domain.networks.back().active) continue;
+    values.push_back(1.0);
+    for (std::size_t o = 0; o < observations.size(); ++o)
+      shift(static_cast<Eigen::Index>(o), learner.axis()) += learner.shift(
+          static_cast<int>(o), observations[o].position[static_cast<std::size_t>(learner.axis())]);
+    const double one = 1.0;  // the next network learns what this one leaves
+    const Eigen::MatrixXd columns = fitted.problem->effectColumns(*effects.back(), {one});
+    for (Eigen::Index i = 0; i < residuals.size(); ++i)
+      if (std::isfinite(columns(i, 0))) residuals[i] += columns(i, 0);
+  }
+  report(1.0);
+  LearnedModel learned{
+      Model(model.machine(), domain, effects),
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())),
+      std::move(shift)};
+  return learned;
+}
+
+}  // namespace mm

@@ -1,0 +1,29 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "estimation/calibrate.h"
+
+namespace mm {
+
+/// A model whose networks have learned, and what belongs to it.
+struct LearnedModel {
+  Model model;
+  Eigen::VectorXd start;  // of its parameters: the other effects' fitted values, 1 for each gain
+  /// By how much the networks, learned without the block of time that holds an observation, differ there from
+  /// those that have seen everything: observations x joints, m or rad.
+  Eigen::MatrixXd heldOutShift;
+};
+
+/// Whether the model has a thermal_network that has not learned yet.
+bool hasToLearn(const Model& model);
+
+/// Physical effects come first: the model without its networks is fitted, and each network, in the order of
+/// the model, learns what is left. One that does not beat the ridge-linear network on held-out blocks of time
+/// (for `ridge`: no network at all) is not activated; its summary says so. Deterministic.
+/// @param start of the model's parameters; empty: the effects' own.
+/// @throw InputError: no temperatures, too few sets, a listed sensor that does not vary. Cancelled.
+LearnedModel learnNetworks(const Session& session, const Model& model, const CalibrateOptions& options,
+                           const Eigen::VectorXd& start);
+
+}  // namespace mm

@@ -1,0 +1,168 @@
+#include "estimation/network_samples.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kMostSets = 300;
+constexpr double kSensitive = 0.3;  // a row tells of the axis from this share of the largest sensitivity on
+constexpr double kNear = 0.75;      // share of an output from which on a reading counts as measured there
+
+/// One scalar that tells of the axis: residual + gradient * error = 0.
+struct Evidence {
+  int observation = 0;
+  double reading = 0.0, residual = 0.0, gradient = 0.0;
+};
+
+using Set = std::vector<Evidence>;
+
+std::vector<Evidence> evidenceOf(const Problem& problem, const Eigen::VectorXd& residuals,
+                                 const Eigen::VectorXd& weight, int axis) {
+  const int slot = problem.model().machine().layout().axis(axis);
+  const auto gradient = problem.slotGradients().col(slot);
+  double largest = 0.0;
+  for (int i = 0; i < problem.rowCount(); ++i)
+    if (weight[i] > 0.0) largest = std::max(largest, std::abs(gradient[i]));
+  std::vector<Evidence> all;
+  for (int i = 0; i < problem.rowCount() && largest > 0.0; ++i) {
+    if (weight[i] <= 0.0 || std::abs(gradient[i]) < kSensitive * largest) continue;
+    const int o = problem.rows()[i].observation;
+    all.push_back({o, problem.session().observations[o].position[axis], residuals[i], gradient[i]});
+  }
+  return all;
+}
+
+/// Shares of the outputs at a reading: linear between two, all of the first or last beyond.
+void sharesAt(const std::vector<double>& positions, double q, Eigen::VectorXd& shares) {
+  shares.setZero(static_cast<Eigen::Index>(positions.size()));
+  const auto i = std::upper_bound(positions.begin(), positions.end(), q) - positions.begin();
+  if (i == 0) {
+    shares[0] = 1.0;
+  } else if (i == static_cast<std::ptrdiff_t>(positions.size())) {
+    shares[i - 1] = 1.0;
+  } else {
+    shares[i] = (q - positions[i - 1]) / (positions[i] - positions[i - 1]);
+    shares[i - 1] = 1.0 - shares[i];
+  }
+}
+
+/// Stretches of time in which every output was measured, each as often as the others: five runs at each
+/// position before the next are one set, a run forwards and one backwards are two. What is left at the end is
+/// in none.
+std::vector<Set> setsOf(const std::vector<Evidence>& evidence, const std::vector<double>& positions) {
+  std::vector<Set> sets;
+  if (positions.size() == 1) {
+    for (const Evidence& e : evidence) {
+      if (sets.empty() || sets.back().front().observation != e.observation) sets.emplace_back();
+      sets.back().push_back(e);
+    }
+    return sets;
+  }
+  Eigen::VectorXd shares;
+  Set open;
+  std::vector<int> measured(positions.size(), 0);
+  for (const Evidence& e : evidence) {
+    open.push_back(e);
+    Eigen::Index at = 0;
+    sharesAt(positions, e.reading, shares);
+    if (shares.maxCoeff(&at) < kNear) continue;
+    const int here = ++measured[static_cast<std::size_t>(at)];
+    int least = std::numeric_limits<int>::max();
+    for (std::size_t i = 0; i < measured.size(); ++i)
+      if (static_cast<Eigen::Index>(i) != at) least = std::min(least, measured[i]);
+    if (least == 0 || here < least) continue;
+    sets.push_back(std::move(open));
+    open.clear();
+    std::fill(measured.begin(), measured.end(), 0);
+  }
+  return sets;
+}
+
+/// Neighbours together, so that there are at most kMostSets.
+std::vector<Set> merged(std::vector<Set> sets) {
+  const std::size_t each = (sets.size() + kMostSets - 1) / kMostSets;
+  if (each <= 1) return sets;
+  std::vector<Set> few((sets.size() + each - 1) / each);
+  for (std::size_t i = 0; i < sets.size(); ++i)
+    few[i / each].insert(few[i / each].end(), sets[i].begin(), sets[i].end());
+  return few;
+}
+
+/// Positions that are measured again and again, then the ends of the range, then one for all.
+std::vector<std::vector<double>> choicesOf(const Domain& domain, int axis) {
+  std::vector<std::vector<double>> choices;
+  if (!domain.positions[axis].empty()) choices.push_back(domain.positions[axis]);
+  if (domain.upper[axis] > domain.lower[axis]) choices.push_back({domain.lower[axis], domain.upper[axis]});
+  choices.push_back({0.5 * (domain.lower[axis] + domain.upper[axis])});
+  return choices;
+}
+
+}  // namespace
+
+double NetworkSamples::at(double q, const Eigen::RowVectorXd& outputs) const {
+  Eigen::VectorXd shares;
+  sharesAt(positions, q, shares);
+  return outputs.dot(shares);
+}
+
+Eigen::VectorXd NetworkSamples::mainError() const {
+  const Eigen::MatrixXd centred = error.rowwise() - error.colwise().mean();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred.transpose() * centred);
+  const Eigen::VectorXd direction = solver.eigenvectors().rightCols(1);
+  Eigen::Index largest = 0;
+  direction.cwiseAbs().maxCoeff(&largest);
+  return centred * direction * direction[largest];
+}
+
+NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorXd& residuals,
+                                    const Eigen::VectorXd& weight, int axis) {
+  const Domain& domain = problem.model().domain();
+  const std::string name = domain.joints[static_cast<std::size_t>(axis)].name;
+  const std::vector<Evidence> evidence = evidenceOf(problem, residuals, weight, axis);
+  if (evidence.empty())
+    throw InputError(problem.session().source + ": thermal_network: nothing in the session tells of axis " +
+                     name + "; measure it, or leave the effect out");
+  NetworkSamples samples;
+  std::vector<Set> sets;
+  for (const std::vector<double>& positions : choicesOf(domain, axis)) {
+    samples.positions = positions;
+    sets = merged(setsOf(evidence, positions));
+    if (static_cast<int>(sets.size()) >= kFewestSets) break;
+  }
+  const auto count = static_cast<Eigen::Index>(sets.size());
+  if (count < kFewestSets)
+    throw InputError(problem.session().source + ": thermal_network: " + std::to_string(count) +
+                     (count == 1 ? " set" : " sets") + " of measurements of axis " + name + "; at least " +
+                     std::to_string(kFewestSets) + " at different temperatures are needed to learn from");
+  const auto outputs = static_cast<Eigen::Index>(samples.positions.size());
+  const auto sensors = static_cast<Eigen::Index>(domain.sensors.size());
+  samples.temperatures.setZero(count, sensors);
+  samples.error.resize(count, outputs);
+  samples.setOf.assign(problem.session().observations.size(), -1);
+  Eigen::VectorXd shares;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Set& set = sets[static_cast<std::size_t>(k)];
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(outputs, outputs) * 1e-9;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(outputs);
+    for (const Evidence& e : set) {
+      sharesAt(samples.positions, e.reading, shares);
+      normal += e.gradient * e.gradient * shares * shares.transpose();
+      right -= e.gradient * e.residual * shares;
+      const State& state = problem.state(e.observation);
+      for (Eigen::Index s = 0; s < sensors; ++s)
+        samples.temperatures(k, s) += state.temperature[static_cast<std::size_t>(s)];
+      samples.setOf[static_cast<std::size_t>(e.observation)] = static_cast<int>(k);
+    }
+    samples.temperatures.row(k) /= static_cast<double>(set.size());
+    samples.error.row(k) = normal.ldlt().solve(right).transpose();
+  }
+  return samples;
+}
+
+}  // namespace mm

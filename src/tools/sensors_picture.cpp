@@ -1,0 +1,253 @@
+#include "tools/sensors_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <numeric>
+
+#include "calibration_file/number_text.h"
+#include "machine/error.h"
+#include "session/line_reader.h"
+
+namespace mm {
+namespace {
+
+constexpr double kLeft = 40, kTop = 70, kWidth = 480, kHeight = 340;  // of the left panel, px
+constexpr double kRight = 610, kRightWidth = 300;
+constexpr const char* kAccent = "#c2410c";
+
+std::string text(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+std::string text(const char* pattern, ...) {
+  char buffer[512];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(buffer, sizeof buffer, pattern, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+std::string escaped(const std::string& raw) {
+  std::string out;
+  for (const char c : raw)
+    out += c == '&'   ? "&amp;"
+           : c == '<' ? "&lt;"
+           : c == '>' ? "&gt;"
+           : c == '"' ? "&quot;"
+                      : std::string(1, c);
+  return out;
+}
+
+std::string label(double x, double y, const std::string& words, const char* anchor = "start",
+                  const char* colour = "#333", int size = 12) {
+  return text("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" fill=\"%s\" font-size=\"%d\">", x, y, anchor,
+              colour, size) +
+         escaped(words) + "</text>\n";
+}
+
+std::string line(double x1, double y1, double x2, double y2, const char* colour, double width = 1.0) {
+  return text("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"/>\n",
+              x1, y1, x2, y2, colour, width);
+}
+
+/// From pale to dark blue.
+std::string shade(double share) {
+  const double s = std::clamp(share, 0.0, 1.0);
+  return text("#%02x%02x%02x", static_cast<int>(219 - 189 * s), static_cast<int>(234 - 176 * s),
+              static_cast<int>(254 - 116 * s));
+}
+
+std::string tooltip(const std::string& name, double information) {
+  return "<title>" + escaped(name) + text(": %.3f nat</title>", information);
+}
+
+/// The sensors as points in space, seen at an angle from above.
+class Scene {
+ public:
+  explicit Scene(const Eigen::MatrixXd& positions)
+      : low_(positions.colwise().minCoeff()), high_(positions.colwise().maxCoeff()) {
+    double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector2d p = flat(cornerOf(corner));
+      left = std::min(left, p.x()), right = std::max(right, p.x());
+      top = std::min(top, p.y()), bottom = std::max(bottom, p.y());
+    }
+    scale_ = std::min(kWidth / std::max(right - left, 1e-9), kHeight / std::max(bottom - top, 1e-9));
+    offset_ = {kLeft + 0.5 * (kWidth - scale_ * (left + right)),
+               kTop + 0.5 * (kHeight - scale_ * (top + bottom))};
+  }
+  Eigen::Vector2d at(const Eigen::Vector3d& p) const { return scale_ * flat(p) + offset_; }
+  std::string box() const {
+    std::string out;
+    for (int a = 0; a < 8; ++a)
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((a >> axis & 1) != 0) continue;
+        const Eigen::Vector2d from = at(cornerOf(a)), to = at(cornerOf(a | 1 << axis));
+        out += line(from.x(), from.y(), to.x(), to.y(), "#ccc");
+      }
+    return out;
+  }
+
+ private:
+  static Eigen::Vector2d flat(const Eigen::Vector3d& p) {
+    return {0.94 * p.x() - 0.5 * p.y(), -0.9 * p.z() - 0.2 * p.x() - 0.38 * p.y()};
+  }
+  Eigen::Vector3d cornerOf(int corner) const {
+    Eigen::Vector3d p;
+    for (int k = 0; k < 3; ++k) p[k] = (corner >> k & 1) != 0 ? high_[k] : low_[k];
+    return p;
+  }
+  Eigen::Vector3d low_, high_;
+  double scale_ = 1.0;
+  Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();
+};
+
+std::string inSpace(const SensorSelection& selection, const std::vector<std::string>& sensors,
+                    const Eigen::MatrixXd& positions, double most, const std::vector<int>& chosen) {
+  const Scene scene(positions);
+  std::string out = scene.box();
+  for (auto s = selection.singles.rbegin(); s != selection.singles.rend(); ++s) {
+    const Eigen::Vector2d p = scene.at(positions.row(s->sensor).transpose());
+    out +=
+        text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"6\" fill=\"%s\" stroke=\"#64748b\" stroke-width=\"0.5\">",
+             p.x(), p.y(), shade(s->information / most).c_str()) +
+        tooltip(sensors[static_cast<std::size_t>(s->sensor)], s->information) + "</circle>\n";
+  }
+  for (const int c : chosen) {
+    const Eigen::Vector2d p = scene.at(positions.row(c).transpose());
+    out +=
+        text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" fill=\"none\" stroke=\"%s\" stroke-width=\"2.5\"/>\n",
+             p.x(), p.y(), kAccent);
+    out += label(p.x() + 12, p.y() - 8, sensors[static_cast<std::size_t>(c)], "start", kAccent, 13);
+  }
+  return out;
+}
+
+std::string asBars(const SensorSelection& selection, const std::vector<std::string>& sensors, double most,
+                   const std::vector<int>& chosen) {
+  std::string out;
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < selection.singles.size(); ++i)
+    if (i < 18 || std::find(chosen.begin(), chosen.end(), selection.singles[i].sensor) != chosen.end())
+      shown.push_back(i);
+  const double step = std::min(24.0, kHeight / static_cast<double>(shown.size()));
+  for (std::size_t row = 0; row < shown.size(); ++row) {
+    const SensorScore& s = selection.singles[shown[row]];
+    const bool taken = std::find(chosen.begin(), chosen.end(), s.sensor) != chosen.end();
+    const double y = kTop + step * static_cast<double>(row);
+    out += label(kLeft + 150, y + 0.65 * step, sensors[static_cast<std::size_t>(s.sensor)], "end",
+                 taken ? kAccent : "#333", 12);
+    out += text("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\">", kLeft + 158,
+                y + 0.1 * step, std::max(1.0, (kWidth - 160) * std::max(0.0, s.information) / most),
+                0.75 * step, taken ? kAccent : "#3b82f6") +
+           tooltip(sensors[static_cast<std::size_t>(s.sensor)], s.information) + "</rect>\n";
+  }
+  if (shown.size() < selection.singles.size())
+    out += label(kLeft, kTop + kHeight + 18,
+                 text("and %zu more with less information", selection.singles.size() - shown.size()), "start",
+                 "#666");
+  return out;
+}
+
+/// Information (left scale) and held-out error (right scale) against m.
+std::string againstSize(const SensorSelection& selection, double micrometres) {
+  double most = 1e-9, worst = 1e-12;
+  for (const SensorSet& set : selection.sets) {
+    most = std::max(most, set.information);
+    worst = std::max(worst, set.heldOutRms * micrometres);
+  }
+  const double bottom = kTop + kHeight;
+  const std::size_t count = selection.sets.size();
+  const auto x = [&](std::size_t i) {
+    return kRight + kRightWidth * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+  };
+  std::string out = line(kRight, bottom, kRight + kRightWidth, bottom, "#888") +
+                    line(kRight, kTop, kRight, bottom, "#1d4ed8") +
+                    line(kRight + kRightWidth, kTop, kRight + kRightWidth, bottom, kAccent);
+  for (int tick = 0; tick <= 4; ++tick) {
+    const double y = bottom - kHeight * tick / 4.4;
+    out += label(kRight - 6, y + 4, text("%.2f", most * tick / 4), "end", "#1d4ed8", 11);
+    out += label(kRight + kRightWidth + 6, y + 4, text("%.3g", worst * tick / 4), "start", kAccent, 11);
+  }
+  for (const bool error : {false, true}) {
+    std::string points;
+    for (std::size_t i = 0; i < count; ++i) {
+      const SensorSet& set = selection.sets[i];
+      const double value =
+          error ? set.heldOutRms * micrometres / worst : std::max(0.0, set.information) / most;
+      const double y = bottom - kHeight * value * 4 / 4.4;
+      points += text("%.1f,%.1f ", x(i), y);
+      out += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x(i), y,
+                  error ? kAccent : "#1d4ed8");
+    }
+    out += "<polyline points=\"" + points + "\" fill=\"none\" stroke=\"" + (error ? kAccent : "#1d4ed8") +
+           "\" stroke-width=\"2\"" + (error ? " stroke-dasharray=\"6 4\"" : "") + "/>\n";
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    out += label(x(i), bottom + 18, text("%zu", i + 1) + (i == selection.recommended ? " (recommended)" : ""),
+                 "middle", "#333");
+  out += label(kRight, kTop - 12, "information, nat", "start", "#1d4ed8");
+  out += label(kRight + kRightWidth, kTop - 12, "held-out error, um (dashed)", "end", kAccent);
+  return out + label(kRight + 0.5 * kRightWidth, bottom + 38, "sensors m", "middle");
+}
+
+}  // namespace
+
+Eigen::MatrixXd readSensorPositions(const std::string& file, const std::vector<std::string>& sensors) {
+  LineReader lines(file);
+  std::string_view current;
+  std::vector<std::string_view> cells;
+  Eigen::MatrixXd positions =
+      Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(sensors.size()), 3, std::nan(""));
+  bool header = false;
+  while (lines.next(current)) {
+    if (current.empty() || current[0] == '#') continue;
+    const std::string where = file + ":" + std::to_string(lines.number()) + ": ";
+    if (!splitCells(current, cells) || cells.size() != 4)
+      throw InputError(where + "a row needs four cells: sensor,x_mm,y_mm,z_mm");
+    if (!header) {
+      if (cells[0] != "sensor" || cells[1] != "x_mm" || cells[2] != "y_mm" || cells[3] != "z_mm")
+        throw InputError(where + "the columns must be sensor,x_mm,y_mm,z_mm");
+      header = true;
+      continue;
+    }
+    const auto found = std::find(sensors.begin(), sensors.end(), cells[0]);
+    for (int k = 0; k < 3; ++k) {
+      double value = 0.0;
+      if (!parseNumber(std::string(cells[static_cast<std::size_t>(k) + 1]), value) || !std::isfinite(value))
+        throw InputError(where + "'" + std::string(cells[static_cast<std::size_t>(k) + 1]) +
+                         "' is not a finite number");
+      if (found != sensors.end()) positions(found - sensors.begin(), k) = value;
+    }
+  }
+  for (std::size_t s = 0; s < sensors.size(); ++s)
+    if (std::isnan(positions(static_cast<Eigen::Index>(s), 0)))
+      throw InputError(file + ": sensor '" + sensors[s] + "' has no position; add its row");
+  return positions;
+}
+
+std::string sensorsPicture(const SensorSelection& selection, const std::vector<std::string>& sensors,
+                           const std::optional<Eigen::MatrixXd>& positions, const std::string& target,
+                           double micrometres) {
+  const SensorSet& best = selection.sets[selection.recommended];
+  double most = 1e-9;
+  for (const SensorScore& s : selection.singles) most = std::max(most, s.information);
+  std::string names;
+  for (const int s : best.sensors)
+    names += (names.empty() ? "" : " + ") + sensors[static_cast<std::size_t>(s)];
+  std::string out =
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 980 470\" font-family=\"sans-serif\" "
+      "role=\"img\">\n"
+      "<rect width=\"980\" height=\"470\" fill=\"#fff\"/>\n";
+  out +=
+      label(kLeft, 30, "Measure " + names + text(": held-out error %.3g um", best.heldOutRms * micrometres),
+            "start", "#111", 16);
+  out += label(kLeft, 52,
+               "Information of each sensor with " + target + (positions ? " (darker: more)" : ", nat"),
+               "start", "#666");
+  out += positions ? inSpace(selection, sensors, *positions, most, best.sensors)
+                   : asBars(selection, sensors, most, best.sensors);
+  return out + againstSize(selection, micrometres) + "</svg>\n";
+}
+
+}  // namespace mm

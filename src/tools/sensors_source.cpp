@@ -1,0 +1,79 @@
+#include "tools/sensors_source.h"
+
+#include "estimation/network_samples.h"
+#include "machine/error.h"
+#include "machine/units.h"
+#include "model/observed_domain.h"
+#include "thermal/series.h"
+#include "tools/session_input.h"
+
+namespace mm {
+namespace {
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+SensorCandidates fromCsv(const std::string& file, const std::string& targetName) {
+  const SampledSeries series = readSeries(file);
+  int target = 0;
+  try {
+    target = series.column(targetName);
+  } catch (const InputError& e) {
+    throw InputError(file + ": --target: " + e.what());
+  }
+  SensorCandidates candidates;
+  candidates.displacement = series.values.col(target);
+  candidates.micrometres = micrometresPerUnit(targetName);
+  std::vector<int> columns;
+  for (int c = 0; c < static_cast<int>(series.names.size()); ++c)
+    if (c != target && !isTimeColumn(series.names[static_cast<std::size_t>(c)])) columns.push_back(c);
+  if (columns.empty())
+    throw InputError(file + ": there is no column beside '" + targetName +
+                     "' and the time; add one column a sensor");
+  candidates.temperatures.resize(series.values.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    candidates.names.push_back(series.names[static_cast<std::size_t>(columns[i])]);
+    candidates.temperatures.col(static_cast<Eigen::Index>(i)) = series.values.col(columns[i]);
+  }
+  return candidates;
+}
+
+SensorCandidates fromBag(const std::string& file, const std::string& target) {
+  const Session session = loadSession(file);
+  std::string axis = target;
+  if (axis.compare(0, 10, "deviation_") == 0) axis = axis.substr(10);
+  for (const char* unit : {"_um", "_arcsec"})
+    if (endsWith(axis, unit)) axis = axis.substr(0, axis.size() - std::string(unit).size());
+  const Domain domain = observedDomain(session);
+  const int joint = domain.findJoint(axis);
+  if (joint < 0) {
+    std::string names;
+    for (const Joint& j : domain.joints) names += (names.empty() ? "" : ", ") + j.name;
+    throw InputError(file + ": --target: '" + target + "' is no axis of the machine; there are: " + names);
+  }
+  if (domain.sensors.empty())
+    throw InputError(file +
+                     ": no temperature was logged; record /temperature/<sensor>, or import columns "
+                     "<sensor>_degC");
+  Problem problem(session, Model(session.machine, domain, std::vector<EffectPtr>{}));
+  problem.linearise(problem.start());
+  const NetworkSamples samples = gatherNetworkSamples(problem, problem.residuals(problem.start()),
+                                                      Eigen::VectorXd::Ones(problem.rowCount()), joint);
+  SensorCandidates candidates;
+  candidates.displacement = samples.mainError();
+  candidates.micrometres = domain.joints[static_cast<std::size_t>(joint)].kind == JointKind::kLinear
+                               ? 1.0 / kMicrometre
+                               : 1.0 / kArcsecond;
+  candidates.names = domain.sensors;
+  candidates.temperatures = samples.temperatures;
+  return candidates;
+}
+
+}  // namespace
+
+SensorCandidates readSensorCandidates(const std::string& file, const std::string& target) {
+  return endsWith(file, ".bag") ? fromBag(file, target) : fromCsv(file, target);
+}
+
+}  // namespace mm

@@ -1,0 +1,23 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace mm {
+
+/// Temperatures of all candidate sensors and the displacement that they shall explain, sampled together in
+/// the order of time.
+struct SensorCandidates {
+  std::vector<std::string> names;
+  Eigen::MatrixXd temperatures;  // samples x sensors, degC
+  Eigen::VectorXd displacement;
+  double micrometres = 1.0;  // um (arcsec for a rotary axis) of one unit of the displacement
+};
+
+/// From a CSV (mm sensors), or from a session's bag: there the target is an axis, or deviation_<axis>_um.
+/// What the machine is off along the axis is gathered in sets, as a network learns it; of several positions,
+/// the course that varies most.
+/// @throw InputError naming file, column or axis.
+SensorCandidates readSensorCandidates(const std::string& file, const std::string& target);
+
+}  // namespace mm

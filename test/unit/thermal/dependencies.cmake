@@ -1,0 +1,1 @@
+set(thermal_test_dependencies simulation)
