@@ -23,7 +23,7 @@ namespace {
 using nlohmann::ordered_json;
 
 struct SensorsOptions {
-  std::string csv, target, picture, positions;
+  std::string csv, target, picture, positions, space;
   int largest = 3, blocks = 10, gap = 0;
   double accuracyUm = 0.0;
   std::string estimator = "ksg", correction = "none", range = "common", choose;
@@ -159,7 +159,7 @@ void printText(const SensorSelection& selection, const SensorCandidates& candida
 
 void runSensors(const SensorsOptions& options) {
   checkOutput(options.picture);
-  const SensorCandidates candidates = readSensorCandidates(options.csv, options.target);
+  const SensorCandidates candidates = readSensorCandidates(options.csv, options.target, options.space);
   const SelectionSettings settings = settingsOf(options, candidates.micrometres);
   const std::optional<Eigen::MatrixXd> positions =
       options.positions.empty()
@@ -239,6 +239,7 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
   command->add_option("--seed", options->seed, "of all that is random")->capture_default_str();
+  declareNamespace(*command, options->space);
   command->add_option("--picture", options->picture,
                       "SVG: where the sensors sit, and the information and held-out error against m");
   command

@@ -40,14 +40,22 @@ std::string escaped(const std::string& raw) {
 
 std::string label(double x, double y, const std::string& words, const char* anchor = "start",
                   const char* colour = "#333", int size = 12) {
-  return text("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" fill=\"%s\" font-size=\"%d\">", x, y, anchor,
-              colour, size) +
+  return text(
+             "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" fill=\"%s\" font-size=\"%d\" stroke=\"#fff\" "
+             "stroke-width=\"3\" paint-order=\"stroke\">",
+             x, y, anchor, colour, size) +
          escaped(words) + "</text>\n";
 }
 
 std::string line(double x1, double y1, double x2, double y2, const char* colour, double width = 1.0) {
   return text("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"/>\n",
               x1, y1, x2, y2, colour, width);
+}
+
+double leastOf(const SensorSelection& selection) {
+  double least = INFINITY;
+  for (const SensorScore& s : selection.singles) least = std::min(least, s.information);
+  return least;
 }
 
 /// From pale to dark blue.
@@ -106,11 +114,12 @@ std::string inSpace(const SensorSelection& selection, const std::vector<std::str
                     const Eigen::MatrixXd& positions, double most, const std::vector<int>& chosen) {
   const Scene scene(positions);
   std::string out = scene.box();
+  const double least = leastOf(selection);
   for (auto s = selection.singles.rbegin(); s != selection.singles.rend(); ++s) {
     const Eigen::Vector2d p = scene.at(positions.row(s->sensor).transpose());
     out +=
         text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"6\" fill=\"%s\" stroke=\"#64748b\" stroke-width=\"0.5\">",
-             p.x(), p.y(), shade(s->information / most).c_str()) +
+             p.x(), p.y(), shade((s->information - least) / std::max(most - least, 1e-9)).c_str()) +
         tooltip(sensors[static_cast<std::size_t>(s->sensor)], s->information) + "</circle>\n";
   }
   for (const int c : chosen) {
@@ -243,7 +252,8 @@ std::string sensorsPicture(const SensorSelection& selection, const std::vector<s
       label(kLeft, 30, "Measure " + names + text(": held-out error %.3g um", best.heldOutRms * micrometres),
             "start", "#111", 16);
   out += label(kLeft, 52,
-               "Information of each sensor with " + target + (positions ? " (darker: more)" : ", nat"),
+               "Information of each sensor with " + target +
+                   (positions ? text(": %.2f (pale) to %.2f nat (dark)", leastOf(selection), most) : ", nat"),
                "start", "#666");
   out += positions ? inSpace(selection, sensors, *positions, most, best.sensors)
                    : asBars(selection, sensors, most, best.sensors);

@@ -39,8 +39,8 @@ SensorCandidates fromCsv(const std::string& file, const std::string& targetName)
   return candidates;
 }
 
-SensorCandidates fromBag(const std::string& file, const std::string& target) {
-  const Session session = loadSession(file);
+SensorCandidates fromBag(const std::string& file, const std::string& target, const std::string& space) {
+  const Session session = loadSession(file, nullptr, space);
   std::string axis = target;
   if (axis.compare(0, 10, "deviation_") == 0) axis = axis.substr(10);
   for (const char* unit : {"_um", "_arcsec"})
@@ -72,8 +72,9 @@ SensorCandidates fromBag(const std::string& file, const std::string& target) {
 
 }  // namespace
 
-SensorCandidates readSensorCandidates(const std::string& file, const std::string& target) {
-  return endsWith(file, ".bag") ? fromBag(file, target) : fromCsv(file, target);
+SensorCandidates readSensorCandidates(const std::string& file, const std::string& target,
+                                      const std::string& space) {
+  return endsWith(file, ".bag") ? fromBag(file, target, space) : fromCsv(file, target);
 }
 
 }  // namespace mm

@@ -17,7 +17,8 @@ struct SensorCandidates {
 /// From a CSV (mm sensors), or from a session's bag: there the target is an axis, or deviation_<axis>_um.
 /// What the machine is off along the axis is gathered in sets, as a network learns it; of several positions,
 /// the course that varies most.
-/// @throw InputError naming file, column or axis.
-SensorCandidates readSensorCandidates(const std::string& file, const std::string& target);
+/// @param space of `--namespace`, for a bag. @throw InputError naming file, column or axis.
+SensorCandidates readSensorCandidates(const std::string& file, const std::string& target,
+                                      const std::string& space = {});
 
 }  // namespace mm

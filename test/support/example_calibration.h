@@ -19,6 +19,15 @@ inline Calibration exampleCalibration(double rms = 0.31e-6) {
   c.domain.sensors = {"bed", "frame: left"};
   c.domain.sensorLower = {19.9, std::numeric_limits<double>::quiet_NaN()};
   c.domain.sensorUpper = {25.1, std::numeric_limits<double>::quiet_NaN()};
+  LearnedNetwork network;
+  network.effect = "{type: thermal_network, axis: x, sensors: [bed, \"frame: left\"]}";
+  network.active = true;
+  network.sensors = {"bed", "frame: left"};
+  network.positions = {-0.02, 0.1 + 0.2};
+  network.numbers = {1.0, 2.0, 1.0 / 3.0, 5e-324};
+  network.summary = "dfnn active: held out 0.4 um; from bed, frame: left # no comment";
+  network.heldOut = 0.1 + 0.2;
+  c.domain.networks = {network};
   c.domain.covariates = {"humidity"};
   c.domain.covariateLower = {30.0};
   c.domain.covariateUpper = {45.5};

@@ -76,6 +76,14 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
   EXPECT_EQ(r.effects, c.effects);
   EXPECT_EQ(r.domain.features, c.domain.features);
   EXPECT_EQ(r.domain.sensors, c.domain.sensors);
+  ASSERT_EQ(r.domain.networks.size(), 1u);
+  EXPECT_EQ(r.domain.networks[0].effect, c.domain.networks[0].effect);
+  EXPECT_EQ(r.domain.networks[0].active, true);
+  EXPECT_EQ(r.domain.networks[0].sensors, c.domain.networks[0].sensors);
+  EXPECT_EQ(r.domain.networks[0].positions, c.domain.networks[0].positions);
+  EXPECT_EQ(r.domain.networks[0].numbers, c.domain.networks[0].numbers);
+  EXPECT_EQ(r.domain.networks[0].summary, c.domain.networks[0].summary);
+  EXPECT_EQ(r.domain.networks[0].heldOut, c.domain.networks[0].heldOut);
   EXPECT_EQ(r.domain.positions, c.domain.positions);
   EXPECT_EQ(r.domain.featureRadius, c.domain.featureRadius);
   EXPECT_EQ(r.domain.joints[1].upper, 0.035);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "long_tests.h"
 #include "machine/error.h"
 #include "random_numbers.h"
 #include "simulation/heated_mill.h"
@@ -233,7 +234,7 @@ Medians onMachines(ThermalLaw law, int machines) {
     const double loads[3] = {1.0, 0.5, 1.3}, starts[3] = {20.5, 20.2, 20.8};
     for (int day = 0; day < 3; ++day) {
       const MillRun run = machine.run(minutes, starts[day], loads[day], 0.05, 0.2,
-                                         10 * seed + static_cast<std::uint64_t>(day));
+                                      10 * seed + static_cast<std::uint64_t>(day));
       t.middleRows(11 * day, 11) = run.temperatures;
       y.middleRows(11 * day, 11) = run.deviation;
     }
@@ -257,14 +258,16 @@ Medians onMachines(ThermalLaw law, int machines) {
   return {median(dfnn), median(ridge)};
 }
 
+int machines() { return mm_test::longTests() ? 40 : 8; }
+
 TEST(Dfnn, OnMachinesIsNotWorseThanRidgeWhereLinear) {
-  const Medians m = onMachines(ThermalLaw::kLinear, 8);
+  const Medians m = onMachines(ThermalLaw::kLinear, machines());
   EXPECT_LE(m.dfnn, 1.05 * m.ridge);
 }
 
 TEST(Dfnn, OnMachinesIsMuchBetterThanRidgeWhereTheyBend) {
-  const Medians saturating = onMachines(ThermalLaw::kSaturating, 8),
-                bending = onMachines(ThermalLaw::kBending, 8);
+  const Medians saturating = onMachines(ThermalLaw::kSaturating, machines()),
+                bending = onMachines(ThermalLaw::kBending, machines());
   EXPECT_LE(saturating.dfnn, 0.6 * saturating.ridge);
   EXPECT_LE(bending.dfnn, 0.6 * bending.ridge);
 }
