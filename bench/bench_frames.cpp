@@ -1,7 +1,8 @@
 // Listens to a running instrument: frames missed and the time from a joint state to its frame, corrected
 // beside nominal, for the same messages in one run.
-//   bench_frames [seconds, default 60]       with instrument.launch rate:=1000 nominal_rate:=1000 and a
-//   promoted calibration
+//   bench_frames [seconds, default 60]       with instrument.launch rate:=1000 nominal_rate:=1000
+//   margin:=1, the machine homed and moving, and a promoted calibration (beyond the margin frames are
+//   withheld, not missed)
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
