@@ -18,7 +18,7 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 TOPICS = (
-    "/(joint_states|reference|artifact|robot_description|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
+    "(joint_states|reference|artifact|robot_description|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
 )
 CLEAR = 0.0078  # m, z above every ball and within the calibrated volume
 # Fresh points of the touching machine, m: none of them is a point of the plan; the low ones lie between the balls.
@@ -147,7 +147,7 @@ class Demo:
         raise RuntimeError("no frame '%s' arrives with the stamps of the joint states" % frame)
 
     def record(self, bag):
-        recorder = subprocess.Popen(["rosbag", "record", "-q", "-O", bag, "-e", TOPICS, "__name:=record"])
+        recorder = subprocess.Popen(["rosbag", "record", "-q", "-O", bag, "-e", rospy.get_namespace() + TOPICS, "__name:=record"])
         contacts = rospy.Publisher("reference", ReferenceMeasurement, queue_size=1)  # heard by whoever records a session
         for _ in range(500):
             if contacts.get_num_connections() >= 2:

@@ -14,7 +14,7 @@ import rostest
 
 import support
 
-PORTS = [support.free_port() for _ in range(6)]
+PORTS = [support.free_port() for _ in range(7)]
 MODEL = os.path.join(support.PACKAGE, "config/demo_model.yaml")
 
 
@@ -22,9 +22,10 @@ def environment(port):
     return dict(os.environ, ROS_MASTER_URI="http://localhost:%d" % port)
 
 
-def launch(port, *arguments):
+def launch(port, *arguments, namespace="/"):
     return subprocess.Popen([support.REAPER, "roslaunch", "-p", str(port), "measuring_machine"] + list(arguments),
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment(port))
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            env=dict(environment(port), ROS_NAMESPACE=namespace))
 
 
 def stop(process):
@@ -80,6 +81,17 @@ class Demo(unittest.TestCase):
         before, after = self.errors(output)
         self.assertGreater(before, 100.0)  # the laser stands 150 um beside its place
         self.assertLess(after, 1.0)
+
+    def test_1_in_a_namespace(self):
+        """Several machines on one master: the bag of one of them is read without a word about its namespace."""
+        folder = os.path.join(self.folder, "machine1")
+        demo = launch(PORTS[6], "demo.launch", "folder:=" + folder, namespace="/machine1")
+        self.addCleanup(stop, demo)
+        output, _ = demo.communicate(timeout=200)
+        self.assertIn("demo: passed", output)
+        bag = os.path.join(folder, "session.bag")
+        with open(os.path.join(folder, "calibration.json")) as f:
+            self.assertEqual(figures(support.mm("calibrate", bag, "--model", MODEL, "--seed", "1", "--json")), figures(f.read()))
 
     def test_1_a_demo_that_fails_says_so(self):
         folder = os.path.join(self.folder, "failed")
