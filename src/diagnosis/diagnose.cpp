@@ -21,6 +21,7 @@ namespace mm {
 namespace {
 
 constexpr double kConfusable = 3.0;  // difference of penalised log-likelihoods
+constexpr double kNearlyConfusable = 40.0;
 constexpr std::size_t kMostConfusable = 4;
 constexpr int kFewestFreedoms = 5;      // residuals beyond the unknowns
 constexpr double kStructure = 1e-4;     // p-value below which structure is left
@@ -230,7 +231,13 @@ class Diagnoser {
     std::vector<Confusable> out;
     for (const Gain& g : rivals) {
       if (g.candidate == subset.chosen[member].candidate) continue;
-      const double delta = g.objective - subset.objective;
+      double delta = g.objective - subset.objective;
+      if (delta > kConfusable && delta < kNearlyConfusable)  // it may need the help of one more
+        delta = round.search
+                    .completed(round.search.extend(rest, {g.candidate, g.nonlinear, g.columns}),
+                               subset.chosen[member].candidate)
+                    .objective -
+                subset.objective;
       if (delta <= kConfusable && out.size() < kMostConfusable)
         out.push_back({round.set.candidates[g.candidate].spec, std::max(0.0, delta)});
     }
@@ -334,13 +341,11 @@ class Diagnoser {
                        std::vector<FoundFormula>& formulas) {
     const SubsetSearch& search = round.search;
     const int causes = search.causes(found);
-    if (!isStructure(structure) && causes < 2) return;
+    FormulaSearch formulaSearch(round.space);
+    formulaSearch.cancelled = options_.cancelled;
+    const bool left = isStructure(structure) || formulaSearch.promising(found, search.degreesOfFreedom());
+    if (!left && causes < 2) return;
     const double dof = search.degreesOfFreedom();
-    std::vector<FoundPeriod> periods;  // a wave that was found may be part of a formula
-    for (const Chosen& c : found.chosen)
-      if (round.set.candidates[c.candidate].spec.type == "lead_screw_periodic" && !c.nonlinear.empty())
-        periods.push_back({round.set.candidates[c.candidate].spec.text("axis"), c.nonlinear[0]});
-    const FormulaSearch formulaSearch(round.space, periods);
     // what the shapes of the effects found cannot account for is the trace of another cause
     bool beyondShape = found.chosen.empty();
     if (!found.chosen.empty() && isStructure(structure)) {
@@ -349,26 +354,34 @@ class Diagnoser {
       wide.left = round.space.target() - wide.basis * (wide.basis.transpose() * round.space.target());
       beyondShape = isStructure(structureLeft(round.space, wide.left, wide.basis, search.modulations(found)));
     }
-    std::vector<Subset> rests;
-    if (isStructure(structure)) rests.push_back(found);
-    if (!found.chosen.empty() && (causes >= 2 || beyondShape)) rests.push_back(search.empty());
-    if (beyondShape && causes >= 2)
-      for (std::size_t i = 0; i < found.chosen.size(); ++i) {
-        rests.push_back(search.without(found, i));
-        if (found.chosen.size() > 2) rests.push_back(search.extend(search.empty(), found.chosen[i]));
-      }
     double best = found.objective - kFormulaMargin;
-    for (const Subset& rest : rests) {
+    bool rest = true;  // something is left by the best so far
+    const auto consider = [&](const Subset& with) {
       report("unknown effects", 0.75);
-      std::vector<FoundFormula> tried = formulaSearch.run(rest, dof, search.significance, 5);
-      if (tried.empty()) continue;
-      const double objective = tried[0].objective + rest.penalty;
-      if (objective < best) {
-        best = objective;
-        kept = rest;
-        formulas = std::move(tried);
+      std::vector<FoundFormula> tried = formulaSearch.run(with, dof, search.significance, 5);
+      // a function of what a found effect depends on is the same cause in another shape
+      const Subset wide = with.chosen.empty() ? with : search.withColumns(with, search.withShapes(with));
+      tried.erase(std::remove_if(tried.begin(), tried.end(),
+                                 [&](const FoundFormula& f) {
+                                   return !with.chosen.empty() && !search.beyond(wide, f.columns, f.choices);
+                                 }),
+                  tried.end());
+      if (tried.empty()) return;
+      const double objective = tried[0].objective + with.penalty;
+      if (objective >= best) return;
+      best = objective;
+      const Subset grown = search.withColumns(with, tried[0].columns);
+      rest = isStructure(structureLeft(round.space, grown.left, grown.basis, search.modulations(with)));
+      kept = with;
+      formulas = std::move(tried);
+    };
+    if (left) consider(found);
+    if (!found.chosen.empty() && (causes >= 2 || beyondShape)) consider(search.empty());
+    if (beyondShape && causes >= 2)
+      for (std::size_t i = 0; i < found.chosen.size() && rest; ++i) {
+        consider(search.without(found, i));
+        if (found.chosen.size() > 2) consider(search.extend(search.empty(), found.chosen[i]));
       }
-    }
   }
 
   /// Values and uncertainties by a full refit of the model with everything that was accepted.

@@ -1,10 +1,9 @@
 #pragma once
-#include <Eigen/Core>
-#include <memory>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "diagnosis/residual_space.h"
+#include "diagnosis/formula_view.h"
 #include "diagnosis/subset_search.h"
 
 namespace mm {
@@ -14,32 +13,29 @@ struct FoundFormula {
   EffectSpec spec;
   Eigen::MatrixXd columns;  // projected on the model, whitened
   std::vector<std::string> variables;
+  double choices = 0.0;    // logarithm of the number of formulas that it was chosen among
   double objective = 0.0;  // penalised negative log-likelihood
 };
 
-/// A wave found along a joint: its period in m (rad), from the catalogue's search.
-struct FoundPeriod {
-  std::string joint;
-  double period = 0.0;
-};
-
-/// Sparse search over products, powers, harmonics, steps and decays of the session's variables and their
-/// sums, in every direction: the shortest formulas first. Values in um (arcsec for rotary directions),
-/// variables in the units of `formula`.
+/// The shortest formulas that explain a residual, in the spirit of sparse symbolic regression: first where a
+/// formula acts and what it depends on (smooth functions and waves of up to three symbols in every
+/// direction), then its shape (products of shapes of those symbols, with their constants fitted). Values in
+/// um (arcsec for rotary directions), variables in the units of `formula`.
 class FormulaSearch {
  public:
-  explicit FormulaSearch(const ResidualSpace& space, const std::vector<FoundPeriod>& periods = {});
-  ~FormulaSearch();
+  explicit FormulaSearch(const ResidualSpace& space);
 
+  std::function<bool()> cancelled;
+  /// Whether some smooth function or wave of a few symbols explains more than its price: a cheap look.
+  bool promising(const Subset& rest, double dof) const;
   /// @param rest what is already in the model and found: its `left` is to be explained.
   /// @return at most `count`, best first; empty when none is significant after correction for all terms
   /// tried.
   std::vector<FoundFormula> run(const Subset& rest, double dof, double significance, int count) const;
 
  private:
-  struct Dictionary;
   const ResidualSpace& space_;
-  std::unique_ptr<Dictionary> dictionary_;
+  FormulaViews views_;
 };
 
 }  // namespace mm

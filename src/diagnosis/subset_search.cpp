@@ -40,6 +40,7 @@ std::vector<int> membersOf(const Subset& s) {
   return m;
 }
 
+constexpr int kLarge = 4000;  // residuals: beyond, the search is narrower
 constexpr double kNewCause =
     4.0;  // log of the odds against one more cause rather than one more shape of a known one
 
@@ -172,6 +173,15 @@ Eigen::MatrixXd SubsetSearch::withShapes(const Subset& subset, const EffectSpec*
   return all;
 }
 
+bool SubsetSearch::beyond(const Subset& subset, const Eigen::MatrixXd& columns, double choices) const {
+  const Subset with = withColumns(subset, columns);
+  const double rank = static_cast<double>(with.basis.cols() - subset.basis.cols());
+  const double rest = dof_ - static_cast<double>(with.basis.cols());
+  if (rank < 1.0 || rest < 1.0) return false;
+  return logPValueF((subset.rss - with.rss) / rank / (with.rss / rest), rank, rest) + choices <
+         std::log(significance);
+}
+
 bool SubsetSearch::standsAlone(const Subset& subset, const Gain& gain) const {
   constexpr double kLeftOver = 0.12;  // of the largest member's share: (0.35)^2
   const EffectSpec& spec = set_.candidates[gain.candidate].spec;
@@ -197,15 +207,20 @@ Subset SubsetSearch::empty() const {
   return s;
 }
 
-Subset SubsetSearch::extend(const Subset& subset, const Chosen& chosen) const {
+Subset SubsetSearch::withColumns(const Subset& subset, const Eigen::MatrixXd& columns) const {
   CancelScope::check();
   Subset s = subset;
-  s.chosen.push_back(chosen);
-  const Eigen::MatrixXd fresh = freshBasis(subset.basis, chosen.columns);
+  const Eigen::MatrixXd fresh = freshBasis(subset.basis, columns);
   s.basis.resize(subset.basis.rows(), subset.basis.cols() + fresh.cols());
   s.basis << subset.basis, fresh;
   s.left = subset.left - fresh * (fresh.transpose() * subset.left);
   s.rss = s.left.squaredNorm();
+  return s;
+}
+
+Subset SubsetSearch::extend(const Subset& subset, const Chosen& chosen) const {
+  Subset s = withColumns(subset, chosen.columns);
+  s.chosen.push_back(chosen);
   s.penalty = subset.penalty + penaltyOf(subset, chosen.candidate);
   s.objective = 0.5 * dof_ * std::log(std::max(s.rss, 1e-300) / dof_) + s.penalty;
   return s;
@@ -406,21 +421,32 @@ bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
   return moved;
 }
 
+Subset SubsetSearch::completed(const Subset& subset, int but) const {
+  for (const Gain& g : bestGains(subset, 2, true))
+    if (!sameCause(set_.candidates[g.candidate].spec, set_.candidates[but].spec))
+      return g.objective < subset.objective ? extend(subset, {g.candidate, g.nonlinear, g.columns}) : subset;
+  return subset;
+}
+
 void SubsetSearch::exchange(Subset& subset) const {
-  for (int round = 0; round < 6; ++round) {
+  const bool large = space_.length() > kLarge;
+  for (int round = 0; round < 12; ++round) {
     bool moved = false;
     for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
       const Subset rest = without(subset, i);
       for (const Gain& g : bestGains(rest, 3, true)) {
-        if (g.objective >= subset.objective - 1e-6 || g.candidate == subset.chosen[i].candidate) continue;
+        if (g.candidate == subset.chosen[i].candidate) continue;
         Subset next = extend(rest, {g.candidate, g.nonlinear, g.columns});
-        std::rotate(next.chosen.begin() + static_cast<long>(i), next.chosen.end() - 1, next.chosen.end());
+        if (!large && next.objective >= subset.objective - 1e-6)
+          next = completed(next, subset.chosen[i].candidate);
+        if (next.objective >= subset.objective - 1e-6) continue;
         subset = next;
         moved = true;
         break;
       }
+      if (moved) break;  // the members have another order now
     }
-    if (space_.length() < 4000) moved |= exchangeForFamilies(subset);
+    if (!large) moved |= exchangeForFamilies(subset);
     refineAll(subset);
     if (!moved) return;
   }
@@ -445,7 +471,7 @@ void SubsetSearch::prune(Subset& subset) const {
 }
 
 Subset SubsetSearch::run() const {
-  const bool large = space_.length() > 4000;
+  const bool large = space_.length() > kLarge;
   const std::size_t width = large ? 2 : 5;
   const int branches = large ? 3 : 6;
   std::vector<Subset> beam{empty()};

@@ -58,6 +58,8 @@ class SubsetSearch {
   Subset empty() const;
   Subset extend(const Subset& subset, const Chosen& chosen) const;
   Subset without(const Subset& subset, std::size_t member) const;
+  /// What is left when further columns explain what they can; the chosen effects stay.
+  Subset withColumns(const Subset& subset, const Eigen::MatrixXd& columns) const;
   /// The best `count` candidates to add, nonlinear parameters refined, best first.
   std::vector<Gain> bestGains(const Subset& subset, int count, bool refine) const;
   /// Gain of one candidate near given nonlinear values.
@@ -70,6 +72,8 @@ class SubsetSearch {
   /// Orthonormal columns of the subset and of the shapes of all its members (of those whose cause is not
   /// `but`).
   Eigen::MatrixXd withShapes(const Subset& subset, const EffectSpec* but = nullptr) const;
+  /// Whether columns chosen among exp(`choices`) explain more than what a subset's basis does.
+  bool beyond(const Subset& subset, const Eigen::MatrixXd& columns, double choices) const;
   /// False when a gain is only what the shape of a larger member leaves over.
   bool standsAlone(const Subset& subset, const Gain& gain) const;
   /// Number of different causes in a subset: the same type at the same place in other shapes is one.
@@ -77,6 +81,9 @@ class SubsetSearch {
   /// The found effects' columns times each variable: what is left if the size of an effect depends on another
   /// variable.
   Eigen::MatrixXd modulations(const Subset& subset) const;
+  /// With one more effect where that pays, of another cause than candidate `but`: one effect may stand for
+  /// two.
+  Subset completed(const Subset& subset, int but) const;
   /// `rest` with one cause added in as many of its shapes as pay; `rest` itself when none does.
   Subset withFamily(const Subset& rest, const std::vector<int>& family) const;
   /// Candidates of the same cause, for the causes that have several shapes.

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "machine/error.h"
 #include "machine/units.h"
@@ -98,6 +99,14 @@ Eigen::Vector3d lean(const Eigen::Vector3d& normal, const Eigen::Vector3d& pole,
   return Eigen::AngleAxisd(k % 2 == 0 ? -tilt : 0.3 * tilt, about.normalized()) * -normal;
 }
 
+/// Point to be touched k-th of n: neighbours on the ball are far apart in time, so that neither height nor
+/// azimuth of the approach goes with the time or with the temperatures.
+int shuffled(int k, int n) {
+  int stride = std::max(1, static_cast<int>(std::lround(kGoldenRatio * n)));
+  while (std::gcd(stride, n) != 1) ++stride;
+  return static_cast<int>(static_cast<long>(k) * stride % n);
+}
+
 void touchOne(const TouchPlan& t, std::size_t ball, int k, int index, PlanBuilder& builder) {
   const int feature = t.features[ball];
   const double distance = builder.contactDistance(feature);
@@ -155,10 +164,11 @@ void expandTouch(const YAML::Node& list, PlanBuilder& builder) {
     for (int repeat = 0; repeat < t.repeats; ++repeat) {
       if (t.interleaved) {
         for (int k = 0; k < t.points; ++k)
-          for (std::size_t ball = 0; ball < t.features.size(); ++ball) touchOne(t, ball, k, index++, builder);
+          for (std::size_t ball = 0; ball < t.features.size(); ++ball)
+            touchOne(t, ball, shuffled(k, t.points), index++, builder);
       } else {
         for (std::size_t ball = 0; ball < t.features.size(); ++ball)
-          for (int k = 0; k < t.points; ++k) touchOne(t, ball, k, index++, builder);
+          for (int k = 0; k < t.points; ++k) touchOne(t, ball, shuffled(k, t.points), index++, builder);
       }
     }
   }

@@ -30,7 +30,7 @@ void setContacts(YAML::Node touch, int balls, int contacts) {
 void onlyWarmingUp(YAML::Node instrument) {
   YAML::Node thermal = instrument["thermal"];
   if (thermal["heat"]) thermal.remove("heat");
-  thermal["ambient"]["ramp_K_per_h"] = 2.0;
+  thermal["ambient"]["ramp_K_per_h"] = 3.0;
   thermal["ambient"]["swing_K"] = 0.0;
 }
 
