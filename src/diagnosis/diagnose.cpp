@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "diagnosis/candidates.h"
 #include "diagnosis/formulas.h"
@@ -223,26 +224,44 @@ class Diagnoser {
     }
   }
 
-  /// Alternatives to one member of a subset, after refit of everything else.
+  /// Alternatives to one member of a subset, after refit of everything else: another effect in its place, or
+  /// in the place of all members of its cause, where needed with the help of one more.
   std::vector<Confusable> alternatives(const Round& round, const Subset& subset, std::size_t member,
                                        std::vector<Gain>& rivals) const {
-    const Subset rest = round.search.without(subset, member);
-    rivals = round.search.bestGains(rest, 12, true);
+    const SubsetSearch& search = round.search;
+    const auto specOf = [&](int candidate) -> const EffectSpec& {
+      return round.set.candidates[candidate].spec;
+    };
+    const EffectSpec& own = specOf(subset.chosen[member].candidate);
+    Subset others = search.empty();  // of other causes
+    for (const Chosen& c : subset.chosen)
+      if (!sameCause(specOf(c.candidate), own)) others = search.extend(others, c);
+    const Subset rest = search.without(subset, member);
+    rivals = search.bestGains(rest, 12, true);
+    std::map<int, double> deltas;
+    const auto compare = [&](const Subset& without, const std::vector<Gain>& gains) {
+      for (const Gain& g : gains) {
+        if (g.candidate == subset.chosen[member].candidate) continue;
+        double delta = g.objective - subset.objective;
+        if (delta > kConfusable && delta < kNearlyConfusable)  // it may need the help of one more
+          delta = search
+                      .completed(search.extend(without, {g.candidate, g.nonlinear, g.columns}),
+                                 subset.chosen[member].candidate)
+                      .objective -
+                  subset.objective;
+        const auto [at, fresh] = deltas.try_emplace(g.candidate, delta);
+        if (!fresh) at->second = std::min(at->second, delta);
+      }
+    };
+    compare(rest, rivals);
+    if (others.chosen.size() < rest.chosen.size()) compare(others, search.bestGains(others, 12, true));
     std::vector<Confusable> out;
-    for (const Gain& g : rivals) {
-      if (g.candidate == subset.chosen[member].candidate) continue;
-      double delta = g.objective - subset.objective;
-      if (delta > kConfusable && delta < kNearlyConfusable)  // it may need the help of one more
-        delta = round.search
-                    .completed(round.search.extend(rest, {g.candidate, g.nonlinear, g.columns}),
-                               subset.chosen[member].candidate)
-                    .objective -
-                subset.objective;
-      if (delta <= kConfusable && out.size() < kMostConfusable)
-        out.push_back({round.set.candidates[g.candidate].spec, std::max(0.0, delta)});
-    }
+    for (const auto& [candidate, delta] : deltas)
+      if (delta <= kConfusable) out.push_back({specOf(candidate), std::max(0.0, delta)});
+    std::stable_sort(out.begin(), out.end(),
+                     [](const Confusable& a, const Confusable& b) { return a.delta < b.delta; });
+    if (out.size() > kMostConfusable) out.resize(kMostConfusable);
     // the same with one or two members out and one cause in several shapes in their place
-    const EffectSpec& own = round.set.candidates[subset.chosen[member].candidate].spec;
     for (const std::vector<int>& family : round.search.families()) {
       const EffectSpec& other = round.set.candidates[family[0]].spec;
       if (out.size() >= kMostConfusable || sameCause(other, own)) continue;
@@ -342,7 +361,6 @@ class Diagnoser {
     const SubsetSearch& search = round.search;
     const int causes = search.causes(found);
     FormulaSearch formulaSearch(round.space);
-    formulaSearch.cancelled = options_.cancelled;
     const bool left = isStructure(structure) || formulaSearch.promising(found, search.degreesOfFreedom());
     if (!left && causes < 2) return;
     const double dof = search.degreesOfFreedom();

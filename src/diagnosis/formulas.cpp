@@ -6,6 +6,7 @@
 
 #include "diagnosis/formula_fit.h"
 #include "diagnosis/formula_screen.h"
+#include "machine/cancel_scope.h"
 
 namespace mm {
 namespace {
@@ -67,16 +68,18 @@ std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, dou
   const std::vector<FormulaGuess> guesses = screenFormulas(some, kGuesses);
   std::vector<std::vector<FittedFormula>> fitted(guesses.size());
   std::vector<bool> worth(guesses.size(), true);
+  const CancelScope* scope = CancelScope::current();
   const auto fitAll = [&](std::size_t from, std::size_t to) {
     const auto work = [&](std::size_t begin) {
       for (std::size_t i = begin; i < guesses.size(); i += 2) {
-        if (!worth[i] || (cancelled && cancelled())) continue;
+        if (!worth[i] || (scope != nullptr && scope->asked())) continue;
         for (FittedFormula& f : fitFormulas(some, guesses[i], from, to)) fitted[i].push_back(std::move(f));
       }
     };
     std::thread second(work, 1);
     work(0);
     second.join();
+    CancelScope::check();
   };
   // one start each, then all starts where the first came near the best
   fitAll(0, 1);

@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,7 +24,6 @@ class FormulaSearch {
  public:
   explicit FormulaSearch(const ResidualSpace& space);
 
-  std::function<bool()> cancelled;
   /// Whether some smooth function or wave of a few symbols explains more than its price: a cheap look.
   bool promising(const Subset& rest, double dof) const;
   /// @param rest what is already in the model and found: its `left` is to be explained.

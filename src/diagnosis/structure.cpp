@@ -191,9 +191,21 @@ std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const 
                                               const Eigen::MatrixXd& found) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
+  // a constant in each direction is no variable's: with it in, every variable would seem to explain it
+  Eigen::MatrixXd constants = times(space, Eigen::MatrixXd::Ones(space.rows(), 1), directions.factors);
+  space.project(constants);
+  if (found.cols() > 0) constants -= found * (found.transpose() * constants);
+  for (int k = 0; k < constants.cols(); ++k) constants.col(k) /= std::max(constants.col(k).norm(), 1e-300);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(constants);
+  qr.setThreshold(1e-3);
+  const Eigen::MatrixXd even = qr.householderQ() * Eigen::MatrixXd::Identity(constants.rows(), qr.rank());
+  Eigen::MatrixXd known(space.length(), found.cols() + even.cols());
+  known << found, even;
+  const Eigen::VectorXd uneven = left - even * (even.transpose() * left);
   std::vector<WhereItFails> out;
   for (const Variable& v : variables) {
-    const Test t = explain(space, left, found, times(space, termsOf(v, 4), directions.factors));
+    Test t = explain(space, uneven, known, times(space, termsOf(v, 4), directions.factors));
+    t.share *= uneven.squaredNorm() / std::max(left.squaredNorm(), 1e-300);
     out.push_back({v.name, t.share, std::min(1.0, std::exp(t.logP) * static_cast<double>(variables.size()))});
   }
   std::stable_sort(out.begin(), out.end(), [](const WhereItFails& a, const WhereItFails& b) {
