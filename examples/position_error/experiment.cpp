@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "simulation/random.h"
 #include "thermal/grey_relation.h"
 
 namespace mm {
@@ -23,16 +24,23 @@ void append(std::string& text, const char* pattern, double value) {
 }  // namespace
 
 Experiment::Experiment(std::uint64_t seed, ThermalLaw law, int warmUps)
-    : mill(seed, law), testMinutes{0, 60, 120} {
+
+    : seed(seed), mill(seed, law), testMinutes{0, 60, 120} {
   const double loads[] = {1.0, 0.5, 1.3}, starts[] = {20.5, 20.2, 20.8};
   constexpr int kSets = 11;
-  for (int k = 0; k < kSets; ++k) minutes.push_back(20.0 * k);
+  std::vector<double> oneDay;
+  for (int k = 0; k < kSets; ++k) oneDay.push_back(20.0 * k);
   training.temperatures.resize(warmUps * kSets, HeatedMill::kSensors);
   training.deviation.resize(warmUps * kSets, HeatedMill::kPositions);
+  truth = training.deviation;
   for (int day = 0; day < warmUps; ++day) {
-    const MillRun run = mill.run(minutes, starts[day % 3], loads[day % 3], kNoiseT, kNoiseY,
+    const MillRun run = mill.run(oneDay, starts[day % 3], loads[day % 3], kNoiseT, kNoiseY,
                                  10 * seed + static_cast<std::uint64_t>(day));
+    for (const double m : oneDay) minutes.push_back(24.0 * 60.0 * day + m);
     training.temperatures.middleRows(day * kSets, kSets) = run.temperatures;
+    truth.middleRows(day * kSets, kSets) = mill.run(oneDay, starts[day % 3], loads[day % 3], kNoiseT, 0.0,
+                                                    10 * seed + static_cast<std::uint64_t>(day))
+                                               .deviation;
     training.deviation.middleRows(day * kSets, kSets) = run.deviation;
   }
   test = mill.run(testMinutes, 21.0, 0.6 + 0.3 * static_cast<double>(seed % 3), kNoiseT, 0.0, 1000 + seed);
@@ -73,7 +81,11 @@ Eigen::MatrixXd leftBy(const std::string& method, const Experiment& e) {
   return e.test.deviation - network->evaluateAll(e.chosen(e.test.temperatures));
 }
 
-std::string importCsv(const Experiment& e, const MillRun& run, const std::vector<double>& minutes) {
+std::string importCsv(const Experiment& e, bool training) {
+  const std::vector<double>& minutes = training ? e.minutes : e.testMinutes;
+  const Eigen::MatrixXd& temperatures = training ? e.training.temperatures : e.test.temperatures;
+  const Eigen::MatrixXd& deviation = training ? e.truth : e.test.deviation;
+  Random random(e.seed, training ? "interferometer" : "interferometer on the other day");
   std::string text = "time_s,x_mm,x_velocity_mm_s,deviation_x_um";
   for (const std::string& name : sensorNames()) text += "," + name + "_degC";
   text += "\n";
@@ -85,9 +97,8 @@ std::string importCsv(const Experiment& e, const MillRun& run, const std::vector
       append(text, "%.10g", 60.0 * minutes[k] + kPause * step);
       append(text, ",%.10g", 1e3 * e.mill.travel() * position / last);
       append(text, ",%.6g", step <= last ? kFeed : -kFeed);
-      append(text, ",%.6f", run.deviation(row, position));
-      for (Eigen::Index s = 0; s < run.temperatures.cols(); ++s)
-        append(text, ",%.4f", run.temperatures(row, s));
+      append(text, ",%.6f", deviation(row, position) + kNoiseY * random.normal());
+      for (Eigen::Index s = 0; s < temperatures.cols(); ++s) append(text, ",%.4f", temperatures(row, s));
       text += "\n";
     }
   return text;

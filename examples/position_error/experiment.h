@@ -14,9 +14,11 @@ namespace mm {
 struct Experiment {
   Experiment(std::uint64_t seed, ThermalLaw law, int warmUps = 1);
 
+  std::uint64_t seed;
   HeatedMill mill;
   std::vector<double> minutes, testMinutes;
-  MillRun training, test;
+  MillRun training, test;   // those of the test without noise
+  Eigen::MatrixXd truth;    // of the training deviations
   std::vector<int> inputs;  // the 4 sensors of highest grey relational grade, ascending
 
   /// Columns of the inputs.
@@ -30,7 +32,8 @@ std::vector<std::string> sensorNames();
 /// "rbf", "ridge" or "none". um, tests x positions.
 Eigen::MatrixXd leftBy(const std::string& method, const Experiment& experiment);
 
-/// A run in the import format: every set forwards and backwards, 5 s between two positions.
-std::string importCsv(const Experiment& experiment, const MillRun& run, const std::vector<double>& minutes);
+/// The training or the test in the import format: every set forwards and backwards, 5 s between two
+/// positions, with the noise of the instrument.
+std::string importCsv(const Experiment& experiment, bool training);
 
 }  // namespace mm

@@ -34,16 +34,16 @@ void write(const std::filesystem::path& file, const std::string& text) {
     throw InputError(file.string() + ": cannot be written; check the folder and the space on the disk");
 }
 
-void simulate(const std::string& folder, std::uint64_t seed, ThermalLaw law) {
-  const Experiment e(seed, law);
+void simulate(const std::string& folder, std::uint64_t seed, ThermalLaw law, int days) {
+  const Experiment e(seed, law, days);
   std::filesystem::create_directories(folder);
-  write(std::filesystem::path(folder) / "training.csv", importCsv(e, e.training, e.minutes));
-  write(std::filesystem::path(folder) / "test.csv", importCsv(e, e.test, e.testMinutes));
+  write(std::filesystem::path(folder) / "training.csv", importCsv(e, true));
+  write(std::filesystem::path(folder) / "test.csv", importCsv(e, false));
 }
 
 /// DFNN, Table 2: what is left of the test's deviations.
-void table(std::uint64_t seed, ThermalLaw law) {
-  const Experiment e(seed, law);
+void table(std::uint64_t seed, ThermalLaw law, int days) {
+  const Experiment e(seed, law, days);
   std::printf("inputs, by grey relational grade:");
   for (const int i : e.inputs) std::printf(" %s", sensorNames()[static_cast<std::size_t>(i)].c_str());
   std::printf("\n\n%-26s", "left, RMS / largest, um");
@@ -87,9 +87,12 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   std::uint64_t seed = 1;
   std::string folder, law = "saturating";
-  int count = 40;
+  int count = 40, days = 1;
   const auto common = [&](CLI::App& command) {
     command.add_option("--seed", seed, "of the mill and its measurements")->capture_default_str();
+    command.add_option("--days", days, "warm-ups to learn from; 1 as in the paper")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 3));
     command.add_option("--law", law, "how the growth follows the temperatures")
         ->capture_default_str()
         ->check(CLI::IsMember(kLaws));
@@ -103,8 +106,8 @@ int run(int argc, char** argv) {
   CLI::App* many = app.add_subcommand("machines", "the same over many machines, for each law");
   many->add_option("count", count, "machines")->capture_default_str()->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
-  if (*writes) simulate(folder, seed, kLaws.at(law));
-  if (*prints) table(seed, kLaws.at(law));
+  if (*writes) simulate(folder, seed, kLaws.at(law), days);
+  if (*prints) table(seed, kLaws.at(law), days);
   if (*many) machines(count);
   return 0;
 }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # The experiment of DFNN: a mill warms up, its x axis is measured at 11 positions, a network learns the error.
-#   run.sh [folder] [--law linear|saturating|bending] [--seed N]     results go to the folder (default: position_error)
+#   run.sh [folder] [--law linear|saturating|bending] [--seed N] [--days 1|2|3]
+# Results go to the folder (default: position_error).
 # MM and POSITION_ERROR name other programs than those that are found.
 set -eu
 folder=position_error

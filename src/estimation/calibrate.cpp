@@ -15,6 +15,7 @@
 #include "estimation/whitened.h"
 #include "machine/error.h"
 #include "machine/units.h"
+#include "thermal/thermal_network.h"
 
 namespace mm {
 namespace {
@@ -182,6 +183,14 @@ struct Summary {
   Eigen::VectorXd heldOut;
   Eigen::MatrixXd covariance;
   double dof = 0.0, priorChi2 = 0.0;
+
+  /// Degrees of freedom that other unknowns take; at least one stays. The covariance grows with it.
+  void takeFreedoms(int taken) {
+    if (taken <= 0 || dof <= 0.0) return;
+    const double left = std::max(1.0, dof - taken);
+    covariance *= dof / left;
+    dof = left;
+  }
 };
 
 Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<char>& fixed) {
@@ -210,6 +219,14 @@ Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<c
   s.heldOut = heldOutResiduals(q, system.residuals, makeFolds(problem));
   for (int i = 0; i < data; ++i) s.heldOut[i] *= fit.sigma[i];
   return s;
+}
+
+/// Constants of the networks, which take degrees of freedom too: they are learned from the same residuals.
+int networkUnknowns(const Model& model) {
+  int count = 0;
+  for (const LearnedNetwork& network : model.domain().networks)
+    if (network.active) count += networkFromNumbers(network.numbers)->unknowns();
+  return count;
 }
 
 /// Held-out residuals are those of networks that were learned without the rows that they are judged on.
@@ -335,6 +352,7 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   if (options.progress) options.progress("uncertainty", 0.0);
   const std::vector<char>& fixed = result.identifiability.fixed;
   Summary summary = summarise(problem, fit, fixed);
+  if (!options.holdEffects) summary.takeFreedoms(networkUnknowns(problem.model()));
   if (networkShift.size() > 0) addNetworkShift(*result.problem, fit.x, networkShift, summary.heldOut);
   result.x = fit.x;
   result.residuals = fit.residuals;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostSets = 300;
 constexpr double kSensitive = 0.3;  // a row tells of the axis from this share of the largest sensitivity on
+constexpr double kAtOnce = 0.25;    // of the usual pause between two sets: what is less is no pause
 constexpr double kNear = 0.75;      // share of an output from which on a reading counts as measured there
 
 /// One scalar that tells of the axis: residual + gradient * error = 0.
@@ -94,6 +95,29 @@ std::vector<Set> merged(std::vector<Set> sets) {
   return few;
 }
 
+/// Sets that follow each other at once, as a run forwards and one backwards, are one state of the machine:
+/// apart, each would give the other away when it is held out.
+std::vector<Set> atOneTime(const std::vector<Set>& sets, const Problem& problem) {
+  const auto time = [&](const Evidence& e) {
+    return problem.session().observations[static_cast<std::size_t>(e.observation)].time;
+  };
+  std::vector<double> pauses;
+  for (std::size_t i = 1; i < sets.size(); ++i)
+    pauses.push_back(time(sets[i].front()) - time(sets[i - 1].back()));
+  if (pauses.empty()) return sets;
+  std::vector<double> ordered = pauses;
+  std::sort(ordered.begin(), ordered.end());
+  const double usual = ordered[3 * ordered.size() / 4];
+  std::vector<Set> together = {sets.front()};
+  for (std::size_t i = 1; i < sets.size(); ++i) {
+    if (pauses[i - 1] < kAtOnce * usual)
+      together.back().insert(together.back().end(), sets[i].begin(), sets[i].end());
+    else
+      together.push_back(sets[i]);
+  }
+  return static_cast<int>(together.size()) >= kFewestSets ? together : sets;
+}
+
 /// Positions that are measured again and again, then the ends of the range, then one for all.
 std::vector<std::vector<double>> choicesOf(const Domain& domain, int axis) {
   std::vector<std::vector<double>> choices;
@@ -132,7 +156,7 @@ NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorX
   std::vector<Set> sets;
   for (const std::vector<double>& positions : choicesOf(domain, axis)) {
     samples.positions = positions;
-    sets = merged(setsOf(evidence, positions));
+    sets = merged(atOneTime(setsOf(evidence, positions), problem));
     if (static_cast<int>(sets.size()) >= kFewestSets) break;
   }
   const auto count = static_cast<Eigen::Index>(sets.size());

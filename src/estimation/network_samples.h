@@ -20,8 +20,8 @@ struct NetworkSamples {
 };
 
 /// Gathers the samples from the residuals at x. The outputs are the positions measured where every set holds
-/// all of them; else the ends of the observed range, else one for the whole range. Neighbouring sets are
-/// averaged where there are more than 300.
+/// all of them; else the ends of the observed range, else one for the whole range. Sets that
+/// follow each other without a pause are one, and neighbours are averaged where there are more than 300.
 /// @param problem without networks, linearised at x. @param residuals of its data rows, m or rad. @param
 /// weight a data row: 0 leaves it out.
 /// @throw InputError when there are fewer than kFewestSets sets, or the axis is not measured at all.

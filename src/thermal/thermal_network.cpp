@@ -77,6 +77,13 @@ void ThermalNetwork::update(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) 
   learn(from);
 }
 
+int ThermalNetwork::unknowns() const {
+  int each = 1 + inputs();  // the line
+  if (kind() == NetworkKind::kDfnn && rules() > 1) each += rules() * (1 + inputs());
+  if (kind() == NetworkKind::kRbf) each = rules() + 1;
+  return outputs() * std::min(each, samples());
+}
+
 Eigen::MatrixXd ThermalNetwork::evaluateAll(const Eigen::MatrixXd& x) const {
   Eigen::MatrixXd y(x.rows(), outputs());
   Eigen::VectorXd in(inputs()), out(outputs());

@@ -33,6 +33,8 @@ class ThermalNetwork {
   int samples() const { return static_cast<int>(x_.rows()); }
   /// Rules of a DFNN, centres of an RBF network, 1 of a linear one.
   virtual int rules() const { return 1; }
+  /// Constants that were fitted to the samples, at most one a value; a ridge holds some of them back.
+  int unknowns() const;
 
   /// Learns from samples x inputs and samples x outputs, in the order of time, and forgets what was learned
   /// before. Throws InputError for shapes that do not fit, values that are not finite, or fewer than 3

@@ -37,9 +37,9 @@ double scatter(const std::vector<double>& v) {
 class ThermalNetwork : public ::testing::Test {
  protected:
   /// training.csv, test.csv and training.bag of one mill.
-  void simulate(const std::string& law, int seed) {
+  void simulate(const std::string& law, int seed, int days = 1) {
     const std::string command = "'" POSITION_ERROR_PROGRAM "' simulate " + folder / "e" + " --law " + law +
-                                " --seed " + std::to_string(seed);
+                                " --seed " + std::to_string(seed) + " --days " + std::to_string(days);
     ASSERT_EQ(std::system(command.c_str()), 0);
     const Answer imported =
         mmRun(folder, "import " + folder / "e/training.csv" + " --machine three_axis -o " + folder / "s.bag");
@@ -98,6 +98,37 @@ TEST_F(ThermalNetwork, CorrectsAnotherDay) {
   EXPECT_GT(json["held_out_rms_um"].get<double>(), 0.2);
   const auto [before, after] = corrected();
   EXPECT_LT(after, 0.25 * before);
+}
+
+TEST_F(ThermalNetwork, WhereTheGrowthBendsDfnnIsBetterThanRidgeOnAnotherDay) {
+  simulate("bending", 1, 3);
+  const Answer dfnn = calibrate("dfnn");
+  ASSERT_EQ(dfnn.status, 0) << dfnn.error;
+  const nlohmann::json network = dfnn.json()["networks"][0];
+  EXPECT_TRUE(network["active"]) << network["summary"];
+  EXPECT_LT(network["held_out_rms_um"].get<double>(), 0.6 * network["held_out_rms_ridge_um"].get<double>());
+  EXPECT_NEAR(dfnn.json()["held_out_rms_um"].get<double>(), network["held_out_rms_um"].get<double>(), 0.1);
+  const double bent = corrected().second;
+  ASSERT_EQ(calibrate("ridge").status, 0);
+  EXPECT_LT(bent, 0.6 * corrected().second);
+}
+
+TEST_F(ThermalNetwork, AddsToTheLedgerAndIsTakenBack) {
+  simulate("linear", 3);
+  const std::string model = folder.write("m.yaml", "machine: three_axis\neffects: []\n");
+  ASSERT_EQ(mmRun(folder, "calibrate " + folder / "s.bag" + " --model " + model + " -o " + folder / "c.yaml")
+                .status,
+            0);
+  const std::string effect = " '{type: thermal_network, axis: x, sensors: grey_grade, network: ridge}' ";
+  const Answer added = mmRun(folder, "add " + folder / "s.bag" + " --calibration " + folder / "c.yaml" +
+                                         effect + "-o " + folder / "c2.yaml --json");
+  ASSERT_EQ(added.status, 0) << added.error;
+  const nlohmann::json step = added.json()["ledger"][1];
+  EXPECT_LT(step["held_out_rms_um"][1].get<double>(), 0.2 * step["held_out_rms_um"][0].get<double>());
+  const Answer removed = mmRun(folder, "remove " + folder / "s.bag" + " --calibration " + folder / "c2.yaml" +
+                                           effect + "-o " + folder / "c3.yaml --json");
+  ASSERT_EQ(removed.status, 0) << removed.error;
+  EXPECT_EQ(removed.json()["ledger"][2]["held_out_rms_um"][1], step["held_out_rms_um"][0]);
 }
 
 TEST_F(ThermalNetwork, WhatDoesNotBeatRidgeIsNotActivatedAndSaysSo) {
