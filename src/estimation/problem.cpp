@@ -23,6 +23,24 @@ Eigen::Vector3d rotationVector(const Eigen::Matrix3d& r) {
   return half.norm() < 1e-4 && a.angle() < 1.0 ? half : Eigen::Vector3d(a.axis() * a.angle());
 }
 
+/// The temperature whose absence alone keeps a model from a value; "an input" where it is none.
+std::string missingTemperature(const Model& model, const State& at, const std::vector<double>& parameters,
+                               Model::Workspace& work) {
+  const std::vector<std::string>& sensors = model.domain().sensors;
+  State known = at;
+  for (double& t : known.temperature)
+    if (!std::isfinite(t)) t = kReferenceTemperature;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    if (std::isfinite(at.temperature[s])) continue;
+    State without = known;
+    without.temperature[s] = at.temperature[s];
+    model.corrected(without, parameters.data(), work);
+    for (const double error : work.errors)
+      if (!std::isfinite(error)) return "temperature '" + sensors[s] + "'";
+  }
+  return "an input";
+}
+
 const char* const kAxisNames[] = {"x", "y", "z"};
 
 }  // namespace
@@ -70,7 +88,8 @@ void Problem::findUsable() {
     one.corrected(state(o), p.data(), work);
     for (double error : work.errors)
       if (!std::isfinite(error))
-        throw InputError(where + "effect " + e->spec().yaml() + " lacks an input there (" + e->shownBy() +
+        throw InputError(where + "effect " + e->spec().yaml() + " lacks " +
+                         missingTemperature(one, state(o), p, work) + " there (" + e->shownBy() +
                          "); log it, or leave the effect out");
   }
   throw InputError(where + "the model's value is not a number");

@@ -98,6 +98,19 @@ TEST_F(ThermalNetwork, CorrectsAnotherDay) {
   EXPECT_GT(json["held_out_rms_um"].get<double>(), 0.2);
   const auto [before, after] = corrected();
   EXPECT_LT(after, 0.25 * before);
+
+  // the same day with one of the network's sensors renamed
+  const std::string sensor = json["networks"][0]["sensors"][2];
+  std::string renamed = textOf(folder / "e/test.csv");
+  renamed.insert(renamed.find("," + sensor + "_degC") + 1, "new_");
+  ASSERT_EQ(mmRun(folder, "import " + folder.write("renamed.csv", renamed) + " --machine three_axis -o " +
+                              folder / "renamed.bag")
+                .status,
+            0);
+  const Answer compared =
+      mmRun(folder, "compare " + folder / "renamed.bag" + " --calibration " + folder / "c.yaml");
+  EXPECT_EQ(compared.status, 2);
+  EXPECT_NE(compared.error.find("lacks temperature '" + sensor + "'"), std::string::npos) << compared.error;
 }
 
 TEST_F(ThermalNetwork, WhereTheGrowthBendsDfnnIsBetterThanRidgeOnAnotherDay) {
