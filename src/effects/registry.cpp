@@ -101,7 +101,8 @@ EffectPtr createEffect(const EffectSpec& spec, const Domain& domain) {
     names.push_back(type.type);
   }
   throw InputError("effect " + spec.yaml() + ": unknown type '" + spec.type + "'; known: " + listOf(names) +
-                   didYouMean(spec.type, names));
+                   didYouMean(spec.type, names) +
+                   "; an effect of your own needs its package on ROS_PACKAGE_PATH (source its setup.bash)");
 }
 
 }  // namespace mm

@@ -9,6 +9,7 @@
 
 #include "machine/error.h"
 #include "machine/nearest_name.h"
+#include "ros_bridge/effect_plugins.h"
 #include "tools/commands.h"
 #include "tools/one_line.h"
 
@@ -66,6 +67,11 @@ int main(int argc, char** argv) {
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
+  // Before the command's own work, and not for --help.
+  app.parse_complete_callback([] {
+    mm::loadEffectPlugins(
+        [](const std::string& line) { std::cerr << "mm: warning: " << mm::oneLine(line) << std::endl; });
+  });
   try {
     app.parse(argc, argv);
     std::cout.flush();

@@ -1,0 +1,370 @@
+#include "ros_bridge/plugin_effect.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <mutex>
+#include <random>
+#include <set>
+
+#include "effects/nearest_name.h"
+#include "machine/error.h"
+
+namespace mm {
+namespace {
+
+using Shared = std::shared_ptr<const plugin::EffectType>;
+
+plugin::Session sessionOf(const Domain& d) {
+  const auto at = [](const std::vector<double>& v, std::size_t i) { return i < v.size() ? v[i] : 0.0; };
+  plugin::Session session;
+  for (std::size_t j = 0; j < d.joints.size(); ++j)
+    session.joints.push_back(
+        {d.joints[j].name, at(d.lower, j), at(d.upper, j), d.joints[j].kind == JointKind::kRotary});
+  for (std::size_t s = 0; s < d.sensors.size(); ++s)
+    session.sensors.push_back({d.sensors[s], at(d.sensorLower, s), at(d.sensorUpper, s), false});
+  for (std::size_t c = 0; c < d.covariates.size(); ++c)
+    session.covariates.push_back({d.covariates[c], at(d.covariateLower, c), at(d.covariateUpper, c), false});
+  session.features = d.features;
+  session.duration = d.duration;
+  session.maxSpeed = d.maxSpeed;
+  session.laser = d.laser;
+  return session;
+}
+
+plugin::State stateOf(const State& s) {
+  plugin::State state;
+  state.time = s.time;
+  state.position = s.position.data();
+  state.velocity = s.velocity.data();
+  state.travel = s.travel.data();
+  state.temperature = s.temperature.data();
+  state.covariate = s.covariate.data();
+  for (int k = 0; k < 3; ++k) {
+    state.approach[k] = s.approach[k];
+    state.normal[k] = s.surfaceNormal[k];
+    state.tip[k] = s.tip[k];
+    for (int m = 0; m < 3; ++m) state.orientation[3 * k + m] = s.orientation(k, m);
+  }
+  state.laserReading = s.laserReading;
+  state.feature = s.feature;
+  state.featureRadius = s.featureRadius;
+  return state;
+}
+
+/// A number in its shortest form, so that 1 and 1.0 are the same effect; other text as it is.
+std::string shortest(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return text;
+  return EffectSpec().set("", value).text("");
+}
+
+/// Passes on each line once.
+class Once {
+ public:
+  explicit Once(PluginTrouble say) : say_(std::move(say)) {}
+  void operator()(const std::string& line) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (said_.insert(line).second && say_) say_(line);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::set<std::string> said_;
+  PluginTrouble say_;
+};
+
+/// Shared by all effects of one type.
+struct Origin {
+  Shared type;  // outlives its effects: their code is in its library
+  std::string name;
+  std::shared_ptr<Once> trouble;
+};
+
+/// An effect of a plugin, in the terms of the library. Derivatives by differences of eighth order.
+class PluginEffect final : public Effect {
+ public:
+  PluginEffect(EffectSpec spec, Origin origin, std::unique_ptr<plugin::Effect> effect, const Domain& domain)
+      : layout_(static_cast<int>(domain.joints.size())),
+        origin_(std::move(origin)),
+        effect_(std::move(effect)) {
+    spec_ = std::move(spec);
+    if (!effect_) throw InputError("create() returned nothing");
+    cause_ = effect_->cause();
+    remedy_ = effect_->remedy();
+    shownBy_ = effect_->shownBy();
+    for (const plugin::Parameter& p : effect_->parameters()) {
+      if (p.name.empty() || !(p.scale > 0.0) || !(p.bound > 0.0) || !std::isfinite(p.toUnit) ||
+          p.toUnit == 0.0)
+        throw InputError("parameter '" + p.name +
+                         "' needs a name, a scale and a bound above 0, and a toUnit");
+      Parameter q;
+      q.name = p.name;
+      q.unit = p.unit;
+      q.toUnit = p.toUnit;
+      q.scale = p.scale;
+      q.bound = p.bound;
+      q.start = p.start;
+      q.minimum = p.minimum;
+      q.maximum = p.maximum;
+      if (!p.search.empty()) {
+        nonlinear_.push_back(static_cast<int>(parameters_.size()));
+        combine(p.search);
+      }
+      parameters_.push_back(std::move(q));
+    }
+    if (parameters_.empty()) throw InputError("parameters() is empty");
+    if (nonlinear_.size() == parameters_.size())
+      throw InputError("an effect needs a parameter that it is linear in: its size");
+    checkLinear(domain);
+  }
+
+  Stage stage() const override { return Stage::kVolume; }
+  bool linear() const override { return nonlinear_.empty(); }
+  std::vector<int> nonlinearParameters() const override { return nonlinear_; }
+  std::vector<std::vector<double>> searchStarts() const override { return starts_; }
+  std::string cause() const override { return cause_; }
+  std::string remedy() const override { return remedy_; }
+  std::string shownBy() const override { return shownBy_; }
+
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    Call call(*this, state);
+    if (!linear()) {
+      const std::vector<double>& value = call(p);
+      for (int slot = 0; slot < layout_.size(); ++slot)
+        if (value[slot] != 0.0) sink.value(slot, value[slot]);
+      if (!sink.wantsDerivatives()) return;
+    }
+    std::vector<double> slope(static_cast<std::size_t>(layout_.size()));
+    for (int i = 0; i < parameterCount(); ++i) {
+      const bool searched = std::find(nonlinear_.begin(), nonlinear_.end(), i) != nonlinear_.end();
+      call.slopes(p, i, searched, slope);
+      for (int slot = 0; slot < layout_.size(); ++slot) {
+        if (slope[slot] == 0.0) continue;
+        if (linear())
+          sink.add(slot, i, p[i], slope[slot]);
+        else
+          sink.derivative(slot, i, slope[slot]);
+      }
+    }
+  }
+
+ private:
+  /// Evaluations at one state.
+  class Call {
+   public:
+    Call(const PluginEffect& effect, const State& state)
+        : effect_(effect),
+          state_(stateOf(state)),
+          value_(static_cast<std::size_t>(effect.layout_.size())),
+          atJoint_(static_cast<std::size_t>(6 * effect.layout_.joints())),
+          p_(effect.parameters_.size()) {}
+
+    /// One value a slot; NaN in all that matter where the plugin threw.
+    const std::vector<double>& operator()(const double* p) {
+      const ErrorLayout& layout = effect_.layout_;
+      std::fill(value_.begin(), value_.end(), 0.0);
+      std::fill(atJoint_.begin(), atJoint_.end(), 0.0);
+      plugin::Error e;
+      e.reading = value_.data() + (layout.joints() > 0 ? layout.axis(0) : 0);
+      e.atJoint = atJoint_.data();
+      try {
+        effect_.effect_->evaluate(state_, p, e);
+      } catch (const std::exception& error) {
+        effect_.failed(error.what(), e);
+      } catch (...) {
+        effect_.failed("something that is no std::exception", e);
+      }
+      for (int j = 0; j < layout.joints(); ++j)
+        for (int k = 0; k < 3; ++k) {
+          value_[layout.jointTranslation(j, k)] = atJoint_[6 * j + k];
+          value_[layout.jointRotation(j, k)] = atJoint_[6 * j + 3 + k];
+        }
+      for (int k = 0; k < 3; ++k) {
+        value_[layout.volume(k)] = e.volume[k];
+        value_[layout.orientation(k)] = e.orientation[k];
+        value_[layout.probe(k)] = e.probe[k];
+        value_[layout.feature(k)] = e.feature[k];
+      }
+      value_[layout.reading()] = e.laserReading;
+      value_[layout.distance()] = e.distance;
+      return value_;
+    }
+
+    /// Derivative of every slot by parameter i at p. Linear ones: the step does not matter.
+    void slopes(const double* p, int i, bool searched, std::vector<double>& slope) {
+      const Parameter& parameter = effect_.parameters_[i];
+      std::copy(p, p + p_.size(), p_.begin());
+      if (!searched) {  // the error at one of this parameter, and none of the other linear ones
+        for (std::size_t k = 0; k < p_.size(); ++k)
+          if (std::find(effect_.nonlinear_.begin(), effect_.nonlinear_.end(), static_cast<int>(k)) ==
+              effect_.nonlinear_.end())
+            p_[k] = 0.0;
+        p_[i] = parameter.scale;
+        const std::vector<double>& value = (*this)(p_.data());
+        for (std::size_t s = 0; s < slope.size(); ++s) slope[s] = value[s] / parameter.scale;
+        return;
+      }
+      constexpr double kWeights[4] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
+      std::fill(slope.begin(), slope.end(), 0.0);
+      double h = 2e-3 * std::max(std::abs(p[i]), 1e-3 * parameter.scale);
+      h = std::min({h, 0.24 * std::abs(p[i] - parameter.minimum), 0.24 * std::abs(parameter.maximum - p[i])});
+      if (!(h > 0.0)) h = 1e-6 * parameter.scale;
+      for (int step = 1; step <= 4; ++step)
+        for (const double side : {1.0, -1.0}) {
+          p_[i] = p[i] + side * step * h;
+          const std::vector<double>& value = (*this)(p_.data());
+          for (std::size_t s = 0; s < slope.size(); ++s) slope[s] += side * kWeights[step - 1] * value[s] / h;
+        }
+    }
+
+   private:
+    const PluginEffect& effect_;
+    const plugin::State state_;
+    std::vector<double> value_, atJoint_, p_;
+  };
+
+  void failed(const std::string& what, plugin::Error& e) const {
+    (*origin_.trouble)(origin_.name + ": " + spec_.yaml() + " threw where it was evaluated: " + what +
+                       "; its inputs count as not known there");
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    for (int k = 0; k < 3; ++k) e.volume[k] = kUnknown;
+    for (int j = 0; j < layout_.joints(); ++j) e.reading[j] = kUnknown;
+  }
+
+  /// The starts of one more searched parameter with each of those before it.
+  void combine(const std::vector<double>& search) {
+    if (starts_.empty()) starts_.push_back({});
+    std::vector<std::vector<double>> all;
+    for (const std::vector<double>& before : starts_)
+      for (const double value : search) {
+        all.push_back(before);
+        all.back().push_back(value);
+      }
+    starts_ = std::move(all);
+  }
+
+  /// Refuses an effect that is not linear where it says so: it would be fitted wrongly without a word.
+  void checkLinear(const Domain& domain) const {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> share(0.1, 0.9);
+    std::normal_distribution<double> normal;
+    const auto within = [&](const std::vector<double>& lower, const std::vector<double>& upper,
+                            std::size_t n) {
+      std::vector<double> v(n);
+      for (std::size_t i = 0; i < n; ++i) {
+        const double low = i < lower.size() ? lower[i] : 0.0, high = i < upper.size() ? upper[i] : 1.0;
+        v[i] = low + share(random) * (high - low);
+      }
+      return v;
+    };
+    for (int trial = 0; trial < 4; ++trial) {
+      State state;
+      const std::size_t joints = domain.joints.size();
+      state.time = share(random) * domain.duration;
+      state.position = within(domain.lower, domain.upper, joints);
+      for (std::size_t j = 0; j < joints; ++j) {
+        state.travel.push_back(share(random) < 0.5 ? -1.0 : 1.0);
+        state.velocity.push_back(state.travel[j] * share(random) * std::max(domain.maxSpeed, 1e-4));
+      }
+      state.temperature = within(domain.sensorLower, domain.sensorUpper, domain.sensors.size());
+      state.covariate = within(domain.covariateLower, domain.covariateUpper, domain.covariates.size());
+      state.approach = -Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+      state.surfaceNormal = -state.approach;
+      state.tip = 0.1 * Eigen::Vector3d(normal(random), normal(random), normal(random));
+      state.feature = domain.features.empty() ? -1 : 0;
+      state.featureRadius = domain.features.empty() ? 0.0 : 0.004;
+      Call call(*this, state);
+      std::vector<double> a, sum(static_cast<std::size_t>(layout_.size()), 0.0), slope(sum.size());
+      for (const Parameter& q : parameters_) a.push_back(q.scale * (0.5 + share(random)));
+      std::size_t k = 0;
+      for (const int i : nonlinear_) a[i] = starts_.front()[k++];
+      for (int i = 0; i < parameterCount(); ++i) {
+        if (std::find(nonlinear_.begin(), nonlinear_.end(), i) != nonlinear_.end()) continue;
+        call.slopes(a.data(), i, false, slope);
+        for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += a[i] * slope[s];
+      }
+      const std::vector<double>& value = call(a.data());
+      for (std::size_t s = 0; s < sum.size(); ++s) {
+        if (!std::isfinite(value[s]) ||
+            std::abs(value[s] - sum[s]) <= 1e-9 * (std::abs(value[s]) + std::abs(sum[s])))
+          continue;
+        throw InputError(
+            "its error is not linear in the parameters that have no `search`; give one to those that it is "
+            "not "
+            "linear in");
+      }
+    }
+  }
+
+  const ErrorLayout layout_;
+  const Origin origin_;
+  const std::unique_ptr<plugin::Effect> effect_;
+  std::vector<int> nonlinear_;
+  std::vector<std::vector<double>> starts_;
+  std::string cause_, remedy_, shownBy_;
+};
+
+/// The keys as the plugin takes them, complete; and the canonical spec, defaults left out.
+plugin::Keys readKeys(const EffectSpec& spec, const std::vector<plugin::Key>& allowed,
+                      EffectSpec& canonical) {
+  std::vector<std::string> names;
+  for (const plugin::Key& key : allowed) names.push_back(key.name);
+  for (const auto& [key, value] : spec.keys) {
+    if (std::find(names.begin(), names.end(), key) == names.end())
+      throw InputError("unknown key '" + key + "'; allowed: " + (names.empty() ? "none" : listOf(names)) +
+                       didYouMean(key, names));
+    if (value.list || value.items.size() != 1)
+      throw InputError("key '" + key + "' must be a single value, not a list or nothing");
+    if (std::count_if(spec.keys.begin(), spec.keys.end(),
+                      [&k = key](const auto& other) { return other.first == k; }) > 1)
+      throw InputError("key '" + key + "' is given twice; keep one");
+  }
+  plugin::Keys keys;
+  for (const plugin::Key& key : allowed) {
+    const bool given = spec.find(key.name) != nullptr;
+    if (!given && key.standard.empty()) throw InputError("key '" + key.name + "' is missing; add it");
+    const std::string text = shortest(given ? spec.text(key.name) : key.standard);
+    if (text != shortest(key.standard)) canonical.set(key.name, text);
+    keys[key.name] = text;
+  }
+  return keys;
+}
+
+}  // namespace
+
+EffectType pluginEffectType(std::shared_ptr<const plugin::EffectType> type, const std::string& origin,
+                            PluginTrouble trouble) {
+  const Origin shared{type, origin, std::make_shared<Once>(std::move(trouble))};
+  EffectType entry;
+  entry.type = type->name();
+  entry.create = [shared](const EffectSpec& spec, const Domain& domain) -> EffectPtr {
+    try {
+      EffectSpec canonical(spec.type);
+      const plugin::Keys keys = readKeys(spec, shared.type->keys(), canonical);
+      return std::make_shared<PluginEffect>(canonical, shared, shared.type->create(keys, sessionOf(domain)),
+                                            domain);
+    } catch (const std::exception& e) {
+      throw InputError("effect " + spec.yaml() + " (" + shared.name + "): " + e.what());
+    }
+  };
+  // A plugin that cannot say what to try is left out of a diagnosis; the others go on.
+  entry.candidates = [shared, create = entry.create, name = entry.type](const Domain& domain) {
+    std::vector<EffectSpec> specs;
+    try {
+      for (const plugin::Keys& keys : shared.type->candidates(sessionOf(domain))) {
+        EffectSpec spec(name);
+        for (const auto& [key, value] : keys) spec.set(key, value);
+        specs.push_back(create(spec, domain)->spec());
+      }
+    } catch (const std::exception& e) {
+      (*shared.trouble)(shared.name +
+                        ": candidates() failed, a diagnosis does not try them all: " + e.what());
+    }
+    return specs;
+  };
+  return entry;
+}
+
+}  // namespace mm
