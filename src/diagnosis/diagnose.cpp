@@ -295,9 +295,17 @@ class Diagnoser {
     }
     const Structure structure =
         structureLeft(round.space, found.left, found.basis, round.search.modulations(found));
+    // what the shapes of the effects found cannot account for is the trace of another cause
+    bool beyondShapes = isStructure(structure);
+    if (beyondShapes && !found.chosen.empty()) {
+      const Subset wide = round.search.withColumns(found, round.search.withShapes(found));
+      beyondShapes =
+          isStructure(structureLeft(round.space, wide.left, wide.basis, round.search.modulations(found)));
+    }
+    out_.shapeLeft = isStructure(structure) && !beyondShapes;
     std::vector<FoundFormula> formulas;
     Subset kept = found;
-    lookForFormulas(round, found, structure, kept, formulas);
+    lookForFormulas(round, found, isStructure(structure), beyondShapes, kept, formulas);
 
     const double unit = unitOf(round.space, out_.angular);
     report("judge", 0.85);
@@ -340,7 +348,7 @@ class Diagnoser {
     }
     out_.where =
         explainedByVariable(round.space, round.space.target(), Eigen::MatrixXd(round.space.length(), 0));
-    const bool unknown = !out_.formulas.empty() || isStructure(structure);
+    const bool unknown = !out_.formulas.empty() || beyondShapes;
     const bool confusable = std::any_of(out_.missing.begin(), out_.missing.end(),
                                         [](auto& m) { return !m.confusableWith.empty(); });
     out_.verdict = unknown                 ? Verdict::kUnknownEffect
@@ -356,22 +364,14 @@ class Diagnoser {
 
   /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
   /// beside some.
-  void lookForFormulas(const Round& round, const Subset& found, const Structure& structure, Subset& kept,
-                       std::vector<FoundFormula>& formulas) {
+  void lookForFormulas(const Round& round, const Subset& found, bool structure, bool beyondShapes,
+                       Subset& kept, std::vector<FoundFormula>& formulas) {
     const SubsetSearch& search = round.search;
     const int causes = search.causes(found);
     FormulaSearch formulaSearch(round.space);
-    const bool left = isStructure(structure) || formulaSearch.promising(found, search.degreesOfFreedom());
+    const bool left = structure || formulaSearch.promising(found, search.degreesOfFreedom());
     if (!left && causes < 2) return;
     const double dof = search.degreesOfFreedom();
-    // what the shapes of the effects found cannot account for is the trace of another cause
-    bool beyondShape = found.chosen.empty();
-    if (!found.chosen.empty() && isStructure(structure)) {
-      Subset wide = found;
-      wide.basis = search.withShapes(found);
-      wide.left = round.space.target() - wide.basis * (wide.basis.transpose() * round.space.target());
-      beyondShape = isStructure(structureLeft(round.space, wide.left, wide.basis, search.modulations(found)));
-    }
     double best = found.objective - kFormulaMargin;
     bool rest = true;  // something is left by the best so far
     const auto consider = [&](const Subset& with) {
@@ -394,8 +394,8 @@ class Diagnoser {
       formulas = std::move(tried);
     };
     if (left) consider(found);
-    if (!found.chosen.empty() && (causes >= 2 || beyondShape)) consider(search.empty());
-    if (beyondShape && causes >= 2)
+    if (!found.chosen.empty() && (causes >= 2 || beyondShapes)) consider(search.empty());
+    if (beyondShapes && causes >= 2)
       for (std::size_t i = 0; i < found.chosen.size() && rest; ++i) {
         consider(search.without(found, i));
         if (found.chosen.size() > 2) consider(search.extend(search.empty(), found.chosen[i]));

@@ -73,6 +73,9 @@ struct Diagnosis {
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;
   bool angular = false;  // RMS figures are rad
+  /// What is left depends on the same variables as `missing`: those effects have another shape here than in
+  /// the catalogue.
+  bool shapeLeft = false;
 };
 
 struct DiagnoseOptions {

@@ -48,7 +48,11 @@ std::string sentenceOf(const Diagnosis& d, const std::vector<WhereItFails>& left
              ", but these data cannot tell at least one of them from another effect; the listed moves would.";
     case Verdict::kMissingEffect:
       return "Missing: " + listOf(d.missing) + "; held-out RMS " + rms(before) + " -> " +
-             rms(d.missing.back().heldOutAfter) + ".";
+             rms(d.missing.back().heldOutAfter) +
+             (d.shapeLeft ? "; what is left depends on the same variables, so the shape differs from the "
+                            "catalogue's: add them and diagnose again for a formula of the rest"
+                          : "") +
+             ".";
     case Verdict::kExplained: {
       std::string text =
           "Nothing is missing: no effect is significant and no structure is left in the residual";
