@@ -280,6 +280,23 @@ class Diagnoser {
     return out;
   }
 
+  /// The members in the order in which the held-out RMS falls fastest.
+  static Subset inOrder(const Round& round, const HeldOutJudge& judge, const Subset& found) {
+    Subset sorted = round.search.empty();
+    std::vector<Chosen> left = found.chosen;
+    while (!left.empty()) {
+      std::size_t first = 0;
+      double best = 1e300;
+      for (std::size_t i = 0; i < left.size(); ++i) {
+        const double rms = judge.rms(round.search.extend(sorted, left[i]).basis);
+        if (rms < best) best = rms, first = i;
+      }
+      sorted = round.search.extend(sorted, left[first]);
+      left.erase(left.begin() + static_cast<long>(first));
+    }
+    return sorted;
+  }
+
   void conclude(const Round& round, Subset found) {
     report("unknown effects", 0.7);
     const HeldOutJudge judge(round.space);
@@ -293,6 +310,7 @@ class Diagnoser {
         i = 0;
       }
     }
+    found = inOrder(round, judge, found);
     const Structure structure =
         structureLeft(round.space, found.left, found.basis, round.search.modulations(found));
     // what the shapes of the effects found cannot account for is the trace of another cause
@@ -305,7 +323,8 @@ class Diagnoser {
     out_.shapeLeft = isStructure(structure) && !beyondShapes;
     std::vector<FoundFormula> formulas;
     Subset kept = found;
-    lookForFormulas(round, found, isStructure(structure), beyondShapes, kept, formulas);
+    const FormulaSearch formulaSearch(round.space);
+    lookForFormulas(round, formulaSearch, found, isStructure(structure), beyondShapes, kept, formulas);
 
     const double unit = unitOf(round.space, out_.angular);
     report("judge", 0.85);
@@ -336,14 +355,8 @@ class Diagnoser {
     for (const FoundFormula& f : formulas) {
       FormulaResult r;
       r.effect = f.spec;
-      Eigen::MatrixXd fresh = f.columns;
-      if (kept.basis.cols() > 0) fresh -= kept.basis * (kept.basis.transpose() * fresh);
-      const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(fresh).householderQ() *
-                                Eigen::MatrixXd::Identity(fresh.rows(), fresh.cols());
-      Eigen::MatrixXd with(kept.basis.rows(), kept.basis.cols() + q.cols());
-      with << kept.basis, q;
       r.heldOutBefore = judge.rms(kept.basis) * unit;
-      r.heldOutAfter = judge.rms(with) * unit;
+      r.heldOutAfter = formulaSearch.heldOut(f, kept, judge) * unit;
       if (r.heldOutAfter < r.heldOutBefore) out_.formulas.push_back(r);
     }
     out_.where =
@@ -364,11 +377,15 @@ class Diagnoser {
 
   /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
   /// beside some.
-  void lookForFormulas(const Round& round, const Subset& found, bool structure, bool beyondShapes,
-                       Subset& kept, std::vector<FoundFormula>& formulas) {
+  void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, const Subset& found,
+                       bool structure, bool beyondShapes, Subset& kept, std::vector<FoundFormula>& formulas) {
     const SubsetSearch& search = round.search;
     const int causes = search.causes(found);
-    FormulaSearch formulaSearch(round.space);
+    const auto unknownsOf = [&](const Subset& s) {
+      int n = 0;
+      for (const Chosen& chosen : s.chosen) n += round.set.candidates[chosen.candidate].freeParameters;
+      return n;
+    };
     const bool left = structure || formulaSearch.promising(found, search.degreesOfFreedom());
     if (!left && causes < 2) return;
     const double dof = search.degreesOfFreedom();
@@ -377,6 +394,17 @@ class Diagnoser {
     const auto consider = [&](const Subset& with) {
       report("unknown effects", 0.75);
       std::vector<FoundFormula> tried = formulaSearch.run(with, dof, search.significance, 5);
+      if (tried.empty()) return;
+      // what takes the place of effects with a name must be about as simple as these
+      if (&with != &found)
+        tried.erase(std::remove_if(tried.begin(), tried.end(),
+                                   [&](const FoundFormula& f) {
+                                     return f.unknowns() > std::max(4, unknownsOf(found) - unknownsOf(with));
+                                   }),
+                    tried.end());
+      if (tried.empty()) return;
+      // what takes the place of found effects must do better than these in whatever shape they have
+      const double free = tried[0].objective + with.penalty;
       // a function of what a found effect depends on is the same cause in another shape
       const Subset wide = with.chosen.empty() ? with : search.withColumns(with, search.withShapes(with));
       tried.erase(std::remove_if(tried.begin(), tried.end(),
@@ -384,7 +412,10 @@ class Diagnoser {
                                    return !with.chosen.empty() && !search.beyond(wide, f.columns, f.choices);
                                  }),
                   tried.end());
-      if (tried.empty()) return;
+      if (tried.empty()) {
+        if (&with == &found) best = std::min(best, free - kFormulaMargin);
+        return;
+      }
       const double objective = tried[0].objective + with.penalty;
       if (objective >= best) return;
       best = objective;
@@ -396,9 +427,10 @@ class Diagnoser {
     if (left) consider(found);
     if (!found.chosen.empty() && (causes >= 2 || beyondShapes)) consider(search.empty());
     if (beyondShapes && causes >= 2)
-      for (std::size_t i = 0; i < found.chosen.size() && rest; ++i) {
-        consider(search.without(found, i));
-        if (found.chosen.size() > 2) consider(search.extend(search.empty(), found.chosen[i]));
+      for (std::size_t i = 0; i < std::min<std::size_t>(2, found.chosen.size()) && rest; ++i) {
+        consider(search.without(found, found.chosen.size() - 1 - i));  // the least, and
+        if (found.chosen.size() > 2)
+          consider(search.extend(search.empty(), found.chosen[i]));  // only the greatest
       }
   }
 

@@ -265,6 +265,29 @@ Solved fitConstants(const FormulaView& view, int direction, std::vector<Term>& t
   return best;
 }
 
+/// Terms hang together by the symbols that they share: what does not is two causes, and not one formula.
+bool oneCause(const std::vector<Term>& terms) {
+  std::set<int> reached;
+  std::vector<bool> in(terms.size(), false);
+  const auto touches = [&](const Term& t) {
+    return std::any_of(t.factors.begin(), t.factors.end(), [&](const Factor& f) {
+      return reached.count(f.symbol) > 0 || (f.other >= 0 && reached.count(f.other) > 0);
+    });
+  };
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+      if (in[t] || (!reached.empty() && !terms[t].factors.empty() && !touches(terms[t]))) continue;
+      in[t] = grown = true;
+      for (const Factor& f : terms[t].factors) {
+        reached.insert(f.symbol);
+        if (f.other >= 0) reached.insert(f.other);
+      }
+    }
+  }
+  return std::all_of(in.begin(), in.end(), [](bool b) { return b; });
+}
+
 /// Chooses from the dictionary of one guess.
 class Fitter {
  public:
@@ -331,9 +354,14 @@ class Fitter {
     double objective = objectiveOf(now, f.terms);
     while (f.terms.size() < kMostTerms && now.rss < 1e299) {
       const auto order = ranked(now.left, now.basis, now.rss, priceOf(view_, f.terms));
-      if (order.empty() || order[0].first > objective) break;
       std::vector<Term> more = f.terms;
-      more.push_back(terms_[order[0].second]);
+      for (const auto& [promised, t] : order) {
+        if (promised > objective) break;
+        more.push_back(terms_[t]);
+        if (oneCause(more)) break;
+        more.pop_back();
+      }
+      if (more.size() == f.terms.size()) break;
       const Solved next = improve(more, more.size() - 1);
       const double o = objectiveOf(next, more);
       if (!(o < objective - kWorthIt)) break;
@@ -369,7 +397,9 @@ class Fitter {
       std::vector<Term> chosen;
       Solved left;
       const auto consider = [&](const std::vector<Term>& terms) {
-        if (std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.factors.empty(); })) return;
+        if (std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.factors.empty(); }) ||
+            !oneCause(terms))
+          return;
         const Solved s = solve(view_, direction_, terms);
         const double o = objectiveOf(s, terms);
         if ((s.rss < kAsGood * full || o < objectiveOf(now, f.terms)) && o < best) {

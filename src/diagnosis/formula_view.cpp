@@ -36,9 +36,16 @@ double FormulaView::priceOfVariables(std::size_t count) const {
 
 double FormulaView::priceOf(const Term& term) const {
   constexpr double kShape = 2.8, kConstant = 1.0;  // logarithms of the number of choices
+  constexpr double kRareEvent = 2.0;  // something happens at a moment rather than at a temperature
   const double unknown = 0.5 * std::log(dof);
-  return unknown * (term.coefficients() + term.constants()) + kConstant * term.constants() +
-         kShape * static_cast<double>(std::max<std::size_t>(1, term.factors.size()));
+  double price = unknown * (term.coefficients() + term.constants()) + kConstant * term.constants() +
+                 kShape * static_cast<double>(std::max<std::size_t>(1, term.factors.size()));
+  for (const Factor& f : term.factors)
+    if ((f.shape == Shape::kStep || f.shape == Shape::kAfter) &&
+        (symbols[f.symbol].kind == Symbol::Kind::kTemperature ||
+         symbols[f.symbol].kind == Symbol::Kind::kCovariate))
+      price += kRareEvent;
+  return price;
 }
 
 FormulaViews::FormulaViews(const ResidualSpace& space) : space_(space), variables_(variablesOf(space)) {
@@ -57,32 +64,42 @@ FormulaViews::FormulaViews(const ResidualSpace& space) : space_(space), variable
 }
 
 FormulaView FormulaViews::view(const Subset& rest, int most) const {
+  const int n = space_.rows();
+  if (n > most) {
+    std::vector<int> taken(most);
+    for (int i = 0; i < most; ++i) taken[i] = static_cast<int>((static_cast<long>(i) * n + n / 2) / most);
+    return viewOf(rest, taken);
+  }
   FormulaView v;
   v.directions = directions_.names;
   v.symbols = symbols_;
-  const int n = space_.rows(), priors = space_.length() - n;
-  Eigen::MatrixXd basis(space_.length(), space_.basis().cols() + rest.basis.cols());
-  basis << space_.basis(), rest.basis;
-  if (n <= most) {
-    v.rows = n;
-    v.factors = factors_;
-    v.basis = std::move(basis);
-    v.left = rest.left;
-  } else {
-    std::vector<int> taken(most);
-    for (int i = 0; i < most; ++i) taken[i] = static_cast<int>((static_cast<long>(i) * n + n / 2) / most);
-    v.rows = most;
-    v.factors = factors_(taken, Eigen::all);
-    for (std::size_t s = 0; s < symbols_.size(); ++s) v.symbols[s].values = symbols_[s].values(taken);
-    Eigen::MatrixXd some(most + priors, basis.cols());
-    some << basis(taken, Eigen::all), basis.bottomRows(priors);
-    Eigen::VectorXd left(most + priors);
-    left << rest.left(taken), rest.left.tail(priors);
-    // the model refitted to these rows alone
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(some);
-    v.basis = qr.householderQ() * Eigen::MatrixXd::Identity(some.rows(), qr.rank());
-    v.left = left - v.basis * (v.basis.transpose() * left);
-  }
+  v.rows = n;
+  v.factors = factors_;
+  v.basis.resize(space_.length(), space_.basis().cols() + rest.basis.cols());
+  v.basis << space_.basis(), rest.basis;
+  v.left = rest.left;
+  v.rss = v.left.squaredNorm();
+  v.dof = std::max(1.0, static_cast<double>(v.length() - v.basis.cols()));
+  return v;
+}
+
+FormulaView FormulaViews::viewOf(const Subset& rest, const std::vector<int>& taken) const {
+  const int priors = space_.length() - space_.rows(), n = static_cast<int>(taken.size());
+  FormulaView v;
+  v.directions = directions_.names;
+  v.symbols = symbols_;
+  for (std::size_t s = 0; s < symbols_.size(); ++s) v.symbols[s].values = symbols_[s].values(taken);
+  v.rows = n;
+  v.factors = factors_(taken, Eigen::all);
+  const Eigen::MatrixXd& model = space_.basis();
+  Eigen::MatrixXd some(n + priors, model.cols() + rest.basis.cols());
+  some << model(taken, Eigen::all), rest.basis(taken, Eigen::all), model.bottomRows(priors),
+      rest.basis.bottomRows(priors);
+  Eigen::VectorXd left(n + priors);
+  left << rest.left(taken), rest.left.tail(priors);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(some);
+  v.basis = qr.householderQ() * Eigen::MatrixXd::Identity(some.rows(), qr.rank());
+  v.left = left - v.basis * (v.basis.transpose() * left);
   v.rss = v.left.squaredNorm();
   v.dof = std::max(1.0, static_cast<double>(v.length() - v.basis.cols()));
   return v;

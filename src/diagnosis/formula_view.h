@@ -47,6 +47,8 @@ class FormulaViews {
   explicit FormulaViews(const ResidualSpace& space);
   /// @param most data rows; all when there are no more, else evenly taken from the whole session.
   FormulaView view(const Subset& rest, int most) const;
+  /// A view of some data rows, ascending: the model refitted to them alone.
+  FormulaView viewOf(const Subset& rest, const std::vector<int>& taken) const;
   const std::vector<Symbol>& symbols() const { return symbols_; }
   const std::vector<Variable>& variables() const { return variables_; }
 

@@ -1,5 +1,6 @@
 #include "diagnosis/formulas.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <thread>
@@ -40,6 +41,7 @@ FoundFormula found(const ResidualSpace& space, const FormulaViews& views, const 
   space.project(f.columns);
   f.spec = EffectSpec("formula");
   f.spec.set("direction", view.directions[fitted.direction]).set("formula", text);
+  f.fitted = fitted;
   f.objective = fitted.objective;
   return f;
 }
@@ -115,6 +117,32 @@ std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, dou
       out.push_back(std::move(one));
   }
   return out;
+}
+
+double FormulaSearch::heldOut(const FoundFormula& formula, const Subset& rest,
+                              const HeldOutJudge& judge) const {
+  const FormulaView whole = views_.view(rest, space_.rows());
+  double sum = 0.0;
+  for (int fold = 0; fold < judge.folds(); ++fold) {
+    std::vector<bool> out(space_.rows(), false);
+    for (int row : judge.rowsOf(fold)) out[row] = true;
+    std::vector<int> in;
+    for (int row = 0; row < space_.rows(); ++row)
+      if (!out[row]) in.push_back(row);
+    std::vector<int> taken;
+    const std::size_t stride = in.size() / kMostRows + 1;
+    for (std::size_t i = 0; i < in.size(); i += stride) taken.push_back(in[i]);
+    const FittedFormula fitted = refit(views_.viewOf(rest, taken), formula.fitted);
+    Eigen::MatrixXd columns = whole.columns(fitted.direction, fitted.terms);
+    whole.project(columns);
+    const Eigen::VectorXd size = columns.colwise().norm().transpose().cwiseMax(1e-300);
+    columns = columns * size.cwiseInverse().asDiagonal();
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    Eigen::MatrixXd with(space_.length(), rest.basis.cols() + qr.rank());
+    with << rest.basis, qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+    sum += judge.squares(with, fold);
+  }
+  return std::sqrt(sum / std::max(1, space_.rows()));
 }
 
 }  // namespace mm

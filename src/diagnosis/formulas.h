@@ -2,7 +2,9 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/formula_fit.h"
 #include "diagnosis/formula_view.h"
+#include "diagnosis/judge.h"
 #include "diagnosis/subset_search.h"
 
 namespace mm {
@@ -12,8 +14,11 @@ struct FoundFormula {
   EffectSpec spec;
   Eigen::MatrixXd columns;  // projected on the model, whitened
   std::vector<std::string> variables;
+  FittedFormula fitted;
   double choices = 0.0;    // logarithm of the number of formulas that it was chosen among
   double objective = 0.0;  // penalised negative log-likelihood
+
+  int unknowns() const { return fitted.unknowns(); }
 };
 
 /// The shortest formulas that explain a residual, in the spirit of sparse symbolic regression: first where a
@@ -30,6 +35,8 @@ class FormulaSearch {
   /// @return at most `count`, best first; empty when none is significant after correction for all terms
   /// tried.
   std::vector<FoundFormula> run(const Subset& rest, double dof, double significance, int count) const;
+  /// Held-out RMS (whitened) with a formula added; its constants, too, are fitted without the fold.
+  double heldOut(const FoundFormula& formula, const Subset& rest, const HeldOutJudge& judge) const;
 
  private:
   const ResidualSpace& space_;

@@ -32,34 +32,37 @@ HeldOutJudge::HeldOutJudge(const ResidualSpace& space) : space_(space) {
   }
 }
 
-double HeldOutJudge::rms(const Eigen::MatrixXd& added) const {
+double HeldOutJudge::squares(const Eigen::MatrixXd& added, int which) const {
   CancelScope::check();
   const int k = static_cast<int>(added.cols());
   Eigen::VectorXd left = space_.target();
   if (k > 0) left -= added * (added.transpose() * left);
-  double sum = 0.0;
-  for (const Fold& fold : folds_) {
-    Eigen::MatrixXd v(fold.rows.size(), k + 1);
-    for (std::size_t i = 0; i < fold.rows.size(); ++i) {
-      if (k > 0) v.row(static_cast<int>(i)).head(k) = added.row(fold.rows[i]);
-      v(static_cast<int>(i), k) = left[fold.rows[i]];
-    }
-    Eigen::MatrixXd solved = v;
-    if (fold.q.cols() > 0) solved += fold.q * (fold.gain * (fold.q.transpose() * v));
-    Eigen::VectorXd held = solved.col(k);
-    if (k > 0) {
-      const Eigen::MatrixXd inner =
-          Eigen::MatrixXd::Identity(k, k) - v.leftCols(k).transpose() * solved.leftCols(k);
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (inner + inner.transpose()));
-      Eigen::VectorXd inverse(k);
-      for (int i = 0; i < k; ++i)
-        inverse[i] = eigen.eigenvalues()[i] > 1e-6 ? 1.0 / eigen.eigenvalues()[i] : 0.0;
-      const Eigen::VectorXd right = v.leftCols(k).transpose() * solved.col(k);
-      held += solved.leftCols(k) *
-              (eigen.eigenvectors() * inverse.cwiseProduct(eigen.eigenvectors().transpose() * right));
-    }
-    sum += held.squaredNorm();
+  const Fold& fold = folds_[which];
+  Eigen::MatrixXd v(fold.rows.size(), k + 1);
+  for (std::size_t i = 0; i < fold.rows.size(); ++i) {
+    if (k > 0) v.row(static_cast<int>(i)).head(k) = added.row(fold.rows[i]);
+    v(static_cast<int>(i), k) = left[fold.rows[i]];
   }
+  Eigen::MatrixXd solved = v;
+  if (fold.q.cols() > 0) solved += fold.q * (fold.gain * (fold.q.transpose() * v));
+  Eigen::VectorXd held = solved.col(k);
+  if (k > 0) {
+    const Eigen::MatrixXd inner =
+        Eigen::MatrixXd::Identity(k, k) - v.leftCols(k).transpose() * solved.leftCols(k);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (inner + inner.transpose()));
+    Eigen::VectorXd inverse(k);
+    for (int i = 0; i < k; ++i)
+      inverse[i] = eigen.eigenvalues()[i] > 1e-6 ? 1.0 / eigen.eigenvalues()[i] : 0.0;
+    const Eigen::VectorXd right = v.leftCols(k).transpose() * solved.col(k);
+    held += solved.leftCols(k) *
+            (eigen.eigenvectors() * inverse.cwiseProduct(eigen.eigenvectors().transpose() * right));
+  }
+  return held.squaredNorm();
+}
+
+double HeldOutJudge::rms(const Eigen::MatrixXd& added) const {
+  double sum = 0.0;
+  for (int f = 0; f < folds(); ++f) sum += squares(added, f);
   return std::sqrt(sum / std::max(1, space_.rows()));
 }
 

@@ -15,6 +15,10 @@ class HeldOutJudge {
   explicit HeldOutJudge(const ResidualSpace& space);
   /// Held-out RMS (whitened) with the orthonormal columns `added` (projected on the model) in it.
   double rms(const Eigen::MatrixXd& added) const;
+  int folds() const { return static_cast<int>(folds_.size()); }
+  const std::vector<int>& rowsOf(int fold) const { return folds_[fold].rows; }
+  /// Sum of the squared held-out residuals of one fold.
+  double squares(const Eigen::MatrixXd& added, int fold) const;
 
  private:
   struct Fold {
