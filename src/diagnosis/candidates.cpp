@@ -1,5 +1,6 @@
 #include "diagnosis/candidates.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <thread>
@@ -49,6 +50,19 @@ Eigen::MatrixXd rawColumns(const ResidualSpace& space, const Candidate& c,
   Eigen::MatrixXd columns(all.rows(), c.linear.size());
   for (std::size_t k = 0; k < c.linear.size(); ++k) columns.col(static_cast<int>(k)) = all.col(c.linear[k]);
   return columns;
+}
+
+/// Candidate::cost of the linear parameters. @param columns projected, in units of the parameters' scale.
+double costOf(const Eigen::MatrixXd& columns, double observations) {
+  constexpr double kUnseen = 1e-9;
+  const Eigen::VectorXd seen =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(columns.transpose() * columns, Eigen::EigenvaluesOnly)
+          .eigenvalues();
+  double cost = 0.0;
+  for (const double s : seen)
+    if (s > kUnseen * seen.maxCoeff())
+      cost += 0.5 * std::max(1.0, std::log1p(observations * s / seen.maxCoeff()));
+  return cost;
 }
 
 /// Decides whether the session can show the candidate at all, from raw and projected columns of one of its
@@ -114,6 +128,7 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
   };
   std::vector<Made> made(set.candidates.size());
   const CancelScope* scope = CancelScope::current();
+  const double observations = std::max(2.0, static_cast<double>(space.length() - space.baseRank()));
   const auto work = [&](std::size_t begin, std::size_t stride) {
     for (std::size_t i = begin; i < set.candidates.size(); i += stride) {
       Candidate& c = set.candidates[i];
@@ -141,6 +156,9 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
         space.project(columns);
         why = invisible(raw, columns);
         if (!why.empty()) continue;
+        if (made[i].atoms.empty())
+          c.cost = costOf(columns, observations) +
+                   0.5 * std::log(observations) * static_cast<double>(c.effect->nonlinearParameters().size());
         Atom atom;
         atom.candidate = static_cast<int>(i);
         atom.nonlinear = start;

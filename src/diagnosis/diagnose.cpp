@@ -147,7 +147,7 @@ class Diagnoser {
     for (const Chosen& c : subset.chosen) {
       const Candidate& candidate = round.set.candidates[c.candidate];
       for (int k : candidate.linear)
-        start[first + k] = values[at++] * candidate.effect->parameters()[k].scale;
+        start[first + k] += values[at++] * candidate.effect->parameters()[k].scale;
       const std::vector<int> nonlinear = candidate.effect->nonlinearParameters();
       for (std::size_t k = 0; k < nonlinear.size(); ++k) start[first + nonlinear[k]] = c.nonlinear[k];
       first += candidate.effect->parameterCount();

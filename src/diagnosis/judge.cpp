@@ -109,9 +109,7 @@ double dropOf(const BlockScores& b, const std::vector<int>& counts) {
 double stability(const ResidualSpace& space, const CandidateSet& set, const Subset& rest, const Gain& chosen,
                  const std::vector<Gain>& rivals, double dof, std::uint64_t seed) {
   constexpr int kDraws = 100;
-  const auto penalty = [&](const Gain& g) {
-    return 0.5 * std::log(dof) * set.candidates[g.candidate].freeParameters;
-  };
+  const auto penalty = [&](const Gain& g) { return set.candidates[g.candidate].cost; };
   const BlockScores own = blockScores(space, rest, chosen, penalty(chosen));
   std::vector<BlockScores> others;
   for (const Gain& g : rivals)

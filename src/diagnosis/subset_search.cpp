@@ -110,7 +110,7 @@ double SubsetSearch::penaltyOf(const Subset& subset, int candidate) const {
   const bool known = std::any_of(subset.chosen.begin(), subset.chosen.end(), [&](const Chosen& other) {
     return sameCause(set_.candidates[other.candidate].spec, c.spec);
   });
-  return 0.5 * std::log(dof_) * c.freeParameters + (known ? 0.0 : kNewCause);
+  return c.cost + (known ? 0.0 : kNewCause);
 }
 
 int SubsetSearch::causes(const Subset& subset) const {

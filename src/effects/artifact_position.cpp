@@ -15,6 +15,7 @@ class ArtifactPosition : public CatalogueEffect {
     for (int k = 0; k < 3; ++k) parameters_.push_back(parameter(axisName(k), kUnitMicrometre, 1e-6, 1e-2));
   }
 
+  bool choosesFrame(int) const override { return true; }
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     if (state.feature != feature_) return;
     for (int k = 0; k < 3; ++k) sink.add(layout_.feature(k), k, p[k], 1.0);

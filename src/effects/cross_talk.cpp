@@ -17,6 +17,7 @@ class CrossTalk : public CatalogueEffect {
     parameters_ = {slopeParameter("slope", joints[axis_].kind, joints[of_].kind)};
   }
 
+  bool choosesFrame(int) const override { return true; }
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     sink.add(layout_.axis(axis_), 0, p[0], state.position[of_]);
   }

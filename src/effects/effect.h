@@ -68,9 +68,16 @@ class Effect {
   /// functions.
   virtual bool separable() const { return linear(); }
   virtual double coefficient(int /*parameter*/, double value) const { return value; }
-  /// First of three consecutive parameters that form a unit vector, for each such vector: only its direction
-  /// counts, its length is free and is kept at 1 by the estimator.
+  /// First of three consecutive parameters (l, m, n) that form a unit vector, for each such vector.
   virtual std::vector<int> unitVectors() const { return {}; }
+  /// Weight M of h^2, h = l^2 + m^2 + n^2 - 1, beside residuals in mm, LASER (11); 0: the norm is a
+  /// constraint, and the error must not depend on the vector's length.
+  virtual double unitVectorPenalty() const { return 0.0; }
+  /// True when the derivatives at the start values already tell what a session can determine.
+  virtual bool startTells() const { return separable(); }
+  /// True for a parameter that partly only chooses the frame in which the machine's errors are told: to hold
+  /// it is a convention.
+  virtual bool choosesFrame(int /*parameter*/) const { return false; }
 
   virtual std::string cause() const = 0;    // physical cause, in plain words
   virtual std::string remedy() const = 0;   // in the workshop

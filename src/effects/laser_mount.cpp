@@ -29,6 +29,7 @@ class LaserMount : public CatalogueEffect {
     first_ = parameterCount();
     for (int k = 0; k < 3; ++k)
       parameters_.push_back(parameter(std::string{"xyz"[k]} + "43", kUnitMillimetre, 1e-4, 0.05, zero_[k]));
+    penalty_ = read.number("penalty", 0.0, 1e12, 0.0);
     if (!domain.laser) return;
     beam_ = parameterCount();
     for (int k = 0; k < 3; ++k)
@@ -37,16 +38,12 @@ class LaserMount : public CatalogueEffect {
   }
 
   bool linear() const override { return false; }
-  std::vector<int> nonlinearParameters() const override {
-    return beam_ < 0 ? std::vector<int>{} : std::vector<int>{beam_, beam_ + 1, beam_ + 2};
-  }
-  std::vector<std::vector<double>> searchStarts() const override {
-    if (beam_ < 0) return {};
-    return {{parameters_[beam_].start, parameters_[beam_ + 1].start, parameters_[beam_ + 2].start}};
-  }
+  bool startTells() const override { return true; }
+  bool choosesFrame(int) const override { return true; }
   std::vector<int> unitVectors() const override {
     return beam_ < 0 ? std::vector<int>{} : std::vector<int>{beam_};
   }
+  double unitVectorPenalty() const override { return penalty_; }
 
   void evaluate(const State&, const double* p, ErrorSink& sink) const override {
     if (a_ >= 0) {
@@ -58,6 +55,10 @@ class LaserMount : public CatalogueEffect {
     put(sink, layout_.probe(0), first_, moved, toTip_);
     if (beam_ < 0) return;
     const Eigen::Map<const Eigen::Vector3d> lmn(p + beam_);
+    if (penalty_ > 0.0) {
+      put(sink, layout_.beam(0), beam_, toTip_ * lmn - Eigen::Vector3d::UnitZ(), toTip_);
+      return;
+    }
     const double norm = lmn.norm();
     const Eigen::Vector3d unit =
         norm > 0.0 ? Eigen::Vector3d(lmn / norm) : Eigen::Vector3d::Constant(kUnknown);
@@ -88,6 +89,7 @@ class LaserMount : public CatalogueEffect {
   }
 
   int b_ = -1, a_ = -1, first_ = 0, beam_ = -1;
+  double penalty_ = 0.0;                                 // M of LASER (11); 0: a unit vector by constraint
   double y32_ = 0.0;                                     // nominal, m
   Eigen::Vector3d zero_ = Eigen::Vector3d::Zero();       // nominal, m, frame of the last joint
   Eigen::Matrix3d toTip_ = Eigen::Matrix3d::Identity();  // from the frame of the last joint to probe_tip
@@ -96,7 +98,7 @@ class LaserMount : public CatalogueEffect {
 }  // namespace
 
 EffectType laserMountType() {
-  return effectType<LaserMount>("laser_mount", {}, [](const Domain& domain) {
+  return effectType<LaserMount>("laser_mount", {"penalty"}, [](const Domain& domain) {
     std::vector<EffectSpec> specs;
     if (domain.laser) specs.emplace_back("laser_mount");
     return specs;

@@ -25,8 +25,16 @@ class LeadScrewPeriodic : public CatalogueEffect {
       period_ = read.number(key, 1e-6, 1e6) * unit;
       return;
     }
-    // Frequencies a third of a cycle over the range apart: from half a cycle to sixty.
     const double observed = observedRange(read.domain(), axis_);
+    if (!linear) {  // a wheel has a whole number of teeth, and so has its worm's turn a whole part of a turn
+      for (int teeth = kFewestTeeth; teeth <= kMostTeeth; ++teeth) starts_.push_back({2.0 * kPi / teeth});
+      Parameter period = parameter("period", kUnitDegree, 0.05, 2.0 * kPi, 2.0 * kPi / 60.0);
+      period.minimum = kPi / kMostTeeth;
+      period.maximum = 20.0 * kPi;
+      parameters_.push_back(period);
+      return;
+    }
+    // Frequencies a third of a cycle over the range apart: from half a cycle to sixty.
     const double range = observed > 0.0 ? observed : 10.0 * unit;
     const double shortest = std::max(range / 60.0, linear ? 0.05 * kMillimetre : 0.0);
     for (double cycles = 0.5; cycles <= range / shortest; cycles += 1.0 / 3.0)
@@ -70,6 +78,8 @@ class LeadScrewPeriodic : public CatalogueEffect {
   }
 
  private:
+  static constexpr int kFewestTeeth = 4;  // fewer are the harmonics of rotary_eccentricity
+  static constexpr int kMostTeeth = 400;
   int axis_;
   std::string name_;
   bool searched_ = false;
@@ -85,6 +95,8 @@ EffectType leadScrewPeriodicType() {
         std::vector<EffectSpec> specs;
         for (const std::string& joint : jointNames(domain, JointKind::kLinear))
           specs.push_back(EffectSpec("lead_screw_periodic").set("axis", joint).set("period_mm", "unknown"));
+        for (const std::string& joint : jointNames(domain, JointKind::kRotary))
+          specs.push_back(EffectSpec("lead_screw_periodic").set("axis", joint).set("period_deg", "unknown"));
         return specs;
       });
 }

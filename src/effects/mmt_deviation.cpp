@@ -54,6 +54,7 @@ class MmtDeviation : public CatalogueEffect {
   std::vector<int> nonlinearParameters() const override { return {5, 6}; }
   std::vector<std::vector<double>> searchStarts() const override { return {{0.0, 0.0}}; }
 
+  bool choosesFrame(int k) const override { return k >= 5; }  // alpha
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
     const double q = state.position[axis_];

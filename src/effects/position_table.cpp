@@ -32,6 +32,7 @@ class PositionTable : public CatalogueEffect {
 
   bool composite() const override { return true; }
 
+  bool choosesFrame(int) const override { return true; }
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
     const double q = state.position[axis_];

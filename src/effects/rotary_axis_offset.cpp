@@ -18,6 +18,7 @@ class RotaryAxisOffset : public CatalogueEffect {
     parameters_ = {parameter("offset", kUnitMicrometre, 1e-5, 1e-2)};
   }
 
+  bool choosesFrame(int) const override { return true; }
   void evaluate(const State&, const double* p, ErrorSink& sink) const override {
     sink.add(layout_.jointTranslation(joint_, axis_), 0, p[0], 1.0);
   }

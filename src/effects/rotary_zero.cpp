@@ -14,6 +14,7 @@ class RotaryZero : public CatalogueEffect {
     parameters_ = {errorParameter("zero", JointKind::kRotary)};
   }
 
+  bool choosesFrame(int) const override { return true; }
   void evaluate(const State&, const double* p, ErrorSink& sink) const override {
     sink.add(layout_.axis(joint_), 0, p[0], 1.0);
   }

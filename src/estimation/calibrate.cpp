@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/beam_start.h"
 #include "estimation/folds.h"
 #include "estimation/genetic_start.h"
 #include "estimation/linear_start.h"
@@ -310,11 +311,15 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   }
   result.identifiability = identify(problem, x, inverseOf(sigma0, weight0), true, held);
   const int free = freeCount(result.identifiability.fixed);
-  if (static_cast<int>((weight0.array() > 0.0).count()) + problem.priorCount() < free)
+  if (static_cast<int>((weight0.array() > 0.0).count()) + problem.priorCount() +
+          static_cast<int>(problem.unitVectors().size()) <
+      free)
     throw NumericalError(session.source + ": " + std::to_string(problem.rowCount()) +
                          " residuals cannot determine " + std::to_string(free) +
                          " unknowns; measure more, or leave effects out of the model");
 
+  if (start.size() == 0 && !options.holdEffects)
+    beamStart(problem, x, result.identifiability.fixed, inverseOf(sigma0, weight0));
   nonlinearStart(*result.problem, x, result.identifiability.fixed, inverseOf(sigma0, weight0),
                  options.cancelled);
   std::vector<Eigen::VectorXd> starts = {x};

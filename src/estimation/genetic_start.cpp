@@ -7,6 +7,7 @@
 #include "estimation/genetic_sphere_fitness.h"
 #include "estimation/whitened.h"
 #include "machine/error.h"
+#include "machine/units.h"
 
 namespace mm {
 namespace {
@@ -41,11 +42,16 @@ class ResidualFitness final : public GeneticFitness {
         sum += w * w;
         ++used;
       }
+      for (const UnitVector& v : problem_.unitVectors()) {  // LASER (11), also where the norm is a constraint
+        const double h = v.excess(x.data() + v.first) * kMillimetre;
+        sum += (v.penalty > 0.0 ? v.penalty : kPenalty) * h * h;
+      }
       costs[c] = sum / std::max(1, used);
     }
   }
 
  private:
+  static constexpr double kPenalty = 1e4;  // M of LASER, residuals in mm
   const Problem& problem_;
   const Eigen::VectorXd base_;
   std::vector<int> genes_;
@@ -56,7 +62,7 @@ class ResidualFitness final : public GeneticFitness {
 
 bool allLinear(const Problem& problem) {
   return std::all_of(problem.model().effects().begin(), problem.model().effects().end(),
-                     [](const EffectPtr& e) { return e->separable() && e->spec().type != "laser_mount"; });
+                     [](const EffectPtr& e) { return e->separable(); });
 }
 
 /// Adds one entry to a sparse set of columns.
@@ -100,8 +106,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     double half = effect ? unknowns[u].bound : std::min(unknowns[u].bound, 1e3 * unknowns[u].scale);
     if (effect && problem.model().effects()[unknowns[u].owner]->spec().type == "formula")
       half = 10.0 * std::max(std::abs(unknowns[u].start), 1e-3 * unknowns[u].scale);
-    ranges.low.push_back(x[u] - half);
-    ranges.high.push_back(x[u] + half);
+    ranges.low.push_back(std::max(x[u] - half, unknowns[u].minimum));
+    ranges.high.push_back(std::min(x[u] + half, unknowns[u].maximum));
   }
 
   std::unique_ptr<GeneticFitness> fitness;

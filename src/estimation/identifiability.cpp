@@ -14,10 +14,7 @@ namespace {
 bool choosesFrame(const Problem& problem, int unknown) {
   const Unknown& u = problem.unknowns()[unknown];
   if (u.kind != UnknownKind::kEffect) return true;
-  const std::string type = problem.model().effects()[u.owner]->spec().type;
-  if (type == "mmt_deviation") return u.name.rfind("alpha", 0) == 0;
-  return type == "cross_talk" || type == "rotary_zero" || type == "rotary_axis_offset" ||
-         type == "artifact_position" || type == "laser_mount" || type == "position_table";
+  return problem.model().effects()[u.owner]->choosesFrame(u.component);
 }
 
 /// MMT's convention, in whatever order the effects are listed: alpha of an axis by one before it is zero
@@ -136,8 +133,7 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
     if (share < (unknowns[u].kind == UnknownKind::kSetup ? 1e-6 : 0.05) && !last) continue;
     if (share < 1e-9) continue;
     if (beforeFit && unknowns[u].kind == UnknownKind::kEffect &&
-        !problem.model().effects()[unknowns[u].owner]->separable() &&
-        problem.model().effects()[unknowns[u].owner]->spec().type != "laser_mount")
+        !problem.model().effects()[unknowns[u].owner]->startTells())
       continue;
     // the member of the remaining null space that u belongs to
     LostDirection lost;

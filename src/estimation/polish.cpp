@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "estimation/whitened.h"
@@ -100,6 +101,36 @@ class PriorCost final : public ceres::CostFunction {
   double factor_;
 };
 
+/// The norm of a unit vector, LASER (11).
+class UnitVectorCost final : public ceres::CostFunction {
+ public:
+  /// @param scales of the block. @param places of l, m, n in the block, -1: held at the value.
+  UnitVectorCost(const UnitVector& vector, double weight, const std::vector<double>& scales,
+                 std::array<int, 3> places, Eigen::Vector3d held)
+      : vector_(vector), weight_(weight), scales_(scales), places_(places), held_(std::move(held)) {
+    set_num_residuals(1);
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(scales.size()));
+  }
+  bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
+    Eigen::Vector3d lmn = held_;
+    for (int k = 0; k < 3; ++k)
+      if (places_[k] >= 0) lmn[k] = values[0][places_[k]] * scales_[places_[k]];
+    residuals[0] = weight_ * vector_.excess(lmn.data());
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    std::fill(jacobians[0], jacobians[0] + scales_.size(), 0.0);
+    for (int k = 0; k < 3; ++k)
+      if (places_[k] >= 0) jacobians[0][places_[k]] = 2.0 * weight_ * lmn[k] * scales_[places_[k]];
+    return true;
+  }
+
+ private:
+  UnitVector vector_;
+  double weight_;
+  std::vector<double> scales_;
+  std::array<int, 3> places_;
+  Eigen::Vector3d held_;
+};
+
 class Watcher final : public ceres::IterationCallback {
  public:
   explicit Watcher(const PolishOptions& options) : options_(options) {}
@@ -115,6 +146,12 @@ class Watcher final : public ceres::IterationCallback {
 bool nearlyLinear(const Problem& problem) {
   return std::all_of(problem.model().effects().begin(), problem.model().effects().end(),
                      [](const EffectPtr& e) { return e->separable(); });
+}
+
+bool withinLimits(const Problem& problem, const Eigen::VectorXd& x) {
+  for (int u = 0; u < problem.unknownCount(); ++u)
+    if (x[u] < problem.unknowns()[u].minimum || x[u] > problem.unknowns()[u].maximum) return false;
+  return true;
 }
 
 /// Gauss-Newton steps by QR, halved until they shorten the residual: the last digits, for small problems.
@@ -136,6 +173,7 @@ bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const s
       Eigen::VectorXd next = x;
       for (std::size_t i = 0; i < system.free.size(); ++i)
         next[system.free[i]] += factor * full[static_cast<int>(i)] * system.scale[static_cast<int>(i)];
+      if (!withinLimits(problem, next)) continue;
       WhitenedSystem trial(problem, next, inverseSigma, fixed);
       shorter = trial.residuals.squaredNorm() < cost;
       if (!shorter) continue;
@@ -216,6 +254,24 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
     ceresProblem.AddResidualBlock(new PriorCost(index, static_cast<int>(block->unknowns.size()),
                                                 unknowns[u].scale / unknowns[u].priorStd),
                                   nullptr, block->values);
+  }
+
+  for (const UnitVector& v : problem.unitVectors()) {
+    std::array<int, 3> places{-1, -1, -1};
+    for (int k = 0; k < 3; ++k)
+      if (placeOf.count(v.first + k) > 0) places[k] = placeOf[v.first + k].second;
+    if (places[0] < 0 && places[1] < 0 && places[2] < 0) continue;
+    ceresProblem.AddResidualBlock(
+        new UnitVectorCost(v, v.weight(inverseSigma), global.scales, places, start.segment<3>(v.first)), nullptr,
+        global.values);
+  }
+  for (std::size_t i = 0; i < global.unknowns.size(); ++i) {
+    const Unknown& u = unknowns[global.unknowns[i]];
+    global.values[i] = std::clamp(start[global.unknowns[i]], u.minimum, u.maximum) / global.scales[i];
+    if (std::isfinite(u.minimum))
+      ceresProblem.SetParameterLowerBound(global.values, static_cast<int>(i), u.minimum / global.scales[i]);
+    if (std::isfinite(u.maximum))
+      ceresProblem.SetParameterUpperBound(global.values, static_cast<int>(i), u.maximum / global.scales[i]);
   }
 
   ceres::Solver::Options solver;

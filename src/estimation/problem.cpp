@@ -45,6 +45,12 @@ const char* const kAxisNames[] = {"x", "y", "z"};
 
 }  // namespace
 
+double UnitVector::weight(const Eigen::VectorXd& inverseSigma) const {
+  constexpr double kConstraint = 1e4;  // any: the residuals do not depend on the length
+  const double largest = inverseSigma.size() > 0 ? inverseSigma.maxCoeff() : 0.0;
+  return penalty > 0.0 ? std::sqrt(penalty) * kMillimetre * largest : kConstraint;
+}
+
 Problem::Problem(const Session& session, Model model) : session_(&session), model_(std::move(model)) {
   if (session.observations.empty())
     throw InputError(session.source +
@@ -134,8 +140,11 @@ void Problem::addUnknowns() {
     const Effect& effect = *model_.effects()[e];
     for (int k = 0; k < effect.parameterCount(); ++k) {
       const Parameter& p = effect.parameters()[k];
-      add({UnknownKind::kEffect, e, k, p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, 0.0});
+      add({UnknownKind::kEffect, e, k, p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, 0.0, p.minimum,
+           p.maximum});
     }
+    for (const int k : effect.unitVectors())
+      unitVectors_.push_back({model_.offset(e) + k, effect.unitVectorPenalty()});
   }
   const auto& features = session_->artifact.features;
   std::vector<char> touched(features.size(), 0);
@@ -274,21 +283,13 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
 
   if (o.kind == ObservationKind::kDeviation) {
     const ProbePose nominal = model_.machine().nominal(o.position.data(), o.laserReading);
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian =
-        model_.machine().jacobian(o.position.data(), o.laserReading);
     const Eigen::Vector3d moved = pose.position - nominal.position;
     const Eigen::Vector3d turned = rotationVector(pose.orientation * nominal.orientation.transpose());
     for (int i = 0; i < rows; ++i) {
       const int joint = rows_[firstRow_[observation] + i].component;
-      Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
-      if (model_.machine().joints()[joint].kind == JointKind::kLinear) {
-        by.head<3>() =
-            jacobian.block<3, 1>(0, joint).transpose() / jacobian.block<3, 1>(0, joint).squaredNorm();
-        r[i] = o.deviation[joint] - by.head<3>().dot(moved);
-      } else {
-        by.tail<3>() = jacobian.block<3, 1>(3, joint).transpose();
-        r[i] = o.deviation[joint] - by.tail<3>().dot(turned);
-      }
+      const Eigen::Matrix<double, 1, 6> by =
+          model_.machine().seenAsDeviation(joint, o.position.data(), o.laserReading);
+      r[i] = o.deviation[joint] - by.head<3>().dot(moved) - by.tail<3>().dot(turned);
       if (d != nullptr) chain(i, -by);
     }
   } else {

@@ -24,6 +24,18 @@ struct Unknown {
   double bound = 1.0;
   double start = 0.0;
   double priorStd = 0.0;  // 0: no prior
+  double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
+  double maximum = std::numeric_limits<double>::infinity();
+};
+
+/// Three unknowns (l, m, n) that form a unit vector: h = l^2 + m^2 + n^2 - 1 is kept at 0, LASER (10)-(12).
+struct UnitVector {
+  int first = 0;
+  double penalty = 0.0;  // M, the weight of h^2 beside residuals in mm; 0: a constraint
+
+  double excess(const double* lmn) const { return lmn[0] * lmn[0] + lmn[1] * lmn[1] + lmn[2] * lmn[2] - 1.0; }
+  /// What h is multiplied by among whitened residuals. @param inverseSigma of the data rows, 1/m.
+  double weight(const Eigen::VectorXd& inverseSigma) const;
 };
 
 /// One scalar residual of the data.
@@ -65,6 +77,7 @@ class Problem {
   int unknownCount() const { return static_cast<int>(unknowns_.size()); }
   int rowCount() const { return static_cast<int>(rows_.size()); }
   int priorCount() const { return static_cast<int>(priors_.size()); }
+  const std::vector<UnitVector>& unitVectors() const { return unitVectors_; }
   int firstRow(int observation) const { return firstRow_[observation]; }
   const State& state(int observation) const { return states_->states()[observation]; }
   Eigen::VectorXd start() const;
@@ -113,6 +126,7 @@ class Problem {
   Eigen::Matrix3d rotation0_ = Eigen::Matrix3d::Identity();  // start of the artifact's pose
   std::vector<Eigen::Vector3d> featureStart_;                // artifact frame, m
   std::vector<Unknown> unknowns_;
+  std::vector<UnitVector> unitVectors_;
   std::vector<ResidualRow> rows_;
   std::vector<int> firstRow_, priors_, leftOut_;
   std::vector<char> usable_;  // an observation

@@ -12,7 +12,11 @@ WhitenedSystem::WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x,
     if (!fixed[u]) priors.push_back(u);
   Eigen::MatrixXd full;
   const Eigen::VectorXd r = problem.residuals(x, full);
-  const int rows = data + static_cast<int>(priors.size()), columns = static_cast<int>(free.size());
+  std::vector<UnitVector> units;
+  for (const UnitVector& v : problem.unitVectors())
+    if (!fixed[v.first] || !fixed[v.first + 1] || !fixed[v.first + 2]) units.push_back(v);
+  const int firstUnit = data + static_cast<int>(priors.size());
+  const int rows = firstUnit + static_cast<int>(units.size()), columns = static_cast<int>(free.size());
   scale.resize(columns);
   residuals.setZero(rows);
   jacobian.setZero(rows, columns);
@@ -29,6 +33,14 @@ WhitenedSystem::WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x,
     residuals[row] = factor * x[priors[k]];
     for (int c = 0; c < columns; ++c)
       if (free[c] == priors[k]) jacobian(row, c) = factor * scale[c];
+  }
+  for (std::size_t k = 0; k < units.size(); ++k) {
+    const int row = firstUnit + static_cast<int>(k);
+    const double weight = units[k].weight(inverseSigma);
+    residuals[row] = weight * units[k].excess(x.data() + units[k].first);
+    for (int c = 0; c < columns; ++c)
+      if (free[c] >= units[k].first && free[c] < units[k].first + 3)
+        jacobian(row, c) = 2.0 * weight * x[free[c]] * scale[c];
   }
 }
 

@@ -2,7 +2,7 @@
 
 #include <tinyxml2.h>
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <fstream>
 #include <kdl/chain.hpp>
 #include <kdl/tree.hpp>
@@ -227,6 +227,31 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> Machine::jacobian(const double* q, doub
   Eigen::Matrix<double, 6, Eigen::Dynamic> gradient;
   measure(q, laserReading, none.data(), &gradient);
   return gradient.leftCols(jointCount());
+}
+
+Eigen::Matrix<double, 1, 6> Machine::seenAsDeviation(int joint, const double* q, double laserReading) const {
+  constexpr double kSingular = 1e-3;  // sine of the angle between line of sight and first axis
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> by = jacobian(q, laserReading);
+  Eigen::Matrix<double, 1, 6> seen = Eigen::Matrix<double, 1, 6>::Zero();
+  if (joints_[joint].kind == JointKind::kLinear) {
+    seen.head<3>() = by.block<3, 1>(0, joint).transpose() / by.block<3, 1>(0, joint).squaredNorm();
+    return seen;
+  }
+  seen.tail<3>() = by.block<3, 1>(3, joint).transpose();
+  if (jointCount() != 2 || joints_[0].kind != JointKind::kRotary || joints_[1].kind != JointKind::kRotary)
+    return seen;
+  const Eigen::Vector3d first = by.block<3, 1>(3, 0), second = by.block<3, 1>(3, 1);
+  const Eigen::Vector3d across = first.cross(second);
+  if (across.norm() < kSingular) return seen;
+  const Eigen::Vector3d sight = Eigen::AngleAxisd(q[1], second) * across.normalized();
+  Eigen::Matrix<double, 3, 2> moves;  // of the line of sight by each joint
+  moves << first.cross(sight), second.cross(sight);
+  if (moves.col(0).norm() < kSingular) return seen;
+  Eigen::Matrix3d turn;  // of the line of sight by a rotation
+  turn << 0, sight.z(), -sight.y(), -sight.z(), 0, sight.x(), sight.y(), -sight.x(), 0;
+  const Eigen::Matrix2d gram = moves.transpose() * moves;
+  seen.tail<3>() = (gram.inverse() * moves.transpose() * turn).row(joint);
+  return seen;
 }
 
 }  // namespace mm

@@ -35,8 +35,11 @@ std::vector<FoundFeature> foundFeatures(const CalibrationResult& result) {
             result.covariance(of[i], of[j]);
     }
     const Eigen::Matrix3d c = by * covariance * by.transpose();
+    const int radius = problem.find(UnknownKind::kRadius, feature);
     found.push_back({features[f].name, features[f].kind == FeatureKind::kBall,
-                     problem.featureInWorkpiece(feature, result.x), c.diagonal().cwiseMax(0.0).cwiseSqrt()});
+                     problem.featureInWorkpiece(feature, result.x), c.diagonal().cwiseMax(0.0).cwiseSqrt(),
+                     features[f].radius + (radius >= 0 ? result.x[radius] : 0.0),
+                     radius >= 0 ? result.std(radius) : 0.0});
   }
   return found;
 }

@@ -13,6 +13,8 @@ struct FoundFeature {
   bool ball = true;
   Eigen::Vector3d position;  // m
   Eigen::Vector3d std;       // m; 0 when it was known
+  double radius = 0.0;       // m, of a ball
+  double radiusStd = 0.0;    // m; 0 when it was exact
 };
 
 /// Every feature that the session touched, with the uncertainty of the artifact's pose in it.

@@ -7,6 +7,7 @@
 #include "report/found_features.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
+#include "report/weak_directions.h"
 
 namespace mm {
 namespace {
@@ -81,6 +82,10 @@ Json artifactJson(const CalibrationResult& result) {
     }
     one[f.ball ? "centre_mm" : "position_mm"] = std::move(position);
     one["std_um"] = std::move(std);
+    if (f.ball && f.radiusStd > 0.0) {
+      one["radius_mm"] = number(f.radius / kMillimetre);
+      one["radius_std_um"] = number(f.radiusStd / kMicrometre);
+    }
     (f.ball ? object["balls"] : points).push_back(std::move(one));
   }
   if (!points.empty()) object["points"] = std::move(points);
@@ -104,6 +109,15 @@ Json calibrationJson(const CalibrationResult& result) {
   object["parameters"] = parametersJson(result);
   if (!result.problem->model().domain().networks.empty()) object["networks"] = networksJson(result);
   object["identifiability"] = identifiabilityJson(*result.problem, result.identifiability, result.x);
+  object["weak"] = Json::array();
+  for (const WeakDirection& w : weakDirections(result)) {
+    Json one;
+    for (const auto& [unknown, part] : w.direction)
+      one["direction"][displayName(*result.problem, unknown)] = number(part);
+    one["times_median"] = number(w.timesMedian);
+    one["in_words"] = w.inWords;
+    object["weak"].push_back(std::move(one));
+  }
   object["artifact"] = artifactJson(result);
   object["outliers"] = outliersJson(result);
   return object;
@@ -156,6 +170,7 @@ std::string compareJson(const CalibrationResult& compared, const std::vector<Whe
   object["chi2_per_dof"] = number(compared.figures.chi2PerDof);
   setRms(object, "held_out_rms", compared.figures.heldOutRms, compared.figures.heldOutRmsAngular);
   object["where"] = whereJson(where);
+  object["artifact"] = artifactJson(compared);
   object["outliers"] = outliersJson(compared);
   return dump(object);
 }

@@ -8,6 +8,7 @@
 #include "estimation/whitened.h"
 #include "machine/units.h"
 #include "model/observed_domain.h"
+#include "report/session_doubts.h"
 
 namespace mm {
 namespace {
@@ -232,6 +233,10 @@ PointSet checkPointSet(const Session& session, const ModelSpec* spec) {
             {displayName(*problem, system.free[static_cast<std::size_t>(c)]), u.unit, std * u.toUnit});
     }
   }
+  set.doubts = postureDoubts(session);
+  bool lost = !set.weak.empty();
+  for (const LostDirection& l : set.identifiability.lost) lost |= l.ofTheModel;
+  if (set.hasModel && lost) set.advice = proposePostures(*problem, x, inverse);
   set.cannotShow = judgeCatalogue(*problem, set.identifiability, inverse);
   return set;
 }

@@ -6,6 +6,7 @@
 #include "effects/effect_spec.h"
 #include "estimation/identifiability.h"
 #include "model/model_spec.h"
+#include "report/posture_proposals.h"
 #include "session/session.h"
 
 namespace mm {
@@ -66,6 +67,8 @@ struct PointSet {
   std::shared_ptr<const Problem> problem;
   Identifiability identifiability;
   std::vector<WeakParameter> weak;  // uncertainty above the typical size of the parameter
+  std::vector<std::string> doubts;  // of the postures, one line each
+  PostureAdvice advice;             // for machines with rotary joints, where something is weak or lost
   std::vector<CannotBeShown> cannotShow;
 };
 

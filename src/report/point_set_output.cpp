@@ -69,6 +69,36 @@ std::string modelText(const PointSet& set) {
   return text;
 }
 
+/// "b = -90 deg, a = 45 deg, t = 4 mm, on s0" and the readings that put the probe there.
+std::string postureText(const Machine& machine, const ProposedPosture& p) {
+  std::string angles, linear;
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const bool rotary = machine.joints()[j].kind == JointKind::kRotary;
+    std::string& to = rotary ? angles : linear;
+    to += (to.empty() ? "" : ", ") + machine.joints()[j].name + " " +
+          (rotary ? format("%.4g deg", p.position[j] / kDegree) : format("%.5g mm", p.position[j] / kMillimetre));
+  }
+  return angles + (std::isfinite(p.laserReading) ? format(", reading %.3g mm", p.laserReading / kMillimetre) : "") +
+         ", on " + p.feature + "; there " + linear;
+}
+
+std::string doubtsText(const PointSet& set) {
+  std::string text;
+  for (const std::string& doubt : set.doubts) text += "  " + doubt + "\n";
+  return text.empty() ? text : "\nPostures\n" + text;
+}
+
+std::string adviceText(const PointSet& set) {
+  if (set.advice.postures.empty()) return {};
+  std::string text = "  postures that would help most (five contacts each, around the probe's direction):\n";
+  for (const ProposedPosture& p : set.advice.postures)
+    text += "    " + postureText(set.problem->session().machine, p) + "\n";
+  for (const PostureAdvice::Gain& g : set.advice.gains)
+    text += format("    %s: from ± %.2g to ± %.2g %s\n", g.parameter.c_str(), g.before, g.after,
+                   g.unit == "1" ? "" : g.unit.c_str());
+  return text;
+}
+
 /// Members of one type that are hidden for the same reason, on one line.
 std::string hiddenText(const PointSet& set) {
   if (set.cannotShow.empty()) return "\nEvery effect of the catalogue would show in this session.\n";
@@ -101,7 +131,7 @@ std::string pointSetText(const PointSet& set) {
   return format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
                 static_cast<long long>(set.contacts), static_cast<long long>(set.references), set.duration,
                 set.noise / kMicrometre, set.noiseDeclared ? "declared" : "assumed for the figures below") +
-         featuresText(set) + jointsText(set) + inputsText(set) + modelText(set) + hiddenText(set);
+         featuresText(set) + jointsText(set) + inputsText(set) + doubtsText(set) + modelText(set) + adviceText(set) + hiddenText(set);
 }
 
 std::string pointSetJson(const PointSet& set) {
@@ -153,6 +183,27 @@ std::string pointSetJson(const PointSet& set) {
     object["weak"] = Json::array();
     for (const WeakParameter& w : set.weak)
       object["weak"].push_back(Json{{"name", w.name}, {"std", number(w.std)}, {"unit", w.unit}});
+  }
+  object["doubts"] = set.doubts;
+  if (set.hasModel) {
+    object["proposed_postures"] = Json::array();
+    const auto& joints = set.problem->session().machine.joints();
+    for (const ProposedPosture& p : set.advice.postures) {
+      Json one;
+      one["feature"] = p.feature;
+      for (std::size_t j = 0; j < joints.size(); ++j) {
+        const bool rotary = joints[j].kind == JointKind::kRotary;
+        one[joints[j].name + (rotary ? "_deg" : "_mm")] = number(p.position[j] / (rotary ? kDegree : kMillimetre));
+      }
+      if (std::isfinite(p.laserReading)) one["reading_mm"] = number(p.laserReading / kMillimetre);
+      object["proposed_postures"].push_back(std::move(one));
+    }
+    object["with_them"] = Json::array();
+    for (const PostureAdvice::Gain& g : set.advice.gains)
+      object["with_them"].push_back(Json{{"name", g.parameter},
+                                         {"std_before", number(g.before)},
+                                         {"std_after", number(g.after)},
+                                         {"unit", g.unit}});
   }
   object["cannot_show"] = Json::array();
   for (const CannotBeShown& c : set.cannotShow) {

@@ -7,6 +7,7 @@
 #include "report/found_features.h"
 #include "report/quantiles.h"
 #include "report/text_parts.h"
+#include "report/weak_directions.h"
 
 namespace mm {
 namespace {
@@ -120,6 +121,7 @@ std::string calibrateText(const CalibrationResult& r) {
   text += "\nParameters\n" + parametersText(r);
   const std::string lost = lostText(r), features = featuresText(r), outliers = outliersText(r);
   if (!lost.empty()) text += "\n" + lost;
+  for (const WeakDirection& w : weakDirections(r)) text += "Weak: " + w.inWords + "\n";
   if (!features.empty()) text += "\n" + features;
   if (!outliers.empty()) text += "\n" + outliers;
   text += "\nSearch\n";

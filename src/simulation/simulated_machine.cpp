@@ -1,5 +1,6 @@
 #include "simulation/simulated_machine.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -165,6 +166,29 @@ std::optional<Trip> SimulatedMachine::takeTrip() {
   return trip;
 }
 
+/// A star, or a tracker's target: the readings at which the perfect machine would look where this one does. The
+/// line of sight is square to both axes when the readings are zero.
+double SimulatedMachine::sightDeviation(int joint, const ProbePose& truth) const {
+  const std::vector<double> zero(2, 0.0);
+  const Eigen::Matrix3d home = chain_.nominal(zero).orientation;
+  const Eigen::Vector3d ahead = home.transpose() * chain_.axis(0).cross(chain_.axis(1)).normalized();
+  const Eigen::Vector3d wanted = truth.orientation * ahead;
+  std::vector<double> q = drive_;
+  for (int step = 0; step < 4; ++step) {
+    const Eigen::Vector3d now = chain_.nominal(q).orientation * ahead;
+    Eigen::Matrix<double, 3, 2> moves;
+    for (int j = 0; j < 2; ++j) {
+      constexpr double kStep = 1e-4;
+      std::vector<double> moved = q;
+      moved[j] += kStep;
+      moves.col(j) = (chain_.nominal(moved).orientation * ahead - now) / kStep;
+    }
+    const Eigen::Vector2d change = moves.colPivHouseholderQr().solve(wanted - now);
+    for (int j = 0; j < 2; ++j) q[j] += change[j];
+  }
+  return q[joint] - drive_[joint];
+}
+
 double SimulatedMachine::measureDeviation(int joint) {
   const Condition now = condition(drive_, time_);
   const Distortion distortion = physics_.distortion(now);
@@ -176,6 +200,8 @@ double SimulatedMachine::measureDeviation(int joint) {
   if (chain_.kind(joint) == JointKind::kLinear)
     return (truth.position - said.position).dot((next.position - said.position) / kStep) +
            noise(settings_.noise.reference);
+  if (chain_.jointCount() == 2 && chain_.kind(1 - joint) != JointKind::kLinear)
+    return sightDeviation(joint, truth) + noise(settings_.noise.referenceAngular);
   // A polygon on the axis and an autocollimator: rotation of the probe against its nominal about the joint's
   // axis.
   const Eigen::Matrix3d turned = truth.orientation * said.orientation.transpose();

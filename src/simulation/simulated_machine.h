@@ -61,6 +61,7 @@ class SimulatedMachine {
   /// True minus indicated of a joint (m or rad) as an interferometer or autocollimator finds it, with its
   /// noise.
   double measureDeviation(int joint);
+  double sightDeviation(int joint, const ProbePose& truth) const;
   /// True tip in workpiece (m) as a tracker finds it, with its noise.
   Eigen::Vector3d measurePosition();
 

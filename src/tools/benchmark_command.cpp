@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "machine/error.h"
+#include "model/model_spec.h"
 #include "tools/benchmark_session.h"
 #include "tools/benchmark_trial.h"
 #include "tools/commands.h"
@@ -30,7 +31,7 @@ std::string wilson(int right, int count) {
 }
 
 struct Options {
-  std::string machine = "three_axis", plan;
+  std::string machine = "three_axis", plan, model;
   int trials = 50, effects = 1;
   double size = 1.0;
   std::uint64_t seed = 1;
@@ -97,6 +98,7 @@ void run(const Options& o) {
   trial.size = o.size;
   trial.only = o.only;
   trial.uncatalogued = o.uncatalogued;
+  if (!o.model.empty()) trial.base = loadModelSpec(o.model).effects;
   if (o.uncatalogued && o.effects != 1)
     throw InputError("--uncatalogued hides one effect a session; leave out --effects");
   if (o.uncatalogued && o.only.empty())  // one kind after the other, so that all are tried alike
@@ -181,6 +183,7 @@ void addBenchmarkCommand(CLI::App& app, int&) {
   c->add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")
       ->capture_default_str();
   c->add_option("--plan", o->plan, "measurement plan (YAML)")->required();
+  c->add_option("--model", o->model, "model file: what the diagnosis starts from; nothing if left out");
   c->add_option("--trials", o->trials, "simulated sessions")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);

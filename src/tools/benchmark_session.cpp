@@ -52,6 +52,7 @@ void stateNoise(YAML::Node probe, const std::string& stated, const std::string& 
 
 std::string varied(const std::string& planYaml, const std::string& source, const SessionVariant& variant) {
   try {
+    if (variant.none()) return planYaml;
     YAML::Node plan = YAML::Load(planYaml);
     YAML::Node artifact = plan["artifact"], touch = plan["touch"];
     if (!artifact.IsMap() || !artifact["balls"].IsSequence() || !touch.IsMap())
@@ -87,6 +88,8 @@ std::string withoutNoise(const std::string& planYaml) {
   YAML::Node plan = YAML::Load(planYaml);
   YAML::Node noise = plan["instrument"]["noise"];
   noise["repeatability_um"] = 0.0;
+  for (const char* key : {"laser_um", "angular_repeatability_arcsec", "reference_um", "reference_arcsec"})
+    if (noise[key]) noise[key] = 0.0;
   noise.remove("outliers");
   return textOf(plan);
 }

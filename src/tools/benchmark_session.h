@@ -12,6 +12,12 @@ struct SessionVariant {
   bool timeTemperature = false;  // the room only warms up: temperatures go with time
   int contacts = 0;              // as near as the number of balls allows; 0: as in the plan
   std::string statedNoise;  // factor on what the artifact states; "none": not stated; empty: as in the plan
+
+  /// As the plan is written.
+  bool none() const {
+    return !oneSided && !freeCentres && !outliers && !heavyTails && !timeTemperature && contacts == 0 &&
+           statedNoise.empty();
+  }
 };
 
 /// The plan's YAML, changed. @throw InputError naming `source` where the plan is not of touches on balls.

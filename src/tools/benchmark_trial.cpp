@@ -18,21 +18,24 @@
 namespace mm {
 namespace {
 
-/// The nominal machine fitted to a session, and the view in which residuals are compared.
+/// The base model fitted to a session, and the view in which residuals are compared.
 struct Fitted {
-  explicit Fitted(const Session& session) : result(fit(session)) { result.problem->linearise(result.x); }
-  static CalibrationResult fit(const Session& session) {
+  Fitted(const Session& session, const std::vector<EffectSpec>& base) : result(fit(session, base)) {
+    result.problem->linearise(result.x);
+  }
+  static CalibrationResult fit(const Session& session, const std::vector<EffectSpec>& base) {
     CalibrateOptions options;
     options.method = Method::kLeastSquares;
     options.rejectOutliers = false;
-    return calibrate(session, Model(session.machine, observedDomain(session), std::vector<EffectPtr>{}),
-                     options);
+    return calibrate(session, Model(session.machine, observedDomain(session), base), options);
   }
   CalibrationResult result;
 };
 
 /// Residuals by observation row, zero where a session has no such row; the same plan gives the same rows.
-Eigen::VectorXd leftOf(const Simulation& s) { return Fitted(s.session).result.residuals; }
+Eigen::VectorXd leftOf(const Simulation& s, const std::vector<EffectSpec>& base) {
+  return Fitted(s.session, base).result.residuals;
+}
 
 /// The hidden source in the catalogue's words.
 EffectSpec specOf(const HiddenSource& source) {
@@ -53,6 +56,23 @@ std::string sensorPair(const EffectSpec& s) {
   std::string text;
   for (const auto& n : names) text += n + " ";
   return text;
+}
+
+/// Standard deviation of one measured value of the plan, m (rad where the plan measures angles).
+double noiseOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise) {
+  double sum = 0.0;
+  int count = 0;
+  for (const PlanMove& m : plan.moves) {
+    if (m.kind == MoveKind::kGo) continue;
+    const bool rotary = m.kind == MoveKind::kDeviation && machine.joints()[m.joint].kind == JointKind::kRotary;
+    const double one = m.kind == MoveKind::kTouch   ? noise.repeatability
+                       : m.kind == MoveKind::kLaser ? std::hypot(noise.laser, noise.repeatability)
+                       : rotary                     ? noise.referenceAngular
+                                                    : noise.reference;
+    sum += one * one;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : noise.repeatability;
 }
 
 /// What is hidden in an instrument; empty where the plan could not show it.
@@ -98,7 +118,8 @@ static bool sameCause(const EffectSpec& hidden, const EffectSpec& named) {
 Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_t seed) {
   const Plan plan = Plan::parse(options.planYaml, options.planSource, {}, machine);
   const Plan quiet = Plan::parse(withoutNoise(options.planYaml), options.planSource, {}, machine);
-  const double noise = InstrumentSettings::parse(options.planYaml, options.planSource).noise.repeatability;
+  const double noise =
+      noiseOf(machine, plan, InstrumentSettings::parse(options.planYaml, options.planSource).noise);
   Trial trial;
   trial.seed = seed;
 
@@ -118,7 +139,7 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
     bool apart = options.effects == 0 || !drawn.empty();
     SimulationRequest nothing;
     nothing.seed = request.seed;
-    const Eigen::VectorXd clean = leftOf(simulate(machine, quiet, nothing));
+    const Eigen::VectorXd clean = leftOf(simulate(machine, quiet, nothing), options.base);
     for (const HiddenSource& source : drawn) {
       std::string text = source.text();
       SimulationRequest alone;
@@ -130,7 +151,7 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
         resized.numbers[0].value *= factor;
         text = resized.text();
         alone.hide = {text};
-        left = leftOf(simulate(machine, quiet, alone));
+        left = leftOf(simulate(machine, quiet, alone), options.base);
         if (left.size() == clean.size()) left -= clean;
         const double rms = std::sqrt(left.squaredNorm() / std::max<Eigen::Index>(1, left.size()));
         if (!(rms > 1e-12)) {
@@ -167,7 +188,7 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
   request.seed = trial.seed;
   request.hide = scaled;
   const Simulation simulation = simulate(machine, plan, request);
-  const Model model(machine, observedDomain(simulation.session), std::vector<EffectPtr>{});
+  const Model model(machine, observedDomain(simulation.session), options.base);
   DiagnoseOptions diagnosing;
   diagnosing.seed = seed;
   const auto begin = std::chrono::steady_clock::now();

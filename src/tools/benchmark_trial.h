@@ -48,6 +48,7 @@ struct TrialOptions {
   double size = 1.0;              // RMS of what is left of each after refit, over the noise
   std::vector<std::string> only;  // types to draw from; empty: all kinds
   bool uncatalogued = false;      // hide effects outside the catalogue
+  std::vector<EffectSpec> base;   // the model that knows nothing of what is hidden
 };
 
 /// Runs one trial. The size of each hidden effect is set by a noise-free simulation of it alone. Pairs that

@@ -7,12 +7,15 @@
 
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
+#include "estimation/ball_centres.h"
 #include "machine/error.h"
 #include "report/json.h"
 #include "report/recalibration.h"
+#include "report/session_doubts.h"
 #include "report/text.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/one_line.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 
@@ -21,7 +24,7 @@ namespace {
 
 struct CalibrateCommand {
   std::string bag, model, output, method = "staged_mutation", curve, stages;
-  bool json = false, traditional = false;
+  bool json = false, traditional = false, twoSteps = false;
   std::optional<std::size_t> population, generations;
   FitOptions fit;
 };
@@ -92,8 +95,9 @@ int runCalibrate(CalibrateCommand& c) {
   const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
   std::optional<Machine> machine;
   if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
-  const Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.fit.space);
+  Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.fit.space);
   checkMachine(model, folder, session);
+  if (c.twoSteps) session = centresByPosture(session, modelFor(session, model.effects));
 
   std::optional<Recalibration> done;
   {
@@ -102,6 +106,10 @@ int runCalibrate(CalibrateCommand& c) {
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     done = recalibrate(session, model, options);
   }
+  std::vector<std::string> doubts = postureDoubts(session);
+  if (!done->result.cancelled)
+    for (const std::string& doubt : fitDoubts(done->result)) doubts.push_back(doubt);
+  for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
   const int status = verdictOf(done->result);
   if (!c.output.empty()) saveCalibration(done->calibration, c.output);
   const bool angular = !std::isfinite(done->result.figures.rms);
@@ -128,6 +136,9 @@ void addCalibrateCommand(CLI::App& app, int& exitStatus) {
   command->add_option("--method", c->method, "staged_mutation, niching or least_squares")
       ->capture_default_str();
   command->add_flag("--json", c->json, "the result as JSON on standard output");
+  command->add_flag("--two-steps", c->twoSteps,
+                    "balls as LASER uses them: first the centre in each posture, then the model to these "
+                    "centres (default: every contact and everything together)");
   command->add_option("--curve", c->curve, "CSV of the best RMS in each generation");
   c->fit.declare(*command, true);
   declareGenetic(*command, *c);

@@ -1,0 +1,162 @@
+#include "report/session_doubts.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "machine/error.h"
+#include "machine/units.h"
+#include "report/text_parts.h"
+
+namespace mm {
+namespace {
+
+constexpr double kOneAngle = 0.5 * kDegree;
+constexpr double kOneReading = 0.05e-3;  // m
+constexpr double kSuspect = 50e-6;       // m: residual RMS at which a wrong sign is thought of
+constexpr double kReversed = 0.2;        // share of the residual that is left when the sign was wrong
+
+std::string rowOf(const Session& session, const Observation& o) {
+  return session.source + ": row " + std::to_string(o.row) + ": ";
+}
+
+void rotaryDoubts(const Session& session, const std::vector<const Observation*>& contacts,
+                  std::vector<std::string>& doubts) {
+  for (int j = 0; j < session.machine.jointCount(); ++j) {
+    const Joint& joint = session.machine.joints()[j];
+    if (joint.kind != JointKind::kRotary) continue;
+    double low = 1e300, high = -1e300;
+    for (const Observation* o : contacts) {
+      low = std::min(low, o->position[j]);
+      high = std::max(high, o->position[j]);
+    }
+    if (high - low < kOneAngle)
+      doubts.push_back("every posture has " + joint.name + format(" = %.4g deg: ", low / kDegree) +
+                       "what " + joint.name + " carries cannot be told from the place of the artifact; measure at "
+                       "two values of " + joint.name + " or more, a quarter of a turn apart");
+    else if ((low >= 0.0 || high <= 0.0) && joint.lower < 0.0 && joint.upper > 0.0)
+      doubts.push_back(joint.name + format(" is of one sign in every posture (%.4g … %.4g deg): ", low / kDegree,
+                                           high / kDegree) +
+                       "offsets that turn with it stay weak; measure with " + joint.name + " of both signs");
+  }
+}
+
+void readingDoubts(const Session& session, const std::vector<const Observation*>& contacts,
+                   std::vector<std::string>& doubts) {
+  std::vector<double> readings;
+  for (const Observation* o : contacts)
+    if (std::isfinite(o->laserReading)) readings.push_back(o->laserReading);
+  if (readings.empty()) return;
+  std::sort(readings.begin(), readings.end());
+  const auto at = [&](double share) {
+    return readings[static_cast<std::size_t>(share * static_cast<double>(readings.size() - 1))];
+  };
+  if (readings.back() - readings.front() < kOneReading) {
+    doubts.push_back(format("every reading of the laser is %.4g mm: ", readings.front() / kMillimetre) +
+                     "the direction of its beam cannot be told from its zero; measure at both ends of its range");
+    return;
+  }
+  constexpr std::size_t kFew = 10;
+  constexpr double kFar = 5.0;  // times the range of the middle 80 %
+  if (readings.size() < kFew) return;
+  const double middle = at(0.5), reach = kFar * std::max(at(0.9) - at(0.1), kOneReading);
+  for (const Observation* o : contacts)
+    if (std::abs(o->laserReading - middle) > reach)
+      doubts.push_back(rowOf(session, *o) +
+                       format("reading %.4g mm is far from all others (most are %.4g … %.4g mm): ",
+                              o->laserReading / kMillimetre, at(0.1) / kMillimetre, at(0.9) / kMillimetre) +
+                       "out of the laser's range? leave the row out");
+}
+
+/// Shortest distance of the beam's line from a point, m.
+double missOf(const Problem& problem, int observation, const Eigen::VectorXd& x, const Eigen::Vector3d& centre) {
+  constexpr double kAhead = 1e-3;  // m
+  Model::Workspace work;
+  State state = problem.state(observation);
+  const Eigen::Vector3d spot = problem.model().corrected(state, x.data(), work).position;
+  state.laserReading += kAhead;
+  const Eigen::Vector3d beam =
+      (problem.model().corrected(state, x.data(), work).position - spot).normalized();
+  return (centre - spot).cross(beam).norm();
+}
+
+void beamDoubts(const CalibrationResult& result, std::vector<std::string>& doubts) {
+  const Problem& problem = *result.problem;
+  const Session& session = problem.session();
+  for (std::size_t i = 0; i < session.observations.size(); ++i) {
+    const Observation& o = session.observations[i];
+    if (o.kind != ObservationKind::kContact || !std::isfinite(o.laserReading)) continue;
+    const Feature& feature = session.artifact.features[o.feature];
+    if (feature.kind != FeatureKind::kBall) continue;
+    const double miss =
+        missOf(problem, static_cast<int>(i), result.x, problem.featureInWorkpiece(o.feature, result.x));
+    if (miss > feature.radius)
+      doubts.push_back(rowOf(session, o) + format("the beam passes the centre of '%s' at %.3g mm and misses it "
+                                                  "(radius %.4g mm): ",
+                                                  feature.name.c_str(), miss / kMillimetre,
+                                                  feature.radius / kMillimetre) +
+                       "the reading is of something else; leave the row out");
+  }
+}
+
+double rmsOf(const CalibrationResult& r) { return std::isfinite(r.figures.rms) ? r.figures.rms : 0.0; }
+
+void signDoubts(const CalibrationResult& result, std::vector<std::string>& doubts) {
+  const Session& session = result.problem->session();
+  const double noise = result.repeatabilityFrom == "estimated" ? 0.0 : result.repeatability;
+  // outliers may be what does not fit the wrong sign
+  double all = 0.0;
+  int count = 0;
+  for (int i = 0; i < result.residuals.size(); ++i)
+    if (!result.problem->rows()[i].angular) all += std::pow(result.residuals[i], 2), ++count;
+  const double whole = count > 0 ? std::sqrt(all / count) : 0.0;
+  if (!(whole > std::max(kSuspect, 20.0 * noise))) return;
+  CalibrateOptions fit;
+  fit.method = Method::kLeastSquares;
+  fit.rejectOutliers = false;
+  double least = kReversed * std::max(rmsOf(result), whole);
+  int wrong = -1;
+  for (int j = 0; j < session.machine.jointCount(); ++j) {
+    Session reversed = session;
+    for (Observation& o : reversed.observations) {
+      o.position[j] = -o.position[j];
+      if (j < static_cast<int>(o.velocity.size())) o.velocity[j] = -o.velocity[j];
+      if (j < static_cast<int>(o.travel.size())) o.travel[j] = -o.travel[j];
+    }
+    try {
+      const CalibrationResult other = calibrate(reversed, result.problem->model(), fit);
+      if (!(rmsOf(other) < least)) continue;
+      least = rmsOf(other);
+      wrong = j;
+    } catch (const Error&) {  // no answer from this one
+    }
+  }
+  if (wrong < 0) return;
+  const std::string& name = session.machine.joints()[wrong].name;
+  doubts.push_back(session.source + format(": with the readings of %s reversed the residual falls from %.3g to %.3g um: ",
+                                           name.c_str(), whole / kMicrometre, least / kMicrometre) +
+                   "likely a sign error of " + name + "; reverse its axis in the URDF, or its readings");
+}
+
+}  // namespace
+
+std::vector<std::string> postureDoubts(const Session& session) {
+  std::vector<std::string> doubts;
+  std::vector<const Observation*> contacts;
+  for (const Observation& o : session.observations)
+    if (o.kind == ObservationKind::kContact) contacts.push_back(&o);
+  if (contacts.empty()) return doubts;
+  rotaryDoubts(session, contacts, doubts);
+  readingDoubts(session, contacts, doubts);
+  return doubts;
+}
+
+std::vector<std::string> fitDoubts(const CalibrationResult& result) {
+  std::vector<std::string> doubts;
+  signDoubts(result, doubts);
+  if (doubts.empty()) beamDoubts(result, doubts);
+  return doubts;
+}
+
+}  // namespace mm

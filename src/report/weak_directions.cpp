@@ -1,0 +1,49 @@
+#include "report/weak_directions.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "report/text_parts.h"
+
+namespace mm {
+
+std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
+  constexpr double kStandsOut = 5.0, kPart = 0.2;
+  const auto& unknowns = result.problem->unknowns();
+  std::vector<int> free;
+  for (int u = 0; u < result.problem->unknownCount(); ++u)
+    if (unknowns[u].kind == UnknownKind::kEffect && result.covariance(u, u) > 0.0) free.push_back(u);
+  std::vector<WeakDirection> weak;
+  const int count = static_cast<int>(free.size());
+  if (count < 3) return weak;
+  Eigen::MatrixXd scaled(count, count);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j)
+      scaled(i, j) = result.covariance(free[i], free[j]) / unknowns[free[i]].scale / unknowns[free[j]].scale;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const double median = std::sqrt(std::max(0.0, eigen.eigenvalues()[count / 2]));
+  for (int k = count - 1; k > count / 2; --k) {
+    const double std = std::sqrt(std::max(0.0, eigen.eigenvalues()[k]));
+    if (!(std > kStandsOut * median)) break;
+    WeakDirection one;
+    one.timesMedian = median > 0.0 ? std / median : 0.0;
+    for (int i = 0; i < count; ++i)
+      if (std::abs(eigen.eigenvectors()(i, k)) > kPart)
+        one.direction.emplace_back(free[i], eigen.eigenvectors()(i, k));
+    std::sort(one.direction.begin(), one.direction.end(),
+              [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
+    for (std::size_t i = 0; i < one.direction.size(); ++i) {
+      const Unknown& u = unknowns[one.direction[i].first];
+      one.inWords += (i == 0 ? "" : i + 1 == one.direction.size() ? " and " : ", ") +
+                     displayName(*result.problem, one.direction[i].first) +
+                     format(" (± %.2g%s%s)", result.std(one.direction[i].first) * u.toUnit, u.unit == "1" ? "" : " ",
+                            u.unit == "1" ? "" : u.unit.c_str());
+    }
+    one.inWords += one.direction.size() > 1 ? " move together" : " stays open";
+    weak.push_back(std::move(one));
+  }
+  return weak;
+}
+
+}  // namespace mm
