@@ -233,6 +233,23 @@ Subset SubsetSearch::without(const Subset& subset, std::size_t member) const {
   return s;
 }
 
+bool SubsetSearch::plausible(const Subset& subset, int candidate, const Eigen::MatrixXd& columns) const {
+  constexpr double kBeyond = 1.5;
+  const Candidate& c = set_.candidates[candidate];
+  Eigen::MatrixXd own = columns;
+  if (subset.basis.cols() > 0) own -= subset.basis * (subset.basis.transpose() * columns);
+  Eigen::MatrixXd gram = own.transpose() * own;
+  Eigen::VectorXd bound(own.cols());  // in units of the scale, as the columns are
+  const double variance = std::max(subset.rss, 1e-300) / dof_;
+  for (int k = 0; k < own.cols(); ++k) {
+    const Parameter& p = c.effect->parameters()[c.linear[static_cast<std::size_t>(k)]];
+    bound[k] = p.bound / p.scale;
+    gram(k, k) += variance / (bound[k] * bound[k]);  // what is not determined is within its bound
+  }
+  const Eigen::VectorXd values = gram.ldlt().solve(own.transpose() * subset.left);
+  return !((values.cwiseAbs().array() > kBeyond * bound.array()).any());
+}
+
 Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
                             Eigen::MatrixXd columns) const {
   CancelScope::check();
@@ -243,6 +260,7 @@ Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vect
   g.columns = std::move(columns);
   g.rank = static_cast<int>(fresh.cols());
   g.drop = (fresh.transpose() * subset.left).squaredNorm();
+  if (!plausible(subset, candidate, g.columns)) g.drop = 0.0;
   const double rss = std::max(subset.rss - g.drop, 1e-300);
   g.objective = 0.5 * dof_ * std::log(rss / dof_) + subset.penalty + penaltyOf(subset, candidate);
   const int free = g.rank + set_.candidates[candidate].freeParameters -

@@ -102,6 +102,8 @@ class SubsetSearch {
   void refineAll(Subset& subset) const;
   Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
                 Eigen::MatrixXd columns) const;
+  /// False when an effect would have to be larger than its parameters can plausibly be.
+  bool plausible(const Subset& subset, int candidate, const Eigen::MatrixXd& columns) const;
   double penaltyOf(const Subset& subset, int candidate) const;
 
   const ResidualSpace& space_;

@@ -46,7 +46,7 @@ const char* const kAxisNames[] = {"x", "y", "z"};
 }  // namespace
 
 double UnitVector::weight(const Eigen::VectorXd& inverseSigma) const {
-  constexpr double kConstraint = 1e4;  // any: the residuals do not depend on the length
+  constexpr double kConstraint = 1e7;  // any: the residuals do not depend on the length
   const double largest = inverseSigma.size() > 0 ? inverseSigma.maxCoeff() : 0.0;
   return penalty > 0.0 ? std::sqrt(penalty) * kMillimetre * largest : kConstraint;
 }
