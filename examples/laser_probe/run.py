@@ -16,8 +16,8 @@ import tempfile
 HERE = os.path.dirname(os.path.abspath(__file__))
 CALIBRATION_PLAN = os.path.join(HERE, "..", "..", "config", "plans", "five_axis_ball.yaml")
 # What the mechanics did to the probe: deviations of the chain's axes, known to nobody but the simulation.
-HIDDEN = ["rotary_axis_offset:b/x=14um", "rotary_axis_offset:b/y=-11um", "rotary_axis_offset:a/y=-20um",
-          "rotary_axis_offset:a/z=16um", "rotary_zero:b=-20arcsec", "rotary_zero:a=25arcsec"]
+HIDDEN = ["rotary_axis_offset:b/x=170um", "rotary_axis_offset:b/y=-130um", "rotary_axis_offset:a/y=-240um",
+          "rotary_axis_offset:a/z=190um", "rotary_zero:b=-240arcsec", "rotary_zero:a=290arcsec"]
 K = 1000.0  # mm/um: slope of LASER's accuracy, (A + L / 1000) um
 
 

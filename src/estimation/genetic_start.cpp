@@ -103,7 +103,12 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
   GeneticRanges ranges;
   for (int u : genes) {
     const bool effect = unknowns[u].kind == UnknownKind::kEffect;
-    double half = effect ? unknowns[u].bound : std::min(unknowns[u].bound, 1e3 * unknowns[u].scale);
+    // a mount is searched about where the chain says it is: 1 mm, 0.6 deg and 0.1 of the beam's direction, and
+    // the features about where the contacts say they are
+    const bool mount = effect && !problem.model().effects()[unknowns[u].owner]->unitVectors().empty();
+    double half = mount    ? std::min(unknowns[u].bound, 10.0 * unknowns[u].scale)
+                  : effect ? unknowns[u].bound
+                           : std::min(unknowns[u].bound, 10.0 * unknowns[u].scale);
     if (effect && problem.model().effects()[unknowns[u].owner]->spec().type == "formula")
       half = 10.0 * std::max(std::abs(unknowns[u].start), 1e-3 * unknowns[u].scale);
     ranges.low.push_back(std::max(x[u] - half, unknowns[u].minimum));

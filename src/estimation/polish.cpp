@@ -148,6 +148,16 @@ bool nearlyLinear(const Problem& problem) {
                      [](const EffectPtr& e) { return e->separable(); });
 }
 
+/// A stiff row would make every step along the sphere a short one. The residuals do not depend on the length of a
+/// vector whose norm is a constraint: a soft row holds it, and afterwards it is set to 1.
+constexpr double kSoft = 1.0;
+
+void normalise(const Problem& problem, const std::vector<char>& fixed, Eigen::VectorXd& x) {
+  for (const UnitVector& v : problem.unitVectors())
+    if (v.penalty == 0.0 && !fixed[v.first] && !fixed[v.first + 1] && !fixed[v.first + 2])
+      x.segment<3>(v.first).normalize();
+}
+
 bool withinLimits(const Problem& problem, const Eigen::VectorXd& x) {
   for (int u = 0; u < problem.unknownCount(); ++u)
     if (x[u] < problem.unknowns()[u].minimum || x[u] > problem.unknowns()[u].maximum) return false;
@@ -174,6 +184,7 @@ bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const s
       for (std::size_t i = 0; i < system.free.size(); ++i)
         next[system.free[i]] += factor * full[static_cast<int>(i)] * system.scale[static_cast<int>(i)];
       if (!withinLimits(problem, next)) continue;
+      normalise(problem, fixed, next);
       WhitenedSystem trial(problem, next, inverseSigma, fixed);
       shorter = trial.residuals.squaredNorm() < cost;
       if (!shorter) continue;
@@ -262,7 +273,7 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
       if (placeOf.count(v.first + k) > 0) places[k] = placeOf[v.first + k].second;
     if (places[0] < 0 && places[1] < 0 && places[2] < 0) continue;
     ceresProblem.AddResidualBlock(
-        new UnitVectorCost(v, v.weight(inverseSigma), global.scales, places, start.segment<3>(v.first)), nullptr,
+        new UnitVectorCost(v, v.penalty > 0.0 ? v.weight(inverseSigma) : kSoft, global.scales, places, start.segment<3>(v.first)), nullptr,
         global.values);
   }
   for (std::size_t i = 0; i < global.unknowns.size(); ++i) {
@@ -304,6 +315,7 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
   };
   read(global);
   for (const auto& [feature, block] : local) read(block);
+  normalise(problem, fixed, result.x);
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cancelled = summary.termination_type == ceres::USER_SUCCESS;
   result.converged = summary.termination_type == ceres::CONVERGENCE;

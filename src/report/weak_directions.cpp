@@ -17,10 +17,17 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
   std::vector<WeakDirection> weak;
   const int count = static_cast<int>(free.size());
   if (count < 3) return weak;
+  // in units of what each parameter alone would show: what is large there is large by collinearity (Belsley)
+  Eigen::MatrixXd jacobian;
+  result.problem->residuals(result.x, jacobian);
+  for (int i = 0; i < jacobian.rows(); ++i)
+    jacobian.row(i) *= result.weight[i] > 0.0 ? std::sqrt(result.weight[i]) / result.sigma[i] : 0.0;
+  Eigen::VectorXd shown(count);
+  for (int i = 0; i < count; ++i) shown[i] = jacobian.col(free[i]).norm();
   Eigen::MatrixXd scaled(count, count);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < count; ++j)
-      scaled(i, j) = result.covariance(free[i], free[j]) / unknowns[free[i]].scale / unknowns[free[j]].scale;
+      scaled(i, j) = result.covariance(free[i], free[j]) * shown[i] * shown[j];
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double median = std::sqrt(std::max(0.0, eigen.eigenvalues()[count / 2]));
   for (int k = count - 1; k > count / 2; --k) {
