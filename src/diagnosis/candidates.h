@@ -21,9 +21,9 @@ struct Candidate {
   EffectPtr effect;
   std::vector<int> linear;  // parameters that give columns
   int freeParameters = 0;   // linear and nonlinear
-  /// What its parameters cost, in log-likelihood: 1/2 ln N for the combination that the session shows best and
-  /// for each nonlinear one, less for the others, the less the session shows of them (their likely sizes are
-  /// alike: the Occam factor of a prior as wide in each), and nothing for what it does not show.
+  /// What its parameters cost, in log-likelihood: 1/2 ln N for the combination that the session shows best
+  /// and for each nonlinear one, less for the others, the less the session shows of them (their likely sizes
+  /// are alike: the Occam factor of a prior as wide in each), and nothing for what it does not show.
   double cost = 0.0;
   bool tried = false;
   std::string why;        // why it is not tried

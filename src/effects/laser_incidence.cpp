@@ -15,7 +15,8 @@ class LaserIncidence : public CatalogueEffect {
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     if (state.feature < 0) return;
-    if (state.featureRadius == 0.0 && state.surfaceNormal.squaredNorm() == 0.0) return;  // a point has no surface
+    if (state.featureRadius == 0.0 && state.surfaceNormal.squaredNorm() == 0.0)
+      return;                                                     // a point has no surface
     const bool known = state.surfaceNormal.squaredNorm() > 0.25;  // false for NaN
     const double cosine = -state.orientation.col(2).dot(state.surfaceNormal);
     sink.add(layout_.reading(), 0, p[0], known ? 1.0 - cosine : kUnknown);

@@ -63,7 +63,11 @@ class LaserMount : public CatalogueEffect {
     const Eigen::Vector3d unit =
         norm > 0.0 ? Eigen::Vector3d(lmn / norm) : Eigen::Vector3d::Constant(kUnknown);
     const Eigen::Matrix3d across = (Eigen::Matrix3d::Identity() - unit * unit.transpose()) / norm;
-    put(sink, layout_.beam(0), beam_, toTip_ * unit - Eigen::Vector3d::UnitZ(), toTip_ * across);
+    Eigen::Vector3d turned = toTip_ * unit;
+    turned.z() = turned.z() > 0.0
+                     ? -turned.head<2>().squaredNorm() / (1.0 + turned.z())  // z - 1, all its digits
+                     : turned.z() - 1.0;
+    put(sink, layout_.beam(0), beam_, turned, toTip_ * across);
   }
 
   std::string cause() const override {

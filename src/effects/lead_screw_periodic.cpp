@@ -28,7 +28,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
     const double observed = observedRange(read.domain(), axis_);
     if (!linear) {  // a wheel has a whole number of teeth, and so has its worm's turn a whole part of a turn
       for (int teeth = kFewestTeeth; teeth <= kMostTeeth; ++teeth) starts_.push_back({2.0 * kPi / teeth});
-      Parameter period = parameter("period", kUnitDegree, 0.05, 2.0 * kPi, 2.0 * kPi / 60.0);
+      Parameter period = parameter("period", kUnitDegree, 1e-3, 2.0 * kPi, 2.0 * kPi / 60.0);
       period.minimum = kPi / kMostTeeth;
       period.maximum = 20.0 * kPi;
       parameters_.push_back(period);

@@ -64,8 +64,9 @@ void moveTo(const Session& session, const Model& model, const Eigen::VectorXd& x
   for (int j = 0; j < session.machine.jointCount(); ++j)
     if (session.machine.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
   if (linear.size() < 3)
-    throw InputError("machine '" + session.machine.name() +
-                     "' has less than three linear joints: the two steps of LASER need them; leave --two-steps out");
+    throw InputError(
+        "machine '" + session.machine.name() +
+        "' has less than three linear joints: the two steps of LASER need them; leave --two-steps out");
   Model::Workspace work;
   for (int step = 0; step < 3; ++step) {
     State state = like;
@@ -113,8 +114,11 @@ Session centresWith(const Session& session, const std::vector<Posture>& postures
     }
     const double radius = session.artifact.features[posture.feature].radius +
                           (std::isfinite(reading) ? 0.0 : session.artifact.tipRadius);
-    Eigen::Vector3d centre;
-    if (!sphereCentre(points, radius, centre))
+    Eigen::Vector3d centre, behind = Eigen::Vector3d::Zero();  // the centre is behind the surface
+    for (const std::size_t o : posture.contacts) behind += radius * states[o].approach.normalized();
+    for (const Eigen::Vector3d& p : points) behind += p;
+    behind /= static_cast<double>(points.size());
+    if (!sphereCentre(points, radius, centre, behind.allFinite() ? &behind : nullptr))
       throw InputError(session.source + ": " + nameOf(session, posture) +
                        ": its contacts do not determine a centre; spread them over more of the ball");
     Observation at = session.observations[posture.contacts[0]];
@@ -144,7 +148,8 @@ Session centresByPosture(const Session& session, const Model& model) {
     double moved = 0.0;
     for (std::size_t o = 0; o < next.observations.size(); ++o)
       for (std::size_t j = 0; j < next.observations[o].position.size(); ++j)
-        moved = std::max(moved, std::abs(next.observations[o].position[j] - centres.observations[o].position[j]));
+        moved =
+            std::max(moved, std::abs(next.observations[o].position[j] - centres.observations[o].position[j]));
     centres = std::move(next);
     if (moved < kStays) break;
   }

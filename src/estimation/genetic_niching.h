@@ -17,9 +17,9 @@ enum class NichingRefill {
 };
 
 /// Settings of `niching`. Crossover, mutation and precision are LASER's; the others are lost in print. Their
-/// defaults were found by trial on LASER's Table 2, ranges of 1 mm, 1 deg and 0.1 about the nominal mount:
-/// median of 20 seeds 0.011 mm RMS (the optimum is 0.006) and 11,000 evaluations to 0.05 mm; without the
-/// elimination 0.037 mm, and 40,000 where it gets there.
+/// defaults were found by trial on LASER's Table 2, ranges of 1 mm, 0.6 deg and 0.1 about the nominal mount
+/// (examples/laser_probe/convergence.py). With so narrow ranges there is one niche: the traditional algorithm
+/// is there first, and the elimination pays where a wide bowl hides a deep one.
 struct NichingSettings : GeneticSettings {
   NichingSettings() {
     population = 200;

@@ -16,13 +16,39 @@ namespace {
 class ResidualFitness final : public GeneticFitness {
  public:
   ResidualFitness(const Problem& problem, const Eigen::VectorXd& base, std::vector<int> genes,
-                  const Eigen::VectorXd& inverseSigma, double unit, std::function<bool()> cancelled)
+                  const Eigen::VectorXd& inverseSigma, double unit, double metre,
+                  std::function<bool()> cancelled)
       : problem_(problem),
         base_(base),
         genes_(std::move(genes)),
         inverseSigma_(inverseSigma),
         unit_(unit),
-        cancelled_(std::move(cancelled)) {}
+        metre_(metre),
+        cancelled_(std::move(cancelled)) {
+    placeOf_.assign(problem.rowCount(), -1);
+    for (int u = 0; u < problem.unknownCount(); ++u)
+      if (solvedInClosedForm(problem, u)) solved_.push_back(u);
+    for (int i = 0; i < problem.rowCount(); ++i) {
+      const Observation& o = problem.session().observations[problem.rows()[i].observation];
+      for (std::size_t s = 0; s < solved_.size() && o.kind == ObservationKind::kContact; ++s)
+        if (problem.unknowns()[solved_[s]].owner == o.feature &&
+            problem.unknowns()[solved_[s]].component == problem.rows()[i].component)
+          placeOf_[i] = static_cast<int>(s);
+    }
+  }
+  /// The coordinates of free points are no genes: (9) gives them, the mean over the postures of where the
+  /// probe is.
+  static bool solvedInClosedForm(const Problem& problem, int unknown) {
+    const Unknown& u = problem.unknowns()[unknown];
+    return u.kind == UnknownKind::kFeature && u.priorStd == 0.0 && !problem.poseFree() &&
+           problem.session().artifact.poseKnown &&
+           problem.session().artifact.features[u.owner].kind == FeatureKind::kPoint;
+  }
+  /// Puts the points where the chromosome sees them.
+  void solve(Eigen::VectorXd& x) const {
+    const Eigen::VectorXd means = meansOf(problem_.residuals(x));
+    for (std::size_t s = 0; s < solved_.size(); ++s) x[solved_[s]] += means[static_cast<Eigen::Index>(s)];
+  }
   std::size_t dimension() const override { return genes_.size(); }
   void evaluate(const double* population, std::size_t count, double* costs) const override {
     for (std::size_t c = 0; c < count; ++c) {
@@ -34,16 +60,18 @@ class ResidualFitness final : public GeneticFitness {
       Eigen::VectorXd x = base_;
       for (std::size_t g = 0; g < genes_.size(); ++g) x[genes_[g]] = population[c * genes_.size() + g];
       const Eigen::VectorXd r = problem_.residuals(x);
+      Eigen::VectorXd means = meansOf(r);
       double sum = 0.0;
       int used = 0;
       for (int i = 0; i < r.size(); ++i) {
         if (inverseSigma_[i] == 0.0) continue;
-        const double w = r[i] * inverseSigma_[i] * unit_;
+        const double w =
+            (r[i] - (placeOf_[i] >= 0 ? means[placeOf_[i]] : 0.0)) * inverseSigma_[i] * unit_ / metre_;
         sum += w * w;
         ++used;
       }
       for (const UnitVector& v : problem_.unitVectors()) {  // LASER (11), also where the norm is a constraint
-        const double h = v.excess(x.data() + v.first) * kMillimetre;
+        const double h = v.excess(x.data() + v.first) * kMillimetre / metre_;
         sum += (v.penalty > 0.0 ? v.penalty : kPenalty) * h * h;
       }
       costs[c] = sum / std::max(1, used);
@@ -51,13 +79,27 @@ class ResidualFitness final : public GeneticFitness {
   }
 
  private:
+  Eigen::VectorXd meansOf(const Eigen::VectorXd& r) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(solved_.size())), weight = sum;
+    for (int i = 0; i < r.size(); ++i) {
+      if (placeOf_[i] < 0) continue;
+      const double w = inverseSigma_[i] * inverseSigma_[i];
+      sum[placeOf_[i]] += w * r[i];
+      weight[placeOf_[i]] += w;
+    }
+    return sum.cwiseQuotient(weight.cwiseMax(1e-300));
+  }
+
   static constexpr double kPenalty = 1e4;  // M of LASER, residuals in mm
   const Problem& problem_;
   const Eigen::VectorXd base_;
   std::vector<int> genes_;
   const Eigen::VectorXd& inverseSigma_;
-  double unit_;
+  double unit_;   // m or rad that a residual of one standard deviation stands for
+  double metre_;  // costs are squares of this many metres
   std::function<bool()> cancelled_;
+  std::vector<int> solved_;   // unknowns
+  std::vector<int> placeOf_;  // a data row: index in solved_, or -1
 };
 
 bool allLinear(const Problem& problem) {
@@ -91,7 +133,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
   std::vector<int> genes;
   for (int u = 0; u < problem.unknownCount(); ++u)
     if (!fixed[u] && (unknowns[u].kind == UnknownKind::kEffect || unknowns[u].kind == UnknownKind::kSetup ||
-                      (!linear && unknowns[u].kind != UnknownKind::kRadius)))
+                      (!linear && unknowns[u].kind != UnknownKind::kRadius &&
+                       !ResidualFitness::solvedInClosedForm(problem, u))))
       genes.push_back(u);
   GeneticSummary summary;
   summary.method = nameOf(options.method);
@@ -103,8 +146,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
   GeneticRanges ranges;
   for (int u : genes) {
     const bool effect = unknowns[u].kind == UnknownKind::kEffect;
-    // a mount is searched about where the chain says it is: 1 mm, 0.6 deg and 0.1 of the beam's direction, and
-    // the features about where the contacts say they are
+    // a mount is searched about where the chain says it is: 1 mm, 0.6 deg and 0.1 of the beam's direction,
+    // and the features about where the contacts say they are
     const bool mount = effect && !problem.model().effects()[unknowns[u].owner]->unitVectors().empty();
     double half = mount    ? std::min(unknowns[u].bound, 10.0 * unknowns[u].scale)
                   : effect ? unknowns[u].bound
@@ -115,6 +158,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     ranges.high.push_back(std::min(x[u] + half, unknowns[u].maximum));
   }
 
+  // LASER's fitness 1 / (1 + G) has a unit: G is in mm^2
+  const double length = !linear && options.method == Method::kNiching ? kMillimetre : 1.0;
   std::unique_ptr<GeneticFitness> fitness;
   if (linear) {
     const auto& session = problem.session();
@@ -189,7 +234,8 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     }
     fitness = std::make_unique<SphereFitness>(contacts, balls, rows, genes.size());
   } else {
-    fitness = std::make_unique<ResidualFitness>(problem, x, genes, inverseSigma, unit, options.cancelled);
+    fitness =
+        std::make_unique<ResidualFitness>(problem, x, genes, inverseSigma, unit, length, options.cancelled);
   }
 
   GeneticControl control;
@@ -219,8 +265,10 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     return summary;
   }
   for (std::size_t g = 0; g < genes.size(); ++g) x[genes[g]] = found.best[g];
-  summary.rms = found.rms();
+  if (auto* nonlinear = dynamic_cast<ResidualFitness*>(fitness.get())) nonlinear->solve(x);
+  summary.rms = found.rms() * length;
   summary.curve = found.rmsCurve();
+  for (double& rms : summary.curve) rms *= length;
   summary.generations = found.generations;
   summary.evaluations = found.evaluations;
   summary.seconds = found.seconds;

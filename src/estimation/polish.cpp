@@ -148,8 +148,8 @@ bool nearlyLinear(const Problem& problem) {
                      [](const EffectPtr& e) { return e->separable(); });
 }
 
-/// A stiff row would make every step along the sphere a short one. The residuals do not depend on the length of a
-/// vector whose norm is a constraint: a soft row holds it, and afterwards it is set to 1.
+/// A stiff row would make every step along the sphere a short one. The residuals do not depend on the length
+/// of a vector whose norm is a constraint: a soft row holds it, and afterwards it is set to 1.
 constexpr double kSoft = 1.0;
 
 void normalise(const Problem& problem, const std::vector<char>& fixed, Eigen::VectorXd& x) {
@@ -272,9 +272,9 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
     for (int k = 0; k < 3; ++k)
       if (placeOf.count(v.first + k) > 0) places[k] = placeOf[v.first + k].second;
     if (places[0] < 0 && places[1] < 0 && places[2] < 0) continue;
-    ceresProblem.AddResidualBlock(
-        new UnitVectorCost(v, v.penalty > 0.0 ? v.weight(inverseSigma) : kSoft, global.scales, places, start.segment<3>(v.first)), nullptr,
-        global.values);
+    ceresProblem.AddResidualBlock(new UnitVectorCost(v, v.penalty > 0.0 ? v.weight(inverseSigma) : kSoft,
+                                                     global.scales, places, start.segment<3>(v.first)),
+                                  nullptr, global.values);
   }
   for (std::size_t i = 0; i < global.unknowns.size(); ++i) {
     const Unknown& u = unknowns[global.unknowns[i]];

@@ -4,7 +4,8 @@
 
 namespace mm {
 
-bool sphereCentre(const std::vector<Eigen::Vector3d>& points, double radius, Eigen::Vector3d& centre) {
+bool sphereCentre(const std::vector<Eigen::Vector3d>& points, double radius, Eigen::Vector3d& centre,
+                  const Eigen::Vector3d* near) {
   if (points.size() < 4) return false;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& p : points) mean += p;
@@ -24,6 +25,7 @@ bool sphereCentre(const std::vector<Eigen::Vector3d>& points, double radius, Eig
   away /= static_cast<double>(points.size());
   if (!(away > 0.0) || !c.allFinite()) return false;
   if (away > 3.0 * radius) c = mean + (c - mean).normalized() * radius;
+  if (near != nullptr) c = *near;
   for (int iteration = 0; iteration < 50; ++iteration) {
     Eigen::Matrix3d h = Eigen::Matrix3d::Identity() * 1e-12;
     Eigen::Vector3d g = Eigen::Vector3d::Zero();

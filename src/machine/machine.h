@@ -95,11 +95,11 @@ class Machine {
   /// chain.
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const double* q, double laserReading) const;
 
-  /// What an independent instrument reads of a small motion of the probe, as true minus indicated reading of a
-  /// joint: row vector, by the translation (columns 0-2) and rotation (3-5) of the probe in workpiece. Along a
-  /// linear joint; about the axis of a rotary one (polygon and autocollimator); on a pointing device, two
-  /// rotary joints and nothing else, by its line of sight, which at zero readings is square to both axes: all
-  /// that a star or a tracker tells.
+  /// What an independent instrument reads of a small motion of the probe, as true minus indicated reading of
+  /// a joint: row vector, by the translation (columns 0-2) and rotation (3-5) of the probe in workpiece.
+  /// Along a linear joint; about the axis of a rotary one (polygon and autocollimator); on a pointing device,
+  /// two rotary joints and nothing else, by its line of sight, which at zero readings is square to both axes:
+  /// all that a star or a tracker tells.
   Eigen::Matrix<double, 1, 6> seenAsDeviation(int joint, const double* q, double laserReading) const;
 
  private:

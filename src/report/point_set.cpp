@@ -234,9 +234,7 @@ PointSet checkPointSet(const Session& session, const ModelSpec* spec) {
     }
   }
   set.doubts = postureDoubts(session);
-  bool lost = !set.weak.empty();
-  for (const LostDirection& l : set.identifiability.lost) lost |= l.ofTheModel;
-  if (set.hasModel && lost) set.advice = proposePostures(*problem, x, inverse);
+  if (set.hasModel) set.advice = proposePostures(*problem, x, inverse);
   set.cannotShow = judgeCatalogue(*problem, set.identifiability, inverse);
   return set;
 }

@@ -68,7 +68,7 @@ struct PointSet {
   Identifiability identifiability;
   std::vector<WeakParameter> weak;  // uncertainty above the typical size of the parameter
   std::vector<std::string> doubts;  // of the postures, one line each
-  PostureAdvice advice;             // for machines with rotary joints, where something is weak or lost
+  PostureAdvice advice;             // for machines with rotary joints
   std::vector<CannotBeShown> cannotShow;
 };
 

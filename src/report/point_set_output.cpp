@@ -76,9 +76,11 @@ std::string postureText(const Machine& machine, const ProposedPosture& p) {
     const bool rotary = machine.joints()[j].kind == JointKind::kRotary;
     std::string& to = rotary ? angles : linear;
     to += (to.empty() ? "" : ", ") + machine.joints()[j].name + " " +
-          (rotary ? format("%.4g deg", p.position[j] / kDegree) : format("%.5g mm", p.position[j] / kMillimetre));
+          (rotary ? format("%.4g deg", p.position[j] / kDegree)
+                  : format("%.5g mm", p.position[j] / kMillimetre));
   }
-  return angles + (std::isfinite(p.laserReading) ? format(", reading %.3g mm", p.laserReading / kMillimetre) : "") +
+  return angles +
+         (std::isfinite(p.laserReading) ? format(", reading %.3g mm", p.laserReading / kMillimetre) : "") +
          ", on " + p.feature + "; there " + linear;
 }
 
@@ -131,7 +133,8 @@ std::string pointSetText(const PointSet& set) {
   return format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
                 static_cast<long long>(set.contacts), static_cast<long long>(set.references), set.duration,
                 set.noise / kMicrometre, set.noiseDeclared ? "declared" : "assumed for the figures below") +
-         featuresText(set) + jointsText(set) + inputsText(set) + doubtsText(set) + modelText(set) + adviceText(set) + hiddenText(set);
+         featuresText(set) + jointsText(set) + inputsText(set) + doubtsText(set) + modelText(set) +
+         adviceText(set) + hiddenText(set);
 }
 
 std::string pointSetJson(const PointSet& set) {
@@ -193,7 +196,8 @@ std::string pointSetJson(const PointSet& set) {
       one["feature"] = p.feature;
       for (std::size_t j = 0; j < joints.size(); ++j) {
         const bool rotary = joints[j].kind == JointKind::kRotary;
-        one[joints[j].name + (rotary ? "_deg" : "_mm")] = number(p.position[j] / (rotary ? kDegree : kMillimetre));
+        one[joints[j].name + (rotary ? "_deg" : "_mm")] =
+            number(p.position[j] / (rotary ? kDegree : kMillimetre));
       }
       if (std::isfinite(p.laserReading)) one["reading_mm"] = number(p.laserReading / kMillimetre);
       object["proposed_postures"].push_back(std::move(one));

@@ -12,11 +12,11 @@
 namespace mm {
 namespace {
 
-constexpr int kAngles = 7;               // of each rotary joint
-constexpr double kTilt = 35 * kDegree;   // of the contacts about the probe's direction
-constexpr double kLeastRange = 2e-3;     // m: half the range of readings to propose where one was used only
-constexpr std::size_t kMost = 8;         // postures
-constexpr double kWorthwhile = 0.9;      // a posture that leaves more of the sum of variances is not proposed
+constexpr int kAngles = 7;              // of each rotary joint
+constexpr double kTilt = 35 * kDegree;  // of the contacts about the probe's direction
+constexpr double kLeastRange = 2e-3;    // m: half the range of readings to propose where one was used only
+constexpr std::size_t kMost = 8;        // postures
+constexpr double kWorthwhile = 0.9;     // a posture that leaves more of the sum of variances is not proposed
 constexpr double kTwice = 0.5;
 
 /// Observations of one posture: rows first … first + count - 1 of the hypothetical session.
@@ -69,7 +69,8 @@ std::vector<Candidate> candidatesOf(const Problem& problem, const Eigen::VectorX
   const Machine& machine = session.machine;
   double low = 1e300, high = -1e300;
   for (const Observation& o : session.observations)
-    if (std::isfinite(o.laserReading)) low = std::min(low, o.laserReading), high = std::max(high, o.laserReading);
+    if (std::isfinite(o.laserReading))
+      low = std::min(low, o.laserReading), high = std::max(high, o.laserReading);
   std::vector<double> readings{kNotMeasured};
   if (high >= low) {
     const double middle = 0.5 * (low + high), half = std::max(0.5 * (high - low), kLeastRange);
@@ -91,8 +92,9 @@ std::vector<Candidate> candidatesOf(const Problem& problem, const Eigen::VectorX
         bool feasible = true;
         for (int i = 0; i < (distance > 0.0 ? 5 : 1) && feasible; ++i) {
           const Eigen::Vector3d side = i == 0 ? Eigen::Vector3d::Zero()
-                                       : i < 3 ? Eigen::Vector3d((i == 1 ? 1.0 : -1.0) * std::tan(kTilt), 0, 0)
-                                               : Eigen::Vector3d(0, (i == 3 ? 1.0 : -1.0) * std::tan(kTilt), 0);
+                                       : i < 3
+                                           ? Eigen::Vector3d((i == 1 ? 1.0 : -1.0) * std::tan(kTilt), 0, 0)
+                                           : Eigen::Vector3d(0, (i == 3 ? 1.0 : -1.0) * std::tan(kTilt), 0);
           const Eigen::Vector3d towards = (probe * (Eigen::Vector3d::UnitZ() + side)).normalized();
           Observation at = o;
           at.position = angles;
@@ -163,8 +165,9 @@ PostureAdvice proposePostures(const Problem& problem, const Eigen::VectorXd& x,
       const Eigen::MatrixXd rows = later.middleRows(first, future.firstRow(observation) - first);
       if (!rows.allFinite()) continue;
       const Eigen::MatrixXd moved = covariance * rows.transpose();
-      const Eigen::MatrixXd gain =
-          (Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) + rows * moved).ldlt().solve(moved.transpose());
+      const Eigen::MatrixXd gain = (Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) + rows * moved)
+                                       .ldlt()
+                                       .solve(moved.transpose());
       double sum = 0.0;
       for (const int u : wanted) sum += covariance(u, u) - moved.row(u).dot(gain.col(u));
       if (!(sum < least)) continue;
@@ -178,7 +181,8 @@ PostureAdvice proposePostures(const Problem& problem, const Eigen::VectorXd& x,
   }
   for (const int u : wanted) {
     const Unknown& unknown = problem.unknowns()[u];
-    const double was = std::sqrt(std::max(0.0, before(u, u))), is = std::sqrt(std::max(0.0, covariance(u, u)));
+    const double was = std::sqrt(std::max(0.0, before(u, u))),
+                 is = std::sqrt(std::max(0.0, covariance(u, u)));
     if (is < kTwice * was)
       advice.gains.push_back({displayName(problem, u), unknown.unit, was * unknown.scale * unknown.toUnit,
                               is * unknown.scale * unknown.toUnit});

@@ -15,6 +15,7 @@ namespace {
 constexpr double kOneAngle = 0.5 * kDegree;
 constexpr double kOneReading = 0.05e-3;  // m
 constexpr double kSuspect = 50e-6;       // m: residual RMS at which a wrong sign is thought of
+constexpr double kAsGood = 1.5;          // times the least residual
 constexpr double kReversed = 0.2;        // share of the residual that is left when the sign was wrong
 
 std::string rowOf(const Session& session, const Observation& o) {
@@ -23,6 +24,9 @@ std::string rowOf(const Session& session, const Observation& o) {
 
 void rotaryDoubts(const Session& session, const std::vector<const Observation*>& contacts,
                   std::vector<std::string>& doubts) {
+  int last = -1;  // the one that carries the probe
+  for (int j = 0; j < session.machine.jointCount(); ++j)
+    if (session.machine.joints()[j].kind == JointKind::kRotary) last = j;
   for (int j = 0; j < session.machine.jointCount(); ++j) {
     const Joint& joint = session.machine.joints()[j];
     if (joint.kind != JointKind::kRotary) continue;
@@ -32,13 +36,16 @@ void rotaryDoubts(const Session& session, const std::vector<const Observation*>&
       high = std::max(high, o->position[j]);
     }
     if (high - low < kOneAngle)
-      doubts.push_back("every posture has " + joint.name + format(" = %.4g deg: ", low / kDegree) +
-                       "what " + joint.name + " carries cannot be told from the place of the artifact; measure at "
-                       "two values of " + joint.name + " or more, a quarter of a turn apart");
-    else if ((low >= 0.0 || high <= 0.0) && joint.lower < 0.0 && joint.upper > 0.0)
-      doubts.push_back(joint.name + format(" is of one sign in every posture (%.4g … %.4g deg): ", low / kDegree,
-                                           high / kDegree) +
-                       "offsets that turn with it stay weak; measure with " + joint.name + " of both signs");
+      doubts.push_back("every posture has " + joint.name + format(" = %.4g deg: ", low / kDegree) + "what " +
+                       joint.name +
+                       " carries cannot be told from the place of the artifact; measure at "
+                       "two values of " +
+                       joint.name + " or more, a quarter of a turn apart");
+    else if (j == last && (low >= 0.0 || high <= 0.0) && joint.lower < 0.0 && joint.upper > 0.0)
+      doubts.push_back(
+          joint.name +
+          format(" is of one sign in every posture (%.4g … %.4g deg): ", low / kDegree, high / kDegree) +
+          "offsets that turn with it stay weak; measure with " + joint.name + " of both signs");
   }
 }
 
@@ -53,8 +60,9 @@ void readingDoubts(const Session& session, const std::vector<const Observation*>
     return readings[static_cast<std::size_t>(share * static_cast<double>(readings.size() - 1))];
   };
   if (readings.back() - readings.front() < kOneReading) {
-    doubts.push_back(format("every reading of the laser is %.4g mm: ", readings.front() / kMillimetre) +
-                     "the direction of its beam cannot be told from its zero; measure at both ends of its range");
+    doubts.push_back(
+        format("every reading of the laser is %.4g mm: ", readings.front() / kMillimetre) +
+        "the direction of its beam cannot be told from its zero; measure at both ends of its range");
     return;
   }
   constexpr std::size_t kFew = 10;
@@ -70,7 +78,8 @@ void readingDoubts(const Session& session, const std::vector<const Observation*>
 }
 
 /// Shortest distance of the beam's line from a point, m.
-double missOf(const Problem& problem, int observation, const Eigen::VectorXd& x, const Eigen::Vector3d& centre) {
+double missOf(const Problem& problem, int observation, const Eigen::VectorXd& x,
+              const Eigen::Vector3d& centre) {
   constexpr double kAhead = 1e-3;  // m
   Model::Workspace work;
   State state = problem.state(observation);
@@ -92,10 +101,10 @@ void beamDoubts(const CalibrationResult& result, std::vector<std::string>& doubt
     const double miss =
         missOf(problem, static_cast<int>(i), result.x, problem.featureInWorkpiece(o.feature, result.x));
     if (miss > feature.radius)
-      doubts.push_back(rowOf(session, o) + format("the beam passes the centre of '%s' at %.3g mm and misses it "
-                                                  "(radius %.4g mm): ",
-                                                  feature.name.c_str(), miss / kMillimetre,
-                                                  feature.radius / kMillimetre) +
+      doubts.push_back(rowOf(session, o) +
+                       format("the beam passes the centre of '%s' at %.3g mm and misses it "
+                              "(radius %.4g mm): ",
+                              feature.name.c_str(), miss / kMillimetre, feature.radius / kMillimetre) +
                        "the reading is of something else; leave the row out");
   }
 }
@@ -115,8 +124,8 @@ void signDoubts(const CalibrationResult& result, std::vector<std::string>& doubt
   CalibrateOptions fit;
   fit.method = Method::kLeastSquares;
   fit.rejectOutliers = false;
-  double least = kReversed * std::max(rmsOf(result), whole);
-  int wrong = -1;
+  const double before = std::max(rmsOf(result), whole);
+  std::vector<std::pair<double, int>> better;
   for (int j = 0; j < session.machine.jointCount(); ++j) {
     Session reversed = session;
     for (Observation& o : reversed.observations) {
@@ -126,17 +135,22 @@ void signDoubts(const CalibrationResult& result, std::vector<std::string>& doubt
     }
     try {
       const CalibrationResult other = calibrate(reversed, result.problem->model(), fit);
-      if (!(rmsOf(other) < least)) continue;
-      least = rmsOf(other);
-      wrong = j;
+      if (rmsOf(other) < kReversed * before) better.emplace_back(rmsOf(other), j);
     } catch (const Error&) {  // no answer from this one
     }
   }
-  if (wrong < 0) return;
-  const std::string& name = session.machine.joints()[wrong].name;
-  doubts.push_back(session.source + format(": with the readings of %s reversed the residual falls from %.3g to %.3g um: ",
-                                           name.c_str(), whole / kMicrometre, least / kMicrometre) +
-                   "likely a sign error of " + name + "; reverse its axis in the URDF, or its readings");
+  if (better.empty()) return;
+  std::sort(better.begin(), better.end());
+  const auto nameOf = [&](std::size_t i) { return session.machine.joints()[better[i].second].name; };
+  std::string others;  // a machine and its mirror image measure the same
+  for (std::size_t i = 1; i < better.size(); ++i)
+    if (better[i].first < kAsGood * better[0].first)
+      others += (others.empty() ? ", or as well of " : ", ") + nameOf(i);
+  doubts.push_back(session.source +
+                   format(": with the readings of %s reversed the residual falls from %.3g to %.3g um: ",
+                          nameOf(0).c_str(), before / kMicrometre, better[0].first / kMicrometre) +
+                   "likely a sign error of " + nameOf(0) + others +
+                   "; reverse its axis in the URDF, or its readings");
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace mm {
 /// only, readings far from all others.
 std::vector<std::string> postureDoubts(const Session& session);
 
-/// Of a fit: beams that miss their ball; a joint whose sign is likely wrong, which is tried where the residual is
-/// far above the noise: with its readings reversed the residual falls to a small part.
+/// Of a fit: beams that miss their ball; a joint whose sign is likely wrong, which is tried where the
+/// residual is far above the noise: with its readings reversed the residual falls to a small part.
 std::vector<std::string> fitDoubts(const CalibrationResult& result);
 
 }  // namespace mm

@@ -9,7 +9,7 @@
 namespace mm {
 
 std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
-  constexpr double kStandsOut = 5.0, kPart = 0.2;
+  constexpr double kStandsOut = 2.0, kPart = 0.2;
   const auto& unknowns = result.problem->unknowns();
   std::vector<int> free;
   for (int u = 0; u < result.problem->unknownCount(); ++u)
@@ -26,8 +26,7 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
   for (int i = 0; i < count; ++i) shown[i] = jacobian.col(free[i]).norm();
   Eigen::MatrixXd scaled(count, count);
   for (int i = 0; i < count; ++i)
-    for (int j = 0; j < count; ++j)
-      scaled(i, j) = result.covariance(free[i], free[j]) * shown[i] * shown[j];
+    for (int j = 0; j < count; ++j) scaled(i, j) = result.covariance(free[i], free[j]) * shown[i] * shown[j];
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double median = std::sqrt(std::max(0.0, eigen.eigenvalues()[count / 2]));
   for (int k = count - 1; k > count / 2; --k) {
@@ -42,10 +41,12 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
               [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
     for (std::size_t i = 0; i < one.direction.size(); ++i) {
       const Unknown& u = unknowns[one.direction[i].first];
-      one.inWords += (i == 0 ? "" : i + 1 == one.direction.size() ? " and " : ", ") +
+      one.inWords += (i == 0                          ? ""
+                      : i + 1 == one.direction.size() ? " and "
+                                                      : ", ") +
                      displayName(*result.problem, one.direction[i].first) +
-                     format(" (± %.2g%s%s)", result.std(one.direction[i].first) * u.toUnit, u.unit == "1" ? "" : " ",
-                            u.unit == "1" ? "" : u.unit.c_str());
+                     format(" (± %.2g%s%s)", result.std(one.direction[i].first) * u.toUnit,
+                            u.unit == "1" ? "" : " ", u.unit == "1" ? "" : u.unit.c_str());
     }
     one.inWords += one.direction.size() > 1 ? " move together" : " stays open";
     weak.push_back(std::move(one));

@@ -283,9 +283,10 @@ Session readContactsCsv(const std::filesystem::path& file, const Machine& machin
   if (artifact != nullptr && artifact->tipRadius == 0.0 && session.hasLaser())
     for (const Observation& o : session.observations)
       if (o.kind == ObservationKind::kContact && std::isnan(o.laserReading))
-        throw InputError(file.string() + ": line " + std::to_string(o.row) +
-                         ": reading_mm is empty: the beam missed, or was out of the laser's range; leave the row "
-                         "out (or state the artifact's tip_radius_mm, if a touch probe was used there)");
+        throw InputError(
+            file.string() + ": line " + std::to_string(o.row) +
+            ": reading_mm is empty: the beam missed, or was out of the laser's range; leave the row "
+            "out (or state the artifact's tip_radius_mm, if a touch probe was used there)");
   session.prepare();
   return session;
 }

@@ -166,8 +166,8 @@ std::optional<Trip> SimulatedMachine::takeTrip() {
   return trip;
 }
 
-/// A star, or a tracker's target: the readings at which the perfect machine would look where this one does. The
-/// line of sight is square to both axes when the readings are zero.
+/// A star, or a tracker's target: the readings at which the perfect machine would look where this one does.
+/// The line of sight is square to both axes when the readings are zero.
 double SimulatedMachine::sightDeviation(int joint, const ProbePose& truth) const {
   const std::vector<double> zero(2, 0.0);
   const Eigen::Matrix3d home = chain_.nominal(zero).orientation;

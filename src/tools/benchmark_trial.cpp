@@ -64,7 +64,8 @@ double noiseOf(const Machine& machine, const Plan& plan, const NoiseSettings& no
   int count = 0;
   for (const PlanMove& m : plan.moves) {
     if (m.kind == MoveKind::kGo) continue;
-    const bool rotary = m.kind == MoveKind::kDeviation && machine.joints()[m.joint].kind == JointKind::kRotary;
+    const bool rotary =
+        m.kind == MoveKind::kDeviation && machine.joints()[m.joint].kind == JointKind::kRotary;
     const double one = m.kind == MoveKind::kTouch   ? noise.repeatability
                        : m.kind == MoveKind::kLaser ? std::hypot(noise.laser, noise.repeatability)
                        : rotary                     ? noise.referenceAngular

@@ -218,6 +218,8 @@ TEST_P(Catalogue, searchStartsFitTheNonlinearParameters) {
     if (effect->linear()) continue;
     SCOPED_TRACE(effect->spec().yaml());
     const auto nonlinear = effect->nonlinearParameters();
+    // a mount starts at the chain, near enough for its derivatives there to tell all
+    if (effect->startTells() && nonlinear.empty()) continue;
     EXPECT_FALSE(nonlinear.empty());
     EXPECT_FALSE(effect->searchStarts().empty());
     for (const auto& start : effect->searchStarts()) {
