@@ -46,29 +46,33 @@ function header() {
 function errors() {
   if (!data.figures.length) return;
   const held = (f) => f["held_out_rms" + kSuffix];
-  const tiles = data.figures.filter((f) => !/values held/.test(f.name)).map((f) => [f.name + ": held-out RMS", held(f)]);
+  const tiles = data.figures.filter((f) => !/values held/.test(f.name)).map((f) => [f.name + ": held-out RMS", held(f), rmsStd(held(f), f["count" + kSuffix])]);
   tiles.push(["Noise of one measurement, " + (kNoise[diagnosis.repeatability_from] || ""), data.noise]);
   const kinds = [["um", "_um"], ["arcsec", "_arcsec"]].filter(([, suffix]) => data.figures.some((f) => known(f["rms" + suffix])));
   const columns = [["Model", "text"]];
   for (const [unit] of kinds) for (const name of ["RMS", "held-out RMS", "95 % below", "largest"]) columns.push([name + ", " + unitText(unit), "n"]);
   columns.push(["χ²/ν", "n"], ["outliers", "n"]);
-  section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value]) =>
-    el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : ""))))),
+  section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value, std]) =>
+    el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : "")),
+      known(std) ? el("div", { class: "label" }, "± " + length(std, 2)) : null))),
   table("Size of the residuals, outliers left aside (each fit leaves aside its own)", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
-    ...kinds.flatMap(([, s]) => [num(f["rms" + s]), num(f["held_out_rms" + s]), num(f["q95" + s]), num(f["max" + s])]), diagnosis.repeatability_from === "estimated" ? "–" : num(f.chi2_per_dof), known(f.outliers) ? String(f.outliers) : "–"])));
+    ...kinds.flatMap(([, s]) => [bare(f["rms" + s], f["rms_std" + s]), bare(f["held_out_rms" + s], rmsStd(f["held_out_rms" + s], f["count" + s])), bare(f["q95" + s], 0.95 * f["q95" + s] / Math.sqrt(f["count" + s])), num(f["max" + s])]),
+    diagnosis.repeatability_from === "estimated" ? "–" : bare(f.chi2_per_dof, f.chi2_per_dof * Math.sqrt(2 / Math.max(1, f.degrees_of_freedom))), known(f.outliers) ? String(f.outliers) : "–"])));
 }
 
 function entry(term, ...content) {
   return content.flat().some((x) => x) ? [el("dt", {}, term), el("dd", {}, ...content)] : [];
 }
-const arrow = (pair) => num(pair[0]) + " → " + length(pair[1]);
+const arrow = (pair) => bare(pair[0], rmsStd(pair[0])) + " → " + rmsText(pair[1]);
+/** Size of an effect, RMS over the measurements: it can only be known to the noise of so many. */
+const sizeStd = (heldOut) => (heldOut && known(heldOut[1]) && data.residuals ? heldOut[1] / Math.sqrt(data.residuals) : null);
 
 function missing() {
   if (!diagnosis.missing.length && !diagnosis.formulas.length) return;
   section("missing", "What is missing", lead("In the order found; sizes after everything was refitted together, ± one standard uncertainty."),
     diagnosis.missing.map((m, i) => el("div", { class: "card" }, el("h3", {}, i + 1 + ". " + spoken(m.effect)), el("dl", {},
       entry("Size", m.parameters.map((p) => p.name + " = " + plusMinus(p.value, p.std, p.unit)).join(", ")),
-      entry("Share of the error", known(m["size" + kSuffix]) ? length(m["size" + kSuffix]) + " RMS after refit, " + num(m["size" + kSuffix] / data.noise, 2) + " × the noise" : ""),
+      entry("Share of the error", known(m["size" + kSuffix]) ? plusMinus(m["size" + kSuffix], sizeStd(m["held_out_rms" + kSuffix]), data.unit) + " RMS after refit" + (diagnosis.repeatability_from === "estimated" ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the noise") : ""),
       entry("Held-out RMS", arrow(m["held_out_rms" + kSuffix])),
       entry("Certainty", "p ≈ " + pValue(m.p_value) + ", corrected for everything tried; chosen in " + percent(m.stability) + " of the resampled sessions"),
       entry("As likely", m.confusable_with.length ? m.confusable_with.map((c) => spoken(c.effect) + (c.delta < 0.05 ? " (exactly as likely)" : " (log-likelihood lower by " + num(c.delta, 2) + ")")).join("; ") : ""),
@@ -76,12 +80,18 @@ function missing() {
     diagnosis.formulas.map((f, i) => el("div", { class: "card" }, el("h3", {}, (i ? "Or the formula along " : "Formula along ") + f.direction), el("p", {}, el("code", {}, f.formula)),
       el("dl", {}, entry("Values", i === 0 ? data.added.filter((a) => a.effect.type === "formula").flatMap((a) => a.values.map((v) => v.name + " = " + plusMinus(v.value, v.std, v.unit))).join(", ") : ""),
         entry("Held-out RMS", arrow(f["held_out_rms" + kSuffix])),
-        entry("Units", "linear joints in mm, rotary in rad, t in s, speeds in mm/s, temperatures in °C; the value in µm (arcsec along a rotary joint)")))));
+        entry("Units", i > 0 ? "" : "linear joints in mm, rotary in rad, t in s, speeds in mm/s, temperatures in °C; the value in µm (arcsec along a rotary joint)")))));
+}
+
+/** A share of variance, ± the standard error of R². */
+function sharePercent(share) {
+  const std = known(share) && data.residuals ? (2 * Math.sqrt(Math.max(0, share)) * (1 - share)) / Math.sqrt(data.residuals) : null;
+  return known(std) && std > 5e-4 ? (100 * share).toFixed(1) + " ± " + (100 * std).toFixed(1) + " %" : percent(share, 1);
 }
 
 function where() {
   if (!diagnosis.where.length) return;
-  const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), percent(w.share, 1)], pValue(w.p_value)], { chosen: w.p_value < 0.01 }));
+  const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), sharePercent(w.share)], pValue(w.p_value)], { chosen: w.p_value < 0.01 }));
   section("where", "Where the model fails", lead("Share of what is left that one variable alone explains, in any direction. p: probability of so much by chance, corrected for the number of variables; bold below 0.01."),
     longTable("Variables, largest share first", [["Variable"], ["Share", "nowrap"], ["p", "n"]], rows, 12));
 }
@@ -103,24 +113,26 @@ function positioning() {
   if (!data.positioning.length) return;
   const names = [["A", "Bi-directional accuracy A"], ["E", "Bi-directional systematic deviation E"], ["M", "Range of the mean deviation M"], ["B", "Largest reversal B (forward − backward)"],
     ["B_mean", "Mean reversal B̄"], ["R", "Bi-directional repeatability R"], ["R_forward", "Repeatability R↑"], ["R_backward", "Repeatability R↓"]];
-  section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) of an independent instrument, by target and direction of approach, as in ISO 230-2; the standard asks for five runs in each direction. What the model leaves is the deviation that a corrected machine would still have."),
+  section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) of an independent instrument, by target and direction of approach, as in ISO 230-2; the standard asks for five runs in each direction; ± from the scatter of the runs alone. What the model leaves is the deviation that a corrected machine would still have."),
     data.positioning.map((a) => {
       const counts = a.measured.runs.flat().filter((n) => n > 0);
+      const before = positioningStd(a.measured), after = positioningStd(a.calibrated);
       const most = Math.max(...counts), least = Math.min(...counts);
       return [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, positioningFigure(a, "measured", "As measured").node, positioningFigure(a, "calibrated", "What the model leaves").node),
         table("Axis " + a.axis + ", " + a.measured.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + (least < 5 ? "; fewer than the standard asks for" : ""),
-          [["Figure"], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]], names.map(([key, name]) => [name, num(a.measured.figures[key]), num(a.calibrated.figures[key])]))];
+          [["Figure"], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]], names.map(([key, name]) => [name, bare(a.measured.figures[key], before[key]), bare(a.calibrated.figures[key], after[key])]))];
     }));
 }
 
 function thermal() {
   const t = data.thermal;
+  const ranged = (range) => bare(range, known(data.noise) ? Math.SQRT2 * data.noise : null); // of two readings
   if (!t.axes.length && !data.networks.length) return;
   section("thermal", "Heat: deviation against time, by ISO 230-3", t.axes.length ? lead("Deviations of an independent instrument at the same positions while the machine warms and cools, as measured and as the model leaves them, beside the temperatures.") : null,
     data.networks.map((n) => el("p", {}, el("b", {}, spoken(n.effect)), ": ", n.summary.replace(/\bum\b/g, "µm"))),
     t.axes.map((a) => [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, thermalFigure(a, "measured", "As measured").node, thermalFigure(a, "left", "What the model leaves").node),
       table("Axis " + a.axis + ": range of the deviation over the test", [["Position, " + unitText(a.position_unit)], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]],
-        [...a.courses.map((c) => [num(c.at, 4), num(c.measured_range), num(c.left_range)]), ["largest of all positions", num(a.measured_range), num(a.left_range)]])]),
+        [...a.courses.map((c) => [num(c.at, 4), ranged(c.measured_range), ranged(c.left_range)]), ["largest of all positions", ranged(a.measured_range), ranged(a.left_range)]])]),
     t.axes.length ? temperatureFigure(t.temperatures).node : null);
 }
 
@@ -130,7 +142,7 @@ function candidates() {
   const rows = diagnosis.candidates.map((c, i) => {
     const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
     const gain = c[key] && known(c[key][0]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
-    return Object.assign([spoken(c.effect), [meter(gain), num(c[key] && c[key][1])], pValue(c.p_value), num(c["size" + kSuffix]), taken ? percent(taken.stability) : "–",
+    return Object.assign([spoken(c.effect), [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], pValue(c.p_value), bare(c["size" + kSuffix], sizeStd(c[key])), taken ? percent(taken.stability) : "–",
       taken && taken.confusable_with.length ? taken.confusable_with.map((o) => spoken(o.effect)).join("; ") : "–"], { chosen: !!taken });
   });
   section("candidates", "Candidates, best first", lead("Each effect of the catalogue added alone to the model and everything refitted together; the bar is the share of the held-out RMS that it removes. Bold: named as missing. Stability and what it is confusable with are worked out for those."),
@@ -145,10 +157,11 @@ function ledger() {
   for (const e of data.ledger) steps.push({ name: name(e), held_out: e[key] && e[key][1] });
   const proposed = data.figures.find((f) => /named effects/.test(f.name));
   if (proposed) steps.push({ name: "proposed: " + diagnosis.missing.map((m) => spoken(m.effect)).concat(diagnosis.formulas.slice(0, 1).map((f) => "a formula along " + f.direction)).join(" and "), held_out: proposed[key], proposed: true });
+  const fall = (pair) => (pair ? bare(pair[0], rmsStd(pair[0])) + " → " + bare(pair[1], rmsStd(pair[1])) : "–");
   const shown = steps.filter((s) => known(s.held_out));
   section("ledger", "Ledger: the error as it fell", shown.length > 1 ? ledgerFigure(shown, data.noise, diagnosis.repeatability_from === "estimated").node : null,
     table("Every step, and what it did to the error", [["Step"], ["RMS, " + kUnit, "n"], ["held-out RMS, " + kUnit, "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
-      data.ledger.map((e) => [name(e), e[rmsKey] ? num(e[rmsKey][0]) + " → " + num(e[rmsKey][1]) : "–", e[key] ? num(e[key][0]) + " → " + num(e[key][1]) : "–", e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"])),
+      data.ledger.map((e) => [name(e), fall(e[rmsKey]), fall(e[key]), e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"])),
     el("p", { class: "note" }, "Any step can be taken back: mm remove."));
 }
 
@@ -187,12 +200,17 @@ function curves() {
 function limits() {
   const groups = new Map();
   for (const c of diagnosis.cannot_show) {
-    const key = c.why + "\n" + c.moves;
-    if (!groups.has(key)) groups.set(key, { names: [], why: c.why, moves: c.moves });
-    groups.get(key).names.push(spoken(c.effect));
+    const key = c.effect.type + "\n" + c.why;
+    if (!groups.has(key)) groups.set(key, { type: c.effect.type.replace(/_/g, " "), members: [], why: c.why, moves: new Set() });
+    const group = groups.get(key);
+    group.members.push(spoken(c.effect).slice(group.type.length).replace(/^, /, ""));
+    group.moves.add(c.moves || "–");
   }
+  // the members of one family: each once, and no more than can be read
+  const named = (g) => g.type + (g.members[0] ? ": " + g.members.slice(0, 6).join("; ") : "") + (g.members.length > 6 ? "; and " + (g.members.length - 6) + " more" : "");
+  const advice = (g) => [...g.moves][0] + (g.moves.size > 1 ? " Likewise for the others." : "");
   section("limits", "What this session cannot show", groups.size ? [lead("These effects may be there all the same: this session could not have shown them."),
-    longTable("Effects, why they stay hidden, and what would show them", [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], [...groups.values()].map((g) => [g.names.join("; "), g.why, g.moves || "–"]), 10)] :
+    longTable("Effects, why they stay hidden, and what would show them", [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], [...groups.values()].map((g) => [named(g), g.why, advice(g)]), 10)] :
     lead("Every effect of the catalogue would have shown in this session."));
 }
 
@@ -214,7 +232,7 @@ function legend() {
     ["χ²/ν", "squared residuals over the noise, a degree of freedom: 1 when nothing but noise is left; says nothing where the noise was estimated from the residuals."],
     ["p", "probability of a gain at least as large by chance, corrected for everything that was tried."],
     ["Stability", "share of sessions resampled in blocks of time in which the effect is still the choice."],
-    ["±", "one standard uncertainty, from the covariance of the fit."]];
+    ["±", "one standard uncertainty: of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as they were seen."]];
   main.append(el("footer", {}, el("h3", {}, "How to read the figures"), el("dl", {}, terms.map(([a, b]) => [el("dt", {}, a), el("dd", {}, b)])),
     el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is complete in itself and loads nothing from a network. Figures by Plotly.js (MIT).")));
 }

@@ -69,7 +69,7 @@ function variableFigure(v) {
   return figure({
     name: v.name,
     label: "Mean residual " + along + " against " + v.name + ": largest " + length(v.mean[most]) + " at " + where,
-    caption: along + "; explains " + percent(v.share) + " (p\u00a0=\u00a0" + pValue(v.p_value).replace(/ /g, "\u00a0") + ")",
+    caption: along + "; explains " + percent(v.share) + " (" + ("p = " + pValue(v.p_value)).replace("= <", "<").replace(/ /g, "\u00a0") + ")",
     make: (c) => [[
       { x: jitter, y: v.y, mode: "markers", type: "scatter", marker: { size: 3, color: c.soft, opacity: 0.35 }, hoverinfo: "skip" },
       v.improved.some(known) ? { x: v.at, y: v.improved, mode: v.category ? "markers" : "lines", type: "scatter", line: { color: c.good, width: 1.5, dash: "dot" },
@@ -95,16 +95,17 @@ function ledgerFigure(steps, noise, estimated) {
   const line = known(noise) && noise > 0;
   const values = steps.map((s) => s.held_out).concat(line ? [noise] : []);
   const log = Math.min(...values) * 20 < Math.max(...values);
-  const from = Math.min(...values) / 3, to = Math.max(...values) * (log ? 4 : 1.25);
+  const from = Math.min(...values) / 3, to = Math.max(...values) * (log ? 6 : 1.35);
   return figure({
-    height: 70 + 46 * steps.length, label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
+    height: 70 + steps.length * Math.max(46, 12 + 16 * Math.max(...steps.map((s) => wrapped(s.name, 22).split("<br>").length))), label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
     caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + (!line ? "." : ". The dashed line is the noise, " + length(noise) +
       (estimated ? ", estimated from what this model leaves: a better model may lower it." : ": no model can do better.")),
     make: (c) => [[{ type: "bar", orientation: "h", y: steps.map((s, i) => i), x: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.6 : 0.9)) },
-      text: steps.map((s) => " " + num(s.held_out) + " " + kUnit), textposition: "outside", cliponaxis: false, hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + length(s.held_out)) }],
+      hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + rmsText(s.held_out)), error_x: { type: "data", array: steps.map((s) => rmsStd(s.held_out) || 0), color: c.ink, thickness: 1, width: 4 } },
+      { type: "scatter", mode: "text", x: steps.map((s) => s.held_out + (rmsStd(s.held_out) || 0)), y: steps.map((s, i) => i), text: steps.map((s) => " " + rmsText(s.held_out)), textposition: "middle right", cliponaxis: false, hoverinfo: "skip" }],
     { margin: { l: 20, r: 20, t: 8, b: 44 }, bargap: 0.35,
-      yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, 18) + " "), range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
-      xaxis: Object.assign({ title: titled("held-out RMS, " + kUnit), zeroline: false, nticks: 6 }, log ? { type: "log", dtick: 1, range: [Math.log10(from), Math.log10(to)] } : { range: [0, to] }),
+      yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, 22) + " "), range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
+      xaxis: Object.assign({ title: titled("held-out RMS, " + kUnit), zeroline: false, nticks: 6 }, log ? { type: "log", dtick: 1, exponentformat: "power", range: [Math.log10(from), Math.log10(to)] } : { range: [0, to] }),
       shapes: line ? [{ type: "line", yref: "paper", y0: 0, y1: 1, x0: noise, x1: noise, line: { color: c.warm, width: 1.5, dash: "dash" } }] : [] }],
   });
 }

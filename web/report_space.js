@@ -27,6 +27,8 @@ function spaceSection(v) {
       " µm. RMS of those shown: " + num(rms) + " µm, outliers included. Drawn: " + v.at_mm.length + " of " + v.observations +
       " measurements. Colours end at ± " + num(limit) + " µm for every choice.";
   };
+  // one ball measured at many places close together: spheres upon spheres would hide everything
+  const overlapping = v.balls.some((a, i) => v.balls.some((b, k) => k < i && Math.hypot(...a.centre_mm.map((x, m) => x - b.centre_mm[m])) < 0.9 * (a.radius_mm + b.radius_mm)));
   const label = "Residual vectors in space for " + v.at_mm.length + " measurements";
   const make = (c) => {
     const s = v.states[state], xyz = [[], [], []], colours = [], ends = [[], [], []], texts = [];
@@ -48,7 +50,7 @@ function spaceSection(v) {
       { xaxis: { title: titled("x, mm"), scaleanchor: "y" }, yaxis: { title: titled("y, mm") } }];
     }
     const balls = v.balls.map((b) => ({ type: "scatter3d", mode: "markers", x: [b.centre_mm[0]], y: [b.centre_mm[1]], z: [b.centre_mm[2]], marker: { size: 3, color: c.soft, symbol: "cross" }, text: [plain(b.name)], hovertemplate: "%{text}<extra></extra>" }));
-    const spheres = v.balls.map((b) => sphere(b, c));
+    const spheres = overlapping ? [] : v.balls.map((b) => sphere(b, c));
     const axis = (name) => ({ title: { text: name + ", mm" }, gridcolor: c.line, zerolinecolor: c.line, color: c.ink, backgroundcolor: "rgba(0,0,0,0)" });
     return [[...spheres, ...balls,
       { type: "scatter3d", mode: "lines", x: xyz[0], y: xyz[1], z: xyz[2], line: Object.assign({ width: 4, color: colours }, scale), hoverinfo: "skip" },
@@ -58,7 +60,7 @@ function spaceSection(v) {
   };
   const fig = figure({ kind: "space", label, make, modeBar: true,
     caption: (v.signed ? "Each line starts at the touched point and runs along the ball's normal: outwards (red) where the machine found the surface too far out, inwards (blue) where too far in." :
-      "Each line runs from where the target should be to where the machine found it.") + (hasWebGl ? " Drag to turn." : " This browser has no WebGL: seen from above.") });
+      "Each line runs from where the target should be to where the machine found it.") + (hasWebGl ? (overlapping ? " The balls overlap: only their centres are drawn." : "") + " Drag to turn." : " This browser has no WebGL: seen from above.") });
   const change = () => { say(); fig.draw(); };
   const select = el("select", { id: "exaggeration" });
   for (const value of [...new Set(own)].sort((a, b) => a - b)) select.append(el("option", { value }, grouped(value) + " times"));

@@ -52,6 +52,35 @@ std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
   return names + ": one combination of them is not determined";
 }
 
+bool measured(const Problem& problem, ObservationKind kind) {
+  const auto& all = problem.session().observations;
+  return std::any_of(all.begin(), all.end(), [&](const Observation& o) { return o.kind == kind; });
+}
+
+/// What to measure so that the unknown that is held would be determined: by the kind of observation there is.
+std::string wouldShowOf(const Problem& problem, int unknown, bool byConvention) {
+  const Unknown& u = problem.unknowns()[unknown];
+  if (u.kind == UnknownKind::kSetup)
+    return "an instrument with a zero of its own shows differences only, so one value is a convention; a "
+           "position known absolutely (columns reference_) would fix it";
+  if (u.kind == UnknownKind::kEffect && !byConvention) return problem.model().effects()[u.owner]->shownBy();
+  if (u.kind == UnknownKind::kEffect) {
+    if (measured(problem, ObservationKind::kContact))
+      return "a ball at a known position, or a reference direction, would separate them";
+    if (measured(problem, ObservationKind::kPosition))
+      return "a point at a known position in workpiece, or a reference direction, would separate them";
+    return "a position known absolutely (columns reference_), or deviations of the other axes too, would "
+           "separate them";
+  }
+  const bool point =
+      u.kind == UnknownKind::kFeature &&
+      problem.session().artifact.features[static_cast<std::size_t>(u.owner)].kind == FeatureKind::kPoint;
+  if (point) return "the point reached from more directions, or with other readings of the joints";
+  if (u.kind == UnknownKind::kPose && !measured(problem, ObservationKind::kContact))
+    return "positions of three points or more that are not on one line";
+  return "contacts spread over more of the ball, or over more balls";
+}
+
 /// What is held cannot be lost: its column is a measurement of itself alone.
 void holdColumns(Eigen::MatrixXd& scaled, const std::vector<char>& held) {
   constexpr double kKnown = 1e3;
@@ -147,11 +176,7 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
     lost.fixedUnknown = u;
     lost.byConvention = choosesFrame(problem, u);
     lost.inWords = inWordsOf(problem, lost);
-    lost.wouldShow =
-        unknowns[u].kind == UnknownKind::kEffect
-            ? (lost.byConvention ? "a ball at a known position, or a reference direction, would separate them"
-                                 : problem.model().effects()[unknowns[u].owner]->shownBy())
-            : "contacts spread over more of the ball, or over more balls";
+    lost.wouldShow = wouldShowOf(problem, u, lost.byConvention);
     result.fixed[u] = 1;
     result.lost.push_back(lost);
     // remove u from the null space: what remains has no component along u

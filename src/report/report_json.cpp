@@ -40,6 +40,7 @@ Json figuresJson(const std::string& name, const std::string& note, const Calibra
   one["note"] = note;
   setFigures(one, f, true);
   one["chi2_per_dof"] = f.degreesOfFreedom > 0 ? number(f.chi2PerDof) : Json(nullptr);
+  one["degrees_of_freedom"] = f.degreesOfFreedom;
   if (fit == nullptr) return one;
   one["outliers"] = fit->outliers.size();
   for (const bool angular : {false, true}) {
@@ -48,6 +49,11 @@ Json figuresJson(const std::string& name, const std::string& note, const Calibra
     const double unit = angular ? kArcsecond : kMicrometre;
     const std::string suffix = angular ? "_arcsec" : "_um";
     one["max" + suffix] = number(size.max / unit);
+    // of an RMS of independent normal residuals
+    const double rms = angular ? f.rmsAngular : f.rms;
+    const double share = static_cast<double>(f.degreesOfFreedom) / std::max(1, fit->problem->rowCount());
+    one["rms_std" + suffix] = number(rms / unit / std::sqrt(2.0 * std::max(1.0, share * size.count)));
+    one["count" + suffix] = size.count;
     for (const auto& [percent, value] : size.quantiles)
       if (percent == 95) one["q95" + suffix] = number(value / unit);
   }

@@ -107,6 +107,18 @@ std::string featuresText(const CalibrationResult& r) {
   return "Found in workpiece (centres of balls, points)\n" + text;
 }
 
+/// Why a genetic algorithm may be better than what was polished: it fits every ball's centre for itself.
+std::string freerCentres(const CalibrationResult& r) {
+  if (!r.genetic || r.genetic->evaluations == 0) return {};
+  const double polished = angularOnly(r) ? r.figures.rmsAngular : r.figures.rms;
+  const auto& features = r.problem->session().artifact.features;
+  const bool held = std::any_of(features.begin(), features.end(),
+                                [](const Feature& f) { return f.kind == FeatureKind::kBall && f.known; });
+  if (!held || !(r.genetic->rms < polished)) return {};
+  return "                  (lower: each ball's centre was free; the polish keeps them where the artifact "
+         "has them)\n";
+}
+
 }  // namespace
 
 std::string calibrateText(const CalibrationResult& r) {
@@ -134,6 +146,7 @@ std::string calibrateText(const CalibrationResult& r) {
                               r.genetic->generations, r.genetic->evaluations, r.genetic->seconds,
                               static_cast<unsigned long long>(r.genetic->seed), r.genetic->stop.c_str())) +
             "\n";
+  text += freerCentres(r);
   text += "  polished        RMS " + length(angular ? r.figures.rmsAngular : r.figures.rms, angular) +
           format(", %d iterations, %s\n", r.polishIterations, r.stop.c_str());
   if (r.genetic && r.genetic->curve.size() > 1) text += curveText(*r.genetic, angular);
