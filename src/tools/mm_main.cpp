@@ -1,3 +1,4 @@
+#include <glog/logging.h>
 #include <ros/console.h>
 
 #include <CLI/CLI.hpp>
@@ -41,6 +42,8 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error, int ar
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ,
               SIG_IGN);  // a file-size limit then fails the write, which is reported, instead of killing
+  // What the solver has to say of a step that it could not take is in the result.
+  FLAGS_minloglevel = google::GLOG_FATAL;
   // What the URDF's parser has to say is in the exception; standard error keeps its one line.
   if (ros::console::set_logger_level(ROSCONSOLE_ROOT_LOGGER_NAME, ros::console::levels::Fatal))
     ros::console::notifyLoggerLevelsChanged();
