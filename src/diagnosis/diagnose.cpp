@@ -375,6 +375,19 @@ class Diagnoser {
   /// Significant, and large enough to matter: a residual RMS more than about 2.5 % above the noise.
   static bool isStructure(const Structure& s) { return s.pValue < kStructure && s.share > 0.05; }
 
+  /// A function of one position along one direction, where just that profile was found: the same cause in
+  /// other words.
+  static bool isProfile(const Round& round, const Subset& found, const FoundFormula& formula) {
+    if (formula.variables.size() != 1) return false;
+    const std::string &position = formula.variables[0], direction = formula.spec.text("direction");
+    return std::any_of(found.chosen.begin(), found.chosen.end(), [&](const Chosen& c) {
+      const EffectSpec& s = round.set.candidates[c.candidate].spec;
+      if (s.text("axis") != position) return false;
+      return s.type == "straightness" ? s.text("direction") == direction
+                                      : s.type == "positioning_polynomial" && position == direction;
+    });
+  }
+
   /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
   /// beside some.
   void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, const Subset& found,
@@ -399,7 +412,9 @@ class Diagnoser {
       if (&with != &found)
         tried.erase(std::remove_if(tried.begin(), tried.end(),
                                    [&](const FoundFormula& f) {
-                                     return f.unknowns() > std::max(4, unknownsOf(found) - unknownsOf(with));
+                                     return f.unknowns() >
+                                                std::max(4, unknownsOf(found) - unknownsOf(with)) ||
+                                            isProfile(round, found, f);
                                    }),
                     tried.end());
       if (tried.empty()) return;
