@@ -163,10 +163,9 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
         atom.candidate = static_cast<int>(i);
         atom.nonlinear = start;
         atom.count = static_cast<int>(columns.cols());
-        for (int k = 0; k < columns.cols(); ++k) {
-          const double norm = columns.col(k).norm();
-          if (norm > 0.0) columns.col(k) /= norm;
-        }
+        atom.norms = columns.colwise().norm();
+        for (int k = 0; k < columns.cols(); ++k)
+          if (atom.norms[k] > 0.0) columns.col(k) /= atom.norms[k];
         made[i].atoms.push_back(atom);
         made[i].columns.push_back(std::move(columns));
       }

@@ -13,6 +13,7 @@ struct Atom {
   int candidate = 0;              // index of the family member it belongs to
   std::vector<double> nonlinear;  // SI, in the order of Effect::nonlinearParameters()
   int first = 0, count = 0;       // its columns in CandidateSet::columns
+  Eigen::VectorXd norms;          // of its columns before they were made of length 1
 };
 
 /// An effect to be tried, and whether this session can show it.
@@ -34,9 +35,13 @@ struct Candidate {
 struct CandidateSet {
   std::vector<Candidate> candidates;
   std::vector<Atom> atoms;
-  Eigen::MatrixXd columns;  // length x all columns of all atoms, projected
+  Eigen::MatrixXd columns;  // length x all columns of all atoms, projected, each of length 1
   double logTried = 0.0;    // log of the number of atoms: what significance pays for
 
+  /// Projected columns of an atom in units of the parameters' scale.
+  Eigen::MatrixXd columnsOf(const Atom& atom) const {
+    return columns.middleCols(atom.first, atom.count) * atom.norms.asDiagonal();
+  }
   /// Projected columns of one candidate at other values of its nonlinear parameters.
   Eigen::MatrixXd columnsAt(const ResidualSpace& space, int candidate,
                             const std::vector<double>& nonlinear) const;

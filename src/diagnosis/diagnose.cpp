@@ -262,21 +262,23 @@ class Diagnoser {
                      [](const Confusable& a, const Confusable& b) { return a.delta < b.delta; });
     if (out.size() > kMostConfusable) out.resize(kMostConfusable);
     // the same with one or two members out and one cause in several shapes in their place
-    for (const std::vector<int>& family : round.search.families()) {
-      const EffectSpec& other = round.set.candidates[family[0]].spec;
-      if (out.size() >= kMostConfusable || sameCause(other, own)) continue;
-      if (std::any_of(out.begin(), out.end(),
-                      [&](const Confusable& c) { return sameCause(c.effect, other); }))
-        continue;
-      double best = 1e300;
-      for (std::size_t also = 0; also < subset.chosen.size(); ++also) {
-        Subset without = round.search.without(subset, std::max(also, member));
-        if (also != member) without = round.search.without(without, std::min(also, member));
-        best = std::min(best, round.search.withFamily(without, family).objective);
+    std::map<int, double> families;  // by their first candidate
+    for (std::size_t also = 0; also < subset.chosen.size(); ++also) {
+      Subset without = search.without(subset, std::max(also, member));
+      if (also != member) without = search.without(without, std::min(also, member));
+      for (const std::vector<int>& family : search.families()) {
+        if (sameCause(specOf(family[0]), own)) continue;
+        const double delta = search.withFamily(without, family).objective - subset.objective;
+        const auto [at, fresh] = families.try_emplace(family[0], delta);
+        if (!fresh) at->second = std::min(at->second, delta);
       }
-      if (best - subset.objective <= kConfusable)
-        out.push_back({other, std::max(0.0, best - subset.objective)});
     }
+    for (const auto& [first, delta] : families)
+      if (delta <= kConfusable && out.size() < kMostConfusable &&
+          std::none_of(out.begin(), out.end(), [&, other = first](const Confusable& c) {
+            return sameCause(c.effect, specOf(other));
+          }))
+        out.push_back({specOf(first), std::max(0.0, delta)});
     return out;
   }
 

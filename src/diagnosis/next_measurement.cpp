@@ -159,6 +159,15 @@ Move moveOf(const Session& session, const Observation& o, double end) {
   return move;
 }
 
+/// One row more is measured: covariance and predicted variances by a rank-one update.
+void measured(const Eigen::MatrixXd& rows, int row, Eigen::MatrixXd& covariance,
+              Eigen::VectorXd& uncertainty) {
+  const Eigen::VectorXd gain = covariance * rows.row(row).transpose();
+  const double total = 1.0 + rows.row(row).dot(gain);
+  uncertainty -= (rows * gain).cwiseAbs2() / total;
+  covariance -= gain * gain.transpose() / total;
+}
+
 }  // namespace
 
 std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& own,
@@ -197,7 +206,8 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
     std::vector<Eigen::VectorXd>
         misses;  // a rival: how far its imitation is from the leading hypothesis, a future row
     std::vector<Eigen::MatrixXd> nextRows;
-    std::vector<Eigen::MatrixXd> information;
+    std::vector<Eigen::MatrixXd> covariances;    // of each rival's unknowns, by all that is measured so far
+    std::vector<Eigen::VectorXd> uncertainties;  // variance of its prediction, a future row
     for (const Hypothesis& rival : rivals) {
       const Eigen::MatrixXd rivalNow =
           whitened(linearColumns(*rival.effect, problem.effectColumns(*rival.effect, pointOf(rival))));
@@ -219,10 +229,12 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
       }
       const Eigen::MatrixXd gram =
           now.transpose() * now + 1e-9 * Eigen::MatrixXd::Identity(now.cols(), now.cols());
-      const Eigen::VectorXd imitation = gram.ldlt().solve(now.transpose() * (ownNow * size));
+      const Eigen::LDLT<Eigen::MatrixXd> solver(gram);
+      const Eigen::VectorXd imitation = solver.solve(now.transpose() * (ownNow * size));
       misses.push_back(ownNext * size - later * imitation);
+      covariances.push_back(solver.solve(Eigen::MatrixXd::Identity(gram.rows(), gram.cols())));
+      uncertainties.push_back((later * covariances.back()).cwiseProduct(later).rowwise().sum());
       nextRows.push_back(later);
-      information.push_back(gram);
     }
     std::vector<char> taken(next.observations.size(), 0);
     const double end = problem.session().observations.back().time;
@@ -236,10 +248,8 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
         for (std::size_t r = 0; r < rivals.size(); ++r) {
           double told = 0.0;
           for (int i = future.firstRow(static_cast<int>(o)); i < future.firstRow(static_cast<int>(o) + 1);
-               ++i) {
-            const Eigen::VectorXd row = nextRows[r].row(i).transpose();
-            told += misses[r][i] * misses[r][i] / (1.0 + row.dot(information[r].ldlt().solve(row)));
-          }
+               ++i)
+            told += misses[r][i] * misses[r][i] / (1.0 + std::max(0.0, uncertainties[r][i]));
           worst = std::min(worst, told);
         }
         if (worst > best) best = worst, pick = static_cast<int>(o);
@@ -248,7 +258,7 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
       taken[pick] = 1;
       for (std::size_t r = 0; r < rivals.size(); ++r)
         for (int i = future.firstRow(pick); i < future.firstRow(pick + 1); ++i)
-          information[r] += nextRows[r].row(i).transpose() * nextRows[r].row(i);
+          measured(nextRows[r], i, covariances[r], uncertainties[r]);
       chosen.emplace_back(next.observations[pick].time,
                           moveOf(problem.session(), next.observations[pick], end));
     }

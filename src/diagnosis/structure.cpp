@@ -67,35 +67,72 @@ struct Test {
   double share = 0.0, logP = 0.0;
 };
 
-/// F test of what the columns explain of `left` beyond the model and what was found.
-Test explain(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found,
-             Eigen::MatrixXd columns) {
-  CancelScope::check();
-  space.project(columns);
-  if (found.cols() > 0) columns -= found * (found.transpose() * columns);
-  for (int k = 0; k < columns.cols(); ++k) {
-    const double norm = columns.col(k).norm();
-    columns.col(k) /= norm > 0.0 ? norm : 1.0;
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(columns.transpose() * columns);
-  const Eigen::VectorXd score = eigen.eigenvectors().transpose() * (columns.transpose() * left);
-  double drop = 0.0;
-  int rank = 0;
-  for (int k = 0; k < score.size(); ++k)
-    if (eigen.eigenvalues()[k] > 1e-4) {
-      drop += score[k] * score[k] / eigen.eigenvalues()[k];
-      ++rank;
+/// What is asked: a residual and what may absorb a part of it, of all rows or, of a long session, of some:
+/// with all of them even what does not matter would be significant, and each test would take its time.
+class Questions {
+ public:
+  Questions(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found, int most)
+      : rows_(space.rows()) {
+    Eigen::MatrixXd all(space.length(), space.basis().cols() + found.cols());
+    all << space.basis(), found;
+    left_ = left;
+    if (rows_ <= most) {
+      basis_ = std::move(all);
+    } else {
+      for (int i = 0; i < most; ++i)
+        taken_.push_back(static_cast<int>((static_cast<long>(i) * rows_ + rows_ / 2) / most));
+      const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(some(all));
+      basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(qr.rows(), qr.rank());
+      left_ = some(left);
+      left_ -= basis_ * (basis_.transpose() * left_);
     }
-  Test test;
-  const double total = left.squaredNorm();
-  const double dof = static_cast<double>(space.length() - space.baseRank() - found.cols());
-  const double rest = dof - rank;
-  if (rank == 0 || rest < 3 || !(total > 0.0)) return test;
-  const double after = std::max(total - drop, 1e-300);
-  test.share = std::max(0.0, 1.0 - after / rest / (total / dof));
-  test.logP = logPValueF(drop / rank / (after / rest), rank, rest);
-  return test;
-}
+    dof_ = static_cast<double>(left_.size() - basis_.cols());
+  }
+
+  /// F test of what columns (length of the space, not projected) explain.
+  Test ask(const Eigen::MatrixXd& whole) const {
+    CancelScope::check();
+    Eigen::MatrixXd columns = taken_.empty() ? whole : some(whole);
+    const Eigen::MatrixXd absorbed = basis_.transpose() * columns;
+    columns.noalias() -= basis_ * absorbed;
+    for (int k = 0; k < columns.cols(); ++k) {
+      const double norm = columns.col(k).norm();
+      columns.col(k) /= norm > 0.0 ? norm : 1.0;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(columns.transpose() * columns);
+    const Eigen::VectorXd score = eigen.eigenvectors().transpose() * (columns.transpose() * left_);
+    double drop = 0.0;
+    int rank = 0;
+    for (int k = 0; k < score.size(); ++k)
+      if (eigen.eigenvalues()[k] > 1e-4) {
+        drop += score[k] * score[k] / eigen.eigenvalues()[k];
+        ++rank;
+      }
+    Test test;
+    const double total = left_.squaredNorm(), rest = dof_ - rank;
+    if (rank == 0 || rest < 3 || !(total > 0.0)) return test;
+    const double after = std::max(total - drop, 1e-300);
+    test.share = std::max(0.0, 1.0 - after / rest / (total / dof_));
+    test.logP = logPValueF(drop / rank / (after / rest), rank, rest);
+    return test;
+  }
+
+ private:
+  template <class Matrix>
+  Matrix some(const Matrix& all) const {
+    const Eigen::Index n = static_cast<Eigen::Index>(taken_.size()), priors = all.rows() - rows_;
+    Matrix out(n + priors, all.cols());
+    out.topRows(n) = all(taken_, Eigen::all);
+    out.bottomRows(priors) = all.bottomRows(priors);
+    return out;
+  }
+
+  int rows_;
+  std::vector<int> taken_;
+  Eigen::MatrixXd basis_;
+  Eigen::VectorXd left_;
+  double dof_ = 1.0;
+};
 
 Eigen::MatrixXd times(const ResidualSpace& space, const Eigen::MatrixXd& terms,
                       const Eigen::MatrixXd& factors) {
@@ -191,21 +228,12 @@ std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const 
                                               const Eigen::MatrixXd& found) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
-  // a constant in each direction is no variable's: with it in, every variable would seem to explain it
-  Eigen::MatrixXd constants = times(space, Eigen::MatrixXd::Ones(space.rows(), 1), directions.factors);
-  space.project(constants);
-  if (found.cols() > 0) constants -= found * (found.transpose() * constants);
-  for (int k = 0; k < constants.cols(); ++k) constants.col(k) /= std::max(constants.col(k).norm(), 1e-300);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(constants);
-  qr.setThreshold(1e-3);
-  const Eigen::MatrixXd even = qr.householderQ() * Eigen::MatrixXd::Identity(constants.rows(), qr.rank());
-  Eigen::MatrixXd known(space.length(), found.cols() + even.cols());
-  known << found, even;
-  const Eigen::VectorXd uneven = left - even * (even.transpose() * left);
+  const Questions questions(space, left, found, space.rows());
   std::vector<WhereItFails> out;
   for (const Variable& v : variables) {
-    Test t = explain(space, uneven, known, times(space, termsOf(v, 4), directions.factors));
-    t.share *= uneven.squaredNorm() / std::max(left.squaredNorm(), 1e-300);
+    // about their means: a constant in some direction is no variable's, and none shall seem to explain it
+    const Eigen::MatrixXd terms = termsOf(v, 4);
+    const Test t = questions.ask(times(space, terms.rowwise() - terms.colwise().mean(), directions.factors));
     out.push_back({v.name, t.share, std::min(1.0, std::exp(t.logP) * static_cast<double>(variables.size()))});
   }
   std::stable_sort(out.begin(), out.end(), [](const WhereItFails& a, const WhereItFails& b) {
@@ -218,10 +246,12 @@ Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left,
                         const Eigen::MatrixXd& others) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
+  constexpr int kMostRows = 4000;
+  const Questions questions(space, left, found, kMostRows);
   std::vector<Test> tests;
   const auto test = [&](const Eigen::MatrixXd& terms) {
     if (3 * terms.cols() * directions.factors.cols() < space.rows())
-      tests.push_back(explain(space, left, found, times(space, terms, directions.factors)));
+      tests.push_back(questions.ask(times(space, terms, directions.factors)));
   };
   for (std::size_t a = 0; a < variables.size(); ++a) {
     test(termsOf(variables[a], 6));
@@ -235,7 +265,7 @@ Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left,
       test(product);
     }
   }
-  for (int k = 0; k < others.cols(); ++k) tests.push_back(explain(space, left, found, others.col(k)));
+  for (int k = 0; k < others.cols(); ++k) tests.push_back(questions.ask(others.col(k)));
   Structure structure;
   for (const Test& t : tests) {
     const double p = std::min(1.0, std::exp(t.logP) * static_cast<double>(tests.size()));

@@ -356,7 +356,7 @@ std::vector<Gain> SubsetSearch::bestGains(const Subset& subset, int count, bool 
     if (refine && !a.nonlinear.empty())
       gains.push_back(gainOf(subset, a.candidate, a.nonlinear, true));
     else
-      gains.push_back(evaluate(subset, a.candidate, a.nonlinear, set_.columns.middleCols(a.first, a.count)));
+      gains.push_back(evaluate(subset, a.candidate, a.nonlinear, set_.columnsOf(a)));
   }
   std::stable_sort(gains.begin(), gains.end(),
                    [](const Gain& x, const Gain& y) { return x.objective < y.objective; });
@@ -401,22 +401,50 @@ Eigen::MatrixXd SubsetSearch::modulations(const Subset& subset) const {
 }
 
 Subset SubsetSearch::withFamily(const Subset& rest, const std::vector<int>& family) const {
-  Subset best = rest;
-  std::vector<int> left = family;
-  // the first shape may pay only together with the second: it is taken on trust
-  for (std::size_t round = 0; round < family.size(); ++round) {
-    Subset next = best;
-    std::size_t taken = left.size();
-    for (std::size_t k = 0; k < left.size(); ++k) {
-      if (contains(best, left[k])) continue;
-      const Subset grown = extend(best, {left[k], {}, set_.columnsAt(space_, left[k], {})});
-      if (taken == left.size() || grown.objective < next.objective) next = grown, taken = k;
-    }
-    if (taken == left.size() || (round > 0 && next.objective >= best.objective)) break;
-    best = next;
-    left.erase(left.begin() + static_cast<long>(taken));
+  // the choice by Gram matrices of the few columns, each a candidate's; then one extension for each that was
+  // chosen
+  const int n = static_cast<int>(family.size());
+  Eigen::MatrixXd columns(space_.length(), n);
+  std::vector<bool> left(n);
+  for (int k = 0; k < n; ++k) {
+    const auto atom = std::find_if(set_.atoms.begin(), set_.atoms.end(),
+                                   [&](const Atom& a) { return a.candidate == family[k]; });
+    left[k] = atom != set_.atoms.end() && !contains(rest, family[k]);
+    columns.col(k) =
+        left[k] ? Eigen::VectorXd(set_.columnsOf(*atom).col(0)) : Eigen::VectorXd::Zero(space_.length());
   }
-  return best;
+  const Eigen::MatrixXd absorbed = rest.basis.transpose() * columns;
+  Eigen::MatrixXd gram = columns.transpose() * columns;
+  const Eigen::VectorXd size = gram.diagonal();
+  gram -= absorbed.transpose() * absorbed;
+  Eigen::VectorXd score = columns.transpose() * rest.left;
+  std::vector<int> chosen;
+  double rss = rest.rss, penalty = rest.penalty, objective = rest.objective;
+  // the first shape may pay only together with the second: it is taken on trust
+  for (int round = 0; round < n; ++round) {
+    int best = -1;
+    double bestRss = rss;
+    for (int k = 0; k < n; ++k) {
+      if (!left[k] || gram(k, k) < kDependent * size[k]) continue;
+      const double now = rss - score[k] * score[k] / gram(k, k);
+      if (best < 0 || now < bestRss) best = k, bestRss = now;
+    }
+    if (best < 0) break;
+    const double price = round == 0 ? penaltyOf(rest, family[best]) : set_.candidates[family[best]].cost;
+    const double next = 0.5 * dof_ * std::log(std::max(bestRss, 1e-300) / dof_) + penalty + price;
+    if (round > 0 && next >= objective) break;
+    objective = next;
+    penalty += price;
+    rss = bestRss;
+    left[best] = false;
+    chosen.push_back(best);
+    const Eigen::VectorXd column = gram.col(best) / gram(best, best);
+    score -= column * score[best];
+    gram -= column * gram.row(best).eval();
+  }
+  Subset grown = rest;
+  for (int k : chosen) grown = extend(grown, {family[k], {}, columns.col(k)});
+  return grown;
 }
 
 bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
