@@ -1,0 +1,1 @@
+set(bench_diagnosis_dependencies diagnosis simulation)
