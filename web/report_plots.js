@@ -102,7 +102,7 @@ function ledgerFigure(steps, noise, estimated) {
       (estimated ? ", estimated from what this model leaves: a better model may lower it." : ": no model can do better.")),
     make: (c) => [[{ type: "bar", orientation: "h", y: steps.map((s, i) => i), x: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.6 : 0.9)) },
       hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + rmsText(s.held_out)), error_x: { type: "data", array: steps.map((s) => rmsStd(s.held_out) || 0), color: c.ink, thickness: 1, width: 4 } },
-      { type: "scatter", mode: "text", x: steps.map((s) => s.held_out + (rmsStd(s.held_out) || 0)), y: steps.map((s, i) => i), text: steps.map((s) => " " + rmsText(s.held_out)), textposition: "middle right", cliponaxis: false, hoverinfo: "skip" }],
+      { type: "scatter", mode: "text", x: steps.map((s) => s.held_out + (rmsStd(s.held_out) || 0)), y: steps.map((s, i) => i), text: steps.map((s) => " " + (innerWidth < 600 ? length(s.held_out) : rmsText(s.held_out))), textposition: "middle right", cliponaxis: false, hoverinfo: "skip" }],
     { margin: { l: 20, r: 20, t: 8, b: 44 }, bargap: 0.35,
       yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, 22) + " "), range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
       xaxis: Object.assign({ title: titled("held-out RMS, " + kUnit), zeroline: false, nticks: 6 }, log ? { type: "log", dtick: 1, exponentformat: "power", range: [Math.log10(from), Math.log10(to)] } : { range: [0, to] }),
