@@ -119,5 +119,16 @@ TEST(ReportCurve, RefusesOtherFilesByLine) {
   EXPECT_NE(message("generation,rms_um\n").find("least_squares"), std::string::npos);
 }
 
+TEST_F(ReportPage, AnRmsHasTheUncertaintyOfSoManyMeasurements) {
+  const Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const ReportContents report = contents(session, "s.bag");
+  const nlohmann::json data = nlohmann::json::parse(reportJson(report));
+  for (const nlohmann::json& figure : data["figures"]) {
+    const double rms = figure["rms_um"], dof = figure["degrees_of_freedom"];
+    EXPECT_NEAR(figure["rms_std_um"], rms / std::sqrt(2.0 * dof), 1e-9) << figure["name"];
+    EXPECT_EQ(figure["count_um"], 90);
+  }
+}
+
 }  // namespace
 }  // namespace mm

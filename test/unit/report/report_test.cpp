@@ -230,5 +230,15 @@ TEST(Report, CheckSeesWhatTheSessionCannotShow) {
   EXPECT_TRUE(hidden(EffectSpec("straightness").set("axis", "y").set("direction", "x").set("degree", "2")));
 }
 
+TEST(Text, AdviceForAnInstrumentsZeroSpeaksOfTheInstrument) {
+  const Session session = deviations("three_axis", "x", 50e-6, 3e-6, 0.1e-6);
+  ModelSpec model;
+  model.effects = {EffectSpec("position_table").set("axis", "x")};
+  const std::string text = calibrateText(recalibrate(session, model, leastSquares()).result);
+  EXPECT_NE(text.find("Not determined by this session"), std::string::npos) << text;
+  EXPECT_NE(text.find("shows differences only"), std::string::npos) << text;
+  EXPECT_EQ(text.find("more of the ball"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace mm
