@@ -1,6 +1,6 @@
 #include "ros_bridge/effect_plugins.h"
 
-#include <ros/package.h>
+#include <rospack/rospack.h>
 #include <tinyxml2.h>
 
 #include <cstdlib>
@@ -18,11 +18,37 @@ using Loader = pluginlib::ClassLoader<plugin::EffectType>;
 
 std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// The descriptions that can be read; of the others pluginlib would speak in its own way.
+/// Every description that a package exports to this one; none without a ROS environment. In silence: rospack
+/// would print its own lines. A list of packages that another program left half-written is made anew.
+std::vector<std::string> exportedDescriptions() {
+  rospack::Rospack packages;
+  packages.setQuiet(true);
+  std::vector<std::string> path, found;
+  if (!packages.getSearchPathFromEnv(path)) return {};
+  std::string self;
+  for (const bool force : {false, true}) {
+    packages.crawl(path, force);
+    if (!packages.find(kPackage, self)) continue;
+    packages.plugins(kPackage, "plugin", "", found);
+    break;
+  }
+  return found;
+}
+
+bool describesEffects(const tinyxml2::XMLElement* element) {
+  for (; element != nullptr; element = element->NextSiblingElement()) {
+    const char* base = element->Attribute("base_class_type");
+    if ((base != nullptr && std::string(base) == kBase) || describesEffects(element->FirstChildElement()))
+      return true;
+  }
+  return false;
+}
+
+/// The descriptions of effects that can be read; of others pluginlib would speak in its own way.
 std::vector<std::string> descriptions(const PluginTrouble& trouble) {
-  std::vector<std::string> exported, readable;
-  ros::package::getPlugins(kPackage, "plugin", exported);
-  for (const std::string& file : exported) {
+  std::vector<std::string> readable;
+  for (const std::string& line : exportedDescriptions()) {
+    const std::string file = line.substr(line.find(' ') + 1);  // "package path"
     tinyxml2::XMLDocument document;
     if (!std::filesystem::exists(file))
       trouble(
@@ -31,7 +57,7 @@ std::vector<std::string> descriptions(const PluginTrouble& trouble) {
     else if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr)
       trouble("effect plugins: " + file + ":" + std::to_string(document.ErrorLineNum()) +
               ": is no XML; mend it");
-    else
+    else if (describesEffects(document.RootElement()))
       readable.push_back(file);
   }
   return readable;

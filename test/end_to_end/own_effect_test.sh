@@ -81,3 +81,10 @@ refused throws_at_work 'threw where it was evaluated: the table of loads is empt
 refused not_linear 'not linear in the parameters that have no'
 bad diagnose s.bag --calibration c.yaml --json >bad.json 2>err
 check 'a diagnosis goes on without them' [ "$(field bad.json "d['verdict']")" = unknown_effect ]
+
+# What rospack keeps may be damaged by another program (a full disk): made anew, without a word.
+own calibrate s.bag --model own.yaml --method least_squares -o o.yaml >/dev/null 2>&1
+for cache in "$ROS_HOME"/rospack_cache_*; do truncate -s 40 "$cache"; done
+own calibrate s.bag --model own.yaml --method least_squares -o o.yaml >/dev/null 2>err
+check 'a damaged list of packages: status 0' [ $? -eq 0 ]
+check 'a damaged list of packages: not a word' [ ! -s err ]
