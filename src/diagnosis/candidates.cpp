@@ -156,6 +156,7 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
         space.project(columns);
         why = invisible(raw, columns);
         if (!why.empty()) continue;
+        if (made[i].atoms.empty()) c.raw = raw.colwise().norm();
         if (made[i].atoms.empty())
           c.cost = costOf(columns, observations) +
                    0.5 * std::log(observations) * static_cast<double>(c.effect->nonlinearParameters().size());

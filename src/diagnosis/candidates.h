@@ -22,6 +22,7 @@ struct Candidate {
   EffectPtr effect;
   std::vector<int> linear;  // parameters that give columns
   int freeParameters = 0;   // linear and nonlinear
+  Eigen::VectorXd raw;      // norms of the linear parameters' columns before the model absorbs its part
   /// What its parameters cost, in log-likelihood: 1/2 ln N for the combination that the session shows best
   /// and for each nonlinear one, less for the others, the less the session shows of them (their likely sizes
   /// are alike: the Occam factor of a prior as wide in each), and nothing for what it does not show.

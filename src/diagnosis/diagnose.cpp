@@ -23,6 +23,8 @@ namespace {
 
 constexpr double kConfusable = 3.0;  // difference of penalised log-likelihoods
 constexpr double kNearlyConfusable = 40.0;
+constexpr double kShapeOfNamed =
+    0.5;  // of what named effects explain: what their shape may explain beside it
 constexpr std::size_t kMostConfusable = 4;
 constexpr int kFewestFreedoms = 5;      // residuals beyond the unknowns
 constexpr double kStructure = 1e-4;     // p-value below which structure is left
@@ -317,7 +319,8 @@ class Diagnoser {
         structureLeft(round.space, found.left, found.basis, round.search.modulations(found));
     // what the shapes of the effects found cannot account for is the trace of another cause
     bool beyondShapes = isStructure(structure);
-    if (beyondShapes && !found.chosen.empty()) {
+    const double named = round.space.target().squaredNorm() - found.rss;
+    if (beyondShapes && !found.chosen.empty() && structure.share * found.rss < kShapeOfNamed * named) {
       const Subset wide = round.search.withColumns(found, round.search.withShapes(found));
       beyondShapes =
           isStructure(structureLeft(round.space, wide.left, wide.basis, round.search.modulations(found)));
@@ -422,11 +425,15 @@ class Diagnoser {
       if (tried.empty()) return;
       // what takes the place of found effects must do better than these in whatever shape they have
       const double free = tried[0].objective + with.penalty;
-      // a function of what a found effect depends on is the same cause in another shape
+      // a function of what a found effect depends on is the same cause in another shape, where it is the
+      // lesser part
+      const double named = round.space.target().squaredNorm() - with.rss;
       const Subset wide = with.chosen.empty() ? with : search.withColumns(with, search.withShapes(with));
       tried.erase(std::remove_if(tried.begin(), tried.end(),
                                  [&](const FoundFormula& f) {
-                                   return !with.chosen.empty() && !search.beyond(wide, f.columns, f.choices);
+                                   return !with.chosen.empty() &&
+                                          with.rss - f.fitted.rss < kShapeOfNamed * named &&
+                                          !search.beyond(wide, f.columns, f.choices);
                                  }),
                   tried.end());
       if (tried.empty()) {

@@ -247,7 +247,10 @@ bool SubsetSearch::plausible(const Subset& subset, int candidate, const Eigen::M
     gram(k, k) += variance / (bound[k] * bound[k]);  // what is not determined is within its bound
   }
   const Eigen::VectorXd values = gram.ldlt().solve(own.transpose() * subset.left);
-  return !((values.cwiseAbs().array() > kBeyond * bound.array()).any());
+  if ((values.cwiseAbs().array() > kBeyond * bound.array()).any()) return false;
+  // nor is an effect that would have to be far larger than all that the model leaves, and be hidden by it
+  constexpr double kHidden = 30.0;
+  return !(values.cwiseProduct(c.raw).squaredNorm() > kHidden * kHidden * space_.target().squaredNorm());
 }
 
 Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
@@ -470,7 +473,9 @@ bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
 Subset SubsetSearch::completed(const Subset& subset, int but) const {
   for (const Gain& g : bestGains(subset, 2, true))
     if (!sameCause(set_.candidates[g.candidate].spec, set_.candidates[but].spec))
-      return g.objective < subset.objective ? extend(subset, {g.candidate, g.nonlinear, g.columns}) : subset;
+      return significant(g) && g.objective < subset.objective
+                 ? extend(subset, {g.candidate, g.nonlinear, g.columns})
+                 : subset;
   return subset;
 }
 
