@@ -233,6 +233,35 @@ Subset SubsetSearch::without(const Subset& subset, std::size_t member) const {
   return s;
 }
 
+bool SubsetSearch::hidden(int candidate, const Eigen::VectorXd& values) const {
+  constexpr double kHidden = 30.0;
+  return values.cwiseProduct(set_.candidates[candidate].raw).squaredNorm() >
+         kHidden * kHidden * space_.target().squaredNorm();
+}
+
+bool SubsetSearch::cancelling(const Subset& subset, std::size_t& member) const {
+  if (subset.chosen.size() < 2) return false;
+  int count = 0;
+  for (const Chosen& c : subset.chosen) count += static_cast<int>(c.columns.cols());
+  Eigen::MatrixXd all(space_.length(), count);
+  int at = 0;
+  for (const Chosen& c : subset.chosen) {
+    all.middleCols(at, c.columns.cols()) = c.columns;
+    at += static_cast<int>(c.columns.cols());
+  }
+  const Eigen::VectorXd values = all.colPivHouseholderQr().solve(space_.target());
+  at = 0;
+  for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
+    const int n = static_cast<int>(subset.chosen[i].columns.cols());
+    if (hidden(subset.chosen[i].candidate, values.segment(at, n))) {
+      member = i;
+      return true;
+    }
+    at += n;
+  }
+  return false;
+}
+
 bool SubsetSearch::plausible(const Subset& subset, int candidate, const Eigen::MatrixXd& columns) const {
   constexpr double kBeyond = 1.5;
   const Candidate& c = set_.candidates[candidate];
@@ -248,9 +277,7 @@ bool SubsetSearch::plausible(const Subset& subset, int candidate, const Eigen::M
   }
   const Eigen::VectorXd values = gram.ldlt().solve(own.transpose() * subset.left);
   if ((values.cwiseAbs().array() > kBeyond * bound.array()).any()) return false;
-  // nor is an effect that would have to be far larger than all that the model leaves, and be hidden by it
-  constexpr double kHidden = 30.0;
-  return !(values.cwiseProduct(c.raw).squaredNorm() > kHidden * kHidden * space_.target().squaredNorm());
+  return !hidden(candidate, values);
 }
 
 Gain SubsetSearch::evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
@@ -507,6 +534,10 @@ void SubsetSearch::prune(Subset& subset) const {
   for (;;) {  // of the members that do not count beside the others, the smallest goes first
     double smallest = 1e300;
     std::size_t goes = subset.chosen.size();
+    if (cancelling(subset, goes)) {
+      subset = without(subset, goes);
+      continue;
+    }
     for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
       const Subset rest = without(subset, i);
       const Gain g =

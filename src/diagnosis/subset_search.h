@@ -99,6 +99,11 @@ class SubsetSearch {
   /// polynomial.
   bool exchangeForFamilies(Subset& subset) const;
   void prune(Subset& subset) const;
+  /// Whether an effect of this size would be far larger than all that the model leaves, and be hidden by it.
+  /// @param values of its linear parameters, in their scales.
+  bool hidden(int candidate, const Eigen::VectorXd& values) const;
+  /// Whether members take each other back, each far larger than what both explain. @param member one of them.
+  bool cancelling(const Subset& subset, std::size_t& member) const;
   void refineAll(Subset& subset) const;
   Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
                 Eigen::MatrixXd columns) const;
