@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kConfusable = 3.0;  // difference of penalised log-likelihoods
 constexpr double kNearlyConfusable = 40.0;
+constexpr double kStable = 0.3;  // share of resampled sessions in which an effect must be the choice
 constexpr double kShapeOfNamed =
     0.5;  // of what named effects explain: what their shape may explain beside it
 constexpr std::size_t kMostConfusable = 4;
@@ -353,6 +354,11 @@ class Diagnoser {
           apart.push_back(v);
       r.stability = stability(round.space, round.set, rest, own, apart, round.search.degreesOfFreedom(),
                               options_.seed + i);
+      if (r.stability < kStable) {  // chance: without it, then
+        out_.missing.clear();
+        conclude(round, round.search.without(kept, i));
+        return;
+      }
       out_.missing.push_back(std::move(r));
       grown = round.search.extend(grown, c);
     }
