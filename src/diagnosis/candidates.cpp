@@ -3,11 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "effects/registry.h"
 #include "machine/cancel_scope.h"
 #include "machine/error.h"
+#include "machine/two_threads.h"
 
 namespace mm {
 namespace {
@@ -177,9 +177,7 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
       c.logTried = std::log(std::max<std::size_t>(1, made[i].atoms.size()));
     }
   };
-  std::thread second(work, 1, 2);
-  work(0, 2);
-  second.join();
+  inTwo([&](std::size_t half) { work(half, 2); });
   CancelScope::check();
 
   int total = 0;

@@ -3,11 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "diagnosis/formula_fit.h"
 #include "diagnosis/formula_screen.h"
 #include "machine/cancel_scope.h"
+#include "machine/two_threads.h"
 
 namespace mm {
 namespace {
@@ -78,9 +78,7 @@ std::vector<FoundFormula> FormulaSearch::run(const Subset& rest, double dof, dou
         for (FittedFormula& f : fitFormulas(some, guesses[i], from, to)) fitted[i].push_back(std::move(f));
       }
     };
-    std::thread second(work, 1);
-    work(0);
-    second.join();
+    inTwo(work);
     CancelScope::check();
   };
   // one start each, then all starts where the first came near the best
