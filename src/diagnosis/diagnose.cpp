@@ -3,15 +3,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "diagnosis/candidates.h"
-#include "diagnosis/formulas.h"
+#include "diagnosis/alternatives.h"
 #include "diagnosis/judge.h"
 #include "diagnosis/next_measurement.h"
-#include "diagnosis/residual_space.h"
+#include "diagnosis/round.h"
 #include "diagnosis/structure.h"
-#include "diagnosis/subset_search.h"
+#include "diagnosis/unknown_effect.h"
 #include "diagnosis/wording.h"
 #include "effects/registry.h"
 #include "machine/cancel_scope.h"
@@ -21,30 +19,14 @@
 namespace mm {
 namespace {
 
-constexpr double kConfusable = 3.0;  // difference of penalised log-likelihoods
-constexpr double kNearlyConfusable = 40.0;
-constexpr double kStable = 0.3;  // share of resampled sessions in which an effect must be the choice
-constexpr double kShapeOfNamed =
-    0.5;  // of what named effects explain: what their shape may explain beside it
-constexpr std::size_t kMostConfusable = 4;
-constexpr int kFewestFreedoms = 5;      // residuals beyond the unknowns
-constexpr double kStructure = 1e-4;     // p-value below which structure is left
-constexpr double kFormulaMargin = 5.0;  // log-likelihood by which a formula must beat the catalogue
+constexpr double kStable = 0.3;     // share of resampled sessions in which an effect must be the choice
+constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 
 Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
   std::vector<EffectPtr> effects = model.effects();
   effects.insert(effects.end(), more.begin(), more.end());
   return Model(model.machine(), model.domain(), effects);
 }
-
-/// Everything that belongs to one round of the search.
-struct Round {
-  explicit Round(const CalibrationResult& fitted)
-      : space(fitted), set(makeCandidates(space)), search(space, set) {}
-  ResidualSpace space;
-  CandidateSet set;
-  SubsetSearch search;
-};
 
 /// RMS (m or rad) of a whitened length-squared over the rows.
 double unitOf(const ResidualSpace& space, bool angular) {
@@ -227,64 +209,6 @@ class Diagnoser {
     }
   }
 
-  /// Alternatives to one member of a subset, after refit of everything else: another effect in its place, or
-  /// in the place of all members of its cause, where needed with the help of one more.
-  std::vector<Confusable> alternatives(const Round& round, const Subset& subset, std::size_t member,
-                                       std::vector<Gain>& rivals) const {
-    const SubsetSearch& search = round.search;
-    const auto specOf = [&](int candidate) -> const EffectSpec& {
-      return round.set.candidates[candidate].spec;
-    };
-    const EffectSpec& own = specOf(subset.chosen[member].candidate);
-    Subset others = search.empty();  // of other causes
-    for (const Chosen& c : subset.chosen)
-      if (!sameCause(specOf(c.candidate), own)) others = search.extend(others, c);
-    const Subset rest = search.without(subset, member);
-    rivals = search.bestGains(rest, 12, true);
-    std::map<int, double> deltas;
-    const auto compare = [&](const Subset& without, const std::vector<Gain>& gains) {
-      for (const Gain& g : gains) {
-        if (g.candidate == subset.chosen[member].candidate) continue;
-        double delta = g.objective - subset.objective;
-        if (delta > kConfusable && delta < kNearlyConfusable)  // it may need the help of one more
-          delta = search
-                      .completed(search.extend(without, {g.candidate, g.nonlinear, g.columns}),
-                                 subset.chosen[member].candidate)
-                      .objective -
-                  subset.objective;
-        const auto [at, fresh] = deltas.try_emplace(g.candidate, delta);
-        if (!fresh) at->second = std::min(at->second, delta);
-      }
-    };
-    compare(rest, rivals);
-    if (others.chosen.size() < rest.chosen.size()) compare(others, search.bestGains(others, 12, true));
-    std::vector<Confusable> out;
-    for (const auto& [candidate, delta] : deltas)
-      if (delta <= kConfusable) out.push_back({specOf(candidate), std::max(0.0, delta)});
-    std::stable_sort(out.begin(), out.end(),
-                     [](const Confusable& a, const Confusable& b) { return a.delta < b.delta; });
-    if (out.size() > kMostConfusable) out.resize(kMostConfusable);
-    // the same with one or two members out and one cause in several shapes in their place
-    std::map<int, double> families;  // by their first candidate
-    for (std::size_t also = 0; also < subset.chosen.size(); ++also) {
-      Subset without = search.without(subset, std::max(also, member));
-      if (also != member) without = search.without(without, std::min(also, member));
-      for (const std::vector<int>& family : search.families()) {
-        if (sameCause(specOf(family[0]), own)) continue;
-        const double delta = search.withFamily(without, family).objective - subset.objective;
-        const auto [at, fresh] = families.try_emplace(family[0], delta);
-        if (!fresh) at->second = std::min(at->second, delta);
-      }
-    }
-    for (const auto& [first, delta] : families)
-      if (delta <= kConfusable && out.size() < kMostConfusable &&
-          std::none_of(out.begin(), out.end(), [&, other = first](const Confusable& c) {
-            return sameCause(c.effect, specOf(other));
-          }))
-        out.push_back({specOf(first), std::max(0.0, delta)});
-    return out;
-  }
-
   /// The members in the order in which the held-out RMS falls fastest.
   static Subset inOrder(const Round& round, const HeldOutJudge& judge, const Subset& found) {
     Subset sorted = round.search.empty();
@@ -316,21 +240,9 @@ class Diagnoser {
       }
     }
     found = inOrder(round, judge, found);
-    const Structure structure =
-        structureLeft(round.space, found.left, found.basis, round.search.modulations(found));
-    // what the shapes of the effects found cannot account for is the trace of another cause
-    bool beyondShapes = isStructure(structure);
-    const double named = round.space.target().squaredNorm() - found.rss;
-    if (beyondShapes && !found.chosen.empty() && structure.share * found.rss < kShapeOfNamed * named) {
-      const Subset wide = round.search.withColumns(found, round.search.withShapes(found));
-      beyondShapes =
-          isStructure(structureLeft(round.space, wide.left, wide.basis, round.search.modulations(found)));
-    }
-    out_.shapeLeft = isStructure(structure) && !beyondShapes;
-    std::vector<FoundFormula> formulas;
-    Subset kept = found;
-    const FormulaSearch formulaSearch(round.space);
-    lookForFormulas(round, formulaSearch, found, isStructure(structure), beyondShapes, kept, formulas);
+    const UnknownEffect beyond = lookBeyond(round, judge, found, [this] { report("unknown effects", 0.75); });
+    out_.shapeLeft = beyond.shapeLeft;
+    const Subset& kept = beyond.kept;
 
     const double unit = unitOf(round.space, out_.angular);
     report("judge", 0.85);
@@ -363,16 +275,11 @@ class Diagnoser {
       grown = round.search.extend(grown, c);
     }
     refinedParameters(round, kept);
-    for (const FoundFormula& f : formulas) {
-      FormulaResult r;
-      r.effect = f.spec;
-      r.heldOutBefore = judge.rms(kept.basis) * unit;
-      r.heldOutAfter = formulaSearch.heldOut(f, kept, judge) * unit;
-      if (r.heldOutAfter < r.heldOutBefore) out_.formulas.push_back(r);
-    }
+    for (const JudgedFormula& f : beyond.formulas)
+      out_.formulas.push_back({f.formula.spec, f.before * unit, f.after * unit});
     out_.where =
         explainedByVariable(round.space, round.space.target(), Eigen::MatrixXd(round.space.length(), 0));
-    const bool unknown = !out_.formulas.empty() || beyondShapes;
+    const bool unknown = !out_.formulas.empty() || beyond.beyondShapes;
     const bool confusable = std::any_of(out_.missing.begin(), out_.missing.end(),
                                         [](auto& m) { return !m.confusableWith.empty(); });
     out_.verdict = unknown                 ? Verdict::kUnknownEffect
@@ -381,87 +288,6 @@ class Diagnoser {
                                            : Verdict::kExplained;
     if (confusable) separate(round, kept);
     out_.sentence = sentenceOf(out_, explainedByVariable(round.space, kept.left, kept.basis));
-  }
-
-  /// Significant, and large enough to matter: a residual RMS more than about 2.5 % above the noise.
-  static bool isStructure(const Structure& s) { return s.pValue < kStructure && s.share > 0.05; }
-
-  /// A function of one position along one direction, where just that profile was found: the same cause in
-  /// other words.
-  static bool isProfile(const Round& round, const Subset& found, const FoundFormula& formula) {
-    if (formula.variables.size() != 1) return false;
-    const std::string &position = formula.variables[0], direction = formula.spec.text("direction");
-    return std::any_of(found.chosen.begin(), found.chosen.end(), [&](const Chosen& c) {
-      const EffectSpec& s = round.set.candidates[c.candidate].spec;
-      if (s.text("axis") != position) return false;
-      return s.type == "straightness" ? s.text("direction") == direction
-                                      : s.type == "positioning_polynomial" && position == direction;
-    });
-  }
-
-  /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
-  /// beside some.
-  void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, const Subset& found,
-                       bool structure, bool beyondShapes, Subset& kept, std::vector<FoundFormula>& formulas) {
-    const SubsetSearch& search = round.search;
-    const int causes = search.causes(found);
-    const auto unknownsOf = [&](const Subset& s) {
-      int n = 0;
-      for (const Chosen& chosen : s.chosen) n += round.set.candidates[chosen.candidate].freeParameters;
-      return n;
-    };
-    const bool left = structure || formulaSearch.promising(found, search.degreesOfFreedom());
-    if (!left && causes < 2) return;
-    const double dof = search.degreesOfFreedom();
-    double best = found.objective - kFormulaMargin;
-    bool rest = true;  // something is left by the best so far
-    const auto consider = [&](const Subset& with) {
-      report("unknown effects", 0.75);
-      std::vector<FoundFormula> tried = formulaSearch.run(with, dof, search.significance, 5);
-      if (tried.empty()) return;
-      // what takes the place of effects with a name must be about as simple as these
-      if (&with != &found)
-        tried.erase(std::remove_if(tried.begin(), tried.end(),
-                                   [&](const FoundFormula& f) {
-                                     return f.unknowns() >
-                                                std::max(4, unknownsOf(found) - unknownsOf(with)) ||
-                                            isProfile(round, found, f);
-                                   }),
-                    tried.end());
-      if (tried.empty()) return;
-      // what takes the place of found effects must do better than these in whatever shape they have
-      const double free = tried[0].objective + with.penalty;
-      // a function of what a found effect depends on is the same cause in another shape, where it is the
-      // lesser part
-      const double named = round.space.target().squaredNorm() - with.rss;
-      const Subset wide = with.chosen.empty() ? with : search.withColumns(with, search.withShapes(with));
-      tried.erase(std::remove_if(tried.begin(), tried.end(),
-                                 [&](const FoundFormula& f) {
-                                   return !with.chosen.empty() &&
-                                          with.rss - f.fitted.rss < kShapeOfNamed * named &&
-                                          !search.beyond(wide, f.columns, f.choices);
-                                 }),
-                  tried.end());
-      if (tried.empty()) {
-        if (&with == &found) best = std::min(best, free - kFormulaMargin);
-        return;
-      }
-      const double objective = tried[0].objective + with.penalty;
-      if (objective >= best) return;
-      best = objective;
-      const Subset grown = search.withColumns(with, tried[0].columns);
-      rest = isStructure(structureLeft(round.space, grown.left, grown.basis, search.modulations(with)));
-      kept = with;
-      formulas = std::move(tried);
-    };
-    if (left) consider(found);
-    if (!found.chosen.empty() && (causes >= 2 || beyondShapes)) consider(search.empty());
-    if (beyondShapes && causes >= 2)
-      for (std::size_t i = 0; i < std::min<std::size_t>(2, found.chosen.size()) && rest; ++i) {
-        consider(search.without(found, found.chosen.size() - 1 - i));  // the least, and
-        if (found.chosen.size() > 2)
-          consider(search.extend(search.empty(), found.chosen[i]));  // only the greatest
-      }
   }
 
   /// Values and uncertainties by a full refit of the model with everything that was accepted.

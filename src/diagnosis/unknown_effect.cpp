@@ -1,0 +1,129 @@
+#include "diagnosis/unknown_effect.h"
+
+#include <algorithm>
+
+#include "diagnosis/structure.h"
+
+namespace mm {
+namespace {
+
+constexpr double kShapeOfNamed =
+    0.5;                             // of what named effects explain: what their shape may explain beside it
+constexpr double kStructure = 1e-4;  // p-value below which structure is left
+constexpr double kFormulaMargin = 5.0;  // log-likelihood by which a formula must beat the catalogue
+
+/// Significant, and large enough to matter: a residual RMS more than about 2.5 % above the noise.
+bool isStructure(const Structure& s) { return s.pValue < kStructure && s.share > 0.05; }
+
+/// A function of one position along one direction, where just that profile was found: the same cause in
+/// other words.
+bool isProfile(const Round& round, const Subset& found, const FoundFormula& formula) {
+  if (formula.variables.size() != 1) return false;
+  const std::string &position = formula.variables[0], direction = formula.spec.text("direction");
+  return std::any_of(found.chosen.begin(), found.chosen.end(), [&](const Chosen& c) {
+    const EffectSpec& s = round.set.candidates[c.candidate].spec;
+    if (s.text("axis") != position) return false;
+    return s.type == "straightness" ? s.text("direction") == direction
+                                    : s.type == "positioning_polynomial" && position == direction;
+  });
+}
+
+/// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
+/// beside some.
+void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, const Subset& found,
+                     bool structure, bool beyondShapes, const std::function<void()>& step, Subset& kept,
+                     std::vector<FoundFormula>& formulas) {
+  const SubsetSearch& search = round.search;
+  const int causes = search.causes(found);
+  const auto unknownsOf = [&](const Subset& s) {
+    int n = 0;
+    for (const Chosen& chosen : s.chosen) n += round.set.candidates[chosen.candidate].freeParameters;
+    return n;
+  };
+  const bool left = structure || formulaSearch.promising(found, search.degreesOfFreedom());
+  if (!left && causes < 2) return;
+  const double dof = search.degreesOfFreedom();
+  double best = found.objective - kFormulaMargin;
+  bool rest = true;  // something is left by the best so far
+  const auto consider = [&](const Subset& with) {
+    step();
+    std::vector<FoundFormula> tried = formulaSearch.run(with, dof, search.significance, 5);
+    if (tried.empty()) return;
+    // what takes the place of effects with a name must be about as simple as these
+    if (&with != &found)
+      tried.erase(std::remove_if(tried.begin(), tried.end(),
+                                 [&](const FoundFormula& f) {
+                                   return f.unknowns() > std::max(4, unknownsOf(found) - unknownsOf(with)) ||
+                                          isProfile(round, found, f);
+                                 }),
+                  tried.end());
+    if (tried.empty()) return;
+    // what takes the place of found effects must do better than these in whatever shape they have
+    const double free = tried[0].objective + with.penalty;
+    // a function of what a found effect depends on is the same cause in another shape, where it is the
+    // lesser part
+    const double named = round.space.target().squaredNorm() - with.rss;
+    const Subset wide = with.chosen.empty() ? with : search.withColumns(with, search.withShapes(with));
+    tried.erase(std::remove_if(tried.begin(), tried.end(),
+                               [&](const FoundFormula& f) {
+                                 return !with.chosen.empty() &&
+                                        with.rss - f.fitted.rss < kShapeOfNamed * named &&
+                                        !search.beyond(wide, f.columns, f.choices);
+                               }),
+                tried.end());
+    if (tried.empty()) {
+      if (&with == &found) best = std::min(best, free - kFormulaMargin);
+      return;
+    }
+    const double objective = tried[0].objective + with.penalty;
+    if (objective >= best) return;
+    best = objective;
+    const Subset grown = search.withColumns(with, tried[0].columns);
+    rest = isStructure(structureLeft(round.space, grown.left, grown.basis, search.modulations(with)));
+    kept = with;
+    formulas = std::move(tried);
+  };
+  if (left) consider(found);
+  if (!found.chosen.empty() && (causes >= 2 || beyondShapes)) consider(search.empty());
+  if (beyondShapes && causes >= 2)
+    for (std::size_t i = 0; i < std::min<std::size_t>(2, found.chosen.size()) && rest; ++i) {
+      consider(search.without(found, found.chosen.size() - 1 - i));  // the least, and
+      if (found.chosen.size() > 2)
+        consider(search.extend(search.empty(), found.chosen[i]));  // only the greatest
+    }
+}
+
+}  // namespace
+
+UnknownEffect lookBeyond(const Round& round, const HeldOutJudge& judge, const Subset& found,
+                         const std::function<void()>& step) {
+  UnknownEffect out;
+  const Eigen::MatrixXd modulations = round.search.modulations(found);
+  const Structure structure = structureLeft(round.space, found.left, found.basis, modulations);
+  out.beyondShapes = isStructure(structure);
+  const double named = round.space.target().squaredNorm() - found.rss;
+  if (out.beyondShapes && !found.chosen.empty() && structure.share * found.rss < kShapeOfNamed * named) {
+    const Subset wide = round.search.withColumns(found, round.search.withShapes(found));
+    out.beyondShapes = isStructure(structureLeft(round.space, wide.left, wide.basis, modulations));
+  }
+  out.shapeLeft = isStructure(structure) && !out.beyondShapes;
+  out.kept = found;
+  const FormulaSearch formulaSearch(round.space);
+  std::vector<FoundFormula> formulas;
+  lookForFormulas(round, formulaSearch, found, isStructure(structure), out.beyondShapes, step, out.kept,
+                  formulas);
+  const double before = judge.rms(out.kept.basis);
+  for (FoundFormula& f : formulas) {
+    const double after = formulaSearch.heldOut(f, out.kept, judge);
+    if (after < before) out.formulas.push_back({std::move(f), before, after});
+  }
+  // a formula takes the place of effects only where it does as well on held-out data
+  const bool replaces = out.kept.chosen.size() < found.chosen.size();
+  if (replaces && (out.formulas.empty() || out.formulas[0].after > judge.rms(found.basis))) {
+    out.kept = found;
+    out.formulas.clear();
+  }
+  return out;
+}
+
+}  // namespace mm
