@@ -9,12 +9,12 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <sstream>
 
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "machine/error.h"
+#include "machine/utc_now.h"
 
 namespace mm {
 namespace fs = std::filesystem;
@@ -53,15 +53,6 @@ void checkId(const std::string& id) {
   if (!fit)
     throw InputError("calibration id '" + id +
                      "': only letters, digits, '.', '_' and '-'; mm history lists the ids");
-}
-
-std::string utcNow() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char stamp[32];
-  std::strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return stamp;
 }
 
 /// Temporary files of a writer that was killed. Only under the lock, where no living writer has any.

@@ -3,13 +3,13 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "calibration_file/checksum.h"
 #include "calibration_file/number_text.h"
 #include "machine/error.h"
+#include "machine/utc_now.h"
 
 namespace mm {
 namespace {
@@ -237,19 +237,10 @@ std::string calibrationYaml(const Calibration& calibration) {
 
 void completeCalibration(Calibration& calibration) {
   if (calibration.software.empty()) calibration.software = MM_VERSION;
-  if (!calibration.id.empty() && !calibration.created.empty()) return;
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char stamp[32];
-  if (calibration.created.empty()) {
-    std::strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    calibration.created = stamp;
-  }
+  if (calibration.created.empty()) calibration.created = utcNow();
   if (!calibration.id.empty()) return;
   check(calibration);
-  std::strftime(stamp, sizeof stamp, "%Y%m%dT%H%M%SZ-", &utc);
-  calibration.id = stamp + checksumOf(content(calibration)).substr(0, 8);
+  calibration.id = utcNow("%Y%m%dT%H%M%SZ-") + checksumOf(content(calibration)).substr(0, 8);
 }
 
 void saveCalibration(Calibration& calibration, const std::filesystem::path& file) {

@@ -123,21 +123,6 @@ Json calibrationJson(const CalibrationResult& result) {
   return object;
 }
 
-Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
-  Json list = Json::array();
-  for (const LedgerEntry& e : ledger) {
-    Json one;
-    one["action"] = e.action;
-    one["effect"] = e.effect.type.empty() ? Json(nullptr) : effectJson(e.effect);
-    one["time"] = e.time;
-    setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
-    setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);
-    one["calibration"] = e.calibration;
-    list.push_back(std::move(one));
-  }
-  return list;
-}
-
 }  // namespace
 
 std::string calibrateJson(const CalibrationResult& result) { return dump(calibrationJson(result)); }

@@ -107,6 +107,21 @@ Json whereJson(const std::vector<WhereItFails>& where) {
   return list;
 }
 
+Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
+  Json out = Json::array();
+  for (const LedgerEntry& e : ledger) {
+    Json one;
+    one["action"] = e.action;
+    one["effect"] = e.effect.type.empty() ? Json(nullptr) : effectJson(e.effect);
+    one["time"] = e.time;
+    setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
+    setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);
+    one["calibration"] = e.calibration;
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
 std::string dump(const Json& object) {
   // text that is not UTF-8 (a name from a foreign file) is replaced, never thrown over
   return object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);

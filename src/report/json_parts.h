@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration_file/calibration.h"
 #include "diagnosis/diagnose.h"
 #include "effects/effect_spec.h"
 #include "estimation/calibrate.h"
@@ -29,6 +30,7 @@ nlohmann::ordered_json whereJson(const std::vector<WhereItFails>& where);
 nlohmann::ordered_json identifiabilityJson(const Problem& problem, const Identifiability& found,
                                            const Eigen::VectorXd& x);
 nlohmann::ordered_json outliersJson(const CalibrationResult& result);
+nlohmann::ordered_json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular);
 /// The object on several lines, without a line break at its end.
 std::string dump(const nlohmann::ordered_json& object);
 

@@ -1,25 +1,16 @@
 #include "report/recalibration.h"
 
 #include <algorithm>
-#include <ctime>
 
 #include "calibration_file/number_text.h"
 #include "effects/registry.h"
 #include "machine/error.h"
+#include "machine/utc_now.h"
 #include "model/observed_domain.h"
 #include "session/session_hash.h"
 
 namespace mm {
 namespace {
-
-std::string nowUtc() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 bool angularOnly(const ResidualFigures& f) { return !std::isfinite(f.rms) && std::isfinite(f.rmsAngular); }
 
@@ -28,7 +19,7 @@ LedgerEntry entryOf(const std::string& action, const EffectSpec& effect, const R
   LedgerEntry entry;
   entry.action = action;
   entry.effect = effect;
-  entry.time = nowUtc();
+  entry.time = utcNow();
   const bool angular = angularOnly(after);
   entry.rmsBefore = angular ? before.rmsAngular : before.rms;
   entry.rmsAfter = angular ? after.rmsAngular : after.rms;

@@ -1,22 +1,13 @@
 #include "report/report_contents.h"
 
-#include <ctime>
 
 #include "machine/error.h"
+#include "machine/utc_now.h"
 #include "model/model_spec.h"
 #include "report/recalibration.h"
 
 namespace mm {
 namespace {
-
-std::string nowUtc() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 /// A fit beside the diagnosis; one that cannot be made is left out of the page.
 std::optional<CalibrationResult> fitOf(const Session& session, const Calibration& calibration,
@@ -65,7 +56,7 @@ ReportContents makeReport(const Session& session, const Calibration& calibration
   report.session = &session;
   report.sessionPath = options.sessionPath;
   report.calibrationPath = options.calibrationPath;
-  report.created = options.created.empty() ? nowUtc() : options.created;
+  report.created = options.created.empty() ? utcNow() : options.created;
   report.calibration = calibration;
   report.curves = options.curves;
   report.diagnosis = diagnoseCalibration(session, calibration, options.diagnose);

@@ -235,21 +235,6 @@ Json networkSummaries(const Model& model) {
   return out;
 }
 
-Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
-  Json out = Json::array();
-  for (const LedgerEntry& e : ledger) {
-    Json one;
-    one["action"] = e.action;
-    one["effect"] = e.effect.type.empty() ? Json(nullptr) : effectJson(e.effect);
-    one["time"] = e.time;
-    setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
-    setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);
-    one["calibration"] = e.calibration;
-    out.push_back(std::move(one));
-  }
-  return out;
-}
-
 Json parametersJson(const Calibration& c) {
   Json out = Json::array();
   for (std::size_t e = 0; e < c.effects.size(); ++e) {
