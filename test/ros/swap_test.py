@@ -47,7 +47,7 @@ class Swap(unittest.TestCase):
         promote = rospy.ServiceProxy("calibration_server/promote", Promote)
         rollback = rospy.ServiceProxy("calibration_server/rollback", Rollback)
 
-        joints, frames = {}, support.Frames("probe_tip_corrected")
+        joints, frames, statuses = {}, support.Frames("probe_tip_corrected"), support.Statuses()
 
         def take(message):
             joints[message.header.stamp.to_nsec()] = message.position
@@ -55,6 +55,7 @@ class Swap(unittest.TestCase):
         rospy.Subscriber("joint_states", JointState, take, queue_size=None, buff_size=1 << 24, tcp_nodelay=True)
         axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         self.assertTrue(axes.wait_for_server(rospy.Duration(10)))
+        self.assertTrue(support.wait_until(lambda: statuses.last().calibration_id == one.calibration_id))
         self.assertTrue(support.wait_until(lambda: frames.of("probe_tip_corrected") and joints))
         # Towards z = 0.006 and back, with x and y as well; nothing is in the way above the plate.
         axes.send_goal(MoveGoal(name=["x", "y", "z"], position=[0.012, 0.0, 0.0075], linear_speed=0.001))
