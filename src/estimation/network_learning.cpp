@@ -10,6 +10,7 @@
 #include "estimation/network_samples.h"
 #include "machine/error.h"
 #include "machine/units.h"
+#include "thermal/blocked_folds.h"
 #include "thermal/grey_relation.h"
 #include "thermal/ridge.h"
 #include "thermal/sensor_selection.h"
@@ -268,6 +269,85 @@ LearnedModel learnNetworks(const Session& session, const Model& model, const Cal
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())),
       std::move(shift)};
   return learned;
+}
+
+namespace {
+
+/// Widens the ranges of the sensors by those of other samples.
+void widen(Domain& domain, const Eigen::MatrixXd& temperatures) {
+  for (Eigen::Index s = 0; s < temperatures.cols(); ++s)
+    for (Eigen::Index k = 0; k < temperatures.rows(); ++k) {
+      double &low = domain.sensorLower[static_cast<std::size_t>(s)],
+             &high = domain.sensorUpper[static_cast<std::size_t>(s)];
+      low = std::fmin(low, temperatures(k, s));
+      high = std::fmax(high, temperatures(k, s));
+    }
+}
+
+/// What an update with all blocks but one leaves of that one; of a single set, what the old network leaves.
+Eigen::MatrixXd heldOutUpdate(const LearnedNetwork& old, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+  if (x.rows() < 2) return networkFromNumbers(old.numbers)->evaluateAll(x) - y;
+  Eigen::MatrixXd left(y.rows(), y.cols());
+  for (const Fold& fold :
+       blockedFolds(static_cast<int>(x.rows()), std::min(10, static_cast<int>(x.rows())))) {
+    const std::unique_ptr<ThermalNetwork> network = networkFromNumbers(old.numbers);
+    network->update(rowsOf(x, fold.train), rowsOf(y, fold.train));
+    left.middleRows(fold.test.front(), static_cast<Eigen::Index>(fold.test.size())) =
+        network->evaluateAll(rowsOf(x, fold.test)) - rowsOf(y, fold.test);
+  }
+  return left;
+}
+
+}  // namespace
+
+UpdatedNetworks updateNetworks(const CalibrationResult& held) {
+  Problem& problem = *held.problem;
+  const Model& model = problem.model();
+  UpdatedNetworks updated;
+  updated.domain = model.domain();
+  problem.linearise(held.x);
+  double squares[3] = {0.0, 0.0, 0.0};
+  Eigen::Index values = 0;
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    const EffectSpec& spec = model.effects()[e]->spec();
+    for (LearnedNetwork& learned : updated.domain.networks) {
+      if (learned.effect != spec.yaml() || !learned.active) continue;
+      const double gain = held.x[model.offset(static_cast<int>(e))];
+      if (!(std::abs(gain) > 0.1))
+        throw InputError("effect " + learned.effect + ": its gain is " + std::to_string(gain) +
+                         ", so the network says next to nothing; calibrate again");
+      const NetworkSamples samples =
+          gatherNetworkSamples(problem, held.residuals, held.weight,
+                               model.domain().findJoint(spec.text("axis")), learned.positions);
+      Eigen::MatrixXd x(samples.temperatures.rows(), static_cast<Eigen::Index>(learned.sensors.size()));
+      for (std::size_t i = 0; i < learned.sensors.size(); ++i)
+        x.col(static_cast<Eigen::Index>(i)) =
+            samples.temperatures.col(model.domain().findSensor(learned.sensors[i]));
+      const std::unique_ptr<ThermalNetwork> network = networkFromNumbers(learned.numbers);
+      if (!x.allFinite())
+        throw InputError(problem.session().source + ": effect " + learned.effect +
+                         ": one of its temperatures is not known throughout; log all of them");
+      const Eigen::MatrixXd y = network->evaluateAll(x) + samples.error / gain;
+      squares[0] += samples.error.squaredNorm();
+      squares[2] += (gain * heldOutUpdate(learned, x, y)).squaredNorm();
+      network->update(x, y);
+      squares[1] += (gain * (network->evaluateAll(x) - y)).squaredNorm();
+      values += y.size();
+      learned.numbers = network->toNumbers();
+      learned.summary +=
+          "; updated with " + std::to_string(x.rows()) + " sets of " + problem.session().source;
+      updated.effects.push_back(learned.effect);
+      updated.sets += static_cast<int>(x.rows());
+      widen(updated.domain, samples.temperatures);
+    }
+  }
+  if (updated.effects.empty())
+    throw InputError("the calibration has no active thermal_network to update; add one (mm add)");
+  const double n = static_cast<double>(values);
+  updated.before = std::sqrt(squares[0] / n);
+  updated.after = std::sqrt(squares[1] / n);
+  updated.heldOut = std::sqrt(squares[2] / n);
+  return updated;
 }
 
 }  // namespace mm

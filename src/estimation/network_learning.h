@@ -18,6 +18,22 @@ struct LearnedModel {
 /// Whether the model has a thermal_network that has not learned yet.
 bool hasToLearn(const Model& model);
 
+/// What a new session adds to the networks of a calibrated model.
+struct UpdatedNetworks {
+  Domain domain;  // of the model, with the updated networks, and the temperatures of both sessions in range
+  std::vector<std::string> effects;  // canonical specs of the networks that were updated
+  /// RMS over the new sets, m or rad: before, and after; judged on blocks of the new sets that the update did
+  /// not see.
+  double before = 0.0, after = 0.0, heldOut = 0.0;
+  int sets = 0;
+};
+
+/// Updates the active networks with the sets of a session: the samples that they learned from stay, so
+/// nothing is forgotten. All other parameters stay as they are.
+/// @param held a calibration with its effects held on the new session.
+/// @throw InputError: no active network; the session lacks a sensor, an axis or positions of a network.
+UpdatedNetworks updateNetworks(const CalibrationResult& held);
+
 /// Physical effects come first: the model without its networks is fitted, and each network, in the order of
 /// the model, learns what is left. One that does not beat the ridge-linear network on held-out blocks of time
 /// (for `ridge`: no network at all) is not activated; its summary says so. Deterministic.

@@ -145,7 +145,8 @@ Eigen::VectorXd NetworkSamples::mainError() const {
 }
 
 NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorXd& residuals,
-                                    const Eigen::VectorXd& weight, int axis) {
+                                    const Eigen::VectorXd& weight, int axis,
+                                    const std::vector<double>& wanted) {
   const Domain& domain = problem.model().domain();
   const std::string name = domain.joints[static_cast<std::size_t>(axis)].name;
   const std::vector<Evidence> evidence = evidenceOf(problem, residuals, weight, axis);
@@ -154,13 +155,20 @@ NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorX
                      name + "; measure it, or leave the effect out");
   NetworkSamples samples;
   std::vector<Set> sets;
-  for (const std::vector<double>& positions : choicesOf(domain, axis)) {
+  const int fewest = wanted.empty() ? kFewestSets : 1;
+  const std::vector<std::vector<double>> choices =
+      wanted.empty() ? choicesOf(domain, axis) : std::vector<std::vector<double>>{wanted};
+  for (const std::vector<double>& positions : choices) {
     samples.positions = positions;
     sets = merged(atOneTime(setsOf(evidence, positions), problem));
-    if (static_cast<int>(sets.size()) >= kFewestSets) break;
+    if (static_cast<int>(sets.size()) >= fewest) break;
   }
   const auto count = static_cast<Eigen::Index>(sets.size());
-  if (count < kFewestSets)
+  if (count < fewest && !wanted.empty())
+    throw InputError(problem.session().source + ": thermal_network: no set of measurements of axis " + name +
+                     " holds all " + std::to_string(wanted.size()) +
+                     " positions that the network was learned at; measure them again");
+  if (count < fewest)
     throw InputError(problem.session().source + ": thermal_network: " + std::to_string(count) +
                      (count == 1 ? " set" : " sets") + " of measurements of axis " + name + "; at least " +
                      std::to_string(kFewestSets) + " at different temperatures are needed to learn from");

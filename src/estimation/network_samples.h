@@ -24,9 +24,11 @@ struct NetworkSamples {
 /// follow each other without a pause are one, and neighbours are averaged where there are more than 300.
 /// @param problem without networks, linearised at x. @param residuals of its data rows, m or rad. @param
 /// weight a data row: 0 leaves it out.
-/// @throw InputError when there are fewer than kFewestSets sets, or the axis is not measured at all.
+/// @param positions where the outputs must be; empty: as above, and at least kFewestSets sets are needed.
+/// @throw InputError when there are too few sets, or the axis is not measured at all.
 NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorXd& residuals,
-                                    const Eigen::VectorXd& weight, int axis);
+                                    const Eigen::VectorXd& weight, int axis,
+                                    const std::vector<double>& positions = {});
 
 inline constexpr int kFewestSets = 6;
 

@@ -4,6 +4,7 @@
 
 #include "calibration_file/number_text.h"
 #include "effects/registry.h"
+#include "estimation/network_learning.h"
 #include "machine/error.h"
 #include "machine/utc_now.h"
 #include "model/observed_domain.h"
@@ -193,6 +194,30 @@ Recalibration removeEffect(const Session& session, const Calibration& calibratio
   std::vector<EffectSpec> effects = calibration.effects;
   effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(at));
   return refit(session, calibration, effects, "remove", effect, options);
+}
+
+Recalibration updateNetworks(const Session& session, const Calibration& calibration,
+                             CalibrateOptions options) {
+  options.rejectOutliers = false;  // what the old networks do not know is no outlier
+  UpdatedNetworks updated = updateNetworks(compareCalibration(session, calibration, options));
+  Recalibration done;
+  done.calibration = calibration;
+  done.calibration.id.clear();
+  done.calibration.created.clear();
+  done.calibration.software.clear();
+  done.calibration.domain = std::move(updated.domain);
+  LedgerEntry entry;
+  entry.action = "update";
+  for (const EffectSpec& effect : calibration.effects)
+    if (effect.yaml() == updated.effects.front()) entry.effect = effect;
+  entry.time = nowUtc();
+  entry.rmsBefore = entry.heldOutBefore = updated.before;
+  entry.rmsAfter = updated.after;
+  entry.heldOutAfter = updated.heldOut;
+  entry.calibration = calibration.id;
+  done.calibration.ledger.push_back(entry);
+  done.result = compareCalibration(session, done.calibration, options);
+  return done;
 }
 
 CalibrationResult compareCalibration(const Session& session, const Calibration& calibration,

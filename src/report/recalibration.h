@@ -34,6 +34,12 @@ Recalibration addEffect(const Session& session, const Calibration& calibration, 
 Recalibration removeEffect(const Session& session, const Calibration& calibration, const EffectSpec& effect,
                            const CalibrateOptions& options);
 
+/// Teaches the calibration's networks a new session beside what they learned; all else stays. A line of the
+/// ledger tells what it did to the error on the new session: RMS as the old networks and as the new ones
+/// leave it, held out by blocks. @throw InputError: as updateNetworks(const CalibrationResult&).
+Recalibration updateNetworks(const Session& session, const Calibration& calibration,
+                             CalibrateOptions options);
+
 /// The calibration as it is, against a session: the effects' parameters are held at the calibration's values;
 /// only what belongs to the session (pose of the artifact, free positions, zeros of setups) is fitted.
 CalibrationResult compareCalibration(const Session& session, const Calibration& calibration,

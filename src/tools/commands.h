@@ -19,6 +19,7 @@ void addCompareCommand(CLI::App& app, int& exitStatus);
 void addDiagnoseCommand(CLI::App& app, int& exitStatus);
 void addAddCommand(CLI::App& app, int& exitStatus);
 void addRemoveCommand(CLI::App& app, int& exitStatus);
+void addUpdateCommand(CLI::App& app, int& exitStatus);
 void addReportCommand(CLI::App& app, int& exitStatus);
 void addApplyCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);

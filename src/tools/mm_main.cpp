@@ -64,6 +64,7 @@ int main(int argc, char** argv) {
   mm::addDiagnoseCommand(app, exitStatus);
   mm::addAddCommand(app, exitStatus);
   mm::addRemoveCommand(app, exitStatus);
+  mm::addUpdateCommand(app, exitStatus);
   mm::addReportCommand(app, exitStatus);
   mm::addApplyCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);

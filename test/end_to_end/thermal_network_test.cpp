@@ -144,6 +144,41 @@ TEST_F(ThermalNetwork, AddsToTheLedgerAndIsTakenBack) {
   EXPECT_EQ(removed.json()["ledger"][2]["held_out_rms_um"][1], step["held_out_rms_um"][0]);
 }
 
+TEST_F(ThermalNetwork, ANewSessionIsLearnedAndTheOldOneKept) {
+  simulate("bending", 4, 1);
+  ASSERT_EQ(calibrate("ridge").status, 0);
+  // three warm-ups, of which two are new
+  ASSERT_EQ(std::system(
+                ("'" POSITION_ERROR_PROGRAM "' simulate " + folder / "n" + " --law bending --seed 4 --days 3")
+                    .c_str()),
+            0);
+  const Answer imported =
+      mmRun(folder, "import " + folder / "n/training.csv" + " --machine three_axis -o " + folder / "n.bag");
+  ASSERT_EQ(imported.status, 0) << imported.error;
+  const auto left = [&](const std::string& bag, const std::string& calibration) {
+    return mmRun(folder, "compare " + folder / bag + " --calibration " + folder / calibration +
+                             " --keep-outliers --json")
+        .json()["rms_um"]
+        .get<double>();
+  };
+  const Answer answer = mmRun(folder, "update " + folder / "n.bag" + " --calibration " + folder / "c.yaml" +
+                                          " -o " + folder / "c2.yaml --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  const nlohmann::json step = answer.json()["ledger"][1];
+  EXPECT_EQ(step["action"], "update");
+  EXPECT_LT(step["held_out_rms_um"][1].get<double>(), step["held_out_rms_um"][0].get<double>());
+  EXPECT_GE(step["held_out_rms_um"][1].get<double>(), step["rms_um"][1].get<double>());
+  EXPECT_LT(left("n.bag", "c2.yaml"), 0.7 * left("n.bag", "c.yaml"));
+  EXPECT_LT(left("s.bag", "c2.yaml"), 0.5 * left("n.bag", "c.yaml"));  // not forgotten
+  const std::string model = folder.write("m.yaml", "machine: three_axis\neffects: []\n");
+  ASSERT_EQ(mmRun(folder, "calibrate " + folder / "s.bag" + " --model " + model + " -o " + folder / "c.yaml")
+                .status,
+            0);
+  const Answer none = mmRun(folder, "update " + folder / "n.bag" + " --calibration " + folder / "c.yaml");
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.error.find("no active thermal_network"), std::string::npos) << none.error;
+}
+
 TEST_F(ThermalNetwork, WhatDoesNotBeatRidgeIsNotActivatedAndSaysSo) {
   simulate("linear", 3);
   const Answer answer = calibrate("rbf", "");

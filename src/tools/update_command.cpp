@@ -1,0 +1,67 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "calibration_file/calibration_yaml.h"
+#include "report/json.h"
+#include "report/recalibration.h"
+#include "report/text.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/progress_bar.h"
+#include "tools/session_input.h"
+
+namespace mm {
+namespace {
+
+struct UpdateOptions {
+  std::string bag, calibration, output;
+  bool json = false;
+  FitOptions fit;
+};
+
+int runUpdate(const UpdateOptions& c) {
+  checkOutput(c.output);
+  CalibrateOptions options = c.fit.checked();
+  const Calibration before = loadCalibration(c.calibration);
+  const Machine machine(before.urdf, before.machineName);
+  const Session session = loadSession(c.bag, &machine, c.fit.space);
+  std::optional<Recalibration> done;
+  {
+    const Interrupt interrupt;
+    ProgressBar bar("updating");
+    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
+    done = updateNetworks(session, before, options);
+  }
+  if (!c.output.empty()) saveCalibration(done->calibration, c.output);
+  if (c.json) {
+    std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
+    return 0;
+  }
+  std::cout << ledgerText(done->calibration.ledger, !std::isfinite(done->result.figures.rms));
+  for (const LearnedNetwork& n : done->calibration.domain.networks) std::cout << "  " << n.summary << '\n';
+  if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
+  return 0;
+}
+
+}  // namespace
+
+void addUpdateCommand(CLI::App& app, int& exitStatus) {
+  auto c = std::make_shared<UpdateOptions>();
+  CLI::App* command = app.add_subcommand(
+      "update", "Teaches the thermal networks of a calibration a new session; nothing else changes");
+  command->add_option("bag", c->bag, "the new session")->required();
+  command->add_option("--calibration", c->calibration, "the calibration file")->required();
+  command->add_option("-o,--output", c->output, "the new calibration file");
+  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  c->fit.declare(*command, false);
+  command->footer(
+      "What the networks learned before stays in the file and is learned again with the new sets.\n"
+      "mm add and mm remove refit everything to one session: then they learn from that one alone.\n"
+      "Example:\n  mm update tuesday.bag --calibration monday.yaml -o both.yaml");
+  command->callback([c, &exitStatus] { exitStatus = runUpdate(*c); });
+}
+
+}  // namespace mm
