@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <istream>
-#include <map>
 #include <ostream>
 #include <sstream>
 
 #include "machine/error.h"
+#include "thermal/calculix_results.h"
 
 namespace mm {
 namespace {
@@ -141,61 +140,29 @@ void Housing::writePositions(std::ostream& csv) const {
   }
 }
 
-void Housing::convert(std::istream& results, const std::string& name, std::ostream& csv) const {
-  std::vector<std::string> rows;
-  std::map<int, double> temperatures;
-  std::vector<double> nose;
-  double time = 0.0;
-  bool readingTemperatures = false;
-  const auto failed = [&](const std::string& what) {
-    return InputError(name + ": " + what + " after " + std::to_string(rows.size()) + " of " +
-                      std::to_string(kSamples) + " samples; ccx stopped early or diverged, see its log");
-  };
-  const auto finish = [&] {
-    if (temperatures.empty() && nose.empty()) return;
-    if (temperatures.size() != candidates_.size() || nose.size() != noseNodes().size())
-      throw failed("a sample is incomplete");
-    double growth = 0.0;
-    for (double u : nose) growth -= 1e6 * u / static_cast<double>(nose.size());
-    std::ostringstream row;
-    row.precision(9);
-    row << time;
-    for (const Candidate& candidate : candidates_) row << ',' << temperatures.at(candidate.node);
-    row << ',' << growth << '\n';
-    rows.push_back(row.str());
-    temperatures.clear();
-    nose.clear();
-  };
-  for (std::string line; std::getline(results, line);) {
-    const auto at = line.find("and time");
-    if (at != std::string::npos) {
-      readingTemperatures = line.find("temperatures") != std::string::npos;
-      const double next = std::strtod(line.c_str() + at + 8, nullptr);
-      if (next != time) finish();
-      time = next;
-      continue;
-    }
-    std::istringstream cells(line);
-    std::string word;
-    std::vector<double> numbers;
-    while (cells >> word) {
-      char* end = nullptr;
-      numbers.push_back(std::strtod(word.c_str(), &end));
-      if (*end != '\0' || !std::isfinite(numbers.back()))
-        throw failed("'" + word + "' is not a finite number");
-    }
-    if (numbers.size() < 2) continue;
-    if (readingTemperatures)
-      temperatures[static_cast<int>(numbers[0])] = numbers[1];
-    else
-      nose.push_back(numbers[1]);
-  }
-  finish();
-  if (static_cast<int>(rows.size()) != kSamples) throw failed("the results end");
+void Housing::convert(const std::string& results, std::ostream& csv) const {
+  const CalculixResults run = readCalculixResults(results);
+  if (run.samples() != kSamples || run.sets != std::vector<std::string>{"NOSE"})
+    throw InputError(results + ": " + std::to_string(run.samples()) + " of " + std::to_string(kSamples) +
+                     " samples, " + std::to_string(run.sets.size()) +
+                     " of 1 displaced set; ccx stopped early or diverged, see its log");
   csv << "time_s";
-  for (const Candidate& candidate : candidates_) csv << ',' << candidate.name;
+  std::vector<Eigen::Index> columns;
+  for (const Candidate& candidate : candidates_) {
+    csv << ',' << candidate.name;
+    const auto found = std::find(run.nodes.begin(), run.nodes.end(), candidate.node);
+    if (found == run.nodes.end())
+      throw InputError(results + ": node " + std::to_string(candidate.node) + " (" + candidate.name +
+                       ") is missing; it is not of this housing's deck");
+    columns.push_back(found - run.nodes.begin());
+  }
   csv << ",nose_um\n";
-  for (const std::string& row : rows) csv << row;
+  csv.precision(9);
+  for (Eigen::Index s = 0; s < kSamples; ++s) {
+    csv << run.time[static_cast<std::size_t>(s)];
+    for (const Eigen::Index column : columns) csv << ',' << run.temperatures(s, column);
+    csv << ',' << -1e6 * run.mean[0](s, 0) << '\n';
+  }
 }
 
 }  // namespace mm

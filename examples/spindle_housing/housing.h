@@ -30,9 +30,9 @@ class Housing {
   void writePositions(std::ostream& csv) const;
 
   /// Reads what CalculiX printed and writes the CSV of `mm sensors`: time_s, one column a candidate in degC,
-  /// and nose_um, the growth of the nose towards the workpiece. `name` is the file's, for messages. Throws
-  /// InputError when samples are missing or not finite: the run stopped early or diverged.
-  void convert(std::istream& results, const std::string& name, std::ostream& csv) const;
+  /// and nose_um, the growth of the nose towards the workpiece. Throws InputError when samples or nodes are
+  /// missing, or not finite: the run stopped early or diverged.
+  void convert(const std::string& results, std::ostream& csv) const;
 
  private:
   static constexpr int kX = 19, kY = 8;         // elements along x, and across in y and z

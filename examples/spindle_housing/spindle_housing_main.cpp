@@ -40,11 +40,9 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (words.size() == 3 && words[0] == "convert") {
-      std::ifstream results(words[1]);
-      require(results, words[1]);
       std::ofstream csv(words[2]);
       require(csv, words[2]);
-      housing.convert(results, words[1], csv);
+      housing.convert(words[1], csv);
       require(csv.flush(), words[2]);
       return 0;
     }

@@ -196,12 +196,15 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
   CLI::App* command =
       app.add_subcommand("sensors", "Which temperatures to measure, from a series of all candidates");
   command
-      ->add_option("series", options->csv,
-                   "CSV: a line of names, then one sample a row in the order of time; or a session's bag")
+      ->add_option(
+          "series", options->csv,
+          "CSV: a line of names, then one sample a row in the order of time; a session's bag; or the "
+          ".dat of a CalculiX run")
       ->required();
   command
       ->add_option("--target", options->target,
-                   "column of the displacement (unit by its ending: _um, _mm, _m); of a bag: the axis")
+                   "column of the displacement (unit by its ending: _um, _mm, _m); of a bag: the axis; of a "
+                   "CalculiX run: NOSE_x_m, a node set, the direction, and the deck's unit of length")
       ->required();
   command->add_option("--max", options->largest, "largest set")
       ->capture_default_str()

@@ -4,6 +4,7 @@
 #include "machine/error.h"
 #include "machine/units.h"
 #include "model/observed_domain.h"
+#include "thermal/calculix_results.h"
 #include "thermal/series.h"
 #include "tools/session_input.h"
 
@@ -36,6 +37,29 @@ SensorCandidates fromCsv(const std::string& file, const std::string& targetName)
     candidates.names.push_back(series.names[static_cast<std::size_t>(columns[i])]);
     candidates.temperatures.col(static_cast<Eigen::Index>(i)) = series.values.col(columns[i]);
   }
+  return candidates;
+}
+
+/// @param target `<set>_<x, y or z>_<m or mm>`: the mean displacement of a node set; the ending says which
+/// unit of length the deck has, because its results do not.
+SensorCandidates fromCalculix(const std::string& file, const std::string& target) {
+  const CalculixResults results = readCalculixResults(file);
+  SensorCandidates candidates;
+  candidates.micrometres = micrometresPerUnit(target);
+  candidates.temperatures = results.temperatures;
+  for (const int node : results.nodes) candidates.names.push_back("node_" + std::to_string(node));
+  std::string known;
+  for (std::size_t s = 0; s < results.sets.size(); ++s)
+    for (int direction = 0; direction < 3; ++direction)
+      for (const char* unit : {"m", "mm"}) {
+        const std::string name = results.sets[s] + '_' + "xyz"[direction] + '_' + unit;
+        known += (known.empty() ? "" : ", ") + name;
+        if (name == target) candidates.displacement = results.mean[s].col(direction);
+      }
+  if (candidates.displacement.size() == 0)
+    throw InputError(file + ": --target: '" + target + "' is no displacement of a node set; " +
+                     (known.empty() ? "none was printed: *NODE PRINT, NSET=<set>, then U"
+                                    : "there are, by the deck's unit of length: " + known));
   return candidates;
 }
 
@@ -74,7 +98,8 @@ SensorCandidates fromBag(const std::string& file, const std::string& target, con
 
 SensorCandidates readSensorCandidates(const std::string& file, const std::string& target,
                                       const std::string& space) {
-  return endsWith(file, ".bag") ? fromBag(file, target, space) : fromCsv(file, target);
+  if (endsWith(file, ".bag")) return fromBag(file, target, space);
+  return endsWith(file, ".dat") ? fromCalculix(file, target) : fromCsv(file, target);
 }
 
 }  // namespace mm

@@ -16,7 +16,8 @@ struct SensorCandidates {
 
 /// From a CSV (mm sensors), or from a session's bag: there the target is an axis, or deviation_<axis>_um.
 /// What the machine is off along the axis is gathered in sets, as a network learns it; of several positions,
-/// the course that varies most.
+/// the course that varies most. From what a
+/// CalculiX run printed (`.dat`): the target is the mean displacement of a node set, `NOSE_x_m`.
 /// @param space of `--namespace`, for a bag. @throw InputError naming file, column or axis.
 SensorCandidates readSensorCandidates(const std::string& file, const std::string& target,
                                       const std::string& space = {});

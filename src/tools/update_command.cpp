@@ -36,6 +36,12 @@ int runUpdate(const UpdateOptions& c) {
     done = updateNetworks(session, before, options);
   }
   if (!c.output.empty()) saveCalibration(done->calibration, c.output);
+  const LedgerEntry& step = done->calibration.ledger.back();
+  if (step.heldOutAfter > step.heldOutBefore)
+    std::cerr
+        << "mm: warning: held out by blocks the updated networks are worse than those before; this kind of "
+           "network does not follow the new session: keep "
+        << c.calibration << ", or learn both sessions with another network (network: dfnn)" << std::endl;
   if (c.json) {
     std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
     return 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <random>
+#include <sstream>
 
 #include "run_mm.h"
 
@@ -74,6 +75,38 @@ TEST(Sensors, FromABag) {
   EXPECT_LT(answer.json()["sets"][0]["cv_rms_um"].get<double>(), 3.0);
   expectRefusal(mmRun(folder, "sensors " + folder / "s.bag" + " --target w"),
                 "'w' is no axis of the machine");
+}
+
+/// What CalculiX prints of three nodes and of the growth of a nose that follows the second, in metres.
+std::string calculixText(int steps) {
+  std::ostringstream text;
+  const auto set = [&](const std::string& what, int s) {
+    text << "\n " << what << " and time  " << 72.0 * (s + 1) << "\n\n";
+  };
+  for (int s = 0; s < steps; ++s) {
+    const double rise = 5.0 * std::sin(0.2 * s), other = std::cos(0.53 * s);
+    set("temperatures for set CANDIDATES", s);
+    text << "       126 " << 20.0 + other << "\n       207 " << 20.0 + rise << "\n       288 "
+         << 20.0 + 0.3 * rise + other << '\n';
+    set("displacements (vx,vy,vz) for set NOSE", s);
+    text << "        21 " << -2e-6 * rise << " 0 0\n        22 " << -4e-6 * rise << " 1E-7 0\n";
+  }
+  return text.str();
+}
+
+TEST(Sensors, FromTheResultsOfACalculixRun) {
+  const TestFolder folder;
+  const std::string whole = folder.write("job.dat", calculixText(60));
+  const Answer answer = mmRun(folder, "sensors " + whole + " --target NOSE_x_m --max 1 --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  EXPECT_EQ(answer.json()["sets"][0]["sensors"][0], "node_207");
+  EXPECT_LT(answer.json()["sets"][0]["cv_rms_um"].get<double>(), 1e-3);
+  expectRefusal(mmRun(folder, "sensors " + whole + " --target NOSE"), "NOSE_x_m, NOSE_x_mm, NOSE_y_m");
+  const std::string text = calculixText(60);
+  const std::string cut = folder.write("cut.dat", text.substr(0, text.rfind(" displacements")));
+  expectRefusal(mmRun(folder, "sensors " + cut + " --target NOSE_x_m"), "60 of 60, is incomplete");
+  const std::string diverged = folder.write("nan.dat", calculixText(3) + "  23 NaN 0 0\n");
+  expectRefusal(mmRun(folder, "sensors " + diverged + " --target NOSE_x_m"), "'NaN' is not a finite number");
 }
 
 TEST(Sensors, BadInputIsOneClearLine) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 #include "run_mm.h"
@@ -145,31 +146,35 @@ TEST_F(ThermalNetwork, AddsToTheLedgerAndIsTakenBack) {
 }
 
 TEST_F(ThermalNetwork, ANewSessionIsLearnedAndTheOldOneKept) {
-  simulate("bending", 4, 1);
-  ASSERT_EQ(calibrate("ridge").status, 0);
-  // three warm-ups, of which two are new
-  ASSERT_EQ(std::system(
-                ("'" POSITION_ERROR_PROGRAM "' simulate " + folder / "n" + " --law bending --seed 4 --days 3")
-                    .c_str()),
-            0);
-  const Answer imported =
-      mmRun(folder, "import " + folder / "n/training.csv" + " --machine three_axis -o " + folder / "n.bag");
-  ASSERT_EQ(imported.status, 0) << imported.error;
+  // of one mill first one warm-up, then three, of which two are new
+  const auto learn = [&](const std::string& law) {
+    simulate(law, 4, 3);
+    std::filesystem::rename(folder / "s.bag", folder / "n.bag");
+    simulate(law, 4, 1);
+    EXPECT_EQ(calibrate("ridge").status, 0);
+    return mmRun(folder, "update " + folder / "n.bag" + " --calibration " + folder / "c.yaml" + " -o " +
+                             folder / "c2.yaml --json");
+  };
   const auto left = [&](const std::string& bag, const std::string& calibration) {
     return mmRun(folder, "compare " + folder / bag + " --calibration " + folder / calibration +
                              " --keep-outliers --json")
         .json()["rms_um"]
         .get<double>();
   };
-  const Answer answer = mmRun(folder, "update " + folder / "n.bag" + " --calibration " + folder / "c.yaml" +
-                                          " -o " + folder / "c2.yaml --json");
+  const Answer answer = learn("linear");
   ASSERT_EQ(answer.status, 0) << answer.error;
+  EXPECT_EQ(answer.error.find("worse"), std::string::npos) << answer.error;
   const nlohmann::json step = answer.json()["ledger"][1];
   EXPECT_EQ(step["action"], "update");
-  EXPECT_LT(step["held_out_rms_um"][1].get<double>(), step["held_out_rms_um"][0].get<double>());
+  EXPECT_LT(step["held_out_rms_um"][1].get<double>(), 0.7 * step["held_out_rms_um"][0].get<double>());
   EXPECT_GE(step["held_out_rms_um"][1].get<double>(), step["rms_um"][1].get<double>());
-  EXPECT_LT(left("n.bag", "c2.yaml"), 0.7 * left("n.bag", "c.yaml"));
+  EXPECT_LT(left("n.bag", "c2.yaml"), 0.6 * left("n.bag", "c.yaml"));
   EXPECT_LT(left("s.bag", "c2.yaml"), 0.5 * left("n.bag", "c.yaml"));  // not forgotten
+  // where the growth bends no line follows it, however much it is shown; the answer says so
+  const Answer bent = learn("bending");
+  ASSERT_EQ(bent.status, 0) << bent.error;
+  EXPECT_NE(bent.error.find("held out by blocks the updated networks are worse"), std::string::npos)
+      << bent.error;
   const std::string model = folder.write("m.yaml", "machine: three_axis\neffects: []\n");
   ASSERT_EQ(mmRun(folder, "calibrate " + folder / "s.bag" + " --model " + model + " -o " + folder / "c.yaml")
                 .status,
