@@ -210,7 +210,7 @@ Recalibration updateNetworks(const Session& session, const Calibration& calibrat
   entry.action = "update";
   for (const EffectSpec& effect : calibration.effects)
     if (effect.yaml() == updated.effects.front()) entry.effect = effect;
-  entry.time = nowUtc();
+  entry.time = utcNow();
   entry.rmsBefore = entry.heldOutBefore = updated.before;
   entry.rmsAfter = updated.after;
   entry.heldOutAfter = updated.heldOut;
