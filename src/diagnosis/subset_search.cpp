@@ -18,16 +18,14 @@ std::vector<int> membersOf(const Subset& s) {
   return m;
 }
 
-constexpr int kLarge = 4000;  // residuals: beyond, the search is narrower
 constexpr double kNewCause =
     4.0;  // log of the odds against one more cause rather than one more shape of a known one
 
-bool contains(const Subset& s, int candidate) {
-  return std::any_of(s.chosen.begin(), s.chosen.end(),
-                     [&](const Chosen& c) { return c.candidate == candidate; });
-}
-
 }  // namespace
+
+bool Subset::contains(int candidate) const {
+  return std::any_of(chosen.begin(), chosen.end(), [&](const Chosen& c) { return c.candidate == candidate; });
+}
 
 SubsetSearch::SubsetSearch(const ResidualSpace& space, const CandidateSet& set) : space_(space), set_(set) {
   variables_ = variablesOf(space);
@@ -180,7 +178,7 @@ std::vector<Gain> SubsetSearch::bestGains(const Subset& subset, int count, bool 
   std::map<int, Quick> best;  // candidate -> best atom
   for (std::size_t i = 0; i < set_.atoms.size(); ++i) {
     const Atom& a = set_.atoms[i];
-    if (contains(subset, a.candidate)) continue;
+    if (subset.contains(a.candidate)) continue;
     double drop = 0.0;
     if (a.count == 1) {
       const double g = grams_[i](0, 0) - inBasis.col(a.first).squaredNorm();
@@ -226,119 +224,6 @@ bool SubsetSearch::significant(const Gain& gain) const {
   return gain.rank > 0 && correctedLogP(gain) < std::log(significance);
 }
 
-void SubsetSearch::refineAll(Subset& subset) const {
-  for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
-    if (subset.chosen[i].nonlinear.empty()) continue;
-    const Subset rest = without(subset, i);
-    const Gain g = gainOf(rest, subset.chosen[i].candidate, subset.chosen[i].nonlinear, true);
-    if (g.objective < subset.objective - 1e-9) {
-      Subset next = extend(rest, {g.candidate, g.nonlinear, g.columns});
-      std::rotate(next.chosen.begin() + static_cast<long>(i), next.chosen.end() - 1, next.chosen.end());
-      subset = next;
-    }
-  }
-}
-
-Subset SubsetSearch::withFamily(const Subset& rest, const std::vector<int>& family) const {
-  // the choice by Gram matrices of the few columns, each a candidate's; then one extension for each that was
-  // chosen
-  const int n = static_cast<int>(family.size());
-  Eigen::MatrixXd columns(space_.length(), n);
-  std::vector<bool> left(n);
-  for (int k = 0; k < n; ++k) {
-    const auto atom = std::find_if(set_.atoms.begin(), set_.atoms.end(),
-                                   [&](const Atom& a) { return a.candidate == family[k]; });
-    left[k] = atom != set_.atoms.end() && !contains(rest, family[k]);
-    columns.col(k) =
-        left[k] ? Eigen::VectorXd(set_.columnsOf(*atom).col(0)) : Eigen::VectorXd::Zero(space_.length());
-  }
-  const Eigen::MatrixXd absorbed = rest.basis.transpose() * columns;
-  Eigen::MatrixXd gram = columns.transpose() * columns;
-  const Eigen::VectorXd size = gram.diagonal();
-  gram -= absorbed.transpose() * absorbed;
-  Eigen::VectorXd score = columns.transpose() * rest.left;
-  std::vector<int> chosen;
-  double rss = rest.rss, penalty = rest.penalty, objective = rest.objective;
-  // the first shape may pay only together with the second: it is taken on trust
-  for (int round = 0; round < n; ++round) {
-    int best = -1;
-    double bestRss = rss;
-    for (int k = 0; k < n; ++k) {
-      if (!left[k] || gram(k, k) < kDependent * size[k]) continue;
-      const double now = rss - score[k] * score[k] / gram(k, k);
-      if (best < 0 || now < bestRss) best = k, bestRss = now;
-    }
-    if (best < 0) break;
-    const double price = round == 0 ? penaltyOf(rest, family[best]) : set_.candidates[family[best]].cost;
-    const double next = 0.5 * dof_ * std::log(std::max(bestRss, 1e-300) / dof_) + penalty + price;
-    if (round > 0 && next >= objective) break;
-    objective = next;
-    penalty += price;
-    rss = bestRss;
-    left[best] = false;
-    chosen.push_back(best);
-    const Eigen::VectorXd column = gram.col(best) / gram(best, best);
-    score -= column * score[best];
-    gram -= column * gram.row(best).eval();
-  }
-  Subset grown = rest;
-  for (int k : chosen) grown = extend(grown, {family[k], {}, columns.col(k)});
-  return grown;
-}
-
-bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
-  bool moved = false;
-  for (bool again = true; again;) {
-    again = false;
-    for (std::size_t i = 0; i < subset.chosen.size() && !again; ++i)
-      for (std::size_t j = i; j < subset.chosen.size() && !again; ++j) {
-        Subset rest = without(subset, j);
-        if (i != j) rest = without(rest, i);
-        for (const std::vector<int>& family : families_) {
-          const Subset trial = withFamily(rest, family);
-          if (trial.objective >= subset.objective - 1e-6) continue;
-          subset = trial;
-          again = moved = true;
-          break;
-        }
-      }
-  }
-  return moved;
-}
-
-Subset SubsetSearch::completed(const Subset& subset, int but) const {
-  for (const Gain& g : bestGains(subset, 2, true))
-    if (!sameCause(set_.candidates[g.candidate].spec, set_.candidates[but].spec))
-      return significant(g) && g.objective < subset.objective
-                 ? extend(subset, {g.candidate, g.nonlinear, g.columns})
-                 : subset;
-  return subset;
-}
-
-void SubsetSearch::exchange(Subset& subset) const {
-  const bool large = space_.length() > kLarge;
-  for (int round = 0; round < 12; ++round) {
-    bool moved = false;
-    for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
-      const Subset rest = without(subset, i);
-      for (const Gain& g : bestGains(rest, 3, true)) {
-        if (g.candidate == subset.chosen[i].candidate) continue;
-        Subset next = extend(rest, {g.candidate, g.nonlinear, g.columns});
-        if (!large && next.objective >= subset.objective - 1e-6)
-          next = completed(next, subset.chosen[i].candidate);
-        if (next.objective >= subset.objective - 1e-6) continue;
-        subset = next;
-        moved = true;
-        break;
-      }
-      if (moved) break;  // the members have another order now
-    }
-    if (!large) moved |= exchangeForFamilies(subset);
-    refineAll(subset);
-    if (!moved) return;
-  }
-}
-
 void SubsetSearch::prune(Subset& subset) const {
   for (;;) {  // of the members that do not count beside the others, the smallest goes first
     double smallest = 1e300;
@@ -362,7 +247,7 @@ void SubsetSearch::prune(Subset& subset) const {
 }
 
 Subset SubsetSearch::run() const {
-  const bool large = space_.length() > kLarge;
+  const bool large = space_.length() > kLargeSession;
   const std::size_t width = large ? 2 : 5;
   const int branches = large ? 3 : 6;
   std::vector<Subset> beam{empty()};

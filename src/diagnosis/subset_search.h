@@ -25,7 +25,12 @@ struct Subset {
   double rss = 0.0;
   double penalty = 0.0;    // 1/2 ln N for each parameter
   double objective = 0.0;  // penalised negative log-likelihood: 1/2 N ln(rss / N) + penalty
+
+  bool contains(int candidate) const;
 };
+
+/// Residuals; beyond, the search is narrower.
+inline constexpr int kLargeSession = 4000;
 
 /// The same physical cause: same type at the same place; degree, power, order, harmonic, period and lag are
 /// its shape.

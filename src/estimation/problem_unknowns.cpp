@@ -1,0 +1,194 @@
+// What a session and a model make of the problem: its rows and its unknowns.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/problem.h"
+#include "machine/error.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+/// The temperature whose absence alone keeps a model from a value; "an input" where it is none.
+std::string missingTemperature(const Model& model, const State& at, const std::vector<double>& parameters,
+                               Model::Workspace& work) {
+  const std::vector<std::string>& sensors = model.domain().sensors;
+  State known = at;
+  for (double& t : known.temperature)
+    if (!std::isfinite(t)) t = kReferenceTemperature;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    if (std::isfinite(at.temperature[s])) continue;
+    State without = known;
+    without.temperature[s] = at.temperature[s];
+    model.corrected(without, parameters.data(), work);
+    for (const double error : work.errors)
+      if (!std::isfinite(error)) return "temperature '" + sensors[s] + "'";
+  }
+  return "an input";
+}
+
+const char* const kAxisNames[] = {"x", "y", "z"};
+
+}  // namespace
+
+Problem::Problem(const Session& session, Model model) : session_(&session), model_(std::move(model)) {
+  if (session.observations.empty())
+    throw InputError(session.source +
+                     ": the session has no observations; record contacts or references first");
+  const GeometricStart start = geometricStart(session);
+  rotation0_ = start.rotation;
+  translation0_ = start.translation;
+  featureStart_.resize(start.features.size());
+  for (std::size_t f = 0; f < start.features.size(); ++f)
+    featureStart_[f] = session.artifact.features[f].known
+                           ? session.artifact.features[f].position
+                           : Eigen::Vector3d(rotation0_.transpose() * (start.features[f] - translation0_));
+  states_ = std::make_shared<SessionStates>(session, model_.domain());
+  states_->aim(start.features);
+  addRows();
+  addUnknowns();
+
+  findUsable();
+}
+
+void Problem::findUsable() {
+  const int count = static_cast<int>(session_->observations.size());
+  usable_.assign(count, 1);
+  Model::Workspace work;
+  std::vector<double> r(kMaxRows);
+  const Eigen::VectorXd x = start();
+  for (int o = 0; o < count; ++o) {
+    const int n = residualsOf(o, x, r.data(), nullptr, work);
+    for (int i = 0; i < n; ++i)
+      if (!std::isfinite(r[i])) usable_[o] = 0;
+    if (!usable_[o]) leftOut_.push_back(o);
+  }
+  if (5 * leftOut_.size() <= usable_.size()) return;
+  const int o = leftOut_.front();  // which effect lacks its input?
+  const std::string where = session_->source + ": row " + std::to_string(session_->observations[o].row) +
+                            " and " + std::to_string(leftOut_.size() - 1) + " more: ";
+  for (const EffectPtr& e : model_.effects()) {
+    Model one(model_.machine(), model_.domain(), {e});
+    std::vector<double> p;
+    for (const Parameter& q : e->parameters()) p.push_back(q.start);
+    one.corrected(state(o), p.data(), work);
+    for (double error : work.errors)
+      if (!std::isfinite(error))
+        throw InputError(where + "effect " + e->spec().yaml() + " lacks " +
+                         missingTemperature(one, state(o), p, work) + " there (" + e->shownBy() +
+                         "); log it, or leave the effect out");
+  }
+  throw InputError(where + "the model's value is not a number");
+}
+
+void Problem::addRows() {
+  const auto& observations = session_->observations;
+  for (std::size_t o = 0; o < observations.size(); ++o) {
+    const Observation& at = observations[o];
+    firstRow_.push_back(static_cast<int>(rows_.size()));
+    ResidualRow row;
+    row.observation = static_cast<int>(o);
+    if (at.kind == ObservationKind::kContact) {
+      const int count = session_->artifact.features[at.feature].kind == FeatureKind::kBall ? 1 : 3;
+      for (row.component = 0; row.component < count; ++row.component) rows_.push_back(row);
+    } else if (at.kind == ObservationKind::kPosition) {
+      for (row.component = 0; row.component < 3; ++row.component)
+        if (std::isfinite(at.reference[row.component])) rows_.push_back(row);
+    } else {
+      for (row.component = 0; row.component < static_cast<int>(at.deviation.size()); ++row.component)
+        if (std::isfinite(at.deviation[row.component])) {
+          ResidualRow r = row;
+          r.angular = model_.machine().joints()[row.component].kind == JointKind::kRotary;
+          if (row.component < static_cast<int>(at.deviationStd.size()) &&
+              std::isfinite(at.deviationStd[row.component]))
+            r.statedSigma = at.deviationStd[row.component];
+          rows_.push_back(r);
+        }
+    }
+  }
+  firstRow_.push_back(static_cast<int>(rows_.size()));
+  if (rows_.empty())
+    throw InputError(session_->source + ": no observation has a measured value; nothing to fit");
+}
+
+void Problem::addUnknowns() {
+  const auto add = [&](Unknown u) {
+    if (u.priorStd > 0.0) priors_.push_back(static_cast<int>(unknowns_.size()));
+    unknowns_.push_back(std::move(u));
+  };
+  for (int e = 0; e < static_cast<int>(model_.effects().size()); ++e) {
+    const Effect& effect = *model_.effects()[e];
+    for (int k = 0; k < effect.parameterCount(); ++k) {
+      const Parameter& p = effect.parameters()[k];
+      add({UnknownKind::kEffect, e, k, p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, 0.0, p.minimum,
+           p.maximum});
+    }
+    for (const int k : effect.unitVectors())
+      unitVectors_.push_back({model_.offset(e) + k, effect.unitVectorPenalty()});
+  }
+  const auto& features = session_->artifact.features;
+  std::vector<char> touched(features.size(), 0);
+  bool positions = false;
+  for (const Observation& o : session_->observations) {
+    if (o.kind == ObservationKind::kContact) touched[o.feature] = 1;
+    if (o.kind == ObservationKind::kPosition) positions = true;
+  }
+  bool knownTouched = positions;
+  for (std::size_t f = 0; f < features.size(); ++f) knownTouched |= touched[f] && features[f].known;
+  if (!session_->artifact.poseKnown &&
+      knownTouched) {  // with free features only, the pose is absorbed by them
+    poseOffset_ = unknownCount();
+    for (int k = 0; k < 6; ++k) {
+      const bool rotation = k < 3;
+      add({UnknownKind::kPose, 0, k,
+           std::string(rotation ? "rotation " : "position ") + kAxisNames[k % 3] + " of the artifact",
+           rotation ? "arcsec" : "um", rotation ? 1.0 / kArcsecond : 1.0 / kMicrometre,
+           rotation ? 1e-3 : 1e-4, rotation ? 0.5 : 1.0, 0.0, 0.0});
+    }
+  }
+  featureOffset_.assign(features.size(), -1);
+  radiusOffset_.assign(features.size(), -1);
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    if (!touched[f]) continue;
+    if (!features[f].known || features[f].positionStd > 0.0) {
+      featureOffset_[f] = unknownCount();
+      for (int k = 0; k < 3; ++k)
+        add({UnknownKind::kFeature, static_cast<int>(f), k, features[f].name + " " + kAxisNames[k], "um",
+             1.0 / kMicrometre, 1e-4, 1.0, 0.0, features[f].known ? features[f].positionStd : 0.0});
+    }
+    if (features[f].kind == FeatureKind::kBall && features[f].radiusStd > 0.0) {
+      radiusOffset_[f] = unknownCount();
+      add({UnknownKind::kRadius, static_cast<int>(f), 0, "radius of " + features[f].name, "um",
+           1.0 / kMicrometre, 1e-6, 1e-2, 0.0, features[f].radiusStd});
+    }
+  }
+  // one zero a setup and measured component; rows without a setup share one too, unless the model is the
+  // user's own law from end to end: an instrument measures from a datum of its own, a law written as a
+  // formula says where it starts
+  const auto& effects = model_.effects();
+  const bool lawOnly =
+      !effects.empty() && std::all_of(effects.begin(), effects.end(),
+                                      [](const EffectPtr& e) { return e->spec().type == "formula"; });
+  const int named = static_cast<int>(session_->setups.size());
+  for (const Observation& o : session_->observations)
+    setupOf_.push_back(o.setup >= 0                                        ? o.setup
+                       : o.kind == ObservationKind::kDeviation && !lawOnly ? named
+                                                                           : -1);
+  const int width = std::max(3, model_.machine().jointCount());
+  setupOffset_.assign((named + 1) * width, -1);
+  for (const ResidualRow& row : rows_) {
+    const int setup = setupOf_[row.observation];
+    if (session_->observations[row.observation].kind == ObservationKind::kContact || setup < 0) continue;
+    int& offset = setupOffset_[setup * width + row.component];
+    if (offset >= 0) continue;
+    offset = unknownCount();
+    const double unit = row.angular ? kArcsecond : kMicrometre;
+    add({UnknownKind::kSetup, setup, row.component,
+         (setup < named ? "zero of setup " + session_->setups[setup] : "zero of the instrument along ") +
+             (setup < named ? "" : model_.machine().joints()[row.component].name),
+         row.angular ? "arcsec" : "um", 1.0 / unit, unit, 1.0, 0.0, 0.0});
+  }
+}
+
+}  // namespace mm
