@@ -178,7 +178,7 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
   if (next.observations.empty()) return moves;
   const Problem& problem = space.problem();
   try {
-    Problem future(next, problem.model());
+    Problem future(next, problem.model(), problem.datum());
     if (future.unknownCount() != problem.unknownCount()) return moves;
     future.linearise(space.fitted().x);
     Eigen::MatrixXd futureJacobian;

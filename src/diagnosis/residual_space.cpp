@@ -5,10 +5,10 @@
 #include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 
+#include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
 namespace mm {
-
 ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) {
   const Problem& problem = *fitted.problem;
   const Folds all = makeFolds(problem);
@@ -34,16 +34,7 @@ ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) 
     jacobian.row(i) = system.jacobian.row(from);
     target_[i] = -system.residuals[from];
   }
-  for (int c = 0; c < columns; ++c) {
-    const double norm = jacobian.col(c).norm();
-    if (norm > 0.0) jacobian.col(c) /= norm;
-  }
-  if (columns > 0 && jacobian.rows() >= columns) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(jacobian);
-    q_ = qr.householderQ() * Eigen::MatrixXd::Identity(jacobian.rows(), columns);
-  } else {
-    q_.resize(jacobian.rows(), 0);
-  }
+  q_ = orthonormalBasis(std::move(jacobian));
   target_ -= q_ * (q_.transpose() * target_);
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "estimation/beam_start.h"
+#include "estimation/datum.h"
+#include "estimation/fitter.h"
 #include "estimation/folds.h"
 #include "estimation/genetic_start.h"
 #include "estimation/linear_start.h"
@@ -21,147 +23,18 @@
 namespace mm {
 namespace {
 
-/// The noise of the rows: declared, from repeated contacts, or estimated from the residuals.
-struct Noise {
-  double linear = kMicrometre, angular = kArcsecond;  // m, rad
-  bool linearStated = false, angularStated = false;
-  std::string from = "estimated";
-};
-
-bool has(const Problem& problem, bool angular) {
-  return std::any_of(problem.rows().begin(), problem.rows().end(),
-                     [&](const ResidualRow& r) { return r.angular == angular; });
+/// Where the gauge is judged: linear parameters at their own start values, whatever fit they come from.
+/// Products of two small errors break a gauge there just enough for a value that means nothing.
+Eigen::VectorXd gaugePoint(const Problem& problem, Eigen::VectorXd x) {
+  const Model& model = problem.model();
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    const Effect& effect = *model.effects()[e];
+    if (!effect.separable()) continue;
+    for (int k = 0; k < effect.parameterCount(); ++k)
+      x[model.offset(static_cast<int>(e)) + k] = effect.parameters()[static_cast<std::size_t>(k)].start;
+  }
+  return x;
 }
-
-/// RMS over the used rows of one kind; NaN without any. @param count rows used.
-double rmsOf(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& weight, bool angular,
-             int* count = nullptr, bool onlyUnstated = false) {
-  double sum = 0.0;
-  int n = 0;
-  for (int i = 0; i < r.size(); ++i) {
-    const ResidualRow& row = problem.rows()[i];
-    if (weight[i] == 0.0 || row.angular != angular || (onlyUnstated && row.statedSigma > 0.0)) continue;
-    sum += r[i] * r[i];
-    ++n;
-  }
-  if (count != nullptr) *count = n;
-  return n > 0 ? std::sqrt(sum / n) : kNotMeasured;
-}
-
-Eigen::VectorXd usableWeight(const Problem& problem) {
-  Eigen::VectorXd w(problem.rowCount());
-  for (int i = 0; i < problem.rowCount(); ++i) w[i] = problem.uses(problem.rows()[i].observation) ? 1.0 : 0.0;
-  return w;
-}
-
-Eigen::VectorXd inverseOf(const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight) {
-  return weight.cwiseSqrt().cwiseQuotient(sigma);
-}
-
-int freeCount(const std::vector<char>& fixed) {
-  return static_cast<int>(std::count(fixed.begin(), fixed.end(), 0));
-}
-
-/// One fit and everything that belongs to it: polish, outliers, noise of each kind of row.
-class Fitter {
- public:
-  Fitter(const Problem& problem, const CalibrateOptions& options, Noise noise)
-      : problem_(problem), options_(options), noise(noise), weight(usableWeight(problem)) {}
-
-  void run(Eigen::VectorXd start, const std::vector<char>& fixed) {
-    x = std::move(start);
-    fit(fixed);
-    if (options_.rejectOutliers && !cancelled) soften(fixed);
-    for (int round = 0; round < 8 && !cancelled; ++round) {
-      const bool noiseMoved = estimateNoise(fixed);
-      Eigen::VectorXd next = usableWeight(problem_);
-      if (options_.rejectOutliers)
-        next = next.cwiseProduct(
-            outlierWeights(problem_, residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular)),
-                           freeCount(fixed)));
-      const bool same = next == weight;
-      weight = next;
-      if (same && !noiseMoved) break;
-      fit(fixed);
-    }
-    if (options_.rejectOutliers && !cancelled) {
-      const Eigen::VectorXd back =
-          reinstated(problem_, x, residuals, problem_.sigmas(noise.linear, noise.angular), weight, fixed);
-      if (back != weight) {
-        weight = back;
-        fit(fixed);
-      }
-    }
-    sigma = problem_.sigmas(noise.linear, noise.angular);
-  }
-
-  /// Without a search for outliers: the weights stay as they are.
-  void fitOnce(Eigen::VectorXd start, const std::vector<char>& fixed) {
-    x = std::move(start);
-    fit(fixed);
-    sigma = problem_.sigmas(noise.linear, noise.angular);
-  }
-
- private:
-  void fit(const std::vector<char>& fixed) {
-    PolishOptions polishing;
-    polishing.progress = [&](int iteration, double) {
-      if (options_.progress) options_.progress("polish", 1.0 - 1.0 / (1.0 + iteration));
-      return !(options_.cancelled && options_.cancelled());
-    };
-    const PolishResult p =
-        polish(problem_, x, fixed, problem_.sigmas(noise.linear, noise.angular), weight, polishing);
-    x = p.x;
-    iterations += p.iterations;
-    converged = p.converged;
-    cancelled = p.cancelled;
-    stop = p.stop;
-    residuals = problem_.residuals(x);
-  }
-
-  /// Gross outliers must not bend the fit that is to unmask them: two passes with Huber's weights.
-  void soften(const std::vector<char>& fixed) {
-    for (int pass = 0; pass < 3 && !cancelled; ++pass) {
-      const Eigen::VectorXd w = residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular));
-      const double bulk = robustSigma(std::vector<double>(w.data(), w.data() + w.size()));
-      if (!(bulk > 0.0) || w.cwiseAbs().maxCoeff() < 8.0 * bulk) return;
-      weight = usableWeight(problem_);
-      for (int i = 0; i < w.size(); ++i)
-        weight[i] *= std::min(1.0, 1.5 * bulk / std::max(std::abs(w[i]), 1e-300));
-      fit(fixed);
-    }
-  }
-
-  /// Rows of two kinds without stated noise are weighed by their own residuals. @return whether a weight
-  /// moved.
-  bool estimateNoise(const std::vector<char>& fixed) {
-    if (!has(problem_, true) || !has(problem_, false)) {
-      return false;
-    }
-    const int total = static_cast<int>((weight.array() > 0.0).count());
-    const double dof = std::max(0.05, 1.0 - static_cast<double>(freeCount(fixed)) / std::max(1, total));
-    bool moved = false;
-    const auto update = [&](bool angular, bool stated, double& value) {
-      const double rms = rmsOf(problem_, residuals, weight, angular, nullptr, true) / std::sqrt(dof);
-      if (stated || !(rms > 0.0)) return;
-      moved |= std::abs(rms / value - 1.0) > 1e-3;
-      value = rms;
-    };
-    update(false, noise.linearStated, noise.linear);
-    update(true, noise.angularStated, noise.angular);
-    return moved;
-  }
-
-  const Problem& problem_;
-  const CalibrateOptions& options_;
-
- public:
-  Noise noise;
-  Eigen::VectorXd x, residuals, weight, sigma;
-  int iterations = 0;
-  bool converged = false, cancelled = false;
-  std::string stop;
-};
 
 ResidualFigures figuresOf(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& heldOut,
                           const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight, double dof,
@@ -263,27 +136,9 @@ Noise noiseOf(const Problem& problem, const CalibrateOptions& options) {
   return noise;
 }
 
-}  // namespace
-
-Method methodOf(const std::string& name) {
-  if (name.empty() || name == "staged_mutation") return Method::kStagedMutation;
-  if (name == "niching") return Method::kNiching;
-  if (name == "least_squares") return Method::kLeastSquares;
-  throw InputError("method '" + name + "' is not known; use staged_mutation, niching or least_squares");
-}
-
-std::string nameOf(Method method) {
-  return method == Method::kStagedMutation ? "staged_mutation"
-         : method == Method::kNiching      ? "niching"
-                                           : "least_squares";
-}
-
-double CalibrationResult::std(int unknown) const {
-  return std::sqrt(std::max(0.0, covariance(unknown, unknown)));
-}
-
-CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options,
-                            const Eigen::VectorXd& given) {
+/// Calibrates with the instrument's zeros as `datum` says.
+CalibrationResult calibrateFrom(const Session& session, Model model, const CalibrateOptions& options,
+                                const Eigen::VectorXd& given, Datum datum) {
   CalibrationResult result;
   Eigen::VectorXd start = given;
   Eigen::MatrixXd networkShift;
@@ -297,7 +152,7 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   result.seed = options.seed;
   const Machine machine = model.machine();
   const Domain domain = model.domain();
-  result.problem = std::make_shared<Problem>(session, std::move(model));
+  result.problem = std::make_shared<Problem>(session, std::move(model), datum);
   const Problem& problem = *result.problem;
   const Noise noise = noiseOf(problem, options);
 
@@ -309,7 +164,7 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
     held.assign(static_cast<std::size_t>(problem.unknownCount()), 0);
     std::fill(held.begin(), held.begin() + problem.model().parameterCount(), 1);
   }
-  result.identifiability = identify(problem, x, inverseOf(sigma0, weight0), true, held);
+  result.identifiability = identify(problem, gaugePoint(problem, x), inverseOf(sigma0, weight0), true, held);
   const int free = freeCount(result.identifiability.fixed);
   if (static_cast<int>((weight0.array() > 0.0).count()) + problem.priorCount() +
           static_cast<int>(problem.unitVectors().size()) <
@@ -408,6 +263,35 @@ CalibrationResult calibrate(const Session& session, Model model, const Calibrate
   result.before = figuresOf(nominal, before.residuals, beforeSummary.heldOut, fit.sigma, fit.weight,
                             beforeSummary.dof, 0.0);
   return result;
+}
+
+}  // namespace
+
+Method methodOf(const std::string& name) {
+  if (name.empty() || name == "staged_mutation") return Method::kStagedMutation;
+  if (name == "niching") return Method::kNiching;
+  if (name == "least_squares") return Method::kLeastSquares;
+  throw InputError("method '" + name + "' is not known; use staged_mutation, niching or least_squares");
+}
+
+std::string nameOf(Method method) {
+  return method == Method::kStagedMutation ? "staged_mutation"
+         : method == Method::kNiching      ? "niching"
+                                           : "least_squares";
+}
+
+double CalibrationResult::std(int unknown) const {
+  return std::sqrt(std::max(0.0, covariance(unknown, unknown)));
+}
+
+CalibrationResult calibrate(const Session& session, Model model, const CalibrateOptions& options,
+                            const Eigen::VectorXd& given) {
+  if (!lawMayStateDatum(session, model))
+    return calibrateFrom(session, std::move(model), options, given, Datum::kFree);
+  // a law written as a formula says where it starts, and is believed unless the data contradict it
+  CalibrationResult byLaw = calibrateFrom(session, model, options, given, Datum::kOfTheLaw);
+  if (byLaw.cancelled || !contradictsDatum(byLaw)) return byLaw;
+  return calibrateFrom(session, std::move(model), options, given, Datum::kFree);
 }
 
 }  // namespace mm

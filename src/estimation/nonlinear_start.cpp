@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
 namespace mm {
@@ -29,12 +30,9 @@ void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char
         for (int k = 0; k < model.effects()[other]->parameterCount(); ++k)
           without[model.offset(other) + k] = 1;
     const WhitenedSystem system(problem, x, inverseSigma, without);
-    const int columns = static_cast<int>(system.jacobian.cols()),
-              rows = static_cast<int>(system.jacobian.rows());
-    Eigen::MatrixXd q(rows, 0);
-    if (columns > 0 && rows > columns)
-      q = Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).householderQ() *
-          Eigen::MatrixXd::Identity(rows, columns);
+    const Eigen::Index rows = system.jacobian.rows();
+    const Eigen::MatrixXd q =
+        orthonormalBasis(rows > system.jacobian.cols() ? system.jacobian : Eigen::MatrixXd(rows, 0));
     Eigen::VectorXd target = -system.residuals;
     target -= q * (q.transpose() * target);
     problem.linearise(x);

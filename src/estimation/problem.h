@@ -38,6 +38,10 @@ struct UnitVector {
   double weight(const Eigen::VectorXd& inverseSigma) const;
 };
 
+/// What deviations without a setup count from: a zero of the instrument, free along each component (it has a
+/// datum of its own); or where the model's formulas say that they start.
+enum class Datum { kFree, kOfTheLaw };
+
 /// One scalar residual of the data.
 struct ResidualRow {
   int observation = 0;
@@ -68,10 +72,11 @@ class Problem {
 
   /// @param session must outlive the problem. @throw InputError when a session cannot be used with the model
   /// (no observations, unknown feature, missing input of an effect).
-  Problem(const Session& session, Model model);
+  Problem(const Session& session, Model model, Datum datum = Datum::kFree);
 
   const Session& session() const { return *session_; }
   const Model& model() const { return model_; }
+  Datum datum() const { return datum_; }
   const std::vector<Unknown>& unknowns() const { return unknowns_; }
   const std::vector<ResidualRow>& rows() const { return rows_; }
   int unknownCount() const { return static_cast<int>(unknowns_.size()); }
@@ -122,6 +127,7 @@ class Problem {
 
   const Session* session_;
   Model model_;
+  Datum datum_;
   std::shared_ptr<SessionStates> states_;
   Eigen::Matrix3d rotation0_ = Eigen::Matrix3d::Identity();  // start of the artifact's pose
   std::vector<Eigen::Vector3d> featureStart_;                // artifact frame, m

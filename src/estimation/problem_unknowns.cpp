@@ -32,7 +32,8 @@ const char* const kAxisNames[] = {"x", "y", "z"};
 
 }  // namespace
 
-Problem::Problem(const Session& session, Model model) : session_(&session), model_(std::move(model)) {
+Problem::Problem(const Session& session, Model model, Datum datum)
+    : session_(&session), model_(std::move(model)), datum_(datum) {
   if (session.observations.empty())
     throw InputError(session.source +
                      ": the session has no observations; record contacts or references first");
@@ -163,18 +164,12 @@ void Problem::addUnknowns() {
            1.0 / kMicrometre, 1e-6, 1e-2, 0.0, features[f].radiusStd});
     }
   }
-  // one zero a setup and measured component; rows without a setup share one too, unless the model is the
-  // user's own law from end to end: an instrument measures from a datum of its own, a law written as a
-  // formula says where it starts
-  const auto& effects = model_.effects();
-  const bool lawOnly =
-      !effects.empty() && std::all_of(effects.begin(), effects.end(),
-                                      [](const EffectPtr& e) { return e->spec().type == "formula"; });
+  // one zero a setup and measured component; rows without a setup share one too
   const int named = static_cast<int>(session_->setups.size());
   for (const Observation& o : session_->observations)
-    setupOf_.push_back(o.setup >= 0                                        ? o.setup
-                       : o.kind == ObservationKind::kDeviation && !lawOnly ? named
-                                                                           : -1);
+    setupOf_.push_back(o.setup >= 0                                                      ? o.setup
+                       : o.kind == ObservationKind::kDeviation && datum_ == Datum::kFree ? named
+                                                                                         : -1);
   const int width = std::max(3, model_.machine().jointCount());
   setupOffset_.assign((named + 1) * width, -1);
   for (const ResidualRow& row : rows_) {

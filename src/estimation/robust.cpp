@@ -161,13 +161,14 @@ Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, con
   const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
   const int used = static_cast<int>((weight.array() > 0.0).count());
   if (columns == 0 || rows < columns || used <= columns) return result;
-  const Eigen::MatrixXd r =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).matrixQR().topRows(columns);
+  // an unknown without influence here has no leverage either
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(system.jacobian);
+  const Eigen::MatrixXd r = qr.matrixQR().topLeftCorner(qr.rank(), qr.rank());
   const double limit = outlyingLimit(used - columns);
   const double spread = system.residuals.squaredNorm() / (used - columns);
   for (int i : out) {
-    const Eigen::VectorXd leverage =
-        r.triangularView<Eigen::Upper>().transpose().solve(left.jacobian.row(i).transpose());
+    const Eigen::VectorXd own = (left.jacobian.row(i) * qr.colsPermutation()).transpose().head(qr.rank());
+    const Eigen::VectorXd leverage = r.triangularView<Eigen::Upper>().transpose().solve(own);
     const double expected = spread * (1.0 + leverage.squaredNorm());
     const double size = residuals[i] / sigma[i];
     if (!(size * size > limit * limit * expected)) result[i] = 1.0;

@@ -1,6 +1,7 @@
 #include "estimation/thin_qr.h"
 
 #include <Eigen/Dense>
+#include <cmath>
 
 namespace mm {
 
@@ -101,6 +102,31 @@ ThinQr thinQr(const Eigen::MatrixXd& jacobian, const std::vector<LocalBlock>& bl
   for (Eigen::Index i = 0; i < rows; ++i)
     if (localRow[i] == 0) result.q.block(i, local, 1, shared) = lastQ.row(filled++);
   return result;
+}
+
+Eigen::MatrixXd orthonormalBasis(Eigen::MatrixXd columns) {
+  constexpr double kRounding = 1e-11;  // of a column's own length
+  using Qr = Eigen::HouseholderQR<Eigen::MatrixXd>;
+  Eigen::Index kept = 0;
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    const double norm = columns.col(c).norm();
+    if (norm > 0.0) columns.col(kept++) = columns.col(c) / norm;
+  }
+  columns.conservativeResize(Eigen::NoChange, kept);
+  if (kept == 0 || columns.rows() < kept) return Eigen::MatrixXd(columns.rows(), 0);
+  std::vector<Eigen::Index> fresh;
+  {
+    const Qr all(columns);
+    for (Eigen::Index c = 0; c < kept; ++c)
+      if (std::abs(all.matrixQR()(c, c)) > kRounding) fresh.push_back(c);
+    if (static_cast<Eigen::Index>(fresh.size()) == kept)
+      return all.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), kept);
+  }
+  for (std::size_t k = 0; k < fresh.size(); ++k)
+    columns.col(static_cast<Eigen::Index>(k)) = columns.col(fresh[k]);
+  kept = static_cast<Eigen::Index>(fresh.size());
+  columns.conservativeResize(Eigen::NoChange, kept);
+  return Qr(columns).householderQ() * Eigen::MatrixXd::Identity(columns.rows(), kept);
 }
 
 }  // namespace mm

@@ -31,4 +31,8 @@ struct ThinQr {
 /// @param jacobian at least as many rows as columns. @param blocks disjoint in rows and in columns.
 ThinQr thinQr(const Eigen::MatrixXd& jacobian, const std::vector<LocalBlock>& blocks, bool wantQ);
 
+/// Orthonormal basis of what the columns span. A column that is zero, or that those before it span but for
+/// rounding, adds none: its remainder would be a direction of chance that absorbs whatever lies along it.
+Eigen::MatrixXd orthonormalBasis(Eigen::MatrixXd columns);
+
 }  // namespace mm

@@ -129,7 +129,7 @@ PostureAdvice proposePostures(const Problem& problem, const Eigen::VectorXd& x,
   next.source = problem.session().source;
   for (const Candidate& c : candidates)
     next.observations.insert(next.observations.end(), c.contacts.begin(), c.contacts.end());
-  const Problem future(next, problem.model());
+  const Problem future(next, problem.model(), problem.datum());
   if (future.unknownCount() != problem.unknownCount()) return advice;
 
   const int count = problem.unknownCount();

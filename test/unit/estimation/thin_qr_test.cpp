@@ -58,5 +58,21 @@ TEST(ThinQr, AllColumnsMayBeLocal) {
   expectQr(a, thinQr(a, blocks, true));
 }
 
+TEST(OrthonormalBasis, HasNoDirectionForAColumnThatTheOthersSpanOrThatIsZero) {
+  Eigen::MatrixXd a = blockMatrix({}, 15, 6);
+  a.col(1) = 3.0 * a.col(0) + 1e-14 * a.col(4);  // rounding
+  a.col(2).setZero();
+  a.col(5) = 1e-9 * a.col(3) + 1e-15 * a.col(5);  // small, but its own: judged against its own length
+  const Eigen::MatrixXd q = orthonormalBasis(a);
+  ASSERT_EQ(q.cols(), 4);
+  EXPECT_LT((q.transpose() * q - Eigen::MatrixXd::Identity(4, 4)).norm(), 1e-13);
+  for (const int c : {0, 1, 3, 4, 5}) {
+    const Eigen::VectorXd left = a.col(c) - q * (q.transpose() * a.col(c));
+    EXPECT_LT(left.norm(), 1e-12 * a.col(c).norm()) << c;
+  }
+  EXPECT_EQ(orthonormalBasis(Eigen::MatrixXd::Zero(4, 2)).cols(), 0);
+  EXPECT_EQ(orthonormalBasis(Eigen::MatrixXd(4, 0)).cols(), 0);
+}
+
 }  // namespace
 }  // namespace mm
