@@ -81,6 +81,42 @@ std::string wouldShowOf(const Problem& problem, int unknown, bool byConvention) 
   return "contacts spread over more of the ball, or over more balls";
 }
 
+/// Marks what is lost within one effect without a trace in the data, while the data determine the rest of
+/// that effect: a parameter whose column is zero, or, where only angles are measured, parameters whose
+/// columns cancel.
+/// @param scaled the Jacobian, columns in units of the bounds. @param inverseSigma a data row, 0: left out.
+void markNoInfluence(const Problem& problem, const Eigen::MatrixXd& scaled,
+                     const Eigen::VectorXd& inverseSigma, Identifiability& found) {
+  constexpr double kTrace = 1e-9, kOthers = 1e-6;  // of the columns' length; of the direction
+  const auto& unknowns = problem.unknowns();
+  bool angular = true;
+  for (int i = 0; i < problem.rowCount(); ++i)
+    angular &= problem.rows()[static_cast<std::size_t>(i)].angular || inverseSigma[i] == 0.0;
+  const auto ofEffect = [&](int unknown, int effect) {
+    return unknowns[unknown].kind == UnknownKind::kEffect && unknowns[unknown].owner == effect;
+  };
+  for (LostDirection& lost : found.lost) {
+    if (!lost.ofTheModel || unknowns[lost.fixedUnknown].kind != UnknownKind::kEffect) continue;
+    const int effect = unknowns[lost.fixedUnknown].owner;
+    bool determined = false;
+    for (int u = 0; u < problem.unknownCount(); ++u)
+      determined |= ofEffect(u, effect) && found.fixed[u] == 0 && scaled.col(u).norm() > 0.0;
+    if (!determined) continue;
+    Eigen::VectorXd trace = Eigen::VectorXd::Zero(scaled.rows());
+    double length = 0.0, others = 0.0;
+    for (const auto& [u, component] : lost.direction) {
+      trace += component * scaled.col(u);
+      length += std::abs(component) * scaled.col(u).norm();
+      if (!ofEffect(u, effect)) others += component * component;
+    }
+    const bool zero = scaled.col(lost.fixedUnknown).norm() == 0.0;
+    lost.noInfluence = zero || (angular && others < kOthers && trace.norm() < kTrace * length &&
+                                problem.model().effects()[static_cast<std::size_t>(effect)]->separable());
+    if (lost.noInfluence && angular)
+      lost.wouldShow = "contacts or positions (columns reference_) would show it: angles alone do not";
+  }
+}
+
 /// What is held cannot be lost: its column is a measurement of itself alone.
 void holdColumns(Eigen::MatrixXd& scaled, const std::vector<char>& held) {
   constexpr double kKnown = 1e3;
@@ -106,8 +142,7 @@ std::string displayName(const Problem& problem, int unknown) {
 }
 
 bool Identifiability::incomplete() const {
-  return std::any_of(lost.begin(), lost.end(),
-                     [](const LostDirection& l) { return l.ofTheModel && !l.byConvention; });
+  return std::any_of(lost.begin(), lost.end(), [](const LostDirection& l) { return l.lacking(); });
 }
 
 Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
@@ -186,6 +221,7 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
     next = rest * basis.rightCols(rest.cols() - 1);
     rest = next;
   }
+  markNoInfluence(problem, scaled, inverseSigma, result);
   int fixedParameters = 0;
   for (int u = 0; u < count; ++u)
     fixedParameters += result.fixed[u] && unknowns[u].kind == UnknownKind::kEffect;

@@ -15,8 +15,13 @@ struct LostDirection {
   int fixedUnknown = -1;      // held at its start value so that the rest is determined
   bool byConvention = false;  // a choice of frame: nothing that can be measured depends on it
   bool ofTheModel = false;    // involves the effects' parameters
+  bool noInfluence = false;  // within one effect that is determined but for it: nothing measured here depends
+                             // on it (a displacement where only angles were measured)
   std::string inWords;
   std::string wouldShow;  // the measurement that would determine it
+
+  /// True when the calibration lacks it: a parameter is lost that no convention fixes.
+  bool lacking() const { return ofTheModel && !byConvention && !noInfluence; }
 };
 
 /// What a session determines of a model: found from the scaled Jacobian before the first step.
@@ -25,7 +30,7 @@ struct Identifiability {
   int parameters = 0;
   std::vector<LostDirection> lost;
   std::vector<char> fixed;  // an unknown
-  /// True when a parameter is lost that no convention fixes.
+  /// True when a direction is lacking.
   bool incomplete() const;
 };
 

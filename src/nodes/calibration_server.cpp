@@ -24,8 +24,7 @@ std::string doubtsOf(const CalibrationResult& result) {
   if (result.cancelled) return "cancelled; what is kept is the best found so far";
   if (!result.converged) return "not converged (" + result.stop + "); try another seed, or a simpler model";
   for (const LostDirection& l : result.identifiability.lost)
-    if (l.ofTheModel && !l.byConvention)
-      return "not determined by this session: " + l.inWords + "; " + l.wouldShow;
+    if (l.lacking()) return "not determined by this session: " + l.inWords + "; " + l.wouldShow;
   return {};
 }
 

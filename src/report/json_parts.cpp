@@ -58,6 +58,7 @@ Json identifiabilityJson(const Problem& problem, const Identifiability& found, c
     one["fixed_by"] =
         displayName(problem, l.fixedUnknown) + " = " + sixDigits(x[l.fixedUnknown] * fixed.toUnit);
     one["by_convention"] = l.byConvention;
+    one["no_influence"] = l.noInfluence;
     one["in_words"] = l.inWords;
     one["would_show"] = l.wouldShow;
     object["lost"].push_back(std::move(one));

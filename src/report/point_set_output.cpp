@@ -61,8 +61,11 @@ std::string modelText(const PointSet& set) {
   std::string text = format("\nThe model: %d of %d parameters are determined\n", id.rank, id.parameters);
   for (const LostDirection& l : id.lost)
     if (l.ofTheModel)
-      text += "  lost: " + l.inWords + (l.byConvention ? " (held by convention)" : "") + "; " + l.wouldShow +
-              "\n";
+      text += "  lost: " + l.inWords +
+              (l.byConvention  ? " (held by convention)"
+               : l.noInfluence ? " (held: nothing measured depends on it)"
+                               : "") +
+              "; " + l.wouldShow + "\n";
   for (const WeakParameter& w : set.weak)
     text += "  weak: " + w.name + " only to ± " + sixDigits(std::stod(format("%.2g", w.std))) +
             (w.unit == "1" ? "" : " " + w.unit) + "\n";

@@ -56,8 +56,11 @@ std::string lostText(const CalibrationResult& r) {
     if (!l.ofTheModel) continue;
     const Unknown& fixed = r.problem->unknowns()[static_cast<std::size_t>(l.fixedUnknown)];
     text += "  " + l.inWords + "\n    held: " + displayName(*r.problem, l.fixedUnknown) + " = " +
-            sixDigits(r.x[l.fixedUnknown] * fixed.toUnit) + (l.byConvention ? ", by convention" : "") + "; " +
-            l.wouldShow + "\n";
+            sixDigits(r.x[l.fixedUnknown] * fixed.toUnit) +
+            (l.byConvention  ? ", by convention"
+             : l.noInfluence ? ", as nothing measured here depends on it"
+                             : "") +
+            "; " + l.wouldShow + "\n";
   }
   if (text.empty()) return {};
   return "Not determined by this session\n" + text;

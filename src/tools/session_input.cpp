@@ -70,8 +70,7 @@ int verdictOf(const CalibrationResult& result) {
   else if (!result.converged)
     say("not converged (" + result.stop + "); try another --seed, or a simpler model");
   for (const LostDirection& l : result.identifiability.lost)
-    if (l.ofTheModel && !l.byConvention)
-      say("not determined by this session: " + l.inWords + "; " + l.wouldShow);
+    if (l.lacking()) say("not determined by this session: " + l.inWords + "; " + l.wouldShow);
   return status;
 }
 
