@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
 namespace mm {
@@ -101,6 +102,18 @@ void standsApart(const View& view, const std::vector<double>& r, const std::vect
   }
 }
 
+/// Variance that the fit gives to the value of a row, in units of the residuals' variance. An unknown that
+/// the others leave nothing of has no part in it. @param row of the Jacobian's columns.
+double leverageOf(const ThinQr& qr, const Eigen::RowVectorXd& row) {
+  constexpr double kRounding = 1e-11;  // of a column's own length
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(row.size());
+  for (Eigen::Index k = 0; k < row.size(); ++k) {
+    if (!(std::abs(qr.r(k, k)) > kRounding * qr.r.col(k).head(k + 1).norm())) continue;
+    y[k] = (row[qr.order[static_cast<std::size_t>(k)]] - qr.r.col(k).head(k).dot(y.head(k))) / qr.r(k, k);
+  }
+  return y.squaredNorm();
+}
+
 }  // namespace
 
 double robustSigma(std::vector<double> values) {
@@ -161,15 +174,11 @@ Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, con
   const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
   const int used = static_cast<int>((weight.array() > 0.0).count());
   if (columns == 0 || rows < columns || used <= columns) return result;
-  // an unknown without influence here has no leverage either
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(system.jacobian);
-  const Eigen::MatrixXd r = qr.matrixQR().topLeftCorner(qr.rank(), qr.rank());
+  const ThinQr qr = thinQr(system.jacobian, localBlocks(problem, system.jacobian, system.free), false);
   const double limit = outlyingLimit(used - columns);
   const double spread = system.residuals.squaredNorm() / (used - columns);
   for (int i : out) {
-    const Eigen::VectorXd own = (left.jacobian.row(i) * qr.colsPermutation()).transpose().head(qr.rank());
-    const Eigen::VectorXd leverage = r.triangularView<Eigen::Upper>().transpose().solve(own);
-    const double expected = spread * (1.0 + leverage.squaredNorm());
+    const double expected = spread * (1.0 + leverageOf(qr, left.jacobian.row(i)));
     const double size = residuals[i] / sigma[i];
     if (!(size * size > limit * limit * expected)) result[i] = 1.0;
   }
