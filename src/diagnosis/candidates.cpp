@@ -3,17 +3,20 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "effects/registry.h"
 #include "machine/cancel_scope.h"
 #include "machine/error.h"
 #include "machine/two_threads.h"
+#include "machine/units.h"
 
 namespace mm {
 namespace {
 
 /// Distinct positions that a periodic term of an axis needs: its parameters and three more.
 constexpr int kMoreThanParameters = 3;
+const char* const kScrew = "lead_screw_periodic";
 
 bool sameSpec(const EffectSpec& a, const EffectSpec& b) {
   if (a.type != b.type || a.keys.size() != b.keys.size()) return false;
@@ -83,13 +86,68 @@ Eigen::MatrixXd CandidateSet::columnsAt(const ResidualSpace& space, int candidat
   return columns;
 }
 
-CandidateSet makeCandidates(const ResidualSpace& space) {
+std::vector<EffectSpec> harmonicsOf(const EffectSpec& screw, double period) {
+  const char* key = screw.find("period_deg") != nullptr ? "period_deg" : "period_mm";
+  const double unit = key == std::string("period_deg") ? kDegree : kMillimetre;
+  std::vector<EffectSpec> specs;
+  for (const int harmonic : {2, 3}) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", period / harmonic / unit);
+    specs.push_back(EffectSpec(screw.type).set("axis", screw.text("axis")).set(key, std::string(text)));
+  }
+  return specs;
+}
+
+namespace {
+
+/// Whether the session cannot show an effect for reasons that need no columns; empty: it may.
+std::string notTried(const Problem& problem, const Candidate& c) {
+  const Domain& domain = problem.model().domain();
+  std::string why;
+  for (const char* key :
+       {"axis", "of", "with", "joint"}) {  // a law of a position needs more than one position
+    const int joint = domain.findJoint(c.spec.text(key));
+    const bool names = c.spec.type == "thermal_bending" || c.spec.type == "backlash" ||
+                       c.spec.type.rfind("rotary_zero", 0) == 0;
+    if (joint < 0 || names || domain.upper[joint] - domain.lower[joint] > 1e-9) continue;
+    why = c.spec.text(key) + " never moved";
+  }
+  if (c.spec.type == kScrew && why.empty()) {
+    const int joint = domain.findJoint(c.spec.text("axis"));
+    if (joint >= 0 && distinctPositions(problem, joint) < c.freeParameters + kMoreThanParameters)
+      why = "too few distinct positions of " + c.spec.text("axis") + " to tell a period";
+  }
+  return why;
+}
+
+/// The model's screws at their fitted periods: their harmonics.
+std::vector<EffectSpec> harmonicsInModel(const ResidualSpace& space) {
+  const Model& model = space.problem().model();
+  std::vector<EffectSpec> specs;
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    const Effect& effect = *model.effects()[e];
+    if (effect.spec().type != kScrew || effect.nonlinearParameters().empty()) continue;
+    const double period =
+        space.fitted().x[model.offset(static_cast<int>(e)) + effect.nonlinearParameters()[0]];
+    for (EffectSpec& spec : harmonicsOf(effect.spec(), period)) specs.push_back(std::move(spec));
+  }
+  return specs;
+}
+
+}  // namespace
+
+CandidateSet makeCandidates(const ResidualSpace& space, const std::vector<EffectSpec>& extra) {
   CandidateSet set;
   const Problem& problem = space.problem();
   const Domain& domain = problem.model().domain();
+  std::vector<EffectSpec> harmonics = harmonicsInModel(space);
+  harmonics.insert(harmonics.end(), extra.begin(), extra.end());
   for (const EffectType& type : effectRegistry()) {
     if (type.composite || !type.candidates) continue;
-    for (const EffectSpec& spec : type.candidates(domain)) {
+    std::vector<EffectSpec> specs = type.candidates(domain);
+    for (const EffectSpec& spec : harmonics)
+      if (spec.type == type.type) specs.push_back(spec);
+    for (const EffectSpec& spec : specs) {
       const auto& in = problem.model().effects();
       if (std::any_of(in.begin(), in.end(), [&](const EffectPtr& e) { return sameSpec(e->spec(), spec); }))
         continue;
@@ -100,23 +158,8 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
       for (int k = 0; k < c.effect->parameterCount(); ++k)
         if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) c.linear.push_back(k);
       c.freeParameters = c.effect->parameterCount();
-      c.tried = true;
-      for (const char* key :
-           {"axis", "of", "with", "joint"}) {  // a law of a position needs more than one position
-        const int joint = domain.findJoint(spec.text(key));
-        const bool names = type.type == "thermal_bending" || type.type == "backlash" ||
-                           type.type.rfind("rotary_zero", 0) == 0;
-        if (joint < 0 || names || domain.upper[joint] - domain.lower[joint] > 1e-9) continue;
-        c.tried = false;
-        c.why = spec.text(key) + " never moved";
-      }
-      if (type.type == "lead_screw_periodic" && c.tried) {
-        const int joint = domain.findJoint(spec.text("axis"));
-        if (joint >= 0 && distinctPositions(problem, joint) < c.freeParameters + kMoreThanParameters) {
-          c.tried = false;
-          c.why = "too few distinct positions of " + spec.text("axis") + " to tell a period";
-        }
-      }
+      c.why = notTried(problem, c);
+      c.tried = c.why.empty();
       set.candidates.push_back(std::move(c));
     }
   }
@@ -138,7 +181,7 @@ CandidateSet makeCandidates(const ResidualSpace& space) {
       std::string why;
       // a wave of which the session saw less than two lengths is a smooth profile, not a period
       double longest = 1e300;
-      if (c.spec.type == "lead_screw_periodic") {
+      if (c.spec.type == kScrew) {
         const int joint = domain.findJoint(c.spec.text("axis"));
         if (joint >= 0) longest = 0.5 * (domain.upper[joint] - domain.lower[joint]);
       }

@@ -48,7 +48,12 @@ struct CandidateSet {
                             const std::vector<double>& nonlinear) const;
 };
 
-/// @param model its effects are not candidates again with the same keys; composites are none.
-CandidateSet makeCandidates(const ResidualSpace& space);
+/// The effects of the model are no candidates again with the same keys; composites are none. A screw whose
+/// period the model has may also err at its harmonics: these are candidates.
+/// @param extra further ones.
+CandidateSet makeCandidates(const ResidualSpace& space, const std::vector<EffectSpec>& extra = {});
+
+/// Second and third harmonic of a screw, gear or belt as effects of their own. @param period m or rad.
+std::vector<EffectSpec> harmonicsOf(const EffectSpec& screw, double period);
 
 }  // namespace mm

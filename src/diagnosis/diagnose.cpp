@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "diagnosis/alternatives.h"
 #include "diagnosis/judge.h"
@@ -61,11 +62,18 @@ class Diagnoser {
     // found in
     CalibrationResult fitted = out_.base;
     std::vector<Chosen> before;
+    std::vector<EffectSpec> harmonics;
     for (int round = 0;; ++round) {
-      Round now(fitted);
-      now.search.cancelled = options_.cancelled;
+      auto at = std::make_unique<Round>(fitted, harmonics);
+      at->search.cancelled = options_.cancelled;
       report("search", 0.2 + 0.2 * round);
-      const Subset found = now.search.run();
+      Subset found = at->search.run();
+      if (addHarmonics(*at, found, harmonics)) {
+        at = std::make_unique<Round>(fitted, harmonics);
+        at->search.cancelled = options_.cancelled;
+        found = at->search.run();
+      }
+      const Round& now = *at;
       if (round == 0) {
         const HeldOutJudge judge(now.space);
         listCandidates(now, judge);
@@ -138,6 +146,26 @@ class Diagnoser {
       first += candidate.effect->parameterCount();
     }
     return start;
+  }
+
+  /// Harmonics of the screws that were found, where they explain more beside them.
+  static bool addHarmonics(const Round& round, const Subset& found, std::vector<EffectSpec>& harmonics) {
+    bool added = false;
+    for (const Chosen& c : found.chosen) {
+      const EffectSpec& screw = round.set.candidates[c.candidate].spec;
+      if (screw.type != "lead_screw_periodic" || c.nonlinear.empty()) continue;
+      for (const EffectSpec& spec : harmonicsOf(screw, c.nonlinear[0])) {
+        const EffectPtr effect = createEffect(spec, round.space.problem().model().domain());
+        std::vector<double> p;
+        for (const Parameter& q : effect->parameters()) p.push_back(q.start);
+        Eigen::MatrixXd columns = round.space.columns(*effect, p);
+        round.space.project(columns);
+        if (!round.search.beyond(found, columns, round.set.logTried)) continue;
+        harmonics.push_back(spec);
+        added = true;
+      }
+    }
+    return added;
   }
 
   CandidateResult resultOf(const Round& round, const HeldOutJudge& judge, const Subset& rest,
@@ -279,6 +307,7 @@ class Diagnoser {
       out_.formulas.push_back({f.formula.spec, f.before * unit, f.after * unit});
     out_.where =
         explainedByVariable(round.space, round.space.target(), Eigen::MatrixXd(round.space.length(), 0));
+    out_.formulaFirst = beyond.formulaFirst && !out_.formulas.empty();
     const bool unknown = !out_.formulas.empty() || beyond.beyondShapes;
     const bool confusable = std::any_of(out_.missing.begin(), out_.missing.end(),
                                         [](auto& m) { return !m.confusableWith.empty(); });

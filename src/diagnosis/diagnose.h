@@ -70,6 +70,7 @@ struct Diagnosis {
   std::vector<CandidateResult> missing;     // accepted, in the order found
   std::vector<CandidateResult> candidates;  // every effect tried, best first
   std::vector<FormulaResult> formulas;
+  bool formulaFirst = false;  // the first formula explains more than any effect of `missing`
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;
   bool angular = false;  // RMS figures are rad

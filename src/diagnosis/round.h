@@ -7,8 +7,9 @@ namespace mm {
 
 /// Everything that belongs to one round of the search.
 struct Round {
-  explicit Round(const CalibrationResult& fitted)
-      : space(fitted), set(makeCandidates(space)), search(space, set) {}
+  /// @param extra candidates beside those of the registry.
+  explicit Round(const CalibrationResult& fitted, const std::vector<EffectSpec>& extra = {})
+      : space(fitted), set(makeCandidates(space, extra)), search(space, set) {}
   ResidualSpace space;
   CandidateSet set;
   SubsetSearch search;

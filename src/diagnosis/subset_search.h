@@ -74,6 +74,9 @@ class SubsetSearch {
   /// exactly a Legendre polynomial or one exponential: what lies in this span is the same cause in another
   /// shape before it is another cause.
   const Eigen::MatrixXd& shapeOf(const Chosen& chosen) const;
+  /// The same for causes that the model has in two shapes or more: a profile of several degrees rarely ends
+  /// with the last. @param explained what these effects do in the session, whitened, squared.
+  Eigen::MatrixXd shapesInModel(double& explained) const;
   /// Orthonormal columns of the subset and of the shapes of all its members (of those whose cause is not
   /// `but`).
   Eigen::MatrixXd withShapes(const Subset& subset, const EffectSpec* but = nullptr) const;
@@ -99,6 +102,8 @@ class SubsetSearch {
   double degreesOfFreedom() const { return dof_; }
 
  private:
+  /// Raw columns of an effect times low-order functions of its variables, projected.
+  Eigen::MatrixXd shaped(const EffectSpec& spec, const Eigen::MatrixXd& raw) const;
   void exchange(Subset& subset) const;
   /// One or two members against one cause in several shapes (degrees): a smooth profile is rarely one
   /// polynomial.

@@ -46,17 +46,8 @@ bool sameCause(const EffectSpec& a, const EffectSpec& b) {
   return true;
 }
 
-const Eigen::MatrixXd& SubsetSearch::shapeOf(const Chosen& chosen) const {
-  const auto key = std::make_pair(chosen.candidate, chosen.nonlinear);
-  const auto known = shapes_.find(key);
-  if (known != shapes_.end()) return known->second;
-  const Candidate& candidate = set_.candidates[chosen.candidate];
-  std::vector<double> p;
-  for (const Parameter& q : candidate.effect->parameters()) p.push_back(q.start);
-  const std::vector<int> nonlinear = candidate.effect->nonlinearParameters();
-  for (std::size_t k = 0; k < nonlinear.size(); ++k) p[nonlinear[k]] = chosen.nonlinear[k];
-  const Eigen::MatrixXd raw = space_.columns(*candidate.effect, p);
-  const std::set<std::string> names = variablesIn(candidate.spec);
+Eigen::MatrixXd SubsetSearch::shaped(const EffectSpec& spec, const Eigen::MatrixXd& raw) const {
+  const std::set<std::string> names = variablesIn(spec);
   std::vector<Eigen::VectorXd> columns;
   for (int k = 0; k < raw.cols(); ++k) {
     if (!(raw.col(k).norm() > 0.0)) continue;
@@ -79,7 +70,46 @@ const Eigen::MatrixXd& SubsetSearch::shapeOf(const Chosen& chosen) const {
   Eigen::MatrixXd all(space_.length(), columns.size());
   for (std::size_t k = 0; k < columns.size(); ++k) all.col(static_cast<int>(k)) = columns[k];
   space_.project(all);
-  return shapes_[key] = freshBasis(Eigen::MatrixXd(space_.length(), 0), all);
+  return all;
+}
+
+const Eigen::MatrixXd& SubsetSearch::shapeOf(const Chosen& chosen) const {
+  const auto key = std::make_pair(chosen.candidate, chosen.nonlinear);
+  const auto known = shapes_.find(key);
+  if (known != shapes_.end()) return known->second;
+  const Candidate& candidate = set_.candidates[chosen.candidate];
+  std::vector<double> p;
+  for (const Parameter& q : candidate.effect->parameters()) p.push_back(q.start);
+  const std::vector<int> nonlinear = candidate.effect->nonlinearParameters();
+  for (std::size_t k = 0; k < nonlinear.size(); ++k) p[nonlinear[k]] = chosen.nonlinear[k];
+  return shapes_[key] = freshBasis(Eigen::MatrixXd(space_.length(), 0),
+                                   shaped(candidate.spec, space_.columns(*candidate.effect, p)));
+}
+
+Eigen::MatrixXd SubsetSearch::shapesInModel(double& explained) const {
+  const Model& model = space_.problem().model();
+  const auto& effects = model.effects();
+  Eigen::MatrixXd all(space_.length(), 0);
+  explained = 0.0;
+  for (std::size_t e = 0; e < effects.size(); ++e) {
+    bool several = false;
+    for (std::size_t other = 0; other < effects.size(); ++other)
+      several |= other != e && sameCause(effects[other]->spec(), effects[e]->spec());
+    if (!several) continue;
+    std::vector<double> p;
+    Eigen::VectorXd values(effects[e]->parameterCount());
+    for (int k = 0; k < effects[e]->parameterCount(); ++k) {
+      p.push_back(space_.fitted().x[model.offset(static_cast<int>(e)) + k]);
+      values[k] = p.back() / effects[e]->parameters()[static_cast<std::size_t>(k)].scale;
+    }
+    for (const int k : effects[e]->nonlinearParameters()) values[k] = 0.0;
+    const Eigen::MatrixXd raw = space_.columns(*effects[e], p);
+    explained += (raw * values).squaredNorm();
+    const Eigen::MatrixXd fresh = freshBasis(all, shaped(effects[e]->spec(), raw));
+    all.conservativeResize(Eigen::NoChange, all.cols() + fresh.cols());
+    all.rightCols(fresh.cols()) = fresh;
+  }
+  return all;
 }
 
 Eigen::MatrixXd SubsetSearch::withShapes(const Subset& subset, const EffectSpec* but) const {

@@ -28,6 +28,29 @@ bool isProfile(const Round& round, const Subset& found, const FoundFormula& form
   });
 }
 
+/// What is left of the effects found when the formula counts beside them: one that is no longer significant
+/// stood in for a part of it. @param formulaFirst whether the formula explains more than any of them.
+Subset besideFormula(const Round& round, const FoundFormula& formula, Subset kept, bool& formulaFirst) {
+  const SubsetSearch& search = round.search;
+  for (;;) {
+    double smallest = 1e300, largest = 0.0;
+    std::size_t goes = kept.chosen.size();
+    for (std::size_t i = 0; i < kept.chosen.size(); ++i) {
+      const Subset rest = search.withColumns(search.without(kept, i), formula.columns);
+      const Gain gain = search.gainOf(rest, kept.chosen[i].candidate, kept.chosen[i].nonlinear, false);
+      largest = std::max(largest, gain.drop);
+      if (search.significant(gain) || gain.drop >= smallest) continue;
+      smallest = gain.drop;
+      goes = i;
+    }
+    if (goes == kept.chosen.size()) {
+      formulaFirst = kept.rss - search.withColumns(kept, formula.columns).rss > largest;
+      return kept;
+    }
+    kept = search.without(kept, goes);
+  }
+}
+
 /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
 /// beside some.
 void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, const Subset& found,
@@ -45,6 +68,12 @@ void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, con
   const double dof = search.degreesOfFreedom();
   double best = found.objective - kFormulaMargin;
   bool rest = true;  // something is left by the best so far
+  // a profile in other words is an answer only where the named ones leave structure, and it leaves none
+  const auto explainsAll = [&](const Subset& with, const FoundFormula& f) {
+    const Subset grown = search.withColumns(with, f.columns);
+    return beyondShapes &&
+           !isStructure(structureLeft(round.space, grown.left, grown.basis, search.modulations(with)));
+  };
   const auto consider = [&](const Subset& with) {
     step();
     std::vector<FoundFormula> tried = formulaSearch.run(with, dof, search.significance, 5);
@@ -54,7 +83,7 @@ void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, con
       tried.erase(std::remove_if(tried.begin(), tried.end(),
                                  [&](const FoundFormula& f) {
                                    return f.unknowns() > std::max(4, unknownsOf(found) - unknownsOf(with)) ||
-                                          isProfile(round, found, f);
+                                          (isProfile(round, found, f) && !explainsAll(with, f));
                                  }),
                   tried.end());
     if (tried.empty()) return;
@@ -106,12 +135,28 @@ UnknownEffect lookBeyond(const Round& round, const HeldOutJudge& judge, const Su
     const Subset wide = round.search.withColumns(found, round.search.withShapes(found));
     out.beyondShapes = isStructure(structureLeft(round.space, wide.left, wide.basis, modulations));
   }
-  out.shapeLeft = isStructure(structure) && !out.beyondShapes;
   out.kept = found;
+  if (out.beyondShapes) {
+    double explained = 0.0;
+    const Eigen::MatrixXd shapes = round.search.shapesInModel(explained);
+    if (shapes.cols() > 0 && structure.share * found.rss < kShapeOfNamed * explained) {
+      const Subset wide = round.search.withColumns(
+          found.chosen.empty() ? found : round.search.withColumns(found, round.search.withShapes(found)),
+          shapes);
+      if (!isStructure(structureLeft(round.space, wide.left, wide.basis, modulations))) {
+        out.beyondShapes = false;
+        out.shapeLeft = true;
+        return out;
+      }
+    }
+  }
+  out.shapeLeft = isStructure(structure) && !out.beyondShapes;
   const FormulaSearch formulaSearch(round.space);
   std::vector<FoundFormula> formulas;
   lookForFormulas(round, formulaSearch, found, isStructure(structure), out.beyondShapes, step, out.kept,
                   formulas);
+  if (!formulas.empty())
+    out.kept = besideFormula(round, formulas.front(), std::move(out.kept), out.formulaFirst);
   const double before = judge.rms(out.kept.basis);
   for (FoundFormula& f : formulas) {
     const double after = formulaSearch.heldOut(f, out.kept, judge);
@@ -122,6 +167,7 @@ UnknownEffect lookBeyond(const Round& round, const HeldOutJudge& judge, const Su
   if (replaces && (out.formulas.empty() || out.formulas[0].after > judge.rms(found.basis))) {
     out.kept = found;
     out.formulas.clear();
+    out.formulaFirst = false;
   }
   return out;
 }

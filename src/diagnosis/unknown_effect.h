@@ -20,6 +20,7 @@ struct UnknownEffect {
   bool shapeLeft = false;               // structure that is
   Subset kept;                          // the effects found, or those that stay beside the formulas
   std::vector<JudgedFormula> formulas;  // best first; each lowers the held-out RMS
+  bool formulaFirst = false;            // the best formula explains more than any of the effects kept
 };
 
 /// Whether structure is left, and whether a short formula explains more, for its length, than the effects of

@@ -7,13 +7,15 @@
 namespace mm {
 namespace {
 
+constexpr int kHighest = 5;
+
 class AngularMotion : public CatalogueEffect {
  public:
   explicit AngularMotion(SpecReader& read)
       : CatalogueEffect(read, Stage::kVolume),
         scaled_(read.domain(), read.joint("axis")),
         about_(read.axisOf("about")) {
-    degree_ = read.integer("degree", 1, 3, 1);
+    degree_ = read.integer("degree", 1, kHighest, 1);
     name_ = read.canonical().text("axis");
     parameters_ = {parameter("angle", kUnitArcsecond, kArcsecond, 0.02)};
   }
@@ -48,7 +50,7 @@ EffectType angularMotionType() {
     std::vector<EffectSpec> specs;
     for (const std::string& joint : jointNames(domain, JointKind::kLinear))
       for (int about = 0; about < 3; ++about)
-        for (int degree = 1; degree <= 3; ++degree) {
+        for (int degree = 1; degree <= kHighest; ++degree) {
           specs.push_back(EffectSpec("angular_motion").set("axis", joint).set("about", axisName(about)));
           if (degree > 1) specs.back().set("degree", degree);
         }

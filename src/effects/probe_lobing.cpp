@@ -12,8 +12,11 @@ namespace {
 class ProbeLobing : public CatalogueEffect {
  public:
   explicit ProbeLobing(SpecReader& read) : CatalogueEffect(read, Stage::kProbe) {
-    order_ = read.integer("order", 2, 4);
-    parameters_ = {errorParameter("S", JointKind::kLinear), errorParameter("K", JointKind::kLinear)};
+    order_ = read.integer("order", 0, 4);
+    if (order_ == 1)
+      read.fail("order 1 would move the tip, and the artifact's pose takes that up: 0, 2, 3 or 4");
+    if (order_ > 0) parameters_ = {errorParameter("S", JointKind::kLinear)};
+    parameters_.push_back(errorParameter("K", JointKind::kLinear));
   }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
@@ -25,12 +28,17 @@ class ProbeLobing : public CatalogueEffect {
     const double sine = elevation * std::sin(order_ * phi), cosine = elevation * std::cos(order_ * phi);
     for (int k = 0; k < 3; ++k) {
       const double component = touch == Touch::kKnown ? a[k] : kUnknown;
-      sink.add(layout_.volume(k), 0, p[0], component * sine);
-      sink.add(layout_.volume(k), 1, p[1], component * cosine);
+      const int last = order_ > 0 ? 1 : 0;
+      if (order_ > 0) sink.add(layout_.volume(k), 0, p[0], component * sine);
+      sink.add(layout_.volume(k), last, p[last], component * cosine);
     }
   }
 
   std::string cause() const override {
+    if (order_ == 0)
+      return "The probe needs another travel to trigger sideways than along the stylus: the stylus bends, "
+             "and the "
+             "lever to its seat is longer.";
     return "The probe needs more travel to trigger in some directions than in others: its seat on " +
            std::to_string(order_) + " points gives as many lobes around the stylus.";
   }
@@ -39,6 +47,7 @@ class ProbeLobing : public CatalogueEffect {
            "calibrated directions.";
   }
   std::string shownBy() const override {
+    if (order_ == 0) return "One ball touched all around its equator and at its pole.";
     return "One ball touched at twelve directions or more all around the stylus.";
   }
 
@@ -52,7 +61,7 @@ EffectType probeLobingType() {
   return effectType<ProbeLobing>("probe_lobing", {"order"}, [](const Domain& domain) {
     std::vector<EffectSpec> specs;
     if (domain.laser || ballNames(domain).empty()) return specs;
-    for (int order = 2; order <= 4; ++order) specs.push_back(EffectSpec("probe_lobing").set("order", order));
+    for (const int order : {0, 2, 3, 4}) specs.push_back(EffectSpec("probe_lobing").set("order", order));
     return specs;
   });
 }

@@ -58,9 +58,10 @@ std::string nextName(const std::string& file) {
 }  // namespace
 
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
-  const EffectSpec* next = !d.missing.empty()    ? &d.missing.front().effect
-                           : !d.formulas.empty() ? &d.formulas.front().effect
-                                                 : nullptr;
+  const bool formula = !d.formulas.empty() && (d.missing.empty() || d.formulaFirst);
+  const EffectSpec* next = formula             ? &d.formulas.front().effect
+                           : d.missing.empty() ? nullptr
+                                               : &d.missing.front().effect;
   if (next == nullptr) return {};
   return "mm add " + quoted(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
          " -o " + quoted(nextName(calibration));
