@@ -79,6 +79,9 @@ std::vector<Symbol> symbolsOf(const std::vector<Variable>& variables, const Doma
     } else if (joint >= 0) {
       s.kind = Symbol::Kind::kPosition;
       s.unit = length;
+    } else if (v.name == "laser reading") {
+      s.kind = Symbol::Kind::kPosition;
+      s.unit = length;
     } else if (domain.findSensor(v.symbol) >= 0) {
       s.kind = Symbol::Kind::kTemperature;
       s.text = "(" + v.symbol + "-20)";

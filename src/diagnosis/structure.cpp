@@ -185,8 +185,9 @@ std::vector<Variable> variablesOf(const ResidualSpace& space) {
     addVariable(variables, "ball", "",
                 collect([&](const State& s) { return s.feature < 0 ? kNotMeasured : s.feature; }), true);
   if (problem.session().hasLaser())
-    addVariable(variables, "laser reading", "", collect([&](const State& s) { return s.laserReading; }),
-                false);
+    addVariable(variables, "laser reading",
+                domain.laser && domain.findCovariate("reading") < 0 ? "reading" : "",
+                collect([&](const State& s) { return s.laserReading / kMillimetre; }), false);
   return variables;
 }
 

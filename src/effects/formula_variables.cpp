@@ -31,6 +31,9 @@ FormulaVariables::FormulaVariables(const Domain& domain) {
   for (std::size_t i = 0; i < domain.covariates.size(); ++i)
     define(domain.covariates[i], {Kind::kCovariate, static_cast<int>(i), 1.0,
                                   at(domain.covariateLower, i, -1.0), at(domain.covariateUpper, i, 1.0)});
+  constexpr double kHalfRange = 5e-3;  // m, to try a formula with: the range of a short triangulation probe
+  if (domain.laser && domain.findCovariate("reading") < 0)
+    define("reading", {Kind::kReading, 0, 1.0 / kMillimetre, -kHalfRange, kHalfRange});
 }
 
 void FormulaVariables::define(const std::string& name, const Variable& variable) {
@@ -49,6 +52,7 @@ void FormulaVariables::values(const State& state, const std::vector<int>& indice
     if (v.kind == Kind::kVelocity) value = state.velocity[v.index];
     if (v.kind == Kind::kTemperature) value = state.temperature[v.index];
     if (v.kind == Kind::kCovariate) value = state.covariate[v.index];
+    if (v.kind == Kind::kReading) value = state.laserReading;
     *out++ = value * v.factor;
   }
 }

@@ -9,7 +9,8 @@
 namespace mm {
 
 /// What a formula may use, by name and in the units of people: linear joints in mm, rotary in rad,
-/// `<joint>_velocity` in mm/s or rad/s, `t` in s, temperatures in degC, covariates in their own unit. A name
+/// `<joint>_velocity` in mm/s or rad/s, `t` in s, temperatures in degC, covariates in their own unit,
+/// `reading` of a laser probe in mm. A name
 /// with characters that a formula cannot hold is written with `_` in their place.
 class FormulaVariables {
  public:
@@ -21,7 +22,7 @@ class FormulaVariables {
   double sample(int index, std::mt19937_64& random) const;
 
  private:
-  enum class Kind { kPosition, kVelocity, kTime, kTemperature, kCovariate };
+  enum class Kind { kPosition, kVelocity, kTime, kTemperature, kCovariate, kReading };
   struct Variable {
     Kind kind;
     int index;
