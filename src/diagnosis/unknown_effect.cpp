@@ -105,7 +105,8 @@ void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, con
       return;
     }
     const double objective = tried[0].objective + with.penalty;
-    if (objective >= best) return;
+    // beside effects that have a name rather than in their place, where the data hardly decide
+    if (objective >= best - (formulas.empty() || &with == &found ? 0.0 : kFormulaMargin)) return;
     best = objective;
     const Subset grown = search.withColumns(with, tried[0].columns);
     rest = isStructure(structureLeft(round.space, grown.left, grown.basis, search.modulations(with)));
