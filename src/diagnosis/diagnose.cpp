@@ -68,10 +68,17 @@ class Diagnoser {
       at->search.cancelled = options_.cancelled;
       report("search", 0.2 + 0.2 * round);
       Subset found = at->search.run();
-      if (addHarmonics(*at, found, harmonics)) {
-        at = std::make_unique<Round>(fitted, harmonics);
-        at->search.cancelled = options_.cancelled;
-        found = at->search.run();
+      std::vector<EffectSpec> more = harmonics;
+      if (addHarmonics(*at, found, more)) {
+        auto other = std::make_unique<Round>(fitted, more);
+        other->search.cancelled = options_.cancelled;
+        Subset again = other->search.run();
+        // they refine what was found; where another cause would go for them, many waves only imitate it
+        if (keepsCauses(*at, found, *other, again)) {
+          at = std::move(other);
+          found = std::move(again);
+          harmonics = std::move(more);
+        }
       }
       const Round& now = *at;
       if (round == 0) {
@@ -166,6 +173,15 @@ class Diagnoser {
       }
     }
     return added;
+  }
+
+  static bool keepsCauses(const Round& before, const Subset& was, const Round& after, const Subset& is) {
+    return std::all_of(was.chosen.begin(), was.chosen.end(), [&](const Chosen& c) {
+      const EffectSpec& cause = before.set.candidates[c.candidate].spec;
+      return std::any_of(is.chosen.begin(), is.chosen.end(), [&](const Chosen& other) {
+        return sameCause(after.set.candidates[other.candidate].spec, cause);
+      });
+    });
   }
 
   CandidateResult resultOf(const Round& round, const HeldOutJudge& judge, const Subset& rest,
