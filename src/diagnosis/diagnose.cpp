@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "diagnosis/alternatives.h"
+#include "diagnosis/imitators.h"
 #include "diagnosis/judge.h"
 #include "diagnosis/next_measurement.h"
 #include "diagnosis/round.h"
@@ -283,7 +284,7 @@ class Diagnoser {
         i = 0;
       }
     }
-    found = inOrder(round, judge, found);
+    found = inOrder(round, judge, withoutImitators(round, found));
     const UnknownEffect beyond = lookBeyond(round, judge, found, [this] { report("unknown effects", 0.75); });
     out_.shapeLeft = beyond.shapeLeft;
     const Subset& kept = beyond.kept;

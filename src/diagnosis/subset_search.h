@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,13 @@ struct Gain {
   double logP = 0.0;       // F test, not corrected
 };
 
+/// What another shape of an effect of the model could do.
+struct ShapeInModel {
+  EffectSpec spec;
+  Eigen::MatrixXd columns;  // projected, orthonormal
+  double explained = 0.0;   // what the effect does in the session, whitened, squared
+};
+
 /// Which set of effects explains a residual: forward search with a beam, exchange of each member against
 /// every other candidate, and a backward look. Everything is judged after joint refit, by projection.
 class SubsetSearch {
@@ -74,9 +82,9 @@ class SubsetSearch {
   /// exactly a Legendre polynomial or one exponential: what lies in this span is the same cause in another
   /// shape before it is another cause.
   const Eigen::MatrixXd& shapeOf(const Chosen& chosen) const;
-  /// The same for causes that the model has in two shapes or more: a profile of several degrees rarely ends
-  /// with the last. @param explained what these effects do in the session, whitened, squared.
-  Eigen::MatrixXd shapesInModel(double& explained) const;
+  /// The same for the profiles that the model has already (straightness and the like, or a cause in several
+  /// shapes), which rarely end with the last degree.
+  const std::vector<ShapeInModel>& shapesInModel() const;
   /// Orthonormal columns of the subset and of the shapes of all its members (of those whose cause is not
   /// `but`).
   Eigen::MatrixXd withShapes(const Subset& subset, const EffectSpec* but = nullptr) const;
@@ -124,6 +132,7 @@ class SubsetSearch {
   const ResidualSpace& space_;
   const CandidateSet& set_;
   mutable std::map<std::pair<int, std::vector<double>>, Eigen::MatrixXd> shapes_;
+  mutable std::optional<std::vector<ShapeInModel>> inModel_;
   std::vector<Variable> variables_;
   std::vector<std::vector<int>> families_;
   double dof_ = 1.0;                    // residuals minus the model's unknowns

@@ -86,16 +86,17 @@ const Eigen::MatrixXd& SubsetSearch::shapeOf(const Chosen& chosen) const {
                                    shaped(candidate.spec, space_.columns(*candidate.effect, p)));
 }
 
-Eigen::MatrixXd SubsetSearch::shapesInModel(double& explained) const {
+const std::vector<ShapeInModel>& SubsetSearch::shapesInModel() const {
+  if (inModel_) return *inModel_;
+  inModel_.emplace();
   const Model& model = space_.problem().model();
   const auto& effects = model.effects();
-  Eigen::MatrixXd all(space_.length(), 0);
-  explained = 0.0;
   for (std::size_t e = 0; e < effects.size(); ++e) {
-    bool several = false;
+    const EffectSpec& spec = effects[e]->spec();
+    bool profile = spec.find("degree") != nullptr;
     for (std::size_t other = 0; other < effects.size(); ++other)
-      several |= other != e && sameCause(effects[other]->spec(), effects[e]->spec());
-    if (!several) continue;
+      profile |= other != e && sameCause(effects[other]->spec(), spec);
+    if (!profile) continue;
     std::vector<double> p;
     Eigen::VectorXd values(effects[e]->parameterCount());
     for (int k = 0; k < effects[e]->parameterCount(); ++k) {
@@ -104,12 +105,10 @@ Eigen::MatrixXd SubsetSearch::shapesInModel(double& explained) const {
     }
     for (const int k : effects[e]->nonlinearParameters()) values[k] = 0.0;
     const Eigen::MatrixXd raw = space_.columns(*effects[e], p);
-    explained += (raw * values).squaredNorm();
-    const Eigen::MatrixXd fresh = freshBasis(all, shaped(effects[e]->spec(), raw));
-    all.conservativeResize(Eigen::NoChange, all.cols() + fresh.cols());
-    all.rightCols(fresh.cols()) = fresh;
+    inModel_->push_back({spec, freshBasis(Eigen::MatrixXd(space_.length(), 0), shaped(spec, raw)),
+                         (raw * values).squaredNorm()});
   }
-  return all;
+  return *inModel_;
 }
 
 Eigen::MatrixXd SubsetSearch::withShapes(const Subset& subset, const EffectSpec* but) const {

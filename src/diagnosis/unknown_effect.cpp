@@ -8,8 +8,9 @@ namespace mm {
 namespace {
 
 constexpr double kShapeOfNamed =
-    0.5;                             // of what named effects explain: what their shape may explain beside it
-constexpr double kStructure = 1e-4;  // p-value below which structure is left
+    0.5;                         // of what named effects explain: what their shape may explain beside it
+constexpr double kLittle = 0.3;  // of what is left, that a profile's shape may be without a formula for it
+constexpr double kStructure = 1e-4;     // p-value below which structure is left
 constexpr double kFormulaMargin = 5.0;  // log-likelihood by which a formula must beat the catalogue
 
 /// Significant, and large enough to matter: a residual RMS more than about 2.5 % above the noise.
@@ -139,16 +140,17 @@ UnknownEffect lookBeyond(const Round& round, const HeldOutJudge& judge, const Su
   out.kept = found;
   if (out.beyondShapes) {
     double explained = 0.0;
-    const Eigen::MatrixXd shapes = round.search.shapesInModel(explained);
-    if (shapes.cols() > 0 && structure.share * found.rss < kShapeOfNamed * explained) {
-      const Subset wide = round.search.withColumns(
-          found.chosen.empty() ? found : round.search.withColumns(found, round.search.withShapes(found)),
-          shapes);
-      if (!isStructure(structureLeft(round.space, wide.left, wide.basis, modulations))) {
-        out.beyondShapes = false;
-        out.shapeLeft = true;
-        return out;
-      }
+    Subset wide =
+        found.chosen.empty() ? found : round.search.withColumns(found, round.search.withShapes(found));
+    for (const ShapeInModel& shape : round.search.shapesInModel()) {
+      explained += shape.explained;
+      wide = round.search.withColumns(wide, shape.columns);
+    }
+    if (structure.share < kLittle && structure.share * found.rss < kShapeOfNamed * explained &&
+        !isStructure(structureLeft(round.space, wide.left, wide.basis, modulations))) {
+      out.beyondShapes = false;
+      out.shapeLeft = true;
+      return out;
     }
   }
   out.shapeLeft = isStructure(structure) && !out.beyondShapes;

@@ -55,12 +55,17 @@ std::string sentenceOf(const Diagnosis& d, const std::vector<WhereItFails>& left
              ".";
     case Verdict::kExplained: {
       std::string text =
-          "Nothing is missing: no effect is significant and no structure is left in the residual";
+          d.shapeLeft
+              ? "Nothing is missing: no other effect is significant, and what is left depends on the "
+                "variables of "
+                "effects in the model, whose shape differs from the catalogue's"
+              : "Nothing is missing: no effect is significant and no structure is left in the residual";
       if (d.base.repeatabilityFrom == "estimated")
         return text + " (the repeatability was not stated: estimated as " + rms(d.base.repeatability) + ").";
       if (d.base.figures.chi2PerDof > 1.5)
         return text + "; its scatter is " + shortNumber(std::sqrt(d.base.figures.chi2PerDof)) +
-               " times the repeatability of " + rms(d.base.repeatability) + ", which seems stated too small.";
+               " times the repeatability of " + rms(d.base.repeatability) +
+               ": this is stated too small, or something acts that follows nothing that was logged.";
       return text + ", which is at the repeatability of " + rms(d.base.repeatability) + ".";
     }
     default:
