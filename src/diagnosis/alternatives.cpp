@@ -52,10 +52,10 @@ std::vector<Confusable> alternatives(const Round& round, const Subset& subset, s
   for (std::size_t also = 0; also < subset.chosen.size(); ++also) {
     Subset without = search.without(subset, std::max(also, member));
     if (also != member) without = search.without(without, std::min(also, member));
-    for (const std::vector<int>& family : search.families()) {
-      if (sameCause(specOf(family[0]), own)) continue;
-      const double delta = search.withFamily(without, family).objective - subset.objective;
-      const auto [at, fresh] = families.try_emplace(family[0], delta);
+    for (const Family& family : search.families()) {
+      if (sameCause(specOf(family.candidates[0]), own)) continue;
+      const double delta = search.objectiveWith(without, family) - subset.objective;
+      const auto [at, fresh] = families.try_emplace(family.candidates[0], delta);
       if (!fresh) at->second = std::min(at->second, delta);
     }
   }

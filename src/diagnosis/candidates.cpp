@@ -86,7 +86,10 @@ Eigen::MatrixXd CandidateSet::columnsAt(const ResidualSpace& space, int candidat
   return columns;
 }
 
-std::vector<EffectSpec> harmonicsOf(const EffectSpec& screw, double period) {
+std::vector<EffectSpec> harmonicsOf(const EffectSpec& screw, double period, const Domain& domain) {
+  constexpr double kTurns = 5.0;
+  const int joint = domain.findJoint(screw.text("axis"));
+  if (joint < 0 || domain.upper[joint] - domain.lower[joint] < kTurns * period) return {};
   const char* key = screw.find("period_deg") != nullptr ? "period_deg" : "period_mm";
   const double unit = key == std::string("period_deg") ? kDegree : kMillimetre;
   std::vector<EffectSpec> specs;
@@ -129,7 +132,8 @@ std::vector<EffectSpec> harmonicsInModel(const ResidualSpace& space) {
     if (effect.spec().type != kScrew || effect.nonlinearParameters().empty()) continue;
     const double period =
         space.fitted().x[model.offset(static_cast<int>(e)) + effect.nonlinearParameters()[0]];
-    for (EffectSpec& spec : harmonicsOf(effect.spec(), period)) specs.push_back(std::move(spec));
+    for (EffectSpec& spec : harmonicsOf(effect.spec(), period, model.domain()))
+      specs.push_back(std::move(spec));
   }
   return specs;
 }

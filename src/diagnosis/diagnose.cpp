@@ -162,8 +162,9 @@ class Diagnoser {
     for (const Chosen& c : found.chosen) {
       const EffectSpec& screw = round.set.candidates[c.candidate].spec;
       if (screw.type != "lead_screw_periodic" || c.nonlinear.empty()) continue;
-      for (const EffectSpec& spec : harmonicsOf(screw, c.nonlinear[0])) {
-        const EffectPtr effect = createEffect(spec, round.space.problem().model().domain());
+      const Domain& domain = round.space.problem().model().domain();
+      for (const EffectSpec& spec : harmonicsOf(screw, c.nonlinear[0], domain)) {
+        const EffectPtr effect = createEffect(spec, domain);
         std::vector<double> p;
         for (const Parameter& q : effect->parameters()) p.push_back(q.start);
         Eigen::MatrixXd columns = round.space.columns(*effect, p);

@@ -44,8 +44,8 @@ Subset withoutImitators(const Round& round, const Subset& found) {
     if (now >= objective) return;
     objective = now;
     best = rest;
-    for (const std::vector<int>& family : search.families()) {  // its own shapes take up what they can
-      if (!sameCause(round.set.candidates[family[0]].spec, cause)) continue;
+    for (const Family& family : search.families()) {  // its own shapes take up what they can
+      if (!sameCause(round.set.candidates[family.candidates[0]].spec, cause)) continue;
       const Subset grown = search.withFamily(rest, family);
       if (grown.objective < rest.objective) best = grown;
     }

@@ -21,26 +21,18 @@ void SubsetSearch::refineAll(Subset& subset) const {
   }
 }
 
-Subset SubsetSearch::withFamily(const Subset& rest, const std::vector<int>& family) const {
-  // the choice by Gram matrices of the few columns, each a candidate's; then one extension for each that was
-  // chosen
-  const int n = static_cast<int>(family.size());
-  Eigen::MatrixXd columns(space_.length(), n);
+std::vector<int> SubsetSearch::chooseShapes(const Subset& rest, const Family& family,
+                                            double& objective) const {
+  const int n = static_cast<int>(family.candidates.size());
+  const Eigen::MatrixXd absorbed = rest.basis.transpose() * family.columns;
+  Eigen::MatrixXd gram = family.gram - absorbed.transpose() * absorbed;
+  const Eigen::VectorXd size = family.gram.diagonal();
+  Eigen::VectorXd score = family.columns.transpose() * rest.left;
   std::vector<bool> left(n);
-  for (int k = 0; k < n; ++k) {
-    const auto atom = std::find_if(set_.atoms.begin(), set_.atoms.end(),
-                                   [&](const Atom& a) { return a.candidate == family[k]; });
-    left[k] = atom != set_.atoms.end() && !rest.contains(family[k]);
-    columns.col(k) =
-        left[k] ? Eigen::VectorXd(set_.columnsOf(*atom).col(0)) : Eigen::VectorXd::Zero(space_.length());
-  }
-  const Eigen::MatrixXd absorbed = rest.basis.transpose() * columns;
-  Eigen::MatrixXd gram = columns.transpose() * columns;
-  const Eigen::VectorXd size = gram.diagonal();
-  gram -= absorbed.transpose() * absorbed;
-  Eigen::VectorXd score = columns.transpose() * rest.left;
+  for (int k = 0; k < n; ++k) left[k] = size[k] > 0.0 && !rest.contains(family.candidates[k]);
   std::vector<int> chosen;
-  double rss = rest.rss, penalty = rest.penalty, objective = rest.objective;
+  double rss = rest.rss, penalty = rest.penalty;
+  objective = rest.objective;
   // the first shape may pay only together with the second: it is taken on trust
   for (int round = 0; round < n; ++round) {
     int best = -1;
@@ -51,7 +43,8 @@ Subset SubsetSearch::withFamily(const Subset& rest, const std::vector<int>& fami
       if (best < 0 || now < bestRss) best = k, bestRss = now;
     }
     if (best < 0) break;
-    const double price = round == 0 ? penaltyOf(rest, family[best]) : set_.candidates[family[best]].cost;
+    const int candidate = family.candidates[best];
+    const double price = round == 0 ? penaltyOf(rest, candidate) : set_.candidates[candidate].cost;
     const double next = 0.5 * dof_ * std::log(std::max(bestRss, 1e-300) / dof_) + penalty + price;
     if (round > 0 && next >= objective) break;
     objective = next;
@@ -63,8 +56,20 @@ Subset SubsetSearch::withFamily(const Subset& rest, const std::vector<int>& fami
     score -= column * score[best];
     gram -= column * gram.row(best).eval();
   }
+  return chosen;
+}
+
+double SubsetSearch::objectiveWith(const Subset& rest, const Family& family) const {
+  double objective = 0.0;
+  chooseShapes(rest, family, objective);
+  return objective;
+}
+
+Subset SubsetSearch::withFamily(const Subset& rest, const Family& family) const {
+  double objective = 0.0;
   Subset grown = rest;
-  for (int k : chosen) grown = extend(grown, {family[k], {}, columns.col(k)});
+  for (const int k : chooseShapes(rest, family, objective))
+    grown = extend(grown, {family.candidates[k], {}, family.columns.col(k)});
   return grown;
 }
 
@@ -76,7 +81,8 @@ bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
       for (std::size_t j = i; j < subset.chosen.size() && !again; ++j) {
         Subset rest = without(subset, j);
         if (i != j) rest = without(rest, i);
-        for (const std::vector<int>& family : families_) {
+        for (const Family& family : families_) {
+          if (objectiveWith(rest, family) >= subset.objective - 1e-6) continue;
           const Subset trial = withFamily(rest, family);
           if (trial.objective >= subset.objective - 1e-6) continue;
           subset = trial;

@@ -33,13 +33,22 @@ SubsetSearch::SubsetSearch(const ResidualSpace& space, const CandidateSet& set) 
   for (int i = 0; i < static_cast<int>(set.candidates.size()); ++i) {
     const Candidate& c = set.candidates[i];
     if (!c.tried || c.spec.find("degree") == nullptr) continue;
-    const auto same = std::find_if(families_.begin(), families_.end(), [&](const std::vector<int>& f) {
-      return sameCause(set.candidates[f[0]].spec, c.spec);
+    const auto same = std::find_if(families_.begin(), families_.end(), [&](const Family& f) {
+      return sameCause(set.candidates[f.candidates[0]].spec, c.spec);
     });
     if (same != families_.end())
-      same->push_back(i);
+      same->candidates.push_back(i);
     else
-      families_.push_back({i});
+      families_.push_back({{i}, {}, {}});
+  }
+  for (Family& f : families_) {
+    f.columns = Eigen::MatrixXd::Zero(space.length(), static_cast<Eigen::Index>(f.candidates.size()));
+    for (std::size_t k = 0; k < f.candidates.size(); ++k) {
+      const auto atom = std::find_if(set.atoms.begin(), set.atoms.end(),
+                                     [&](const Atom& a) { return a.candidate == f.candidates[k]; });
+      if (atom != set.atoms.end()) f.columns.col(static_cast<int>(k)) = set.columnsOf(*atom).col(0);
+    }
+    f.gram = f.columns.transpose() * f.columns;
   }
   for (const Atom& a : set.atoms) {
     const auto c = set.columns.middleCols(a.first, a.count);
@@ -271,9 +280,9 @@ Subset SubsetSearch::run() const {
     if (beam.size() > width) beam.resize(width);
     if (beam[0].objective < best.objective) best = beam[0];
   }
-  for (const std::vector<int>& family : families_) {  // shapes of which each alone says little
+  for (const Family& family : families_) {  // shapes of which each alone says little
+    if (objectiveWith(best, family) >= best.objective - kNewCause) continue;
     Subset grown = withFamily(best, family);
-    if (grown.objective >= best.objective - kNewCause) continue;
     prune(grown);
     if (grown.objective < best.objective) best = grown;
   }

@@ -48,6 +48,13 @@ struct Gain {
   double logP = 0.0;       // F test, not corrected
 };
 
+/// Candidates of one cause that has several shapes (degrees), each with one column.
+struct Family {
+  std::vector<int> candidates;
+  Eigen::MatrixXd columns;  // projected, in units of the parameters' scale; a candidate each
+  Eigen::MatrixXd gram;
+};
+
 /// What another shape of an effect of the model could do.
 struct ShapeInModel {
   EffectSpec spec;
@@ -100,10 +107,11 @@ class SubsetSearch {
   /// With one more effect where that pays, of another cause than candidate `but`: one effect may stand for
   /// two.
   Subset completed(const Subset& subset, int but) const;
-  /// `rest` with one cause added in as many of its shapes as pay; `rest` itself when none does.
-  Subset withFamily(const Subset& rest, const std::vector<int>& family) const;
-  /// Candidates of the same cause, for the causes that have several shapes.
-  const std::vector<std::vector<int>>& families() const { return families_; }
+  /// `rest` with one cause added in as many of its shapes as pay; `rest` itself when none can be.
+  Subset withFamily(const Subset& rest, const Family& family) const;
+  /// Its objective, without making it.
+  double objectiveWith(const Subset& rest, const Family& family) const;
+  const std::vector<Family>& families() const { return families_; }
   /// log of the p-value of a gain, corrected for the number of atoms tried.
   double correctedLogP(const Gain& gain) const;
   bool significant(const Gain& gain) const;
@@ -123,6 +131,8 @@ class SubsetSearch {
   /// Whether members take each other back, each far larger than what both explain. @param member one of them.
   bool cancelling(const Subset& subset, std::size_t& member) const;
   void refineAll(Subset& subset) const;
+  /// Places in the family that pay, in the order found. @param objective of the subset with them.
+  std::vector<int> chooseShapes(const Subset& rest, const Family& family, double& objective) const;
   Gain evaluate(const Subset& subset, int candidate, const std::vector<double>& nonlinear,
                 Eigen::MatrixXd columns) const;
   /// False when an effect would have to be larger than its parameters can plausibly be.
@@ -134,7 +144,7 @@ class SubsetSearch {
   mutable std::map<std::pair<int, std::vector<double>>, Eigen::MatrixXd> shapes_;
   mutable std::optional<std::vector<ShapeInModel>> inModel_;
   std::vector<Variable> variables_;
-  std::vector<std::vector<int>> families_;
+  std::vector<Family> families_;
   double dof_ = 1.0;                    // residuals minus the model's unknowns
   std::vector<Eigen::MatrixXd> grams_;  // an atom
 };
