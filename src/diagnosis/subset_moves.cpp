@@ -77,10 +77,14 @@ bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
   bool moved = false;
   for (bool again = true; again;) {
     again = false;
-    for (std::size_t i = 0; i < subset.chosen.size() && !again; ++i)
-      for (std::size_t j = i; j < subset.chosen.size() && !again; ++j) {
-        Subset rest = without(subset, j);
-        if (i != j) rest = without(rest, i);
+    const std::vector<Chosen> all = subset.chosen;
+    Subset before = empty();  // the members before i
+    for (std::size_t i = 0; i < all.size() && !again; before = extend(before, all[i++])) {
+      Subset between = before;  // and those between i and j
+      for (std::size_t j = i; j < all.size() && !again; ++j) {
+        if (j > i + 1) between = extend(between, all[j - 1]);
+        Subset rest = between;
+        for (std::size_t k = j + 1; k < all.size(); ++k) rest = extend(rest, all[k]);
         for (const Family& family : families_) {
           if (objectiveWith(rest, family) >= subset.objective - 1e-6) continue;
           const Subset trial = withFamily(rest, family);
@@ -90,6 +94,7 @@ bool SubsetSearch::exchangeForFamilies(Subset& subset) const {
           break;
         }
       }
+    }
   }
   return moved;
 }
