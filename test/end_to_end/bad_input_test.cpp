@@ -190,9 +190,9 @@ TEST_F(MmAnswers, TheMethodThatWasAskedFor) {
 }
 
 TEST_F(MmAnswers, InterruptedButNotLost) {
-  // a search that would take minutes, stopped after half a second
+  // a search that would take minutes, stopped after three seconds
   const std::string file = model("{type: scale, axis: x}, {type: backlash, axis: x}");
-  const std::string command = "timeout -s INT 0.5 '" MM_PROGRAM "' calibrate " + folder_ / "s.bag" +
+  const std::string command = "timeout -s INT 3 '" MM_PROGRAM "' calibrate " + folder_ / "s.bag" +
                               " --model " + file + " -o " + folder_ / "c.yaml" +
                               " --generations 10000000 --stages 10000000:1 2>" + folder_ / "err.txt" + " >" +
                               folder_ / "out.txt";
