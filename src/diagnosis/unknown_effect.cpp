@@ -8,7 +8,9 @@ namespace mm {
 namespace {
 
 constexpr double kShapeOfNamed =
-    0.5;                         // of what named effects explain: what their shape may explain beside it
+    0.5;  // of what named effects explain: what their shape may explain beside it
+constexpr double kWorthSaying =
+    0.95;                        // of the held-out RMS: noise that follows itself yields formulas of less
 constexpr double kLittle = 0.3;  // of what is left, that a profile's shape may be without a formula for it
 constexpr double kStructure = 1e-4;     // p-value below which structure is left
 constexpr double kFormulaMargin = 5.0;  // log-likelihood by which a formula must beat the catalogue
@@ -163,7 +165,7 @@ UnknownEffect lookBeyond(const Round& round, const HeldOutJudge& judge, const Su
   const double before = judge.rms(out.kept.basis);
   for (FoundFormula& f : formulas) {
     const double after = formulaSearch.heldOut(f, out.kept, judge);
-    if (after < before) out.formulas.push_back({std::move(f), before, after});
+    if (after < kWorthSaying * before) out.formulas.push_back({std::move(f), before, after});
   }
   // a formula takes the place of effects only where it does as well on held-out data
   const bool replaces = out.kept.chosen.size() < found.chosen.size();
