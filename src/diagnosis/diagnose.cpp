@@ -21,7 +21,10 @@
 namespace mm {
 namespace {
 
-constexpr double kStable = 0.3;     // share of resampled sessions in which an effect must be the choice
+constexpr double kStable = 0.3;   // share of resampled sessions in which an effect must be the choice
+constexpr double kChance = 1.05;  // what an effect of chance may lower the held-out RMS by
+constexpr double kAlike = 0.7;    // of what an effect explains, that others in its place explain
+constexpr std::size_t kMostAlike = 4;
 constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 
 Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
@@ -312,11 +315,16 @@ class Diagnoser {
           apart.push_back(v);
       r.stability = stability(round.space, round.set, rest, own, apart, round.search.degreesOfFreedom(),
                               options_.seed + i);
-      if (r.stability < kStable) {  // chance: without it, then
-        out_.missing.clear();
+      if (r.stability < kStable && judge.rms(rest.basis) < kChance * judge.rms(kept.basis)) {
+        out_.missing.clear();  // without it, then
         conclude(round, round.search.without(kept, i));
         return;
       }
+      if (r.stability < kStable)  // something like it acts: what takes its place is as likely
+        for (const Gain& v : apart)
+          if (v.drop > kAlike * own.drop && r.confusableWith.size() < kMostAlike)
+            r.confusableWith.push_back(
+                {round.set.candidates[v.candidate].spec, std::max(0.0, v.objective - own.objective)});
       out_.missing.push_back(std::move(r));
       grown = round.search.extend(grown, c);
     }

@@ -8,7 +8,8 @@ namespace mm {
 namespace {
 
 constexpr double kShapeOfNamed =
-    0.5;  // of what named effects explain: what their shape may explain beside it
+    0.5;                    // of what named effects explain: what their shape may explain beside it
+constexpr int kSimple = 4;  // unknowns of a formula that may take the place of a named effect
 constexpr double kWorthSaying =
     0.95;                        // of the held-out RMS: noise that follows itself yields formulas of less
 constexpr double kLittle = 0.3;  // of what is left, that a profile's shape may be without a formula for it
@@ -31,27 +32,46 @@ bool isProfile(const Round& round, const Subset& found, const FoundFormula& form
   });
 }
 
+int unknownsOf(const Round& round, const Subset& subset) {
+  int n = 0;
+  for (const Chosen& c : subset.chosen) n += round.set.candidates[c.candidate].freeParameters;
+  return n;
+}
+
+/// Whether a formula is simple enough to take the place of effects with a name.
+bool simpleBeside(const FoundFormula& formula, int replaced) {
+  return formula.unknowns() <= std::max(kSimple, replaced);
+}
+
 /// What is left of the effects found when the formula counts beside them: one that is no longer significant
 /// stood in for a part of it. @param formulaFirst whether the formula explains more than any of them.
-Subset besideFormula(const Round& round, const FoundFormula& formula, Subset kept, bool& formulaFirst) {
+Subset besideFormula(const Round& round, const FoundFormula& formula, const Subset& found,
+                     bool& formulaFirst) {
   const SubsetSearch& search = round.search;
+  const auto gainIn = [&](const Subset& subset, std::size_t i) {
+    const Chosen& c = subset.chosen[i];
+    return search.gainOf(search.withColumns(search.without(subset, i), formula.columns), c.candidate,
+                         c.nonlinear, false);
+  };
+  Subset kept = found;
   for (;;) {
-    double smallest = 1e300, largest = 0.0;
+    double smallest = 1e300;
     std::size_t goes = kept.chosen.size();
     for (std::size_t i = 0; i < kept.chosen.size(); ++i) {
-      const Subset rest = search.withColumns(search.without(kept, i), formula.columns);
-      const Gain gain = search.gainOf(rest, kept.chosen[i].candidate, kept.chosen[i].nonlinear, false);
-      largest = std::max(largest, gain.drop);
+      const Gain gain = gainIn(kept, i);
       if (search.significant(gain) || gain.drop >= smallest) continue;
       smallest = gain.drop;
       goes = i;
     }
-    if (goes == kept.chosen.size()) {
-      formulaFirst = kept.rss - search.withColumns(kept, formula.columns).rss > largest;
-      return kept;
-    }
+    if (goes == kept.chosen.size()) break;
     kept = search.without(kept, goes);
   }
+  if (!simpleBeside(formula, unknownsOf(round, found) - unknownsOf(round, kept))) kept = found;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < kept.chosen.size(); ++i) largest = std::max(largest, gainIn(kept, i).drop);
+  formulaFirst =
+      simpleBeside(formula, 0) && kept.rss - search.withColumns(kept, formula.columns).rss > largest;
+  return kept;
 }
 
 /// Whether a short formula explains more, for its length, than the effects of the catalogue do, alone or
@@ -61,11 +81,6 @@ void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, con
                      std::vector<FoundFormula>& formulas) {
   const SubsetSearch& search = round.search;
   const int causes = search.causes(found);
-  const auto unknownsOf = [&](const Subset& s) {
-    int n = 0;
-    for (const Chosen& chosen : s.chosen) n += round.set.candidates[chosen.candidate].freeParameters;
-    return n;
-  };
   const bool left = structure || formulaSearch.promising(found, search.degreesOfFreedom());
   if (!left && causes < 2) return;
   const double dof = search.degreesOfFreedom();
@@ -85,7 +100,8 @@ void lookForFormulas(const Round& round, const FormulaSearch& formulaSearch, con
     if (&with != &found)
       tried.erase(std::remove_if(tried.begin(), tried.end(),
                                  [&](const FoundFormula& f) {
-                                   return f.unknowns() > std::max(4, unknownsOf(found) - unknownsOf(with)) ||
+                                   return !simpleBeside(f,
+                                                        unknownsOf(round, found) - unknownsOf(round, with)) ||
                                           (isProfile(round, found, f) && !explainsAll(with, f));
                                  }),
                   tried.end());
@@ -160,8 +176,7 @@ UnknownEffect lookBeyond(const Round& round, const HeldOutJudge& judge, const Su
   std::vector<FoundFormula> formulas;
   lookForFormulas(round, formulaSearch, found, isStructure(structure), out.beyondShapes, step, out.kept,
                   formulas);
-  if (!formulas.empty())
-    out.kept = besideFormula(round, formulas.front(), std::move(out.kept), out.formulaFirst);
+  if (!formulas.empty()) out.kept = besideFormula(round, formulas.front(), out.kept, out.formulaFirst);
   const double before = judge.rms(out.kept.basis);
   for (FoundFormula& f : formulas) {
     const double after = formulaSearch.heldOut(f, out.kept, judge);
