@@ -3,13 +3,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "diagnosis/harmonics.h"
 #include "effects/registry.h"
 #include "machine/cancel_scope.h"
 #include "machine/error.h"
 #include "machine/two_threads.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {
@@ -86,21 +85,6 @@ Eigen::MatrixXd CandidateSet::columnsAt(const ResidualSpace& space, int candidat
   return columns;
 }
 
-std::vector<EffectSpec> harmonicsOf(const EffectSpec& screw, double period, const Domain& domain) {
-  constexpr double kTurns = 5.0;
-  const int joint = domain.findJoint(screw.text("axis"));
-  if (joint < 0 || domain.upper[joint] - domain.lower[joint] < kTurns * period) return {};
-  const char* key = screw.find("period_deg") != nullptr ? "period_deg" : "period_mm";
-  const double unit = key == std::string("period_deg") ? kDegree : kMillimetre;
-  std::vector<EffectSpec> specs;
-  for (const int harmonic : {2, 3}) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", period / harmonic / unit);
-    specs.push_back(EffectSpec(screw.type).set("axis", screw.text("axis")).set(key, std::string(text)));
-  }
-  return specs;
-}
-
 namespace {
 
 /// Whether the session cannot show an effect for reasons that need no columns; empty: it may.
@@ -121,21 +105,6 @@ std::string notTried(const Problem& problem, const Candidate& c) {
       why = "too few distinct positions of " + c.spec.text("axis") + " to tell a period";
   }
   return why;
-}
-
-/// The model's screws at their fitted periods: their harmonics.
-std::vector<EffectSpec> harmonicsInModel(const ResidualSpace& space) {
-  const Model& model = space.problem().model();
-  std::vector<EffectSpec> specs;
-  for (std::size_t e = 0; e < model.effects().size(); ++e) {
-    const Effect& effect = *model.effects()[e];
-    if (effect.spec().type != kScrew || effect.nonlinearParameters().empty()) continue;
-    const double period =
-        space.fitted().x[model.offset(static_cast<int>(e)) + effect.nonlinearParameters()[0]];
-    for (EffectSpec& spec : harmonicsOf(effect.spec(), period, model.domain()))
-      specs.push_back(std::move(spec));
-  }
-  return specs;
 }
 
 }  // namespace

@@ -53,8 +53,4 @@ struct CandidateSet {
 /// @param extra further ones.
 CandidateSet makeCandidates(const ResidualSpace& space, const std::vector<EffectSpec>& extra = {});
 
-/// Second and third harmonic of a screw, gear or belt as effects of their own. None of one of which the
-/// session saw less than five turns: with harmonics that is any profile. @param period m or rad.
-std::vector<EffectSpec> harmonicsOf(const EffectSpec& screw, double period, const Domain& domain);
-
 }  // namespace mm

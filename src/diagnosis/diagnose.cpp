@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "diagnosis/alternatives.h"
+#include "diagnosis/harmonics.h"
 #include "diagnosis/imitators.h"
 #include "diagnosis/judge.h"
 #include "diagnosis/next_measurement.h"
@@ -72,12 +73,12 @@ class Diagnoser {
       at->search.cancelled = options_.cancelled;
       report("search", 0.2 + 0.2 * round);
       Subset found = at->search.run();
-      std::vector<EffectSpec> more = harmonics;
-      if (addHarmonics(*at, found, more)) {
+      std::vector<EffectSpec> more = harmonicsBeside(*at, found);
+      if (!more.empty()) {
+        more.insert(more.end(), harmonics.begin(), harmonics.end());
         auto other = std::make_unique<Round>(fitted, more);
         other->search.cancelled = options_.cancelled;
         Subset again = other->search.run();
-        // they refine what was found; where another cause would go for them, many waves only imitate it
         if (keepsCauses(*at, found, *other, again)) {
           at = std::move(other);
           found = std::move(again);
@@ -157,36 +158,6 @@ class Diagnoser {
       first += candidate.effect->parameterCount();
     }
     return start;
-  }
-
-  /// Harmonics of the screws that were found, where they explain more beside them.
-  static bool addHarmonics(const Round& round, const Subset& found, std::vector<EffectSpec>& harmonics) {
-    bool added = false;
-    for (const Chosen& c : found.chosen) {
-      const EffectSpec& screw = round.set.candidates[c.candidate].spec;
-      if (screw.type != "lead_screw_periodic" || c.nonlinear.empty()) continue;
-      const Domain& domain = round.space.problem().model().domain();
-      for (const EffectSpec& spec : harmonicsOf(screw, c.nonlinear[0], domain)) {
-        const EffectPtr effect = createEffect(spec, domain);
-        std::vector<double> p;
-        for (const Parameter& q : effect->parameters()) p.push_back(q.start);
-        Eigen::MatrixXd columns = round.space.columns(*effect, p);
-        round.space.project(columns);
-        if (!round.search.beyond(found, columns, round.set.logTried)) continue;
-        harmonics.push_back(spec);
-        added = true;
-      }
-    }
-    return added;
-  }
-
-  static bool keepsCauses(const Round& before, const Subset& was, const Round& after, const Subset& is) {
-    return std::all_of(was.chosen.begin(), was.chosen.end(), [&](const Chosen& c) {
-      const EffectSpec& cause = before.set.candidates[c.candidate].spec;
-      return std::any_of(is.chosen.begin(), is.chosen.end(), [&](const Chosen& other) {
-        return sameCause(after.set.candidates[other.candidate].spec, cause);
-      });
-    });
   }
 
   CandidateResult resultOf(const Round& round, const HeldOutJudge& judge, const Subset& rest,

@@ -1,6 +1,5 @@
 #include "report/report_contents.h"
 
-
 #include "machine/error.h"
 #include "machine/utc_now.h"
 #include "model/model_spec.h"
