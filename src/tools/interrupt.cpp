@@ -1,15 +1,29 @@
 #include "tools/interrupt.h"
 
 #include <csignal>
+#include <ctime>
 
 namespace mm {
 namespace {
 
 volatile std::sig_atomic_t askedToStop = 0;
+timespec askedAt{};
 
+/// `timeout -s INT` and some shells send the signal to the program and to its group: twice at once is once.
 void onInterrupt(int signal) {
-  askedToStop = 1;
+  constexpr double kAtOnce = 0.5;  // s
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (askedToStop == 0) {
+    askedAt = now;
+    askedToStop = 1;
+    return;
+  }
+  const double apart = static_cast<double>(now.tv_sec - askedAt.tv_sec) +
+                       1e-9 * static_cast<double>(now.tv_nsec - askedAt.tv_nsec);
+  if (apart < kAtOnce) return;
   std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 }  // namespace

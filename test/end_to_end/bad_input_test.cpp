@@ -190,7 +190,8 @@ TEST_F(MmAnswers, TheMethodThatWasAskedFor) {
 }
 
 TEST_F(MmAnswers, InterruptedButNotLost) {
-  // a search that would take minutes, stopped after three seconds
+  // a search that would take minutes, stopped after three seconds; `timeout` signals the program and its
+  // group
   const std::string file = model("{type: scale, axis: x}, {type: backlash, axis: x}");
   const std::string command = "timeout -s INT 3 '" MM_PROGRAM "' calibrate " + folder_ / "s.bag" +
                               " --model " + file + " -o " + folder_ / "c.yaml" +
