@@ -364,21 +364,6 @@ class Diagnoser {
 
 }  // namespace
 
-std::string nameOf(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kInsufficientData:
-      return "insufficient_data";
-    case Verdict::kUnknownEffect:
-      return "unknown_effect";
-    case Verdict::kConfusable:
-      return "confusable";
-    case Verdict::kMissingEffect:
-      return "missing_effect";
-    default:
-      return "explained";
-  }
-}
-
 Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options,
                    const Eigen::VectorXd& start) {
   Diagnosis out;

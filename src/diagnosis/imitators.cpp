@@ -4,30 +4,6 @@
 #include <cmath>
 
 namespace mm {
-namespace {
-
-/// @param cause whose members stay. @param shapes columns that its other shapes would give.
-Subset beside(const Round& round, Subset subset, const EffectSpec& cause, const Eigen::MatrixXd& shapes) {
-  const SubsetSearch& search = round.search;
-  for (;;) {
-    double smallest = 1e300;
-    std::size_t goes = subset.chosen.size();
-    for (std::size_t i = 0; i < subset.chosen.size(); ++i) {
-      const Chosen& c = subset.chosen[i];
-      if (sameCause(round.set.candidates[c.candidate].spec, cause)) continue;
-      const Gain gain = search.gainOf(search.withColumns(search.without(subset, i), shapes), c.candidate,
-                                      c.nonlinear, false);
-      if (search.significant(gain) || gain.drop >= smallest) continue;
-      smallest = gain.drop;
-      goes = i;
-    }
-    if (goes == subset.chosen.size()) return subset;
-    subset = search.without(subset, goes);
-  }
-}
-
-}  // namespace
-
 Subset withoutImitators(const Round& round, const Subset& found) {
   if (found.chosen.empty()) return found;
   const SubsetSearch& search = round.search;
@@ -35,7 +11,7 @@ Subset withoutImitators(const Round& round, const Subset& found) {
   Subset best = found;
   double objective = found.objective;
   const auto consider = [&](const EffectSpec& cause, const Eigen::MatrixXd& shapes) {
-    const Subset rest = beside(round, found, cause, shapes);
+    const Subset rest = search.countingBeside(found, shapes, &cause);
     if (rest.chosen.size() == found.chosen.size()) return;
     const Subset wide = search.withColumns(rest, shapes);
     const double unknowns = static_cast<double>(wide.basis.cols() - rest.basis.cols());

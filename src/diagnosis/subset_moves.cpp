@@ -108,6 +108,30 @@ Subset SubsetSearch::completed(const Subset& subset, int but) const {
   return subset;
 }
 
+Gain SubsetSearch::gainBeside(const Subset& subset, std::size_t member,
+                              const Eigen::MatrixXd& columns) const {
+  const Chosen& c = subset.chosen[member];
+  return gainOf(withColumns(without(subset, member), columns), c.candidate, c.nonlinear, false);
+}
+
+Subset SubsetSearch::countingBeside(const Subset& subset, const Eigen::MatrixXd& columns,
+                                    const EffectSpec* spared) const {
+  Subset kept = subset;
+  for (;;) {
+    double smallest = 1e300;
+    std::size_t goes = kept.chosen.size();
+    for (std::size_t i = 0; i < kept.chosen.size(); ++i) {
+      if (spared != nullptr && sameCause(set_.candidates[kept.chosen[i].candidate].spec, *spared)) continue;
+      const Gain gain = gainBeside(kept, i, columns);
+      if (significant(gain) || gain.drop >= smallest) continue;
+      smallest = gain.drop;
+      goes = i;
+    }
+    if (goes == kept.chosen.size()) return kept;
+    kept = without(kept, goes);
+  }
+}
+
 void SubsetSearch::exchange(Subset& subset) const {
   const bool large = space_.length() > kLargeSession;
   for (int round = 0; round < 12; ++round) {

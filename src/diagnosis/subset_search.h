@@ -80,6 +80,12 @@ class SubsetSearch {
   Subset without(const Subset& subset, std::size_t member) const;
   /// What is left when further columns explain what they can; the chosen effects stay.
   Subset withColumns(const Subset& subset, const Eigen::MatrixXd& columns) const;
+  /// Without the members that are no longer significant beside further columns, the least first.
+  /// @param spared members of this cause stay.
+  Subset countingBeside(const Subset& subset, const Eigen::MatrixXd& columns,
+                        const EffectSpec* spared = nullptr) const;
+  /// What a member explains beside the others and further columns.
+  Gain gainBeside(const Subset& subset, std::size_t member, const Eigen::MatrixXd& columns) const;
   /// The best `count` candidates to add, nonlinear parameters refined, best first.
   std::vector<Gain> bestGains(const Subset& subset, int count, bool refine) const;
   /// Gain of one candidate near given nonlinear values.

@@ -48,27 +48,11 @@ bool simpleBeside(const FoundFormula& formula, int replaced) {
 Subset besideFormula(const Round& round, const FoundFormula& formula, const Subset& found,
                      bool& formulaFirst) {
   const SubsetSearch& search = round.search;
-  const auto gainIn = [&](const Subset& subset, std::size_t i) {
-    const Chosen& c = subset.chosen[i];
-    return search.gainOf(search.withColumns(search.without(subset, i), formula.columns), c.candidate,
-                         c.nonlinear, false);
-  };
-  Subset kept = found;
-  for (;;) {
-    double smallest = 1e300;
-    std::size_t goes = kept.chosen.size();
-    for (std::size_t i = 0; i < kept.chosen.size(); ++i) {
-      const Gain gain = gainIn(kept, i);
-      if (search.significant(gain) || gain.drop >= smallest) continue;
-      smallest = gain.drop;
-      goes = i;
-    }
-    if (goes == kept.chosen.size()) break;
-    kept = search.without(kept, goes);
-  }
+  Subset kept = search.countingBeside(found, formula.columns);
   if (!simpleBeside(formula, unknownsOf(round, found) - unknownsOf(round, kept))) kept = found;
   double largest = 0.0;
-  for (std::size_t i = 0; i < kept.chosen.size(); ++i) largest = std::max(largest, gainIn(kept, i).drop);
+  for (std::size_t i = 0; i < kept.chosen.size(); ++i)
+    largest = std::max(largest, search.gainBeside(kept, i, formula.columns).drop);
   formulaFirst =
       simpleBeside(formula, 0) && kept.rss - search.withColumns(kept, formula.columns).rss > largest;
   return kept;

@@ -23,6 +23,21 @@ std::string shortNumber(double value) {
   return text;
 }
 
+std::string nameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kInsufficientData:
+      return "insufficient_data";
+    case Verdict::kUnknownEffect:
+      return "unknown_effect";
+    case Verdict::kConfusable:
+      return "confusable";
+    case Verdict::kMissingEffect:
+      return "missing_effect";
+    default:
+      return "explained";
+  }
+}
+
 std::string sentenceOf(const Diagnosis& d, const std::vector<WhereItFails>& left) {
   const double unit = d.angular ? kArcsecond : kMicrometre;
   const std::string name = d.angular ? " arcsec" : " um";
@@ -65,7 +80,9 @@ std::string sentenceOf(const Diagnosis& d, const std::vector<WhereItFails>& left
       if (d.base.figures.chi2PerDof > 1.5)
         return text + "; its scatter is " + shortNumber(std::sqrt(d.base.figures.chi2PerDof)) +
                " times the repeatability of " + rms(d.base.repeatability) +
-               ": this is stated too small, or something acts that follows nothing that was logged.";
+               ": this is stated too small, or something acts that follows nothing that was logged; repeat "
+               "one "
+               "contact twenty times to tell which.";
       return text + ", which is at the repeatability of " + rms(d.base.repeatability) + ".";
     }
     default:
