@@ -22,28 +22,78 @@ struct NamedValue {
   double value = 0.0, std = 0.0;
 };
 
-/// An effect that the data cannot tell from another one.
+/// An explanation that the data cannot tell from the one that is named.
 struct Confusable {
   EffectSpec effect;
-  double delta = 0.0;  // difference of the penalised log-likelihoods after refit; at most 3
+  double delta = 0.0;  // log evidence of the named one minus that of this one, nats; below 3
+  double odds = 0.0;   // posterior probability of this one among the named one and all its rivals, 0 … 1
+  /// The two are one error told in two frames: no measurement on this machine tells them apart.
+  bool same = false;
+  /// Not empty: an input of it that the session did not record, so that it can only be excluded by recording it.
+  std::string notRecorded;
+  std::string moves;  // in words, what would tell them apart; empty where `same`
 };
 
 /// One effect of the catalogue, judged on the session.
 struct CandidateResult {
   EffectSpec effect;
   std::vector<NamedValue> parameters;
-  double pValue = 1.0;     // corrected for everything tried
-  double stability = 0.0;  // share of resampled blocks in which it is still the choice
+  double gain = 0.0;    // log evidence with it minus without, everything refitted, nats
+  double odds = 0.0;    // posterior probability that it acts, against its rivals and chance, 0 … 1
+  double pValue = 1.0;  // a bound from `gain`, corrected for every cause that was asked
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // RMS, m (rad for angular sessions)
   double size = 0.0;  // RMS of its contribution after refit, m (rad for angular sessions)
   std::vector<Confusable> confusableWith;
+  /// Time drift explains as well what it explains (it is then listed in `drift[].perhaps` too).
+  bool confusableWithDrift = false;
   std::string cause, remedy;
 };
 
-/// A formula that explains what no effect of the catalogue does.
+/// A smooth function of one recorded variable, or of two, that no effect of the catalogue explains.
+struct ProfileResult {
+  EffectSpec effect;                    // type profile: ready to be added
+  std::string direction;                // a joint, x, y, z of workpiece, or approach
+  std::vector<std::string> variables;   // one or two, as in formulas
+  std::vector<std::string> units;       // of the variables: "mm", "deg", "s", "degC" …
+  double gain = 0.0, odds = 0.0;        // as in CandidateResult
+  double heldOutBefore = 0.0, heldOutAfter = 0.0;  // m (rad)
+  /// Of one variable: its value (in `units`), the error, its standard deviation (um; arcsec for rotary). Of two:
+  /// both values, the error, its standard deviation.
+  std::vector<std::vector<double>> curve;
+};
+
+/// A formula of at most three constants that says the same as a profile.
 struct FormulaResult {
   EffectSpec effect;                               // type formula: ready to be added
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // m (rad)
+};
+
+/// What the errors do in time that no recorded cause explains.
+struct DriftResult {
+  std::string direction;      // a joint, x, y, z of workpiece, or approach
+  double std = 0.0;           // m (rad)
+  double timeConstant = 0.0;  // s
+  struct Perhaps {
+    EffectSpec effect;
+    double odds = 0.0;   // posterior probability against drift alone, 0 … 1
+    double share = 0.0;  // of the drift's variance that it takes over, 0 … 1
+  };
+  std::vector<Perhaps> perhaps;  // likeliest first
+  std::string inWords;           // one sentence with what to do
+};
+
+/// Scatter that belongs to the artifact: its balls are not where, or not as round as, the file says.
+struct ArtifactScatter {
+  std::string what;   // "centres", "radii", "form"
+  double std = 0.0;   // m
+  std::string inWords;
+};
+
+/// An input that was not recorded: what was assumed in its place, and what could act without being seen.
+struct MissingInput {
+  std::string input;    // "direction of travel of x", "speed of y" …
+  std::string assumed;  // how it was made up ("from the approach at the touch"); empty: it was not
+  std::vector<EffectSpec> effects;  // cannot be excluded without it
 };
 
 struct CannotShow {
@@ -59,7 +109,7 @@ struct Move {
   std::vector<std::pair<std::string, double>> from;        // a joint: the side it comes from, -1 or +1
 };
 
-enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEffect, kExplained };
+enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEffect, kScatter, kExplained };
 std::string nameOf(Verdict verdict);
 
 struct Diagnosis {
@@ -68,15 +118,19 @@ struct Diagnosis {
   std::string sentence;  // the verdict in words
   std::vector<WhereItFails> where;
   std::vector<CandidateResult> missing;     // accepted, in the order found
-  std::vector<CandidateResult> candidates;  // every effect tried, best first
-  std::vector<FormulaResult> formulas;
-  bool formulaFirst = false;  // the first formula explains more than any effect of `missing`
+  std::vector<CandidateResult> candidates;  // every cause asked, best first
+  std::vector<ProfileResult> profiles;      // accepted: what no effect of the catalogue explains
+  std::vector<FormulaResult> formulas;      // where one says the same as a profile
+  std::vector<DriftResult> drift;
+  std::vector<ArtifactScatter> artifactScatter;
+  std::vector<MissingInput> missingInputs;
+  double noise = 0.0;      // m (rad): the white part of what is left, as estimated
+  double noiseStd = 0.0;   // its standard uncertainty
+  double tailDof = 0.0;    // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
+  double heldOut = 0.0;    // m (rad): RMS with everything that was found, the search run again without the rows judged
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;
   bool angular = false;  // RMS figures are rad
-  /// What is left depends on the same variables as `missing`: those effects have another shape here than in
-  /// the catalogue.
-  bool shapeLeft = false;
 };
 
 struct DiagnoseOptions {
@@ -86,7 +140,7 @@ struct DiagnoseOptions {
   std::function<bool()> cancelled;
 };
 
-/// The loop's middle: which physical effect is missing from the model (DESIGN section 6).
+/// The loop's middle: which physical effect is missing from the model.
 /// @param start values of the model's parameters to begin with. @param session must outlive the result.
 /// @throw InputError as `calibrate`. A model that cannot be fitted gives the verdict insufficient_data.
 Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options,

@@ -243,37 +243,4 @@ std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const 
   return out;
 }
 
-Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found,
-                        const Eigen::MatrixXd& others) {
-  const std::vector<Variable> variables = variablesOf(space);
-  const Directions directions = directionsOf(space);
-  constexpr int kMostRows = 4000;
-  const Questions questions(space, left, found, kMostRows);
-  std::vector<Test> tests;
-  const auto test = [&](const Eigen::MatrixXd& terms) {
-    if (3 * terms.cols() * directions.factors.cols() < space.rows())
-      tests.push_back(questions.ask(times(space, terms, directions.factors)));
-  };
-  for (std::size_t a = 0; a < variables.size(); ++a) {
-    test(termsOf(variables[a], 6));
-    for (std::size_t b = a + 1; b < variables.size(); ++b) {
-      if (variables[a].name == "ball" || variables[b].name == "ball") continue;
-      const Eigen::MatrixXd ua = termsOf(variables[a], 2), ub = termsOf(variables[b], 2);
-      Eigen::MatrixXd product(ua.rows(), ua.cols() * ub.cols());
-      for (int i = 0; i < ua.cols(); ++i)
-        for (int j = 0; j < ub.cols(); ++j)
-          product.col(i * ub.cols() + j) = ua.col(i).cwiseProduct(ub.col(j));
-      test(product);
-    }
-  }
-  for (int k = 0; k < others.cols(); ++k) tests.push_back(questions.ask(others.col(k)));
-  Structure structure;
-  for (const Test& t : tests) {
-    const double p = std::min(1.0, std::exp(t.logP) * static_cast<double>(tests.size()));
-    if (p < structure.pValue) structure.pValue = p;
-    if (p < 1e-4) structure.share = std::max(structure.share, t.share);
-  }
-  return structure;
-}
-
 }  // namespace mm

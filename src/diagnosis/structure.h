@@ -36,13 +36,4 @@ Directions directionsOf(const ResidualSpace& space);
 std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left,
                                               const Eigen::MatrixXd& found);
 
-/// Structure that is left: the most significant of the tests of single variables and of pairs of variables.
-struct Structure {
-  double pValue = 1.0;  // corrected for the number of tests
-  double share = 0.0;   // of the residual variance, adjusted
-};
-/// @param others further columns to be tested one by one (length of the space); may have none.
-Structure structureLeft(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found,
-                        const Eigen::MatrixXd& others);
-
 }  // namespace mm

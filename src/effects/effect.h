@@ -36,6 +36,12 @@ class ErrorSink {
   virtual bool wantsDerivatives() const = 0;
 };
 
+/// A shape that a cause has beside its main one.
+struct ShapeFreedom {
+  EffectSpec spec;
+  double share = 0.15;  // its usual size, of the main shape's
+};
+
 enum class Stage { kAxis, kJoint, kProbe, kVolume, kArtifact };
 
 /// One physical effect: a small error as a function of the state and of a few unknown constants.
@@ -78,6 +84,17 @@ class Effect {
   /// True for a parameter that partly only chooses the frame in which the machine's errors are told: to hold
   /// it is a convention.
   virtual bool choosesFrame(int /*parameter*/) const { return false; }
+
+  // What a diagnosis must know of an effect to treat it as one physical cause.
+
+  /// Keys of the spec that only say which shape the cause has (degree, harmonic, period, power, lag …): effects of one
+  /// type that differ in nothing else have one cause.
+  virtual std::vector<std::string> shapeKeys() const { return {}; }
+  /// Other shapes that the cause has at the same time, beside this one: further degrees of a guideway's profile,
+  /// harmonics of a screw.
+  virtual std::vector<ShapeFreedom> freedom(const Domain& /*domain*/) const { return {}; }
+  /// Joints along whose travel its size usually changes (the play of a worn screw): indices of the Domain.
+  virtual std::vector<int> variesAlong(const Domain& /*domain*/) const { return {}; }
 
   virtual std::string cause() const = 0;    // physical cause, in plain words
   virtual std::string remedy() const = 0;   // in the workshop

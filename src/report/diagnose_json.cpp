@@ -21,7 +21,7 @@ Json candidateJson(const CandidateResult& c, bool angular) {
   }
   setEither(one, "size", c.size, angular);
   one["p_value"] = number(c.pValue);
-  one["stability"] = number(c.stability);
+  one["odds"] = number(c.odds);
   setPair(one, "held_out_rms", c.heldOutBefore, c.heldOutAfter, angular);
   one["confusable_with"] = Json::array();
   for (const Confusable& other : c.confusableWith) {

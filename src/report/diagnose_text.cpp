@@ -24,7 +24,7 @@ std::string missingText(const CandidateResult& c, bool angular) {
     text += "    " + padded(p.name, 18) + withUncertainty(p.value, p.std, p.unit) + "\n";
   text += "    held-out RMS      " + length(c.heldOutBefore, angular) + " -> " +
           length(c.heldOutAfter, angular) +
-          format("   p = %.1g, chosen in %.0f %% of the resampled sessions\n", c.pValue, 100.0 * c.stability);
+          format("   odds %.2f\n", c.odds);
   for (const Confusable& other : c.confusableWith)
     text += "    or, as likely:    " + spoken(other.effect) +
             format(" (log-likelihood within %.1f)\n", other.delta);
@@ -58,7 +58,7 @@ std::string nextName(const std::string& file) {
 }  // namespace
 
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
-  const bool formula = !d.formulas.empty() && (d.missing.empty() || d.formulaFirst);
+  const bool formula = !d.formulas.empty() && d.missing.empty();
   const EffectSpec* next = formula             ? &d.formulas.front().effect
                            : d.missing.empty() ? nullptr
                                                : &d.missing.front().effect;

@@ -186,7 +186,7 @@ TEST(Report, CandidatesInTheUnitsOfPeople) {
   missing.heldOutBefore = 0.93e-6;
   missing.heldOutAfter = 0.32e-6;
   missing.pValue = 1e-40;
-  missing.confusableWith = {{EffectSpec("speed_lag"), 2.1}};
+  missing.confusableWith.push_back({EffectSpec("speed_lag"), 2.1, 0.1, false, "", ""});
   diagnosis.missing = {missing};
   diagnosis.formulas = {
       {EffectSpec("formula").set("direction", "z").set("formula", "k1*x*y"), 0.93e-6, 0.33e-6}};
