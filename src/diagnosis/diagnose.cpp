@@ -1,25 +1,251 @@
 #include "diagnosis/diagnose.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
 
+#include "diagnosis/answers.h"
+#include "diagnosis/drift_report.h"
+#include "diagnosis/held_out.h"
+#include "diagnosis/search.h"
 #include "diagnosis/structure.h"
+#include "diagnosis/wording.h"
 #include "machine/cancel_scope.h"
 #include "machine/error.h"
 
 namespace mm {
+namespace {
+
+constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
+constexpr int kMostLooks = 3;       // at what stands apart
+
+Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
+  std::vector<EffectPtr> effects = model.effects();
+  effects.insert(effects.end(), more.begin(), more.end());
+  return Model(model.machine(), model.domain(), effects);
+}
+
+NoiseRows rowsOf(const ResidualSpace& space, Questions& q) {
+  NoiseRows rows;
+  const Problem& problem = space.problem();
+  const Directions directions = directionsOf(space);
+  const int n = space.rows(), count = static_cast<int>(directions.names.size());
+  double unit = 0.0;  // m or rad of a row of unit noise
+  for (const int row : space.used()) unit += space.fitted().sigma[row] / n;
+  for (const int row : space.used())
+    rows.time.push_back(problem.session().observations[problem.rows()[row].observation].time);
+  rows.factors.resize(n, count);
+  for (int d = 0; d < count; ++d) {
+    const double size = std::sqrt(directions.factors.col(d).squaredNorm() / n);
+    // along a direction of unit factors the drift is in the unit of the rows; a turn that acts on a lever is not
+    const double scale = size > 0.1 && size < 10.0 ? unit : unit / size;
+    q.directions.push_back(directions.names[d]);
+    q.directionScale.push_back(scale);
+    for (int i = 0; i < n; ++i)
+      rows.factors(i, d) = directions.factors(i, d) * scale / space.fitted().sigma[space.used()[i]];
+  }
+  rows.target = space.target();
+  rows.base = space.basis();
+  return rows;
+}
+
+/// One look at the session: what was fitted, what is asked, what was found.
+struct Look {
+  std::unique_ptr<ResidualSpace> space;
+  Questions questions;
+  Explanation found;
+  double tailDof = 0.0;
+};
+
+class Diagnoser {
+ public:
+  Diagnoser(const Session& session, const Model& model, const DiagnoseOptions& options, Diagnosis& out)
+      : session_(session), model_(model), options_(options), out_(out) {}
+
+  void run(const Eigen::VectorXd& start) {
+    report("fit", 0.0);
+    fit_ = options_.calibrate;
+    fit_.method = Method::kLeastSquares;
+    fit_.progress = {};
+    fit_.cancelled = options_.cancelled;
+    out_.base = calibrate(session_, model_, fit_, start);
+    out_.base.problem->linearise(out_.base.x);
+    model_ = out_.base.problem->model();  // its networks have learned
+    out_.angular = !std::isfinite(out_.base.figures.rms);
+    if (out_.base.figures.degreesOfFreedom < kFewestFreedoms)
+      throw NumericalError(std::to_string(out_.base.problem->rowCount()) + " residuals leave " +
+                           std::to_string(out_.base.figures.degreesOfFreedom) +
+                           " degrees of freedom, too few to tell a missing effect from noise; measure more");
+    out_.where = whereItFails(out_.base);
+
+    // outliers may have been structure, and structure may have hidden outliers: look again with what was found in
+    CalibrationResult fitted = out_.base;
+    Look look;
+    for (int round = 0; round < kMostLooks; ++round) {
+      look = lookAt(fitted, round);
+      if (look.found.members.empty()) break;
+      std::vector<EffectPtr> effects;
+      const Eigen::VectorXd with = startOf(look, effects);
+      CalibrationResult refitted;
+      try {
+        refitted = calibrate(session_, modelWith(model_, effects), fit_, with);
+      } catch (const NumericalError&) {
+        break;  // the session cannot determine them beside the rest: they stay as they were found
+      }
+      if (refitted.weight == fitted.weight) break;
+      CalibrateOptions again = fit_;
+      again.rejectOutliers = false;
+      again.weights = refitted.weight;
+      fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
+      fitted.problem->linearise(fitted.x);
+    }
+    conclude(look, fitted);
+  }
+
+ private:
+  void report(const std::string& stage, double share) const {
+    if (options_.cancelled && options_.cancelled()) throw Cancelled("diagnosis cancelled");
+    if (options_.progress) options_.progress(stage, share);
+  }
+
+  Look lookAt(const CalibrationResult& fitted, int round) const {
+    Look look;
+    look.space = std::make_unique<ResidualSpace>(fitted);
+    Questions& q = look.questions;
+    q.space = look.space.get();
+    q.rows = rowsOf(*look.space, q);
+    addScatter(q);
+    report("questions", 0.1 + 0.2 * round);
+    q.groups = makeGroups(*look.space);
+    q.asked = q.groups.causes;
+    Groups profiles = makeProfiles(*look.space);
+    q.profiles = static_cast<int>(profiles.groups.size());
+    append(q.groups, std::move(profiles));
+    report("search", 0.2 + 0.2 * round);
+    Search search(q);
+    search.step = [this] { CancelScope::check(); };
+    Eigen::VectorXd variance = Eigen::VectorXd::Ones(q.rows.rows());
+    look.found = search.run(variance);
+    const Tails tails = tailsOf(search, look.found);
+    if (tails.dof > 0.0) {
+      look.tailDof = tails.dof;
+      look.found = search.run(tails.variance);
+    }
+    lookAtPairs(look);
+    return look;
+  }
+
+  /// Two variables at once, where what was found may be no more than their shadow.
+  void lookAtPairs(Look& look) const {
+    Questions& q = look.questions;
+    report("two variables", 0.5);
+    Questions pairs = q;
+    pairs.groups = makePairProfiles(*look.space);
+    if (pairs.groups.groups.empty()) return;
+    q.pairs = pairs.pairs = static_cast<int>(pairs.groups.groups.size());
+    const Search search(pairs);
+    const auto evidence = search.evidenceAt(look.found);
+    const auto worthAsking = [&](const std::vector<Member>& rest, double lost) {
+      const Evidence::Given given = evidence->given(rest);
+      for (const Gain& g : evidence->gains(given))
+        if (g.value - search.priceOf(g.group) > lost) return true;
+      return false;
+    };
+    const Search of(q);
+    const double whole = evidence->given(look.found.members).logEvidence;
+    bool ask = worthAsking(look.found.members, 0.0);
+    double all = 0.0;
+    for (std::size_t j = 0; j < look.found.members.size() && !ask; ++j) {
+      std::vector<Member> others = look.found.members;
+      others.erase(others.begin() + static_cast<long>(j));
+      const double lost = whole - evidence->given(others).logEvidence - of.priceOf(look.found.members[j]);
+      all += of.priceOf(look.found.members[j]);
+      ask = worthAsking(others, lost + kIndistinct);
+    }
+    if (!ask && look.found.members.size() > 1)
+      ask = worthAsking({}, whole - evidence->given({}).logEvidence - all + kIndistinct);
+    if (!ask) return;
+    Groups more = std::move(pairs.groups);
+    append(q.groups, std::move(more));
+    Search again(q);
+    again.step = [this] { CancelScope::check(); };
+    Explanation other = again.run(look.found.noise.variance);
+    if (other.worth > look.found.worth) look.found = std::move(other);
+  }
+
+  /// Start values of the model's and the found effects' parameters, from the linearised solution.
+  Eigen::VectorXd startOf(const Look& look, std::vector<EffectPtr>& effects) const {
+    const auto answers = answersOf(look.questions, look.found);
+    Eigen::VectorXd start = look.space->fitted().x.head(model_.parameterCount());
+    for (const Answer& a : answers) {
+      effects.push_back(a.effect);
+      const int first = static_cast<int>(start.size());
+      start.conservativeResize(first + a.effect->parameterCount());
+      start.tail(a.effect->parameterCount()) = a.start;
+    }
+    return start;
+  }
+
+  void conclude(Look& look, const CalibrationResult& fitted) {
+    const Questions& q = look.questions;
+    Search search(q);
+    search.step = [this] { CancelScope::check(); };
+    Explanation& found = look.found;
+    const double unit = unitOf(*look.space);
+    out_.tailDof = look.tailDof;
+    out_.noise = found.white * unit * std::sqrt(found.noise.variance.mean());
+    out_.noiseStd = found.whiteStd * unit * std::sqrt(found.noise.variance.mean());
+    report("held out", 0.7);
+    const HeldOut held(search, found);
+    const double none = held.before() * unit;
+    out_.heldOut = held.all() * unit;
+    report("answers", 0.85);
+    fillAnswers(search, found, held, unit, out_);
+    refinedParameters(look, fitted);
+    listCandidates(search, found, held, unit, out_);
+    listCannotShow(q, found, out_);
+    out_.drift = driftOf(search, found);
+    fillScatter(q, found, unit, out_);
+    separate(search, found, out_);
+    describeProfiles(search, found, unit, out_);
+    (void)none;
+    decide(out_);
+    out_.sentence = sentenceOf(out_, {});
+  }
+
+  /// Values and uncertainties by a full refit of the model with everything that was found.
+  void refinedParameters(const Look& look, const CalibrationResult& fitted) {
+    if (look.found.members.empty()) return;
+    std::vector<EffectPtr> effects;
+    const Eigen::VectorXd start = startOf(look, effects);
+    CalibrateOptions again = fit_;
+    again.rejectOutliers = false;
+    again.weights = fitted.weight;
+    try {
+      const CalibrationResult full = calibrate(session_, modelWith(model_, effects), again, start);
+      takeParameters(full, model_.parameterCount(), effects, out_);
+    } catch (const NumericalError&) {
+      // what the linearised fit says stands
+    }
+  }
+
+  const Session& session_;
+  Model model_;
+  const DiagnoseOptions& options_;
+  Diagnosis& out_;
+  CalibrateOptions fit_;
+};
+
+}  // namespace
 
 Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options,
                    const Eigen::VectorXd& start) {
   Diagnosis out;
   const CancelScope scope(options.cancelled);
   try {
-    CalibrateOptions fit = options.calibrate;
-    fit.method = Method::kLeastSquares;
-    fit.progress = {};
-    fit.cancelled = options.cancelled;
-    out.base = calibrate(session, model, fit, start);
-    out.where = whereItFails(out.base);
-    out.verdict = Verdict::kScatter;
+    Diagnoser(session, model, options, out).run(start);
   } catch (const NumericalError& error) {
     out.verdict = Verdict::kInsufficientData;
     out.sentence = std::string("The model cannot be fitted to this session: ") + error.what();

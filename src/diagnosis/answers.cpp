@@ -1,0 +1,330 @@
+#include "diagnosis/answers.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/next_measurement.h"
+#include "diagnosis/wording.h"
+#include "effects/inputs.h"
+#include "effects/registry.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kMostRivals = 4;
+constexpr double kCounts = 4.5;  // standard deviations: a further shape of a family is told as well
+constexpr double kPriorCause = 0.1;  // that any cause acts, before a session is seen
+constexpr std::size_t kMostHeldOut = 40;  // candidates whose held-out figure is worked out
+
+std::vector<int> linearParameters(const Effect& effect) {
+  const std::vector<int> nonlinear = effect.nonlinearParameters();
+  std::vector<int> linear;
+  for (int k = 0; k < effect.parameterCount(); ++k)
+    if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) linear.push_back(k);
+  return linear;
+}
+
+const Shape& shapeOf(const Questions& q, const Member& m) { return q.groups.groups[m.group].shapes[m.shape]; }
+
+/// Weight of a cause against none, by its gain.
+double weightOf(const Questions& q, double gain) {
+  return std::exp(std::min(600.0, gain)) * kPriorCause / std::max(1, q.asked);
+}
+
+std::vector<Member> without(const std::vector<Member>& members, std::size_t j) {
+  std::vector<Member> others = members;
+  others.erase(others.begin() + static_cast<long>(j));
+  return others;
+}
+
+double projectedRms(const ResidualSpace& space, const RowMatrix& columns, const Eigen::VectorXd& values) {
+  Eigen::MatrixXd one = columns * values;
+  space.project(one);
+  return std::sqrt(one.topRows(space.rows()).squaredNorm() / std::max(1, space.rows()));
+}
+
+}  // namespace
+
+double unitOf(const ResidualSpace& space) {
+  double sum = 0.0;
+  for (const int row : space.used()) sum += space.fitted().sigma[row];
+  return space.rows() > 0 ? sum / space.rows() : 1.0;
+}
+
+std::vector<Answer> answersOf(const Questions& q, const Explanation& found) {
+  std::vector<Answer> answers;
+  if (found.members.empty()) return answers;
+  const Domain& domain = q.space->problem().model().domain();
+  const Search search(q);
+  const auto evidence = search.evidenceAt(found);
+  const Evidence::Fit fit = evidence->fit(found.members);
+  std::vector<EffectSpec> taken;
+  for (const EffectPtr& e : q.space->problem().model().effects()) taken.push_back(e->spec());
+  for (std::size_t j = 0; j < found.members.size(); ++j) {
+    const Member& m = found.members[j];
+    const Shape& shape = shapeOf(q, m);
+    std::vector<EffectSpec> specs;
+    if (!shape.mixed.empty()) {
+      std::vector<std::pair<double, std::size_t>> order;
+      for (std::size_t k = 0; k < shape.mixed.size(); ++k)
+        order.emplace_back(-m.columns->col(static_cast<int>(k)).norm() * std::abs(fit.values[j][static_cast<int>(k)]), k);
+      std::sort(order.begin(), order.end());
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        const int at = static_cast<int>(order[k].second);
+        const double std = std::sqrt(fit.covariance[j](at, at));
+        if (k == 0 || std::abs(fit.values[j][at]) > kCounts * std) specs.push_back(shape.mixed[order[k].second]);
+      }
+    } else {
+      const bool there = std::any_of(taken.begin(), taken.end(), [&](const EffectSpec& s) { return s == shape.spec; });
+      specs.push_back(there ? shape.effect->shapedAs(m.nonlinear) : shape.spec);
+    }
+    for (const EffectSpec& spec : specs) {
+      Answer a;
+      a.effect = createEffect(spec, domain);
+      a.member = static_cast<int>(j);
+      a.start.resize(a.effect->parameterCount());
+      for (int k = 0; k < a.effect->parameterCount(); ++k) a.start[k] = a.effect->parameters()[k].start;
+      const std::vector<int> nonlinear = a.effect->nonlinearParameters();
+      for (std::size_t k = 0; k < nonlinear.size() && k < m.nonlinear.size(); ++k)
+        a.start[nonlinear[k]] = m.nonlinear[k];
+      taken.push_back(spec);
+      answers.push_back(std::move(a));
+    }
+  }
+  // the linear parameters together
+  Eigen::MatrixXd all(q.space->length(), 0);
+  for (const Answer& a : answers) {
+    const std::vector<double> p(a.start.data(), a.start.data() + a.start.size());
+    const Eigen::MatrixXd columns = q.space->columns(*a.effect, p);
+    for (const int k : linearParameters(*a.effect)) {
+      all.conservativeResize(Eigen::NoChange, all.cols() + 1);
+      all.rightCols<1>() = columns.col(k);
+    }
+  }
+  if (all.cols() > 0) {
+    q.space->project(all);
+    // a trace of a prior: what a profile leaves undetermined stays small
+    Eigen::MatrixXd products = all.transpose() * all;
+    products.diagonal().array() += 1e-9 * products.diagonal().maxCoeff();
+    const Eigen::VectorXd values = products.ldlt().solve(all.transpose() * q.space->target());
+    int at = 0;
+    for (Answer& a : answers)
+      for (const int k : linearParameters(*a.effect)) a.start[k] = values[at++] * a.effect->parameters()[k].scale;
+  }
+  return answers;
+}
+
+Tails tailsOf(const Search& search, const Explanation& found) {
+  constexpr double kClearly = 5.0;  // nats: as likely by chance as a cause at 100 to 1 and better
+  constexpr int kFewest = 60;       // rows: below, a tail is one row
+  const auto evidence = search.evidenceAt(found);
+  const NoiseRows& rows = search.questions().rows;
+  const int n = rows.rows();
+  Tails tails;
+  if (n < kFewest) return tails;
+  const Eigen::VectorXd e = (rows.target - evidence->fit(found.members).expected).head(n);
+  const double variance = e.squaredNorm() / n;
+  double best = -0.5 * n * (std::log(2.0 * M_PI * variance) + 1.0) + kClearly;
+  for (const double dof : {10.0, 6.0, 4.0, 3.0}) {
+    double s2 = variance;
+    Eigen::VectorXd weight(n);
+    for (int round = 0; round < 30; ++round) {  // expectation and maximisation: Student's t as a mixture
+      for (int i = 0; i < n; ++i) weight[i] = (dof + 1.0) / (dof + e[i] * e[i] / s2);
+      s2 = weight.dot(e.cwiseAbs2()) / n;
+    }
+    double value = n * (std::lgamma(0.5 * (dof + 1.0)) - std::lgamma(0.5 * dof) - 0.5 * std::log(M_PI * dof * s2));
+    for (int i = 0; i < n; ++i) value -= 0.5 * (dof + 1.0) * std::log1p(e[i] * e[i] / (dof * s2));
+    if (value > best) {
+      best = value;
+      tails.dof = dof;
+      tails.variance = weight.cwiseInverse();
+      tails.variance *= n / tails.variance.cwiseInverse().sum();  // weights of 1 on average
+    }
+  }
+  return tails;
+}
+
+void sortByGain(const Search& search, Explanation& found) {
+  const auto evidence = search.evidenceAt(found);
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t j = 0; j < found.members.size(); ++j) {
+    const std::vector<Member> others = without(found.members, j);
+    order.emplace_back(-evidence->gainOf(evidence->given(others), others, *found.members[j].columns).value, j);
+  }
+  std::stable_sort(order.begin(), order.end());
+  std::vector<Member> sorted;
+  for (const auto& [gain, j] : order) sorted.push_back(found.members[j]);
+  found.members = std::move(sorted);
+}
+
+void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out) {
+  const Questions& q = search.questions();
+  const auto evidence = search.evidenceAt(found);
+  const Evidence::Fit fit = evidence->fit(found.members);
+  const std::vector<Answer> answers = answersOf(q, found);
+  double before = held.before() * unit;
+  for (std::size_t j = 0; j < found.members.size(); ++j) {
+    const Member& m = found.members[j];
+    const Group& group = q.groups.groups[m.group];
+    const std::vector<Member> others = without(found.members, j);
+    const Evidence::Given given = evidence->given(others);
+    const double price = std::log(static_cast<double>(group.shapes.size()));
+    const double gain = evidence->gainOf(given, others, *m.columns).value - price;
+    const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;
+    double weights = 1.0 + weightOf(q, gain);
+    std::vector<Confusable> rivals;
+    if (!group.profile)
+      for (const Gain& g : evidence->gains(given)) {
+        const Group& rival = q.groups.groups[g.group];
+        if (gain - g.value >= kIndistinct) break;
+        if (rival.profile || rival.key == group.key ||
+            std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))
+          continue;
+        Confusable c;
+        c.effect = shapeOf(q, search.memberOf(g)).spec;
+        c.delta = std::max(0.0, gain - g.value);
+        c.odds = weightOf(q, g.value);
+        weights += c.odds;
+        for (const std::string& input : rival.notRecorded) c.notRecorded += (c.notRecorded.empty() ? "" : ", ") + input;
+        if (rivals.size() < kMostRivals) rivals.push_back(c);
+      }
+    for (Confusable& c : rivals) c.odds /= weights;
+    bool first = true;
+    for (const Answer& a : answers) {
+      if (a.member != static_cast<int>(j)) continue;
+      if (group.profile) {
+        ProfileResult p;
+        p.effect = a.effect->spec();
+        p.gain = gain;
+        p.odds = weightOf(q, gain) / weights;
+        p.heldOutBefore = before;
+        p.heldOutAfter = after;
+        out.profiles.push_back(std::move(p));
+        continue;
+      }
+      CandidateResult r;
+      r.effect = a.effect->spec();
+      r.gain = gain;
+      r.odds = weightOf(q, gain) / weights;
+      r.pValue = std::min(1.0, q.asked * std::exp(-std::min(650.0, gain)));
+      r.heldOutBefore = first ? before : after;
+      r.heldOutAfter = after;
+      r.size = projectedRms(*q.space, *m.columns, fit.values[j]) * unit;
+      if (first) r.confusableWith = rivals;
+      r.cause = a.effect->cause();
+      r.remedy = a.effect->remedy();
+      for (int k = 0; k < a.effect->parameterCount(); ++k) {
+        const Parameter& p = a.effect->parameters()[k];
+        r.parameters.push_back({p.name, p.unit, a.start[k] * p.toUnit, kNotMeasured});
+      }
+      out.missing.push_back(std::move(r));
+      first = false;
+    }
+    before = after;
+  }
+}
+
+void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects, Diagnosis& out) {
+  int at = first;
+  for (const EffectPtr& effect : effects) {
+    const auto found = std::find_if(out.missing.begin(), out.missing.end(),
+                                    [&](const CandidateResult& m) { return m.effect == effect->spec(); });
+    if (found != out.missing.end()) found->parameters.clear();
+    for (const Parameter& p : effect->parameters()) {
+      if (found != out.missing.end())
+        found->parameters.push_back({p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
+      ++at;
+    }
+  }
+}
+
+void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out) {
+  const Questions& q = search.questions();
+  // one at a time, each with nothing else but the noise
+  const auto evidence = search.evidenceAt(found);
+  const Evidence::Given nothing = evidence->given({});
+  const double before = held.before() * unit;
+  std::size_t count = 0;
+  for (const Gain& g : evidence->gains(nothing)) {
+    if (g.group < 0 || q.groups.groups[g.group].profile) continue;
+    const Member m = search.memberOf(g);
+    const Shape& shape = shapeOf(q, m);
+    CandidateResult r;
+    r.effect = shape.spec;
+    r.gain = g.value;
+    r.odds = weightOf(q, g.value) / (1.0 + weightOf(q, g.value));
+    r.pValue = std::min(1.0, q.asked * std::exp(-std::min(650.0, g.value)));
+    r.heldOutBefore = before;
+    r.heldOutAfter = count++ < kMostHeldOut && g.size > 0.0 ? held.withGroup(g.group) * unit : before;
+    r.cause = shape.effect->cause();
+    r.remedy = shape.effect->remedy();
+    if (g.size > 0.0) {
+      const Evidence::Fit fit = evidence->fit({m});
+      r.size = projectedRms(*q.space, *m.columns, fit.values[0]) * unit;
+    }
+    out.candidates.push_back(std::move(r));
+  }
+}
+
+void listCannotShow(const Questions& q, const Explanation&, Diagnosis& out) {
+  for (const NotShown& n : q.groups.notShown) out.cannotShow.push_back({n.spec, n.why, n.effect->shownBy()});
+}
+
+void fillScatter(const Questions& q, const Explanation& found, double unit, Diagnosis& out) {
+  for (std::size_t b = 0; b < q.scatter.size(); ++b) {
+    if (q.scatterNames[b].empty() || !(found.scatter[b] > 0.0)) continue;
+    ArtifactScatter s;
+    s.what = q.scatterNames[b];
+    s.std = found.scatter[b] * found.white * unit;
+    const std::string size = shortNumber(s.std / kMicrometre) + " um";
+    s.inWords = s.what == "centres" ? "the balls' centres scatter by " + size +
+                                          " about where the artifact file has them; calibrate the artifact, or state "
+                                          "their centre_std_um"
+                : s.what == "radii" ? "the balls' radii scatter by " + size +
+                                          " about what the artifact file says; measure them, or state their "
+                                          "radius_std_um"
+                                    : "the balls are out of round by " + size +
+                                          "; clean them, turn one and measure it again, or use better ones";
+    out.artifactScatter.push_back(std::move(s));
+  }
+}
+
+void separate(const Search& search, const Explanation& found, Diagnosis& out) {
+  const Questions& q = search.questions();
+  for (const CandidateResult& missing : out.missing) {
+    if (missing.confusableWith.empty()) continue;
+    for (std::size_t j = 0; j < found.members.size(); ++j) {
+      const Shape& shape = shapeOf(q, found.members[j]);
+      if (!(shape.spec == missing.effect) && shape.mixed.empty()) continue;
+      std::vector<Hypothesis> rivals;
+      for (const Confusable& c : missing.confusableWith)
+        for (const Group& g : q.groups.groups)
+          for (const Shape& s : g.shapes)
+            if (s.spec == c.effect && rivals.size() < kMostRivals) {
+              rivals.push_back({s.effect, s.nonlinear});
+              break;
+            }
+      out.nextMeasurement = nextMeasurement(*q.space, {shape.effect, found.members[j].nonlinear}, rivals);
+      return;
+    }
+  }
+}
+
+void describeProfiles(const Search&, const Explanation&, double, Diagnosis&) {}
+
+void decide(Diagnosis& out) {
+  const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {
+    return !m.confusableWith.empty() || m.confusableWithDrift;
+  });
+  constexpr double kMoreThanRepeatability = 1.3;  // repeatability from five runs is known to a third (ISO 230-2)
+  const bool known = out.base.repeatabilityFrom != "estimated";
+  out.verdict = !out.profiles.empty() ? Verdict::kUnknownEffect
+                : confusable          ? Verdict::kConfusable
+                : !out.missing.empty() ? Verdict::kMissingEffect
+                : known && out.noise < kMoreThanRepeatability * out.base.repeatability ? Verdict::kExplained
+                                                                                        : Verdict::kScatter;
+}
+
+}  // namespace mm

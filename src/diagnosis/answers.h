@@ -1,0 +1,45 @@
+#pragma once
+#include <vector>
+
+#include "diagnosis/diagnose.h"
+#include "diagnosis/held_out.h"
+#include "diagnosis/search.h"
+
+namespace mm {
+
+// From an explanation to what a diagnosis answers: effects that can be added, their rivals, curves, words.
+
+/// An effect that a member of an explanation stands for.
+struct Answer {
+  EffectPtr effect;
+  Eigen::VectorXd start;  // of its parameters, SI, from the linearised fit
+  int member = 0;         // of the explanation
+};
+/// In the order of the members; a member whose shape is mixed of a family gives one for each shape that counts.
+std::vector<Answer> answersOf(const Questions& questions, const Explanation& found);
+
+/// Heavy tails of the noise: weights by Student's t, where its likelihood is clearly the greater.
+struct Tails {
+  double dof = 0.0;          // 0: normal
+  Eigen::VectorXd variance;  // a data row: 1 / weight
+};
+Tails tailsOf(const Search& search, const Explanation& found);
+
+/// m or rad of a residual of one unit of the stated noise.
+double unitOf(const ResidualSpace& space);
+
+/// Members in the order of what they bring, most first.
+void sortByGain(const Search& search, Explanation& found);
+void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out);
+void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects, Diagnosis& out);
+void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out);
+void listCannotShow(const Questions& questions, const Explanation& found, Diagnosis& out);
+void fillScatter(const Questions& questions, const Explanation& found, double unit, Diagnosis& out);
+/// Moves that tell confusable effects apart, and which of them no move tells apart.
+void separate(const Search& search, const Explanation& found, Diagnosis& out);
+/// Curves with their band, and a formula where one says the same.
+void describeProfiles(const Search& search, const Explanation& found, double unit, Diagnosis& out);
+/// The verdict, from everything else.
+void decide(Diagnosis& out);
+
+}  // namespace mm

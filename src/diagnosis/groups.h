@@ -1,0 +1,73 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "diagnosis/residual_space.h"
+#include "estimation/noise_fit.h"
+
+namespace mm {
+
+/// One shape that a cause may have: its main columns and, with less weight, those that it has beside them.
+struct Shape {
+  EffectSpec spec;                // what would be added
+  EffectPtr effect;               // of `spec`
+  std::vector<double> nonlinear;  // values of its nonlinear parameters (a period, a time constant), SI
+  int first = 0, count = 0;       // of Groups::columns
+  int main = 0;                   // of these, the first are those of the effect itself
+  std::vector<EffectSpec> mixed;  // not empty: a shape made of several members of the family, a main column each
+};
+
+/// One question of a diagnosis: a physical cause with everything that it may look like, or a profile.
+struct Group {
+  std::string key;  // type and what says where it acts, without what says its shape only
+  std::vector<Shape> shapes;
+  bool profile = false;
+  int variables = 0;  // of a profile
+  bool dependsOnTime = false;
+  std::vector<std::string> notRecorded;  // inputs of it that the session does not have, made up for the question
+};
+
+/// A member of the catalogue that the session cannot show.
+struct NotShown {
+  EffectSpec spec;
+  EffectPtr effect;
+  std::string why;
+};
+
+/// All questions that are asked of a session, with their columns: whitened by the stated noise, not projected, each of
+/// unit root mean square after what the model's unknowns absorb, times the weight that it has in its shape.
+struct Groups {
+  std::vector<Group> groups;
+  RowMatrix columns;  // length x all
+  std::vector<NotShown> notShown;
+  int causes = 0;    // groups that are no profiles
+};
+
+/// The causes of the catalogue, as its effects declare them, and profiles of one variable.
+Groups makeGroups(const ResidualSpace& space);
+/// A smooth function of one recorded variable along each direction.
+Groups makeProfiles(const ResidualSpace& space);
+/// Profiles of two variables, asked only where structure is left.
+Groups makePairProfiles(const ResidualSpace& space);
+
+/// One after the other. @param more is emptied.
+void append(Groups& to, Groups more);
+
+/// Makes the columns of a shape at other values of its nonlinear parameters.
+class GroupColumns {
+ public:
+  explicit GroupColumns(const ResidualSpace& space) : space_(space) {}
+  /// @return length x k, weighted; no columns where nothing is seen.
+  RowMatrix operator()(const EffectPtr& effect, const std::vector<double>& nonlinear) const;
+
+ private:
+  const ResidualSpace& space_;
+};
+
+/// Shapes that the effects of the model may have beside those they have in it: blocks of known size.
+std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space);
+
+/// The key of the cause that an effect belongs to.
+std::string causeOf(const Effect& effect);
+
+}  // namespace mm

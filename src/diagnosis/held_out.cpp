@@ -1,0 +1,97 @@
+#include "diagnosis/held_out.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "machine/two_threads.h"
+
+namespace mm {
+namespace {
+
+constexpr int kFolds = 5;
+constexpr int kGap = 2;  // observations on either side that are neither fitted nor judged
+
+}  // namespace
+
+HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(search), found_(found) {
+  const Questions& q = search.questions();
+  const ResidualSpace& space = *q.space;
+  const Folds& blocks = space.folds();
+  const int rows = space.rows();
+  const auto observation = [&](int i) { return space.problem().rows()[space.used()[i]].observation; };
+  const int folds = std::max(2, std::min(kFolds, blocks.blocks));
+  folds_.resize(static_cast<std::size_t>(folds));
+  for (int f = 0; f < folds; ++f) {
+    Fold& fold = folds_[f];
+    fold.held.assign(static_cast<std::size_t>(rows), 0);
+    for (int i = 0; i < rows; ++i) fold.held[i] = blocks.blockOfRow[i] % folds == f;
+    fold.unused = fold.held;
+    for (int i = 0; i < rows; ++i)
+      for (int step : {-1, 1})
+        for (int j = i; !fold.held[i] && j >= 0 && j < rows && std::abs(observation(j) - observation(i)) <= kGap;
+             j += step)
+          if (fold.held[j]) fold.unused[i] = 1;
+  }
+  for (Fold& fold : folds_) {
+    fold.evidence = search.evidenceAt(found, &fold.unused);
+    fold.members = search.runHeld(found, *fold.evidence);
+  }
+}
+
+double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const {
+  const Questions& q = search_.questions();
+  double sum = 0.0;
+  int n = 0;
+  for (const Fold& fold : folds_) {
+    const Eigen::VectorXd expected = fold.evidence->fit(members(fold)).expected;
+    for (int i = 0; i < q.rows.rows(); ++i)
+      if (fold.held[i]) {
+        const double left = q.rows.target[i] - expected[i];
+        sum += left * left;
+        ++n;
+      }
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0.0;
+}
+
+double HeldOut::before() const {
+  return rmsOf([](const Fold&) { return std::vector<Member>(); });
+}
+
+double HeldOut::all() const {
+  return rmsOf([](const Fold& fold) { return fold.members; });
+}
+
+double HeldOut::with(std::size_t members) const {
+  const auto& groups = search_.questions().groups.groups;
+  return rmsOf([&](const Fold& fold) {
+    std::vector<Member> some;
+    for (const Member& m : fold.members)
+      for (std::size_t k = 0; k < std::min(members, found_.members.size()); ++k)
+        if (groups[m.group].key == groups[found_.members[k].group].key) {
+          some.push_back(m);
+          break;
+        }
+    return some;
+  });
+}
+
+double HeldOut::withGroup(int group) const {
+  return rmsOf([&](const Fold& fold) {
+    const Gain gain = fold.evidence->gainOf(fold.evidence->given({}), group);
+    std::vector<Member> one;
+    if (gain.group >= 0 && gain.size > 0.0) one.push_back(search_.memberOf(gain));
+    return one;
+  });
+}
+
+double HeldOut::foundShare(std::size_t member) const {
+  int found = 0;
+  for (const Fold& fold : folds_)
+    found += std::any_of(fold.members.begin(), fold.members.end(),
+                         [&](const Member& m) { return m.group == found_.members[member].group; });
+  return static_cast<double>(found) / static_cast<double>(folds_.size());
+}
+
+}  // namespace mm

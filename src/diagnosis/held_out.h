@@ -1,0 +1,42 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "diagnosis/search.h"
+
+namespace mm {
+
+/// What an explanation is worth on rows that it has not seen. Blocks of time are held out with a gap on either side; in
+/// each fold the search is run again on the other rows, the noise being that of all; drift is predicted from its
+/// neighbours.
+class HeldOut {
+ public:
+  /// @param found the explanation of all rows, in the order in which its members are told. @param threadsCancel asked by
+  /// the folds' threads.
+  HeldOut(const Search& search, const Explanation& found);
+
+  /// RMS over the rows, in units of the stated noise times `unit`, m or rad.
+  double before() const;                  // with nothing found, drift predicted
+  double with(std::size_t members) const;  // with what the folds found of the causes of the first members
+  double all() const;                     // with everything that the folds found
+  /// With one group alone, at its best.
+  double withGroup(int group) const;
+  /// Share of the folds that found the cause of a member.
+  double foundShare(std::size_t member) const;
+
+ private:
+  struct Fold {
+    std::vector<char> held;    // a data row: judged in this fold
+    std::vector<char> unused;  // judged, or in the gap
+    std::shared_ptr<const Evidence> evidence;
+    std::vector<Member> members;
+  };
+  double rms(const std::vector<Eigen::VectorXd>& expected) const;
+  double rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const;
+
+  const Search& search_;
+  const Explanation& found_;
+  std::vector<Fold> folds_;
+};
+
+}  // namespace mm

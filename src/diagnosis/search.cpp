@@ -1,0 +1,336 @@
+#include "diagnosis/search.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace mm {
+namespace {
+
+constexpr int kMostMembers = 10;
+constexpr int kTrials = 4;           // candidates whose noise is fitted again where there is drift
+constexpr double kWorthTrying = 3.0;  // nats: a candidate below is not refitted
+constexpr int kMostNoiseRows = 3000;  // the variances of longer sessions are fitted to stretches of their rows
+
+std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
+  std::string id = std::to_string(group) + "/" + std::to_string(shape);
+  for (const double v : nonlinear) {
+    char text[40];
+    std::snprintf(text, sizeof text, "/%.17g", v);
+    id += text;
+  }
+  return id;
+}
+
+/// Stretches of rows, spread over the session: neighbours for what lasts from row to row, and the whole length for what
+/// is slow.
+std::vector<int> stretches(int rows, int most) {
+  std::vector<int> taken;
+  constexpr int kStretch = 30;
+  const int count = most / kStretch;
+  for (int s = 0; s < count; ++s) {
+    const int first = static_cast<int>(static_cast<long>(s) * (rows - kStretch) / std::max(1, count - 1));
+    for (int i = 0; i < kStretch; ++i)
+      if (taken.empty() || first + i > taken.back()) taken.push_back(first + i);
+  }
+  return taken;
+}
+
+RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
+  const int priors = static_cast<int>(all.rows()) - rows, n = static_cast<int>(taken.size());
+  RowMatrix out(n + priors, all.cols());
+  for (int i = 0; i < n; ++i) out.row(i) = all.row(taken[i]);
+  out.bottomRows(priors) = all.bottomRows(priors);
+  return out;
+}
+
+}  // namespace
+
+double Search::priceOf(int group) const {
+  const Group& g = q_.groups.groups[group];
+  const double asked = g.variables == 2   ? q_.asked + q_.profiles + q_.pairs
+                       : g.profile        ? q_.asked + q_.profiles
+                                          : q_.asked;
+  return std::log(std::max(1.0, asked)) + std::log(kPriorOdds);
+}
+
+double Search::priceOf(const Member& member) const {
+  return priceOf(member.group) + std::log(static_cast<double>(q_.groups.groups[member.group].shapes.size()));
+}
+
+std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at, const std::vector<char>* heldOut) const {
+  std::vector<RandomBlock> blocks;
+  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+    if (at.scatter[b] > 0.0) {
+      blocks.push_back(q_.scatter[b]);
+      blocks.back().ratio = at.scatter[b];
+    }
+  return std::make_shared<Evidence>(q_.rows, q_.groups, at.noise, std::move(blocks), heldOut);
+}
+
+Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start, bool add) const {
+  tick();
+  Explanation out;
+  out.members = members;
+  std::vector<RandomBlock> blocks;
+  std::vector<int> ofBlock;
+  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+    if (add || start.scatter[b] > 0.0) {
+      blocks.push_back(q_.scatter[b]);
+      if (!blocks.back().fixed) blocks.back().ratio = start.scatter[b];
+      ofBlock.push_back(static_cast<int>(b));
+    }
+  const std::size_t scatter = blocks.size();
+  for (const Member& m : members) blocks.push_back({*m.columns, m.size, 0.0, false});
+  NoiseFitOptions options;
+  options.addDrift = add;
+  NoiseFitResult fit;
+  if (q_.rows.rows() <= kMostNoiseRows) {
+    fit = NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
+  } else {
+    const std::vector<int> taken = stretches(q_.rows.rows(), kMostNoiseRows);
+    NoiseRows rows;
+    for (const int i : taken) rows.time.push_back(q_.rows.time[i]);
+    rows.factors = some(q_.rows.factors, taken, q_.rows.rows());
+    rows.target = some(q_.rows.target, taken, q_.rows.rows()).col(0);
+    rows.base = some(q_.rows.base, taken, q_.rows.rows());
+    for (RandomBlock& b : blocks) b.columns = some(b.columns, taken, q_.rows.rows());
+    Noise from = start.noise;
+    from.variance = some(start.noise.variance, taken, static_cast<int>(start.noise.variance.size())).col(0);
+    fit = NoiseFit(rows, blocks).run(from, options);
+    fit.noise.variance = start.noise.variance;
+  }
+  out.noise = fit.noise;
+  out.scatter.assign(q_.scatter.size(), 0.0);
+  for (std::size_t k = 0; k < scatter; ++k) out.scatter[ofBlock[k]] = fit.ratios[k];
+  for (std::size_t k = 0; k < members.size(); ++k)
+    out.members[k].size = std::max(1e-3, fit.ratios[scatter + k]);
+  out.logEvidence = fit.logEvidence;
+  out.white = fit.white;
+  out.whiteStd = fit.whiteStd;
+  out.worth = out.logEvidence;
+  for (const Member& m : members) out.worth -= priceOf(m);
+  return out;
+}
+
+Member Search::memberOf(const Gain& gain) const {
+  const Shape& shape = q_.groups.groups[gain.group].shapes[gain.shape];
+  Member m;
+  m.group = gain.group;
+  m.shape = gain.shape;
+  m.nonlinear = shape.nonlinear;
+  m.size = gain.size;
+  m.columns = std::make_shared<RowMatrix>(q_.groups.columns.middleCols(shape.first, shape.count));
+  m.id = idOf(m.group, m.shape, {});
+  return m;
+}
+
+Member Search::refined(const Evidence& evidence, const std::vector<Member>& others, const Member& member) const {
+  Member best = member;
+  const Shape& shape = q_.groups.groups[member.group].shapes[member.shape];
+  const Evidence::Given given = evidence.given(others);
+  if (member.nonlinear.empty()) {
+    best.size = std::max(1e-3, evidence.gainOf(given, others, *member.columns).size);
+    return best;
+  }
+  const GroupColumns make(*q_.space);
+  double most = evidence.gainOf(given, others, *member.columns).value;
+  for (std::size_t k = 0; k < best.nonlinear.size(); ++k)
+    for (const double step : {0.03, 0.01, 0.003, 0.001, 0.0003})
+      for (const double sign : {1.0, -1.0})
+        for (int again = 0; again < 6; ++again) {
+          std::vector<double> at = best.nonlinear;
+          at[k] *= 1.0 + sign * step;
+          RowMatrix columns = make(shape.effect, at);
+          if (columns.cols() == 0) break;
+          const Gain gain = evidence.gainOf(given, others, columns);
+          if (!(gain.value > most + 1e-3)) break;
+          most = gain.value;
+          best.nonlinear = at;
+          best.size = std::max(1e-3, gain.size);
+          best.columns = std::make_shared<RowMatrix>(std::move(columns));
+          best.id = idOf(best.group, best.shape, best.nonlinear);
+        }
+  return best;
+}
+
+std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const {
+  *changed = false;
+  for (std::size_t j = 0; j < members.size(); ++j) {
+    tick();
+    std::vector<Member> others = members;
+    others.erase(others.begin() + static_cast<long>(j));
+    const Evidence::Given given = evidence.given(others);
+    const Gain own = evidence.gainOf(given, others, *members[j].columns);
+    const double now = own.value - priceOf(members[j]);
+    Gain best;
+    double most = -1e300;
+    for (const Gain& g : evidence.gains(given)) {
+      if (std::any_of(others.begin(), others.end(),
+                      [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
+        continue;
+      if (g.value - priceOf(g.group) > most) most = g.value - priceOf(g.group), best = g;
+    }
+    // another one must be better, and a profile clearly better than a cause with a name
+    const bool named = !q_.groups.groups[members[j].group].profile;
+    const double margin = best.group >= 0 && q_.groups.groups[best.group].profile && named ? kIndistinct : 0.5;
+    if (best.group >= 0 && (best.group != members[j].group || best.shape != members[j].shape) && most > now + margin) {
+      members[j] = refined(evidence, others, memberOf(best));
+      *changed = true;
+    } else {
+      members[j].size = std::max(1e-3, own.size);
+    }
+  }
+  return members;
+}
+
+Explanation Search::exchanged(Explanation best) const {
+  for (int round = 0; round < 3 && !best.members.empty(); ++round) {
+    const auto evidence = evidenceAt(best);
+    bool changed = false;
+    std::vector<Member> members = exchangedAt(*evidence, best.members, &changed);
+    // one goes, and what is best beside the rest comes, perhaps two in its place
+    if (!changed && members.size() > 1 && round == 0) {
+      double mostGain = 0.0;
+      std::vector<Member> mostMembers;
+      const auto worthAt = [&](const std::vector<Member>& of) {
+        double w = evidence->given(of).logEvidence;
+        for (const Member& m : of) w -= priceOf(m);
+        return w;
+      };
+      const double now = worthAt(members);
+      for (std::size_t j = 0; j < members.size(); ++j) {
+        tick();
+        std::vector<Member> others = members;
+        others.erase(others.begin() + static_cast<long>(j));
+        for (int more = 0; more < 2; ++more) {
+          Gain pick;
+          for (const Gain& g : evidence->gains(evidence->given(others)))
+            if (g.group != members[j].group && g.value - priceOf(g.group) > pick.value) {
+              Gain priced = g;
+              priced.value -= priceOf(g.group);
+              pick = priced;
+            }
+          if (pick.group < 0) break;
+          others.push_back(refined(*evidence, others, memberOf(pick)));
+          bool again = false;
+          const std::vector<Member> settled = exchangedAt(*evidence, others, &again);
+          const double gain = worthAt(settled) - now;
+          if (gain > std::max(1.0, mostGain)) mostGain = gain, mostMembers = settled;
+        }
+      }
+      if (!mostMembers.empty()) members = mostMembers, changed = true;
+    }
+    if (!changed) {
+      best.members = members;
+      break;
+    }
+    Explanation next = refitted(members, best, false);
+    if (next.worth <= best.worth) break;
+    best = std::move(next);
+  }
+  return best;
+}
+
+Explanation Search::grown(Explanation best) const {
+  while (static_cast<int>(best.members.size()) < kMostMembers) {
+    // the drift that was fitted without a cause has eaten it: ask from no drift, too
+    std::vector<Explanation> starts = {best};
+    if (!best.noise.drift.empty()) {
+      starts.push_back(best);
+      starts.back().noise.drift.clear();
+    }
+    Explanation next;
+    next.worth = -1e300;
+    for (std::size_t s = 0; s < starts.size(); ++s) {
+      const auto evidence = evidenceAt(starts[s]);
+      const Evidence::Given given = evidence->given(best.members);
+      std::vector<Gain> gains = evidence->gains(given);
+      gains.erase(std::remove_if(gains.begin(), gains.end(),
+                                 [&](const Gain& g) {
+                                   return g.value < kWorthTrying ||
+                                          std::any_of(best.members.begin(), best.members.end(), [&](const Member& m) {
+                                            return m.group == g.group && m.shape == g.shape;
+                                          });
+                                 }),
+                  gains.end());
+      std::stable_sort(gains.begin(), gains.end(), [&](const Gain& a, const Gain& b) {
+        return a.value - priceOf(a.group) > b.value - priceOf(b.group);
+      });
+      const std::size_t tried = starts.size() > 1 ? kTrials : 1;
+      for (std::size_t k = 0; k < std::min(tried, gains.size()); ++k) {
+        if (starts.size() == 1 && gains[k].value < priceOf(gains[k].group)) break;
+        std::vector<Member> members = best.members;
+        members.push_back(refined(*evidence, best.members, memberOf(gains[k])));
+        Explanation trial = refitted(members, starts[s], false);
+        if (trial.worth > next.worth) next = std::move(trial);
+      }
+    }
+    if (!(next.worth > best.worth)) break;
+    next = refitted(next.members, next, true);
+    next = exchanged(std::move(next));
+    if (!(next.worth > best.worth)) break;
+    best = std::move(next);
+  }
+  return best;
+}
+
+Explanation Search::pruned(Explanation best) const {
+  for (bool again = true; again && !best.members.empty();) {
+    again = false;
+    Explanation most;
+    most.worth = -1e300;
+    for (std::size_t j = 0; j < best.members.size(); ++j) {
+      std::vector<Member> others = best.members;
+      others.erase(others.begin() + static_cast<long>(j));
+      // without it, drift may take its place
+      const bool time = q_.groups.groups[best.members[j].group].dependsOnTime || !best.noise.drift.empty();
+      Explanation without = refitted(others, best, time);
+      if (without.worth > most.worth) most = std::move(without);
+    }
+    if (most.worth >= best.worth) {
+      best = std::move(most);
+      again = true;
+    }
+  }
+  return best;
+}
+
+Explanation Search::run(const Eigen::VectorXd& variance) const {
+  Explanation start;
+  start.noise.variance = variance;
+  start.scatter.assign(q_.scatter.size(), 0.0);
+  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+    if (q_.scatter[b].fixed) start.scatter[b] = q_.scatter[b].ratio;
+  Explanation best = refitted({}, start, true);
+  best = grown(std::move(best));
+  best = pruned(std::move(best));
+  return best;
+}
+
+std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& evidence) const {
+  std::vector<Member> members;
+  (void)noise;
+  while (static_cast<int>(members.size()) < kMostMembers) {
+    const Evidence::Given given = evidence.given(members);
+    Gain pick;
+    pick.value = 0.0;
+    for (const Gain& g : evidence.gains(given)) {
+      if (std::any_of(members.begin(), members.end(),
+                      [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
+        continue;
+      const double gain = g.value - priceOf(g.group);
+      if (gain > pick.value) pick = g, pick.value = gain;
+    }
+    if (pick.group < 0) break;
+    members.push_back(refined(evidence, members, memberOf(pick)));
+    for (int round = 0; round < 2; ++round) {
+      bool changed = false;
+      members = exchangedAt(evidence, members, &changed);
+      if (!changed) break;
+    }
+  }
+  return members;
+}
+
+}  // namespace mm

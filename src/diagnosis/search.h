@@ -1,0 +1,78 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "diagnosis/evidence.h"
+#include "diagnosis/groups.h"
+#include "estimation/noise_fit.h"
+
+namespace mm {
+
+/// What a session is, for the search: rows, the scatter that is always there, and the questions.
+struct Questions {
+  const ResidualSpace* space = nullptr;
+  NoiseRows rows;
+  std::vector<RandomBlock> scatter;          // always there, never a cause
+  std::vector<std::string> scatterNames;     // "centres", "radii", "form"; empty: the shape of an effect of the model
+  std::vector<std::string> directions;       // of drift
+  std::vector<double> directionScale;        // m (rad) of a drift of ratio 1 over white noise of 1
+  Groups groups;
+  int asked = 0;     // causes
+  int profiles = 0;  // profiles of one variable among the groups
+  int pairs = 0;     // profiles of two
+};
+
+/// One explanation of the session: causes, drift, scatter, noise, and what all of it is worth.
+struct Explanation {
+  std::vector<Member> members;
+  Noise noise;
+  std::vector<double> scatter;  // ratios of Questions::scatter
+  double logEvidence = 0.0;     // less the prices of drift and scatter
+  double worth = 0.0;           // less the prices of the members too
+  double white = 1.0, whiteStd = 0.0;
+};
+
+/// Prior odds against any cause at all: a cause is named at 100 to 1 and better when one session in ten has one.
+constexpr double kPriorOdds = 1000.0;
+/// Explanations whose log evidence differs by less cannot be told apart (Kass & Raftery 1995: 20 to 1).
+constexpr double kIndistinct = 3.0;
+
+/// The search for the explanation of greatest worth: forward, exchange and backward, drift always a rival.
+class Search {
+ public:
+  explicit Search(const Questions& questions) : q_(questions) {}
+  std::function<void()> step;  // called now and then; may throw to cancel
+
+  /// The whole search. @param variance of the white noise a row. @param most members.
+  Explanation run(const Eigen::VectorXd& variance) const;
+  /// The search at one model of the noise that stays, on some of the rows. @param heldOut a data row.
+  std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
+
+  /// What a group must gain to be named.
+  double priceOf(int group) const;
+  double priceOf(const Member& member) const;
+  /// The evidence at the noise of an explanation.
+  std::shared_ptr<const Evidence> evidenceAt(const Explanation& at, const std::vector<char>* heldOut = nullptr) const;
+  /// Variances fitted again for other members, from a start. @param add look for further drift, too.
+  Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add) const;
+  Member memberOf(const Gain& gain) const;
+  /// Nonlinear parameters and size at their best, beside the others.
+  Member refined(const Evidence& evidence, const std::vector<Member>& others, const Member& member) const;
+  const Questions& questions() const { return q_; }
+
+ private:
+  void tick() const { if (step) step(); }
+  Explanation grown(Explanation best) const;
+  Explanation exchanged(Explanation best) const;
+  Explanation pruned(Explanation best) const;
+  std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;
+
+  const Questions& q_;
+};
+
+/// The scatter that a session of balls always has, and what the effects of the model leave of their shape.
+void addScatter(Questions& questions);
+
+}  // namespace mm

@@ -1,0 +1,224 @@
+#include "estimation/noise_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "machine/cancel_scope.h"
+
+namespace mm {
+namespace {
+
+constexpr double kRidge = 1e-9;  // on orthonormal columns: what a part of the rows does not see
+constexpr int kTimeConstants = 6;
+constexpr double kEnough = 0.3;  // nats: what another round must bring
+
+double medianSpacing(const std::vector<double>& time) {
+  std::vector<double> dt;
+  for (std::size_t i = 1; i < time.size(); ++i)
+    if (time[i] > time[i - 1]) dt.push_back(time[i] - time[i - 1]);
+  if (dt.empty()) return 0.0;
+  std::nth_element(dt.begin(), dt.begin() + static_cast<long>(dt.size() / 2), dt.end());
+  return dt[dt.size() / 2];
+}
+
+}  // namespace
+
+struct NoiseFit::Gram {
+  Eigen::MatrixXd products;  // of base, blocks and target
+  double logDeterminant = 0.0;
+};
+
+NoiseFit::NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks)
+    : rows_(rows), blocks_(std::move(blocks)), base_(static_cast<int>(rows.base.cols())) {
+  int columns = base_;
+  for (const RandomBlock& b : blocks_) {
+    firstOf_.push_back(columns);
+    columns += static_cast<int>(b.columns.cols());
+  }
+  all_.resize(rows.length(), columns + 1);
+  all_.leftCols(base_) = rows.base;
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    all_.middleCols(firstOf_[b], blocks_[b].columns.cols()) = blocks_[b].columns;
+  all_.col(columns) = rows.target;
+
+  const double spacing = medianSpacing(rows.time);
+  const double length = rows.rows() > 1 ? rows.time.back() - rows.time.front() : 0.0;
+  if (spacing > 0.0 && length > 4.0 * spacing) {
+    // from noise that lasts from one row to the next to a walk that never comes back
+    const double first = spacing, last = 2.0 * length;
+    for (int k = 0; k < kTimeConstants; ++k)
+      timeConstants_.push_back(first * std::pow(last / first, k / (kTimeConstants - 1.0)));
+  }
+}
+
+NoiseFit::Gram NoiseFit::gramOf(const Noise& noise) const {
+  CancelScope::check();
+  Gram gram;
+  const TimeWhitener whitener(rows_.time, rows_.factors, noise.variance, noise.drift);
+  RowMatrix m = all_;
+  whitener.whiten(m);
+  gram.logDeterminant = whitener.logDeterminant();
+  gram.products = Eigen::MatrixXd::Zero(m.cols(), m.cols());
+  gram.products.selfadjointView<Eigen::Lower>().rankUpdate(m.transpose());
+  return gram;
+}
+
+double NoiseFit::value(const Gram& gram, const std::vector<double>& ratios, double* rest) const {
+  const int columns = static_cast<int>(gram.products.cols()) - 1;
+  std::vector<int> taken;
+  std::vector<double> scale;
+  for (int k = 0; k < base_; ++k) taken.push_back(k), scale.push_back(1.0);
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (ratios[b] > 0.0)
+      for (int k = 0; k < blocks_[b].columns.cols(); ++k)
+        taken.push_back(firstOf_[b] + k), scale.push_back(ratios[b]);
+  const int n = static_cast<int>(taken.size());
+  Eigen::MatrixXd m(n, n);
+  Eigen::VectorXd to(n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; ++j) m(i, j) = scale[i] * scale[j] * gram.products(taken[i], taken[j]);
+    m(i, i) += i < base_ ? kRidge : 1.0;
+    to[i] = scale[i] * gram.products(columns, taken[i]);
+  }
+  const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> llt(m.selfadjointView<Eigen::Lower>());
+  const Eigen::VectorXd explained = llt.matrixL().solve(to);
+  const double left = std::max(1e-300, gram.products(columns, columns) - explained.squaredNorm());
+  if (rest != nullptr) *rest = left;
+  const double freedoms = std::max(1, rows_.length() - base_);
+  double logDeterminant = gram.logDeterminant;
+  for (int i = 0; i < n; ++i) logDeterminant += 2.0 * std::log(llt.matrixLLT()(i, i));
+  return -0.5 * logDeterminant - 0.5 * freedoms * std::log(left / freedoms);
+}
+
+double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const {
+  const auto worth = [&] {
+    double v = value(gram, ratios, nullptr);
+    for (std::size_t b = 0; b < blocks_.size(); ++b) v -= ratios[b] > 0.0 ? blocks_[b].price : 0.0;
+    return v;
+  };
+  double best = worth();
+  for (int round = 0; round < 6; ++round) {
+    const double before = best;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      if (blocks_[b].fixed) continue;
+      const auto attempt = [&](double ratio) {
+        const double kept = ratios[b];
+        ratios[b] = ratio;
+        const double v = worth();
+        if (v > best + 1e-6) {
+          best = v;
+          return true;
+        }
+        ratios[b] = kept;
+        return false;
+      };
+      if (ratios[b] > 0.0) {
+        for (const double step : {1.5, 1.15, 1.04}) {
+          while (attempt(ratios[b] * step)) {
+          }
+          while (attempt(ratios[b] / step)) {
+          }
+        }
+        if (blocks_[b].price > 0.0) attempt(0.0);
+      } else {
+        for (const double r : {0.1, 0.3, 1.0, 3.0}) attempt(r);
+      }
+    }
+    if (best - before < 0.05) break;
+  }
+  return best;
+}
+
+double NoiseFit::prices(const Noise& noise, const std::vector<double>& ratios,
+                        const NoiseFitOptions& options) const {
+  double sum = 0.0;
+  for (const DriftTerm& t : noise.drift) sum += t.ratio > 0.0 ? options.driftPrice : 0.0;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) sum += ratios[b] > 0.0 ? blocks_[b].price : 0.0;
+  return sum;
+}
+
+NoiseFitResult NoiseFit::at(const Noise& noise, const NoiseFitOptions& options) const {
+  NoiseFitResult result;
+  result.noise = noise;
+  for (const RandomBlock& b : blocks_) result.ratios.push_back(b.ratio);
+  const Gram gram = gramOf(noise);
+  fitRatios(gram, result.ratios);
+  double rest = 0.0;
+  result.logEvidence = value(gram, result.ratios, &rest) - prices(noise, result.ratios, options);
+  result.freedoms = std::max(1, rows_.length() - base_);
+  result.white = std::sqrt(rest / result.freedoms);
+  result.whiteStd = result.white / std::sqrt(2.0 * result.freedoms);
+  return result;
+}
+
+NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options) const {
+  NoiseFitResult best = at(start, options);
+  const auto attempt = [&](Noise noise) {
+    NoiseFit::Gram gram = gramOf(noise);
+    std::vector<double> ratios = best.ratios;
+    double rest = 0.0;
+    const double v = value(gram, ratios, &rest) - prices(noise, ratios, options);
+    if (!(v > best.logEvidence + 1e-3)) return false;
+    best.noise = std::move(noise);
+    best.logEvidence = v;
+    best.white = std::sqrt(rest / best.freedoms);
+    return true;
+  };
+  const int directions = static_cast<int>(rows_.factors.cols());
+  for (int round = 0; round < options.rounds; ++round) {
+    const double before = best.logEvidence;
+    if (options.dropDrift)
+      for (std::size_t k = 0; k < best.noise.drift.size();) {
+        Noise without = best.noise;
+        without.drift.erase(without.drift.begin() + static_cast<long>(k));
+        if (!attempt(std::move(without))) ++k;
+      }
+    if (options.addDrift && !timeConstants_.empty()) {
+      // the best of all further terms; then its size and time constant with the others'
+      Noise better;
+      double most = best.logEvidence;
+      for (int d = 0; d < directions; ++d)
+        for (const double tau : timeConstants_)
+          for (const double ratio : {0.35, 1.2}) {
+            Noise more = best.noise;
+            more.drift.push_back({d, ratio, tau});
+            double rest = 0.0;
+            const double v = value(gramOf(more), best.ratios, &rest) - prices(more, best.ratios, options);
+            if (v > most) most = v, better = std::move(more);
+          }
+      if (most > best.logEvidence + 1e-3) attempt(std::move(better));
+    }
+    if (options.refine)
+      for (std::size_t k = 0; k < best.noise.drift.size(); ++k)
+        for (const double step : {2.0, 1.25}) {
+          const auto scaled = [&](double ratio, double tau) {
+            Noise other = best.noise;
+            other.drift[k].ratio *= ratio;
+            other.drift[k].tau *= tau;
+            const double longest = timeConstants_.empty() ? other.drift[k].tau : timeConstants_.back();
+            other.drift[k].tau = std::min(other.drift[k].tau, longest);
+            return attempt(std::move(other));
+          };
+          for (int again = 0; again < 4 && (scaled(step, 1.0) || scaled(1.0 / step, 1.0)); ++again) {
+          }
+          for (int again = 0; again < 4 && (scaled(1.0, step) || scaled(1.0, 1.0 / step)); ++again) {
+          }
+        }
+    NoiseFitResult refitted = [&] {
+      NoiseFit::Gram gram = gramOf(best.noise);
+      NoiseFitResult r = best;
+      fitRatios(gram, r.ratios);
+      double rest = 0.0;
+      r.logEvidence = value(gram, r.ratios, &rest) - prices(r.noise, r.ratios, options);
+      r.white = std::sqrt(rest / r.freedoms);
+      return r;
+    }();
+    if (refitted.logEvidence > best.logEvidence) best = std::move(refitted);
+    if (best.logEvidence - before < kEnough) break;
+  }
+  best.whiteStd = best.white / std::sqrt(2.0 * best.freedoms);
+  return best;
+}
+
+}  // namespace mm

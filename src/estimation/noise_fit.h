@@ -1,0 +1,80 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "estimation/drift.h"
+
+namespace mm {
+
+/// Rows of a linearised session as the noise model sees them: whitened by the stated noise, ascending in time.
+struct NoiseRows {
+  std::vector<double> time;   // s, a data row
+  RowMatrix factors;          // data rows x directions of drift
+  Eigen::VectorXd target;     // data rows, then priors: what is to be explained
+  RowMatrix base;             // orthonormal columns of what is free without a prior; data rows, then priors
+  int rows() const { return static_cast<int>(time.size()); }
+  int length() const { return static_cast<int>(target.size()); }
+};
+
+/// Columns whose coefficients are drawn from a normal distribution: the scatter of the balls, the shapes of a cause.
+struct RandomBlock {
+  RowMatrix columns;    // length x k, each coefficient of standard deviation `ratio`
+  double ratio = 0.0;   // in units of the white noise; 0: not there
+  double price = 0.0;   // log evidence that it must earn to be there; 0: its ratio may go down to nothing
+  bool fixed = false;   // the ratio is known
+};
+
+/// White noise, drift and blocks: everything that scatters. Ratios are in units of the white noise.
+struct Noise {
+  std::vector<DriftTerm> drift;
+  Eigen::VectorXd variance;  // a data row: of its white noise, 1 on average; smaller counts more
+};
+
+/// What fitting the variances by restricted maximum likelihood (REML, Patterson & Thompson 1971) found.
+struct NoiseFitResult {
+  Noise noise;
+  std::vector<double> ratios;  // of the blocks
+  double logEvidence = 0.0;    // restricted, with the scale of the noise integrated out, less the prices of what is there
+  double white = 1.0;          // standard deviation of the white noise, in units of the stated one
+  double whiteStd = 0.0;       // its standard uncertainty
+  double freedoms = 1.0;       // rows less the columns that are free
+};
+
+struct NoiseFitOptions {
+  /// Log evidence that one drift term must earn: each may be one of about twenty (direction and time constant).
+  double driftPrice = 3.0;
+  bool addDrift = true;   // look for further terms
+  bool dropDrift = true;  // try without those that are there
+  bool refine = true;     // sizes and time constants of those that are there
+  int rounds = 4;
+};
+
+/// Fits the variances of drift and blocks. Greedy in the terms, by coordinates in sizes and time constants.
+class NoiseFit {
+ public:
+  /// @param rows must outlive the fit.
+  NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks);
+
+  NoiseFitResult run(const Noise& start, const NoiseFitOptions& options) const;
+  /// The evidence as it is, nothing fitted but the ratios of blocks that are not fixed.
+  NoiseFitResult at(const Noise& noise, const NoiseFitOptions& options) const;
+  /// Time constants that are asked, s: from the spacing of the rows to the length of the session.
+  const std::vector<double>& timeConstants() const { return timeConstants_; }
+
+ private:
+  struct Gram;  // of all columns, whitened in time
+  Gram gramOf(const Noise& noise) const;
+  /// Fits the ratios; @return the evidence. @param freedoms, rest: of the scale.
+  double value(const Gram& gram, const std::vector<double>& ratios, double* rest) const;
+  double fitRatios(const Gram& gram, std::vector<double>& ratios) const;
+  double prices(const Noise& noise, const std::vector<double>& ratios, const NoiseFitOptions& options) const;
+
+  const NoiseRows& rows_;
+  std::vector<RandomBlock> blocks_;
+  std::vector<int> firstOf_;  // column of each block
+  RowMatrix all_;             // base, blocks, target
+  int base_ = 0;
+  std::vector<double> timeConstants_;
+};
+
+}  // namespace mm
