@@ -13,7 +13,7 @@ namespace mm {
 namespace plugin {
 
 /// Changes whenever something below does: a plugin that was built with another header is refused, by name.
-constexpr int kInterface = 1;
+constexpr int kInterface = 2;
 
 constexpr double kMicrometre = 1e-6;                           // in m
 constexpr double kArcsecond = 3.14159265358979323846 / 648e3;  // in rad
@@ -97,6 +97,15 @@ struct Parameter {
   std::vector<double> search;
 };
 
+/// The keys of one effect beside `type`, as text: {type: my_effect, axis: x} has {{"axis", "x"}}.
+using Keys = std::map<std::string, std::string>;
+
+/// A shape that a cause has beside its main one: an effect of the same type, linear in its parameters.
+struct ShapeFreedom {
+  Keys keys;
+  double share = 0.15;  // its usual size, of the main shape's, each in its parameters' `scale`
+};
+
 /// One physical effect: a small error as a function of the state and of a few unknown constants. It does not
 /// change after construction and is called from several threads.
 class Effect {
@@ -108,15 +117,26 @@ class Effect {
   virtual std::string cause() const = 0;    // physical cause, in plain words
   virtual std::string remedy() const = 0;   // in the workshop
   virtual std::string shownBy() const = 0;  // what a session must contain to show it
-};
 
-/// The keys of one effect beside `type`, as text: {type: my_effect, axis: x} has {{"axis", "x"}}.
-using Keys = std::map<std::string, std::string>;
+  // What a diagnosis may know of it to treat it as one cause. On what it depends is found by trial. Joints
+  // are indices of the session's.
+
+  /// Other shapes that the cause has at the same time: the second harmonic of a wave.
+  virtual std::vector<ShapeFreedom> freedom() const { return {}; }
+  /// Joints along whose travel its size usually changes: the play of a worn screw.
+  virtual std::vector<int> variesAlong() const { return {}; }
+  /// Joints of whose position it is a law: where one of them never moved, the session cannot show it.
+  virtual std::vector<int> mustMove() const { return {}; }
+  /// Distinct positions of each of these that it takes at the least; 0: any that moved.
+  virtual int positionsNeeded() const { return 0; }
+};
 
 /// A key that the effect takes.
 struct Key {
   std::string name;
   std::string standard;  // what is meant where it is not given; empty: it must be given
+  bool shape = false;    // it only says which shape the cause has (degree, harmonic): effects that differ in
+                         // nothing else have one cause
 };
 
 /// Base class of the plugins: one type of effect. Its package exports

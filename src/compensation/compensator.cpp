@@ -1,33 +1,17 @@
 #include "compensation/compensator.h"
 
 #include <Eigen/Geometry>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
+#include "effects/inputs.h"
 #include "machine/error.h"
 
 namespace mm {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-/// Whether `t` stands in a formula as a name of its own.
-bool namesTime(const std::string& formula) {
-  const auto inName = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
-  for (std::size_t i = 0; i < formula.size(); ++i)
-    if (formula[i] == 't' && (i == 0 || !inName(formula[i - 1])) &&
-        (i + 1 == formula.size() || !inName(formula[i + 1])))
-      return true;
-  return false;
-}
-
-/// Effects of the time since the start, which say nothing beyond the calibrated duration.
-bool ofTime(const EffectSpec& spec) {
-  return spec.type == "time_drift" || spec.type == "warm_up" ||
-         (spec.type == "formula" && namesTime(spec.text("formula")));
-}
 
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation) {
   const Eigen::AngleAxisd turn(rotation);
@@ -65,8 +49,10 @@ Compensator::Compensator(const Calibration& calibration, Options options)
     if (!std::isfinite(v.value))
       throw InputError(name + ": parameter '" + v.name + "' is not a finite number; calibrate again");
   }
-  for (const EffectSpec& spec : calibration.effects)
-    if (ofTime(spec)) timed_ += (timed_.empty() ? "" : ", ") + spec.type;
+  for (const EffectPtr& effect : model_.effects()) {
+    ofTime_.push_back(inputsOf(*effect, model_.domain()).time);
+    if (ofTime_.back()) timed_ += (timed_.empty() ? "" : ", ") + effect->spec().type;
+  }
   all_ = partOf(calibration, true);
   timeless_ = timed_.empty() ? all_ : partOf(calibration, false);
   limits_ = std::make_unique<CalibratedLimits>(*all_.model, all_.parameters.data(), options_.margin);
@@ -76,9 +62,9 @@ Compensator::Part Compensator::partOf(const Calibration& calibration, bool timed
   std::vector<EffectPtr> effects;
   std::vector<int> kept;
   for (int p = 0; p < model_.parameterCount(); ++p)
-    if (timed || !ofTime(calibration.effects[model_.effectOf(p)])) kept.push_back(p);
-  for (std::size_t e = 0; e < calibration.effects.size(); ++e)
-    if (timed || !ofTime(calibration.effects[e])) effects.push_back(model_.effects()[e]);
+    if (timed || !ofTime_[model_.effectOf(p)]) kept.push_back(p);
+  for (std::size_t e = 0; e < model_.effects().size(); ++e)
+    if (timed || !ofTime_[e]) effects.push_back(model_.effects()[e]);
   Part part;
   part.model = std::make_shared<const Model>(model_.machine(), model_.domain(), std::move(effects));
   const auto n = static_cast<Eigen::Index>(kept.size());

@@ -87,7 +87,9 @@ class Compensator {
   Options options_;
   Model model_;
   Part all_, timeless_;
-  std::string timed_;  // names of the effects of time
+  /// An effect: it counts the time since the start, and says nothing beyond the calibrated duration.
+  std::vector<bool> ofTime_;
+  std::string timed_;  // names of these
   std::unique_ptr<const CalibratedLimits> limits_;
 };
 

@@ -13,7 +13,8 @@ class AngularMotion : public CatalogueEffect {
  public:
   explicit AngularMotion(SpecReader& read)
       : CatalogueEffect(read, Stage::kVolume),
-        scaled_(read.domain(), read.joint("axis")),
+        axis_(read.joint("axis")),
+        scaled_(read.domain(), axis_),
         about_(read.axisOf("about")) {
     degree_ = read.integer("degree", 1, kHighest, 1);
     name_ = read.canonical().text("axis");
@@ -23,6 +24,12 @@ class AngularMotion : public CatalogueEffect {
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     addTilt(layout_, about_, state, 0, p[0], legendre(degree_, scaled_(state)), sink);
   }
+
+  std::vector<std::string> shapeKeys() const override { return {"degree"}; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    return otherValues(spec(), "degree", degree_, 1, kHighest, 1);
+  }
+  std::vector<int> mustMove() const override { return {axis_}; }
 
   std::string cause() const override {
     return "The slide of " + name_ + " rolls, pitches or yaws about " + axisName(about_) +
@@ -38,6 +45,7 @@ class AngularMotion : public CatalogueEffect {
   }
 
  private:
+  int axis_;
   ScaledPosition scaled_;
   int about_, degree_ = 1;
   std::string name_;

@@ -19,6 +19,9 @@ class Backlash : public CatalogueEffect {
     sink.add(layout_.axis(axis_), 0, p[0], travel == 0.0 ? kUnknown : -0.5 * travel);
   }
 
+  /// A nut wears most where it works most: the play changes along the screw.
+  std::vector<int> variesAlong(const Domain&) const override { return {axis_}; }
+
   std::string cause() const override {
     return "Play in the drive of " + name_ +
            " (nut, gear, thrust bearing, belt): the slide lags behind its drive and stops short "

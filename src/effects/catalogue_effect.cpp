@@ -33,6 +33,20 @@ std::vector<std::string> directionNames(const Domain& domain) {
   return names;
 }
 
+std::vector<ShapeFreedom> otherValues(const EffectSpec& spec, const std::string& key, int value, int lowest,
+                                      int highest, int absent) {
+  std::vector<ShapeFreedom> others;
+  for (int other = lowest; other <= highest; ++other) {
+    if (other == value) continue;
+    EffectSpec shape(spec.type);
+    for (const auto& kept : spec.keys)
+      if (kept.first != key) shape.keys.push_back(kept);
+    if (other != absent) shape.set(key, other);
+    others.push_back({shape});
+  }
+  return others;
+}
+
 std::vector<std::string> ballNames(const Domain& domain) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < domain.features.size(); ++i)

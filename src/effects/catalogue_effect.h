@@ -41,6 +41,7 @@ EffectType effectType(const std::string& type, std::vector<std::string> keys, Ca
                       bool composite = false) {
   EffectType entry;
   entry.type = type;
+  entry.keys = keys;
   entry.create = [keys = std::move(keys)](const EffectSpec& spec, const Domain& domain) -> EffectPtr {
     SpecReader read(spec, domain, keys);
     auto effect = std::make_shared<E>(read);
@@ -63,6 +64,11 @@ std::vector<std::pair<std::string, std::string>> coupledJoints(const Domain& dom
 /// Every `direction` of its own: the joints and, where less than three of them are linear, the axes of the
 /// workpiece.
 std::vector<std::string> directionNames(const Domain& domain);
+
+/// The effects that differ from `spec` in the whole number of one key: the other shapes of one cause.
+/// @param absent the value that the canonical form leaves out; 0: none.
+std::vector<ShapeFreedom> otherValues(const EffectSpec& spec, const std::string& key, int value, int lowest,
+                                      int highest, int absent = 0);
 
 /// Features that are, or may be, balls.
 std::vector<std::string> ballNames(const Domain& domain);

@@ -27,6 +27,10 @@ class CovariateScale : public CatalogueEffect {
              state.position[axis_] * (state.covariate[covariate_] - reference_));
   }
 
+  /// Neither does a covariate act evenly along the scale: a load bends where it stands.
+  std::vector<int> variesAlong(const Domain&) const override { return {axis_}; }
+  std::vector<int> mustMove() const override { return {axis_}; }
+
   std::string cause() const override {
     return "The scale of " + axisName_ + " changes with " + name_ +
            " (humidity swells it, pressure changes a wavelength, load stretches it).";

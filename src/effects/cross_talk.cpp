@@ -22,6 +22,8 @@ class CrossTalk : public CatalogueEffect {
     sink.add(layout_.axis(axis_), 0, p[0], state.position[of_]);
   }
 
+  std::vector<int> mustMove() const override { return {of_}; }
+
   std::string cause() const override {
     return "The guideway of " + ofName_ + " is not square to " + axisName_ + ": moving " + ofName_ +
            " carries the probe along " + axisName_ + " in proportion.";

@@ -39,7 +39,7 @@ class ErrorSink {
 /// A shape that a cause has beside its main one.
 struct ShapeFreedom {
   EffectSpec spec;
-  double share = 0.15;  // its usual size, of the main shape's
+  double share = 0.15;  // its usual size, of the main shape's, each in its parameters' `scale`
 };
 
 enum class Stage { kAxis, kJoint, kProbe, kVolume, kArtifact };
@@ -87,11 +87,11 @@ class Effect {
 
   // What a diagnosis must know of an effect to treat it as one physical cause.
 
-  /// Keys of the spec that only say which shape the cause has (degree, harmonic, period, power, lag …): effects of one
-  /// type that differ in nothing else have one cause.
+  /// Keys of the spec that only say which shape the cause has (degree, harmonic, period, power, lag …):
+  /// effects of one type that differ in nothing else have one cause.
   virtual std::vector<std::string> shapeKeys() const { return {}; }
-  /// Other shapes that the cause has at the same time, beside this one: further degrees of a guideway's profile,
-  /// harmonics of a screw.
+  /// Other shapes that the cause has at the same time, beside this one: further degrees of a guideway's
+  /// profile, harmonics of a screw. Each is linear in its parameters.
   virtual std::vector<ShapeFreedom> freedom(const Domain& /*domain*/) const { return {}; }
   /// The spec with the nonlinear parameters stated, where a key can state them: {period_mm: unknown} at 2 mm is
   /// {period_mm: 2}. @param nonlinear in the order of nonlinearParameters(), SI.
@@ -104,6 +104,27 @@ class Effect {
   virtual std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& /*nonlinear*/) const { return {}; }
   /// Joints along whose travel its size usually changes (the play of a worn screw): indices of the Domain.
   virtual std::vector<int> variesAlong(const Domain& /*domain*/) const { return {}; }
+  /// Joints (indices of the Domain) of whose position it is a law: where one of them never moved, the session
+  /// cannot show it.
+  virtual std::vector<int> mustMove() const { return {}; }
+  /// Distinct positions of each of these that it takes at the least; 0: any that moved.
+  virtual int positionsNeeded() const { return 0; }
+  /// Whether what the session covered can tell it, with these nonlinear parameters, from a smooth profile: a
+  /// wave of which less than two lengths were seen is none. @param nonlinear in the order of
+  /// nonlinearParameters().
+  virtual bool mayBeClaimed(const std::vector<double>& /*nonlinear*/) const { return true; }
+
+  // What the rest of the library must know of a few effects, without their names.
+
+  /// Its shape is learned from the residuals of the model without it (estimation/network_learning); until
+  /// then it has no parameters.
+  virtual bool learned() const { return false; }
+  /// A law stated by the user: it may say where deviations without an instrument's zero count from.
+  virtual bool statesDatum() const { return false; }
+  /// Nobody knows how large its parameters are: a search goes by their start values, not by their bounds.
+  virtual bool ofUnknownSize() const { return false; }
+  /// True for a parameter that a published convention sets to zero where the data do not determine it.
+  virtual bool zeroByConvention(int /*parameter*/) const { return false; }
 
   virtual std::string cause() const = 0;    // physical cause, in plain words
   virtual std::string remedy() const = 0;   // in the workshop

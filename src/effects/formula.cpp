@@ -66,6 +66,9 @@ class Formula : public CatalogueEffect {
     }
   }
 
+  bool statesDatum() const override { return true; }
+  bool ofUnknownSize() const override { return true; }
+
   std::string cause() const override {
     return "Physics stated by the user: " + spec().text("formula") + " along " + direction_.name + ".";
   }

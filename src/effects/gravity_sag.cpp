@@ -17,6 +17,12 @@ class GravitySag : public CatalogueEffect {
     sink.add(slot_, 0, p[0], power_ == 2 ? extension * extension : extension * extension * extension);
   }
 
+  std::vector<std::string> shapeKeys() const override { return {"power"}; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    return otherValues(spec(), "power", power_, 2, 3);
+  }
+  std::vector<int> mustMove() const override { return {with_}; }
+
   std::string cause() const override {
     return "The arm or beam that " + name_ +
            " extends bends under its own weight, more than in proportion as it reaches out.";

@@ -20,12 +20,12 @@ class LeadScrewPeriodic : public CatalogueEffect {
     const std::string key = linear ? "period_mm" : "period_deg", other = linear ? "period_deg" : "period_mm";
     if (read.has(other)) read.fail("the period of " + name_ + " is given as " + key + ", not " + other);
     const double unit = linear ? kMillimetre : kDegree;
+    travel_ = observedRange(read.domain(), axis_);
     searched_ = read.isWord(key, "unknown");
     if (!searched_) {
       period_ = read.number(key, 1e-6, 1e6) * unit;
       return;
     }
-    const double observed = observedRange(read.domain(), axis_);
     if (!linear) {  // a wheel has a whole number of teeth, and so has its worm's turn a whole part of a turn
       for (int teeth = kFewestTeeth; teeth <= kMostTeeth; ++teeth) starts_.push_back({2.0 * kPi / teeth});
       Parameter period = parameter("period", kUnitDegree, 1e-3, 2.0 * kPi, 2.0 * kPi / 60.0);
@@ -35,7 +35,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
       return;
     }
     // Frequencies a third of a cycle over the range apart: from half a cycle to sixty.
-    const double range = observed > 0.0 ? observed : 10.0 * unit;
+    const double range = travel_ > 0.0 ? travel_ : 10.0 * unit;
     const double shortest = std::max(range / 60.0, linear ? 0.05 * kMillimetre : 0.0);
     for (double cycles = 0.5; cycles <= range / shortest; cycles += 1.0 / 3.0)
       starts_.push_back({range / cycles});
@@ -63,6 +63,22 @@ class LeadScrewPeriodic : public CatalogueEffect {
       sink.derivative(slot, 2, -(p[0] * cosine - p[1] * sine) * phase / period);
   }
 
+  std::vector<std::string> shapeKeys() const override { return {"period_mm", "period_deg"}; }
+  /// A wobble is no pure sine: the second harmonic.
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    if (searched_) return {};
+    const std::string key = spec().find("period_mm") != nullptr ? "period_mm" : "period_deg";
+    const double unit = key == "period_mm" ? kMillimetre : kDegree;
+    return {{EffectSpec(spec()).set(key, 0.5 * period_ / unit)}};
+  }
+  std::vector<int> variesAlong(const Domain&) const override { return {axis_}; }
+  std::vector<int> mustMove() const override { return {axis_}; }
+  int positionsNeeded() const override { return parameterCount() + 3; }
+  bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
+    const double period = searched_ && !nonlinear.empty() ? nonlinear.front() : period_;
+    return period <= 0.5 * travel_;
+  }
+
   std::string cause() const override {
     return "The screw, gear or belt pulley of " + name_ +
            " wobbles: once a turn it is ahead and once behind its mean lead.";
@@ -83,7 +99,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
   int axis_;
   std::string name_;
   bool searched_ = false;
-  double period_ = 0.0;  // m or rad
+  double period_ = 0.0, travel_ = 0.0;  // m or rad
   std::vector<std::vector<double>> starts_;
 };
 

@@ -71,6 +71,16 @@ class MmtDeviation : public CatalogueEffect {
     }
   }
 
+  std::vector<std::string> shapeKeys() const override {
+    return {"lead_mm", "exponent", "amplitude_exponent", "argument"};
+  }
+  std::vector<int> mustMove() const override { return {axis_}; }
+  /// Whatever the order in which the effects are listed: alpha of an axis by one before it is zero (alpha_xy,
+  /// alpha_xz, alpha_yz).
+  bool zeroByConvention(int parameter) const override {
+    return parameter >= 5 && others_[static_cast<std::size_t>(parameter) - 5] < axis_;
+  }
+
   std::string cause() const override {
     return "Geometry of axis " + name_ +
            ": lead and home error, screw wobble, guideways that are not straight and not square.";

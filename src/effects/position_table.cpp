@@ -46,6 +46,8 @@ class PositionTable : public CatalogueEffect {
     sink.add(slot, i, p[i], share);
   }
 
+  std::vector<int> mustMove() const override { return {axis_}; }
+
   std::string cause() const override {
     return "Positioning error of " + name_ + " of any shape: screw, scale, guideway and Abbe error together.";
   }

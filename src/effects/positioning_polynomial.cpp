@@ -19,6 +19,12 @@ class PositioningPolynomial : public CatalogueEffect {
     sink.add(layout_.axis(axis_), 0, p[0], legendre(degree_, scaled_(state)));
   }
 
+  std::vector<std::string> shapeKeys() const override { return {"degree"}; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    return otherValues(spec(), "degree", degree_, 2, 5);
+  }
+  std::vector<int> mustMove() const override { return {axis_}; }
+
   std::string cause() const override {
     return "The lead of " + name_ +
            " changes along its travel: a worn or bowed screw, a stretched belt, a scale under strain.";

@@ -9,6 +9,9 @@
 namespace mm {
 namespace {
 
+constexpr int kOrders[] = {0, 2, 3, 4};
+constexpr double kOtherLobes = 0.1;  // of the lobes that its seat's contacts make
+
 class ProbeLobing : public CatalogueEffect {
  public:
   explicit ProbeLobing(SpecReader& read) : CatalogueEffect(read, Stage::kProbe) {
@@ -32,6 +35,14 @@ class ProbeLobing : public CatalogueEffect {
       if (order_ > 0) sink.add(layout_.volume(k), 0, p[0], component * sine);
       sink.add(layout_.volume(k), last, p[last], component * cosine);
     }
+  }
+
+  std::vector<std::string> shapeKeys() const override { return {"order"}; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    std::vector<ShapeFreedom> others;
+    for (const int order : kOrders)
+      if (order != order_) others.push_back({EffectSpec(spec()).set("order", order), kOtherLobes});
+    return others;
   }
 
   std::string cause() const override {
@@ -61,7 +72,7 @@ EffectType probeLobingType() {
   return effectType<ProbeLobing>("probe_lobing", {"order"}, [](const Domain& domain) {
     std::vector<EffectSpec> specs;
     if (domain.laser || ballNames(domain).empty()) return specs;
-    for (const int order : {0, 2, 3, 4}) specs.push_back(EffectSpec("probe_lobing").set("order", order));
+    for (const int order : kOrders) specs.push_back(EffectSpec("probe_lobing").set("order", order));
     return specs;
   });
 }

@@ -16,6 +16,7 @@ struct EffectType {
   /// physics restricts the list (gravity acts along the vertical, …). Empty for composites.
   std::function<std::vector<EffectSpec>(const Domain&)> candidates;
   bool composite = false;
+  std::vector<std::string> keys = {};  // that it takes, in the order of the canonical form
 };
 
 /// The catalogue, in its fixed order: one line an effect (registry.cpp).

@@ -1,8 +1,10 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <array>
+#include <set>
 #include <string>
 
+#include "effects/effect.h"
 #include "effects/spec_reader.h"
 
 namespace mm {
@@ -34,5 +36,16 @@ struct RadialDirections {
   std::array<Eigen::Vector3d, 2> directions;
   std::array<std::string, 2> names{"u", "w"};
 };
+
+/// The other harmonics of a bearing: no race is exactly round or exactly an ellipse, and no wave is a pure
+/// sine.
+inline std::vector<ShapeFreedom> otherHarmonics(const EffectSpec& spec, int harmonic, int highest) {
+  std::set<int> others{1, 2, 3, 2 * harmonic};
+  others.erase(harmonic);
+  std::vector<ShapeFreedom> freedom;
+  for (const int h : others)
+    if (h <= highest) freedom.push_back({EffectSpec(spec).set("harmonic", h)});
+  return freedom;
+}
 
 }  // namespace mm

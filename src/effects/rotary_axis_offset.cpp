@@ -23,6 +23,8 @@ class RotaryAxisOffset : public CatalogueEffect {
     sink.add(layout_.jointTranslation(joint_, axis_), 0, p[0], 1.0);
   }
 
+  std::vector<int> mustMove() const override { return {joint_}; }
+
   std::string cause() const override {
     return "The axis of " + name_ + " does not pass where the chain says: it is displaced along " +
            axisName(axis_) + " of its seat.";

@@ -22,6 +22,8 @@ class RotaryAxisTilt : public CatalogueEffect {
     sink.add(layout_.jointRotation(joint_, axis_), 0, p[0], 1.0);
   }
 
+  std::vector<int> mustMove() const override { return {joint_}; }
+
   std::string cause() const override {
     return "The axis of " + name_ + " is not parallel to where the chain says: its seat is tilted about " +
            axisName(axis_) + ".";

@@ -9,13 +9,15 @@
 namespace mm {
 namespace {
 
+constexpr int kHighest = 16;
+
 class RotaryEccentricity : public CatalogueEffect {
  public:
   explicit RotaryEccentricity(SpecReader& read)
       : CatalogueEffect(read, Stage::kJoint),
         joint_(read.joint("joint", JointKind::kRotary)),
         radial_(read, joint_) {
-    harmonic_ = read.integer("harmonic", 1, 16);
+    harmonic_ = read.integer("harmonic", 1, kHighest);
     name_ = read.domain().joints[joint_].name;
     turn_ = harmonic_ == 1 ? "turn" : "1/" + std::to_string(harmonic_) + " turn";
     for (const std::string& direction : radial_.names)
@@ -38,6 +40,12 @@ class RotaryEccentricity : public CatalogueEffect {
     sink.add(layout_.axis(joint_), 4, p[4], cosine);
     sink.add(layout_.axis(joint_), 5, p[5], sine);
   }
+
+  std::vector<std::string> shapeKeys() const override { return {"harmonic"}; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    return otherHarmonics(spec(), harmonic_, kHighest);
+  }
+  std::vector<int> mustMove() const override { return {joint_}; }
 
   std::string cause() const override {
     return "Bearing or scale of " + name_ + " run out: once every " + turn_ +

@@ -9,13 +9,15 @@
 namespace mm {
 namespace {
 
+constexpr int kHighest = 16;
+
 class RotaryWobble : public CatalogueEffect {
  public:
   explicit RotaryWobble(SpecReader& read)
       : CatalogueEffect(read, Stage::kJoint),
         joint_(read.joint("joint", JointKind::kRotary)),
         radial_(read, joint_) {
-    harmonic_ = read.integer("harmonic", 1, 16);
+    harmonic_ = read.integer("harmonic", 1, kHighest);
     name_ = read.domain().joints[joint_].name;
     turn_ = harmonic_ == 1 ? "turn" : "1/" + std::to_string(harmonic_) + " turn";
     for (const std::string& direction : radial_.names)
@@ -33,6 +35,12 @@ class RotaryWobble : public CatalogueEffect {
         sink.add(layout_.jointRotation(joint_, k), 2 * d + 1, p[2 * d + 1], sine * radial_.directions[d][k]);
       }
   }
+
+  std::vector<std::string> shapeKeys() const override { return {"harmonic"}; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    return otherHarmonics(spec(), harmonic_, kHighest);
+  }
+  std::vector<int> mustMove() const override { return {joint_}; }
 
   std::string cause() const override {
     return "The axis of " + name_ + " wobbles as it turns, once every " + turn_ +

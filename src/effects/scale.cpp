@@ -18,6 +18,8 @@ class Scale : public CatalogueEffect {
     sink.add(layout_.axis(axis_), 0, p[0], state.position[axis_]);
   }
 
+  std::vector<int> mustMove() const override { return {axis_}; }
+
   std::string cause() const override {
     return "The scale or the mean screw lead of " + name_ +
            " is wrong: its error grows in proportion to the reading.";

@@ -15,6 +15,12 @@ class Straightness : public CatalogueEffect {
     sink.add(slot_, 0, p[0], legendre(degree_, scaled_(state)));
   }
 
+  std::vector<std::string> shapeKeys() const override { return {"degree"}; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    return otherValues(spec(), "degree", degree_, 2, 5);
+  }
+  std::vector<int> mustMove() const override { return {axis_}; }
+
   std::string cause() const override {
     return "The guideway of " + name_ + " is not straight: its slide swerves along " + direction_ +
            " as it travels.";
@@ -31,6 +37,7 @@ class Straightness : public CatalogueEffect {
   Straightness(SpecReader& read, int axis, const Direction& direction)
       : CatalogueEffect(read, direction),
         slot_(direction.slot(layout_)),
+        axis_(axis),
         scaled_(read.domain(), axis),
         name_(read.domain().joints[axis].name),
         direction_(direction.name) {
@@ -40,7 +47,7 @@ class Straightness : public CatalogueEffect {
     parameters_ = {errorParameter("amplitude", direction.quantity)};
   }
 
-  int slot_, degree_ = 2;
+  int slot_, axis_, degree_ = 2;
   ScaledPosition scaled_;
   std::string name_, direction_;
 };

@@ -22,6 +22,10 @@ class ThermalExpansion : public CatalogueEffect {
              state.position[axis_] * (state.temperature[sensor_] - kReferenceTemperature));
   }
 
+  /// No bed warms evenly along its length.
+  std::vector<int> variesAlong(const Domain&) const override { return {axis_}; }
+  std::vector<int> mustMove() const override { return {axis_}; }
+
   std::string cause() const override {
     return "The scale or screw of " + name_ + " grows with the temperature " + sensorName_ +
            ": lengths along it are wrong in proportion.";

@@ -29,6 +29,14 @@ class ThermalGrowth : public CatalogueEffect {
     if (sink.wantsDerivatives()) sink.derivative(slot_, 1, p[0] * byTau);
   }
 
+  std::vector<std::string> shapeKeys() const override { return {"lag"}; }
+  /// Of a part that follows late some is near the sensor, and follows at once.
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    if (!lag_) return {};
+    EffectSpec atOnce(spec().type);
+    return {{atOnce.set("direction", direction_).set("sensor", sensorName_)}};
+  }
+
   std::string cause() const override {
     return "The part whose temperature is " + sensorName_ +
            " grows with heat and carries the probe or the artifact along " + direction_ +

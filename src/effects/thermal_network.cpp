@@ -54,6 +54,9 @@ class ThermalNetworkEffect : public CatalogueEffect {
     sink.add(slot, 0, p[0], (1.0 - share) * y[i - 1] + share * y[i]);
   }
 
+  std::vector<std::string> shapeKeys() const override { return {"network"}; }
+  bool learned() const override { return true; }
+
   std::string cause() const override {
     return "Heat deforms the machine along " + name_ + " in a way that no single thermal effect describes.";
   }

@@ -26,6 +26,11 @@ class WarmUp : public CatalogueEffect {
     if (sink.wantsDerivatives()) sink.derivative(slot_, 1, -p[0] * decay * t / (tau * tau));
   }
 
+  /// A machine has more than one time constant: behind the quick one it still creeps.
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    return {{EffectSpec("time_drift").set("direction", direction_)}};
+  }
+
   std::string cause() const override {
     return "The machine warms after it is switched on and moves along " + direction_ +
            ", quickly at first, until it is settled.";

@@ -110,7 +110,7 @@ void addNetworkShift(Problem& problem, const Eigen::VectorXd& x, const Eigen::Ma
   const Model& model = problem.model();
   Eigen::VectorXd gain = Eigen::VectorXd::Zero(shift.cols());
   for (std::size_t e = 0; e < model.effects().size(); ++e)
-    if (model.effects()[e]->spec().type == "thermal_network" && model.effects()[e]->parameterCount() == 1)
+    if (model.effects()[e]->learned() && model.effects()[e]->parameterCount() == 1)
       gain[model.domain().findJoint(model.effects()[e]->spec().text("axis"))] =
           x[model.offset(static_cast<int>(e))];
   const ErrorLayout layout = model.machine().layout();

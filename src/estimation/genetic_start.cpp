@@ -152,7 +152,7 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     double half = mount    ? std::min(unknowns[u].bound, 10.0 * unknowns[u].scale)
                   : effect ? unknowns[u].bound
                            : std::min(unknowns[u].bound, 10.0 * unknowns[u].scale);
-    if (effect && problem.model().effects()[unknowns[u].owner]->spec().type == "formula")
+    if (effect && problem.model().effects()[unknowns[u].owner]->ofUnknownSize())
       half = 10.0 * std::max(std::abs(unknowns[u].start), 1e-3 * unknowns[u].scale);
     ranges.low.push_back(std::max(x[u] - half, unknowns[u].minimum));
     ranges.high.push_back(std::min(x[u] + half, unknowns[u].maximum));

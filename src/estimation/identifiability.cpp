@@ -17,19 +17,10 @@ bool choosesFrame(const Problem& problem, int unknown) {
   return problem.model().effects()[u.owner]->choosesFrame(u.component);
 }
 
-/// MMT's convention, in whatever order the effects are listed: alpha of an axis by one before it is zero
-/// (alpha_xy, alpha_xz, alpha_yz).
+/// Held first, by a published convention.
 bool zeroByConvention(const Problem& problem, int unknown) {
   const Unknown& u = problem.unknowns()[unknown];
-  if (u.kind != UnknownKind::kEffect || u.component < 5) return false;
-  const EffectSpec& spec = problem.model().effects()[u.owner]->spec();
-  if (spec.type != "mmt_deviation") return false;
-  const Machine& machine = problem.model().machine();
-  const std::string axis = spec.text("axis");
-  const int of = machine.findJoint(axis);
-  for (int j = 0; j < of; ++j)
-    if (u.name == "alpha_" + machine.joints()[j].name + axis) return true;
-  return false;
+  return u.kind == UnknownKind::kEffect && problem.model().effects()[u.owner]->zeroByConvention(u.component);
 }
 
 std::string inWordsOf(const Problem& problem, const LostDirection& lost) {

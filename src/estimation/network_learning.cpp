@@ -19,13 +19,10 @@
 namespace mm {
 namespace {
 
-constexpr const char* kType = "thermal_network";
 constexpr double kBetter = 0.98;     // of the ridge-linear held-out error: what counts as beating it
 constexpr int kSamplesForSets = 30;  // fewer say too little about the information of sets of sensors
 constexpr int kGreySensors = 4;      // as many as DFNN takes
 constexpr int kLargestSensorSet = 3;
-
-bool isNetwork(const Effect& effect) { return effect.spec().type == kType; }
 
 /// One network: its axis, its samples, and what is learned from them.
 class Learner {
@@ -196,7 +193,7 @@ class Learner {
 
 bool hasToLearn(const Model& model) {
   return std::any_of(model.effects().begin(), model.effects().end(), [&](const EffectPtr& e) {
-    return isNetwork(*e) && model.domain().findNetwork(e->spec().yaml()) == nullptr;
+    return e->learned() && model.domain().findNetwork(e->spec().yaml()) == nullptr;
   });
 }
 
@@ -207,7 +204,7 @@ LearnedModel learnNetworks(const Session& session, const Model& model, const Cal
   std::vector<double> given;
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const EffectPtr& effect = model.effects()[e];
-    if (isNetwork(*effect)) continue;
+    if (effect->learned()) continue;
     physical.push_back(effect);
     for (int k = 0; k < effect->parameterCount(); ++k)
       given.push_back(start.size() == model.parameterCount()
@@ -239,9 +236,9 @@ LearnedModel learnNetworks(const Session& session, const Model& model, const Cal
   std::vector<double> values;
   int taken = 0, learnedSoFar = 0;
   const auto networks = std::count_if(model.effects().begin(), model.effects().end(),
-                                      [](const EffectPtr& e) { return isNetwork(*e); });
+                                      [](const EffectPtr& e) { return e->learned(); });
   for (const EffectPtr& effect : model.effects()) {
-    if (!isNetwork(*effect)) {
+    if (!effect->learned()) {
       effects.push_back(effect);
       for (int k = 0; k < effect->parameterCount(); ++k) values.push_back(fitted.x[taken++]);
       continue;

@@ -85,12 +85,18 @@ struct Origin {
 /// An effect of a plugin, in the terms of the library. Derivatives by differences of eighth order.
 class PluginEffect final : public Effect {
  public:
+  /// @param spec canonical.
   PluginEffect(EffectSpec spec, Origin origin, std::unique_ptr<plugin::Effect> effect, const Domain& domain)
       : layout_(static_cast<int>(domain.joints.size())),
         origin_(std::move(origin)),
         effect_(std::move(effect)) {
     spec_ = std::move(spec);
     if (!effect_) throw InputError("create() returned nothing");
+    for (const plugin::Key& key : origin_.type->keys())
+      if (key.shape) shapeKeys_.push_back(key.name);
+    variesAlong_ = jointsOf("variesAlong()", effect_->variesAlong());
+    mustMove_ = jointsOf("mustMove()", effect_->mustMove());
+    positionsNeeded_ = effect_->positionsNeeded();
     cause_ = effect_->cause();
     remedy_ = effect_->remedy();
     shownBy_ = effect_->shownBy();
@@ -124,6 +130,11 @@ class PluginEffect final : public Effect {
   bool linear() const override { return nonlinear_.empty(); }
   std::vector<int> nonlinearParameters() const override { return nonlinear_; }
   std::vector<std::vector<double>> searchStarts() const override { return starts_; }
+  std::vector<std::string> shapeKeys() const override { return shapeKeys_; }
+  std::vector<ShapeFreedom> freedom(const Domain& domain) const override;
+  std::vector<int> variesAlong(const Domain&) const override { return variesAlong_; }
+  std::vector<int> mustMove() const override { return mustMove_; }
+  int positionsNeeded() const override { return positionsNeeded_; }
   std::string cause() const override { return cause_; }
   std::string remedy() const override { return remedy_; }
   std::string shownBy() const override { return shownBy_; }
@@ -233,6 +244,14 @@ class PluginEffect final : public Effect {
     for (int j = 0; j < layout_.joints(); ++j) e.reading[j] = kUnknown;
   }
 
+  std::vector<int> jointsOf(const std::string& what, std::vector<int> joints) const {
+    for (const int joint : joints)
+      if (joint < 0 || joint >= layout_.joints())
+        throw InputError(what + " names joint " + std::to_string(joint) + "; there are 0 to " +
+                         std::to_string(layout_.joints() - 1));
+    return joints;
+  }
+
   /// The starts of one more searched parameter with each of those before it.
   void combine(const std::vector<double>& search) {
     if (starts_.empty()) starts_.push_back({});
@@ -303,6 +322,9 @@ class PluginEffect final : public Effect {
   const std::unique_ptr<plugin::Effect> effect_;
   std::vector<int> nonlinear_;
   std::vector<std::vector<double>> starts_;
+  std::vector<std::string> shapeKeys_;
+  std::vector<int> variesAlong_, mustMove_;
+  int positionsNeeded_ = 0;
   std::string cause_, remedy_, shownBy_;
 };
 
@@ -332,6 +354,40 @@ plugin::Keys readKeys(const EffectSpec& spec, const std::vector<plugin::Key>& al
   return keys;
 }
 
+EffectPtr create(const Origin& origin, const EffectSpec& spec, const Domain& domain) {
+  try {
+    EffectSpec canonical(spec.type);
+    const plugin::Keys keys = readKeys(spec, origin.type->keys(), canonical);
+    return std::make_shared<PluginEffect>(canonical, origin, origin.type->create(keys, sessionOf(domain)),
+                                          domain);
+  } catch (const std::exception& e) {
+    throw InputError("effect " + spec.yaml() + " (" + origin.name + "): " + e.what());
+  }
+}
+
+EffectSpec specOf(const std::string& type, const plugin::Keys& keys) {
+  EffectSpec spec(type);
+  for (const auto& [key, value] : keys) spec.set(key, value);
+  return spec;
+}
+
+/// A shape that cannot be made is left out; the cause has its main one.
+std::vector<ShapeFreedom> PluginEffect::freedom(const Domain& domain) const {
+  std::vector<ShapeFreedom> shapes;
+  try {
+    for (const plugin::ShapeFreedom& shape : effect_->freedom()) {
+      const EffectPtr other = create(origin_, specOf(spec_.type, shape.keys), domain);
+      if (!other->linear() || !(shape.share > 0.0) || other->spec() == spec_)
+        throw InputError("a shape must be another one, linear in its parameters, with a share above 0: " +
+                         other->spec().yaml());
+      shapes.push_back({other->spec(), shape.share});
+    }
+  } catch (const std::exception& e) {
+    (*origin_.trouble)(origin_.name + ": freedom() failed, a diagnosis does without: " + e.what());
+  }
+  return shapes;
+}
+
 }  // namespace
 
 EffectType pluginEffectType(std::shared_ptr<const plugin::EffectType> type, const std::string& origin,
@@ -339,25 +395,16 @@ EffectType pluginEffectType(std::shared_ptr<const plugin::EffectType> type, cons
   const Origin shared{type, origin, std::make_shared<Once>(std::move(trouble))};
   EffectType entry;
   entry.type = type->name();
-  entry.create = [shared](const EffectSpec& spec, const Domain& domain) -> EffectPtr {
-    try {
-      EffectSpec canonical(spec.type);
-      const plugin::Keys keys = readKeys(spec, shared.type->keys(), canonical);
-      return std::make_shared<PluginEffect>(canonical, shared, shared.type->create(keys, sessionOf(domain)),
-                                            domain);
-    } catch (const std::exception& e) {
-      throw InputError("effect " + spec.yaml() + " (" + shared.name + "): " + e.what());
-    }
+  for (const plugin::Key& key : type->keys()) entry.keys.push_back(key.name);
+  entry.create = [shared](const EffectSpec& spec, const Domain& domain) {
+    return create(shared, spec, domain);
   };
   // A plugin that cannot say what to try is left out of a diagnosis; the others go on.
-  entry.candidates = [shared, create = entry.create, name = entry.type](const Domain& domain) {
+  entry.candidates = [shared, name = entry.type](const Domain& domain) {
     std::vector<EffectSpec> specs;
     try {
-      for (const plugin::Keys& keys : shared.type->candidates(sessionOf(domain))) {
-        EffectSpec spec(name);
-        for (const auto& [key, value] : keys) spec.set(key, value);
-        specs.push_back(create(spec, domain)->spec());
-      }
+      for (const plugin::Keys& keys : shared.type->candidates(sessionOf(domain)))
+        specs.push_back(create(shared, specOf(name, keys), domain)->spec());
     } catch (const std::exception& e) {
       (*shared.trouble)(shared.name +
                         ": candidates() failed, a diagnosis does not try them all: " + e.what());

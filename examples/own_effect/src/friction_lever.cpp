@@ -35,6 +35,8 @@ class FrictionLever : public mm::plugin::Effect {
     error.reading[axis_] += -0.5 * p[0] * side * (state.position[across_] - middle_);
   }
 
+  std::vector<int> mustMove() const override { return {across_}; }
+
   std::string cause() const override {
     return "The drive of " + name_ +
            " pulls beside the middle of the friction of its guideways: the carriage " +

@@ -158,4 +158,48 @@ inline EffectSpec specOf(const std::string& yaml) {
   return spec;
 }
 
+/// Three machines: 0 three_axis with a touch probe, 1 five_axis with a laser, 2 a pan-tilt head.
+struct MachineRig {
+  Machine machine;
+  Domain domain;
+};
+
+inline MachineRig rigOf(int which) {
+  if (which == 0) {
+    Machine m = Machine::load("three_axis");
+    Domain d = domainOf(m, false);
+    return {m, d};
+  }
+  if (which == 1) {
+    Machine m = Machine::load("five_axis");
+    Domain d = domainOf(m, true);
+    return {m, d};
+  }
+  Machine m(panTiltUrdf(), "pan_tilt");
+  Domain d = domainOf(m, false);
+  return {m, d};
+}
+
+/// Candidates of the whole registry, and one spec for each composite or formula that fits the machine.
+inline std::vector<EffectSpec> everySpec(const Domain& domain, int which) {
+  std::vector<EffectSpec> specs;
+  for (const EffectType& type : effectRegistry())
+    for (const EffectSpec& spec : type.candidates(domain)) specs.push_back(spec);
+  const std::vector<std::string> more =
+      which < 2 ? std::vector<
+                      std::string>{"{type: mmt_deviation, axis: x, lead_mm: 1}",
+                                   "{type: mmt_deviation, axis: y, lead_mm: 1.5, exponent: 1, "
+                                   "amplitude_exponent: 0, argument: 1}",
+                                   "{type: lead_screw_periodic, axis: y, period_mm: 2.5}",
+                                   "{type: formula, direction: x, formula: k1*x*y + k2*bed}",
+                                   "{type: formula, direction: z, formula: k1*exp(-t/k2)*x, start: [0, 600]}",
+                                   "{type: formula, direction: approach, formula: k1*humidity}"}
+                : std::vector<std::string>{
+                      "{type: formula, direction: pan, formula: k1*sin(tilt) + k2*cos(2*pan)}"};
+  for (const std::string& text : more) specs.push_back(specOf(text));
+  specs.push_back(EffectSpec("position_table").set("axis", domain.joints[0].name));
+  specs.push_back(EffectSpec("thermal_network").set("axis", domain.joints[0].name));
+  return specs;
+}
+
 }  // namespace mm

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/inputs.h"
 #include "machine/error.h"
 
 namespace mm {
@@ -34,12 +35,14 @@ class Wave : public plugin::Effect {
   std::string cause() const override { return "cause"; }
   std::string remedy() const override { return "remedy"; }
   std::string shownBy() const override { return "contacts"; }
+  std::vector<int> mustMove() const override { return {0}; }
+  int positionsNeeded() const override { return 6; }
 };
 
 class WaveType : public plugin::EffectType {
  public:
   std::string name() const override { return "wave"; }
-  std::vector<plugin::Key> keys() const override { return {{"axis", ""}, {"order", "1"}}; }
+  std::vector<plugin::Key> keys() const override { return {{"axis", ""}, {"order", "1", true}}; }
   std::unique_ptr<plugin::Effect> create(const plugin::Keys& keys, const plugin::Session& s) const override {
     s.joint(keys.at("axis"));
     return std::make_unique<Wave>();
@@ -166,6 +169,85 @@ class SquareType : public WaveType {
 TEST_F(PluginEffectTest, anEffectThatIsNotLinearAsItSaysIsRefused) {
   const EffectType type = pluginEffectType(std::make_shared<SquareType>(), "plugin 'square'", {});
   EXPECT_THROW(type.create(EffectSpec("wave").set("axis", "x"), domain), InputError);
+}
+
+/// A play with its own second shape.
+class Play : public Wave {
+ public:
+  explicit Play(std::vector<plugin::ShapeFreedom> shapes) : shapes_(std::move(shapes)) {}
+  std::vector<plugin::Parameter> parameters() const override { return {Wave::parameters().front()}; }
+  void evaluate(const plugin::State& s, const double* p, plugin::Error& e) const override {
+    e.reading[0] += p[0] * s.travel[0];
+  }
+  std::vector<plugin::ShapeFreedom> freedom() const override { return shapes_; }
+  std::vector<int> variesAlong() const override { return {1}; }
+
+ private:
+  std::vector<plugin::ShapeFreedom> shapes_;
+};
+class PlayType : public WaveType {
+ public:
+  std::unique_ptr<plugin::Effect> create(const plugin::Keys& keys, const plugin::Session&) const override {
+    const std::string axis = keys.at("axis");
+    return std::make_unique<Play>(std::vector<plugin::ShapeFreedom>{
+        {{{"axis", axis}, {"order", "2"}}, 0.2},
+        {{{"axis", axis}, {"order", keys.at("order") == "3" ? "3" : "1"}}, 0.1}});
+  }
+};
+
+TEST_F(PluginEffectTest, aPluginHasTheSameTraits) {
+  const EffectPtr wave = make(EffectSpec("wave").set("axis", "x"));
+  EXPECT_EQ(wave->shapeKeys(), std::vector<std::string>{"order"});
+  EXPECT_EQ(wave->mustMove(), std::vector<int>{0});
+  EXPECT_EQ(wave->positionsNeeded(), 6);
+  EXPECT_TRUE(wave->freedom(domain).empty());
+  const Inputs ofWave = inputsOf(*wave, domain);
+  EXPECT_EQ(ofWave.positions, (std::vector<int>{0, 1}));  // the lever of its tilt moves with both
+  EXPECT_EQ(ofWave.temperatures, std::vector<int>{0});
+  EXPECT_FALSE(ofWave.needsMotion());
+  EXPECT_FALSE(ofWave.time);
+
+  std::vector<std::string> lines;
+  const EffectType type = pluginEffectType(std::make_shared<PlayType>(), "plugin 'play'",
+                                           [&](const std::string& line) { lines.push_back(line); });
+  EXPECT_EQ(type.keys, (std::vector<std::string>{"axis", "order"}));
+  const EffectPtr play = type.create(EffectSpec("wave").set("axis", "x").set("order", "5"), domain);
+  EXPECT_EQ(play->variesAlong(domain), std::vector<int>{1});
+  EXPECT_EQ(inputsOf(*play, domain).travels, std::vector<int>{0});
+  const std::vector<ShapeFreedom> shapes = play->freedom(domain);
+  ASSERT_EQ(shapes.size(), 2u);
+  EXPECT_EQ(shapes[0].spec.yaml(), "{type: wave, axis: x, order: 2}");
+  EXPECT_EQ(shapes[0].share, 0.2);
+  EXPECT_EQ(shapes[1].spec.yaml(), "{type: wave, axis: x}");
+  EXPECT_TRUE(lines.empty());
+
+  // a shape that is the effect itself is none
+  const EffectPtr own = type.create(EffectSpec("wave").set("axis", "x").set("order", "3"), domain);
+  EXPECT_EQ(own->freedom(domain).size(), 1u);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("order: 3"), std::string::npos) << lines[0];
+}
+
+/// Names a joint that is not there.
+class Lost : public Play {
+ public:
+  Lost() : Play({}) {}
+  std::vector<int> mustMove() const override { return {2}; }
+};
+class LostType : public WaveType {
+  std::unique_ptr<plugin::Effect> create(const plugin::Keys&, const plugin::Session&) const override {
+    return std::make_unique<Lost>();
+  }
+};
+
+TEST_F(PluginEffectTest, aTraitThatNamesNoJointIsRefused) {
+  const EffectType type = pluginEffectType(std::make_shared<LostType>(), "plugin 'lost'", {});
+  try {
+    type.create(EffectSpec("wave").set("axis", "x"), domain);
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("mustMove() names joint 2"), std::string::npos) << e.what();
+  }
 }
 
 /// Throws at its work.

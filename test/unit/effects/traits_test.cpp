@@ -1,0 +1,145 @@
+// What a diagnosis asks of an effect, over the whole registry and on three machines.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "effects/inputs.h"
+#include "effects_support.h"
+#include "machine/units.h"
+
+namespace mm {
+namespace {
+
+class Traits : public ::testing::TestWithParam<int> {
+ protected:
+  Traits() : rig_(rigOf(GetParam())) {
+    for (const EffectSpec& spec : everySpec(rig_.domain, GetParam()))
+      effects_.push_back(createEffect(spec, rig_.domain));
+  }
+  const Domain& domain() const { return rig_.domain; }
+  static const EffectType& typeOf(const Effect& effect) {
+    return *std::find_if(effectRegistry().begin(), effectRegistry().end(),
+                         [&](const EffectType& t) { return t.type == effect.spec().type; });
+  }
+  MachineRig rig_;
+  std::vector<EffectPtr> effects_;
+};
+
+TEST_P(Traits, shapeKeysAreKeysOfTheType) {
+  for (const EffectPtr& effect : effects_) {
+    const std::vector<std::string>& keys = typeOf(*effect).keys;
+    for (const auto& key : effect->spec().keys)
+      EXPECT_EQ(std::count(keys.begin(), keys.end(), key.first), 1) << effect->spec().yaml();
+    for (const std::string& key : effect->shapeKeys())
+      EXPECT_EQ(std::count(keys.begin(), keys.end(), key), 1) << effect->spec().yaml() << " " << key;
+  }
+}
+
+TEST_P(Traits, freedomsAreOtherLinearShapesInCanonicalForm) {
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    std::set<std::string> seen{effect->spec().yaml()};
+    for (const ShapeFreedom& shape : effect->freedom(domain())) {
+      const EffectPtr other = createEffect(shape.spec, domain());
+      EXPECT_TRUE(other->spec() == shape.spec) << shape.spec.yaml();
+      EXPECT_TRUE(other->linear()) << shape.spec.yaml();
+      EXPECT_TRUE(seen.insert(shape.spec.yaml()).second) << shape.spec.yaml();
+      EXPECT_GT(shape.share, 0.0);
+      EXPECT_LE(shape.share, 0.3);
+      // it acts where the main shape does
+      const Inputs a = inputsOf(*effect, domain()), b = inputsOf(*other, domain());
+      EXPECT_EQ(a.positions, b.positions);
+      EXPECT_EQ(a.temperatures, b.temperatures);
+      EXPECT_EQ(a.time, b.time);
+      EXPECT_EQ(a.approach, b.approach);
+    }
+  }
+}
+
+TEST_P(Traits, jointsAreThoseOfTheLaw) {
+  const int joints = static_cast<int>(domain().joints.size());
+  for (const EffectPtr& effect : effects_) {
+    SCOPED_TRACE(effect->spec().yaml());
+    const Inputs inputs = inputsOf(*effect, domain());
+    for (const int j : effect->variesAlong(domain())) {
+      EXPECT_GE(j, 0);
+      EXPECT_LT(j, joints);
+    }
+    for (const int j : effect->mustMove()) {
+      ASSERT_GE(j, 0);
+      ASSERT_LT(j, joints);
+      // an axis that is displaced shows only as the joint turns, though the displacement is constant
+      if (effect->spec().type.rfind("rotary_axis_", 0) == 0) continue;
+      EXPECT_EQ(std::count(inputs.positions.begin(), inputs.positions.end(), j), 1) << j;
+    }
+    if (effect->positionsNeeded() > 0) {
+      EXPECT_FALSE(effect->mustMove().empty());
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, Traits, ::testing::Values(0, 1, 2));
+
+class OneEffect : public ::testing::Test {
+ protected:
+  EffectPtr make(const std::string& yaml) { return createEffect(specOf(yaml), domain); }
+  std::set<std::string> freedomOf(const std::string& yaml) {
+    std::set<std::string> specs;
+    for (const ShapeFreedom& shape : make(yaml)->freedom(domain)) specs.insert(shape.spec.yaml());
+    return specs;
+  }
+  Domain domain = rigOf(0).domain;
+};
+
+TEST_F(OneEffect, aGuidewayHasTheOtherDegrees) {
+  EXPECT_EQ(freedomOf("{type: straightness, axis: x, direction: z, degree: 3}"),
+            (std::set<std::string>{"{type: straightness, axis: x, direction: z, degree: 2}",
+                                   "{type: straightness, axis: x, direction: z, degree: 4}",
+                                   "{type: straightness, axis: x, direction: z, degree: 5}"}));
+  EXPECT_EQ(freedomOf("{type: angular_motion, axis: x, about: y, degree: 2}")
+                .count("{type: angular_motion, axis: x, about: y}"),
+            1U);
+}
+
+TEST_F(OneEffect, aScrewHasItsSecondHarmonicWhereThePeriodIsKnown) {
+  EXPECT_EQ(freedomOf("{type: lead_screw_periodic, axis: x, period_mm: 2.5}"),
+            std::set<std::string>{"{type: lead_screw_periodic, axis: x, period_mm: 1.25}"});
+  EXPECT_TRUE(freedomOf("{type: lead_screw_periodic, axis: x, period_mm: unknown}").empty());
+}
+
+TEST_F(OneEffect, aPeriodIsClaimedOnlyWhereTwoWereSeen) {
+  const EffectPtr searched = make("{type: lead_screw_periodic, axis: x, period_mm: unknown}");
+  const double travel = domain.upper[0] - domain.lower[0];
+  EXPECT_TRUE(searched->mayBeClaimed({0.49 * travel}));
+  EXPECT_FALSE(searched->mayBeClaimed({0.51 * travel}));
+  EXPECT_TRUE(make("{type: lead_screw_periodic, axis: x, period_mm: 2}")->mayBeClaimed({}));
+  EXPECT_EQ(searched->positionsNeeded(), 6);
+  EXPECT_EQ(make("{type: lead_screw_periodic, axis: x, period_mm: 2}")->positionsNeeded(), 5);
+}
+
+TEST_F(OneEffect, onlyALawOfAPositionNeedsOne) {
+  EXPECT_TRUE(make("{type: backlash, axis: x}")->mustMove().empty());
+  EXPECT_TRUE(make("{type: thermal_bending, axis: z, about: x, sensors: [bed, frame]}")->mustMove().empty());
+  EXPECT_EQ(make("{type: cross_talk, axis: x, of: y}")->mustMove(), std::vector<int>{1});
+  EXPECT_EQ(make("{type: backlash, axis: y}")->variesAlong(domain), std::vector<int>{1});
+  EXPECT_TRUE(make("{type: speed_lag}")->variesAlong(domain).empty());
+}
+
+TEST_F(OneEffect, conventionOfMmt) {
+  const EffectPtr x = make("{type: mmt_deviation, axis: x, lead_mm: 1}");
+  const EffectPtr y = make("{type: mmt_deviation, axis: y, lead_mm: 1}");
+  const EffectPtr z = make("{type: mmt_deviation, axis: z, lead_mm: 1}");
+  const auto held = [](const EffectPtr& e) {
+    std::set<std::string> names;
+    for (int p = 0; p < e->parameterCount(); ++p)
+      if (e->zeroByConvention(p)) names.insert(e->parameters()[static_cast<std::size_t>(p)].name);
+    return names;
+  };
+  EXPECT_TRUE(held(x).empty());
+  EXPECT_EQ(held(y), std::set<std::string>{"alpha_xy"});
+  EXPECT_EQ(held(z), (std::set<std::string>{"alpha_xz", "alpha_yz"}));
+}
+
+}  // namespace
+}  // namespace mm
