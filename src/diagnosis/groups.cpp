@@ -7,7 +7,6 @@
 
 #include "diagnosis/structure.h"
 #include "effects/inputs.h"
-#include "effects/profile.h"
 #include "effects/registry.h"
 #include "machine/cancel_scope.h"
 #include "machine/two_threads.h"
@@ -295,6 +294,7 @@ Groups makeGroups(const ResidualSpace& space) {
       for (std::vector<double>& start : starts) {
         // what is in the model already may be there once more with another shape, if a key can say it
         if (again && sameSpec(effect->shapedAs(start), effect->spec())) continue;
+        if (!start.empty() && !effect->mayBeClaimed(start)) continue;
         wanted.push_back({at->second, effect, std::move(start)});
       }
     }
@@ -390,6 +390,7 @@ namespace {
 
 Groups profilesOf(const ResidualSpace& space, const std::vector<EffectSpec>& specs, int variables) {
   Groups out;
+  if (std::none_of(effectRegistry().begin(), effectRegistry().end(), [](auto& t) { return t.type == "profile"; })) return out;
   const Maker maker(space);
   std::vector<Wanted> wanted;
   for (const EffectSpec& spec : specs) {
