@@ -6,11 +6,45 @@
 
 namespace mm {
 
-/// The verdict as one sentence for people. @param left what each variable explains of what is left at the
-/// end.
-std::string sentenceOf(const Diagnosis& diagnosis, const std::vector<WhereItFails>& left);
+// A diagnosis as people say it: the sentence of its verdict, and the words and figures of which it is made.
+// Every uncertainty after ± is expanded, with the coverage factor k = 2.
 
+/// The verdict in one to four sentences: what is named, with its size and odds, and what else it may be.
+std::string sentenceOf(const Diagnosis& diagnosis);
+
+/// `{type: backlash, axis: x}` as people call it: "backlash of x".
+std::string inWords(const EffectSpec& effect);
+/// Several, as a list: "a, b and c"; of more than `shown`, the first and how many more.
+std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t shown = 4);
+
+/// A probability as odds: "even", "3 to 2", "about 30 to 1", "more than 1000 to 1"; below one half the other
+/// way round.
+std::string oddsInWords(double probability);
+/// A time: "40 s", "20 min", "3.5 h", "2.1 days".
+std::string durationInWords(double seconds);
+/// Value and expanded uncertainty (twice `std`), this with one digit, or two where it begins with 1 or 2:
+/// "2.06 ± 0.06 um".
+std::string expanded(double value, double std, const std::string& unit);
 /// A number with three significant digits.
 std::string shortNumber(double value);
+
+/// How large a missing effect is: its constant or its amplitude ± expanded uncertainty, else the RMS of what
+/// it does.
+std::string sizeInWords(const CandidateResult& candidate, bool angular);
+/// A variable as formulas call it, in words: "x", "time", "the speed of x", "the temperature bed".
+std::string variableInWords(const std::string& name, const std::string& unit);
+std::string variablesInWords(const ProfileResult& profile);
+/// "the direction of travel of x"
+std::string inputInWords(const std::string& input);
+/// Where a rival cannot be told apart, or not excluded, why; empty where measuring more would tell.
+std::string whyNotApart(const Confusable& rival);
+
+/// Whether errors along a direction are angles.
+bool isAngular(const Diagnosis& diagnosis, const std::string& direction);
+/// What drifts, how far and how slowly: "x wanders by 0.4 um RMS with a time constant of 20 min and follows
+/// no recorded temperature".
+std::string driftInWords(const Diagnosis& diagnosis, const DriftResult& drift);
+/// What to do about it: how often to measure a reference, what to record.
+std::string driftAdvice(const DriftResult& drift);
 
 }  // namespace mm

@@ -1,3 +1,4 @@
+#include "diagnosis/wording.h"
 #include "machine/units.h"
 #include "report/json.h"
 #include "report/json_parts.h"
@@ -7,9 +8,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+void setEffect(Json& object, const EffectSpec& effect) {
+  object["effect"] = effectJson(effect);
+  object["in_words"] = inWords(effect);
+}
+
+void setOdds(Json& object, double probability) {
+  object["odds"] = number(probability);
+  object["odds_in_words"] = oddsInWords(probability);
+}
+
 Json candidateJson(const CandidateResult& c, bool angular) {
   Json one;
-  one["effect"] = effectJson(c.effect);
+  setEffect(one, c.effect);
   one["parameters"] = Json::array();
   for (const NamedValue& v : c.parameters) {
     Json p;
@@ -21,17 +32,70 @@ Json candidateJson(const CandidateResult& c, bool angular) {
   }
   setEither(one, "size", c.size, angular);
   one["p_value"] = number(c.pValue);
-  one["odds"] = number(c.odds);
+  one["gain"] = number(c.gain);
+  setOdds(one, c.odds);
   setPair(one, "held_out_rms", c.heldOutBefore, c.heldOutAfter, angular);
   one["confusable_with"] = Json::array();
   for (const Confusable& other : c.confusableWith) {
     Json o;
-    o["effect"] = effectJson(other.effect);
+    setEffect(o, other.effect);
     o["delta"] = number(other.delta);
+    setOdds(o, other.odds);
+    o["same"] = other.same;
+    o["not_recorded"] = other.notRecorded;
+    o["moves"] = other.moves;
     one["confusable_with"].push_back(std::move(o));
   }
+  one["confusable_with_drift"] = c.confusableWithDrift;
   one["cause"] = c.cause;
   one["remedy"] = c.remedy;
+  return one;
+}
+
+Json profileJson(const ProfileResult& p, const Diagnosis& d) {
+  Json one;
+  setEffect(one, p.effect);
+  one["direction"] = p.direction;
+  one["variables"] = p.variables;
+  one["units"] = p.units;
+  one["unit"] = isAngular(d, p.direction) ? "arcsec" : "um";
+  one["gain"] = number(p.gain);
+  setOdds(one, p.odds);
+  setPair(one, "held_out_rms", p.heldOutBefore, p.heldOutAfter, d.angular);
+  one["curve"] = Json::array();
+  for (const std::vector<double>& point : p.curve) {
+    Json values = Json::array();
+    for (const double v : point) values.push_back(number(v));
+    one["curve"].push_back(std::move(values));
+  }
+  return one;
+}
+
+Json driftJson(const DriftResult& drift, const Diagnosis& d) {
+  Json one;
+  one["direction"] = drift.direction;
+  setEither(one, "std", drift.std, isAngular(d, drift.direction));
+  one["time_constant_s"] = number(drift.timeConstant);
+  one["perhaps"] = Json::array();
+  for (const DriftResult::Perhaps& other : drift.perhaps) {
+    Json o;
+    setEffect(o, other.effect);
+    setOdds(o, other.odds);
+    o["share"] = number(other.share);
+    one["perhaps"].push_back(std::move(o));
+  }
+  one["in_words"] = driftInWords(d, drift);
+  one["to_do"] = drift.inWords.empty() ? driftAdvice(drift) : drift.inWords;
+  return one;
+}
+
+Json inputJson(const MissingInput& input) {
+  Json one;
+  one["input"] = input.input;
+  one["assumed"] = input.assumed;
+  one["effects"] = Json::array();
+  for (const EffectSpec& effect : input.effects) one["effects"].push_back(effectJson(effect));
+  one["in_words"] = listInWords(input.effects);
   return one;
 }
 
@@ -61,6 +125,11 @@ std::string diagnoseJson(const Diagnosis& d) {
   if (d.angular) object["repeatability_arcsec"] = number(repeatability / kArcsecond);
   object["repeatability_from"] = d.base.repeatabilityFrom;
   setFigures(object, d.base.figures, true);
+  const auto found = [](double value) { return value > 0.0 ? value : kNotMeasured; };
+  setEither(object, "held_out_rms_with_found", found(d.heldOut), d.angular);
+  setEither(object, "noise", found(d.noise), d.angular);
+  setEither(object, "noise_std", found(d.noiseStd), d.angular);
+  object["tail_dof"] = number(found(d.tailDof));
   object["chi2_per_dof"] = fitted ? number(d.base.figures.chi2PerDof) : Json(nullptr);
   object["verdict"] = nameOf(d.verdict);
   object["sentence"] = d.sentence;
@@ -69,17 +138,28 @@ std::string diagnoseJson(const Diagnosis& d) {
   for (const CandidateResult& c : d.missing) object["missing"].push_back(candidateJson(c, d.angular));
   object["candidates"] = Json::array();
   for (const CandidateResult& c : d.candidates) object["candidates"].push_back(candidateJson(c, d.angular));
+  object["profiles"] = Json::array();
+  for (const ProfileResult& p : d.profiles) object["profiles"].push_back(profileJson(p, d));
   object["formulas"] = Json::array();
   for (const FormulaResult& f : d.formulas) {
     Json one = effectJson(f.effect);
     one.erase("type");
+    one["in_words"] = inWords(f.effect);
     setPair(one, "held_out_rms", f.heldOutBefore, f.heldOutAfter, d.angular);
     object["formulas"].push_back(std::move(one));
   }
+  object["drift"] = Json::array();
+  for (const DriftResult& drift : d.drift) object["drift"].push_back(driftJson(drift, d));
+  object["artifact_scatter"] = Json::array();
+  for (const ArtifactScatter& a : d.artifactScatter)
+    object["artifact_scatter"].push_back(
+        Json{{"what", a.what}, {"std_um", number(a.std / kMicrometre)}, {"in_words", a.inWords}});
+  object["missing_inputs"] = Json::array();
+  for (const MissingInput& input : d.missingInputs) object["missing_inputs"].push_back(inputJson(input));
   object["cannot_show"] = Json::array();
   for (const CannotShow& c : d.cannotShow) {
     Json one;
-    one["effect"] = effectJson(c.effect);
+    setEffect(one, c.effect);
     one["why"] = c.why;
     one["moves"] = c.moves;
     object["cannot_show"].push_back(std::move(one));

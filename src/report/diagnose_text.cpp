@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/wording.h"
 #include "machine/units.h"
 #include "report/text.h"
 #include "report/text_parts.h"
@@ -18,19 +19,81 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// "    cause             play in the drive": a label, and what belongs to it; nothing where that is empty.
+std::string entry(const std::string& label, const std::string& text) {
+  return text.empty() ? "" : wrapped("    " + padded(label, 18), text);
+}
+
 std::string missingText(const CandidateResult& c, bool angular) {
-  std::string text = "  " + spoken(c.effect) + "\n";
-  for (const NamedValue& p : c.parameters)
-    text += "    " + padded(p.name, 18) + withUncertainty(p.value, p.std, p.unit) + "\n";
-  text += "    held-out RMS      " + length(c.heldOutBefore, angular) + " -> " +
-          length(c.heldOutAfter, angular) +
-          format("   odds %.2f\n", c.odds);
-  for (const Confusable& other : c.confusableWith)
-    text += "    or, as likely:    " + spoken(other.effect) +
-            format(" (log-likelihood within %.1f)\n", other.delta);
-  if (!c.cause.empty()) text += "    cause:  " + c.cause + "\n";
-  if (!c.remedy.empty()) text += "    remedy: " + c.remedy + "\n";
+  std::string text = "  " + inWords(c.effect) + "\n";
+  for (const NamedValue& p : c.parameters) text += entry(p.name, expanded(p.value, p.std, p.unit));
+  text += entry("odds", oddsInWords(c.odds));
+  text += entry("held-out RMS", length(c.heldOutBefore, angular) + " -> " + length(c.heldOutAfter, angular));
+  std::string label = "or instead";
+  for (const Confusable& rival : c.confusableWith) {
+    const std::string why = whyNotApart(rival);
+    text += entry(label, inWords(rival.effect) + (why.empty() ? ", " + oddsInWords(rival.odds) : "; " + why) +
+                             (rival.moves.empty() ? "" : "; to tell: " + rival.moves));
+    label.clear();
+  }
+  if (c.confusableWithDrift) text += entry(label, "drift in time, which explains it as well");
+  return text + entry("cause", c.cause) + entry("remedy", c.remedy);
+}
+
+std::string driftText(const Diagnosis& d) {
+  if (d.drift.empty()) return {};
+  std::string text = "\nDrift\n";
+  for (const DriftResult& drift : d.drift) {
+    text += entry(drift.direction,
+                  length(drift.std, isAngular(d, drift.direction)) + " RMS" +
+                      (drift.timeConstant > 0.0 ? ", time constant " + durationInWords(drift.timeConstant)
+                                                : std::string()));
+    std::string label = "perhaps";
+    for (const DriftResult::Perhaps& other : drift.perhaps) {
+      text += entry(label, inWords(other.effect) + ", odds " + oddsInWords(other.odds) +
+                               format("; it would take over %.0f %% of it", 100.0 * other.share));
+      label.clear();
+    }
+    text += entry("to do", drift.inWords.empty() ? driftAdvice(drift) : drift.inWords);
+  }
   return text;
+}
+
+std::string artifactText(const Diagnosis& d) {
+  if (d.artifactScatter.empty()) return {};
+  std::string text = "\nScatter of the artifact\n";
+  for (const ArtifactScatter& a : d.artifactScatter)
+    text += entry(a.what, length(a.std, false) + (a.inWords.empty() ? "" : ": " + a.inWords));
+  return text;
+}
+
+std::string inputsText(const Diagnosis& d) {
+  if (d.missingInputs.empty()) return {};
+  std::string text = "\nNot recorded\n";
+  for (const MissingInput& input : d.missingInputs) {
+    std::string what = input.assumed.empty() ? "" : "assumed " + input.assumed;
+    if (input.assumed.empty() && !input.effects.empty())
+      what = listInWords(input.effects) + " cannot be excluded without it";
+    text += wrapped("  ", input.input + (what.empty() ? "" : ": " + what));
+  }
+  return text;
+}
+
+std::string figuresText(const Diagnosis& d) {
+  const ResidualFigures& f = d.base.figures;
+  const bool found = !d.missing.empty() || !d.profiles.empty() || !d.drift.empty();
+  std::string text = "\n  RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) + ", held out " +
+                     length(d.angular ? f.heldOutRmsAngular : f.heldOutRms, d.angular);
+  if (found && d.heldOut > 0.0) text += "; held out with what was found " + length(d.heldOut, d.angular);
+  text += "\n  repeatability " + length(d.base.repeatability, d.angular) + " (" +
+          (d.base.repeatabilityFrom == "repeated" ? "from repeated measurements" : d.base.repeatabilityFrom) +
+          ")";
+  if (d.noise > 0.0) {
+    const double unit = d.angular ? kArcsecond : kMicrometre;
+    text += ", noise found " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um");
+  }
+  if (d.tailDof > 0.0) text += format(" with heavy tails (Student's t, %.2g degrees of freedom)", d.tailDof);
+  return text + "\n  after ±: expanded uncertainty, k = 2\n";
 }
 
 std::string moveText(const Move& move) {
@@ -58,10 +121,10 @@ std::string nextName(const std::string& file) {
 }  // namespace
 
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
-  const bool formula = !d.formulas.empty() && d.missing.empty();
-  const EffectSpec* next = formula             ? &d.formulas.front().effect
-                           : d.missing.empty() ? nullptr
-                                               : &d.missing.front().effect;
+  const EffectSpec* next = !d.missing.empty()    ? &d.missing.front().effect
+                           : !d.profiles.empty() ? &d.profiles.front().effect
+                           : !d.formulas.empty() ? &d.formulas.front().effect
+                                                 : nullptr;
   if (next == nullptr) return {};
   return "mm add " + quoted(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
          " -o " + quoted(nextName(calibration));
@@ -73,29 +136,28 @@ std::string movesCommand(const std::string& session, const std::string& calibrat
 
 std::string diagnoseText(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   std::string text = d.sentence + "\n";
-  if (d.base.problem) {
-    const ResidualFigures& f = d.base.figures;
-    text += "\n  RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) + ", held out " +
-            length(d.angular ? f.heldOutRmsAngular : f.heldOutRms, d.angular) + ", repeatability " +
-            length(d.base.repeatability, d.angular) + " (" + d.base.repeatabilityFrom + ")\n";
-    text += "\n" + whereText(d.where);
-  }
+  if (d.base.problem) text += figuresText(d) + "\n" + whereText(d.where);
   if (!d.missing.empty()) {
     text += "\nMissing, in the order found\n";
     for (const CandidateResult& c : d.missing) text += missingText(c, d.angular);
   }
+  if (!d.profiles.empty()) {
+    text += "\nErrors that no effect of the catalogue explains\n";
+    for (const ProfileResult& p : d.profiles) text += profileText(d, p);
+  }
   if (!d.formulas.empty()) {
-    text += "\nFormulas that explain it\n";
+    text += "\nThe same as a formula\n";
     for (const FormulaResult& f : d.formulas)
       text += "  " + f.effect.yaml() + "   held-out RMS " + length(f.heldOutBefore, d.angular) + " -> " +
               length(f.heldOutAfter, d.angular) + "\n";
   }
+  text += driftText(d) + artifactText(d) + inputsText(d);
   if (!d.cannotShow.empty()) {
     constexpr std::size_t kShown = 8;
     text += "\nThis session could not have shown\n";
     for (std::size_t i = 0; i < std::min(kShown, d.cannotShow.size()); ++i)
-      text += "  " + spoken(d.cannotShow[i].effect) + ": " + d.cannotShow[i].why +
-              (d.cannotShow[i].moves.empty() ? "" : "; would: " + d.cannotShow[i].moves) + "\n";
+      text += wrapped("  ", inWords(d.cannotShow[i].effect) + ": " + d.cannotShow[i].why +
+                                (d.cannotShow[i].moves.empty() ? "" : "; would: " + d.cannotShow[i].moves));
     if (d.cannotShow.size() > kShown)
       text += format("  and %zu more (--json lists them)\n", d.cannotShow.size() - kShown);
   }
@@ -106,8 +168,13 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
       text += "  " + moveText(d.nextMeasurement[i]) + "\n";
     if (d.nextMeasurement.size() > kShown) text += "  … (--json lists them)\n";
   }
+  const bool measure = d.verdict == Verdict::kConfusable && !d.nextMeasurement.empty();
+  if (measure)
+    text += "\nType next, for a plan of the moves; then measure it:\n  " +
+            movesCommand(session, calibration) + "\n";
   const std::string next = addCommand(d, session, calibration);
-  if (!next.empty()) text += "\nType next:\n  " + next + "\n";
+  if (!next.empty())
+    text += (measure ? "\nOr, without measuring, add the likeliest:\n  " : "\nType next:\n  ") + next + "\n";
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "calibration_file/number_text.h"
+#include "diagnosis/wording.h"
 #include "machine/units.h"
 #include "report/quantiles.h"
 
@@ -114,6 +115,7 @@ Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
     Json one;
     one["action"] = e.action;
     one["effect"] = e.effect.type.empty() ? Json(nullptr) : effectJson(e.effect);
+    one["in_words"] = e.effect.type.empty() ? "" : inWords(e.effect);
     one["time"] = e.time;
     setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
     setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);

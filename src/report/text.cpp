@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/wording.h"
 #include "machine/units.h"
 #include "report/found_features.h"
 #include "report/quantiles.h"
@@ -34,7 +35,7 @@ std::string parametersText(const CalibrationResult& r) {
   std::string text;
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const Effect& effect = *model.effects()[e];
-    text += "  " + spoken(effect.spec()) + "\n";
+    text += "  " + inWords(effect.spec()) + "\n";
     if (const LearnedNetwork* learned = model.domain().findNetwork(effect.spec().yaml()))
       text += "    " + learned->summary + "\n";
     for (int k = 0; k < effect.parameterCount(); ++k) {

@@ -47,6 +47,29 @@ std::string padded(const std::string& text, int width) {
   return text + std::string(static_cast<std::size_t>(std::max<long>(0, width - characters)), ' ');
 }
 
+std::string wrapped(const std::string& head, const std::string& text) {
+  constexpr long kWidth = 100;
+  const auto characters = [](const std::string& part) {
+    return std::count_if(part.begin(), part.end(), [](char c) { return (c & 0xc0) != 0x80; });
+  };
+  const long indent = characters(head);
+  std::string lines = head;
+  long used = indent;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t space = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, space - at);
+    const long needed = characters(word);
+    if (used > indent && used + 1 + needed > kWidth) {
+      lines += "\n" + std::string(static_cast<std::size_t>(indent), ' ');
+      used = indent;
+    }
+    lines += (used > indent ? " " : "") + word;
+    used += (used > indent ? 1 : 0) + needed;
+    at = space + 1;
+  }
+  return lines + "\n";
+}
+
 std::string whereText(const std::vector<WhereItFails>& where) {
   std::string text;
   int shown = 0;

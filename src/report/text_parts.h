@@ -20,8 +20,13 @@ std::string withUncertainty(double value, double std, const std::string& unit);
 std::string spoken(const EffectSpec& effect);
 /// Pads to a width counted in characters, not bytes.
 std::string padded(const std::string& text, int width);
+/// Lines of at most 100 characters: the first begins with `head`, the others are indented as far.
+std::string wrapped(const std::string& head, const std::string& text);
+/// An error that no effect of the catalogue explains: its curve, drawn with its band.
+std::string profileText(const Diagnosis& diagnosis, const ProfileResult& profile);
 std::string whereText(const std::vector<WhereItFails>& where);
-/// The `mm add` line to type next; empty when there is nothing to add.
+/// The `mm add` line to type next: what is missing first, then what no effect explains; empty when there is
+/// nothing to add.
 std::string addCommand(const Diagnosis& diagnosis, const std::string& session,
                        const std::string& calibration);
 /// The line that writes the proposed moves as a plan.
