@@ -13,12 +13,6 @@ constexpr double kLookBack = 20e-6;  // m that heat may move a contact while the
 
 }  // namespace
 
-double SimulatedMachine::noise(double size) {
-  // Always as many draws a contact, so that other settings keep the same noise.
-  return size * (settings_.noise.studentDof > 0.0 ? contactNoise_.student(settings_.noise.studentDof)
-                                                  : contactNoise_.normal());
-}
-
 double SimulatedMachine::clearance(const Segment& segment, double part, int feature,
                                    Eigen::Vector3d* normal) const {
   std::vector<double> at(segment.from.size());
@@ -65,20 +59,27 @@ Trip SimulatedMachine::latch(const Segment& segment, double part, int feature) {
   const Eigen::Vector3d motion = chain_.nominal(segment.to).position - chain_.nominal(segment.from).position;
   trip.approach = motion.normalized();
   trip.position.resize(segment.from.size());
-  const double outlier = contactNoise_.uniform(), outlierSize = contactNoise_.normal();
+  const double outlier = noise_.random().uniform(), outlierSize = noise_.random().normal();
+  const double wild = noise_.wild() * settings_.noise.repeatability;
   for (std::size_t j = 0; j < trip.position.size(); ++j) {
     const double velocity = segment.velocity[j];
     if (velocity != 0.0) trip.travel[j] = velocity > 0.0 ? 1.0 : -1.0;
     trip.position[j] =
         segment.from[j] + part * (segment.to[j] - segment.from[j]) + velocity * physics_.probe.triggerDelay;
     const bool linear = machine_.joints()[j].kind == JointKind::kLinear;
-    trip.position[j] += noise(linear ? settings_.noise.repeatability : settings_.noise.angularRepeatability);
+    trip.position[j] += noise_.next(
+        static_cast<int>(j), linear ? settings_.noise.repeatability : settings_.noise.angularRepeatability);
   }
   // An outlier (dirt, vibration) is a trip too early or too late: along the motion.
-  if (outlier < settings_.noise.outlierShare && motion.norm() > 0.0)
+  const double late =
+      wild + (outlier < settings_.noise.outlierShare ? settings_.noise.outlierSize * outlierSize : 0.0);
+  if (late != 0.0 && motion.norm() > 0.0)
     for (std::size_t j = 0; j < trip.position.size(); ++j)
-      trip.position[j] +=
-          (segment.to[j] - segment.from[j]) / motion.norm() * settings_.noise.outlierSize * outlierSize;
+      trip.position[j] += (segment.to[j] - segment.from[j]) / motion.norm() * late;
+  for (std::size_t j = 0; j < trip.position.size(); ++j)
+    trip.position[j] = noise_.read(trip.position[j], machine_.joints()[j].kind == JointKind::kLinear
+                                                         ? settings_.noise.repeatability
+                                                         : settings_.noise.angularRepeatability);
   Eigen::Vector3d normal;
   clearance(segment, part, feature, &normal);
   std::vector<double> at(segment.from.size());
@@ -125,10 +126,11 @@ std::optional<Trip> SimulatedMachine::touch(const std::vector<double>& target, d
 }
 
 std::optional<Trip> SimulatedMachine::readLaser(int feature) {
-  const double readingNoise = noise(settings_.noise.laser);
-  const bool dropped = contactNoise_.uniform() < settings_.noise.laserDropoutShare;
-  const bool outlier = contactNoise_.uniform() < settings_.noise.outlierShare;
-  const double outlierSize = contactNoise_.normal() * settings_.noise.outlierSize;
+  const double readingNoise =
+      noise_.next(machine_.jointCount(), settings_.noise.laser) + noise_.wild() * settings_.noise.laser;
+  const bool dropped = noise_.random().uniform() < settings_.noise.laserDropoutShare;
+  const bool outlier = noise_.random().uniform() < settings_.noise.outlierShare;
+  const double outlierSize = noise_.random().normal() * settings_.noise.outlierSize;
   Trip trip;
   trip.feature = feature;
   trip.time = time_;
@@ -137,7 +139,8 @@ std::optional<Trip> SimulatedMachine::readLaser(int feature) {
   trip.position = drive_;
   for (std::size_t j = 0; j < drive_.size(); ++j) {
     const bool linear = machine_.joints()[j].kind == JointKind::kLinear;
-    trip.position[j] += noise(linear ? settings_.noise.repeatability : settings_.noise.angularRepeatability);
+    const double size = linear ? settings_.noise.repeatability : settings_.noise.angularRepeatability;
+    trip.position[j] = noise_.read(trip.position[j] + noise_.next(static_cast<int>(j), size), size);
   }
   trip.approach = chain_.nominal(drive_).orientation.col(2);
 
@@ -164,8 +167,9 @@ std::optional<Trip> SimulatedMachine::readLaser(int feature) {
   }
   trip.incidenceCosine = -beam.dot(normal);
   trip.truePosition = head.position + distance * beam;
-  trip.laserReading =
-      physics_.laser.read(distance, trip.incidenceCosine) + readingNoise + (outlier ? outlierSize : 0.0);
+  trip.laserReading = noise_.read(
+      physics_.laser.read(distance, trip.incidenceCosine) + readingNoise + (outlier ? outlierSize : 0.0),
+      settings_.noise.laser);
   const bool inRange =
       trip.laserReading >= settings_.laser.rangeLower && trip.laserReading <= settings_.laser.rangeUpper;
   if (dropped || !inRange || trip.incidenceCosine < std::cos(settings_.laser.maxIncidence))

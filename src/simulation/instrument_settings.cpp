@@ -120,7 +120,7 @@ InstrumentSettings InstrumentSettings::parse(const std::string& planYaml, const 
   if (plan["probe"] && plan["probe"].IsScalar()) settings.laser.present = plan["probe"].Scalar() == "laser";
   if (!plan["instrument"]) return settings;
   const YamlMapping map(plan["instrument"], source, "instrument",
-                        {"noise", "laser", "placement", "thermal", "covariates", "errors"});
+                        {"noise", "laser", "placement", "thermal", "covariates", "errors", "rough"});
   if (map.has("noise"))
     readNoise(YamlMapping(map.node("noise"), source, "noise",
                           {"repeatability_um", "angular_repeatability_arcsec", "student_dof",
@@ -143,6 +143,7 @@ InstrumentSettings InstrumentSettings::parse(const std::string& planYaml, const 
     for (const YAML::Node& node : map.node("covariates"))
       settings.covariates.push_back(readCovariate(node, source));
   }
+  if (map.has("rough")) settings.rough = Roughness::read(map.node("rough"), source);
   if (map.has("errors")) {
     if (!map.node("errors").IsSequence())
       map.fail("errors", "must be a list of sources, written as for --hide");

@@ -4,6 +4,7 @@
 
 #include "machine/units.h"
 #include "simulation/physics.h"
+#include "simulation/roughness.h"
 #include "simulation/thermal.h"
 
 namespace mm {
@@ -56,6 +57,7 @@ struct InstrumentSettings {
   PlacementSettings placement;
   ThermalSettings thermal;
   std::vector<TrueCovariate> covariates;
+  Roughness rough;
   std::vector<std::string> errors;  // sources that every such instrument has, written as for --hide
 
   /// Reads the key `instrument` of a plan file (text), or the defaults where it is missing.

@@ -2,12 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <sstream>
 
 #include "machine/error.h"
+#include "simulation/wander.h"
 
 namespace mm {
 namespace {
+
+InstrumentSettings settingsOf(const Plan& plan, const SimulationRequest& request) {
+  InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
+  settings.rough.change(request.rough, "--rough");
+  return settings;
+}
 
 /// Travel of each joint over the plan, m or rad; its limits where it does not move.
 void rangesOf(const Plan& plan, const Machine& machine, std::vector<double>& lower,
@@ -32,12 +40,13 @@ class Recorder {
   Recorder(const Plan& plan, const SimulationRequest& request, SimulatedInstrument instrument)
       : plan_(plan),
         machine_(std::move(instrument.machine)),
-        result_{Session(machine_.machine()), {}, {}, {}, {}, {}, nullptr, 0},
+        result_{Session(machine_.machine()), {}, {}, {}, {}, {}, nullptr, 0, {}},
         seed_(request.seed),
         noise_(request.seed, "records") {
     result_.known = std::move(instrument.known);
     result_.hidden = std::move(instrument.hidden);
-    settings_ = InstrumentSettings::parse(plan.text, plan.source);
+    settings_ = settingsOf(plan, request);
+    result_.rough = settings_.rough;
   }
 
   void run(const PlanMove& move) {
@@ -194,9 +203,32 @@ std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, const 
   return visits;
 }
 
+/// What is rough in the machine and its artifact; the rest is in its readings.
+void roughen(const Machine& machine, const Plan& plan, const InstrumentSettings& settings, std::uint64_t seed,
+             const std::function<const std::vector<Condition>&()>& visits, Physics& physics) {
+  const Roughness& rough = settings.rough;
+  const Repeatability size = repeatabilityOf(machine, plan, settings.noise);
+  if (rough.form > 0.0) {
+    Random making(seed, "rough artifact");
+    physics.artifact.misshape(rough.form * size.linear, making);
+  }
+  if (rough.drift == 0.0) return;
+  std::vector<double> times;
+  for (const Condition& visit : visits()) times.push_back(visit.time);
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const Joint& joint = machine.joints()[j];
+    Random wandering(seed, "rough drift " + joint.name);
+    const double rms = rough.drift * (joint.kind == JointKind::kLinear ? size.linear : size.angular);
+    if (rms > 0.0)
+      physics.sources.push_back(std::make_shared<Wander>(j, rms, rough.settlings, times, wandering));
+  }
+}
+
 SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, const SimulationRequest& request,
                                    Hide hide) {
-  const InstrumentSettings settings = InstrumentSettings::parse(plan.text, plan.source);
+  InstrumentSettings settings = settingsOf(plan, request);
+  // What is hidden may depend on where a session goes, but not on how rough it is.
+  if (hide == Hide::kNothing) settings.rough = {};
   const Chain chain(machine);
   const ThermalModel thermal = settings.thermalModel();
   Physics physics;
@@ -227,6 +259,7 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
   std::vector<HiddenSource> known, hidden;
   if (hide == Hide::kNothing)
     return {SimulatedMachine(machine, plan.artifact, settings, physics, request.seed), {}, {}};
+  roughen(machine, plan, settings, request.seed, rehearsed, physics);
   for (std::size_t i = 0; i < settings.errors.size(); ++i)
     known.push_back(hideSource(settings.errors[i], plan.source + ": errors", request.seed,
                                "known " + std::to_string(i), workshop));
@@ -238,6 +271,29 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
 }
 
 }  // namespace
+
+Repeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise) {
+  double linear = 0.0, angular = 0.0;
+  int lengths = 0, angles = 0;
+  for (const PlanMove& move : plan.moves) {
+    if (move.kind == MoveKind::kGo) continue;
+    if (move.kind == MoveKind::kDeviation && machine.joints()[move.joint].kind == JointKind::kRotary) {
+      angular += noise.referenceAngular * noise.referenceAngular;
+      ++angles;
+      continue;
+    }
+    const double one = move.kind == MoveKind::kTouch   ? noise.repeatability
+                       : move.kind == MoveKind::kLaser ? std::hypot(noise.laser, noise.repeatability)
+                                                       : noise.reference;
+    linear += one * one;
+    ++lengths;
+  }
+  Repeatability size{noise.repeatability, noise.angularRepeatability, noise.repeatability};
+  if (lengths + angles > 0) size.all = std::sqrt((linear + angular) / (lengths + angles));
+  if (lengths > 0) size.linear = std::sqrt(linear / lengths);
+  if (angles > 0) size.angular = std::sqrt(angular / angles);
+  return size;
+}
 
 SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan,
                                    const SimulationRequest& request) {
@@ -258,6 +314,7 @@ std::string truthYaml(const Simulation& simulation, const SimulationRequest& req
   std::ostringstream out;
   out.precision(9);
   out << "seed: " << request.seed << "\nmachine: " << simulation.session.machine.name() << "\n";
+  if (!simulation.rough.none()) out << "rough: " << simulation.rough.text() << "\n";
   const auto list = [&](const char* name, const std::vector<HiddenSource>& sources) {
     out << name << ":" << (sources.empty() ? " []" : "") << "\n";
     for (const HiddenSource& source : sources) out << "  - " << source.text() << "\n";

@@ -17,7 +17,16 @@ namespace mm {
 struct SimulationRequest {
   std::vector<std::string> hide;  // as for hideSource
   std::uint64_t seed = 1;
+  std::string rough;  // how the session is rougher than the plan says: words as for Roughness::change
 };
+
+/// Standard deviation of one measured value of a plan, RMS over its measurements.
+struct Repeatability {
+  double linear = 0.0;   // m, of contacts, laser readings and lengths; that of a contact where there are none
+  double angular = 0.0;  // rad, of measured angles; that of a reading of a rotary joint where there are none
+  double all = 0.0;      // of both together: m, or rad where only angles are measured
+};
+Repeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise);
 
 /// An instrument that is ready to measure, and what is wrong with it.
 struct SimulatedInstrument {
@@ -35,7 +44,8 @@ struct Simulation {
   std::vector<Eigen::Vector3d>
       truePositions;  // of each observation: tip centre or surface point, workpiece, m
   std::shared_ptr<const Truth> truth;
-  int missed = 0;  // moves without a measurement: nothing touched, laser out of range or dropped out
+  int missed = 0;   // moves without a measurement: nothing touched, laser out of range or dropped out
+  Roughness rough;  // of the plan and asked for
 };
 
 /// Builds the instrument of a plan. @throw InputError

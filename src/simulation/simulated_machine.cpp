@@ -32,13 +32,21 @@ SimulatedMachine::SimulatedMachine(Machine machine, Artifact artifact, Instrumen
       drive_(machine_.joints().size(), 0.0),
       velocity_(drive_.size(), 0.0),
       travel_(drive_.size(), 0.0),
-      contactNoise_(seed, "contacts"),
+      noise_(settings_.noise, settings_.rough, seed, 2 * machine_.jointCount() + 4),
       sensorNoise_(seed, "sensors") {
   for (const double gap : physics_.gap) play_.emplace_back(gap);
   thermal_.addFollowers(physics_.followers);
   for (const std::string& name : settings_.thermal.sensors) {
     const int body = thermal_.findBody(name);
-    sensors_.emplace_back(body, settings_.thermal.sensorLag, settings_.noise.temperature);
+    const Roughness& rough = settings_.rough;
+    Random making(seed, "rough sensor " + name);
+    const double lag = making.logUniform(rough.sensorLagLower, rough.sensorLagUpper);
+    if (rough.sensors > 0.0)
+      sensors_.emplace_back(body, lag, rough.sensors * rough.sensorNoise,
+                            rough.sensors * rough.sensorOffset * making.normal(),
+                            rough.sensors * rough.sensorStep);
+    else
+      sensors_.emplace_back(body, settings_.thermal.sensorLag, settings_.noise.temperature);
     sensors_.back().settle(thermal_.temperatures()[body]);
     temperatureLog_.push_back({name, "degC", {}, {}});
   }
@@ -197,11 +205,14 @@ double SimulatedMachine::measureDeviation(int joint) {
   constexpr double kStep = 1e-3;
   ahead[joint] += kStep;
   const ProbePose next = chain_.nominal(ahead);
-  if (chain_.kind(joint) == JointKind::kLinear)
-    return (truth.position - said.position).dot((next.position - said.position) / kStep) +
-           noise(settings_.noise.reference);
+  const bool linear = chain_.kind(joint) == JointKind::kLinear;
+  const double size = linear ? settings_.noise.reference : settings_.noise.referenceAngular;
+  const double error = noise_.next(machine_.jointCount() + 1 + joint, size) + noise_.wild() * size;
+  if (linear)
+    return noise_.read((truth.position - said.position).dot((next.position - said.position) / kStep) + error,
+                       size);
   if (chain_.jointCount() == 2 && chain_.kind(1 - joint) != JointKind::kLinear)
-    return sightDeviation(joint, truth) + noise(settings_.noise.referenceAngular);
+    return noise_.read(sightDeviation(joint, truth) + error, size);
   // A polygon on the axis and an autocollimator: rotation of the probe against its nominal about the joint's
   // axis.
   const Eigen::Matrix3d turned = truth.orientation * said.orientation.transpose();
@@ -209,12 +220,16 @@ double SimulatedMachine::measureDeviation(int joint) {
   const auto vector = [](const Eigen::Matrix3d& r) {
     return Eigen::Vector3d(0.5 * (r(2, 1) - r(1, 2)), 0.5 * (r(0, 2) - r(2, 0)), 0.5 * (r(1, 0) - r(0, 1)));
   };
-  return vector(turned).dot(vector(unit).normalized()) + noise(settings_.noise.referenceAngular);
+  return noise_.read(vector(turned).dot(vector(unit).normalized()) + error, size);
 }
 
 Eigen::Vector3d SimulatedMachine::measurePosition() {
   Eigen::Vector3d position = trueTip();
-  for (int k = 0; k < 3; ++k) position(k) += noise(settings_.noise.reference);
+  const double size = settings_.noise.reference, wild = noise_.wild();
+  for (int k = 0; k < 3; ++k)
+    position(k) = noise_.read(
+        position(k) + noise_.next(2 * machine_.jointCount() + 1 + k, size) + (k == 0 ? wild * size : 0.0),
+        size);
   return position;
 }
 

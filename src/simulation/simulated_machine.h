@@ -6,6 +6,7 @@
 #include "session/session.h"
 #include "simulation/instrument_settings.h"
 #include "simulation/physics.h"
+#include "simulation/reading_noise.h"
 #include "simulation/screw.h"
 
 namespace mm {
@@ -87,7 +88,6 @@ class SimulatedMachine {
   void drive(const Segment& segment, double part);
   void pass(double seconds, double activity);
   void log();
-  double noise(double size);
 
   Machine machine_;
   Artifact artifact_;
@@ -99,7 +99,8 @@ class SimulatedMachine {
   std::vector<Play> play_;
   std::vector<double> drive_, velocity_, travel_;
   double time_ = 0.0, nextLog_ = 0.0;
-  Random contactNoise_, sensorNoise_;
+  ReadingNoise noise_;  // channels: readings of the joints, laser, deviations of the joints, x, y, z
+  Random sensorNoise_;
   std::vector<Series> temperatureLog_, covariateLog_;
   std::optional<Trip> trip_;
   bool touching_ = false;

@@ -137,6 +137,11 @@ std::vector<double> ThermalModel::recorded(double time) const {
   return between;
 }
 
+double TemperatureSensor::read(Random& random) const {
+  const double reading = value_ + offset_ + noise_ * random.normal();
+  return step_ > 0.0 ? step_ * std::round(reading / step_) : reading;
+}
+
 void TemperatureSensor::advance(double seconds, double bodyTemperature) {
   value_ =
       lag_ > 0.0 ? bodyTemperature + (value_ - bodyTemperature) * std::exp(-seconds / lag_) : bodyTemperature;

@@ -93,18 +93,19 @@ class ThermalModel {
   std::vector<std::vector<double>> records_;
 };
 
-/// A temperature sensor: it lags behind its body and has noise.
+/// A temperature sensor: it lags behind its body, has noise and an offset, and reads in steps.
 class TemperatureSensor {
  public:
-  TemperatureSensor(int body, double lag, double noise) : body_(body), lag_(lag), noise_(noise) {}
+  TemperatureSensor(int body, double lag, double noise, double offset = 0.0, double step = 0.0)
+      : body_(body), lag_(lag), noise_(noise), offset_(offset), step_(step) {}
   void settle(double temperature) { value_ = temperature; }
   void advance(double seconds, double bodyTemperature);
-  double read(Random& random) const { return value_ + noise_ * random.normal(); }  ///< degC
+  double read(Random& random) const;  ///< degC
   int body() const { return body_; }
 
  private:
   int body_;
-  double lag_, noise_;  // s, K
+  double lag_, noise_, offset_, step_;  // s, K; step 0: none
   double value_ = 20.0;
 };
 

@@ -13,7 +13,38 @@ Eigen::Vector3d randomVector(Random& random) {
   return {x, y, z};
 }
 
+/// Legendre's polynomial of a degree from 2 on.
+double legendre(int degree, double x) {
+  double before = 1.0, now = x;
+  for (int n = 1; n < degree; ++n) {
+    const double next = ((2 * n + 1) * x * now - n * before) / (n + 1);
+    before = now;
+    now = next;
+  }
+  return now;
+}
+
+/// Directions evenly over the sphere.
+std::vector<Eigen::Vector3d> allRound() {
+  constexpr int kCount = 1000;
+  const double golden = kPi * (3.0 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < kCount; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / kCount, across = std::sqrt(1.0 - z * z);
+    directions.emplace_back(across * std::cos(golden * i), across * std::sin(golden * i), z);
+  }
+  return directions;
+}
+
 }  // namespace
+
+double TrueArtifact::Form::at(const Eigen::Vector3d& normal) const {
+  double sum = -mean + amplitude * std::sin(wave.dot(normal) + phase);
+  for (const Lobe& lobe : lobes) sum += lobe.height * legendre(lobe.degree, lobe.pole.dot(normal));
+  constexpr double kNarrow = 20.0;  // exp(20 (cos - 1)) falls to a half at 15 degrees
+  if (spotDepth != 0.0) sum -= spotDepth * std::exp(kNarrow * (spot.dot(normal) - 1.0));
+  return sum;
+}
 
 TrueArtifact::TrueArtifact(const Artifact& artifact)
     : shift(artifact.features.size(), Eigen::Vector3d::Zero()),
@@ -45,16 +76,44 @@ void TrueArtifact::roughen(double amplitude, Random& random) {
   }
 }
 
+void TrueArtifact::misshape(double rms, Random& random) {
+  const std::vector<Eigen::Vector3d> directions = allRound();
+  for (std::size_t f = 0; f < forms_.size(); ++f) {
+    shift[f] += rms * randomVector(random);
+    radiusError[f] += rms * random.normal();
+    Form form;
+    for (int degree = 2; degree <= 5; ++degree)
+      for (int k = 0; k < 3; ++k)
+        form.lobes.push_back({randomVector(random).normalized(), degree, random.normal() / degree});
+    form.spot = randomVector(random).normalized();
+    form.spotDepth = random.uniform(0.5, 2.0);
+    double sum = 0.0, square = 0.0;
+    for (const Eigen::Vector3d& direction : directions) {
+      const double height = form.at(direction);
+      sum += height;
+      square += height * height;
+    }
+    const auto count = static_cast<double>(directions.size());
+    form.mean = sum / count;
+    const double factor = rms / std::sqrt(square / count - form.mean * form.mean);
+    for (Lobe& lobe : form.lobes) lobe.height *= factor;
+    form.spotDepth *= factor;
+    form.mean *= factor;
+    form.wave = forms_[f].wave;
+    form.phase = forms_[f].phase;
+    form.amplitude = forms_[f].amplitude;
+    forms_[f] = form;
+  }
+}
+
 Eigen::Vector3d TrueArtifact::centre(int feature, double artifactTemperature) const {
   const double stretch = 1.0 + expansion * (artifactTemperature - kReferenceTemperature);
   return origin + orientation * ((positions_[feature] + shift[feature]) * stretch);
 }
 
 double TrueArtifact::radius(int feature, const Eigen::Vector3d& normal, double artifactTemperature) const {
-  const Form& form = forms_[feature];
   const double stretch = 1.0 + expansion * (artifactTemperature - kReferenceTemperature);
-  return (radii_[feature] + radiusError[feature]) * stretch +
-         form.amplitude * std::sin(form.wave.dot(normal) + form.phase);
+  return (radii_[feature] + radiusError[feature]) * stretch + forms_[feature].at(normal);
 }
 
 }  // namespace mm

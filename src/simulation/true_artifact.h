@@ -21,6 +21,9 @@ class TrueArtifact {
   void scatterFree(const Artifact& artifact, double distance, Random& random);
   /// Form error of every ball: long random waves over its surface of this amplitude (m).
   void roughen(double amplitude, Random& random);
+  /// Every ball is lobed and has one worn spot (RMS over its surface: `rms`, m), its radius and its centre
+  /// are other than stated (standard deviation of the radius and of each component of the centre: `rms`).
+  void misshape(double rms, Random& random);
 
   Eigen::Vector3d centre(int feature,
                          double artifactTemperature) const;  ///< in workpiece, at a temperature (degC)
@@ -34,9 +37,19 @@ class TrueArtifact {
   Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();
 
  private:
+  struct Lobe {
+    Eigen::Vector3d pole;
+    int degree;  // of the Legendre polynomial of the cosine of the angle from the pole
+    double height;
+  };
   struct Form {
     Eigen::Vector3d wave = Eigen::Vector3d::Zero();
     double phase = 0.0, amplitude = 0.0;
+    std::vector<Lobe> lobes;
+    Eigen::Vector3d spot = Eigen::Vector3d::Zero();  // zero: not worn
+    double spotDepth = 0.0, mean = 0.0;
+    /// m, outwards along a unit vector.
+    double at(const Eigen::Vector3d& normal) const;
   };
   std::vector<Eigen::Vector3d> positions_;
   std::vector<double> radii_;

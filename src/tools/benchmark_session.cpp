@@ -87,10 +87,11 @@ std::string varied(const std::string& planYaml, const std::string& source, const
 std::string withoutNoise(const std::string& planYaml) {
   YAML::Node plan = YAML::Load(planYaml);
   YAML::Node noise = plan["instrument"]["noise"];
-  noise["repeatability_um"] = 0.0;
-  for (const char* key : {"laser_um", "angular_repeatability_arcsec", "reference_um", "reference_arcsec"})
-    if (noise[key]) noise[key] = 0.0;
+  for (const char* key :
+       {"repeatability_um", "laser_um", "angular_repeatability_arcsec", "reference_um", "reference_arcsec"})
+    noise[key] = 0.0;
   noise.remove("outliers");
+  plan["instrument"].remove("rough");
   return textOf(plan);
 }
 

@@ -22,7 +22,7 @@ struct SessionVariant {
 
 /// The plan's YAML, changed. @throw InputError naming `source` where the plan is not of touches on balls.
 std::string varied(const std::string& planYaml, const std::string& source, const SessionVariant& variant);
-/// The same without noise of the contacts.
+/// The same without random errors of the readings, and not rough.
 std::string withoutNoise(const std::string& planYaml);
 
 }  // namespace mm

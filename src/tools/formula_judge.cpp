@@ -77,4 +77,25 @@ bool justTheVariables(const std::set<std::string>& variables, const Uncatalogued
   return !anyVelocity || moves;
 }
 
+UnknownJudgement judge(const Diagnosis& d, const UncataloguedTruth& truth, double noise) {
+  UnknownJudgement judgement;
+  judgement.truth = truth;
+  if (!d.formulas.empty()) {
+    judgement.formula = d.formulas[0].effect.text("formula");
+    judgement.formulaRight = justTheVariables(variablesOfFormula(judgement.formula), truth);
+  }
+  if (d.profiles.empty()) return judgement;
+  judgement.profile = true;
+  const ProfileResult& first = d.profiles[0];
+  std::set<std::string> together;
+  for (const ProfileResult& profile : d.profiles)
+    together.insert(profile.variables.begin(), profile.variables.end());
+  judgement.justTheVariables = justTheVariables({first.variables.begin(), first.variables.end()}, truth) ||
+                               justTheVariables(together, truth);
+  judgement.rightDirection = first.direction == truth.direction;
+  judgement.heldOut = d.profiles.back().heldOutAfter / noise;
+  judgement.explained = judgement.heldOut <= UnknownJudgement::kExplained;
+  return judgement;
+}
+
 }  // namespace mm

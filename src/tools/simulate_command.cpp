@@ -71,6 +71,10 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
                    "an effect to hide, again for more: backlash, backlash:x=3um, random (see below)")
       ->take_all()
       ->allow_extra_args(false);
+  command->add_option(
+      "--rough", options->request.rough,
+      "rougher than white noise: drift, correlated, form, sensors, tails, quantised, all (see "
+      "below), separated by commas");
   command->add_option("--seed", options->request.seed, "of everything random")->capture_default_str();
   command->add_option("-o,--output", options->output, "the session's bag")->required();
   command->add_option("--csv", options->csv, "also as CSV, in the format of mm import");
@@ -87,6 +91,14 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
       "What can be hidden (what is left open is drawn by the seed; =size and ,key=value set it):\n" + kinds +
       "Effects outside the catalogue of effects (never drawn by random, but by random_uncatalogued):\n" +
       uncatalogued +
+      "How a session can be rough; a size (drift=2) is a factor of the repeatability, 1 if left out:\n"
+      "  drift       every joint wanders slowly and follows no sensor; RMS over the session\n"
+      "  correlated  the noise of a reading is correlated 0.7 with that of the reading before\n"
+      "  form        balls with form, radius and centre errors\n"
+      "  sensors     temperatures with noise, steps, offsets and lags of 30 to 300 s\n"
+      "  tails       noise of Student's t with three degrees of freedom; 1 % of the readings are wild\n"
+      "  quantised   readings in steps, of 3 times the repeatability if left out\n"
+      "  all         all of these but quantised\n"
       "Examples:\n"
       "  mm simulate --machine three_axis --plan config/plans/nine_ball_plate.yaml --hide random --seed 7 -o "
       "s.bag\n"

@@ -9,6 +9,7 @@
 #include "session/plan.h"
 #include "simulation/simulate.h"
 #include "tools/benchmark_session.h"
+#include "tools/benchmark_trial.h"
 #include "tools/formula_judge.h"
 
 namespace mm {
@@ -66,6 +67,57 @@ TEST(FormulaJudge, SpeedOfTheTipAndApproachAreMadeOfVelocities) {
     EXPECT_FALSE(justTheVariables({"z_velocity", "z"}, over({name})));
     EXPECT_FALSE(justTheVariables({}, over({name})));
   }
+}
+
+/// A profile over these variables, with this held-out RMS (m).
+ProfileResult profileOver(std::vector<std::string> variables, double heldOut) {
+  ProfileResult profile;
+  profile.direction = "z";
+  profile.variables = std::move(variables);
+  profile.heldOutAfter = heldOut;
+  return profile;
+}
+
+TEST(UnknownJudgement, WantsAProfileOverTheRightVariables) {
+  const UncataloguedTruth truth = over({"x", "temperature bed"});
+  Diagnosis d;
+  EXPECT_FALSE(judge(d, truth, 1e-6).profile);
+  EXPECT_FALSE(judge(d, truth, 1e-6).justTheVariables);
+  d.profiles = {profileOver({"x", "bed"}, 1.1e-6)};
+  const UnknownJudgement right = judge(d, truth, 1e-6);
+  EXPECT_TRUE(right.profile && right.justTheVariables && right.rightDirection && right.explained);
+  EXPECT_TRUE(right.formula.empty());
+  EXPECT_NEAR(right.heldOut, 1.1, 1e-9);
+  d.profiles = {profileOver({"x"}, 1.3e-6), profileOver({"bed"}, 1.1e-6)};  // together
+  EXPECT_TRUE(judge(d, truth, 1e-6).justTheVariables);
+  EXPECT_TRUE(judge(d, truth, 1e-6).explained);
+  d.profiles = {profileOver({"x"}, 1.2e-6)};
+  EXPECT_FALSE(judge(d, truth, 1e-6).justTheVariables);
+  EXPECT_FALSE(judge(d, truth, 1e-6).explained);
+  d.profiles = {profileOver({"x", "bed"}, 1.1e-6), profileOver({"y"}, 1.0e-6)};  // the first alone
+  EXPECT_TRUE(judge(d, truth, 1e-6).justTheVariables);
+  d.profiles = {profileOver({"y"}, 1.1e-6), profileOver({"x", "bed"}, 1.0e-6)};
+  EXPECT_FALSE(judge(d, truth, 1e-6).justTheVariables);
+  d.profiles[0].direction = "x";
+  EXPECT_FALSE(judge(d, truth, 1e-6).rightDirection);
+}
+
+TEST(UnknownJudgement, AFormulaIsJudgedWhereOneIsGiven) {
+  Diagnosis d;
+  d.formulas.emplace_back();
+  d.formulas[0].effect = EffectSpec("formula").set("direction", "z").set("formula", "k1*x*bed");
+  EXPECT_TRUE(judge(d, over({"x", "temperature bed"}), 1e-6).formulaRight);
+  EXPECT_FALSE(judge(d, over({"x"}), 1e-6).formulaRight);
+  EXPECT_FALSE(judge(d, over({"x", "temperature bed"}), 1e-6).justTheVariables);  // there is no profile
+}
+
+TEST(BenchmarkSession, WithoutNoiseItIsNotRoughEither) {
+  const std::string plan = withoutNoise("instrument: {noise: {laser_um: 2}, rough: all}");
+  const InstrumentSettings settings = InstrumentSettings::parse(plan, "plan");
+  EXPECT_TRUE(settings.rough.none());
+  for (const double size : {settings.noise.repeatability, settings.noise.laser, settings.noise.reference,
+                            settings.noise.referenceAngular})
+    EXPECT_EQ(size, 0.0);
 }
 
 TEST(SessionVariant, WithoutChangesItIsThePlan) {
@@ -151,6 +203,57 @@ TEST(SessionVariant, TemperaturesGoWithTime) {
     }
     EXPECT_GT((tv - t * v) / std::sqrt((tt - t * t) * (vv - v * v)), 0.9) << sensor.name;
   }
+}
+
+TrialOptions smallTrial(int effects) {
+  SessionVariant variant;
+  variant.contacts = 90;
+  TrialOptions options;
+  options.planYaml = varied(shippedPlan(), "plan", variant);
+  options.planSource = "plan";
+  options.effects = effects;
+  return options;
+}
+
+TEST(Trial, HidesTheSameOnARoughMachine) {
+  const Machine machine = Machine::load("three_axis");
+  TrialOptions options = smallTrial(2);
+  const Trial smooth = runTrial(machine, options, 4);
+  options.rough = "all,quantised";
+  const Trial rough = runTrial(machine, options, 4);
+  ASSERT_EQ(smooth.hiddenText.size(), 2u);
+  EXPECT_EQ(smooth.hiddenText, rough.hiddenText);
+  EXPECT_EQ(smooth.seed, rough.seed);
+  EXPECT_FALSE(sameCause(smooth.hidden[0], smooth.hidden[1]));
+  EXPECT_EQ(smooth.score.hits.size(), 2u);
+  EXPECT_GT(rough.heldOutEnd, smooth.heldOutEnd);
+}
+
+TEST(Trial, APairIsKeptHoweverAlikeItsEffectsAre) {
+  // A linear and an exponential drift of one direction look much the same.
+  TrialOptions options = smallTrial(2);
+  options.only = {"{type: time_drift, direction: x}", "{type: warm_up, direction: x}"};
+  const Trial trial = runTrial(Machine::load("three_axis"), options, 1);
+  EXPECT_FALSE(trial.notShown);
+  EXPECT_EQ(trial.seed, 1000u);
+}
+
+TEST(Trial, TheVerySameCauseIsNotHiddenTwice) {
+  TrialOptions options = smallTrial(2);
+  options.only = {"backlash:x"};
+  EXPECT_TRUE(runTrial(Machine::load("three_axis"), options, 1).notShown);
+}
+
+TEST(Trial, AnOracleIsSureOfWhatIsLargeAndNotOfWhatIsLost) {
+  const Machine machine = Machine::load("three_axis");
+  TrialOptions options = smallTrial(1);
+  options.only = {"backlash:x"};
+  const Oracle oracle = oracleOf(machine, options, 60, 1);
+  options.size = 2.0;
+  EXPECT_GT(runTrial(machine, options, 1, &oracle).oracleGain.value(), 50.0);
+  options.size = 0.01;
+  EXPECT_LT(runTrial(machine, options, 1, &oracle).oracleGain.value(), Oracle::sure());
+  EXPECT_FALSE(runTrial(machine, options, 1).oracleGain.has_value());
 }
 
 }  // namespace

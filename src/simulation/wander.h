@@ -1,0 +1,26 @@
+#pragma once
+#include <vector>
+
+#include "simulation/random.h"
+#include "simulation/source.h"
+
+namespace mm {
+
+/// A joint that slowly wanders along its own motion and follows nothing that is recorded: a random walk whose
+/// pace changes, and now and then a part that settles into its place. It goes on while the machine stands.
+class Wander : public Source {
+ public:
+  /// @param rms m or rad, about the mean over `times` (s, of the measurements; none: an hour, evenly).
+  /// @param settlings parts that settle in that time, on average.
+  Wander(int joint, double rms, double settlings, const std::vector<double>& times, Random& random);
+  void apply(const Condition& condition, Distortion& distortion) const override;
+  /// m or rad at a time in s; beyond a quarter more than the time asked for it stays where it is.
+  double at(double time) const;
+
+ private:
+  int joint_;
+  double spacing_ = 1.0;  // s, of the values
+  std::vector<double> value_;
+};
+
+}  // namespace mm
