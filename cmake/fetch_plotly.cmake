@@ -24,7 +24,7 @@ set(work ${FOLDER}/fetch)
 file(REMOVE_RECURSE ${work})
 file(MAKE_DIRECTORY ${work})
 execute_process(
-  COMMAND ${NPM} pack --loglevel=error --fetch-retries=1 --fetch-timeout=30000 ${plotly_package}
+  COMMAND ${NPM} pack --loglevel=error --fetch-retries=1 --fetch-retry-mintimeout=2000 --fetch-timeout=30000 ${plotly_package}
   WORKING_DIRECTORY ${work} RESULT_VARIABLE status OUTPUT_QUIET ERROR_VARIABLE problem TIMEOUT 120)
 file(GLOB archive ${work}/*.tgz)
 if(NOT status EQUAL 0 OR NOT archive)
