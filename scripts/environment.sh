@@ -7,10 +7,11 @@ jobs="${MM_JOBS:-$(nproc)}"
 
 # configure_and_build <folder> <targets> [cmake options …]
 configure_and_build() {
-  local folder="$1" targets="$2"
+  local folder="$1" targets="$2" begun=$SECONDS
   shift 2
   mkdir -p "$folder"
   cmake -S . -B "$folder" "$@" >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; return 1; }
   # shellcheck disable=SC2086
-  nice cmake --build "$folder" -j "$jobs" --target $targets
+  nice cmake --build "$folder" -j "$jobs" --target $targets || return 1
+  echo "build: done ($((SECONDS - begun)) s)"
 }
