@@ -212,7 +212,7 @@ class Diagnoser {
     describeProfiles(search, found, unit, out_);
     (void)none;
     decide(out_);
-    out_.sentence = sentenceOf(out_, {});
+    out_.sentence = sentenceOf(out_);
   }
 
   /// Values and uncertainties by a full refit of the model with everything that was found.

@@ -21,6 +21,7 @@ struct Parameter {
   double start = 0.0;
   double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
   double maximum = std::numeric_limits<double>::infinity();
+  double priorStd = 0.0;  // of a normal prior about 0; 0: none
 };
 
 /// Where the contribution of an effect is added. Used in two ways: values only, or values and derivatives.

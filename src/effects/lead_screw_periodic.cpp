@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
@@ -70,6 +71,17 @@ class LeadScrewPeriodic : public CatalogueEffect {
     const std::string key = spec().find("period_mm") != nullptr ? "period_mm" : "period_deg";
     const double unit = key == "period_mm" ? kMillimetre : kDegree;
     return {{EffectSpec(spec()).set(key, 0.5 * period_ / unit)}};
+  }
+  EffectSpec shapedAs(const std::vector<double>& nonlinear) const override {
+    if (!searched_ || nonlinear.empty()) return spec();
+    const std::string key = spec().find("period_mm") != nullptr ? "period_mm" : "period_deg";
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", nonlinear[0] / (key == "period_mm" ? kMillimetre : kDegree));
+    return EffectSpec(spec()).set(key, std::string(text));
+  }
+  std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& nonlinear) const override {
+    if (!searched_ || nonlinear.empty()) return {};
+    return {{{0.5 * nonlinear[0]}, 0.15}};
   }
   std::vector<int> variesAlong(const Domain&) const override { return {axis_}; }
   std::vector<int> mustMove() const override { return {axis_}; }
