@@ -131,7 +131,8 @@ class Diagnoser {
     const Tails tails = tailsOf(search, look.found);
     if (tails.dof > 0.0) {
       look.tailDof = tails.dof;
-      look.found = search.run(tails.variance);
+      look.found.noise.variance = tails.variance;
+      look.found = search.improved(look.found);
     }
     lookAtPairs(look);
     return look;
@@ -171,8 +172,7 @@ class Diagnoser {
     append(q.groups, std::move(more));
     Search again(q);
     again.step = [this] { CancelScope::check(); };
-    Explanation other = again.run(look.found.noise.variance);
-    if (other.worth > look.found.worth) look.found = std::move(other);
+    look.found = again.improved(look.found);
   }
 
   /// Start values of the model's and the found effects' parameters, from the linearised solution.

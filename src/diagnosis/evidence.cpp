@@ -23,6 +23,17 @@ const std::vector<double>& sizes() {
   return all;
 }
 
+/// a' b of many rows: few columns of a by axpy along the rows of b, which need no packing.
+template <class A, class B>
+RowMatrix crossProducts(const A& a, const B& b) {
+  constexpr int kFew = 24;
+  if (a.cols() > kFew) return a.transpose() * b;
+  RowMatrix out = RowMatrix::Zero(a.cols(), b.cols());
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    for (Eigen::Index k = 0; k < a.cols(); ++k) out.row(k).noalias() += a(i, k) * b.row(i);
+  return out;
+}
+
 }  // namespace
 
 Evidence::Evidence(const NoiseRows& rows, const Groups& groups, Noise noise, std::vector<RandomBlock> blocks,
@@ -58,7 +69,7 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, Noise noise, std
     }
   });
   target_ = target.col(0);
-  Eigen::MatrixXd m = fixed_.transpose() * fixed_;
+  Eigen::MatrixXd m = crossProducts(fixed_, fixed_);
   for (int k = 0; k < fixed; ++k) m(k, k) += k < base ? kRidge : 1.0;
   const Eigen::LLT<Eigen::MatrixXd> llt(m);
   factor_ = llt.matrixL();
@@ -76,7 +87,7 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, Noise noise, std
     const int first = half == 0 ? 0 : middle, count = half == 0 ? middle : all - middle;
     if (count > 0) {
       const auto part = columns_.middleCols(first, count);
-      Eigen::MatrixXd by = fixed_.transpose() * part;
+      Eigen::MatrixXd by = crossProducts(fixed_, part);
       factor_.triangularView<Eigen::Lower>().solveInPlace(by);
       groupTarget_.segment(first, count) = part.transpose() * target_ - by.transpose() * fixedTarget_;
       byBase_.middleCols(first, count) = by;
@@ -87,7 +98,7 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, Noise noise, std
       for (const Shape& s : groups.groups[g].shapes) {
         const auto block = columns_.middleCols(s.first, s.count);
         const auto by = byBase_.middleCols(s.first, s.count);
-        products_[g].push_back(block.transpose() * block - by.transpose() * by);
+        products_[g].push_back(Eigen::MatrixXd(crossProducts(block, block)) - by.transpose() * by);
       }
   });
 }
@@ -98,7 +109,7 @@ Evidence::Prepared Evidence::prepare(const RowMatrix& columns, bool cross) const
   whitener_->whiten(p.columns);
   p.byBase = factor_.triangularView<Eigen::Lower>().solve(fixed_.transpose() * p.columns);
   p.target = p.columns.transpose() * target_ - p.byBase.transpose() * fixedTarget_;
-  if (cross) p.cross = p.columns.transpose() * columns_ - p.byBase.transpose() * byBase_;
+  if (cross) p.cross = Eigen::MatrixXd(crossProducts(p.columns, columns_)) - p.byBase.transpose() * byBase_;
   return p;
 }
 
@@ -127,7 +138,7 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
       const Prepared& b = prepared(members[j]);
       const int other = static_cast<int>(b.columns.cols());
       const Eigen::MatrixXd block = members[i].size * members[j].size *
-                                    (a.columns.transpose() * b.columns - a.byBase.transpose() * b.byBase);
+                                    (crossProducts(a.columns, b.columns) - a.byBase.transpose() * b.byBase);
       products.block(at, to, n, other) = block;
       products.block(to, at, other, n) = block.transpose();
       to += other;
@@ -197,7 +208,7 @@ Gain Evidence::gainOf(const Given& given, int group) const {
 
 Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members, const RowMatrix& columns) const {
   const Prepared p = prepare(columns, false);
-  Eigen::MatrixXd products = p.columns.transpose() * p.columns - p.byBase.transpose() * p.byBase;
+  Eigen::MatrixXd products = crossProducts(p.columns, p.columns) - p.byBase.transpose() * p.byBase;
   Eigen::VectorXd target = p.target;
   if (!members.empty()) {
     int k = 0;
@@ -208,13 +219,13 @@ Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members, co
       const Prepared& a = prepared(members[i]);
       const int n = static_cast<int>(a.columns.cols());
       cross.middleRows(at, n) =
-          members[i].size * (a.columns.transpose() * p.columns - a.byBase.transpose() * p.byBase);
+          members[i].size * (crossProducts(a.columns, p.columns) - a.byBase.transpose() * p.byBase);
       int to = 0;
       for (std::size_t j = 0; j <= i; ++j) {
         const Prepared& b = prepared(members[j]);
         const int other = static_cast<int>(b.columns.cols());
         own.block(at, to, n, other) = members[i].size * members[j].size *
-                                      (a.columns.transpose() * b.columns - a.byBase.transpose() * b.byBase);
+                                      (crossProducts(a.columns, b.columns) - a.byBase.transpose() * b.byBase);
         own.block(to, at, other, n) = own.block(at, to, n, other).transpose().eval();
         to += other;
       }
@@ -262,8 +273,8 @@ Evidence::Fit Evidence::fit(const std::vector<Member>& members) const {
   fit.expected = fit.withoutDrift;
   const Eigen::VectorXd left = rows_.target - fit.withoutDrift;
   fit.expected.head(rows_.rows()) += whitener_->driftIn(left.head(rows_.rows()));
-  const Given all = given(members);
-  const double variance = all.rest / all.freedoms;
+  const double rest = std::max(0.0, target_.squaredNorm() - values.dot(whitened.transpose() * target_));
+  const double variance = rest / freedoms_;
   at = fixed;
   for (const Member& m : members) {
     const int k = static_cast<int>(m.columns->cols());

@@ -346,7 +346,10 @@ std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space) {
     for (int k = 0; k < effect.parameterCount(); ++k)
       p.push_back(space.fitted().x[model.offset(static_cast<int>(e)) + k]);
     const auto add = [&](const Eigen::MatrixXd& columns, double share) {
-      if (!(columns.norm() > 0.0)) return;
+      constexpr double kNothing = 0.05;  // of the noise, root mean square: less is not worth its columns
+      Eigen::MatrixXd seen = columns;
+      space.project(seen);
+      if (!(share * size * seen.norm() > kNothing * std::sqrt(static_cast<double>(space.rows())))) return;
       blocks.push_back({RowMatrix(columns), share * size, 0.0, true});
     };
     const auto linearOf = [](const Effect& other, const Eigen::MatrixXd& all) {

@@ -8,8 +8,8 @@ namespace mm {
 namespace {
 
 constexpr int kMostMembers = 10;
-constexpr int kTrials = 4;           // candidates whose noise is fitted again where there is drift
-constexpr double kWorthTrying = 3.0;  // nats: a candidate below is not refitted
+constexpr int kTrials = 3;            // candidates whose noise is fitted again from none
+constexpr double kWorthTrying = 6.0;  // nats below its price: a candidate is not refitted
 constexpr int kMostNoiseRows = 3000;  // the variances of longer sessions are fitted to stretches of their rows
 
 std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
@@ -234,35 +234,32 @@ Explanation Search::exchanged(Explanation best) const {
 
 Explanation Search::grown(Explanation best) const {
   while (static_cast<int>(best.members.size()) < kMostMembers) {
-    // the drift that was fitted without a cause has eaten it: ask from no drift, too
+    // the drift and the scatter that were fitted without a cause have eaten it: ask from none of them, too
     std::vector<Explanation> starts = {best};
-    if (!best.noise.drift.empty()) {
-      starts.push_back(best);
-      starts.back().noise.drift.clear();
-    }
+    Explanation bare = best;
+    bare.noise.drift.clear();
+    bool scatters = false;
+    for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+      if (!q_.scatter[b].fixed && bare.scatter[b] > 0.0) bare.scatter[b] = 0.0, scatters = true;
+    if (!best.noise.drift.empty() || scatters) starts.push_back(std::move(bare));
     Explanation next;
     next.worth = -1e300;
     for (std::size_t s = 0; s < starts.size(); ++s) {
       const auto evidence = evidenceAt(starts[s]);
-      const Evidence::Given given = evidence->given(best.members);
-      std::vector<Gain> gains = evidence->gains(given);
-      gains.erase(std::remove_if(gains.begin(), gains.end(),
-                                 [&](const Gain& g) {
-                                   return g.value < kWorthTrying ||
-                                          std::any_of(best.members.begin(), best.members.end(), [&](const Member& m) {
-                                            return m.group == g.group && m.shape == g.shape;
-                                          });
-                                 }),
-                  gains.end());
-      std::stable_sort(gains.begin(), gains.end(), [&](const Gain& a, const Gain& b) {
-        return a.value - priceOf(a.group) > b.value - priceOf(b.group);
-      });
-      const std::size_t tried = starts.size() > 1 ? kTrials : 1;
-      for (std::size_t k = 0; k < std::min(tried, gains.size()); ++k) {
-        if (starts.size() == 1 && gains[k].value < priceOf(gains[k].group)) break;
+      std::vector<Gain> gains = evidence->gains(evidence->given(best.members));
+      for (Gain& g : gains) g.value -= priceOf(g.group);
+      std::stable_sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.value > b.value; });
+      int tried = 0;
+      for (const Gain& g : gains) {
+        if (tried == (s == 0 ? 1 : kTrials) || g.value < (starts.size() == 1 ? 0.0 : -kWorthTrying)) break;
+        if (std::any_of(best.members.begin(), best.members.end(),
+                        [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
+          continue;
+        ++tried;
         std::vector<Member> members = best.members;
-        members.push_back(refined(*evidence, best.members, memberOf(gains[k])));
-        Explanation trial = refitted(members, starts[s], false);
+        members.push_back(refined(*evidence, best.members, memberOf(g)));
+        // with the cause in, drift and scatter are asked again
+        Explanation trial = refitted(members, starts[s], s > 0);
         if (trial.worth > next.worth) next = std::move(trial);
       }
     }
@@ -302,10 +299,11 @@ Explanation Search::run(const Eigen::VectorXd& variance) const {
   start.scatter.assign(q_.scatter.size(), 0.0);
   for (std::size_t b = 0; b < q_.scatter.size(); ++b)
     if (q_.scatter[b].fixed) start.scatter[b] = q_.scatter[b].ratio;
-  Explanation best = refitted({}, start, true);
-  best = grown(std::move(best));
-  best = pruned(std::move(best));
-  return best;
+  return pruned(grown(refitted({}, start, true)));
+}
+
+Explanation Search::improved(const Explanation& start) const {
+  return pruned(grown(refitted(start.members, start, true)));
 }
 
 std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& evidence) const {

@@ -47,6 +47,8 @@ class Search {
 
   /// The whole search. @param variance of the white noise a row. @param most members.
   Explanation run(const Eigen::VectorXd& variance) const;
+  /// The search on from an explanation, whose noise, weights or questions have changed.
+  Explanation improved(const Explanation& start) const;
   /// The search at one model of the noise that stays, on some of the rows. @param heldOut a data row.
   std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
 

@@ -37,11 +37,14 @@ class ProbeLobing : public CatalogueEffect {
     }
   }
 
-  std::vector<std::string> shapeKeys() const override { return {"order"}; }
+  /// Sideways pre-travel (order 0) is a cause of its own: a stylus that bends, not a seat on some points.
+  std::vector<std::string> shapeKeys() const override {
+    return order_ == 0 ? std::vector<std::string>{} : std::vector<std::string>{"order"};
+  }
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
     std::vector<ShapeFreedom> others;
     for (const int order : kOrders)
-      if (order != order_) others.push_back({EffectSpec(spec()).set("order", order), kOtherLobes});
+      if (order_ != 0 && order != 0 && order != order_) others.push_back({EffectSpec(spec()).set("order", order), kOtherLobes});
     return others;
   }
 

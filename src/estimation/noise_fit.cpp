@@ -26,22 +26,12 @@ double medianSpacing(const std::vector<double>& time) {
 
 struct NoiseFit::Gram {
   Eigen::MatrixXd products;  // of base, blocks and target
+  std::vector<int> first;    // a block: its first column, -1 where it was left out
   double logDeterminant = 0.0;
 };
 
 NoiseFit::NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks)
     : rows_(rows), blocks_(std::move(blocks)), base_(static_cast<int>(rows.base.cols())) {
-  int columns = base_;
-  for (const RandomBlock& b : blocks_) {
-    firstOf_.push_back(columns);
-    columns += static_cast<int>(b.columns.cols());
-  }
-  all_.resize(rows.length(), columns + 1);
-  all_.leftCols(base_) = rows.base;
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
-    all_.middleCols(firstOf_[b], blocks_[b].columns.cols()) = blocks_[b].columns;
-  all_.col(columns) = rows.target;
-
   const double spacing = medianSpacing(rows.time);
   const double length = rows.rows() > 1 ? rows.time.back() - rows.time.front() : 0.0;
   if (spacing > 0.0 && length > 4.0 * spacing) {
@@ -52,11 +42,21 @@ NoiseFit::NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks)
   }
 }
 
-NoiseFit::Gram NoiseFit::gramOf(const Noise& noise) const {
+NoiseFit::Gram NoiseFit::gramOf(const Noise& noise, const std::vector<double>& ratios, bool everything) const {
   CancelScope::check();
   Gram gram;
+  int columns = base_;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const bool there = everything || ratios[b] > 0.0;
+    gram.first.push_back(there ? columns : -1);
+    if (there) columns += static_cast<int>(blocks_[b].columns.cols());
+  }
+  RowMatrix m(rows_.length(), columns + 1);
+  m.leftCols(base_) = rows_.base;
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (gram.first[b] >= 0) m.middleCols(gram.first[b], blocks_[b].columns.cols()) = blocks_[b].columns;
+  m.col(columns) = rows_.target;
   const TimeWhitener whitener(rows_.time, rows_.factors, noise.variance, noise.drift);
-  RowMatrix m = all_;
   whitener.whiten(m);
   gram.logDeterminant = whitener.logDeterminant();
   gram.products = Eigen::MatrixXd::Zero(m.cols(), m.cols());
@@ -72,7 +72,7 @@ double NoiseFit::value(const Gram& gram, const std::vector<double>& ratios, doub
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     if (ratios[b] > 0.0)
       for (int k = 0; k < blocks_[b].columns.cols(); ++k)
-        taken.push_back(firstOf_[b] + k), scale.push_back(ratios[b]);
+        taken.push_back(gram.first[b] + k), scale.push_back(ratios[b]);
   const int n = static_cast<int>(taken.size());
   Eigen::MatrixXd m(n, n);
   Eigen::VectorXd to(n);
@@ -101,7 +101,7 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
   for (int round = 0; round < 6; ++round) {
     const double before = best;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      if (blocks_[b].fixed) continue;
+      if (blocks_[b].fixed || gram.first[b] < 0) continue;
       const auto attempt = [&](double ratio) {
         const double kept = ratios[b];
         ratios[b] = ratio;
@@ -142,7 +142,7 @@ NoiseFitResult NoiseFit::at(const Noise& noise, const NoiseFitOptions& options) 
   NoiseFitResult result;
   result.noise = noise;
   for (const RandomBlock& b : blocks_) result.ratios.push_back(b.ratio);
-  const Gram gram = gramOf(noise);
+  const Gram gram = gramOf(noise, result.ratios, true);
   fitRatios(gram, result.ratios);
   double rest = 0.0;
   result.logEvidence = value(gram, result.ratios, &rest) - prices(noise, result.ratios, options);
@@ -155,8 +155,8 @@ NoiseFitResult NoiseFit::at(const Noise& noise, const NoiseFitOptions& options) 
 NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options) const {
   NoiseFitResult best = at(start, options);
   const auto attempt = [&](Noise noise) {
-    NoiseFit::Gram gram = gramOf(noise);
-    std::vector<double> ratios = best.ratios;
+    const std::vector<double>& ratios = best.ratios;
+    const NoiseFit::Gram gram = gramOf(noise, ratios, false);
     double rest = 0.0;
     const double v = value(gram, ratios, &rest) - prices(noise, ratios, options);
     if (!(v > best.logEvidence + 1e-3)) return false;
@@ -180,11 +180,12 @@ NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options)
       double most = best.logEvidence;
       for (int d = 0; d < directions; ++d)
         for (const double tau : timeConstants_)
-          for (const double ratio : {0.35, 1.2}) {
+          {
+            constexpr double ratio = 0.6;  // its size is fitted next
             Noise more = best.noise;
             more.drift.push_back({d, ratio, tau});
             double rest = 0.0;
-            const double v = value(gramOf(more), best.ratios, &rest) - prices(more, best.ratios, options);
+            const double v = value(gramOf(more, best.ratios, false), best.ratios, &rest) - prices(more, best.ratios, options);
             if (v > most) most = v, better = std::move(more);
           }
       if (most > best.logEvidence + 1e-3) attempt(std::move(better));
@@ -206,8 +207,8 @@ NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options)
           }
         }
     NoiseFitResult refitted = [&] {
-      NoiseFit::Gram gram = gramOf(best.noise);
       NoiseFitResult r = best;
+      const NoiseFit::Gram gram = gramOf(best.noise, r.ratios, true);
       fitRatios(gram, r.ratios);
       double rest = 0.0;
       r.logEvidence = value(gram, r.ratios, &rest) - prices(r.noise, r.ratios, options);

@@ -62,8 +62,9 @@ class NoiseFit {
   const std::vector<double>& timeConstants() const { return timeConstants_; }
 
  private:
-  struct Gram;  // of all columns, whitened in time
-  Gram gramOf(const Noise& noise) const;
+  struct Gram;  // of the columns that are there, whitened in time
+  /// @param everything blocks of ratio 0, too.
+  Gram gramOf(const Noise& noise, const std::vector<double>& ratios, bool everything) const;
   /// Fits the ratios; @return the evidence. @param freedoms, rest: of the scale.
   double value(const Gram& gram, const std::vector<double>& ratios, double* rest) const;
   double fitRatios(const Gram& gram, std::vector<double>& ratios) const;
@@ -71,8 +72,6 @@ class NoiseFit {
 
   const NoiseRows& rows_;
   std::vector<RandomBlock> blocks_;
-  std::vector<int> firstOf_;  // column of each block
-  RowMatrix all_;             // base, blocks, target
   int base_ = 0;
   std::vector<double> timeConstants_;
 };
