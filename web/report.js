@@ -2,7 +2,7 @@
 
 const kVerdicts = {
   insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Cannot be told apart yet",
-  missing_effect: "Missing effect", explained: "Explained",
+  missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained",
 };
 const kNoise = { declared: "declared", repeated: "from repeated measurements", estimated: "estimated from the residuals" };
 const main = document.getElementById("report");
@@ -16,7 +16,7 @@ function section(id, title, ...children) {
 }
 const lead = (text) => el("p", { class: "lead" }, text);
 
-function commandLine(command) {
+function commandLine(lead, command) {
   if (!command) return null;
   const button = el("button", { type: "button" }, "Copy");
   button.addEventListener("click", () => {
@@ -26,16 +26,27 @@ function commandLine(command) {
     else select();
   });
   const code = el("code", {}, command);
-  return [el("p", { class: "lead" }, diagnosis.missing.length + Math.min(1, diagnosis.formulas.length) > 1 ? "Type next (it adds the first; then diagnose again):" : "Type next:"), el("div", { class: "command" }, code, button)];
+  return [el("p", { class: "lead" }, lead), el("div", { class: "command" }, code, button)];
 }
+
+/** What to type next: where effects cannot be told apart, the moves first. */
+function commands() {
+  const measure = diagnosis.verdict === "confusable" && diagnosis.next_measurement.length > 0;
+  const several = diagnosis.missing.length + diagnosis.profiles.length > 1;
+  return [measure ? commandLine("Type next, for a plan of the moves; then measure it:", data.moves_command) : null,
+    commandLine(measure ? "Or, without measuring, add the likeliest:" : several ? "Type next (it adds the first; then diagnose again):" : "Type next:", data.command)];
+}
+
+const sentences = (text) => text.split(/(?<=\.) (?=[A-Z])/);
 
 function header() {
   const facts = [data.machine, diagnosis.observations ? diagnosis.observations + " measurements" : null,
     "calibration " + fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : ""),
     data.method ? "found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : null, "report of " + data.created.replace("T", " ").replace("Z", " UTC")];
+  const [first, ...rest] = sentences(said(diagnosis.sentence));
   main.replaceChildren(el("header", {}, el("h1", {}, fileName(data.session)), el("p", { class: "meta" }, facts.filter(Boolean).join(" · ")),
     el("div", { class: "verdict " + diagnosis.verdict }, el("div", { class: "badge" }, kVerdicts[diagnosis.verdict] || diagnosis.verdict),
-      el("p", { class: "sentence" }, diagnosis.sentence.replace(/\bum\b/g, "µm").replace(/->/g, "→")), commandLine(data.command))));
+      el("p", { class: "sentence" }, first), rest.map((one) => el("p", {}, one)), commands())));
   const warnings = [data.session_warning ? "The session: " + data.session_warning : null,
     data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” says whether it still holds." : null,
     data.left_out ? data.left_out + " measurements lack an input of the model and were left out." : null];
@@ -47,14 +58,16 @@ function errors() {
   if (!data.figures.length) return;
   const held = (f) => f["held_out_rms" + kSuffix];
   const tiles = data.figures.filter((f) => !/values held/.test(f.name)).map((f) => [f.name + ": held-out RMS", held(f), rmsStd(held(f), f["count" + kSuffix])]);
-  tiles.push(["Noise of one measurement, " + (kNoise[diagnosis.repeatability_from] || ""), data.noise]);
+  const estimated = diagnosis.repeatability_from === "estimated", found = known(diagnosis["noise" + kSuffix]);
+  if (!estimated || !found) tiles.push([(estimated ? "Noise of one measurement, " : "Repeatability, ") + (kNoise[diagnosis.repeatability_from] || ""), data.noise]);
+  if (found) tiles.push(["Noise found", diagnosis["noise" + kSuffix], diagnosis["noise_std" + kSuffix]]);
   const kinds = [["um", "_um"], ["arcsec", "_arcsec"]].filter(([, suffix]) => data.figures.some((f) => known(f["rms" + suffix])));
   const columns = [["Model", "text"]];
   for (const [unit] of kinds) for (const name of ["RMS", "held-out RMS", "95 % below", "largest"]) columns.push([name + ", " + unitText(unit), "n"]);
   columns.push(["χ²/ν", "n"], ["outliers", "n"]);
   section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value, std]) =>
     el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : "")),
-      known(std) ? el("div", { class: "label" }, "± " + length(std, 2)) : null))),
+      known(std) && std > 0 ? el("div", { class: "label" }, "± " + length(std, 2)) : null))),
   table("Size of the residuals, outliers left aside (each fit leaves aside its own)", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
     ...kinds.flatMap(([, s]) => [bare(f["rms" + s], f["rms_std" + s]), bare(f["held_out_rms" + s], rmsStd(f["held_out_rms" + s], f["count" + s])), bare(f["q95" + s], 0.95 * f["q95" + s] / Math.sqrt(f["count" + s])), num(f["max" + s])]),
     diagnosis.repeatability_from === "estimated" ? "–" : bare(f.chi2_per_dof, f.chi2_per_dof * Math.sqrt(2 / Math.max(1, f.degrees_of_freedom))), known(f.outliers) ? String(f.outliers) : "–"])));
@@ -67,20 +80,50 @@ const arrow = (pair) => bare(pair[0], rmsStd(pair[0])) + " → " + rmsText(pair[
 /** Size of an effect, RMS over the measurements: it can only be known to the noise of so many. */
 const sizeStd = (heldOut) => (heldOut && known(heldOut[1]) && data.residuals ? heldOut[1] / Math.sqrt(data.residuals) : null);
 
+/** A parameter with its expanded uncertainty. */
+const sized = (p) => p.name + " = " + expanded(p.value, p.std, p.unit);
+const heldOut = (found) => found["held_out_rms" + kSuffix];
+
+/** Other explanations of what was found, each with its odds and with what would tell. */
+function rivals(m) {
+  const lines = m.confusable_with.map((c) => [el("b", {}, c.in_words), c.same ? ": the same error told in another frame; no measurement on this machine tells them apart" :
+    c.not_recorded ? ": cannot be excluded, " + c.not_recorded.replace(/^(the )?/, "the ") + " was not recorded" : ", odds " + c.odds_in_words,
+    c.moves ? el("div", { class: "note" }, "To tell: " + said(c.moves)) : null]);
+  if (m.confusable_with_drift) lines.push([el("b", {}, "drift in time"), ", which explains it as well"]);
+  return lines.length ? [el("dt", {}, "Or instead"), el("dd", {}, el("ul", { class: "plain" }, lines.map((line) => el("li", {}, line))))] : [];
+}
+
 function missing() {
-  if (!diagnosis.missing.length && !diagnosis.formulas.length) return;
-  section("missing", "What is missing", lead("In the order found; sizes after everything was refitted together, ± one standard uncertainty."),
-    diagnosis.missing.map((m, i) => el("div", { class: "card" }, el("h3", {}, i + 1 + ". " + spoken(m.effect)), el("dl", {},
-      entry("Size", m.parameters.map((p) => p.name + " = " + plusMinus(p.value, p.std, p.unit)).join(", ")),
-      entry("Share of the error", known(m["size" + kSuffix]) ? plusMinus(m["size" + kSuffix], sizeStd(m["held_out_rms" + kSuffix]), data.unit) + " RMS after refit" + (diagnosis.repeatability_from === "estimated" ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the noise") : ""),
-      entry("Held-out RMS", arrow(m["held_out_rms" + kSuffix])),
-      entry("Certainty", "p ≈ " + pValue(m.p_value) + ", corrected for everything tried; chosen in " + percent(m.stability) + " of the resampled sessions"),
-      entry("As likely", m.confusable_with.length ? m.confusable_with.map((c) => spoken(c.effect) + (c.delta < 0.05 ? " (exactly as likely)" : " (log-likelihood lower by " + num(c.delta, 2) + ")")).join("; ") : ""),
-      entry("Cause", m.cause), entry("Remedy", m.remedy)))),
-    diagnosis.formulas.map((f, i) => el("div", { class: "card" }, el("h3", {}, (i ? "Or the formula along " : "Formula along ") + f.direction), el("p", {}, el("code", {}, f.formula)),
-      el("dl", {}, entry("Values", i === 0 ? data.added.filter((a) => a.effect.type === "formula").flatMap((a) => a.values.map((v) => v.name + " = " + plusMinus(v.value, v.std, v.unit))).join(", ") : ""),
-        entry("Held-out RMS", arrow(f["held_out_rms" + kSuffix])),
-        entry("Units", i > 0 ? "" : "linear joints in mm, rotary in rad, t in s, speeds in mm/s, temperatures in °C; the value in µm (arcsec along a rotary joint)")))));
+  if (!diagnosis.missing.length) return;
+  section("missing", "What is missing", lead("In the order found; sizes after everything was refitted together."),
+    diagnosis.missing.map((m, i) => el("div", { class: "card" }, el("h3", {}, i + 1 + ". " + m.in_words), el("dl", {},
+      entry("Size", m.parameters.map(sized).join(", ")),
+      entry("Odds", m.odds_in_words),
+      entry("Share of the error", known(m["size" + kSuffix]) && m["size" + kSuffix] > 0 ? plusMinus(m["size" + kSuffix], sizeStd(heldOut(m)), data.unit) + " RMS" + (diagnosis.repeatability_from === "estimated" || !(data.noise > 0) ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the repeatability") : ""),
+      entry("Held-out RMS", arrow(heldOut(m))),
+      rivals(m), entry("Cause", m.cause), entry("Remedy", m.remedy)))));
+}
+
+function unexplained() {
+  if (!diagnosis.profiles.length && !diagnosis.formulas.length) return;
+  const values = (type) => data.added.filter((a) => a.effect.type === type).flatMap((a) => a.values.map(sized)).join(", ");
+  section("unexplained", "What no effect of the catalogue explains", diagnosis.profiles.length ? lead("A smooth function of what was recorded. The band is the expanded uncertainty (k = 2).") : null,
+    diagnosis.profiles.map((p) => el("div", { class: "card" }, el("h3", {}, p.direction === "approach" ? "Along the approach" : (p.unit === "arcsec" ? "Of " : "Along ") + p.direction, ", over " + p.variables.map((name, k) => variableName(name, p.units[k])).join(" and ")),
+      el("dl", {}, entry("Odds", p.odds_in_words), entry("Held-out RMS", arrow(heldOut(p)))), profileFigure(p))),
+    diagnosis.formulas.map((f) => el("div", { class: "card" }, el("h3", {}, "The same as a formula, along " + f.direction), el("p", {}, el("code", {}, f.formula)),
+      el("dl", {}, entry("Values", values("formula")), entry("Held-out RMS", arrow(heldOut(f))),
+        entry("Units", "linear joints in mm, rotary in rad, t in s, speeds in mm/s, temperatures in °C; the value in µm (arcsec along a rotary joint)")))));
+}
+
+/** What is left beside noise: drift, and an artifact that is not quite as its file says. */
+function left() {
+  if (!diagnosis.drift.length && !diagnosis.artifact_scatter.length) return;
+  const size = (d) => (known(d.std_arcsec) ? withUnit(num(d.std_arcsec), "arcsec") : withUnit(num(d.std_um), "um"));
+  const perhaps = (d) => d.perhaps.map((o) => el("div", {}, o.in_words + ", odds " + o.odds_in_words + (known(o.share) ? "; it would take over " + percent(o.share) + " of the drift" : "")));
+  section("left", "Drift and scatter", diagnosis.drift.map((d) => el("div", { class: "card" }, el("h3", {}, "Drift " + (d.direction === "approach" ? "along the approach" : "of " + d.direction)), el("dl", {},
+    entry("Size", size(d) + " RMS"), entry("Time constant", known(d.time_constant_s) && d.time_constant_s > 0 ? duration(d.time_constant_s) : ""), entry("Perhaps", ...perhaps(d)), entry("To do", said(d.to_do))))),
+    diagnosis.artifact_scatter.length ? el("div", { class: "card" }, el("h3", {}, "Scatter of the artifact"), el("dl", {},
+      diagnosis.artifact_scatter.map((a) => entry(a.what, withUnit(num(a.std_um), "um") + " RMS" + (a.in_words ? ": " + said(a.in_words) : ""))))) : null);
 }
 
 /** A share of variance, ± the standard error of R². */
@@ -129,7 +172,7 @@ function thermal() {
   const ranged = (range) => bare(range, known(data.noise) ? Math.SQRT2 * data.noise : null); // of two readings
   if (!t.axes.length && !data.networks.length) return;
   section("thermal", "Heat: deviation against time, by ISO 230-3", t.axes.length ? lead("Deviations of an independent instrument at the same positions while the machine warms and cools, as measured and as the model leaves them, beside the temperatures.") : null,
-    data.networks.map((n) => el("p", {}, el("b", {}, spoken(n.effect)), ": ", n.summary.replace(/\bum\b/g, "µm"))),
+    data.networks.map((n) => el("p", {}, el("b", {}, n.in_words), ": ", said(n.summary))),
     t.axes.map((a) => [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, thermalFigure(a, "measured", "As measured").node, thermalFigure(a, "left", "What the model leaves").node),
       table("Axis " + a.axis + ": range of the deviation over the test", [["Position, " + unitText(a.position_unit)], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]],
         [...a.courses.map((c) => [num(c.at, 4), ranged(c.measured_range), ranged(c.left_range)]), ["largest of all positions", ranged(a.measured_range), ranged(a.left_range)]])]),
@@ -139,24 +182,24 @@ function thermal() {
 function candidates() {
   if (!diagnosis.candidates.length) return;
   const key = "held_out_rms" + kSuffix;
-  const rows = diagnosis.candidates.map((c, i) => {
+  const rows = diagnosis.candidates.map((c) => {
     const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
     const gain = c[key] && known(c[key][0]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
-    return Object.assign([spoken(c.effect), [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], pValue(c.p_value), bare(c["size" + kSuffix], sizeStd(c[key])), taken ? percent(taken.stability) : "–",
-      taken && taken.confusable_with.length ? taken.confusable_with.map((o) => spoken(o.effect)).join("; ") : "–"], { chosen: !!taken });
+    const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words).concat(taken.confusable_with_drift ? ["drift in time"] : []) : [];
+    return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
-  section("candidates", "Candidates, best first", lead("Each effect of the catalogue added alone to the model and everything refitted together; the bar is the share of the held-out RMS that it removes. Bold: named as missing. Stability and what it is confusable with are worked out for those."),
-    longTable(diagnosis.candidates.length + " effects tried", [["Effect"], ["held-out RMS after, " + kUnit, "nowrap"], ["p", "n"], ["size, " + kUnit, "n"], ["stability", "n"], ["confusable with", "text"]], rows, 12));
+  section("candidates", "Candidates, best first", lead("Each cause of the catalogue, everything refitted with it; the bar is the share of the held-out RMS that it removes. Bold: named as missing."),
+    longTable(diagnosis.candidates.length + (diagnosis.candidates.length === 1 ? " cause asked" : " causes asked"), [["Cause"], ["odds", "nowrap"], ["held-out RMS after, " + kUnit, "nowrap"], ["size, " + kUnit, "n"], ["confusable with", "text"]], rows, 12));
 }
 
 function ledger() {
   if (!data.ledger.length) return;
   const key = "held_out_rms" + kSuffix, rmsKey = "rms" + kSuffix;
-  const name = (e) => (e.action === "calibrate" ? "calibrated" : e.action + " " + spoken(e.effect));
+  const name = (e) => (e.action === "calibrate" ? "calibrated" : e.action + " " + e.in_words);
   const steps = [{ name: data.ledger[0].action === "calibrate" ? "nominal machine" : "before", held_out: data.ledger[0][key] && data.ledger[0][key][0] }];
   for (const e of data.ledger) steps.push({ name: name(e), held_out: e[key] && e[key][1] });
   const proposed = data.figures.find((f) => /named effects/.test(f.name));
-  if (proposed) steps.push({ name: "proposed: " + diagnosis.missing.map((m) => spoken(m.effect)).concat(diagnosis.formulas.slice(0, 1).map((f) => "a formula along " + f.direction)).join(" and "), held_out: proposed[key], proposed: true });
+  if (proposed) steps.push({ name: "proposed: " + data.added.map((a) => a.in_words).join(" and "), held_out: proposed[key], proposed: true });
   const fall = (pair) => (pair ? bare(pair[0], rmsStd(pair[0])) + " → " + bare(pair[1], rmsStd(pair[1])) : "–");
   const shown = steps.filter((s) => known(s.held_out));
   section("ledger", "Ledger: the error as it fell", shown.length > 1 ? ledgerFigure(shown, data.noise, diagnosis.repeatability_from === "estimated").node : null,
@@ -167,7 +210,7 @@ function ledger() {
 
 function parameters() {
   const lost = data.identifiability ? data.identifiability.lost : [];
-  const rows = data.parameters.flatMap((e) => e.values.map((v) => [spoken(e.effect), v.name, v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
+  const rows = data.parameters.flatMap((e) => e.values.map((v) => [e.in_words, v.name, v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
   section("parameters", "Parameters", rows.length ? longTable("As in the calibration file, ± one standard uncertainty", [["Effect"], ["Parameter"], ["Value", "n"]], rows, 40) : lead("The model has no effects: the machine as its scales read."),
     data.identifiability ? el("p", {}, data.identifiability.rank + " of " + data.identifiability.parameters + " parameters are determined by this session.") : null,
     lost.length ? [el("h3", {}, "Directions that this session does not determine"), el("ul", {}, lost.map((l) => el("li", {}, l.in_words.replace(/\.$/, "") + ". Held: " + l.fixed_by + (l.by_convention ? ", by convention" : "") + (l.would_show ? "; " + l.would_show : "") + ".")))] : null);
@@ -201,17 +244,20 @@ function limits() {
   const groups = new Map();
   for (const c of diagnosis.cannot_show) {
     const key = c.effect.type + "\n" + c.why;
-    if (!groups.has(key)) groups.set(key, { type: c.effect.type.replace(/_/g, " "), members: [], why: c.why, moves: new Set() });
+    if (!groups.has(key)) groups.set(key, { members: [], why: c.why, moves: new Set() });
     const group = groups.get(key);
-    group.members.push(spoken(c.effect).slice(group.type.length).replace(/^, /, ""));
+    group.members.push(c.in_words);
     group.moves.add(c.moves || "–");
   }
-  // the members of one family: each once, and no more than can be read
-  const named = (g) => g.type + (g.members[0] ? ": " + g.members.slice(0, 6).join("; ") : "") + (g.members.length > 6 ? "; and " + (g.members.length - 6) + " more" : "");
+  // the members of one family: no more than can be read
+  const named = (g) => g.members.slice(0, 6).join("; ") + (g.members.length > 6 ? "; and " + (g.members.length - 6) + " more" : "");
   const advice = (g) => [...g.moves][0] + (g.moves.size > 1 ? " Likewise for the others." : "");
-  section("limits", "What this session cannot show", groups.size ? [lead("These effects may be there all the same: this session could not have shown them."),
-    longTable("Effects, why they stay hidden, and what would show them", [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], [...groups.values()].map((g) => [named(g), g.why, advice(g)]), 10)] :
-    lead("Every effect of the catalogue would have shown in this session."));
+  const inputs = diagnosis.missing_inputs;
+  section("limits", "What this session cannot show", inputs.length ? table("Inputs that were not recorded", [["Input"], ["in its place", "text"], ["cannot be excluded without it", "text"]],
+    inputs.map((i) => [i.input, i.assumed ? "assumed " + i.assumed : "–", i.assumed ? "–" : i.in_words || "–"])) : null,
+    groups.size ? [lead("These effects may be there all the same: this session could not have shown them."),
+      longTable("Effects, why they stay hidden, and what would show them", [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], [...groups.values()].map((g) => [named(g), g.why, advice(g)]), 10)] :
+    inputs.length ? null : lead("Every effect of the catalogue would have shown in this session."));
 }
 
 function nextMeasurement() {
@@ -230,12 +276,13 @@ function legend() {
   const terms = [["RMS", "root mean square of the scalar residuals: one a contact on a ball, one a measured component of a reference."],
     ["Held-out RMS", "the same, of measurements that the fit did not see: blocks of time are left out in turn. It does not fall by fitting noise."],
     ["χ²/ν", "squared residuals over the noise, a degree of freedom: 1 when nothing but noise is left; says nothing where the noise was estimated from the residuals."],
-    ["p", "probability of a gain at least as large by chance, corrected for everything that was tried."],
-    ["Stability", "share of sessions resampled in blocks of time in which the effect is still the choice."],
-    ["±", "one standard uncertainty: of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as they were seen."]];
+    ["Odds", "that the effect acts, against its rivals and chance; “30 to 1” is a probability of 97 %."],
+    ["Repeatability", "standard deviation of one measurement repeated; noise found: the part of the residuals that follows nothing."],
+    ["p", "probability of so large a share by chance, corrected for the number of variables."],
+    ["±", "one standard uncertainty, unless k = 2 stands beside it (expanded uncertainty): of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as they were seen."]];
   main.append(el("footer", {}, el("h3", {}, "How to read the figures"), el("dl", {}, terms.map(([a, b]) => [el("dt", {}, a), el("dd", {}, b)])),
     el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is complete in itself and loads nothing from a network. Figures by Plotly.js (MIT).")));
 }
 
-[header, errors, missing, where, variables, space, positioning, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
+[header, errors, missing, unexplained, left, where, variables, space, positioning, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
 drawAll();

@@ -49,6 +49,19 @@ function plusMinus(value, std, unit) {
   return withUnit(minus(value.toFixed(decimals)) + " ± " + std.toFixed(decimals), unit);
 }
 
+/** Value ± expanded uncertainty, this with one digit, or two where it begins with 1 or 2. */
+function expanded(value, std, unit) {
+  if (!known(value)) return "–";
+  if (!known(std) || std <= 0) return withUnit(num(value), unit);
+  const wide = 2 * std;
+  let place = Math.floor(Math.log10(wide));
+  if (wide / 10 ** place >= 9.5) ++place;
+  const decimals = (wide / 10 ** place < 2.95 ? 1 : 0) - place;
+  if (decimals > 6 || Math.abs(value) >= 1e7) return plusMinus(value, wide, unit) + " (k = 2)";
+  const rounded = (x) => minus((Math.abs(x) < 0.5 * 10 ** -decimals ? 0 : x).toFixed(Math.max(0, decimals)));
+  return withUnit(rounded(value) + " ± " + rounded(wide), unit) + " (k = 2)";
+}
+
 function pValue(p) {
   if (!known(p)) return "–";
   if (p >= 0.995) return "1";
@@ -85,12 +98,12 @@ function positioningStd(t) {
 const fixed = (value) => (known(value) ? minus(value.toFixed(2)) : "–");
 const percent = (share, digits = 0) => (known(share) ? (100 * share).toFixed(digits) + " %" : "–");
 
-/** `{type: backlash, axis: x}` in words: backlash, axis x. */
-function spoken(effect) {
-  if (!effect) return "";
-  const keys = Object.entries(effect).filter(([key]) => key !== "type");
-  return effect.type.replace(/_/g, " ") + keys.map(([key, value]) => value === false ? "" : value === true ? ", with " + key : ", " + key.replace(/_(mm|deg|s)$/, "") + " " + (Array.isArray(value) ? value.join(" and ") : value)).join("");
-}
+/** A sentence of the diagnosis with the signs of print. */
+const said = (text) => text.replace(/(?<![\w-])um\b/g, "µm").replace(/\bdegC\b/g, "°C").replace(/->/g, "→").replace(/(^|[ (])-(?=\d)/g, "$1−");
+/** A time in the unit that reads best. */
+const duration = (s) => (s < 90 ? num(s, 2) + " s" : s < 5400 ? num(s / 60, 2) + " min" : s < 172800 ? num(s / 3600, 2) + " h" : num(s / 86400, 2) + " days");
+/** A variable as formulas call it, for people. */
+const variableName = (name, unit) => (name === "t" ? "time" : unit === "degC" ? "temperature " + name : name.replace(/^(.*)_velocity$/, "velocity of $1"));
 const sameEffect = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 /** Plotly reads a little markup in its texts. */

@@ -98,7 +98,7 @@ function ledgerFigure(steps, noise, estimated) {
   const from = Math.min(...values) / 3, to = Math.max(...values) * (log ? 6 : 1.35);
   return figure({
     height: 70 + steps.length * Math.max(46, 12 + 16 * Math.max(...steps.map((s) => wrapped(s.name, 22).split("<br>").length))), label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
-    caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + (!line ? "." : ". The dashed line is the noise, " + length(noise) +
+    caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + (!line ? "." : ". The dashed line is the " + (estimated ? "noise" : "repeatability") + ", " + length(noise) +
       (estimated ? ", estimated from what this model leaves: a better model may lower it." : ": no model can do better.")),
     make: (c) => [[{ type: "bar", orientation: "h", y: steps.map((s, i) => i), x: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.6 : 0.9)) },
       hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + rmsText(s.held_out)), error_x: { type: "data", array: steps.map((s) => rmsStd(s.held_out) || 0), color: c.ink, thickness: 1, width: 4 } },
@@ -117,6 +117,49 @@ function wrapped(text, width) {
     lines[lines.length - 1] += (lines[lines.length - 1] ? " " : "") + word;
   }
   return lines.map(plain).join("<br>");
+}
+
+/** A smooth function of one variable with its band, or of two as a map. */
+function profileFigure(p) {
+  const n = p.variables.length, unit = unitText(p.unit);
+  const points = p.curve.filter((point) => point.length === n + 2 && point.every(known));
+  if (!points.length) return null;
+  const named = p.variables.map((name, k) => variableName(name, p.units[k]));
+  const axis = (k) => ({ title: titled(named[k] + (unitText(p.units[k]) ? ", " + unitText(p.units[k]) : "")), zeroline: false });
+  const size = (point) => expanded(point[n], point[n + 1], p.unit);
+  const at = (point) => named.map((name, k) => name + " " + withUnit(num(point[k]), p.units[k])).join(", ");
+  const most = points.reduce((best, point) => (Math.abs(point[n]) > Math.abs(best[n]) ? point : best));
+  const label = "Error against " + named.join(" and ") + ": largest " + size(most) + " at " + at(most);
+  const hover = "%{text}<extra></extra>";
+  if (n === 2) return profileMap(p, points, axis, label, (point) => plain(at(point) + ": " + size(point)), hover, unit);
+  const x = points.map((point) => point[0]), edge = (side) => points.map((point) => point[1] + side * 2 * point[2]);
+  return figure({
+    label, kind: "tall",
+    make: (c) => [[
+      { x, y: edge(-1), mode: "lines", type: "scatter", line: { width: 0 }, hoverinfo: "skip" },
+      { x, y: edge(1), mode: "lines", type: "scatter", line: { width: 0 }, fill: "tonexty", fillcolor: c.accent + "33", hoverinfo: "skip" },
+      { x, y: points.map((point) => point[1]), mode: "lines", type: "scatter", line: { color: c.accent, width: 2 }, text: points.map((point) => plain(at(point) + ": " + size(point))), hovertemplate: hover },
+    ], { xaxis: axis(0), yaxis: { title: titled("error, " + unit), zeroline: true } }],
+  }).node;
+}
+
+function profileMap(p, points, axis, label, text, hovertemplate, unit) {
+  const reach = Math.max(...points.map((point) => Math.abs(point[2])), 1e-9);
+  const values = (k) => [...new Set(points.map((point) => point[k]))].sort((a, b) => a - b);
+  const x = values(0), y = values(1), whole = x.length * y.length === points.length;
+  const cell = new Map(points.map((point) => [point[0] + " " + point[1], point]));
+  const rows = (what) => y.map((b) => x.map((a) => what(cell.get(a + " " + b))));
+  const bar = (c) => ({ title: { text: unit }, thickness: 12, tickfont: { color: c.ink } });
+  const bands = points.map((point) => 2 * point[3]), ends = (list) => [list[0], list[list.length - 1]];
+  const least = num(Math.min(...bands), 2), most = num(Math.max(...bands), 2);
+  return figure({
+    label, kind: "tall", caption: "Expanded uncertainty (k = 2) " + (least === most ? "" : least + " to ") + most + " " + unit + ".",
+    make: (c) => [[whole && x.length > 1 && y.length > 1 ?
+      { type: "heatmap", x, y, z: rows((point) => point[2]), text: rows(text), hovertemplate, zmin: -reach, zmax: reach, colorscale: kScale, colorbar: bar(c), zsmooth: "best" } :
+      { type: "scatter", mode: "markers", x: points.map((point) => point[0]), y: points.map((point) => point[1]), text: points.map(text), hovertemplate,
+        marker: { size: 9, color: points.map((point) => point[2]), cmin: -reach, cmax: reach, colorscale: kScale, showscale: true, colorbar: bar(c) } }],
+    { xaxis: Object.assign(axis(0), x.length > 1 ? { range: ends(x) } : {}), yaxis: Object.assign(axis(1), y.length > 1 ? { range: ends(y) } : {}) }],
+  }).node;
 }
 
 function curveFigure(curve) {

@@ -11,7 +11,10 @@ namespace {
 std::string printed(const char* pattern, int digits, double value) {
   char text[64];
   std::snprintf(text, sizeof text, pattern, digits, value);
-  return text;
+  // what is rounded to nothing has no sign
+  const std::string number = text;
+  return number.find_first_of("123456789") == std::string::npos && number.front() == '-' ? number.substr(1)
+                                                                                         : number;
 }
 
 bool endsWith(const std::string& text, const std::string& end) {

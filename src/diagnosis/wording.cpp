@@ -286,9 +286,10 @@ std::string driftAdvice(const DriftResult& drift) {
   const std::string every =
       positive(drift.timeConstant) ? "every " + durationInWords(drift.timeConstant / 4.0) : "at intervals";
   if (drift.perhaps.empty())
-    return "measure a reference ball " + every + ", or record the temperatures of what carries the probe";
-  return "measure the same places at other temperatures, out of step with time; until then a reference "
-         "ball " +
+    return "measure the same reference again " + every +
+           ", or record the temperatures of what carries the probe";
+  return "measure the same places at other temperatures, out of step with time; until then the same "
+         "reference again " +
          every;
 }
 

@@ -44,14 +44,16 @@ std::string driftText(const Diagnosis& d) {
   if (d.drift.empty()) return {};
   std::string text = "\nDrift\n";
   for (const DriftResult& drift : d.drift) {
-    text += entry(drift.direction,
-                  length(drift.std, isAngular(d, drift.direction)) + " RMS" +
-                      (drift.timeConstant > 0.0 ? ", time constant " + durationInWords(drift.timeConstant)
-                                                : std::string()));
+    text += entry(drift.direction, length(drift.std, isAngular(d, drift.direction)) + " RMS" +
+                                       (drift.timeConstant > 0.0 && std::isfinite(drift.timeConstant)
+                                            ? ", time constant " + durationInWords(drift.timeConstant)
+                                            : std::string()));
     std::string label = "perhaps";
     for (const DriftResult::Perhaps& other : drift.perhaps) {
-      text += entry(label, inWords(other.effect) + ", odds " + oddsInWords(other.odds) +
-                               format("; it would take over %.0f %% of it", 100.0 * other.share));
+      text += entry(label,
+                    inWords(other.effect) + ", odds " + oddsInWords(other.odds) +
+                        (other.share > 0.0 ? format("; it would take over %.0f %% of it", 100.0 * other.share)
+                                           : std::string()));
       label.clear();
     }
     text += entry("to do", drift.inWords.empty() ? driftAdvice(drift) : drift.inWords);
@@ -85,15 +87,19 @@ std::string figuresText(const Diagnosis& d) {
   std::string text = "\n  RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) + ", held out " +
                      length(d.angular ? f.heldOutRmsAngular : f.heldOutRms, d.angular);
   if (found && d.heldOut > 0.0) text += "; held out with what was found " + length(d.heldOut, d.angular);
-  text += "\n  repeatability " + length(d.base.repeatability, d.angular) + " (" +
-          (d.base.repeatabilityFrom == "repeated" ? "from repeated measurements" : d.base.repeatabilityFrom) +
-          ")";
+  const bool known = d.base.repeatabilityFrom == "declared" || d.base.repeatabilityFrom == "repeated";
+  text +=
+      "\n  repeatability " +
+      (known ? length(d.base.repeatability, d.angular) + " (" +
+                   (d.base.repeatabilityFrom == "repeated" ? "from repeated measurements" : "declared") + ")"
+             : "not known");
   if (d.noise > 0.0) {
     const double unit = d.angular ? kArcsecond : kMicrometre;
     text += ", noise found " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um");
   }
-  if (d.tailDof > 0.0) text += format(" with heavy tails (Student's t, %.2g degrees of freedom)", d.tailDof);
-  return text + "\n  after ±: expanded uncertainty, k = 2\n";
+  if (d.tailDof > 0.0)
+    text += format("\n  the noise has heavy tails: Student's t of %.2g degrees of freedom", d.tailDof);
+  return text + "\n  after ± stands the expanded uncertainty, k = 2\n";
 }
 
 std::string moveText(const Move& move) {

@@ -8,7 +8,7 @@
 
 namespace mm {
 
-// What `mm … --json` prints and what the services answer in `json` (DESIGN sections 6 and 9): one object, in
+// What `mm … --json` prints and what the services answer in `json`: one object, in
 // the units of people. A figure that does not exist is null; never NaN or Inf.
 
 std::string calibrateJson(const CalibrationResult& result);

@@ -10,11 +10,17 @@ namespace {
 
 using Point = std::vector<double>;
 
-/// So many of `count`, evenly, the first and the last among them.
-std::vector<std::size_t> evenly(std::size_t count, std::size_t shown) {
+/// At most so many of `count`, the first and the last among them, at even distances where that can be.
+std::vector<std::size_t> evenly(std::size_t count, std::size_t most) {
+  std::size_t shown = std::min(count, most);
+  for (std::size_t fewer = shown; fewer > 1 && fewer + 2 >= shown; --fewer)
+    if ((count - 1) % (fewer - 1) == 0) {
+      shown = fewer;
+      break;
+    }
   std::vector<std::size_t> chosen;
-  if (count <= shown) shown = count;
-  for (std::size_t i = 0; i < shown; ++i) chosen.push_back(shown > 1 ? i * (count - 1) / (shown - 1) : 0);
+  for (std::size_t i = 0; i < shown; ++i)
+    chosen.push_back(shown > 1 ? (i * (count - 1) + (shown - 1) / 2) / (shown - 1) : 0);
   return chosen;
 }
 

@@ -39,8 +39,9 @@ void addFits(ReportContents& report, const Session& session, const ReportOptions
     report.held.reset();  // e.g. a sensor of the calibration that this session does not have
   }
   for (const CandidateResult& c : report.diagnosis.missing) report.added.push_back(c.effect);
-  // the formulas are alternatives, the best first
-  if (!report.diagnosis.formulas.empty()) report.added.push_back(report.diagnosis.formulas.front().effect);
+  for (const ProfileResult& p : report.diagnosis.profiles) report.added.push_back(p.effect);
+  if (report.added.empty() && !report.diagnosis.formulas.empty())
+    report.added.push_back(report.diagnosis.formulas.front().effect);
   if (report.added.empty()) return;
   std::vector<EffectSpec> effects = report.calibration.effects;
   effects.insert(effects.end(), report.added.begin(), report.added.end());

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "diagnosis/wording.h"
 #include "machine/units.h"
 #include "report/json.h"
 #include "report/json_parts.h"
@@ -231,7 +232,7 @@ Json networkSummaries(const Model& model) {
   Json out = Json::array();
   for (const EffectPtr& effect : model.effects())
     if (const LearnedNetwork* learned = model.domain().findNetwork(effect->spec().yaml()))
-      out.push_back({{"effect", effectJson(effect->spec())}, {"summary", learned->summary}});
+      out.push_back({{"in_words", inWords(effect->spec())}, {"summary", learned->summary}});
   return out;
 }
 
@@ -240,6 +241,7 @@ Json parametersJson(const Calibration& c) {
   for (std::size_t e = 0; e < c.effects.size(); ++e) {
     Json one;
     one["effect"] = effectJson(c.effects[e]);
+    one["in_words"] = inWords(c.effects[e]);
     one["values"] = Json::array();
     for (const Calibration::Value& v : c.values) {
       if (v.effect != static_cast<int>(e)) continue;
@@ -264,6 +266,7 @@ Json addedJson(const ReportContents& r) {
   for (std::size_t e = r.calibration.effects.size(); e < model.effects().size(); ++e) {
     Json one;
     one["effect"] = effectJson(model.effects()[e]->spec());
+    one["in_words"] = inWords(model.effects()[e]->spec());
     one["values"] = Json::array();
     for (int k = 0; k < model.effects()[e]->parameterCount(); ++k) {
       const int i = model.offset(static_cast<int>(e)) + k;

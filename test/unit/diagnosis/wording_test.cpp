@@ -57,6 +57,7 @@ TEST(Expanded, HasOneDigitOrTwoWhereOneWouldBeCoarse) {
   EXPECT_EQ(expanded(-25.4, 2.0, "arcsec"), "-25 ± 4 arcsec");
   EXPECT_EQ(expanded(1234.0, 30.0, "um/m"), "1234 ± 60 um/m");
   EXPECT_EQ(expanded(1.5, 0.0, "1"), "1.5");
+  EXPECT_EQ(expanded(-1e-9, 0.06, "um"), "0.00 ± 0.12 um");
 }
 
 TEST(DurationInWords, TakesTheUnitThatReadsBest) {
