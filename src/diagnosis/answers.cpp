@@ -53,11 +53,11 @@ double unitOf(const ResidualSpace& space) {
   return space.rows() > 0 ? sum / space.rows() : 1.0;
 }
 
-std::vector<Answer> answersOf(const Questions& q, const Explanation& found) {
+std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
+  const Questions& q = search.questions();
   std::vector<Answer> answers;
   if (found.members.empty()) return answers;
   const Domain& domain = q.space->problem().model().domain();
-  const Search search(q);
   const auto evidence = search.evidenceAt(found);
   const Evidence::Fit fit = evidence->fit(found.members);
   std::vector<EffectSpec> taken;
@@ -163,7 +163,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
   const Questions& q = search.questions();
   const auto evidence = search.evidenceAt(found);
   const Evidence::Fit fit = evidence->fit(found.members);
-  const std::vector<Answer> answers = answersOf(q, found);
+  const std::vector<Answer> answers = answersOf(search, found);
   double before = held.before() * unit;
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const Member& m = found.members[j];

@@ -16,7 +16,7 @@ struct Answer {
   int member = 0;         // of the explanation
 };
 /// In the order of the members; a member whose shape is mixed of a family gives one for each shape that counts.
-std::vector<Answer> answersOf(const Questions& questions, const Explanation& found);
+std::vector<Answer> answersOf(const Search& search, const Explanation& found);
 
 /// Heavy tails of the noise: weights by Student's t, where its likelihood is clearly the greater.
 struct Tails {

@@ -177,7 +177,7 @@ class Diagnoser {
 
   /// Start values of the model's and the found effects' parameters, from the linearised solution.
   Eigen::VectorXd startOf(const Look& look, std::vector<EffectPtr>& effects) const {
-    const auto answers = answersOf(look.questions, look.found);
+    const auto answers = answersOf(Search(look.questions), look.found);
     Eigen::VectorXd start = look.space->fitted().x.head(model_.parameterCount());
     for (const Answer& a : answers) {
       effects.push_back(a.effect);
@@ -197,6 +197,7 @@ class Diagnoser {
     out_.tailDof = look.tailDof;
     out_.noise = found.white * unit * std::sqrt(found.noise.variance.mean());
     out_.noiseStd = found.whiteStd * unit * std::sqrt(found.noise.variance.mean());
+    sortByGain(search, found);
     report("held out", 0.7);
     const HeldOut held(search, found);
     const double none = held.before() * unit;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "diagnosis/wording.h"
 #include "machine/units.h"
@@ -11,7 +10,7 @@ namespace mm {
 namespace {
 
 const double kSaid = std::log(100.0);  // nats: drift that is not there at 100 to 1 is not spoken of
-constexpr std::size_t kMostAsked = 8;
+constexpr std::size_t kMostAsked = 2;  // causes from each start
 constexpr double kSomeShare = 0.3;     // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kHopeless = -3.0;     // nats against drift alone
 
@@ -47,10 +46,9 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
   }
   if (results.empty()) return results;
 
-  // which causes take it over? asked from no drift, where they show most, and beside it
+  // which causes take it over? those that show most where there is no drift, and those that show beside it
   Explanation none = found;
   none.noise.drift.clear();
-  std::set<int> asked;
   struct Trial {
     int group;
     double delta;
@@ -63,19 +61,19 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
     for (const Gain& g : evidence->gains(evidence->given(found.members))) {
       const Group& group = q.groups.groups[g.group];
       if (!group.dependsOnTime || group.profile || !(g.value > 0.0)) continue;
-      if (std::any_of(found.members.begin(), found.members.end(), [&](const Member& m) { return m.group == g.group; }))
+      const auto known = [&](const auto& other) { return other.group == g.group; };
+      if (std::any_of(found.members.begin(), found.members.end(), known) ||
+          std::any_of(trials.begin(), trials.end(), known))
         continue;
-      if (++count > kMostAsked / 2) break;
+      if (++count > kMostAsked) break;
       std::vector<Member> members = found.members;
       members.push_back(search.refined(*evidence, found.members, search.memberOf(g)));
-      Explanation with = search.refitted(members, *start, start == &none);
-      const double delta = with.logEvidence - found.logEvidence -
-                           std::log(static_cast<double>(group.shapes.size()));
-      const auto same = std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.group == g.group; });
-      if (same == trials.end())
-        trials.push_back({g.group, delta, std::move(with)});
-      else if (delta > same->delta)
-        same->delta = delta, same->with = std::move(with);
+      Trial trial{g.group, -1e300, {}};
+      const double price = std::log(static_cast<double>(group.shapes.size()));
+      // at the size that it has without drift, which must then earn its place again
+      trial.with = search.refitted(members, found, false);
+      trial.delta = trial.with.logEvidence - found.logEvidence - price;
+      trials.push_back(std::move(trial));
     }
   }
   for (std::size_t r = 0; r < results.size(); ++r) {

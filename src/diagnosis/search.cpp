@@ -59,13 +59,27 @@ double Search::priceOf(const Member& member) const {
 }
 
 std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at, const std::vector<char>* heldOut) const {
+  const auto sameDrift = [](const std::vector<DriftTerm>& a, const std::vector<DriftTerm>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const DriftTerm& s, const DriftTerm& t) {
+      return s.direction == t.direction && s.ratio == t.ratio && s.tau == t.tau;
+    });
+  };
+  if (heldOut == nullptr)
+    for (const Known& k : known_)
+      if (k.scatter == at.scatter && sameDrift(k.noise.drift, at.noise.drift) && k.noise.variance == at.noise.variance)
+        return k.evidence;
   std::vector<RandomBlock> blocks;
   for (std::size_t b = 0; b < q_.scatter.size(); ++b)
     if (at.scatter[b] > 0.0) {
       blocks.push_back(q_.scatter[b]);
       blocks.back().ratio = at.scatter[b];
     }
-  return std::make_shared<Evidence>(q_.rows, q_.groups, at.noise, std::move(blocks), heldOut);
+  auto evidence = std::make_shared<const Evidence>(q_.rows, q_.groups, at.noise, std::move(blocks), heldOut);
+  if (heldOut != nullptr) return evidence;
+  constexpr std::size_t kKept = 3;
+  if (known_.size() == kKept) known_.erase(known_.begin());
+  known_.push_back({at.noise, at.scatter, evidence});
+  return evidence;
 }
 
 Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start, bool add) const {
@@ -84,6 +98,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   for (const Member& m : members) blocks.push_back({*m.columns, m.size, 0.0, false});
   NoiseFitOptions options;
   options.addDrift = add;
+  if (!add) options.rounds = 2;
   NoiseFitResult fit;
   if (q_.rows.rows() <= kMostNoiseRows) {
     fit = NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
@@ -258,8 +273,8 @@ Explanation Search::grown(Explanation best) const {
         ++tried;
         std::vector<Member> members = best.members;
         members.push_back(refined(*evidence, best.members, memberOf(g)));
-        // with the cause in, drift and scatter are asked again
-        Explanation trial = refitted(members, starts[s], s > 0);
+        // with the cause in at the size that it has without them, drift and scatter must earn their place again
+        Explanation trial = refitted(members, best, false);
         if (trial.worth > next.worth) next = std::move(trial);
       }
     }

@@ -71,7 +71,13 @@ class Search {
   Explanation pruned(Explanation best) const;
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;
 
+  struct Known {
+    Noise noise;
+    std::vector<double> scatter;
+    std::shared_ptr<const Evidence> evidence;
+  };
   const Questions& q_;
+  mutable std::vector<Known> known_;  // the last few: the same noise is asked again and again
 };
 
 /// The scatter that a session of balls always has, and what the effects of the model leave of their shape.

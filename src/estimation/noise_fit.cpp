@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "machine/cancel_scope.h"
+#include "machine/two_threads.h"
 
 namespace mm {
 namespace {
@@ -176,36 +177,44 @@ NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options)
       }
     if (options.addDrift && !timeConstants_.empty()) {
       // the best of all further terms; then its size and time constant with the others'
-      Noise better;
-      double most = best.logEvidence;
-      for (int d = 0; d < directions; ++d)
-        for (const double tau : timeConstants_)
-          {
-            constexpr double ratio = 0.6;  // its size is fitted next
-            Noise more = best.noise;
-            more.drift.push_back({d, ratio, tau});
-            double rest = 0.0;
-            const double v = value(gramOf(more, best.ratios, false), best.ratios, &rest) - prices(more, best.ratios, options);
-            if (v > most) most = v, better = std::move(more);
-          }
-      if (most > best.logEvidence + 1e-3) attempt(std::move(better));
-    }
-    if (options.refine)
-      for (std::size_t k = 0; k < best.noise.drift.size(); ++k)
-        for (const double step : {2.0, 1.25}) {
-          const auto scaled = [&](double ratio, double tau) {
-            Noise other = best.noise;
-            other.drift[k].ratio *= ratio;
-            other.drift[k].tau *= tau;
-            const double longest = timeConstants_.empty() ? other.drift[k].tau : timeConstants_.back();
-            other.drift[k].tau = std::min(other.drift[k].tau, longest);
-            return attempt(std::move(other));
-          };
-          for (int again = 0; again < 4 && (scaled(step, 1.0) || scaled(1.0 / step, 1.0)); ++again) {
-          }
-          for (int again = 0; again < 4 && (scaled(1.0, step) || scaled(1.0, 1.0 / step)); ++again) {
-          }
+      constexpr double kRatio = 0.6;  // its size is fitted next
+      const int count = directions * static_cast<int>(timeConstants_.size());
+      const auto further = [&](int k) {
+        Noise more = best.noise;
+        more.drift.push_back({k % directions, kRatio, timeConstants_[static_cast<std::size_t>(k / directions)]});
+        return more;
+      };
+      std::vector<double> worth(static_cast<std::size_t>(count), -1e300);
+      inTwo([&](std::size_t half) {
+        for (int k = static_cast<int>(half); k < count; k += 2) {
+          const Noise more = further(k);
+          worth[k] = value(gramOf(more, best.ratios, false), best.ratios, nullptr) - prices(more, best.ratios, options);
         }
+      });
+      CancelScope::check();
+      attempt(further(static_cast<int>(std::max_element(worth.begin(), worth.end()) - worth.begin())));
+    }
+    if (options.refine) {
+      constexpr double kSteps[] = {1.7, 1.3, 1.15};
+      const double step = kSteps[std::min(round, 2)];
+      for (std::size_t k = 0; k < best.noise.drift.size(); ++k) {
+        const auto scaled = [&](double ratio, double tau) {
+          Noise other = best.noise;
+          other.drift[k].ratio *= ratio;
+          other.drift[k].tau *= tau;
+          const double longest = timeConstants_.empty() ? other.drift[k].tau : timeConstants_.back();
+          other.drift[k].tau = std::min(other.drift[k].tau, longest);
+          return attempt(std::move(other));
+        };
+        const auto walk = [&](double ratio, double tau) {
+          int steps = 0;
+          while (steps < 4 && scaled(ratio, tau)) ++steps;
+          return steps > 0;
+        };
+        if (!walk(step, 1.0)) walk(1.0 / step, 1.0);
+        if (!walk(1.0, step * step)) walk(1.0, 1.0 / (step * step));
+      }
+    }
     NoiseFitResult refitted = [&] {
       NoiseFitResult r = best;
       const NoiseFit::Gram gram = gramOf(best.noise, r.ratios, true);
