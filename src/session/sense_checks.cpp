@@ -248,10 +248,14 @@ class Asker {
   }
 
   /// @return whether it agrees, and so is kept.
-  bool consider(const std::string& with, const std::string& question, const Readings& change, bool scaled) {
+  /// @param factor by which readings are multiplied: what is shrunk disagrees less, whatever it is.
+  bool consider(const std::string& with, const std::string& question, const Readings& change,
+                double factor = 1.0) {
     constexpr double kCap = 0.3;  // radii: what is shrunk to a point lies on any sphere
     Hypothesis h{with, question, geometry_.judge(change)};
-    if (!(h.agreement.misfit < kUndone * base_.misfit) || (scaled && h.agreement.cap < kCap)) return false;
+    if (!(h.agreement.misfit < kUndone * std::min(1.0, factor) * base_.misfit) ||
+        (factor != 1.0 && h.agreement.cap < kCap))
+      return false;
     found_.push_back(std::move(h));
     return true;
   }
@@ -278,7 +282,7 @@ class Asker {
             [&](std::vector<double>& q) {
               for (const std::size_t j : some) q[j] *= unit.factor;
             },
-            true);
+            unit.factor);
       };
       if (joints.empty() || tried(joints, all) || joints.size() == 1) continue;
       for (const std::size_t j : joints) tried({j}, column(j));
@@ -294,18 +298,16 @@ class Asker {
   void signs() {
     for (std::size_t j = 0; j < session_.machine.joints().size(); ++j)
       if (moved(j))
-        consider(
-            "with " + column(j) + " reversed", "is its sign wrong?",
-            [j](std::vector<double>& q) { q[j] = -q[j]; }, false);
+        consider("with " + column(j) + " reversed", "is its sign wrong?",
+                 [j](std::vector<double>& q) { q[j] = -q[j]; });
   }
 
   void exchanges() {
     for (std::size_t i = 0; i < session_.machine.joints().size(); ++i)
       for (std::size_t j = i + 1; j < session_.machine.joints().size(); ++j)
         if (linear(i) == linear(j) && (moved(i) || moved(j)))
-          consider(
-              "with " + column(i) + " and " + column(j) + " exchanged", "are the two mixed up?",
-              [i, j](std::vector<double>& q) { std::swap(q[i], q[j]); }, false);
+          consider("with " + column(i) + " and " + column(j) + " exchanged", "are the two mixed up?",
+                   [i, j](std::vector<double>& q) { std::swap(q[i], q[j]); });
   }
 
   /// Exchanges two names at a time as long as the layout agrees better.

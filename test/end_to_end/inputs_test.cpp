@@ -181,6 +181,22 @@ TEST_F(Inputs, QuestionsComeFirst) {
               HasSubstr("'b3' as 'b4', 'b4' as 'b3'"));
 }
 
+/// What the simulated machines measure, with their errors, is never called a mistake.
+TEST_F(Inputs, SimulatedSessionsRaiseNoQuestions) {
+  for (const auto& [plan, machine] :
+       {std::pair("nine_ball_plate", "three_axis"), std::pair("interferometer", "three_axis"),
+        std::pair("five_axis_ball", "five_axis")}) {
+    ASSERT_EQ(mmRun(folder_, std::string("simulate --machine ") + machine + " --plan config/plans/" + plan +
+                                 ".yaml --hide random --seed 3 -o " + folder_ / "s.bag")
+                  .status,
+              0);
+    const nlohmann::json set = check();
+    EXPECT_TRUE(set["questions"].empty()) << plan << set["questions"].dump();
+    EXPECT_TRUE(set["set_aside"].empty()) << plan << set["set_aside"].dump();
+    EXPECT_TRUE(set["assumed"].empty()) << plan << set["assumed"].dump();
+  }
+}
+
 /// An ISO 230-2 run of a real machine whose velocities were not written down: the same play.
 TEST_F(Inputs, AnInterferometerRunNeedsNoVelocities) {
   MM_NEEDS_SHARED_DATA(data, "iso230_interferometer");

@@ -177,6 +177,27 @@ TEST_F(SenseChecks, AskForRadians) {
   EXPECT_THAT(doubts[0].question, AllOf(HasSubstr("in radians"), HasSubstr("are they in radians?")));
 }
 
+/// Real sessions, some of machines whose probe is yet to be found: nothing to ask, nothing set aside.
+TEST_F(SenseChecks, AskNothingOfRealSessions) {
+  const std::filesystem::path data = test::sharedData();
+  if (data.empty()) GTEST_SKIP() << "the shared data are not there";
+  const auto expectQuiet = [](const Session& s) {
+    for (const Doubt& d : sensibleDoubts(s)) ADD_FAILURE() << s.source << ": " << d.question;
+    for (const SetAside& a : s.setAside) ADD_FAILURE() << s.source << ": " << a.field << " " << a.why;
+  };
+  const Machine machine = Machine::load("three_axis");
+  for (const char* axis : {"x", "y", "z"})
+    expectQuiet(readContactsCsv(data / "iso230_interferometer" / (std::string(axis) + "_axis.csv"), machine,
+                                nullptr));
+  expectQuiet(readContactsCsv(data / "frame_thermal" / "z_against_temperatures.csv", machine, nullptr));
+  for (const auto& [folder, rows, urdf] :
+       {std::tuple("laser_probe_mount", "poses.csv", (data / "laser_probe_mount/tracked_head.urdf").string()),
+        std::tuple("laser_table2", "centres.csv", std::string("five_axis"))}) {
+    const Artifact artifact = loadArtifact(data / folder / "artifact.yaml");
+    expectQuiet(readContactsCsv(data / folder / rows, Machine::load(urdf), &artifact));
+  }
+}
+
 TEST_F(SenseChecks, AreQuick) {
   for (const int perBall : {75, 1812}) {
     std::vector<PlateRow> rows = test::plateRows(0.0, perBall);
