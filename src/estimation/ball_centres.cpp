@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "estimation/calibrate.h"
-#include "estimation/sphere_centre.h"
 #include "machine/error.h"
 #include "machine/units.h"
 #include "model/session_states.h"
+#include "session/sphere_centre.h"
 
 namespace mm {
 namespace {
@@ -35,7 +35,7 @@ std::vector<Posture> posturesOf(const Session& session) {
     const Observation& at = session.observations[o];
     if (at.kind != ObservationKind::kContact ||
         session.artifact.features[at.feature].kind != FeatureKind::kBall)
-      throw InputError(session.source + ": row " + std::to_string(at.row) +
+      throw InputError(session.source + ": " + session.rowText(at.row) +
                        " is no contact with a ball; the two steps of LASER need contacts with balls only");
     Posture* mine = nullptr;
     for (Posture& p : postures)

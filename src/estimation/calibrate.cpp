@@ -228,10 +228,10 @@ CalibrationResult calibrateFrom(const Session& session, Model model, const Calib
   double repeatability = angularOnly ? fit.noise.angular : fit.noise.linear;
   result.repeatabilityFrom = noise.from;
   if (noise.from == "estimated") {
-    const double repeated = repeatedContacts(problem, fit.residuals, angularOnly);
-    if (repeated > 0.0) {
+    result.repeated = repeatedMeasurements(problem, fit.residuals, angularOnly);
+    if (result.repeated.dof > 0.0) {
       result.repeatabilityFrom = "repeated";
-      repeatability = repeated;
+      repeatability = result.repeated.value;
     } else {
       const double rms = rmsOf(problem, fit.residuals, fit.weight, angularOnly);
       const double used = (fit.weight.array() > 0.0).count();

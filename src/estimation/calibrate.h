@@ -11,6 +11,7 @@
 #include "estimation/genetic_staged_mutation.h"
 #include "estimation/identifiability.h"
 #include "estimation/problem.h"
+#include "estimation/repeatability.h"
 
 namespace mm {
 
@@ -69,6 +70,7 @@ struct CalibrationResult {
   Eigen::VectorXd heldOut;    // a data row, m or rad: residual under the fit to the other folds
   double repeatability = 0.0;     // m (rad for angular sessions), as used
   std::string repeatabilityFrom;  // "declared", "repeated" or "estimated"
+  Repeatability repeated;  // where it comes from repeats: with its degrees of freedom; else its dof is 0
   ResidualFigures figures;
   ResidualFigures before;  // of the nominal machine (no effects), same rows
   Identifiability identifiability;

@@ -6,6 +6,7 @@
 
 #include "model/model.h"
 #include "model/session_states.h"
+#include "session/geometric_start.h"
 #include "session/session.h"
 
 namespace mm {
@@ -144,13 +145,5 @@ class Problem {
   Eigen::Vector3d translation0_ = Eigen::Vector3d::Zero();
   Eigen::MatrixXd slotGradients_;  // rowCount x slots at the point of linearisation
 };
-
-/// Start values from the geometry alone: centres of the balls in workpiece and the pose of the artifact.
-struct GeometricStart {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // artifact -> workpiece
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // m
-  std::vector<Eigen::Vector3d> features;                   // in workpiece, m
-};
-GeometricStart geometricStart(const Session& session);
 
 }  // namespace mm

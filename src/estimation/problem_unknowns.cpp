@@ -67,7 +67,7 @@ void Problem::findUsable() {
   }
   if (5 * leftOut_.size() <= usable_.size()) return;
   const int o = leftOut_.front();  // which effect lacks its input?
-  const std::string where = session_->source + ": row " + std::to_string(session_->observations[o].row) +
+  const std::string where = session_->source + ": " + session_->rowText(session_->observations[o].row) +
                             " and " + std::to_string(leftOut_.size() - 1) + " more: ";
   for (const EffectPtr& e : model_.effects()) {
     Model one(model_.machine(), model_.domain(), {e});

@@ -189,31 +189,4 @@ Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, con
   return result;
 }
 
-double repeatedContacts(const Problem& problem, const Eigen::VectorXd& residuals, bool angular) {
-  constexpr int kFewest = 10;
-  constexpr double kSameTip = 20e-6, kSameAngle = 2e-5, kSameApproach = 0.02;  // m, rad, 1
-  const auto& observations = problem.session().observations;
-  std::vector<double> differences;
-  for (std::size_t o = 0; o + 1 < observations.size(); ++o) {
-    const Observation& a = observations[o];
-    const Observation& b = observations[o + 1];
-    if (a.kind != b.kind || a.feature != b.feature || a.travel != b.travel || a.setup != b.setup) continue;
-    const State& sa = problem.state(static_cast<int>(o));
-    const State& sb = problem.state(static_cast<int>(o + 1));
-    if ((sa.tip - sb.tip).norm() > kSameTip) continue;
-    bool same = true;
-    for (std::size_t j = 0; j < a.position.size(); ++j)
-      if (problem.model().machine().joints()[j].kind == JointKind::kRotary)
-        same &= std::abs(a.position[j] - b.position[j]) < kSameAngle;
-    if (!same || (sa.approach - sb.approach).norm() > kSameApproach) continue;
-    for (int i = problem.firstRow(static_cast<int>(o)), j = problem.firstRow(static_cast<int>(o + 1));
-         i < problem.firstRow(static_cast<int>(o) + 1) && j < problem.firstRow(static_cast<int>(o) + 2);
-         ++i, ++j)
-      if (problem.rows()[i].angular == angular && problem.rows()[i].component == problem.rows()[j].component)
-        differences.push_back(residuals[i] - residuals[j]);
-  }
-  if (static_cast<int>(differences.size()) < kFewest) return -1.0;
-  return robustSigma(differences) / std::sqrt(2.0);
-}
-
 }  // namespace mm

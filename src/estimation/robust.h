@@ -29,9 +29,4 @@ Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, con
                            const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
                            const std::vector<char>& fixed);
 
-/// Repeatability (m, or rad for angular rows) from repeated contacts: consecutive observations of the same
-/// target.
-/// @param residuals m or rad a data row. @return negative when there are fewer than ten pairs.
-double repeatedContacts(const Problem& problem, const Eigen::VectorXd& residuals, bool angular);
-
 }  // namespace mm

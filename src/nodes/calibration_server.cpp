@@ -15,6 +15,7 @@
 #include "ros_bridge/node_support.h"
 #include "ros_bridge/residual_markers.h"
 #include "session/session_hash.h"
+#include "session/session_summary.h"
 
 namespace mm {
 namespace {
@@ -91,6 +92,8 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
   Session session = readSessionBag(bag, [this](double share) { job_.step("reading the bag", share); },
                                    &fallback, {node_.getNamespace(), false});
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
+  for (const SetAside& aside : session.setAside)
+    ROS_WARN("%s: %s", bag.c_str(), setAsideText(session, aside).c_str());
   return last_ = std::make_shared<const Session>(std::move(session));
 }
 

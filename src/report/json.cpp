@@ -92,13 +92,17 @@ Json artifactJson(const CalibrationResult& result) {
   return object;
 }
 
-Json calibrationJson(const CalibrationResult& result) {
+Json calibrationJson(const CalibrationResult& result, const std::vector<Doubt>& questions = {}) {
   const bool angular = angularOnly(result);
   Json object;
   object["observations"] = result.problem->session().observations.size();
   object["repeatability_um"] = angular ? Json(nullptr) : number(result.repeatability / kMicrometre);
   if (angular) object["repeatability_arcsec"] = number(result.repeatability / kArcsecond);
   object["repeatability_from"] = result.repeatabilityFrom;
+  if (result.repeated.dof > 0.0) {
+    object["repeatability_dof"] = number(result.repeated.dof);
+    object["repeatability_relative_std"] = number(result.repeated.relativeStd());
+  }
   setFigures(object, result.figures, true);
   object["chi2_per_dof"] = number(result.figures.chi2PerDof);
   object["converged"] = result.converged;
@@ -120,12 +124,15 @@ Json calibrationJson(const CalibrationResult& result) {
   }
   object["artifact"] = artifactJson(result);
   object["outliers"] = outliersJson(result);
+  setSessionNotes(object, result.problem->session(), questions);
   return object;
 }
 
 }  // namespace
 
-std::string calibrateJson(const CalibrationResult& result) { return dump(calibrationJson(result)); }
+std::string calibrateJson(const CalibrationResult& result, const std::vector<Doubt>& questions) {
+  return dump(calibrationJson(result, questions));
+}
 
 std::string changeJson(const CalibrationResult& result, const std::vector<LedgerEntry>& ledger) {
   Json object = calibrationJson(result);

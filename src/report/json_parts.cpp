@@ -72,12 +72,36 @@ Json outliersJson(const CalibrationResult& result) {
   for (const Outlier& o : result.outliers) {
     const ResidualRow& row = result.problem->rows()[static_cast<std::size_t>(o.row)];
     Json one;
-    one["row"] = result.problem->session().observations[static_cast<std::size_t>(row.observation)].row;
+    const Session& session = result.problem->session();
+    const std::int64_t line = session.observations[static_cast<std::size_t>(row.observation)].row;
+    one["row"] = line;
+    one["where"] = session.rowText(line);
     one["residual_um"] = row.angular ? Json(nullptr) : number(o.residual / kMicrometre);
     if (row.angular) one["residual_arcsec"] = number(o.residual / kArcsecond);
     list.push_back(std::move(one));
   }
   return list;
+}
+
+void setSessionNotes(Json& object, const Session& session, const std::vector<Doubt>& questions) {
+  object["assumed"] = Json::array();
+  for (const AssumedInput& a : session.assumed)
+    object["assumed"].push_back(Json{{"input", "direction of travel of " + a.joint},
+                                     {"joint", a.joint},
+                                     {"how", a.how},
+                                     {"share", number(a.share)}});
+  object["set_aside"] = Json::array();
+  for (const SetAside& a : session.setAside)
+    object["set_aside"].push_back(Json{{"row", a.row > 0 ? Json(a.row) : Json(nullptr)},
+                                       {"where", a.row > 0 ? Json(session.rowText(a.row)) : Json(nullptr)},
+                                       {"field", a.field},
+                                       {"value", a.value},
+                                       {"why", a.why}});
+  object["questions"] = Json::array();
+  for (const Doubt& d : questions)
+    object["questions"].push_back(Json{{"question", d.question},
+                                       {"before_um", number(d.before / kMicrometre)},
+                                       {"after_um", number(d.after / kMicrometre)}});
 }
 
 /// A figure that is in m, or in rad where the session is angular.

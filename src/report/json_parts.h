@@ -7,6 +7,7 @@
 #include "diagnosis/diagnose.h"
 #include "effects/effect_spec.h"
 #include "estimation/calibrate.h"
+#include "session/sense_checks.h"
 
 namespace mm {
 
@@ -30,6 +31,9 @@ nlohmann::ordered_json whereJson(const std::vector<WhereItFails>& where);
 nlohmann::ordered_json identifiabilityJson(const Problem& problem, const Identifiability& found,
                                            const Eigen::VectorXd& x);
 nlohmann::ordered_json outliersJson(const CalibrationResult& result);
+/// Adds `assumed`, `set_aside` and `questions`: what to know of a session before its figures.
+void setSessionNotes(nlohmann::ordered_json& object, const Session& session,
+                     const std::vector<Doubt>& questions);
 nlohmann::ordered_json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular);
 /// The object on several lines, without a line break at its end.
 std::string dump(const nlohmann::ordered_json& object);

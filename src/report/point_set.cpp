@@ -166,7 +166,13 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
       if (!starts.empty())
         for (std::size_t k = 0; k < nonlinear.size(); ++k)
           p[static_cast<std::size_t>(nonlinear[k])] = starts[starts.size() / 2][k];
-      const Eigen::MatrixXd all = inverse.asDiagonal() * problem.effectColumns(*effect, p);
+      Eigen::MatrixXd all = inverse.asDiagonal() * problem.effectColumns(*effect, p);
+      int unknown = 0;  // rows that lack an input; a fit leaves them out, as long as they are few
+      for (Eigen::Index i = 0; i < all.rows(); ++i) {
+        if (all.row(i).allFinite()) continue;
+        ++unknown;
+        if (5 * unknown <= all.rows()) all.row(i).setZero();
+      }
       if (!all.allFinite()) {
         hidden.push_back(
             {spec, "an input that it needs was not known at some of the observations", effect->shownBy()});
@@ -193,6 +199,7 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
 
 PointSet checkPointSet(const Session& session, const ModelSpec* spec) {
   PointSet set;
+  set.questions = sensibleDoubts(session);
   for (const Observation& o : session.observations)
     ++(o.kind == ObservationKind::kContact ? set.contacts : set.references);
   const Domain domain = observedDomain(session);

@@ -7,6 +7,7 @@
 #include "estimation/identifiability.h"
 #include "model/model_spec.h"
 #include "report/posture_proposals.h"
+#include "session/sense_checks.h"
 #include "session/session.h"
 
 namespace mm {
@@ -68,6 +69,7 @@ struct PointSet {
   Identifiability identifiability;
   std::vector<WeakParameter> weak;  // uncertainty above the typical size of the parameter
   std::vector<std::string> doubts;  // of the postures, one line each
+  std::vector<Doubt> questions;     // about units, signs and names: before everything else
   PostureAdvice advice;             // for machines with rotary joints
   std::vector<CannotBeShown> cannotShow;
 };

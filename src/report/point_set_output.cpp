@@ -6,6 +6,7 @@
 #include "report/point_set.h"
 #include "report/quantiles.h"
 #include "report/text_parts.h"
+#include "session/session_summary.h"
 
 namespace mm {
 namespace {
@@ -133,10 +134,18 @@ std::string hiddenText(const PointSet& set) {
 }  // namespace
 
 std::string pointSetText(const PointSet& set) {
-  return format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
+  std::string first;
+  for (const Doubt& d : set.questions) first += d.question + "\n";
+  if (!first.empty()) first = "Questions first\n" + first + "\n";
+  const Session& session = set.problem->session();
+  const std::string assumed = assumedText(session);
+  std::string notes = assumed.empty() ? assumed : assumed + "\n";
+  for (const SetAside& aside : session.setAside) notes += setAsideText(session, aside) + "\n";
+  return first +
+         format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
                 static_cast<long long>(set.contacts), static_cast<long long>(set.references), set.duration,
                 set.noise / kMicrometre, set.noiseDeclared ? "declared" : "assumed for the figures below") +
-         featuresText(set) + jointsText(set) + inputsText(set) + doubtsText(set) + modelText(set) +
+         notes + featuresText(set) + jointsText(set) + inputsText(set) + doubtsText(set) + modelText(set) +
          adviceText(set) + hiddenText(set);
 }
 
@@ -191,6 +200,7 @@ std::string pointSetJson(const PointSet& set) {
       object["weak"].push_back(Json{{"name", w.name}, {"std", number(w.std)}, {"unit", w.unit}});
   }
   object["doubts"] = set.doubts;
+  setSessionNotes(object, set.problem->session(), set.questions);
   if (set.hasModel) {
     object["proposed_postures"] = Json::array();
     const auto& joints = set.problem->session().machine.joints();

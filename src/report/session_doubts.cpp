@@ -19,7 +19,7 @@ constexpr double kAsGood = 1.5;          // times the least residual
 constexpr double kReversed = 0.2;        // share of the residual that is left when the sign was wrong
 
 std::string rowOf(const Session& session, const Observation& o) {
-  return session.source + ": row " + std::to_string(o.row) + ": ";
+  return session.source + ": " + session.rowText(o.row) + ": ";
 }
 
 void rotaryDoubts(const Session& session, const std::vector<const Observation*>& contacts,

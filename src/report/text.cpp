@@ -9,6 +9,7 @@
 #include "report/quantiles.h"
 #include "report/text_parts.h"
 #include "report/weak_directions.h"
+#include "session/session_summary.h"
 
 namespace mm {
 namespace {
@@ -73,10 +74,9 @@ std::string outliersText(const CalibrationResult& r) {
   std::string text = format("Outliers, left aside: %zu\n", r.outliers.size());
   for (std::size_t i = 0; i < std::min(kShown, r.outliers.size()); ++i) {
     const ResidualRow& row = r.problem->rows()[static_cast<std::size_t>(r.outliers[i].row)];
-    text += format("  row %lld   residual ",
-                   static_cast<long long>(
-                       r.problem->session().observations[static_cast<std::size_t>(row.observation)].row)) +
-            length(r.outliers[i].residual, row.angular) + "\n";
+    const Session& session = r.problem->session();
+    text += "  " + session.rowText(session.observations[static_cast<std::size_t>(row.observation)].row) +
+            "   residual " + length(r.outliers[i].residual, row.angular) + "\n";
   }
   if (r.outliers.size() > kShown)
     text += format("  and %zu more (--json lists them)\n", r.outliers.size() - kShown);
@@ -86,7 +86,7 @@ std::string outliersText(const CalibrationResult& r) {
 std::string noiseText(const CalibrationResult& r) {
   const bool angular = angularOnly(r);
   const std::string from = r.repeatabilityFrom == "declared"   ? "declared"
-                           : r.repeatabilityFrom == "repeated" ? "from repeated measurements"
+                           : r.repeatabilityFrom == "repeated" ? r.repeated.inWords
                                                                : "estimated from the residuals";
   std::string text = "  Repeatability  " + length(r.repeatability, angular) + ", " + from + "\n";
   if (r.repeatabilityFrom != "estimated")
@@ -133,6 +133,8 @@ std::string calibrateText(const CalibrationResult& r) {
   if (!r.problem->leftOut().empty())
     text += format("%zu observations lack an input of the model and were left out\n",
                    r.problem->leftOut().size());
+  const std::string assumed = assumedText(r.problem->session());
+  if (!assumed.empty()) text += assumed + "\n";
   text += "\nError                nominal machine     calibrated\n" + figuresText(r) + noiseText(r);
   text += "\nParameters\n" + parametersText(r);
   const std::string lost = lostText(r), features = featuresText(r), outliers = outliersText(r);

@@ -9,6 +9,7 @@
 #include "machine/error.h"
 #include "ros_bridge/bag_writer.h"
 #include "ros_bridge/message_conversion.h"
+#include "session/gross_rows.h"
 
 namespace mm {
 namespace {
@@ -62,6 +63,11 @@ class SessionWriter {
     auto artifact = toMessage(session_.artifact);
     artifact.header.stamp = start;
     bag_.write("/artifact", start, artifact, true);
+    if (!session_.rowFile.empty()) {
+      std_msgs::String file;
+      file.data = session_.rowFile;
+      bag_.write("/imported_from", start, file, true);
+    }
     std::size_t count = 0;
     for (const Observation& o : session_.observations) {
       writeSeries(o.time);
@@ -125,12 +131,19 @@ class SessionWriter {
     if (o.kind == ObservationKind::kContact) {
       auto message = toContactMessage(o, session_.machine, session_.artifact);
       message.header.stamp = at;
+      message.header.seq = rowOf(o);
       bag_.write("/probe/contact", at, message);
     } else {
       auto message = toReferenceMessage(o, session_.machine, o.setup < 0 ? "" : session_.setups[o.setup]);
       message.header.stamp = at;
+      message.header.seq = rowOf(o);
       bag_.write("/reference", at, message);
     }
+  }
+
+  /// The line of the file that /imported_from names; 0: none.
+  std::uint32_t rowOf(const Observation& o) const {
+    return session_.rowFile.empty() ? 0U : static_cast<std::uint32_t>(o.row);
   }
 
   const Session& session_;
@@ -149,7 +162,9 @@ void writeSessionBag(const Session& session, const std::filesystem::path& file,
     throw InputError(session.source + ": the session is empty; nothing to write");
   TemporaryFile temporary(file);
   BagWriter bag(temporary.path(), file.string());
-  SessionWriter(session, motion, bag).write(progress);
+  Session whole = session;  // nothing that was measured is lost
+  takeBackGrossRows(whole);
+  SessionWriter(whole, motion, bag).write(progress);
   bag.close();
   temporary.putInPlace();
   if (progress) progress(1.0);

@@ -18,6 +18,8 @@ struct BagNamespace {
 /// Reads a session from a bag: /probe/contact, /reference, /temperature/<sensor>, /covariate/<name>,
 /// /joint_states, /artifact and /robot_description; other topics are left alone. Contacts are sorted by their
 /// header's stamp; t = 0 is the stamp of /artifact (else the earliest of these topics; see SessionCollector).
+/// Of an imported session /imported_from names the CSV, and the headers' `seq` count its lines. Directions of
+/// travel that were recorded nowhere are assumed (see assumeTravel).
 /// A truncated or unindexed bag is read up to the damage, and `Session::warning` says so. @param fallback the
 /// machine of a bag without /robot_description; may be null.
 /// All topics may stand in one namespace (/machine1/probe/contact); where several hold a session, `where`
@@ -27,8 +29,8 @@ struct BagNamespace {
 Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress = {},
                        const Machine* fallback = nullptr, const BagNamespace& where = {});
 
-/// Writes a prepared session as a bag that gives the same session back to the bit (times to 1 ns). Written
-/// under a temporary name, then renamed: the final name never holds half a bag.
+/// Writes a prepared session, with what was set aside in it, as a bag that gives the same session back to the
+/// bit (times to 1 ns). Written under a temporary name, then renamed: the final name never holds half a bag.
 /// @param motion ascending in time, goes to /joint_states: it tells the direction of the last motion where a
 /// measurement was made at standstill.
 /// @throw InputError when it cannot be written, e.g. because the disk is full.

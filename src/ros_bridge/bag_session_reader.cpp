@@ -10,6 +10,7 @@
 #include "ros_bridge/bag_reader.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/session_collector.h"
+#include "session/assumed_travel.h"
 
 namespace mm {
 namespace {
@@ -55,8 +56,8 @@ struct SessionTopic {
 };
 
 SessionTopic splitTopic(const std::string& full) {
-  for (const char* name :
-       {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description"}) {
+  for (const char* name : {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description",
+                           "/imported_from"}) {
     const std::string end = name;
     if (full.size() >= end.size() && full.compare(full.size() - end.size(), end.size(), end) == 0)
       return {full.substr(0, full.size() - end.size()), end};
@@ -132,6 +133,8 @@ class NamespacedSessions {
       session.addArtifact(decode<measuring_machine::Artifact>(raw, source_));
     else if (topic == "/robot_description")
       session.addRobotDescription(decode<std_msgs::String>(raw, source_).data);
+    else if (topic == "/imported_from")
+      session.addImportedFrom(decode<std_msgs::String>(raw, source_).data);
     else if (topic.rfind(kTemperature, 0) == 0)
       session.addTemperature(topic.substr(kTemperature.size()),
                              decode<sensor_msgs::Temperature>(raw, source_));
@@ -174,6 +177,7 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
   }
   if (!collector->hasMachine() && fallback != nullptr) collector->setMachine(*fallback);
   Session session = collector->build();
+  assumeTravel(session);
   if (!bag.damage().empty())
     session.warning = bag.damage() + (session.warning.empty() ? "" : "; " + session.warning);
   return session;

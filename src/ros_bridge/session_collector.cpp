@@ -98,7 +98,7 @@ void SessionCollector::convert(const measuring_machine::ProbeContact& message) {
     o.row = number;
     o.feature = indexOf(message.feature, featureIndex_, features_);
     if (o.feature < 0) throw InputError("no feature is assigned; name the ball or point that was touched");
-    rows_.push_back({stampOf(message.header.stamp, kContactTopic, number), std::move(o)});
+    rows_.push_back({stampOf(message.header.stamp, kContactTopic, number), std::move(o), message.header.seq});
   } catch (const InputError& e) {
     const std::string what = e.what();
     if (what.rfind(source_, 0) == 0) throw;
@@ -112,7 +112,8 @@ void SessionCollector::convert(const measuring_machine::ReferenceMeasurement& me
     Observation o = fromMessage(message, *machine_);
     o.row = number;
     o.setup = indexOf(message.setup, setupIndex_, setups_);
-    rows_.push_back({stampOf(message.header.stamp, kReferenceTopic, number), std::move(o)});
+    rows_.push_back(
+        {stampOf(message.header.stamp, kReferenceTopic, number), std::move(o), message.header.seq});
   } catch (const InputError& e) {
     const std::string what = e.what();
     if (what.rfind(source_, 0) == 0) throw;
@@ -288,6 +289,9 @@ Session SessionCollector::build() const {
   for (const std::string& name : features_) features.push_back(session.artifact.findFeature(name));
   std::vector<Row> rows = sortedRows();
   const std::int64_t start = startOf(rows);
+  const bool lines = !importedFrom_.empty() &&
+                     std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.line > 0; });
+  if (lines) session.rowFile = importedFrom_;
   for (Row& row : rows) {
     Observation& o = row.observation;
     o.time = secondsBetween(start, row.stamp);
@@ -299,6 +303,7 @@ Session SessionCollector::build() const {
              "feature '" + name + "' is not in artifact '" + session.artifact.name + "'" +
                  didYouMean(name, names));
     }
+    if (lines) o.row = row.line;
     session.observations.push_back(std::move(o));
   }
   session.setups = setups_;

@@ -22,6 +22,8 @@ class SessionCollector {
 
   // @throw InputError naming source, topic and number of the message.
   void addRobotDescription(const std::string& urdf);
+  /// The file that the session was imported from: the headers' `seq` are its lines.
+  void addImportedFrom(const std::string& file) { importedFrom_ = file; }
   void addArtifact(const measuring_machine::Artifact& message);  ///< the last one counts
   void addContact(const measuring_machine::ProbeContact& message);
   void addReference(const measuring_machine::ReferenceMeasurement& message);
@@ -51,6 +53,7 @@ class SessionCollector {
   struct Row {
     std::int64_t stamp;  // ns
     Observation observation;
+    std::uint32_t line = 0;  // in the file of /imported_from; 0: not from one
   };
   struct Logged {
     std::string unit;
@@ -74,7 +77,7 @@ class SessionCollector {
   std::vector<Series> series(const std::map<std::string, Logged>& all, std::int64_t start,
                              std::string& warning) const;
 
-  std::string source_;
+  std::string source_, importedFrom_;
   std::optional<Machine> machine_;
   std::optional<Artifact> artifact_;
   std::vector<std::variant<measuring_machine::ProbeContact, measuring_machine::ReferenceMeasurement>>

@@ -7,6 +7,7 @@
 
 #include "machine/error.h"
 #include "machine/nearest_name.h"
+#include "session/assumed_travel.h"
 #include "session/csv_columns.h"
 #include "session/line_reader.h"
 #include "session/session_time.h"
@@ -37,6 +38,7 @@ class CsvReader {
       : lines_(file), states_(machine), hasArtifact_(artifact != nullptr), statesOnly_(statesOnly) {
     Session& session = states_.session;
     session.source = file.string();
+    session.rowFile = file.filename().string();
     if (artifact != nullptr) session.artifact = *artifact;
     for (std::size_t i = 0; i < session.artifact.features.size(); ++i)
       featureIndex_[session.artifact.features[i].name] = static_cast<int>(i);
@@ -288,6 +290,7 @@ Session readContactsCsv(const std::filesystem::path& file, const Machine& machin
             ": reading_mm is empty: the beam missed, or was out of the laser's range; leave the row "
             "out (or state the artifact's tip_radius_mm, if a touch probe was used there)");
   session.prepare();
+  assumeTravel(session);
   return session;
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "machine/error.h"
 #include "session/free_centres.h"
+#include "session/gross_rows.h"
 #include "session/travel.h"
 
 namespace mm {
@@ -12,7 +14,7 @@ namespace {
 
 /// Where a value came from, in words for people.
 std::string place(const Session& session, const Observation& o) {
-  return session.source + ": row " + std::to_string(o.row);
+  return session.source + ": " + session.rowText(o.row);
 }
 
 void fail(const Session& session, const Observation& o, const std::string& what) {
@@ -129,7 +131,15 @@ double Series::at(double t) const {
   return value[i - 1] + part * (value[i] - value[i - 1]);
 }
 
+std::string Session::rowText(std::int64_t row) const {
+  const std::string number = std::to_string(row);
+  if (rowFile.empty()) return "row " + number;
+  const bool own = std::filesystem::path(source).filename() == rowFile;
+  return "line " + number + (own ? "" : " of " + rowFile);
+}
+
 void Session::prepare() {
+  takeBackGrossRows(*this);
   for (Observation& o : observations) {
     checkSizes(*this, o);
     checkValues(*this, o);
@@ -138,6 +148,7 @@ void Session::prepare() {
   for (const Series& s : temperatures) checkSeries(*this, s);
   for (const Series& s : covariates) checkSeries(*this, s);
   order(*this);
+  setGrossRowsAside(*this);
   deriveTravel(observations, machine.jointCount());
   startFreeFeatures(*this);
 }

@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,29 @@ struct Observation {
   int setup = -1;                    // index in Session::setups: rows that share an unknown zero
 };
 
+/// A direction of travel that was not recorded and was made from what was.
+struct AssumedInput {
+  std::string joint;
+  std::string how;     // "from the approach at the touch", "from the order of positions"
+  double share = 0.0;  // of the observations
+};
+
+/// A row, or one logged value, that cannot be what was meant. It is kept (a bag that is written holds it),
+/// but nothing is computed from it.
+struct SetAside {
+  struct LoggedValue {
+    std::string series;
+    bool temperature = false;
+    double time = 0.0, value = 0.0;
+  };
+  std::int64_t row = 0;                    // as Observation::row; 0: a value that was logged between the rows
+  std::string field;                       // "x", "x velocity", "time", "feature", "temperature bed"
+  std::string value;                       // with its unit
+  std::string why;                         // with the figures, and what to do
+  std::optional<Observation> observation;  // the whole row
+  std::optional<LoggedValue> logged;       // one value of a series
+};
+
 /// A measurement session, whatever it was read from (bag, CSV, live topics).
 struct Session {
   Machine machine;
@@ -80,14 +104,19 @@ struct Session {
   double epoch = 0.0;   // s, stamp of the session's start (t = 0)
   std::string source;   // path, for messages
   std::string warning;  // e.g. "read up to the damage at message 812"; empty: none
+  std::string rowFile;  // name of the file whose lines `Observation::row` counts; empty: messages
+  std::vector<AssumedInput> assumed;  // made by assumeTravel
+  std::vector<SetAside> setAside;     // made by `prepare`: not in `observations`, not in the series
 
   explicit Session(Machine m) : machine(std::move(m)) {}
 
   /// Sorts by time (stable; at equal times contacts first), derives the direction of travel (at standstill
-  /// that of the last motion), checks every value. Called by each reader. @throw InputError naming source,
-  /// row and field of a bad value.
+  /// that of the last motion), checks every value, sets gross rows aside. Called by each reader; a second
+  /// call changes nothing. @throw InputError naming source, row and field of a bad value.
   void prepare();
   bool hasLaser() const;
+  /// "line 17 of plate.csv", or "row 17" where rows are messages.
+  std::string rowText(std::int64_t row) const;
 };
 
 }  // namespace mm

@@ -107,8 +107,33 @@ std::string summarize(const Session& session) {
               (directed ? "" : ", direction of travel not known") + "\n";
   }
   text += seriesLines(session.temperatures) + seriesLines(session.covariates);
+  const std::string assumed = assumedText(session);
+  if (!assumed.empty()) text += assumed + "\n";
+  for (const SetAside& aside : session.setAside) text += setAsideText(session, aside) + "\n";
   if (!session.warning.empty()) text += "warning: " + session.warning + "\n";
   return text;
+}
+
+std::string assumedText(const Session& session) {
+  std::vector<std::pair<std::string, std::string>> ways;  // how, joints with their shares
+  for (const AssumedInput& a : session.assumed) {
+    auto way = std::find_if(ways.begin(), ways.end(), [&](const auto& w) { return w.first == a.how; });
+    if (way == ways.end()) way = ways.insert(way, {a.how, ""});
+    char share[32];
+    std::snprintf(share, sizeof share, " in %.3g %%", 100.0 * a.share);
+    way->second += (way->second.empty() ? "" : ", ") + a.joint + share;
+  }
+  std::string text;
+  for (const auto& [how, joints] : ways)
+    text += (text.empty() ? "assumed, as no velocity was recorded: direction of travel " : "; ") + how +
+            " (" + joints + ")";
+  return text.empty() ? text : text + " of the observations";
+}
+
+std::string setAsideText(const Session& session, const SetAside& aside) {
+  return (aside.row > 0 ? session.rowText(aside.row) + ": " : "") +
+         (aside.observation ? "the row is set aside: " : "a value is set aside: ") + aside.field + " = " +
+         aside.value + ": " + aside.why;
 }
 
 }  // namespace mm

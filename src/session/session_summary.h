@@ -6,7 +6,13 @@
 namespace mm {
 
 /// What a session holds, in lines for people: observations, features, ranges of the joints (mm, deg),
-/// temperatures, covariates, and the warning if there is one.
+/// temperatures, covariates, what was assumed and set aside, and the warning if there is one.
 std::string summarize(const Session& session);
+
+/// What was assumed where nothing was recorded, in one sentence; empty: nothing.
+std::string assumedText(const Session& session);
+
+/// "line 17 of plate.csv is set aside: x = -1236.4 mm; all others are within …".
+std::string setAsideText(const Session& session, const SetAside& aside);
 
 }  // namespace mm

@@ -1,4 +1,6 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -97,6 +99,7 @@ int runCalibrate(CalibrateCommand& c) {
   if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
   Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.fit.space);
   checkMachine(model, folder, session);
+  const std::vector<Doubt> questions = askFirst(session);
   if (c.twoSteps) session = centresByPosture(session, modelFor(session, model.effects));
 
   std::optional<Recalibration> done;
@@ -107,7 +110,9 @@ int runCalibrate(CalibrateCommand& c) {
     done = recalibrate(session, model, options);
   }
   std::vector<std::string> doubts = postureDoubts(session);
-  if (!done->result.cancelled)
+  const bool asked =
+      std::any_of(questions.begin(), questions.end(), [](const Doubt& d) { return std::isfinite(d.before); });
+  if (!done->result.cancelled && !asked)
     for (const std::string& doubt : fitDoubts(done->result)) doubts.push_back(doubt);
   for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
   const int status = verdictOf(done->result);
@@ -117,7 +122,7 @@ int runCalibrate(CalibrateCommand& c) {
     writeFileAtomically(c.curve, done->result.genetic ? curveCsv(*done->result.genetic, angular)
                                                       : curveCsv(GeneticSummary(), angular));
   if (c.json) {
-    std::cout << calibrateJson(done->result) << '\n';
+    std::cout << calibrateJson(done->result, questions) << '\n';
   } else {
     std::cout << calibrateText(done->result);
     if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';

@@ -30,6 +30,7 @@ void runDiagnose(const DiagnoseCommand& c) {
   const Calibration calibration = loadCalibration(c.calibration);
   const Machine machine(calibration.urdf, calibration.machineName);
   const Session session = loadSession(c.bag, &machine, c.fit.space);
+  askFirst(session);
   std::optional<Diagnosis> diagnosis;
   {
     const Interrupt interrupt;

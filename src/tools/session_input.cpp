@@ -9,6 +9,7 @@
 #include "machine/units.h"
 #include "report/quantiles.h"
 #include "ros_bridge/bag_session.h"
+#include "session/session_summary.h"
 #include "tools/interrupt.h"
 #include "tools/one_line.h"
 #include "tools/progress_bar.h"
@@ -20,7 +21,15 @@ Session loadSession(const std::string& bag, const Machine* fallback, const std::
   Session session = readSessionBag(bag, bar.callback(), fallback, {space, !space.empty()});
   if (!session.warning.empty())
     std::cerr << "mm: warning: " << oneLine(bag + ": " + session.warning) << std::endl;
+  for (const SetAside& aside : session.setAside)
+    std::cerr << "mm: warning: " << oneLine(bag + ": " + setAsideText(session, aside)) << std::endl;
   return session;
+}
+
+std::vector<Doubt> askFirst(const Session& session) {
+  std::vector<Doubt> questions = sensibleDoubts(session);
+  for (const Doubt& d : questions) std::cerr << "mm: question: " << oneLine(d.question) << std::endl;
+  return questions;
 }
 
 void declareNamespace(CLI::App& command, std::string& space) {

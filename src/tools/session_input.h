@@ -2,6 +2,7 @@
 #include <string>
 
 #include "estimation/calibrate.h"
+#include "session/sense_checks.h"
 #include "session/session.h"
 
 namespace CLI {
@@ -10,10 +11,14 @@ class App;
 
 namespace mm {
 
-/// Reads a session's bag with a progress bar; what is wrong with it is said on standard error.
+/// Reads a session's bag with a progress bar; what is wrong with it, and what was set aside in
+/// it, is said on standard error.
 /// @param fallback machine of a bag that does not bring its own; may be null. @param space of `--namespace`;
 /// empty: the only one that there is. @throw InputError.
 Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space);
+/// What is likely mistaken in a session's units, signs and names: a line on standard error each, before
+/// anything is computed from it.
+std::vector<Doubt> askFirst(const Session& session);
 /// The option --namespace.
 void declareNamespace(CLI::App& command, std::string& space);
 

@@ -15,6 +15,7 @@
 
 #include "machine/error.h"
 #include "ros_bridge/message_conversion.h"
+#include "ros_bridge/session_collector.h"
 #include "session/artifact_file.h"
 #include "session/contacts_csv.h"
 #include "session/session_hash.h"
@@ -108,6 +109,51 @@ TEST_F(BagSession, GivesTheSameSessionAsItsCsvToTheBit) {
   EXPECT_FALSE(bag.artifact.poseKnown);
   EXPECT_EQ(bag.machine.name(), "three_axis");
   EXPECT_EQ(bag.warning, "");
+}
+
+/// A recorded session in which no velocity was logged; the same messages live say that travel is not known.
+TEST_F(BagSession, OnlyARecordedSessionAssumesItsTravel) {
+  const Artifact plate = parseArtifact(kPlate, "plate.yaml");
+  const Session csv = readContactsCsv(
+      folder_.write("c.csv", "time_s,x_mm,deviation_x_um\n0,0,1\n1,5,1\n2,10,1\n3,10,1\n4,5,1\n"),
+      Machine::load("three_axis"), &plate);
+  writeSessionBag(csv, folder_.path("s.bag"));
+  const Session bag = readSessionBag(folder_.path("s.bag"));
+  EXPECT_EQ(sessionHash(bag), sessionHash(csv));
+  ASSERT_EQ(bag.assumed.size(), 1u);
+  EXPECT_EQ(bag.observations[3].travel[0], -1.0);
+
+  SessionCollector live("the live session");
+  live.setMachine(Machine::load("three_axis"));
+  rosbag::Bag in(folder_.path("s.bag").string());
+  for (const rosbag::MessageInstance& m : rosbag::View(in))
+    if (const auto reference = m.instantiate<measuring_machine::ReferenceMeasurement>())
+      live.addReference(*reference);
+  const Session heard = live.build();
+  ASSERT_EQ(heard.observations.size(), 5u);
+  EXPECT_TRUE(heard.assumed.empty());
+  for (const Observation& o : heard.observations) EXPECT_EQ(o.travel[0], 0.0);
+}
+
+TEST_F(BagSession, KeepsTheLinesOfItsCsvAndWhatIsSetAside) {
+  const Artifact plate = parseArtifact(kPlate, "plate.yaml");
+  std::string text = "time_s,x_mm,deviation_x_um,bed_degC\n";
+  for (int i = 0; i < 60; ++i)
+    text += "\n" + std::to_string(i) + "," + (i == 17 ? "-50000" : std::to_string(i % 9)) + ",1," +
+            (i == 30 ? "-127" : "20") + "\n";
+  const Session csv = readContactsCsv(folder_.write("c.csv", text), Machine::load("three_axis"), &plate);
+  ASSERT_EQ(csv.setAside.size(), 2u);
+  EXPECT_EQ(csv.setAside[0].row, 37) << "empty lines count";
+  writeSessionBag(csv, folder_.path("s.bag"));
+  const Session bag = readSessionBag(folder_.path("s.bag"));
+  EXPECT_EQ(sessionHash(bag), sessionHash(csv));
+  EXPECT_EQ(bag.rowFile, "c.csv");
+  EXPECT_EQ(bag.observations.size(), 59u);
+  EXPECT_EQ(bag.observations[20].row, csv.observations[20].row);
+  EXPECT_EQ(bag.rowText(bag.setAside[0].row), "line 37 of c.csv");
+  ASSERT_EQ(bag.setAside.size(), 2u) << "the bag holds them";
+  EXPECT_EQ(bag.setAside[1].field, "temperature bed");
+  EXPECT_EQ(bag.setAside[1].row, csv.setAside[1].row);
 }
 
 TEST_F(BagSession, KeepsTimeZeroWhereNothingWasMeasuredAtOnce) {

@@ -1,9 +1,28 @@
+#include "session/geometric_start.h"
+
 #include <Eigen/Dense>
 
-#include "estimation/problem.h"
-#include "estimation/sphere_centre.h"
+#include "session/sphere_centre.h"
 
 namespace mm {
+
+void rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, Eigen::Matrix3d& rotation,
+                 Eigen::Vector3d& translation) {
+  const Eigen::Vector3d a = from.rowwise().mean(), b = to.rowwise().mean();
+  const Eigen::Matrix3d h = (to.colwise() - b) * (from.colwise() - a).transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  rotation.setIdentity();
+  if (svd.singularValues()[1] > 1e-6 * std::max(svd.singularValues()[0], 1e-12)) {
+    const Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
+    rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  } else if (from.cols() > 1) {  // on one line: the shortest rotation
+    const Eigen::Vector3d u = from.rightCols<1>() - from.leftCols<1>(),
+                          v = to.rightCols<1>() - to.leftCols<1>();
+    rotation = Eigen::Quaterniond::FromTwoVectors(u, v).toRotationMatrix();
+  }
+  translation = b - rotation * a;
+}
+
 GeometricStart geometricStart(const Session& session) {
   const auto& features = session.artifact.features;
   GeometricStart start;
@@ -54,20 +73,7 @@ GeometricStart geometricStart(const Session& session) {
       from.rightCols<1>() = features[f].position;
       to.rightCols<1>() = start.features[f];
     }
-    if (from.cols() > 0) {
-      const Eigen::Vector3d a = from.rowwise().mean(), b = to.rowwise().mean();
-      const Eigen::Matrix3d h = (to.colwise() - b) * (from.colwise() - a).transpose();
-      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
-      if (svd.singularValues()[1] > 1e-6 * std::max(svd.singularValues()[0], 1e-12)) {
-        Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-        start.rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-      } else if (from.cols() > 1) {  // on one line: the shortest rotation
-        const Eigen::Vector3d u = (from.rightCols<1>() - from.leftCols<1>()),
-                              v = (to.rightCols<1>() - to.leftCols<1>());
-        start.rotation = Eigen::Quaterniond::FromTwoVectors(u, v).toRotationMatrix();
-      }
-      start.translation = b - start.rotation * a;
-    }
+    if (from.cols() > 0) rigidMotion(from, to, start.rotation, start.translation);
   }
   for (std::size_t f = 0; f < features.size(); ++f)
     if (features[f].known || !found[f])

@@ -1,4 +1,4 @@
-#include "estimation/sphere_centre.h"
+#include "session/sphere_centre.h"
 
 #include <Eigen/Dense>
 

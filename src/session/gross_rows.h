@@ -1,0 +1,14 @@
+#pragma once
+#include "session/session.h"
+
+namespace mm {
+
+/// Takes rows and logged values that cannot be what was meant (a digit too many, another ball's name, a
+/// sensor's error code) out of a session whose rows are in order, into `Session::setAside`. Only what stands
+/// alone, far beyond everything else, and among many: a place that was measured twice is a place.
+void setGrossRowsAside(Session& session);
+
+/// Everything back where it was.
+void takeBackGrossRows(Session& session);
+
+}  // namespace mm

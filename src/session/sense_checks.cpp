@@ -1,0 +1,422 @@
+#include "session/sense_checks.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <functional>
+#include <numeric>
+
+#include "machine/units.h"
+#include "session/geometric_start.h"
+#include "session/sphere_centre.h"
+
+namespace mm {
+namespace {
+
+/// Machines out of a box are wrong by tens of um; mistaken units and names by millimetres.
+constexpr double kSuspect = 50e-6;  // m
+/// A machine's own errors stay whatever is tried; a mistake that is undone takes nearly all away.
+constexpr double kUndone = 0.1;
+constexpr double kAsGood = 1.5;  // times the least misfit
+
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+std::string format(const char* pattern, ...) {
+  va_list arguments;
+  va_start(arguments, pattern);
+  char text[400];
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+/// "14 mm", "3.1 um".
+std::string length(double metres) {
+  return metres >= kMillimetre ? format("%.3g mm", metres / kMillimetre)
+                               : format("%.3g um", metres / kMicrometre);
+}
+
+/// How the geometry agrees with the artifact, or with what the instrument found.
+struct Agreement {
+  double misfit = kNotMeasured;  // m; NaN: nothing to judge by
+  double turn = 0.0;             // rad: rotation of the artifact that it takes
+  double aligned =
+      kNotMeasured;       // mean cosine between recorded approach and the direction to the ball's centre
+  double cap = INFINITY;  // least extent of the tips on a ball, in radii; without a layout that says the size
+  std::vector<Eigen::Vector3d> centres;
+};
+
+using Readings = std::function<void(std::vector<double>&)>;
+
+class Geometry {
+ public:
+  explicit Geometry(const Session& session) : session_(session), of_(session.artifact.features.size()) {
+    for (std::size_t i = 0; i < session.observations.size(); ++i) {
+      const Observation& o = session.observations[i];
+      if (o.kind == ObservationKind::kContact) of_[o.feature].push_back(&o);
+      if (o.kind == ObservationKind::kPosition && o.reference.allFinite()) positions_.push_back(&o);
+    }
+    constexpr std::size_t kEnough = 200;  // of one ball: more would say the same
+    for (auto* rows : lists()) {
+      if (rows->size() <= kEnough) continue;
+      std::vector<const Observation*> some;
+      for (std::size_t k = 0; k < kEnough; ++k) some.push_back((*rows)[k * rows->size() / kEnough]);
+      *rows = std::move(some);
+    }
+  }
+
+  /// @param change what is done to the readings of each row; may be empty.
+  Agreement judge(const Readings& change) const {
+    Agreement a;
+    a.centres.assign(of_.size(), Eigen::Vector3d::Constant(kNotMeasured));
+    std::vector<double> within;
+    double aligned = 0.0;
+    int approaches = 0;
+    for (std::size_t f = 0; f < of_.size(); ++f) {
+      if (of_[f].empty()) continue;
+      const Feature& feature = session_.artifact.features[f];
+      std::vector<Eigen::Vector3d> tips;
+      for (const Observation* o : of_[f]) tips.push_back(tipOf(*o, change));
+      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+      for (const auto& t : tips) centre += t / static_cast<double>(tips.size());
+      double extent = 0.0;
+      for (const auto& t : tips) extent = std::max(extent, (t - centre).norm());
+      const bool ball = feature.kind == FeatureKind::kBall;
+      double distance = 0.0;
+      if (ball) {
+        distance =
+            feature.radius + (std::isnan(of_[f].front()->laserReading) ? session_.artifact.tipRadius : 0.0);
+        constexpr std::size_t kDetermining = 5;
+        if (tips.size() < kDetermining || !sphereCentre(tips, distance, centre)) continue;
+        a.cap = std::min(a.cap, extent / distance);
+      }
+      for (const auto& t : tips) within.push_back(std::abs((t - centre).norm() - distance));
+      a.centres[f] = centre;
+      for (std::size_t i = 0; ball && i < tips.size(); ++i) {
+        const Eigen::Vector3d& approach = of_[f][i]->approach;
+        if (!approach.allFinite() || approach.norm() < 0.5 || !std::isnan(of_[f][i]->laserReading)) continue;
+        aligned += approach.normalized().dot((centre - tips[i]).normalized());
+        ++approaches;
+      }
+    }
+    if (approaches > 0) a.aligned = aligned / approaches;
+    a.misfit = std::hypot(trimmed(within), layout(a.centres, names(), a));
+    const double instrument = positions(change);
+    if (std::isfinite(instrument)) a.misfit = within.empty() ? instrument : std::hypot(a.misfit, instrument);
+    if (within.empty() && !std::isfinite(instrument)) a.misfit = kNotMeasured;
+    return a;
+  }
+
+  /// @param names of the feature at each centre. @return m, RMS of a component; 0 where the layout says
+  /// nothing. @param turned gets the rotation that it takes.
+  double layout(const std::vector<Eigen::Vector3d>& centres, const std::vector<int>& names,
+                Agreement& turned) const {
+    Eigen::Matrix3Xd from(3, 0), to(3, 0);
+    for (std::size_t f = 0; f < centres.size(); ++f) {
+      const Feature& feature = session_.artifact.features[static_cast<std::size_t>(names[f])];
+      if (!feature.known || !centres[f].allFinite()) continue;
+      from.conservativeResize(3, from.cols() + 1);
+      to.conservativeResize(3, to.cols() + 1);
+      from.rightCols<1>() = feature.position;
+      to.rightCols<1>() = centres[f];
+    }
+    const bool free = !session_.artifact.poseKnown;
+    constexpr Eigen::Index kLayout = 3;
+    if (from.cols() < (free ? kLayout : 1)) return 0.0;
+    turned.cap = INFINITY;  // the layout says how large everything is
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+    if (free) rigidMotion(from, to, rotation, translation);
+    turned.turn = Eigen::AngleAxisd(rotation).angle();
+    const Eigen::Matrix3Xd off = to - ((rotation * from).colwise() + translation);
+    return std::sqrt(off.squaredNorm() / static_cast<double>(off.size()));
+  }
+
+  std::vector<int> names() const {
+    std::vector<int> own(of_.size());
+    std::iota(own.begin(), own.end(), 0);
+    return own;
+  }
+
+ private:
+  std::vector<std::vector<const Observation*>*> lists() {
+    std::vector<std::vector<const Observation*>*> all = {&positions_};
+    for (auto& rows : of_) all.push_back(&rows);
+    return all;
+  }
+
+  Eigen::Vector3d tipOf(const Observation& o, const Readings& change) const {
+    std::vector<double> q = o.position;
+    if (change) change(q);
+    return session_.machine.nominal(q.data(), o.laserReading).position;
+  }
+
+  /// RMS without the largest twentieth: a few outliers do not hide that the rest agrees.
+  static double trimmed(std::vector<double> values) {
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    const std::size_t kept = std::max<std::size_t>(1, values.size() - values.size() / 20);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kept; ++i) sum += values[i] * values[i];
+    return std::sqrt(sum / static_cast<double>(kept));
+  }
+
+  /// What an independent instrument found of the tip's position, NaN without.
+  double positions(const Readings& change) const {
+    constexpr std::size_t kFew = 5;
+    if (positions_.size() < kFew) return kNotMeasured;
+    Eigen::Matrix3Xd from(3, positions_.size()), to(3, positions_.size());
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      from.col(static_cast<Eigen::Index>(i)) = positions_[i]->reference;
+      to.col(static_cast<Eigen::Index>(i)) = tipOf(*positions_[i], change);
+    }
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+    if (!session_.artifact.poseKnown) rigidMotion(from, to, rotation, translation);
+    const Eigen::Matrix3Xd off = to - ((rotation * from).colwise() + translation);
+    std::vector<double> distances;
+    for (Eigen::Index i = 0; i < off.cols(); ++i) distances.push_back(off.col(i).norm());
+    return trimmed(std::move(distances)) / std::sqrt(3.0);
+  }
+
+  const Session& session_;
+  std::vector<std::vector<const Observation*>> of_;
+  std::vector<const Observation*> positions_;
+};
+
+/// Something that may have been meant, and how well it agrees.
+struct Hypothesis {
+  std::string with, question;
+  Agreement agreement;
+};
+
+class Asker {
+ public:
+  explicit Asker(const Session& session)
+      : session_(session), geometry_(session), base_(geometry_.judge({})) {}
+
+  std::vector<Doubt> ask() {
+    temperatures();
+    const double noise = session_.artifact.repeatability;
+    constexpr double kTimesNoise = 100.0;
+    if (base_.misfit > std::max(kSuspect, std::isfinite(noise) ? kTimesNoise * noise : 0.0)) {
+      scales();
+      signs();
+      exchanges();
+      names();
+      tell();
+    } else {
+      approaches();
+    }
+    return std::move(doubts_);
+  }
+
+ private:
+  bool imported() const { return !session_.rowFile.empty(); }
+  bool linear(std::size_t j) const { return session_.machine.joints()[j].kind == JointKind::kLinear; }
+  /// A joint as the file calls it.
+  std::string column(std::size_t j) const {
+    const std::string& name = session_.machine.joints()[j].name;
+    return imported() ? name + (linear(j) ? "_mm" : "_deg") : name;
+  }
+
+  void temperatures() {
+    constexpr double kKelvin = 200.0;                           // degC: no sensor of a machine reads above
+    constexpr double kWarm = 55.0, kHot = 110.0, kRoom = 15.0;  // degF of a room, and how far it may change
+    std::vector<std::pair<double, double>> ranges;
+    for (const Series& s : session_.temperatures) {
+      const auto range = std::minmax_element(s.value.begin(), s.value.end());
+      ranges.emplace_back(s.value.empty() ? kNotMeasured : *range.first,
+                          s.value.empty() ? kNotMeasured : *range.second);
+    }
+    // one warm sensor is a heated bed; all of them are a unit
+    const bool fahrenheit = std::all_of(ranges.begin(), ranges.end(), [&](const auto& r) {
+      return r.first >= kWarm && r.second <= kHot && r.second - r.first <= kRoom;
+    });
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+      const auto& [low, high] = ranges[i];
+      const std::string is =
+          format("temperature %s is %.4g to %.4g: is it ", session_.temperatures[i].name.c_str(), low, high);
+      if (low > kKelvin)
+        doubts_.push_back({is + "kelvin? (degC expected)", kNotMeasured, kNotMeasured});
+      else if (fahrenheit)
+        doubts_.push_back({is + format("Fahrenheit? (degC expected; it would be %.3g to %.3g degC)",
+                                       (low - 32.0) / 1.8, (high - 32.0) / 1.8),
+                           kNotMeasured, kNotMeasured});
+    }
+  }
+
+  /// @return whether it agrees, and so is kept.
+  /// @param factor by which readings are multiplied: what is shrunk disagrees less, whatever it is.
+  bool consider(const std::string& with, const std::string& question, const Readings& change,
+                double factor = 1.0) {
+    constexpr double kCap = 0.3;  // radii: what is shrunk to a point lies on any sphere
+    Hypothesis h{with, question, geometry_.judge(change)};
+    if (!(h.agreement.misfit < kUndone * std::min(1.0, factor) * base_.misfit) ||
+        (factor != 1.0 && h.agreement.cap < kCap))
+      return false;
+    found_.push_back(std::move(h));
+    return true;
+  }
+
+  void scales() {
+    struct Unit {
+      double factor;
+      const char* name;
+      bool linear;
+    };
+    std::vector<Unit> units = {{25.4, "inches", true}, {1000.0, "metres", true}, {1e-3, "micrometres", true}};
+    if (!imported()) units = {{1e-3, "millimetres", true}, {0.0254, "inches", true}};
+    units.push_back(imported() ? Unit{1.0 / kDegree, "radians", false} : Unit{kDegree, "degrees", false});
+    for (const Unit& unit : units) {
+      std::vector<std::size_t> joints;
+      std::string all;
+      for (std::size_t j = 0; j < session_.machine.joints().size(); ++j)
+        if (linear(j) == unit.linear && moved(j))
+          joints.push_back(j), all += (all.empty() ? "" : ", ") + column(j);
+      const auto tried = [&](const std::vector<std::size_t>& some, const std::string& name) {
+        return consider(
+            "with " + name + " in " + unit.name,
+            std::string(some.size() > 1 ? "are they" : "is it") + " in " + unit.name + "?",
+            [&](std::vector<double>& q) {
+              for (const std::size_t j : some) q[j] *= unit.factor;
+            },
+            unit.factor);
+      };
+      if (joints.empty() || tried(joints, all) || joints.size() == 1) continue;
+      for (const std::size_t j : joints) tried({j}, column(j));
+    }
+  }
+
+  bool moved(std::size_t j) const {
+    for (const Observation& o : session_.observations)
+      if (o.position[j] != session_.observations.front().position[j]) return true;
+    return false;
+  }
+
+  void signs() {
+    for (std::size_t j = 0; j < session_.machine.joints().size(); ++j)
+      if (moved(j))
+        consider("with " + column(j) + " reversed", "is its sign wrong?",
+                 [j](std::vector<double>& q) { q[j] = -q[j]; });
+  }
+
+  void exchanges() {
+    for (std::size_t i = 0; i < session_.machine.joints().size(); ++i)
+      for (std::size_t j = i + 1; j < session_.machine.joints().size(); ++j)
+        if (linear(i) == linear(j) && (moved(i) || moved(j)))
+          consider("with " + column(i) + " and " + column(j) + " exchanged", "are the two mixed up?",
+                   [i, j](std::vector<double>& q) { std::swap(q[i], q[j]); });
+  }
+
+  /// Exchanges two names at a time as long as the layout agrees better.
+  void names() {
+    std::vector<int> names = geometry_.names();
+    const std::vector<int> own = names;
+    Agreement a = base_;
+    const double start = geometry_.layout(a.centres, names, a);
+    double best = start;
+    for (bool better = true; better && best > 0.0;) {
+      better = false;
+      std::pair<std::size_t, std::size_t> at;
+      double least = best;
+      for (std::size_t f = 0; f < names.size(); ++f)
+        for (std::size_t g = f + 1; g < names.size(); ++g) {
+          if (!a.centres[f].allFinite() || !a.centres[g].allFinite()) continue;
+          std::swap(names[f], names[g]);
+          const double misfit = geometry_.layout(a.centres, names, a);
+          if (misfit < 0.999 * least) least = misfit, at = {f, g}, better = true;
+          std::swap(names[f], names[g]);
+        }
+      if (better) std::swap(names[at.first], names[at.second]), best = least;
+    }
+    if (names == own) return;
+    a.misfit = std::sqrt(std::max(0.0, base_.misfit * base_.misfit - start * start) + best * best);
+    geometry_.layout(a.centres, names, a);
+    if (!(a.misfit < kUndone * base_.misfit)) return;
+    std::string list;
+    int changed = 0;
+    const auto& features = session_.artifact.features;
+    for (std::size_t f = 0; f < names.size(); ++f) {
+      if (names[f] == own[f]) continue;
+      ++changed;
+      list += (list.empty() ? "'" : ", '") + features[f].name + "' as '" +
+              features[static_cast<std::size_t>(names[f])].name + "'";
+    }
+    constexpr int kFew = 4;  // of many names the layout as a whole may be another one
+    if (changed <= kFew || 2 * changed <= static_cast<int>(names.size()))
+      found_.push_back({"with ball " + list, "are the names mixed up?", a});
+  }
+
+  void tell() {
+    if (found_.empty()) return;
+    double least = INFINITY;
+    bool anyAligned = false;
+    constexpr double kAligned = 0.9;
+    for (const Hypothesis& h : found_) {
+      least = std::min(least, h.agreement.misfit);
+      anyAligned |= h.agreement.aligned > kAligned;
+    }
+    found_.erase(std::remove_if(found_.begin(), found_.end(),
+                                [&](const Hypothesis& h) {
+                                  return h.agreement.misfit > kAsGood * least ||
+                                         (anyAligned && !(h.agreement.aligned > kAligned));
+                                }),
+                 found_.end());
+    // A mirror image is a mirror image: what needs the artifact to be turned least comes first.
+    std::stable_sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) {
+      return a.agreement.turn < b.agreement.turn - 1e-3;
+    });
+    const Hypothesis& h = found_.front();
+    std::string others;
+    constexpr std::size_t kNamed = 3;
+    for (std::size_t i = 1; i < std::min(kNamed, found_.size()); ++i)
+      others += (others.empty() ? " (as well " : ", or ") + found_[i].with;
+    doubts_.push_back({h.with + " " + what() + " within " + length(h.agreement.misfit) + " instead of " +
+                           length(base_.misfit) + ": " + h.question + (others.empty() ? "" : others + ")"),
+                       base_.misfit, h.agreement.misfit});
+  }
+
+  std::string what() const {
+    const bool contacts =
+        std::any_of(session_.observations.begin(), session_.observations.end(),
+                    [](const Observation& o) { return o.kind == ObservationKind::kContact; });
+    return contacts ? "the contacts agree with the artifact" : "the readings agree with the instrument";
+  }
+
+  /// Recorded approaches that do not point at what was touched.
+  void approaches() {
+    constexpr double kAway = -0.8, kBeside = 0.8, kAt = 0.95;
+    if (!(base_.aligned < kBeside)) return;
+    if (base_.aligned < kAway) {
+      doubts_.push_back(
+          {format("the recorded approaches point away from the balls (mean cosine %.2f): is the "
+                  "approach reversed? (the motion of the tip into the surface is expected)",
+                  base_.aligned),
+           kNotMeasured, kNotMeasured});
+      return;
+    }
+    for (std::size_t j = 0; j < session_.machine.joints().size(); ++j) {
+      const Agreement a = geometry_.judge([j](std::vector<double>& q) { q[j] = -q[j]; });
+      if (!(a.aligned > kAt) || !(a.misfit < kAsGood * std::max(base_.misfit, kMicrometre))) continue;
+      doubts_.push_back({"with " + column(j) +
+                             format(" reversed the recorded approaches point at the balls (mean cosine %.2f "
+                                    "instead of %.2f): is its sign wrong?",
+                                    a.aligned, base_.aligned),
+                         kNotMeasured, kNotMeasured});
+    }
+  }
+
+  const Session& session_;
+  Geometry geometry_;
+  Agreement base_;
+  std::vector<Hypothesis> found_;
+  std::vector<Doubt> doubts_;
+};
+
+}  // namespace
+
+std::vector<Doubt> sensibleDoubts(const Session& session) { return Asker(session).ask(); }
+
+}  // namespace mm

@@ -1,0 +1,154 @@
+#include "estimation/repeatability.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+#include <random>
+
+#include "estimation/calibrate.h"
+#include "model/observed_domain.h"
+#include "session/contacts_csv.h"
+#include "session_files.h"
+
+namespace mm {
+namespace {
+
+/// Runs of an ISO 230-2 measurement with noise of `sigma` (m).
+struct Runs {
+  int runs = 5, targets = 9;
+  double sigma = 1e-6;
+  double shift = 0.0;    // m a run, and more in the first
+  double outlier = 0.0;  // m, of one reading
+  bool directed = true;
+};
+
+Session session(const Runs& r, unsigned seed) {
+  Session s(Machine::load("three_axis"));
+  s.source = "runs.csv";
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  for (int run = 0; run < r.runs; ++run)
+    for (const double sign : {1.0, -1.0})
+      for (int i = 0; i < r.targets; ++i) {
+        Observation o;
+        o.kind = ObservationKind::kDeviation;
+        o.time = 10.0 * static_cast<double>(s.observations.size());
+        o.row = static_cast<std::int64_t>(s.observations.size()) + 2;
+        const double x = sign * (-20e-3 + 40e-3 * i / (r.targets - 1));
+        o.position = {x + 2e-6 * normal(generator), 0.0, 0.0};
+        if (r.directed) o.velocity = {sign * 1e-3, 0.0, 0.0};
+        o.deviation = {
+            30e-6 * std::sin(200.0 * x) + 10e-6 * sign + r.shift * run + r.sigma * normal(generator),
+            kNotMeasured, kNotMeasured};
+        s.observations.push_back(o);
+      }
+  if (r.outlier != 0.0) s.observations[40].deviation[0] += r.outlier;
+  s.prepare();
+  return s;
+}
+
+CalibrationResult calibrated(const Session& s, const std::vector<EffectSpec>& effects = {}) {
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  return calibrate(s, Model(s.machine, observedDomain(s), effects), options);
+}
+
+TEST(Repeatability, OfRunsIsTheScatterWithinTheTargets) {
+  double sum = 0.0, squares = 0.0;
+  constexpr int kTrials = 60;
+  Repeatability one;
+  for (int k = 0; k < kTrials; ++k) {
+    const Session s = session({5, 9, 1e-6, 4e-6}, 100 + k);
+    const CalibrationResult r = calibrated(s);
+    ASSERT_EQ(r.repeatabilityFrom, "repeated");
+    one = r.repeated;
+    EXPECT_EQ(r.repeatability, one.value);
+    sum += one.value * one.value;
+    squares += std::pow(one.value / 1e-6 - 1.0, 2);
+  }
+  EXPECT_NEAR(std::sqrt(sum / kTrials), 1e-6, 0.03e-6) << "a shift of 4 um a run is no repeatability";
+  // two directions, eight independent targets, four differences of which neighbours share a run
+  EXPECT_NEAR(one.dof, 2 * 8 * 2.0 * 16 / 11, 0.5);
+  EXPECT_NEAR(std::sqrt(squares / kTrials) / one.relativeStd(), 1.0, 0.3);
+  EXPECT_EQ(one.from, "runs");
+  EXPECT_EQ(one.inWords,
+            "from 5 runs over 18 targets, without what shifts a whole run: 46.5 degrees of freedom, ± 10 %");
+}
+
+TEST(Repeatability, IsNotBentByOneBadReading) {
+  const double clean = calibrated(session({}, 7)).repeatability;
+  EXPECT_NEAR(calibrated(session({5, 9, 1e-6, 0.0, 50e-6}, 7)).repeatability, clean, 0.1e-6);
+}
+
+/// There and back are different targets; where that was not recorded, nothing is claimed.
+TEST(Repeatability, NeedsTheDirectionOfTravel) {
+  const CalibrationResult r = calibrated(session({5, 9, 1e-6, 0.0, 0.0, false}, 3));
+  EXPECT_EQ(r.repeatabilityFrom, "estimated");
+  EXPECT_EQ(r.repeated.dof, 0.0);
+  EXPECT_EQ(calibrated(session({2, 3}, 3)).repeatabilityFrom, "estimated")
+      << "four differences say too little";
+}
+
+/// Five readings a target, one after the other, on a machine that drifts by a micrometre between two.
+TEST(Repeatability, OfReadingsOneAfterTheOtherIsWithoutTheirDrift) {
+  Session s(Machine::load("three_axis"));
+  s.source = "repeats.csv";
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    Observation o;
+    o.kind = ObservationKind::kDeviation;
+    o.time = i;
+    o.row = i + 2;
+    o.position = {1e-3 * (i / 5), 0.0, 0.0};
+    o.deviation = {1e-6 * i + 0.5e-6 * normal(generator), kNotMeasured, kNotMeasured};
+    s.observations.push_back(o);
+  }
+  s.prepare();
+  const CalibrationResult r = calibrated(s);
+  EXPECT_EQ(r.repeated.from, "consecutive");
+  EXPECT_NEAR(r.repeatability, 0.5e-6, 4 * r.repeated.relativeStd() * 0.5e-6);
+  EXPECT_NEAR(r.repeated.dof, 40 * 36.0 * 9 / (36 * 3 + 32 * 2 + 2), 3.0);
+}
+
+/// By other means from the files themselves: differences between runs of each target and direction, less
+/// their mean over the targets, beyond four times 1.4826 of their median left out: 1.338, 1.505 and 0.310 um.
+TEST(Repeatability, OfRealInterferometerRuns) {
+  const std::filesystem::path data = test::sharedData();
+  if (data.empty()) GTEST_SKIP() << "the shared data are not there";
+  const Machine machine = Machine::load("three_axis");
+  const auto found = [&](const char* axis) {
+    const Session s =
+        readContactsCsv(data / "iso230_interferometer" / (std::string(axis) + "_axis.csv"), machine, nullptr);
+    const CalibrationResult plain = calibrated(s);
+    EXPECT_EQ(plain.repeatabilityFrom, "repeated");
+    EXPECT_GT(plain.repeated.dof, axis[0] == 'z' ? 20.0 : 40.0);
+    const CalibrationResult modelled =
+        calibrated(s, {EffectSpec("backlash").set("axis", axis), EffectSpec("scale").set("axis", axis)});
+    EXPECT_NEAR(modelled.repeatability, plain.repeatability, 1e-9) << "no matter what the model knows";
+    std::cout << axis << ": " << plain.repeatability * 1e6 << " um " << plain.repeated.inWords << "\n";
+    return plain.repeatability * 1e6;
+  };
+  EXPECT_NEAR(found("x"), 1.338, 1e-3);
+  EXPECT_NEAR(found("y"), 1.505, 1e-3);
+  EXPECT_NEAR(found("z"), 0.310, 1e-3);
+}
+
+/// A reading every 20 s at one place while the bed heats; its owner says 1.2 um, its display has steps of 2.5
+/// um.
+TEST(Repeatability, OfARealNozzleHeight) {
+  const std::filesystem::path data = test::sharedData();
+  if (data.empty()) GTEST_SKIP() << "the shared data are not there";
+  const Session s = readContactsCsv(data / "frame_thermal" / "z_against_temperatures.csv",
+                                    Machine::load("three_axis"), nullptr);
+  const CalibrationResult r =
+      calibrated(s, {EffectSpec("thermal_growth").set("direction", "z").set("sensor", "bed"),
+                     EffectSpec("thermal_growth").set("direction", "z").set("sensor", "frame")});
+  std::cout << r.repeatability * 1e6 << " um " << r.repeated.inWords << "\n";
+  EXPECT_EQ(r.repeatabilityFrom, "repeated");
+  EXPECT_NEAR(r.repeatability, std::hypot(1.2e-6, 2.5e-6 / std::sqrt(12.0)), 0.25e-6);
+}
+
+}  // namespace
+}  // namespace mm
