@@ -138,7 +138,7 @@ void addBenchmarkCommand(CLI::App& app, int&) {
                 "separated by commas (see mm simulate --help)");
   c->add_option("--oracle", o->oracle,
                 "also what somebody could tell who knows noise and roughness and asks about the hidden cause "
-                "alone; learned from this many sessions, e.g. 200")
+                "alone; learned from this many sessions, e.g. 200, or 2000 where balls have form errors")
       ->check(CLI::Range(8, 100000));
   c->add_flag("--json", o->json, "figures and sessions as JSON on standard output");
   c->add_option("--seed", o->seed, "first seed")->capture_default_str();

@@ -3,10 +3,11 @@
 
 namespace mm {
 
-/// Somebody who knows the covariance of noise and roughness, and asks about the one cause that was hidden:
-/// what no diagnosis that has to ask about all of them can be expected to beat by much. Its weights come from
-/// one half of the sessions without a cause (a few strong directions over a white rest), and how they scatter
-/// from the other half: they need not be the best, but what they tell is right.
+/// Somebody who knows the covariance of noise and roughness, as far as sessions without a cause teach it, and
+/// asks about the one cause that was hidden. Its weights come from one half of these sessions (a few strong
+/// directions over a white rest), and how they scatter from the other half: what it is sure of, it may be
+/// sure of. It sees less than could be seen where roughness has more directions than there are sessions, as
+/// the form of many balls has: give it thousands then.
 class Oracle {
  public:
   /// Log evidence (nats) from which it is sure.
