@@ -1,6 +1,6 @@
 # Sourced by the scripts: the repository's root, and Debian's own tools before any others.
 set -euo pipefail
-export PATH="/usr/bin:$PATH" LC_ALL=C.UTF-8
+export PATH="/usr/bin:$PATH" LC_ALL=C.UTF-8 LANG=C.UTF-8
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root"
 jobs="${MM_JOBS:-$(nproc)}"
