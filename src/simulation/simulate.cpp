@@ -207,7 +207,7 @@ std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, const 
 void roughen(const Machine& machine, const Plan& plan, const InstrumentSettings& settings, std::uint64_t seed,
              const std::function<const std::vector<Condition>&()>& visits, Physics& physics) {
   const Roughness& rough = settings.rough;
-  const Repeatability size = repeatabilityOf(machine, plan, settings.noise);
+  const SimulatedRepeatability size = repeatabilityOf(machine, plan, settings.noise);
   if (rough.form > 0.0) {
     Random making(seed, "rough artifact");
     physics.artifact.misshape(rough.form * size.linear, making);
@@ -272,7 +272,7 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
 
 }  // namespace
 
-Repeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise) {
+SimulatedRepeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise) {
   double linear = 0.0, angular = 0.0;
   int lengths = 0, angles = 0;
   for (const PlanMove& move : plan.moves) {
@@ -288,7 +288,7 @@ Repeatability repeatabilityOf(const Machine& machine, const Plan& plan, const No
     linear += one * one;
     ++lengths;
   }
-  Repeatability size{noise.repeatability, noise.angularRepeatability, noise.repeatability};
+  SimulatedRepeatability size{noise.repeatability, noise.angularRepeatability, noise.repeatability};
   if (lengths + angles > 0) size.all = std::sqrt((linear + angular) / (lengths + angles));
   if (lengths > 0) size.linear = std::sqrt(linear / lengths);
   if (angles > 0) size.angular = std::sqrt(angular / angles);

@@ -21,12 +21,12 @@ struct SimulationRequest {
 };
 
 /// Standard deviation of one measured value of a plan, RMS over its measurements.
-struct Repeatability {
+struct SimulatedRepeatability {
   double linear = 0.0;   // m, of contacts, laser readings and lengths; that of a contact where there are none
   double angular = 0.0;  // rad, of measured angles; that of a reading of a rotary joint where there are none
   double all = 0.0;      // of both together: m, or rad where only angles are measured
 };
-Repeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise);
+SimulatedRepeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise);
 
 /// An instrument that is ready to measure, and what is wrong with it.
 struct SimulatedInstrument {
