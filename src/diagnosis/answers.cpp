@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostRivals = 4;
 constexpr double kCounts = 4.5;  // standard deviations: a further shape of a family is told as well
-constexpr double kPriorCause = 0.1;  // that any cause acts, before a session is seen
+constexpr double kPriorCause = 0.5;  // that any cause acts, before a session is seen: that is why it is diagnosed
 constexpr std::size_t kMostHeldOut = 12;  // candidates whose held-out figure is worked out: the best
 
 std::vector<int> linearParameters(const Effect& effect) {

@@ -27,30 +27,6 @@ Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
   return Model(model.machine(), model.domain(), effects);
 }
 
-NoiseRows rowsOf(const ResidualSpace& space, Questions& q) {
-  NoiseRows rows;
-  const Problem& problem = space.problem();
-  const Directions directions = directionsOf(space);
-  const int n = space.rows(), count = static_cast<int>(directions.names.size());
-  double unit = 0.0;  // m or rad of a row of unit noise
-  for (const int row : space.used()) unit += space.fitted().sigma[row] / n;
-  for (const int row : space.used())
-    rows.time.push_back(problem.session().observations[problem.rows()[row].observation].time);
-  rows.factors.resize(n, count);
-  for (int d = 0; d < count; ++d) {
-    const double size = std::sqrt(directions.factors.col(d).squaredNorm() / n);
-    // along a direction of unit factors the drift is in the unit of the rows; a turn that acts on a lever is not
-    const double scale = size > 0.1 && size < 10.0 ? unit : unit / size;
-    q.directions.push_back(directions.names[d]);
-    q.directionScale.push_back(scale);
-    for (int i = 0; i < n; ++i)
-      rows.factors(i, d) = directions.factors(i, d) * scale / space.fitted().sigma[space.used()[i]];
-  }
-  rows.target = space.target();
-  rows.base = space.basis();
-  return rows;
-}
-
 /// One look at the session: what was fitted, what is asked, what was found.
 struct Look {
   std::unique_ptr<ResidualSpace> space;
@@ -115,7 +91,11 @@ class Diagnoser {
     look.space = std::make_unique<ResidualSpace>(fitted);
     Questions& q = look.questions;
     q.space = look.space.get();
-    q.rows = rowsOf(*look.space, q);
+    LinearisedRows rows = noiseRows(look.space->problem(), look.space->used(), fitted.sigma, look.space->target(),
+                                    look.space->basis());
+    q.rows = std::move(rows.rows);
+    q.directions = std::move(rows.directions);
+    q.directionScale = std::move(rows.directionScale);
     addScatter(q);
     report("questions", 0.1 + 0.2 * round);
     q.groups = makeGroups(*look.space);

@@ -14,7 +14,7 @@ constexpr std::size_t kMostAsked = 2;  // causes from each start
 constexpr double kSomeShare = 0.3;     // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kHopeless = -3.0;     // nats against drift alone
 
-double varianceAlong(const Noise& noise, int direction, double white) {
+double varianceAlong(const NoiseModel& noise, int direction, double white) {
   double sum = 0.0;
   for (const DriftTerm& t : noise.drift)
     if (t.direction == direction) sum += t.ratio * t.ratio * white * white;

@@ -36,7 +36,7 @@ RowMatrix crossProducts(const A& a, const B& b) {
 
 }  // namespace
 
-Evidence::Evidence(const NoiseRows& rows, const Groups& groups, Noise noise, std::vector<RandomBlock> blocks,
+Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise, std::vector<RandomBlock> blocks,
                    const std::vector<char>* heldOut)
     : rows_(rows), groups_(groups), noise_(std::move(noise)) {
   CancelScope::check();

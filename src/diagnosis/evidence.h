@@ -33,7 +33,7 @@ class Evidence {
  public:
   /// @param groups, rows: must outlive it. @param blocks at their ratios. @param heldOut a data row: not 0 where the row
   /// must not be used; null: all are.
-  Evidence(const NoiseRows& rows, const Groups& groups, Noise noise, std::vector<RandomBlock> blocks,
+  Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise, std::vector<RandomBlock> blocks,
            const std::vector<char>* heldOut = nullptr);
 
   /// Everything given some members: what is left for others to explain.
@@ -62,7 +62,7 @@ class Evidence {
   };
   Fit fit(const std::vector<Member>& members) const;
 
-  const Noise& noise() const { return noise_; }
+  const NoiseModel& noise() const { return noise_; }
   const Groups& groups() const { return groups_; }
   const NoiseRows& rows() const { return rows_; }
 
@@ -79,7 +79,7 @@ class Evidence {
 
   const NoiseRows& rows_;
   const Groups& groups_;
-  Noise noise_;
+  NoiseModel noise_;
   std::unique_ptr<TimeWhitener> whitener_;
   RowMatrix fixed_;             // base and blocks, whitened
   Eigen::VectorXd target_;      // whitened

@@ -22,28 +22,6 @@ std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
   return id;
 }
 
-/// Stretches of rows, spread over the session: neighbours for what lasts from row to row, and the whole length for what
-/// is slow.
-std::vector<int> stretches(int rows, int most) {
-  std::vector<int> taken;
-  constexpr int kStretch = 30;
-  const int count = most / kStretch;
-  for (int s = 0; s < count; ++s) {
-    const int first = static_cast<int>(static_cast<long>(s) * (rows - kStretch) / std::max(1, count - 1));
-    for (int i = 0; i < kStretch; ++i)
-      if (taken.empty() || first + i > taken.back()) taken.push_back(first + i);
-  }
-  return taken;
-}
-
-RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
-  const int priors = static_cast<int>(all.rows()) - rows, n = static_cast<int>(taken.size());
-  RowMatrix out(n + priors, all.cols());
-  for (int i = 0; i < n; ++i) out.row(i) = all.row(taken[i]);
-  out.bottomRows(priors) = all.bottomRows(priors);
-  return out;
-}
-
 }  // namespace
 
 double Search::priceOf(int group) const {
@@ -99,22 +77,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   NoiseFitOptions options;
   options.addDrift = add;
   if (!add) options.rounds = 2;
-  NoiseFitResult fit;
-  if (q_.rows.rows() <= kMostNoiseRows) {
-    fit = NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
-  } else {
-    const std::vector<int> taken = stretches(q_.rows.rows(), kMostNoiseRows);
-    NoiseRows rows;
-    for (const int i : taken) rows.time.push_back(q_.rows.time[i]);
-    rows.factors = some(q_.rows.factors, taken, q_.rows.rows());
-    rows.target = some(q_.rows.target, taken, q_.rows.rows()).col(0);
-    rows.base = some(q_.rows.base, taken, q_.rows.rows());
-    for (RandomBlock& b : blocks) b.columns = some(b.columns, taken, q_.rows.rows());
-    Noise from = start.noise;
-    from.variance = some(start.noise.variance, taken, static_cast<int>(start.noise.variance.size())).col(0);
-    fit = NoiseFit(rows, blocks).run(from, options);
-    fit.noise.variance = start.noise.variance;
-  }
+  const NoiseFitResult fit = fitNoise(q_.rows, std::move(blocks), start.noise, options, kMostNoiseRows);
   out.noise = fit.noise;
   out.scatter.assign(q_.scatter.size(), 0.0);
   for (std::size_t k = 0; k < scatter; ++k) out.scatter[ofBlock[k]] = fit.ratios[k];

@@ -27,15 +27,17 @@ struct Questions {
 /// One explanation of the session: causes, drift, scatter, noise, and what all of it is worth.
 struct Explanation {
   std::vector<Member> members;
-  Noise noise;
+  NoiseModel noise;
   std::vector<double> scatter;  // ratios of Questions::scatter
   double logEvidence = 0.0;     // less the prices of drift and scatter
   double worth = 0.0;           // less the prices of the members too
   double white = 1.0, whiteStd = 0.0;
 };
 
-/// Prior odds against any cause at all: a cause is named at 100 to 1 and better when one session in ten has one.
-constexpr double kPriorOdds = 1000.0;
+/// What the evidence of a cause must outweigh, beside the number of causes asked. Where nothing is hidden the evidence
+/// for one cause exceeds e^g at most once in e^g sessions, so that of a hundred such sessions one at the most claims
+/// something.
+constexpr double kPriorOdds = 100.0;
 /// Explanations whose log evidence differs by less cannot be told apart (Kass & Raftery 1995: 20 to 1).
 constexpr double kIndistinct = 3.0;
 
@@ -72,7 +74,7 @@ class Search {
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;
 
   struct Known {
-    Noise noise;
+    NoiseModel noise;
     std::vector<double> scatter;
     std::shared_ptr<const Evidence> evidence;
   };

@@ -191,39 +191,7 @@ std::vector<Variable> variablesOf(const ResidualSpace& space) {
   return variables;
 }
 
-Directions directionsOf(const ResidualSpace& space) {
-  const Problem& problem = space.problem();
-  const ErrorLayout layout = problem.model().machine().layout();
-  Directions directions;
-  const auto add = [&](const std::string& name, auto value) {
-    Eigen::VectorXd column(space.rows());
-    for (int i = 0; i < space.rows(); ++i) column[i] = value(space.used()[i]);
-    if (!(column.norm() > 0.0)) return;
-    directions.names.push_back(name);
-    directions.factors.conservativeResize(space.rows(), directions.names.size());
-    directions.factors.rightCols<1>() = column;
-  };
-  const auto& joints = problem.model().machine().joints();
-  const auto& g = problem.slotGradients();
-  std::set<std::string> taken;
-  const char* const axes[] = {"x", "y", "z"};
-  for (int j = 0; j < static_cast<int>(joints.size()); ++j)
-    if (joints[j].kind == JointKind::kLinear ||
-        std::any_of(problem.rows().begin(), problem.rows().end(), [](auto& r) { return r.angular; })) {
-      add(joints[j].name, [&](int row) { return g(row, layout.axis(j)); });
-      taken.insert(joints[j].name);
-    }
-  bool linear = std::any_of(problem.rows().begin(), problem.rows().end(), [](auto& r) { return !r.angular; });
-  for (int k = 0; k < 3 && linear; ++k)
-    if (!taken.count(axes[k])) add(axes[k], [&](int row) { return g(row, layout.volume(k)); });
-  add("approach", [&](int row) {
-    const Eigen::Vector3d a = problem.state(problem.rows()[row].observation).approach;
-    double sum = 0.0;
-    for (int k = 0; k < 3; ++k) sum += a[k] * g(row, layout.volume(k));
-    return std::isfinite(sum) ? sum : 0.0;
-  });
-  return directions;
-}
+Directions directionsOf(const ResidualSpace& space) { return directionsOf(space.problem(), space.used()); }
 
 std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left,
                                               const Eigen::MatrixXd& found) {

@@ -5,6 +5,7 @@
 
 #include "diagnosis/diagnose.h"
 #include "diagnosis/residual_space.h"
+#include "estimation/noise_rows.h"
 
 namespace mm {
 
@@ -20,12 +21,7 @@ struct Variable {
 /// Every variable of the session that varies and is known for (nearly) all used rows.
 std::vector<Variable> variablesOf(const ResidualSpace& space);
 
-/// In which directions a residual can be caused: the factor of a displacement along x, y, z of the workpiece,
-/// of the approach (contacts), and of each rotary joint's reading (angular residuals); rows x directions, SI.
-struct Directions {
-  std::vector<std::string> names;  // as in formula's `direction`
-  Eigen::MatrixXd factors;         // a used row x directions, not whitened
-};
+/// Directions of the used rows.
 Directions directionsOf(const ResidualSpace& space);
 
 /// How much of `left` (whitened, projected residual, length of the space) each variable explains, in any

@@ -11,6 +11,7 @@
 #include "estimation/genetic_start.h"
 #include "estimation/linear_start.h"
 #include "estimation/network_learning.h"
+#include "estimation/noise_rows.h"
 #include "estimation/nonlinear_start.h"
 #include "estimation/polish.h"
 #include "estimation/robust.h"
@@ -67,7 +68,38 @@ struct Summary {
   }
 };
 
-Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<char>& fixed) {
+/// How the covariance of the unknowns is larger where the noise has memory, and what that memory is.
+struct Memory {
+  NoiseFitResult fit;
+  LinearisedRows rows;
+};
+
+/// The noise of what a fit has left. @param q orthonormal columns of the fit, the last `shared` of which are those of
+/// unknowns that all rows share.
+Memory memoryOf(Problem& problem, const Fitter& fit, const WhitenedSystem& system, const Eigen::MatrixXd& q, int shared) {
+  constexpr int kMostRows = 1500, kMostColumns = 40;
+  problem.linearise(fit.x);
+  std::vector<int> used;
+  for (int i = 0; i < problem.rowCount(); ++i)
+    if (fit.weight[i] > 0.0) used.push_back(i);
+  const int n = static_cast<int>(used.size()), columns = std::min(shared, kMostColumns);
+  RowMatrix base(n, columns);
+  Eigen::VectorXd target(n);
+  for (int i = 0; i < n; ++i) {
+    base.row(i) = q.row(used[i]).tail(columns);
+    target[i] = system.residuals[used[i]];
+  }
+  Memory memory;
+  memory.rows = noiseRows(problem, used, fit.sigma, std::move(target), std::move(base));
+  NoiseModel white;
+  white.variance = Eigen::VectorXd::Ones(n);
+
+  memory.fit = fitNoise(memory.rows.rows, {}, white, {}, kMostRows);
+  return memory;
+}
+
+/// @param drift not null: the covariance is that of noise with the memory that is found in the residuals, which it tells.
+Summary summarise(Problem& problem, const Fitter& fit, const std::vector<char>& fixed, std::vector<Drift>* drift) {
   Summary s;
   const WhitenedSystem system(problem, fit.x, inverseOf(fit.sigma, fit.weight), fixed);
   const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
@@ -85,7 +117,30 @@ Summary summarise(const Problem& problem, const Fitter& fit, const std::vector<c
     for (int k = 0; k < columns; ++k) inverseR.row(qr.order[k]) = inverse.row(k);
     const double chi2 = system.residuals.squaredNorm();
     const double variance = s.dof > 0 ? chi2 / s.dof : 1.0;
-    const Eigen::MatrixXd c = variance * inverseR * inverseR.transpose();
+    Eigen::MatrixXd c = variance * inverseR * inverseR.transpose();
+    constexpr int kFewestRows = 40;  // fewer do not tell a memory
+    if (drift != nullptr && s.dof >= kFewestRows) {
+      int local = 0;
+      for (const LocalBlock& b : localBlocks(problem, system.jacobian, system.free))
+        local += static_cast<int>(b.columns.size());
+      const Memory memory = memoryOf(problem, fit, system, q, columns - local);
+      if (!memory.fit.noise.drift.empty()) {
+        // of least squares under noise V: R^-1 Q' V Q R^-T
+        RowMatrix all(static_cast<Eigen::Index>(memory.rows.rows.time.size()), columns);
+        for (int i = 0, k = 0; i < data; ++i)
+          if (fit.weight[i] > 0.0) all.row(k++) = q.row(i);
+        const TimeWhitener whitener(memory.rows.rows.time, memory.rows.rows.factors, memory.fit.noise.variance,
+                                    memory.fit.noise.drift);
+        Eigen::MatrixXd middle = Eigen::MatrixXd(all.transpose() * whitener.covarianceTimes(all));
+        const auto priors = q.bottomRows(rows - data);
+        middle += priors.transpose() * priors;
+        middle *= memory.fit.white * memory.fit.white;
+        c = inverseR * middle * inverseR.transpose();
+        for (const DriftTerm& t : memory.fit.noise.drift)
+          drift->push_back({memory.rows.directions[t.direction],
+                            t.ratio * memory.fit.white * memory.rows.directionScale[t.direction], t.tau});
+      }
+    }
     for (int i = 0; i < columns; ++i)
       for (int j = 0; j < columns; ++j)
         s.covariance(system.free[i], system.free[j]) = c(i, j) * system.scale[i] * system.scale[j];
@@ -211,7 +266,7 @@ CalibrationResult calibrateFrom(const Session& session, Model model, const Calib
   }
   if (options.progress) options.progress("uncertainty", 0.0);
   const std::vector<char>& fixed = result.identifiability.fixed;
-  Summary summary = summarise(problem, fit, fixed);
+  Summary summary = summarise(*result.problem, fit, fixed, &result.drift);
   if (!options.holdEffects) summary.takeFreedoms(networkUnknowns(problem.model()));
   if (networkShift.size() > 0) addNetworkShift(*result.problem, fit.x, networkShift, summary.heldOut);
   result.x = fit.x;
@@ -251,7 +306,7 @@ CalibrationResult calibrateFrom(const Session& session, Model model, const Calib
       result.outliers.push_back({i, fit.residuals[i]});
 
   // the nominal machine on the same rows, for "before"
-  const Problem nominal(session, Model(machine, domain, std::vector<EffectPtr>{}));
+  Problem nominal(session, Model(machine, domain, std::vector<EffectPtr>{}));
   CalibrateOptions plain = options;
   plain.rejectOutliers = false;
   plain.progress = {};
@@ -259,7 +314,7 @@ CalibrationResult calibrateFrom(const Session& session, Model model, const Calib
   Fitter before(nominal, plain, fit.noise);
   before.weight = fit.weight;
   before.fitOnce(nominal.start(), gauge.fixed);
-  const Summary beforeSummary = summarise(nominal, before, gauge.fixed);
+  const Summary beforeSummary = summarise(nominal, before, gauge.fixed, nullptr);
   result.before = figuresOf(nominal, before.residuals, beforeSummary.heldOut, fit.sigma, fit.weight,
                             beforeSummary.dof, 0.0);
   return result;

@@ -58,12 +58,20 @@ struct ResidualFigures {
   int degreesOfFreedom = 0;
 };
 
+/// A wandering along one direction that the residuals show beside their white noise.
+struct Drift {
+  std::string direction;      // a joint, x, y, z of workpiece, or approach
+  double std = 0.0;           // m (rad)
+  double timeConstant = 0.0;  // s
+};
+
 /// What a calibration found. Refers to the session given to `calibrate`.
 struct CalibrationResult {
   std::shared_ptr<Problem> problem;
   Eigen::VectorXd x;  // all unknowns, SI
   Eigen::MatrixXd
       covariance;             // SI, of all unknowns; zero rows where fixed; scaled by the residuals' variance
+  std::vector<Drift> drift;   // what the covariance allows for beside white noise
   Eigen::VectorXd residuals;  // a data row, m or rad
   Eigen::VectorXd sigma;      // a data row, m or rad: the noise taken for it
   Eigen::VectorXd weight;     // a data row: 0 for outliers

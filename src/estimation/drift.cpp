@@ -92,4 +92,23 @@ Eigen::MatrixXd TimeWhitener::driftByTerm(const Eigen::VectorXd& r) const {
   return out;
 }
 
+RowMatrix TimeWhitener::covarianceTimes(const RowMatrix& m) const {
+  RowMatrix out = m;
+  for (int i = 0; i < rows_; ++i) out.row(i) *= variance_[i];
+  for (int k = 0; k < states_; ++k) {
+    const double variance = terms_[k].ratio * terms_[k].ratio;
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(m.cols());
+    for (int i = 0; i < rows_; ++i) {  // what came before, and the row itself
+      sum = sum * decay_(i, k) + seen_(i, k) * m.row(i);
+      out.row(i) += variance * seen_(i, k) * sum;
+    }
+    sum.setZero();
+    for (int i = rows_ - 1; i > 0; --i) {  // what comes after
+      sum = (sum + seen_(i, k) * m.row(i)) * decay_(i, k);
+      out.row(i - 1) += variance * seen_(i - 1, k) * sum;
+    }
+  }
+  return out;
+}
+
 }  // namespace mm

@@ -27,6 +27,8 @@ class TimeWhitener {
 
   /// Whitens the first rows of m (as many as there are times) in place; further rows stay.
   void whiten(Eigen::Ref<RowMatrix> m) const;
+  /// V m, of the first rows; further rows stay.
+  RowMatrix covarianceTimes(const RowMatrix& m) const;
   /// ln |V|
   double logDeterminant() const { return logDeterminant_; }
   /// What of r (a row each) is drift, in the expectation.

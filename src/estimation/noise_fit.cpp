@@ -23,6 +23,28 @@ double medianSpacing(const std::vector<double>& time) {
   return dt[dt.size() / 2];
 }
 
+/// Stretches of rows, spread over the session: neighbours for what lasts from row to row, and the whole length for what
+/// is slow.
+std::vector<int> stretches(int rows, int most) {
+  std::vector<int> taken;
+  constexpr int kStretch = 30;
+  const int count = most / kStretch;
+  for (int s = 0; s < count; ++s) {
+    const int first = static_cast<int>(static_cast<long>(s) * (rows - kStretch) / std::max(1, count - 1));
+    for (int i = 0; i < kStretch; ++i)
+      if (taken.empty() || first + i > taken.back()) taken.push_back(first + i);
+  }
+  return taken;
+}
+
+RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
+  const int priors = static_cast<int>(all.rows()) - rows, n = static_cast<int>(taken.size());
+  RowMatrix out(n + priors, all.cols());
+  for (int i = 0; i < n; ++i) out.row(i) = all.row(taken[i]);
+  out.bottomRows(priors) = all.bottomRows(priors);
+  return out;
+}
+
 }  // namespace
 
 struct NoiseFit::Gram {
@@ -43,7 +65,7 @@ NoiseFit::NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks)
   }
 }
 
-NoiseFit::Gram NoiseFit::gramOf(const Noise& noise, const std::vector<double>& ratios, bool everything) const {
+NoiseFit::Gram NoiseFit::gramOf(const NoiseModel& noise, const std::vector<double>& ratios, bool everything) const {
   CancelScope::check();
   Gram gram;
   int columns = base_;
@@ -131,7 +153,7 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
   return best;
 }
 
-double NoiseFit::prices(const Noise& noise, const std::vector<double>& ratios,
+double NoiseFit::prices(const NoiseModel& noise, const std::vector<double>& ratios,
                         const NoiseFitOptions& options) const {
   double sum = 0.0;
   for (const DriftTerm& t : noise.drift) sum += t.ratio > 0.0 ? options.driftPrice : 0.0;
@@ -139,7 +161,7 @@ double NoiseFit::prices(const Noise& noise, const std::vector<double>& ratios,
   return sum;
 }
 
-NoiseFitResult NoiseFit::at(const Noise& noise, const NoiseFitOptions& options) const {
+NoiseFitResult NoiseFit::at(const NoiseModel& noise, const NoiseFitOptions& options) const {
   NoiseFitResult result;
   result.noise = noise;
   for (const RandomBlock& b : blocks_) result.ratios.push_back(b.ratio);
@@ -153,9 +175,9 @@ NoiseFitResult NoiseFit::at(const Noise& noise, const NoiseFitOptions& options) 
   return result;
 }
 
-NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options) const {
+NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& options) const {
   NoiseFitResult best = at(start, options);
-  const auto attempt = [&](Noise noise) {
+  const auto attempt = [&](NoiseModel noise) {
     const std::vector<double>& ratios = best.ratios;
     const NoiseFit::Gram gram = gramOf(noise, ratios, false);
     double rest = 0.0;
@@ -171,7 +193,7 @@ NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options)
     const double before = best.logEvidence;
     if (options.dropDrift)
       for (std::size_t k = 0; k < best.noise.drift.size();) {
-        Noise without = best.noise;
+        NoiseModel without = best.noise;
         without.drift.erase(without.drift.begin() + static_cast<long>(k));
         if (!attempt(std::move(without))) ++k;
       }
@@ -180,14 +202,14 @@ NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options)
       constexpr double kRatio = 0.6;  // its size is fitted next
       const int count = directions * static_cast<int>(timeConstants_.size());
       const auto further = [&](int k) {
-        Noise more = best.noise;
+        NoiseModel more = best.noise;
         more.drift.push_back({k % directions, kRatio, timeConstants_[static_cast<std::size_t>(k / directions)]});
         return more;
       };
       std::vector<double> worth(static_cast<std::size_t>(count), -1e300);
       inTwo([&](std::size_t half) {
         for (int k = static_cast<int>(half); k < count; k += 2) {
-          const Noise more = further(k);
+          const NoiseModel more = further(k);
           worth[k] = value(gramOf(more, best.ratios, false), best.ratios, nullptr) - prices(more, best.ratios, options);
         }
       });
@@ -199,7 +221,7 @@ NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options)
       const double step = kSteps[std::min(round, 2)];
       for (std::size_t k = 0; k < best.noise.drift.size(); ++k) {
         const auto scaled = [&](double ratio, double tau) {
-          Noise other = best.noise;
+          NoiseModel other = best.noise;
           other.drift[k].ratio *= ratio;
           other.drift[k].tau *= tau;
           const double longest = timeConstants_.empty() ? other.drift[k].tau : timeConstants_.back();
@@ -229,6 +251,23 @@ NoiseFitResult NoiseFit::run(const Noise& start, const NoiseFitOptions& options)
   }
   best.whiteStd = best.white / std::sqrt(2.0 * best.freedoms);
   return best;
+}
+
+NoiseFitResult fitNoise(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
+                        const NoiseFitOptions& options, int most) {
+  if (rows.rows() <= most) return NoiseFit(rows, std::move(blocks)).run(start, options);
+  const std::vector<int> taken = stretches(rows.rows(), most);
+  NoiseRows fewer;
+  for (const int i : taken) fewer.time.push_back(rows.time[i]);
+  fewer.factors = some(rows.factors, taken, rows.rows());
+  fewer.target = some(rows.target, taken, rows.rows()).col(0);
+  fewer.base = some(rows.base, taken, rows.rows());
+  for (RandomBlock& b : blocks) b.columns = some(b.columns, taken, rows.rows());
+  NoiseModel from = start;
+  from.variance = some(start.variance, taken, rows.rows()).col(0);
+  NoiseFitResult fit = NoiseFit(fewer, std::move(blocks)).run(from, options);
+  fit.noise.variance = start.variance;
+  return fit;
 }
 
 }  // namespace mm

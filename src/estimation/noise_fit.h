@@ -25,14 +25,14 @@ struct RandomBlock {
 };
 
 /// White noise, drift and blocks: everything that scatters. Ratios are in units of the white noise.
-struct Noise {
+struct NoiseModel {
   std::vector<DriftTerm> drift;
   Eigen::VectorXd variance;  // a data row: of its white noise, 1 on average; smaller counts more
 };
 
 /// What fitting the variances by restricted maximum likelihood (REML, Patterson & Thompson 1971) found.
 struct NoiseFitResult {
-  Noise noise;
+  NoiseModel noise;
   std::vector<double> ratios;  // of the blocks
   double logEvidence = 0.0;    // restricted, with the scale of the noise integrated out, less the prices of what is there
   double white = 1.0;          // standard deviation of the white noise, in units of the stated one
@@ -55,25 +55,29 @@ class NoiseFit {
   /// @param rows must outlive the fit.
   NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks);
 
-  NoiseFitResult run(const Noise& start, const NoiseFitOptions& options) const;
+  NoiseFitResult run(const NoiseModel& start, const NoiseFitOptions& options) const;
   /// The evidence as it is, nothing fitted but the ratios of blocks that are not fixed.
-  NoiseFitResult at(const Noise& noise, const NoiseFitOptions& options) const;
+  NoiseFitResult at(const NoiseModel& noise, const NoiseFitOptions& options) const;
   /// Time constants that are asked, s: from the spacing of the rows to the length of the session.
   const std::vector<double>& timeConstants() const { return timeConstants_; }
 
  private:
   struct Gram;  // of the columns that are there, whitened in time
   /// @param everything blocks of ratio 0, too.
-  Gram gramOf(const Noise& noise, const std::vector<double>& ratios, bool everything) const;
+  Gram gramOf(const NoiseModel& noise, const std::vector<double>& ratios, bool everything) const;
   /// Fits the ratios; @return the evidence. @param freedoms, rest: of the scale.
   double value(const Gram& gram, const std::vector<double>& ratios, double* rest) const;
   double fitRatios(const Gram& gram, std::vector<double>& ratios) const;
-  double prices(const Noise& noise, const std::vector<double>& ratios, const NoiseFitOptions& options) const;
+  double prices(const NoiseModel& noise, const std::vector<double>& ratios, const NoiseFitOptions& options) const;
 
   const NoiseRows& rows_;
   std::vector<RandomBlock> blocks_;
   int base_ = 0;
   std::vector<double> timeConstants_;
 };
+
+/// The fit of a session: one of more rows than `most` is fitted to stretches of its rows, spread over its length.
+NoiseFitResult fitNoise(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
+                        const NoiseFitOptions& options, int most);
 
 }  // namespace mm

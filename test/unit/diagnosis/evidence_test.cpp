@@ -15,7 +15,7 @@ struct Made {
   static constexpr int kRows = 50;
   NoiseRows rows;
   Groups groups;
-  Noise noise;
+  NoiseModel noise;
 
   explicit Made(unsigned seed = 2) {
     std::mt19937 random(seed);

@@ -108,15 +108,15 @@ NoiseRows walking(int n, double walk, unsigned seed, Eigen::VectorXd* truth = nu
   return rows;
 }
 
-Noise whiteNoise(int n) {
-  Noise noise;
+NoiseModel whiteNoise(int n) {
+  NoiseModel noise;
   noise.variance = Eigen::VectorXd::Ones(n);
   return noise;
 }
 
 TEST(NoiseFit, EvidenceIsThatOfTheDenseFormula) {
   const NoiseRows rows = walking(60, 1.0, 5);
-  Noise noise = whiteNoise(60);
+  NoiseModel noise = whiteNoise(60);
   noise.drift = {{0, 0.8, 50.0}};
   RandomBlock block;
   block.columns = RowMatrix::Random(60, 3);
