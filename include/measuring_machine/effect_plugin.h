@@ -92,6 +92,7 @@ struct Parameter {
   double start = 0.0;
   double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
   double maximum = std::numeric_limits<double>::infinity();
+  double priorStd = 0.0;  // about zero, before any data; 0: nothing is known
   /// Empty: the error is linear in this parameter, and zero where all such parameters are. Else: start values
   /// that cover its plausible range closely enough for a descent from the nearest to reach the optimum.
   std::vector<double> search;

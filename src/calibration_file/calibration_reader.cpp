@@ -124,6 +124,10 @@ void readDomain(YamlKeys in, Domain& d) {
     d.joints.push_back(joint);
     d.lower.push_back(keys.number("observed_lower_si"));
     d.upper.push_back(keys.number("observed_upper_si"));
+    if (keys.has("velocity_lower_si")) {
+      d.velocityLower.push_back(keys.number("velocity_lower_si"));
+      d.velocityUpper.push_back(keys.number("velocity_upper_si"));
+    }
     d.positions.push_back(keys.numbers("positions_si"));
     keys.finish();
   }
@@ -136,6 +140,10 @@ void readDomain(YamlKeys in, Domain& d) {
   d.tipLower = vectorOf(in, "tip_lower_m");
   d.tipUpper = vectorOf(in, "tip_upper_m");
   d.laser = in.flag("laser");
+  if (in.has("reading_lower_m")) {
+    d.readingLower = in.number("reading_lower_m");
+    d.readingUpper = in.number("reading_upper_m");
+  }
   d.artifactExpansion = in.number("artifact_expansion_per_K");
   if (in.has("networks")) readNetworks(in, d.networks);
   in.finish();

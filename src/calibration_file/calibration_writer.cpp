@@ -127,6 +127,10 @@ void domain(YAML::Emitter& out, const Domain& d) {
     text(out, "name", d.joints[j].name);
     number(out, "observed_lower_si", d.lower[j]);
     number(out, "observed_upper_si", d.upper[j]);
+    if (j < d.velocityLower.size()) {
+      number(out, "velocity_lower_si", d.velocityLower[j]);
+      number(out, "velocity_upper_si", d.velocityUpper[j]);
+    }
     out << Key << "positions_si" << Value;
     numbers(out, d.positions[j]);
     out << EndMap;
@@ -145,6 +149,10 @@ void domain(YAML::Emitter& out, const Domain& d) {
   out << Key << "tip_upper_m" << Value;
   numbers(out, toVector(d.tipUpper));
   out << Key << "laser" << Value << d.laser;
+  if (std::isfinite(d.readingLower)) {
+    number(out, "reading_lower_m", d.readingLower);
+    number(out, "reading_upper_m", d.readingUpper);
+  }
   number(out, "artifact_expansion_per_K", d.artifactExpansion);
   if (!d.networks.empty()) networks(out, d.networks);
   out << EndMap;

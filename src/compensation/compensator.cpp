@@ -89,7 +89,7 @@ State Compensator::blankState() const {
   return state;
 }
 
-void Compensator::judge(const State& state, Correction& c) const {
+void Compensator::judge(const State& state, const Part& part, Correction& c) const {
   const bool finite =
       c.corrected.position.allFinite() && c.corrected.orientation.allFinite() && c.covariance.allFinite();
   if (!finite) {
@@ -100,6 +100,8 @@ void Compensator::judge(const State& state, Correction& c) const {
   }
   c.reason = limits_->jointOutside(state);
   if (c.reason.empty()) c.reason = limits_->inputOutside(state);
+  for (std::size_t e = 0; c.reason.empty() && e < part.model->effects().size(); ++e)
+    c.reason = part.model->effects()[e]->outside(state, options_.margin);
   c.extrapolating = !c.reason.empty();
   c.valid = c.reason.empty();
   if (c.valid) c.note = limits_->unusual(state);
@@ -126,7 +128,7 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
     c.covariance.noalias() = work.weighted * work.byParameter.topRows<3>().transpose();
     c.sigma = std::sqrt(std::max(0.0, c.covariance.trace() / 3.0));
   }
-  judge(state, c);
+  judge(state, part, c);
   if (c.tooOld) {
     char age[160];
     std::snprintf(age, sizeof age,

@@ -17,7 +17,7 @@ struct Correction {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of the corrected position, m^2
   double sigma = 0.0;          // m: root mean square over the three coordinates of their standard deviations
   bool valid = false;          // may be used as a measured position
-  bool extrapolating = false;  // outside the calibrated volume, temperatures or covariates beyond the margin
+  bool extrapolating = false;  // an input is outside the calibrated range by more than the margin
   bool inputLost = false;      // a temperature or covariate that the model uses is not known
   bool tooOld = false;         // outside the calibrated duration: effects of time are not applied
   std::string reason;          // why it is not valid; empty when it is
@@ -81,7 +81,7 @@ class Compensator {
     Eigen::MatrixXd covariance;
   };
   Part partOf(const Calibration& calibration, bool timed) const;
-  void judge(const State& state, Correction& c) const;
+  void judge(const State& state, const Part& part, Correction& c) const;
 
   std::string id_;
   Options options_;

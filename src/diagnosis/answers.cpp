@@ -6,7 +6,7 @@
 
 #include "diagnosis/next_measurement.h"
 #include "diagnosis/wording.h"
-#include "effects/inputs.h"
+#include "effects/profile.h"
 #include "effects/registry.h"
 #include "machine/units.h"
 
@@ -66,7 +66,12 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
     const Member& m = found.members[j];
     const Shape& shape = shapeOf(q, m);
     std::vector<EffectSpec> specs;
-    if (!shape.mixed.empty()) {
+    if (q.groups.groups[m.group].profile) {
+      const EffectSpec::Value* two = shape.spec.find("variables");
+      specs.push_back(profileSpec(shape.spec.text("direction"),
+                                  two != nullptr ? two->items : std::vector<std::string>{shape.spec.text("variable")},
+                                  m.size * found.white * unitOf(*q.space), domain));
+    } else if (!shape.mixed.empty()) {
       std::vector<std::pair<double, std::size_t>> order;
       for (std::size_t k = 0; k < shape.mixed.size(); ++k)
         order.emplace_back(-m.columns->col(static_cast<int>(k)).norm() * std::abs(fit.values[j][static_cast<int>(k)]), k);
@@ -197,6 +202,9 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
       if (group.profile) {
         ProfileResult p;
         p.effect = a.effect->spec();
+        p.direction = p.effect.text("direction");
+        const EffectSpec::Value* two = p.effect.find("variables");
+        p.variables = two != nullptr ? two->items : std::vector<std::string>{p.effect.text("variable")};
         p.gain = gain;
         p.odds = weightOf(q, gain) / weights;
         p.heldOutBefore = before;
@@ -232,6 +240,24 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
     const auto found = std::find_if(out.missing.begin(), out.missing.end(),
                                     [&](const CandidateResult& m) { return m.effect == effect->spec(); });
     if (found != out.missing.end()) found->parameters.clear();
+    for (ProfileResult& p : out.profiles) {
+      if (!(p.effect == effect->spec())) continue;
+      constexpr int kPoints = 41, kPointsOfTwo = 9;
+      const int n = effect->parameterCount();
+      const ProfileCurve curve =
+          profileCurve(effect->spec(), full.problem->model().domain(), full.x.segment(at, n),
+                       full.covariance.block(at, at, n, n), p.variables.size() == 2 ? kPointsOfTwo : kPoints);
+      p.units.clear();
+      for (const auto& v : curve.variables) p.units.push_back(v.unit);
+      p.curve.clear();
+      for (const auto& point : curve.points) {
+        std::vector<double> row = {point.at[0]};
+        if (p.variables.size() == 2) row.push_back(point.at[1]);
+        row.push_back(point.value);
+        row.push_back(point.std);
+        p.curve.push_back(std::move(row));
+      }
+    }
     for (const Parameter& p : effect->parameters()) {
       if (found != out.missing.end())
         found->parameters.push_back({p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
@@ -311,8 +337,6 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
     }
   }
 }
-
-void describeProfiles(const Search&, const Explanation&, double, Diagnosis&) {}
 
 void decide(Diagnosis& out) {
   const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {

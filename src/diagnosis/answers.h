@@ -37,8 +37,9 @@ void listCannotShow(const Questions& questions, const Explanation& found, Diagno
 void fillScatter(const Questions& questions, const Explanation& found, double unit, Diagnosis& out);
 /// Moves that tell confusable effects apart, and which of them no move tells apart.
 void separate(const Search& search, const Explanation& found, Diagnosis& out);
-/// Curves with their band, and a formula where one says the same.
-void describeProfiles(const Search& search, const Explanation& found, double unit, Diagnosis& out);
+/// A formula of at most three constants, where one says the same as a profile.
+void describeProfiles(const Search& search, const Explanation& found, const HeldOut& held, double unit,
+                      Diagnosis& out);
 /// The verdict, from everything else.
 void decide(Diagnosis& out);
 

@@ -180,7 +180,6 @@ class Diagnoser {
     sortByGain(search, found);
     report("held out", 0.7);
     const HeldOut held(search, found);
-    const double none = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
     fillAnswers(search, found, held, unit, out_);
@@ -190,8 +189,7 @@ class Diagnoser {
     out_.drift = driftOf(search, found);
     fillScatter(q, found, unit, out_);
     separate(search, found, out_);
-    describeProfiles(search, found, unit, out_);
-    (void)none;
+    describeProfiles(search, found, held, unit, out_);
     decide(out_);
     out_.sentence = sentenceOf(out_);
   }

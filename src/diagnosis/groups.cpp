@@ -7,8 +7,10 @@
 
 #include "diagnosis/structure.h"
 #include "effects/inputs.h"
+#include "effects/profile.h"
 #include "effects/registry.h"
 #include "machine/cancel_scope.h"
+#include "machine/error.h"
 #include "machine/two_threads.h"
 
 namespace mm {
@@ -393,12 +395,18 @@ namespace {
 
 Groups profilesOf(const ResidualSpace& space, const std::vector<EffectSpec>& specs, int variables) {
   Groups out;
-  if (std::none_of(effectRegistry().begin(), effectRegistry().end(), [](auto& t) { return t.type == "profile"; })) return out;
   const Maker maker(space);
   std::vector<Wanted> wanted;
   for (const EffectSpec& spec : specs) {
-    const EffectPtr effect = createEffect(spec, maker.domain());
-    if (inModel(maker.problem().model(), effect->spec())) continue;
+    EffectPtr effect;
+    try {
+      effect = createEffect(spec, maker.domain());
+    } catch (const InputError&) {
+      continue;  // a variable that varied, but not enough for a curve
+    }
+    const auto same = [&](const EffectPtr& e) { return causeOf(*e) == causeOf(*effect); };
+    const auto& model = maker.problem().model().effects();
+    if (std::any_of(model.begin(), model.end(), same)) continue;  // it is there, whatever its size
     Group group;
     group.key = causeOf(*effect);
     group.profile = true;
@@ -428,20 +436,22 @@ std::vector<std::string> variablesThatVary(const ResidualSpace& space) {
 }  // namespace
 
 Groups makeProfiles(const ResidualSpace& space) {
+  const Domain& domain = space.problem().model().domain();
   std::vector<EffectSpec> specs;
   for (const std::string& direction : directionsOf(space).names)
     for (const std::string& variable : variablesThatVary(space))
-      specs.push_back(EffectSpec("profile").set("direction", direction).set("variable", variable));
+      specs.push_back(profileSpec(direction, {variable}, 0.0, domain));
   return profilesOf(space, specs, 1);
 }
 
 Groups makePairProfiles(const ResidualSpace& space) {
+  const Domain& domain = space.problem().model().domain();
   std::vector<EffectSpec> specs;
   const std::vector<std::string> names = variablesThatVary(space);
   for (const std::string& direction : directionsOf(space).names)
     for (std::size_t a = 0; a < names.size(); ++a)
       for (std::size_t b = a + 1; b < names.size(); ++b)
-        specs.push_back(EffectSpec("profile").set("direction", direction).setList("variables", {names[a], names[b]}));
+        specs.push_back(profileSpec(direction, {names[a], names[b]}, 0.0, domain));
   return profilesOf(space, specs, 2);
 }
 

@@ -86,6 +86,10 @@ double HeldOut::withGroup(int group) const {
   });
 }
 
+double HeldOut::withMembers(const std::vector<Member>& members) const {
+  return rmsOf([&](const Fold&) { return members; });
+}
+
 double HeldOut::foundShare(std::size_t member) const {
   int found = 0;
   for (const Fold& fold : folds_)

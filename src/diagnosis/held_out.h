@@ -21,6 +21,8 @@ class HeldOut {
   double all() const;                     // with everything that the folds found
   /// With one group alone, at its best.
   double withGroup(int group) const;
+  /// With these members, whatever the folds found.
+  double withMembers(const std::vector<Member>& members) const;
   /// Share of the folds that found the cause of a member.
   double foundShare(std::size_t member) const;
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,10 @@ struct Domain {
   double maxSpeed = 0.0;              // m/s or rad/s, largest joint velocity seen
   Eigen::Vector3d tipLower = Eigen::Vector3d::Zero(),
                   tipUpper = Eigen::Vector3d::Zero();  // box of the nominal tip, m
+  std::vector<double> velocityLower, velocityUpper;    // a joint, m/s or rad/s; NaN: never known
   bool laser = false;
+  double readingLower = std::numeric_limits<double>::quiet_NaN(),
+         readingUpper = std::numeric_limits<double>::quiet_NaN();  // of the laser, m
   double artifactExpansion = 0.0;
   std::vector<double>
       featureRadius;  // m, a feature; 0: a point. Empty: not known, then every feature may be a ball

@@ -21,7 +21,7 @@ struct Parameter {
   double start = 0.0;
   double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
   double maximum = std::numeric_limits<double>::infinity();
-  double priorStd = 0.0;  // of a normal prior about 0; 0: none
+  double priorStd = 0.0;  // about zero, before any data; 0: nothing is known
 };
 
 /// Where the contribution of an effect is added. Used in two ways: values only, or values and derivatives.
@@ -126,6 +126,11 @@ class Effect {
   virtual bool ofUnknownSize() const { return false; }
   /// True for a parameter that a published convention sets to zero where the data do not determine it.
   virtual bool zeroByConvention(int /*parameter*/) const { return false; }
+
+  /// An input at which it says nothing, because it was not calibrated there: which, its value and the range,
+  /// in words; empty: none. What all effects have in common (readings of the joints, temperatures,
+  /// covariates, time) is judged elsewhere. @param margin beyond the observed range, as a fraction of it.
+  virtual std::string outside(const State& /*state*/, double /*margin*/) const { return {}; }
 
   virtual std::string cause() const = 0;    // physical cause, in plain words
   virtual std::string remedy() const = 0;   // in the workshop

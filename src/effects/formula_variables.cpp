@@ -21,19 +21,26 @@ FormulaVariables::FormulaVariables(const Domain& domain) {
     const double factor = joint.kind == JointKind::kLinear ? 1.0 / kMillimetre : 1.0;
     const double speed = domain.maxSpeed > 0.0 ? domain.maxSpeed : 0.01;
     const int index = static_cast<int>(j);
-    define(joint.name, {Kind::kPosition, index, factor, at(domain.lower, j, -0.1), at(domain.upper, j, 0.1)});
-    define(joint.name + "_velocity", {Kind::kVelocity, index, factor, -speed, speed});
+    define(joint.name, {Kind::kPosition, index, factor, at(domain.lower, j, -0.1), at(domain.upper, j, 0.1),
+                        at(domain.lower, j, kNever), at(domain.upper, j, kNever)});
+    define(joint.name + "_velocity",
+           {Kind::kVelocity, index, factor, -speed, speed, at(domain.velocityLower, j, kNever),
+            at(domain.velocityUpper, j, kNever)});
   }
-  define("t", {Kind::kTime, 0, 1.0, 0.0, std::max(domain.duration, 1.0)});
+  define("t", {Kind::kTime, 0, 1.0, 0.0, std::max(domain.duration, 1.0), 0.0, domain.duration});
   for (std::size_t i = 0; i < domain.sensors.size(); ++i)
     define(domain.sensors[i], {Kind::kTemperature, static_cast<int>(i), 1.0, at(domain.sensorLower, i, 15.0),
-                               at(domain.sensorUpper, i, 40.0)});
+                               at(domain.sensorUpper, i, 40.0), at(domain.sensorLower, i, kNever),
+                               at(domain.sensorUpper, i, kNever)});
   for (std::size_t i = 0; i < domain.covariates.size(); ++i)
-    define(domain.covariates[i], {Kind::kCovariate, static_cast<int>(i), 1.0,
-                                  at(domain.covariateLower, i, -1.0), at(domain.covariateUpper, i, 1.0)});
+    define(domain.covariates[i],
+           {Kind::kCovariate, static_cast<int>(i), 1.0, at(domain.covariateLower, i, -1.0),
+            at(domain.covariateUpper, i, 1.0), at(domain.covariateLower, i, kNever),
+            at(domain.covariateUpper, i, kNever)});
   constexpr double kHalfRange = 5e-3;  // m, to try a formula with: the range of a short triangulation probe
   if (domain.laser && domain.findCovariate("reading") < 0)
-    define("reading", {Kind::kReading, 0, 1.0 / kMillimetre, -kHalfRange, kHalfRange});
+    define("reading", {Kind::kReading, 0, 1.0 / kMillimetre, -kHalfRange, kHalfRange, domain.readingLower,
+                       domain.readingUpper});
 }
 
 void FormulaVariables::define(const std::string& name, const Variable& variable) {
@@ -55,6 +62,33 @@ void FormulaVariables::values(const State& state, const std::vector<int>& indice
     if (v.kind == Kind::kReading) value = state.laserReading;
     *out++ = value * v.factor;
   }
+}
+
+std::string FormulaVariables::unit(int index) const {
+  const Variable& v = variables_[static_cast<std::size_t>(index)];
+  const std::string length = v.factor == 1.0 ? "rad" : "mm";
+  switch (v.kind) {
+    case Kind::kPosition:
+    case Kind::kReading:
+      return length;
+    case Kind::kVelocity:
+      return length + "/s";
+    case Kind::kTime:
+      return "s";
+    case Kind::kTemperature:
+      return "degC";
+    case Kind::kCovariate:
+      break;
+  }
+  return "";
+}
+
+bool FormulaVariables::observed(int index, double& lower, double& upper) const {
+  const Variable& v = variables_[static_cast<std::size_t>(index)];
+  lower = v.observedLower * v.factor;
+  upper = v.observedUpper * v.factor;
+  return std::isfinite(lower) && std::isfinite(upper) &&
+         upper - lower > 1e-9 * std::max({1e-3, std::abs(lower), std::abs(upper)});
 }
 
 double FormulaVariables::sample(int index, std::mt19937_64& random) const {

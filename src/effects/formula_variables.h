@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -21,14 +22,25 @@ class FormulaVariables {
   /// A value of this variable drawn from (somewhat beyond) its observed range.
   double sample(int index, std::mt19937_64& random) const;
 
- private:
   enum class Kind { kPosition, kVelocity, kTime, kTemperature, kCovariate, kReading };
+  Kind kind(int index) const { return variables_[static_cast<std::size_t>(index)].kind; }
+  /// Of a position or a velocity.
+  int joint(int index) const { return variables_[static_cast<std::size_t>(index)].index; }
+  /// "mm", "rad", "mm/s", "rad/s", "s", "degC"; empty for a covariate.
+  std::string unit(int index) const;
+  /// The range over which the session saw it, in that unit. @return false: it was not recorded or never
+  /// changed.
+  bool observed(int index, double& lower, double& upper) const;
+
+ private:
   struct Variable {
     Kind kind;
     int index;
-    double factor;  // from SI
-    double lower, upper;
+    double factor;                                          // from SI
+    double lower, upper;                                    // to try a formula with
+    double observedLower = kNever, observedUpper = kNever;  // SI
   };
+  static constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
   void define(const std::string& name, const Variable& variable);
 
   std::vector<std::string> names_;

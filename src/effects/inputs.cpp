@@ -96,7 +96,7 @@ class Trial {
           s.position[j] = drawPosition(j);
           place(s);
         });
-        tryIt(velocity[j], [&](State& s) { s.velocity[j] = drawVelocity(); });
+        tryIt(velocity[j], [&](State& s) { s.velocity[j] = drawVelocity(j); });
         tryIt(travel[j], [&](State& s) { s.travel[j] = -s.travel[j]; });
       }
       for (std::size_t i = 0; i < temperature.size(); ++i)
@@ -143,9 +143,9 @@ class Trial {
     const bool rotary = domain_.joints[j].kind == JointKind::kRotary;
     return drawn(domain_.lower, domain_.upper, j, rotary ? -0.5 : -0.01, rotary ? 0.5 : 0.01);
   }
-  double drawVelocity() {
+  double drawVelocity(std::size_t j) {
     const double most = domain_.maxSpeed > 0.0 ? domain_.maxSpeed : 0.01;
-    return within(-most, most);
+    return drawn(domain_.velocityLower, domain_.velocityUpper, j, -most, most);
   }
   double drawTemperature(std::size_t i) {
     return drawn(domain_.sensorLower, domain_.sensorUpper, i, 15.0, 40.0);
@@ -154,7 +154,10 @@ class Trial {
     return drawn(domain_.covariateLower, domain_.covariateUpper, i, -1.0, 1.0);
   }
   double drawTime() { return within(0.0, std::max(domain_.duration, 1.0)); }
-  double drawReading() { return within(-5e-3, 5e-3); }
+  double drawReading() {
+    const bool known = std::isfinite(domain_.readingLower) && domain_.readingUpper > domain_.readingLower;
+    return known ? within(domain_.readingLower, domain_.readingUpper) : within(-5e-3, 5e-3);
+  }
   Eigen::Vector3d drawDirection() {
     for (;;) {
       const Eigen::Vector3d v(within(-1, 1), within(-1, 1), within(-1, 1));
@@ -213,7 +216,7 @@ class Trial {
     s.time = drawTime();
     for (std::size_t j = 0; j < domain_.joints.size(); ++j) {
       s.position.push_back(drawPosition(j));
-      s.velocity.push_back(drawVelocity());
+      s.velocity.push_back(drawVelocity(j));
       s.travel.push_back(s.velocity.back() < 0.0 ? -1.0 : 1.0);
     }
     for (std::size_t i = 0; i < domain_.sensors.size(); ++i) s.temperature.push_back(drawTemperature(i));

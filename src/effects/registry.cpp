@@ -22,6 +22,7 @@
 #include "effects/positioning_polynomial.h"
 #include "effects/probe_lobing.h"
 #include "effects/probe_radius.h"
+#include "effects/profile.h"
 #include "effects/rotary_axis_offset.h"
 #include "effects/rotary_axis_tilt.h"
 #include "effects/rotary_eccentricity.h"
@@ -75,6 +76,7 @@ std::vector<EffectType>& registry() {
       covariateOffsetType(),        //
       covariateScaleType(),         //
       formulaType(),                //
+      profileType(),                //
       thermalNetworkType(),         //
   };
   return types;

@@ -222,6 +222,12 @@ std::string SpecReader::text(const std::string& key) {
   return scalar(key);
 }
 
+std::vector<std::string> SpecReader::names(const std::string& key) {
+  if (!isList(key)) fail("key '" + key + "' must be a list, as [a, b]");
+  read_.setList(key, spec_.find(key)->items);
+  return spec_.find(key)->items;
+}
+
 std::vector<double> SpecReader::numbers(const std::string& key) {
   const EffectSpec::Value* value = spec_.find(key);
   if (value == nullptr) return {};

@@ -36,6 +36,7 @@ class SpecReader {
   /// One of the words; the first is taken when the key is absent.
   std::string choice(const std::string& key, const std::vector<std::string>& words);
   std::string text(const std::string& key);
+  std::vector<std::string> names(const std::string& key);  ///< as a list
   std::vector<double> numbers(
       const std::string& key);  ///< empty when absent; a single number is a list of one
 

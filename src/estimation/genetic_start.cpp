@@ -74,6 +74,10 @@ class ResidualFitness final : public GeneticFitness {
         const double h = v.excess(x.data() + v.first) * kMillimetre / metre_;
         sum += (v.penalty > 0.0 ? v.penalty : kPenalty) * h * h;
       }
+      for (const int u : genes_) {
+        const double priorStd = problem_.unknowns()[static_cast<std::size_t>(u)].priorStd;
+        if (priorStd > 0.0) sum += std::pow(x[u] / priorStd * unit_ / metre_, 2);
+      }
       costs[c] = sum / std::max(1, used);
     }
   }
@@ -154,6 +158,7 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
                            : std::min(unknowns[u].bound, 10.0 * unknowns[u].scale);
     if (effect && problem.model().effects()[unknowns[u].owner]->ofUnknownSize())
       half = 10.0 * std::max(std::abs(unknowns[u].start), 1e-3 * unknowns[u].scale);
+    if (effect && unknowns[u].priorStd > 0.0) half = std::min(half, 5.0 * unknowns[u].priorStd);
     ranges.low.push_back(std::max(x[u] - half, unknowns[u].minimum));
     ranges.high.push_back(std::min(x[u] + half, unknowns[u].maximum));
   }
@@ -216,6 +221,12 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
         balls.push_back(b);
       }
       contacts.ball.push_back(static_cast<std::size_t>(ball));
+    }
+    int prior = problem.rowCount();  // the rows of the priors follow the data
+    for (const int u : problem.priors()) {
+      if (fixed[u]) continue;
+      if (geneOf[u] >= 0) other.push_back(prior);
+      ++prior;
     }
     if (!other.empty()) {
       const WhitenedSystem system(problem, x, inverseSigma, fixed);

@@ -24,7 +24,7 @@ struct Unknown {
   double scale = 1.0;
   double bound = 1.0;
   double start = 0.0;
-  double priorStd = 0.0;                                      // 0: no prior
+  double priorStd = 0.0;                                      // about zero; 0: no prior
   double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
   double maximum = std::numeric_limits<double>::infinity();
 };

@@ -122,8 +122,8 @@ void Problem::addUnknowns() {
     const Effect& effect = *model_.effects()[e];
     for (int k = 0; k < effect.parameterCount(); ++k) {
       const Parameter& p = effect.parameters()[k];
-      add({UnknownKind::kEffect, e, k, p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, 0.0, p.minimum,
-           p.maximum});
+      add({UnknownKind::kEffect, e, k, p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, p.priorStd,
+           p.minimum, p.maximum});
     }
     for (const int k : effect.unitVectors())
       unitVectors_.push_back({model_.offset(e) + k, effect.unitVectorPenalty()});

@@ -53,6 +53,14 @@ Domain observedDomain(const Session& session) {
     domain.lower.push_back(values.empty() ? 0.0 : *range.first);
     domain.upper.push_back(values.empty() ? 0.0 : *range.second);
     domain.positions.push_back(distinctPositions(std::move(values)));
+    double slowest = kNotMeasured, fastest = kNotMeasured;
+    for (const Observation& o : session.observations) {
+      const double v = static_cast<std::size_t>(j) < o.velocity.size() ? o.velocity[j] : kNotMeasured;
+      slowest = std::fmin(slowest, v);  // fmin and fmax pass over NaN
+      fastest = std::fmax(fastest, v);
+    }
+    domain.velocityLower.push_back(slowest);
+    domain.velocityUpper.push_back(fastest);
   }
   addRanges(session.temperatures, session.observations, domain.sensors, domain.sensorLower,
             domain.sensorUpper);
@@ -66,6 +74,8 @@ Domain observedDomain(const Session& session) {
   bool first = true;
   for (const Observation& o : session.observations) {
     domain.duration = std::max(domain.duration, o.time);
+    domain.readingLower = std::fmin(domain.readingLower, o.laserReading);
+    domain.readingUpper = std::fmax(domain.readingUpper, o.laserReading);
     for (const double v : o.velocity)
       if (std::isfinite(v)) domain.maxSpeed = std::max(domain.maxSpeed, std::abs(v));
     const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), kNotMeasured).position;

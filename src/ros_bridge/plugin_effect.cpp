@@ -114,6 +114,7 @@ class PluginEffect final : public Effect {
       q.start = p.start;
       q.minimum = p.minimum;
       q.maximum = p.maximum;
+      q.priorStd = p.priorStd;
       if (!p.search.empty()) {
         nonlinear_.push_back(static_cast<int>(parameters_.size()));
         combine(p.search);

@@ -86,6 +86,12 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
   EXPECT_EQ(r.domain.networks[0].heldOut, c.domain.networks[0].heldOut);
   EXPECT_EQ(r.domain.positions, c.domain.positions);
   EXPECT_EQ(r.domain.featureRadius, c.domain.featureRadius);
+  ASSERT_EQ(r.domain.velocityLower.size(), 3u);
+  EXPECT_TRUE(std::isnan(r.domain.velocityLower[1]));
+  EXPECT_EQ(r.domain.velocityLower[2], c.domain.velocityLower[2]);
+  EXPECT_EQ(r.domain.velocityUpper[2], c.domain.velocityUpper[2]);
+  EXPECT_EQ(r.domain.readingLower, c.domain.readingLower);
+  EXPECT_EQ(r.domain.readingUpper, c.domain.readingUpper);
   EXPECT_EQ(r.domain.joints[1].upper, 0.035);
   EXPECT_EQ(r.domain.lower, c.domain.lower);
   EXPECT_EQ(r.domain.tipUpper, c.domain.tipUpper);

@@ -108,7 +108,13 @@ inline Domain domainOf(const Machine& machine, bool laser) {
   d.featureRadius = {0.004, 0.006, 0.0};
   d.duration = 3600;
   d.maxSpeed = 0.02;
+  d.velocityLower.assign(d.joints.size(), -0.02);
+  d.velocityUpper.assign(d.joints.size(), 0.015);
   d.laser = laser;
+  if (laser) {
+    d.readingLower = -0.5e-3;
+    d.readingUpper = 0.5e-3;
+  }
   d.networks = {learnedNetwork(d, EffectSpec("thermal_network").set("axis", d.joints[0].name))};
   return d;
 }
@@ -186,16 +192,20 @@ inline std::vector<EffectSpec> everySpec(const Domain& domain, int which) {
   for (const EffectType& type : effectRegistry())
     for (const EffectSpec& spec : type.candidates(domain)) specs.push_back(spec);
   const std::vector<std::string> more =
-      which < 2 ? std::vector<
-                      std::string>{"{type: mmt_deviation, axis: x, lead_mm: 1}",
-                                   "{type: mmt_deviation, axis: y, lead_mm: 1.5, exponent: 1, "
-                                   "amplitude_exponent: 0, argument: 1}",
-                                   "{type: lead_screw_periodic, axis: y, period_mm: 2.5}",
-                                   "{type: formula, direction: x, formula: k1*x*y + k2*bed}",
-                                   "{type: formula, direction: z, formula: k1*exp(-t/k2)*x, start: [0, 600]}",
-                                   "{type: formula, direction: approach, formula: k1*humidity}"}
-                : std::vector<std::string>{
-                      "{type: formula, direction: pan, formula: k1*sin(tilt) + k2*cos(2*pan)}"};
+      which < 2
+          ? std::vector<
+                std::string>{"{type: mmt_deviation, axis: x, lead_mm: 1}",
+                             "{type: mmt_deviation, axis: y, lead_mm: 1.5, exponent: 1, "
+                             "amplitude_exponent: 0, argument: 1}",
+                             "{type: lead_screw_periodic, axis: y, period_mm: 2.5}",
+                             "{type: profile, direction: x, variable: bed}",
+                             "{type: profile, direction: approach, variables: [x, y_velocity], size_um: 3}",
+                             "{type: formula, direction: x, formula: k1*x*y + k2*bed}",
+                             "{type: formula, direction: z, formula: k1*exp(-t/k2)*x, start: [0, 600]}",
+                             "{type: formula, direction: approach, formula: k1*humidity}"}
+          : std::vector<std::string>{
+                "{type: formula, direction: pan, formula: k1*sin(tilt) + k2*cos(2*pan)}",
+                "{type: profile, direction: pan, variables: [tilt, humidity], size_arcsec: 5}"};
   for (const std::string& text : more) specs.push_back(specOf(text));
   specs.push_back(EffectSpec("position_table").set("axis", domain.joints[0].name));
   specs.push_back(EffectSpec("thermal_network").set("axis", domain.joints[0].name));

@@ -64,6 +64,9 @@ const std::vector<Row> kThreeAxis{
     {"{type: formula, direction: z, formula: k1*exp(-t/k2), start: [0, 600]}", "t"},
     {"{type: formula, direction: z, formula: k1*exp(-t/k2)}", "t"},
     {"{type: formula, direction: z, formula: 'k1*(bed > 27 ? 1 : 0) + 0*t'}", "bed"},
+    {"{type: profile, direction: x, variable: bed}", "bed"},
+    {"{type: profile, direction: x, variable: t}", "t"},
+    {"{type: profile, direction: approach, variables: [x, y_velocity]}", "x velocity:y approach"},
     {"{type: thermal_network, axis: x}", "x bed spindle"},
 };
 
@@ -79,6 +82,7 @@ const std::vector<Row> kFiveAxis{
     {"{type: angular_motion, axis: z, about: z}", "y x z b a"},
     {"{type: backlash, axis: b}", "travel:b"},
     {"{type: formula, direction: z, formula: k1*reading^2}", "reading"},
+    {"{type: profile, direction: b, variable: reading}", "reading"},
 };
 
 void check(const std::vector<Row>& rows, const Domain& domain) {
