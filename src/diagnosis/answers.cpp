@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kMostRivals = 4;
 constexpr double kCounts = 4.5;  // standard deviations: a further shape of a family is told as well
-constexpr double kPriorCause = 0.5;  // that any cause acts, before a session is seen: that is why it is diagnosed
+constexpr double kPriorCause =
+    0.5;  // that any cause acts, before a session is seen: that is why it is diagnosed
 constexpr std::size_t kMostHeldOut = 12;  // candidates whose held-out figure is worked out: the best
 
 std::vector<int> linearParameters(const Effect& effect) {
@@ -68,21 +69,25 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
     std::vector<EffectSpec> specs;
     if (q.groups.groups[m.group].profile) {
       const EffectSpec::Value* two = shape.spec.find("variables");
-      specs.push_back(profileSpec(shape.spec.text("direction"),
-                                  two != nullptr ? two->items : std::vector<std::string>{shape.spec.text("variable")},
-                                  m.size * found.white * unitOf(*q.space), domain));
+      specs.push_back(
+          profileSpec(shape.spec.text("direction"),
+                      two != nullptr ? two->items : std::vector<std::string>{shape.spec.text("variable")},
+                      m.size * found.white * unitOf(*q.space), domain));
     } else if (!shape.mixed.empty()) {
       std::vector<std::pair<double, std::size_t>> order;
       for (std::size_t k = 0; k < shape.mixed.size(); ++k)
-        order.emplace_back(-m.columns->col(static_cast<int>(k)).norm() * std::abs(fit.values[j][static_cast<int>(k)]), k);
+        order.emplace_back(
+            -m.columns->col(static_cast<int>(k)).norm() * std::abs(fit.values[j][static_cast<int>(k)]), k);
       std::sort(order.begin(), order.end());
       for (std::size_t k = 0; k < order.size(); ++k) {
         const int at = static_cast<int>(order[k].second);
         const double std = std::sqrt(fit.covariance[j](at, at));
-        if (k == 0 || std::abs(fit.values[j][at]) > kCounts * std) specs.push_back(shape.mixed[order[k].second]);
+        if (k == 0 || std::abs(fit.values[j][at]) > kCounts * std)
+          specs.push_back(shape.mixed[order[k].second]);
       }
     } else {
-      const bool there = std::any_of(taken.begin(), taken.end(), [&](const EffectSpec& s) { return s == shape.spec; });
+      const bool there =
+          std::any_of(taken.begin(), taken.end(), [&](const EffectSpec& s) { return s == shape.spec; });
       specs.push_back(there ? shape.effect->shapedAs(m.nonlinear) : shape.spec);
     }
     for (const EffectSpec& spec : specs) {
@@ -116,7 +121,8 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
     const Eigen::VectorXd values = products.ldlt().solve(all.transpose() * q.space->target());
     int at = 0;
     for (Answer& a : answers)
-      for (const int k : linearParameters(*a.effect)) a.start[k] = values[at++] * a.effect->parameters()[k].scale;
+      for (const int k : linearParameters(*a.effect))
+        a.start[k] = values[at++] * a.effect->parameters()[k].scale;
   }
   return answers;
 }
@@ -139,7 +145,8 @@ Tails tailsOf(const Search& search, const Explanation& found) {
       for (int i = 0; i < n; ++i) weight[i] = (dof + 1.0) / (dof + e[i] * e[i] / s2);
       s2 = weight.dot(e.cwiseAbs2()) / n;
     }
-    double value = n * (std::lgamma(0.5 * (dof + 1.0)) - std::lgamma(0.5 * dof) - 0.5 * std::log(M_PI * dof * s2));
+    double value =
+        n * (std::lgamma(0.5 * (dof + 1.0)) - std::lgamma(0.5 * dof) - 0.5 * std::log(M_PI * dof * s2));
     for (int i = 0; i < n; ++i) value -= 0.5 * (dof + 1.0) * std::log1p(e[i] * e[i] / (dof * s2));
     if (value > best) {
       best = value;
@@ -156,7 +163,8 @@ void sortByGain(const Search& search, Explanation& found) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const std::vector<Member> others = without(found.members, j);
-    order.emplace_back(-evidence->gainOf(evidence->given(others), others, *found.members[j].columns).value, j);
+    order.emplace_back(-evidence->gainOf(evidence->given(others), others, *found.members[j].columns).value,
+                       j);
   }
   std::stable_sort(order.begin(), order.end());
   std::vector<Member> sorted;
@@ -164,7 +172,8 @@ void sortByGain(const Search& search, Explanation& found) {
   found.members = std::move(sorted);
 }
 
-void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out) {
+void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit,
+                 Diagnosis& out) {
   const Questions& q = search.questions();
   const auto evidence = search.evidenceAt(found);
   const Evidence::Fit fit = evidence->fit(found.members);
@@ -192,7 +201,8 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
         c.delta = std::max(0.0, gain - g.value);
         c.odds = weightOf(q, g.value);
         weights += c.odds;
-        for (const std::string& input : rival.notRecorded) c.notRecorded += (c.notRecorded.empty() ? "" : ", ") + input;
+        for (const std::string& input : rival.notRecorded)
+          c.notRecorded += (c.notRecorded.empty() ? "" : ", ") + input;
         if (rivals.size() < kMostRivals) rivals.push_back(c);
       }
     for (Confusable& c : rivals) c.odds /= weights;
@@ -234,7 +244,8 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
   }
 }
 
-void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects, Diagnosis& out) {
+void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
+                    Diagnosis& out) {
   int at = first;
   for (const EffectPtr& effect : effects) {
     const auto found = std::find_if(out.missing.begin(), out.missing.end(),
@@ -260,13 +271,15 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
     }
     for (const Parameter& p : effect->parameters()) {
       if (found != out.missing.end())
-        found->parameters.push_back({p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
+        found->parameters.push_back(
+            {p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
       ++at;
     }
   }
 }
 
-void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out) {
+void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
+                    Diagnosis& out) {
   const Questions& q = search.questions();
   // one at a time, each with nothing else but the noise
   const auto evidence = search.evidenceAt(found);
@@ -305,9 +318,10 @@ void fillScatter(const Questions& q, const Explanation& found, double unit, Diag
     s.what = q.scatterNames[b];
     s.std = found.scatter[b] * found.white * unit;
     const std::string size = shortNumber(s.std / kMicrometre) + " um";
-    s.inWords = s.what == "centres" ? "the balls' centres scatter by " + size +
-                                          " about where the artifact file has them; calibrate the artifact, or state "
-                                          "their centre_std_um"
+    s.inWords = s.what == "centres"
+                    ? "the balls' centres scatter by " + size +
+                          " about where the artifact file has them; calibrate the artifact, or state "
+                          "their centre_std_um"
                 : s.what == "radii" ? "the balls' radii scatter by " + size +
                                           " about what the artifact file says; measure them, or state their "
                                           "radius_std_um"
@@ -342,13 +356,14 @@ void decide(Diagnosis& out) {
   const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {
     return !m.confusableWith.empty() || m.confusableWithDrift;
   });
-  constexpr double kMoreThanRepeatability = 1.3;  // repeatability from five runs is known to a third (ISO 230-2)
+  constexpr double kMoreThanRepeatability =
+      1.3;  // repeatability from five runs is known to a third (ISO 230-2)
   const bool known = out.base.repeatabilityFrom != "estimated";
-  out.verdict = !out.profiles.empty() ? Verdict::kUnknownEffect
-                : confusable          ? Verdict::kConfusable
+  out.verdict = !out.profiles.empty()  ? Verdict::kUnknownEffect
+                : confusable           ? Verdict::kConfusable
                 : !out.missing.empty() ? Verdict::kMissingEffect
                 : known && out.noise < kMoreThanRepeatability * out.base.repeatability ? Verdict::kExplained
-                                                                                        : Verdict::kScatter;
+                                                                                       : Verdict::kScatter;
 }
 
 }  // namespace mm

@@ -15,7 +15,8 @@ struct Answer {
   Eigen::VectorXd start;  // of its parameters, SI, from the linearised fit
   int member = 0;         // of the explanation
 };
-/// In the order of the members; a member whose shape is mixed of a family gives one for each shape that counts.
+/// In the order of the members; a member whose shape is mixed of a family gives one for each shape that
+/// counts.
 std::vector<Answer> answersOf(const Search& search, const Explanation& found);
 
 /// Heavy tails of the noise: weights by Student's t, where its likelihood is clearly the greater.
@@ -30,9 +31,12 @@ double unitOf(const ResidualSpace& space);
 
 /// Members in the order of what they bring, most first.
 void sortByGain(const Search& search, Explanation& found);
-void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out);
-void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects, Diagnosis& out);
-void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit, Diagnosis& out);
+void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit,
+                 Diagnosis& out);
+void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
+                    Diagnosis& out);
+void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
+                    Diagnosis& out);
 void listCannotShow(const Questions& questions, const Explanation& found, Diagnosis& out);
 void fillScatter(const Questions& questions, const Explanation& found, double unit, Diagnosis& out);
 /// Moves that tell confusable effects apart, and which of them no move tells apart.

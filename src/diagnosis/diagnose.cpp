@@ -56,7 +56,8 @@ class Diagnoser {
                            " degrees of freedom, too few to tell a missing effect from noise; measure more");
     out_.where = whereItFails(out_.base);
 
-    // outliers may have been structure, and structure may have hidden outliers: look again with what was found in
+    // outliers may have been structure, and structure may have hidden outliers: look again with what was
+    // found in
     CalibrationResult fitted = out_.base;
     Look look;
     for (int round = 0; round < kMostLooks; ++round) {
@@ -91,8 +92,8 @@ class Diagnoser {
     look.space = std::make_unique<ResidualSpace>(fitted);
     Questions& q = look.questions;
     q.space = look.space.get();
-    LinearisedRows rows = noiseRows(look.space->problem(), look.space->used(), fitted.sigma, look.space->target(),
-                                    look.space->basis());
+    LinearisedRows rows = noiseRows(look.space->problem(), look.space->used(), fitted.sigma,
+                                    look.space->target(), look.space->basis());
     q.rows = std::move(rows.rows);
     q.directions = std::move(rows.directions);
     q.directionScale = std::move(rows.directionScale);

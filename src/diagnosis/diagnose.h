@@ -29,7 +29,8 @@ struct Confusable {
   double odds = 0.0;   // posterior probability of this one among the named one and all its rivals, 0 … 1
   /// The two are one error told in two frames: no measurement on this machine tells them apart.
   bool same = false;
-  /// Not empty: an input of it that the session did not record, so that it can only be excluded by recording it.
+  /// Not empty: an input of it that the session did not record, so that it can only be excluded by recording
+  /// it.
   std::string notRecorded;
   std::string moves;  // in words, what would tell them apart; empty where `same`
 };
@@ -51,14 +52,14 @@ struct CandidateResult {
 
 /// A smooth function of one recorded variable, or of two, that no effect of the catalogue explains.
 struct ProfileResult {
-  EffectSpec effect;                    // type profile: ready to be added
-  std::string direction;                // a joint, x, y, z of workpiece, or approach
-  std::vector<std::string> variables;   // one or two, as in formulas
-  std::vector<std::string> units;       // of the variables: "mm", "deg", "s", "degC" …
-  double gain = 0.0, odds = 0.0;        // as in CandidateResult
+  EffectSpec effect;                               // type profile: ready to be added
+  std::string direction;                           // a joint, x, y, z of workpiece, or approach
+  std::vector<std::string> variables;              // one or two, as in formulas
+  std::vector<std::string> units;                  // of the variables: "mm", "deg", "s", "degC" …
+  double gain = 0.0, odds = 0.0;                   // as in CandidateResult
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // m (rad)
-  /// Of one variable: its value (in `units`), the error, its standard deviation (um; arcsec for rotary). Of two:
-  /// both values, the error, its standard deviation.
+  /// Of one variable: its value (in `units`), the error, its standard deviation (um; arcsec for rotary). Of
+  /// two: both values, the error, its standard deviation.
   std::vector<std::vector<double>> curve;
 };
 
@@ -84,8 +85,8 @@ struct DriftResult {
 
 /// Scatter that belongs to the artifact: its balls are not where, or not as round as, the file says.
 struct ArtifactScatter {
-  std::string what;   // "centres", "radii", "form"
-  double std = 0.0;   // m
+  std::string what;  // "centres", "radii", "form"
+  double std = 0.0;  // m
   std::string inWords;
 };
 
@@ -124,10 +125,11 @@ struct Diagnosis {
   std::vector<DriftResult> drift;
   std::vector<ArtifactScatter> artifactScatter;
   std::vector<MissingInput> missingInputs;
-  double noise = 0.0;      // m (rad): the white part of what is left, as estimated
-  double noiseStd = 0.0;   // its standard uncertainty
-  double tailDof = 0.0;    // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
-  double heldOut = 0.0;    // m (rad): RMS with everything that was found, the search run again without the rows judged
+  double noise = 0.0;     // m (rad): the white part of what is left, as estimated
+  double noiseStd = 0.0;  // its standard uncertainty
+  double tailDof = 0.0;   // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
+  double heldOut =
+      0.0;  // m (rad): RMS with everything that was found, the search run again without the rows judged
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;
   bool angular = false;  // RMS figures are rad

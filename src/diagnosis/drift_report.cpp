@@ -11,8 +11,8 @@ namespace {
 
 const double kSaid = std::log(100.0);  // nats: drift that is not there at 100 to 1 is not spoken of
 constexpr std::size_t kMostAsked = 2;  // causes from each start
-constexpr double kSomeShare = 0.3;     // of a drift's variance: what a cause must take over to be what it may be
-constexpr double kHopeless = -3.0;     // nats against drift alone
+constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
+constexpr double kHopeless = -3.0;  // nats against drift alone
 
 double varianceAlong(const NoiseModel& noise, int direction, double white) {
   double sum = 0.0;
@@ -31,8 +31,9 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
     if (!(varianceAlong(found.noise, d, found.white) > 0.0)) continue;
     Explanation without = found;
     auto& drift = without.noise.drift;
-    drift.erase(std::remove_if(drift.begin(), drift.end(), [&](const DriftTerm& t) { return t.direction == d; }),
-                drift.end());
+    drift.erase(
+        std::remove_if(drift.begin(), drift.end(), [&](const DriftTerm& t) { return t.direction == d; }),
+        drift.end());
     without = search.refitted(found.members, without, false);
     if (found.logEvidence - without.logEvidence < kSaid) continue;
     DriftResult r;

@@ -6,7 +6,8 @@
 
 namespace mm {
 
-/// What of the explanation is drift, direction by direction, and which causes that change with time it may be.
+/// What of the explanation is drift, direction by direction, and which causes that change with time it may
+/// be.
 std::vector<DriftResult> driftOf(const Search& search, const Explanation& found);
 
 }  // namespace mm

@@ -36,8 +36,8 @@ RowMatrix crossProducts(const A& a, const B& b) {
 
 }  // namespace
 
-Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise, std::vector<RandomBlock> blocks,
-                   const std::vector<char>* heldOut)
+Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise,
+                   std::vector<RandomBlock> blocks, const std::vector<char>* heldOut)
     : rows_(rows), groups_(groups), noise_(std::move(noise)) {
   CancelScope::check();
   int held = 0;
@@ -156,7 +156,8 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
   return g;
 }
 
-Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& target, const Given& given) const {
+Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& target,
+                    const Given& given) const {
   Gain gain;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(products);
   const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(0.0);
@@ -206,7 +207,8 @@ Gain Evidence::gainOf(const Given& given, int group) const {
   return best;
 }
 
-Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members, const RowMatrix& columns) const {
+Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members,
+                      const RowMatrix& columns) const {
   const Prepared p = prepare(columns, false);
   Eigen::MatrixXd products = crossProducts(p.columns, p.columns) - p.byBase.transpose() * p.byBase;
   Eigen::VectorXd target = p.target;

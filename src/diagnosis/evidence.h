@@ -14,35 +14,36 @@ namespace mm {
 struct Member {
   int group = 0, shape = 0;
   std::vector<double> nonlinear;  // refined, SI
-  double size = 0.0;              // standard deviation of a coefficient of weight 1, in units of the white noise
+  double size = 0.0;  // standard deviation of a coefficient of weight 1, in units of the white noise
   std::shared_ptr<const RowMatrix> columns;  // length x k, weighted
-  std::string id;                 // tells its columns from those of any other member
+  std::string id;                            // tells its columns from those of any other member
 };
 
 /// What one more group would bring.
 struct Gain {
   int group = -1, shape = 0;
-  double size = 0.0;    // at which the evidence is largest
-  double value = -1e300;  // log evidence with it less that without, less the logarithm of the number of its shapes
+  double size = 0.0;  // at which the evidence is largest
+  double value =
+      -1e300;  // log evidence with it less that without, less the logarithm of the number of its shapes
 };
 
-/// The number on which a diagnosis decides: the log evidence of a linear-Gaussian model of the residuals at one model of
-/// the noise. The columns of the base model are free (restricted likelihood), those of blocks and members are drawn from
-/// normal distributions, the scale of the noise is integrated out.
+/// The number on which a diagnosis decides: the log evidence of a linear-Gaussian model of the residuals at
+/// one model of the noise. The columns of the base model are free (restricted likelihood), those of blocks
+/// and members are drawn from normal distributions, the scale of the noise is integrated out.
 class Evidence {
  public:
-  /// @param groups, rows: must outlive it. @param blocks at their ratios. @param heldOut a data row: not 0 where the row
-  /// must not be used; null: all are.
+  /// @param groups, rows: must outlive it. @param blocks at their ratios. @param heldOut a data row: not 0
+  /// where the row must not be used; null: all are.
   Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise, std::vector<RandomBlock> blocks,
            const std::vector<char>* heldOut = nullptr);
 
   /// Everything given some members: what is left for others to explain.
   struct Given {
     double logEvidence = 0.0;
-    double rest = 0.0;           // whitened sum of squares that is left
+    double rest = 0.0;  // whitened sum of squares that is left
     double freedoms = 1.0;
-    Eigen::MatrixXd absorbed;    // members' columns x all columns of the groups
-    Eigen::VectorXd explained;   // members' columns
+    Eigen::MatrixXd absorbed;   // members' columns x all columns of the groups
+    Eigen::VectorXd explained;  // members' columns
   };
   Given given(const std::vector<Member>& members) const;
 
@@ -55,9 +56,9 @@ class Evidence {
 
   /// Expected values of the target (length of the rows): everything but the white noise, drift included.
   struct Fit {
-    Eigen::VectorXd expected;               // length
-    Eigen::VectorXd withoutDrift;           // length
-    std::vector<Eigen::VectorXd> values;    // a member: its coefficients
+    Eigen::VectorXd expected;                 // length
+    Eigen::VectorXd withoutDrift;             // length
+    std::vector<Eigen::VectorXd> values;      // a member: its coefficients
     std::vector<Eigen::MatrixXd> covariance;  // a member: of its coefficients
   };
   Fit fit(const std::vector<Member>& members) const;
@@ -67,11 +68,12 @@ class Evidence {
   const NoiseRows& rows() const { return rows_; }
 
  private:
-  struct Prepared {  // the columns of a member, whitened, and what the base and the blocks leave of their products
+  struct Prepared {  // the columns of a member, whitened, and what the base and the blocks leave of their
+                     // products
     RowMatrix columns;
-    Eigen::MatrixXd byBase;   // base and blocks x k
-    Eigen::MatrixXd cross;    // k x all columns of the groups
-    Eigen::VectorXd target;   // k
+    Eigen::MatrixXd byBase;  // base and blocks x k
+    Eigen::MatrixXd cross;   // k x all columns of the groups
+    Eigen::VectorXd target;  // k
   };
   const Prepared& prepared(const Member& member) const;
   Prepared prepare(const RowMatrix& columns, bool cross) const;
@@ -81,14 +83,15 @@ class Evidence {
   const Groups& groups_;
   NoiseModel noise_;
   std::unique_ptr<TimeWhitener> whitener_;
-  RowMatrix fixed_;             // base and blocks, whitened
-  Eigen::VectorXd target_;      // whitened
-  RowMatrix columns_;           // of the groups, whitened
-  Eigen::MatrixXd factor_;      // Cholesky factor of the products of base and blocks
-  Eigen::MatrixXd byBase_;      // base and blocks x columns of the groups
+  RowMatrix fixed_;         // base and blocks, whitened
+  Eigen::VectorXd target_;  // whitened
+  RowMatrix columns_;       // of the groups, whitened
+  Eigen::MatrixXd factor_;  // Cholesky factor of the products of base and blocks
+  Eigen::MatrixXd byBase_;  // base and blocks x columns of the groups
   Eigen::VectorXd fixedTarget_;
   Eigen::VectorXd groupTarget_;  // a column of the groups: product with the target, after base and blocks
-  std::vector<std::vector<Eigen::MatrixXd>> products_;  // a group, a shape: of its columns, after base and blocks
+  std::vector<std::vector<Eigen::MatrixXd>>
+      products_;  // a group, a shape: of its columns, after base and blocks
   RowMatrix fixedRaw_;
   double logDeterminant_ = 0.0, rest_ = 0.0, freedoms_ = 1.0;
   mutable std::map<std::string, Prepared> prepared_;

@@ -1,4 +1,5 @@
-// A formula is said only where it says the same as the curve that the evidence found: an engineer reads it faster.
+// A formula is said only where it says the same as the curve that the evidence found: an engineer reads it
+// faster.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,16 +12,17 @@ namespace mm {
 namespace {
 
 /// Forms of one variable v, of two variables a and b: at most three constants, each of them counted.
-const char* const kOfOne[] = {"k1*{v}",          "k1*{v}^2",          "k1*{v}^3",         "k1*abs({v})",
-                              "k1*{v}*abs({v})", "k1*{v}+k2*{v}^2",   "k1*{v}+k2*{v}^3",  "k1*sqrt(abs({v}))",
-                              "k1*{v}^2+k2*{v}^3", "k1*{v}+k2*abs({v})"};
-const char* const kOfTwo[] = {"k1*{a}*{b}",   "k1*{a}*{b}^2",      "k1*{a}^2*{b}",       "k1*{a}^2*{b}^2",
-                              "k1*{a}*abs({b})", "k1*abs({a})*{b}", "k1*{a}+k2*{b}",      "k1*{a}*{b}+k2*{a}",
-                              "k1*{a}*{b}+k2*{b}"};
+const char* const kOfOne[] = {
+    "k1*{v}",          "k1*{v}^2",        "k1*{v}^3",          "k1*abs({v})",       "k1*{v}*abs({v})",
+    "k1*{v}+k2*{v}^2", "k1*{v}+k2*{v}^3", "k1*sqrt(abs({v}))", "k1*{v}^2+k2*{v}^3", "k1*{v}+k2*abs({v})"};
+const char* const kOfTwo[] = {"k1*{a}*{b}",     "k1*{a}*{b}^2",      "k1*{a}^2*{b}",
+                              "k1*{a}^2*{b}^2", "k1*{a}*abs({b})",   "k1*abs({a})*{b}",
+                              "k1*{a}+k2*{b}",  "k1*{a}*{b}+k2*{a}", "k1*{a}*{b}+k2*{b}"};
 
 std::string filled(std::string form, const std::vector<std::string>& names) {
   const auto replace = [&](const std::string& mark, const std::string& name) {
-    for (std::size_t at = form.find(mark); at != std::string::npos; at = form.find(mark)) form.replace(at, 3, name);
+    for (std::size_t at = form.find(mark); at != std::string::npos; at = form.find(mark))
+      form.replace(at, 3, name);
   };
   replace("{v}", names[0]);
   replace("{a}", names[0]);
@@ -30,8 +32,8 @@ std::string filled(std::string form, const std::vector<std::string>& names) {
 
 std::string waveOf(const std::string& name, double period) {
   char text[200];
-  std::snprintf(text, sizeof text, "k1*sin(2*pi*%s/%.4g)+k2*cos(2*pi*%s/%.4g)", name.c_str(), period, name.c_str(),
-                period);
+  std::snprintf(text, sizeof text, "k1*sin(2*pi*%s/%.4g)+k2*cos(2*pi*%s/%.4g)", name.c_str(), period,
+                name.c_str(), period);
   return text;
 }
 
@@ -92,14 +94,15 @@ void describeProfiles(const Search& search, const Explanation& found, const Held
         double at = 0.0, most = -1e300;
         for (int k = 0; k < kPeriods; ++k) {
           const double period = range / (1.0 + 9.0 * k / (kPeriods - 1.0));
-          const double value = ask(waveOf(p.variables[0], period), forms + std::log(static_cast<double>(kPeriods)));
+          const double value =
+              ask(waveOf(p.variables[0], period), forms + std::log(static_cast<double>(kPeriods)));
           if (value > most) most = value, at = period;
         }
         for (const double step : {0.01, 0.003, 0.001})
           for (const double sign : {1.0, -1.0})
             for (int again = 0; again < 6; ++again) {
-              const double value =
-                  ask(waveOf(p.variables[0], at * (1.0 + sign * step)), forms + std::log(static_cast<double>(kPeriods)));
+              const double value = ask(waveOf(p.variables[0], at * (1.0 + sign * step)),
+                                       forms + std::log(static_cast<double>(kPeriods)));
               if (!(value > most)) break;
               most = value;
               at *= 1.0 + sign * step;

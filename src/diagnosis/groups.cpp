@@ -16,7 +16,8 @@
 namespace mm {
 namespace {
 
-/// Less than this share of a column is left by the model's unknowns: it is rounding, or would have to be enormous.
+/// Less than this share of a column is left by the model's unknowns: it is rounding, or would have to be
+/// enormous.
 constexpr double kSeen = 1e-3;
 /// How much the size of a cause changes over the travel of a joint along which it is known to change.
 constexpr double kVariation = 0.15;
@@ -70,7 +71,8 @@ class Maker {
   /// Why the session cannot show an effect, for reasons that need no columns; empty: it may.
   std::string notTried(const Effect& effect) const {
     for (const int joint : effect.mustMove())
-      if (!(domain_.upper[joint] - domain_.lower[joint] > 1e-9)) return domain_.joints[joint].name + " never moved";
+      if (!(domain_.upper[joint] - domain_.lower[joint] > 1e-9))
+        return domain_.joints[joint].name + " never moved";
     if (effect.positionsNeeded() > 0)
       for (const int joint : effect.mustMove())
         if (distinctPositions(problem_, joint) < effect.positionsNeeded())
@@ -78,8 +80,8 @@ class Maker {
     return "";
   }
 
-  /// Columns of the linear parameters, each of unit root mean square after projection; those that are not seen are
-  /// left out. @param why not empty on return: nothing of it is seen.
+  /// Columns of the linear parameters, each of unit root mean square after projection; those that are not
+  /// seen are left out. @param why not empty on return: nothing of it is seen.
   RowMatrix unitColumns(const Effect& effect, const std::vector<double>& nonlinear, double* factor,
                         std::string& why) const {
     std::vector<double> p;
@@ -110,7 +112,8 @@ class Maker {
     // main columns keep their proportion: two phases of a wave have one size
     double largest = 0.0;
     for (int k = 0; k < raw.cols(); ++k)
-      if (projected.col(k).norm() > kSeen * raw.col(k).norm()) largest = std::max(largest, projected.col(k).norm());
+      if (projected.col(k).norm() > kSeen * raw.col(k).norm())
+        largest = std::max(largest, projected.col(k).norm());
     if (!(largest > 0.0)) {
       why = "the model's other unknowns absorb it completely";
       return {};
@@ -134,8 +137,10 @@ class Maker {
       RowMatrix columns = unitColumns(other, at, nullptr, why);
       if (why.empty()) parts.push_back(columns * share);
     };
-    for (const ShapeFreedom& f : effect->freedom(domain_)) beside(*createEffect(f.spec, domain_), {}, f.share);
-    for (const Effect::NonlinearFreedom& f : effect->freedomBeside(nonlinear)) beside(*effect, f.nonlinear, f.share);
+    for (const ShapeFreedom& f : effect->freedom(domain_))
+      beside(*createEffect(f.spec, domain_), {}, f.share);
+    for (const Effect::NonlinearFreedom& f : effect->freedomBeside(nonlinear))
+      beside(*effect, f.nonlinear, f.share);
     for (const int joint : effect->variesAlong(domain_)) {
       const double range = domain_.upper[joint] - domain_.lower[joint];
       if (!(range > 0.0)) continue;
@@ -162,7 +167,8 @@ class Maker {
     // what is drawn with a prior (a profile's coefficients) has weights of its own
     const std::vector<int> linear = linearParameters(*effect);
     double widest = 0.0;
-    for (const int k : linear) widest = std::max(widest, effect->parameters()[k].priorStd / effect->parameters()[k].scale);
+    for (const int k : linear)
+      widest = std::max(widest, effect->parameters()[k].priorStd / effect->parameters()[k].scale);
     if (widest > 0.0) {
       double total = 0.0;
       for (std::size_t k = 0; k < linear.size(); ++k)
@@ -219,7 +225,8 @@ void makeAll(const Maker& maker, const std::vector<Wanted>& wanted, Groups& out,
   for (std::size_t g = 0; g < out.groups.size(); ++g) {
     Mixed m{g, {}};
     for (std::size_t i = 0; i < wanted.size(); ++i)
-      if (wanted[i].group == g && made[i].why.empty() && made[i].shape.main == 1 && wanted[i].nonlinear.empty())
+      if (wanted[i].group == g && made[i].why.empty() && made[i].shape.main == 1 &&
+          wanted[i].nonlinear.empty())
         m.members.push_back(i);
     constexpr std::size_t kFewest = 3;
     if (!out.groups[g].profile && m.members.size() >= kFewest && m.members.size() <= std::size(kMixed)) {
@@ -382,7 +389,8 @@ std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space) {
       if (!(range > 0.0)) continue;
       Eigen::MatrixXd columns = linearOf(effect, space.columns(effect, p));
       for (int i = 0; i < space.rows(); ++i) {
-        const double q = space.problem().state(space.problem().rows()[space.used()[i]].observation).position[joint];
+        const double q =
+            space.problem().state(space.problem().rows()[space.used()[i]].observation).position[joint];
         columns.row(i) *= (2.0 * q - domain.upper[joint] - domain.lower[joint]) / range;
       }
       add(columns, kVariation);
@@ -416,8 +424,9 @@ Groups profilesOf(const ResidualSpace& space, const std::vector<EffectSpec>& spe
     out.groups.push_back(std::move(group));
   }
   makeAll(maker, wanted, out, space.length(), nullptr);
-  out.groups.erase(std::remove_if(out.groups.begin(), out.groups.end(), [](const Group& g) { return g.shapes.empty(); }),
-                   out.groups.end());
+  out.groups.erase(
+      std::remove_if(out.groups.begin(), out.groups.end(), [](const Group& g) { return g.shapes.empty(); }),
+      out.groups.end());
   return out;
 }
 

@@ -14,7 +14,8 @@ struct Shape {
   std::vector<double> nonlinear;  // values of its nonlinear parameters (a period, a time constant), SI
   int first = 0, count = 0;       // of Groups::columns
   int main = 0;                   // of these, the first are those of the effect itself
-  std::vector<EffectSpec> mixed;  // not empty: a shape made of several members of the family, a main column each
+  std::vector<EffectSpec>
+      mixed;  // not empty: a shape made of several members of the family, a main column each
 };
 
 /// One question of a diagnosis: a physical cause with everything that it may look like, or a profile.
@@ -24,7 +25,8 @@ struct Group {
   bool profile = false;
   int variables = 0;  // of a profile
   bool dependsOnTime = false;
-  std::vector<std::string> notRecorded;  // inputs of it that the session does not have, made up for the question
+  std::vector<std::string>
+      notRecorded;  // inputs of it that the session does not have, made up for the question
 };
 
 /// A member of the catalogue that the session cannot show.
@@ -34,13 +36,14 @@ struct NotShown {
   std::string why;
 };
 
-/// All questions that are asked of a session, with their columns: whitened by the stated noise, not projected, each of
-/// unit root mean square after what the model's unknowns absorb, times the weight that it has in its shape.
+/// All questions that are asked of a session, with their columns: whitened by the stated noise, not
+/// projected, each of unit root mean square after what the model's unknowns absorb, times the weight that it
+/// has in its shape.
 struct Groups {
   std::vector<Group> groups;
   RowMatrix columns;  // length x all
   std::vector<NotShown> notShown;
-  int causes = 0;    // groups that are no profiles
+  int causes = 0;  // groups that are no profiles
 };
 
 /// The causes of the catalogue, as its effects declare them, and profiles of one variable.

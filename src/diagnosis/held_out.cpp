@@ -29,7 +29,8 @@ HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(searc
     fold.unused = fold.held;
     for (int i = 0; i < rows; ++i)
       for (int step : {-1, 1})
-        for (int j = i; !fold.held[i] && j >= 0 && j < rows && std::abs(observation(j) - observation(i)) <= kGap;
+        for (int j = i;
+             !fold.held[i] && j >= 0 && j < rows && std::abs(observation(j) - observation(i)) <= kGap;
              j += step)
           if (fold.held[j]) fold.unused[i] = 1;
   }

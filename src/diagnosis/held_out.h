@@ -6,19 +6,19 @@
 
 namespace mm {
 
-/// What an explanation is worth on rows that it has not seen. Blocks of time are held out with a gap on either side; in
-/// each fold the search is run again on the other rows, the noise being that of all; drift is predicted from its
-/// neighbours.
+/// What an explanation is worth on rows that it has not seen. Blocks of time are held out with a gap on
+/// either side; in each fold the search is run again on the other rows, the noise being that of all; drift is
+/// predicted from its neighbours.
 class HeldOut {
  public:
-  /// @param found the explanation of all rows, in the order in which its members are told. @param threadsCancel asked by
-  /// the folds' threads.
+  /// @param found the explanation of all rows, in the order in which its members are told. @param
+  /// threadsCancel asked by the folds' threads.
   HeldOut(const Search& search, const Explanation& found);
 
   /// RMS over the rows, in units of the stated noise times `unit`, m or rad.
-  double before() const;                  // with nothing found, drift predicted
+  double before() const;                   // with nothing found, drift predicted
   double with(std::size_t members) const;  // with what the folds found of the causes of the first members
-  double all() const;                     // with everything that the folds found
+  double all() const;                      // with everything that the folds found
   /// With one group alone, at its best.
   double withGroup(int group) const;
   /// With these members, whatever the folds found.

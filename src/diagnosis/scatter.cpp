@@ -7,8 +7,9 @@
 namespace mm {
 namespace {
 
-constexpr double kPrice = 3.0;      // nats: as for a drift term
-constexpr std::size_t kMostBalls = 40;  // more are treated as free of scatter: their columns would be too many
+constexpr double kPrice = 3.0;  // nats: as for a drift term
+constexpr std::size_t kMostBalls =
+    40;  // more are treated as free of scatter: their columns would be too many
 
 /// Real spherical harmonics of degree 2 and 3 at a unit vector, each of unit mean square over the sphere.
 Eigen::Matrix<double, 12, 1> harmonics(const Eigen::Vector3d& n) {
@@ -53,8 +54,10 @@ void addScatter(Questions& q) {
     if (f.kind != FeatureKind::kBall) continue;
     balls = true;
     radii(row, o.feature) = -unit;
-    const Eigen::Vector3d normal(g(row, layout.volume(0)), g(row, layout.volume(1)), g(row, layout.volume(2)));
-    if (normal.norm() > 0.5) form.block<1, 12>(row, 12 * o.feature) = unit * harmonics(normal.normalized()).transpose();
+    const Eigen::Vector3d normal(g(row, layout.volume(0)), g(row, layout.volume(1)),
+                                 g(row, layout.volume(2)));
+    if (normal.norm() > 0.5)
+      form.block<1, 12>(row, 12 * o.feature) = unit * harmonics(normal.normalized()).transpose();
   }
   const auto add = [&](const Eigen::MatrixXd& columns, const char* name) {
     q.scatter.push_back({RowMatrix(space.whiten(columns)), 0.0, kPrice, false});

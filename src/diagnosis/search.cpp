@@ -8,9 +8,12 @@ namespace mm {
 namespace {
 
 constexpr int kMostMembers = 10;
+/// A free curve imitates whatever has a name: it must be this much more likely, for each of its variables.
+constexpr double kUnnamed = 100.0;
 constexpr int kTrials = 3;            // candidates whose noise is fitted again from none
 constexpr double kWorthTrying = 6.0;  // nats below its price: a candidate is not refitted
-constexpr int kMostNoiseRows = 3000;  // the variances of longer sessions are fitted to stretches of their rows
+constexpr int kMostNoiseRows =
+    3000;  // the variances of longer sessions are fitted to stretches of their rows
 
 std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
   std::string id = std::to_string(group) + "/" + std::to_string(shape);
@@ -26,17 +29,18 @@ std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
 
 double Search::priceOf(int group) const {
   const Group& g = q_.groups.groups[group];
-  const double asked = g.variables == 2   ? q_.asked + q_.profiles + q_.pairs
-                       : g.profile        ? q_.asked + q_.profiles
-                                          : q_.asked;
-  return std::log(std::max(1.0, asked)) + std::log(kPriorOdds);
+  const double asked = g.variables == 2 ? q_.asked + q_.profiles + q_.pairs
+                       : g.profile      ? q_.asked + q_.profiles
+                                        : q_.asked;
+  return std::log(std::max(1.0, asked)) + std::log(kPriorOdds) + g.variables * std::log(kUnnamed);
 }
 
 double Search::priceOf(const Member& member) const {
   return priceOf(member.group) + std::log(static_cast<double>(q_.groups.groups[member.group].shapes.size()));
 }
 
-std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at, const std::vector<char>* heldOut) const {
+std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
+                                                   const std::vector<char>* heldOut) const {
   const auto sameDrift = [](const std::vector<DriftTerm>& a, const std::vector<DriftTerm>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const DriftTerm& s, const DriftTerm& t) {
       return s.direction == t.direction && s.ratio == t.ratio && s.tau == t.tau;
@@ -44,7 +48,8 @@ std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at, const 
   };
   if (heldOut == nullptr)
     for (const Known& k : known_)
-      if (k.scatter == at.scatter && sameDrift(k.noise.drift, at.noise.drift) && k.noise.variance == at.noise.variance)
+      if (k.scatter == at.scatter && sameDrift(k.noise.drift, at.noise.drift) &&
+          k.noise.variance == at.noise.variance)
         return k.evidence;
   std::vector<RandomBlock> blocks;
   for (std::size_t b = 0; b < q_.scatter.size(); ++b)
@@ -103,7 +108,8 @@ Member Search::memberOf(const Gain& gain) const {
   return m;
 }
 
-Member Search::refined(const Evidence& evidence, const std::vector<Member>& others, const Member& member) const {
+Member Search::refined(const Evidence& evidence, const std::vector<Member>& others,
+                       const Member& member) const {
   Member best = member;
   const Shape& shape = q_.groups.groups[member.group].shapes[member.shape];
   const Evidence::Given given = evidence.given(others);
@@ -132,7 +138,8 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
   return best;
 }
 
-std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const {
+std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Member> members,
+                                        bool* changed) const {
   *changed = false;
   for (std::size_t j = 0; j < members.size(); ++j) {
     tick();
@@ -151,8 +158,10 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
     }
     // another one must be better, and a profile clearly better than a cause with a name
     const bool named = !q_.groups.groups[members[j].group].profile;
-    const double margin = best.group >= 0 && q_.groups.groups[best.group].profile && named ? kIndistinct : 0.5;
-    if (best.group >= 0 && (best.group != members[j].group || best.shape != members[j].shape) && most > now + margin) {
+    const double margin =
+        best.group >= 0 && q_.groups.groups[best.group].profile && named ? kIndistinct : 0.5;
+    if (best.group >= 0 && (best.group != members[j].group || best.shape != members[j].shape) &&
+        most > now + margin) {
       members[j] = refined(evidence, others, memberOf(best));
       *changed = true;
     } else {
@@ -226,7 +235,8 @@ Explanation Search::grown(Explanation best) const {
       const auto evidence = evidenceAt(starts[s]);
       std::vector<Gain> gains = evidence->gains(evidence->given(best.members));
       for (Gain& g : gains) g.value -= priceOf(g.group);
-      std::stable_sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.value > b.value; });
+      std::stable_sort(gains.begin(), gains.end(),
+                       [](const Gain& a, const Gain& b) { return a.value > b.value; });
       int tried = 0;
       for (const Gain& g : gains) {
         if (tried == (s == 0 ? 1 : kTrials) || g.value < (starts.size() == 1 ? 0.0 : -kWorthTrying)) break;
@@ -236,7 +246,8 @@ Explanation Search::grown(Explanation best) const {
         ++tried;
         std::vector<Member> members = best.members;
         members.push_back(refined(*evidence, best.members, memberOf(g)));
-        // with the cause in at the size that it has without them, drift and scatter must earn their place again
+        // with the cause in at the size that it has without them, drift and scatter must earn their place
+        // again
         Explanation trial = refitted(members, best, false);
         if (trial.worth > next.worth) next = std::move(trial);
       }

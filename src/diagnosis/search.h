@@ -14,10 +14,11 @@ namespace mm {
 struct Questions {
   const ResidualSpace* space = nullptr;
   NoiseRows rows;
-  std::vector<RandomBlock> scatter;          // always there, never a cause
-  std::vector<std::string> scatterNames;     // "centres", "radii", "form"; empty: the shape of an effect of the model
-  std::vector<std::string> directions;       // of drift
-  std::vector<double> directionScale;        // m (rad) of a drift of ratio 1 over white noise of 1
+  std::vector<RandomBlock> scatter;  // always there, never a cause
+  std::vector<std::string>
+      scatterNames;  // "centres", "radii", "form"; empty: the shape of an effect of the model
+  std::vector<std::string> directions;  // of drift
+  std::vector<double> directionScale;   // m (rad) of a drift of ratio 1 over white noise of 1
   Groups groups;
   int asked = 0;     // causes
   int profiles = 0;  // profiles of one variable among the groups
@@ -34,9 +35,9 @@ struct Explanation {
   double white = 1.0, whiteStd = 0.0;
 };
 
-/// What the evidence of a cause must outweigh, beside the number of causes asked. Where nothing is hidden the evidence
-/// for one cause exceeds e^g at most once in e^g sessions, so that of a hundred such sessions one at the most claims
-/// something.
+/// What the evidence of a cause must outweigh, beside the number of causes asked. Where nothing is hidden the
+/// evidence for one cause exceeds e^g at most once in e^g sessions, so that of a hundred such sessions one at
+/// the most claims something.
 constexpr double kPriorOdds = 100.0;
 /// Explanations whose log evidence differs by less cannot be told apart (Kass & Raftery 1995: 20 to 1).
 constexpr double kIndistinct = 3.0;
@@ -58,7 +59,8 @@ class Search {
   double priceOf(int group) const;
   double priceOf(const Member& member) const;
   /// The evidence at the noise of an explanation.
-  std::shared_ptr<const Evidence> evidenceAt(const Explanation& at, const std::vector<char>* heldOut = nullptr) const;
+  std::shared_ptr<const Evidence> evidenceAt(const Explanation& at,
+                                             const std::vector<char>* heldOut = nullptr) const;
   /// Variances fitted again for other members, from a start. @param add look for further drift, too.
   Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add) const;
   Member memberOf(const Gain& gain) const;
@@ -67,7 +69,9 @@ class Search {
   const Questions& questions() const { return q_; }
 
  private:
-  void tick() const { if (step) step(); }
+  void tick() const {
+    if (step) step();
+  }
   Explanation grown(Explanation best) const;
   Explanation exchanged(Explanation best) const;
   Explanation pruned(Explanation best) const;

@@ -94,15 +94,17 @@ class Effect {
   /// Other shapes that the cause has at the same time, beside this one: further degrees of a guideway's
   /// profile, harmonics of a screw. Each is linear in its parameters.
   virtual std::vector<ShapeFreedom> freedom(const Domain& /*domain*/) const { return {}; }
-  /// The spec with the nonlinear parameters stated, where a key can state them: {period_mm: unknown} at 2 mm is
-  /// {period_mm: 2}. @param nonlinear in the order of nonlinearParameters(), SI.
+  /// The spec with the nonlinear parameters stated, where a key can state them: {period_mm: unknown} at 2 mm
+  /// is {period_mm: 2}. @param nonlinear in the order of nonlinearParameters(), SI.
   virtual EffectSpec shapedAs(const std::vector<double>& /*nonlinear*/) const { return spec_; }
   /// Like freedom(), by other values of the nonlinear parameters: half the period of a screw.
   struct NonlinearFreedom {
     std::vector<double> nonlinear;
     double share = 0.15;
   };
-  virtual std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& /*nonlinear*/) const { return {}; }
+  virtual std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& /*nonlinear*/) const {
+    return {};
+  }
   /// Joints along whose travel its size usually changes (the play of a worn screw): indices of the Domain.
   virtual std::vector<int> variesAlong(const Domain& /*domain*/) const { return {}; }
   /// Joints (indices of the Domain) of whose position it is a law: where one of them never moved, the session

@@ -44,7 +44,8 @@ class ProbeLobing : public CatalogueEffect {
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
     std::vector<ShapeFreedom> others;
     for (const int order : kOrders)
-      if (order_ != 0 && order != 0 && order != order_) others.push_back({EffectSpec(spec()).set("order", order), kOtherLobes});
+      if (order_ != 0 && order != 0 && order != order_)
+        others.push_back({EffectSpec(spec()).set("order", order), kOtherLobes});
     return others;
   }
 

@@ -74,9 +74,10 @@ struct Memory {
   LinearisedRows rows;
 };
 
-/// The noise of what a fit has left. @param q orthonormal columns of the fit, the last `shared` of which are those of
-/// unknowns that all rows share.
-Memory memoryOf(Problem& problem, const Fitter& fit, const WhitenedSystem& system, const Eigen::MatrixXd& q, int shared) {
+/// The noise of what a fit has left. @param q orthonormal columns of the fit, the last `shared` of which are
+/// those of unknowns that all rows share.
+Memory memoryOf(Problem& problem, const Fitter& fit, const WhitenedSystem& system, const Eigen::MatrixXd& q,
+                int shared) {
   constexpr int kMostRows = 1500, kMostColumns = 40;
   problem.linearise(fit.x);
   std::vector<int> used;
@@ -98,8 +99,10 @@ Memory memoryOf(Problem& problem, const Fitter& fit, const WhitenedSystem& syste
   return memory;
 }
 
-/// @param drift not null: the covariance is that of noise with the memory that is found in the residuals, which it tells.
-Summary summarise(Problem& problem, const Fitter& fit, const std::vector<char>& fixed, std::vector<Drift>* drift) {
+/// @param drift not null: the covariance is that of noise with the memory that is found in the residuals,
+/// which it tells.
+Summary summarise(Problem& problem, const Fitter& fit, const std::vector<char>& fixed,
+                  std::vector<Drift>* drift) {
   Summary s;
   const WhitenedSystem system(problem, fit.x, inverseOf(fit.sigma, fit.weight), fixed);
   const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
@@ -129,8 +132,8 @@ Summary summarise(Problem& problem, const Fitter& fit, const std::vector<char>& 
         RowMatrix all(static_cast<Eigen::Index>(memory.rows.rows.time.size()), columns);
         for (int i = 0, k = 0; i < data; ++i)
           if (fit.weight[i] > 0.0) all.row(k++) = q.row(i);
-        const TimeWhitener whitener(memory.rows.rows.time, memory.rows.rows.factors, memory.fit.noise.variance,
-                                    memory.fit.noise.drift);
+        const TimeWhitener whitener(memory.rows.rows.time, memory.rows.rows.factors,
+                                    memory.fit.noise.variance, memory.fit.noise.drift);
         Eigen::MatrixXd middle = Eigen::MatrixXd(all.transpose() * whitener.covarianceTimes(all));
         const auto priors = q.bottomRows(rows - data);
         middle += priors.transpose() * priors;

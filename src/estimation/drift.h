@@ -7,21 +7,23 @@ namespace mm {
 /// Rows in one piece of memory: one observation after the other, as they come in time.
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A slow wandering along one direction: an Ornstein-Uhlenbeck process, that is noise that forgets with a time
-/// constant. Sums of these stand for a random walk, for settling and for noise that lasts from contact to contact.
+/// A slow wandering along one direction: an Ornstein-Uhlenbeck process, that is noise that forgets with a
+/// time constant. Sums of these stand for a random walk, for settling and for noise that lasts from contact
+/// to contact.
 struct DriftTerm {
   int direction = 0;   // a column of the factors
   double ratio = 0.0;  // standard deviation, in units of the white noise of a row of unit variance
   double tau = 1.0;    // time constant, s
 };
 
-/// Takes the correlation in time out of rows: multiplies by L^-1, V = L L', where V is the covariance of white noise and
-/// drift. A Kalman filter along the time (Rasmussen & Williams 2006, app. B; Solin & Sarkka 2020): n rows and c columns
-/// cost n c terms, where V itself would cost n^2.
+/// Takes the correlation in time out of rows: multiplies by L^-1, V = L L', where V is the covariance of
+/// white noise and drift. A Kalman filter along the time (Rasmussen & Williams 2006, app. B; Solin & Sarkka
+/// 2020): n rows and c columns cost n c terms, where V itself would cost n^2.
 class TimeWhitener {
  public:
-  /// @param time s, ascending, one a row. @param factors rows x directions: how much of a drift along each direction a
-  /// (whitened) row sees. @param variance of the white noise a row, > 0; a very large one leaves the row out.
+  /// @param time s, ascending, one a row. @param factors rows x directions: how much of a drift along each
+  /// direction a (whitened) row sees. @param variance of the white noise a row, > 0; a very large one leaves
+  /// the row out.
   TimeWhitener(const std::vector<double>& time, const RowMatrix& factors, const Eigen::VectorXd& variance,
                const std::vector<DriftTerm>& terms);
 

@@ -23,8 +23,8 @@ double medianSpacing(const std::vector<double>& time) {
   return dt[dt.size() / 2];
 }
 
-/// Stretches of rows, spread over the session: neighbours for what lasts from row to row, and the whole length for what
-/// is slow.
+/// Stretches of rows, spread over the session: neighbours for what lasts from row to row, and the whole
+/// length for what is slow.
 std::vector<int> stretches(int rows, int most) {
   std::vector<int> taken;
   constexpr int kStretch = 30;
@@ -65,7 +65,8 @@ NoiseFit::NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks)
   }
 }
 
-NoiseFit::Gram NoiseFit::gramOf(const NoiseModel& noise, const std::vector<double>& ratios, bool everything) const {
+NoiseFit::Gram NoiseFit::gramOf(const NoiseModel& noise, const std::vector<double>& ratios,
+                                bool everything) const {
   CancelScope::check();
   Gram gram;
   int columns = base_;
@@ -203,14 +204,16 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
       const int count = directions * static_cast<int>(timeConstants_.size());
       const auto further = [&](int k) {
         NoiseModel more = best.noise;
-        more.drift.push_back({k % directions, kRatio, timeConstants_[static_cast<std::size_t>(k / directions)]});
+        more.drift.push_back(
+            {k % directions, kRatio, timeConstants_[static_cast<std::size_t>(k / directions)]});
         return more;
       };
       std::vector<double> worth(static_cast<std::size_t>(count), -1e300);
       inTwo([&](std::size_t half) {
         for (int k = static_cast<int>(half); k < count; k += 2) {
           const NoiseModel more = further(k);
-          worth[k] = value(gramOf(more, best.ratios, false), best.ratios, nullptr) - prices(more, best.ratios, options);
+          worth[k] = value(gramOf(more, best.ratios, false), best.ratios, nullptr) -
+                     prices(more, best.ratios, options);
         }
       });
       CancelScope::check();

@@ -6,22 +6,24 @@
 
 namespace mm {
 
-/// Rows of a linearised session as the noise model sees them: whitened by the stated noise, ascending in time.
+/// Rows of a linearised session as the noise model sees them: whitened by the stated noise, ascending in
+/// time.
 struct NoiseRows {
-  std::vector<double> time;   // s, a data row
-  RowMatrix factors;          // data rows x directions of drift
-  Eigen::VectorXd target;     // data rows, then priors: what is to be explained
-  RowMatrix base;             // orthonormal columns of what is free without a prior; data rows, then priors
+  std::vector<double> time;  // s, a data row
+  RowMatrix factors;         // data rows x directions of drift
+  Eigen::VectorXd target;    // data rows, then priors: what is to be explained
+  RowMatrix base;            // orthonormal columns of what is free without a prior; data rows, then priors
   int rows() const { return static_cast<int>(time.size()); }
   int length() const { return static_cast<int>(target.size()); }
 };
 
-/// Columns whose coefficients are drawn from a normal distribution: the scatter of the balls, the shapes of a cause.
+/// Columns whose coefficients are drawn from a normal distribution: the scatter of the balls, the shapes of a
+/// cause.
 struct RandomBlock {
-  RowMatrix columns;    // length x k, each coefficient of standard deviation `ratio`
-  double ratio = 0.0;   // in units of the white noise; 0: not there
-  double price = 0.0;   // log evidence that it must earn to be there; 0: its ratio may go down to nothing
-  bool fixed = false;   // the ratio is known
+  RowMatrix columns;   // length x k, each coefficient of standard deviation `ratio`
+  double ratio = 0.0;  // in units of the white noise; 0: not there
+  double price = 0.0;  // log evidence that it must earn to be there; 0: its ratio may go down to nothing
+  bool fixed = false;  // the ratio is known
 };
 
 /// White noise, drift and blocks: everything that scatters. Ratios are in units of the white noise.
@@ -34,14 +36,16 @@ struct NoiseModel {
 struct NoiseFitResult {
   NoiseModel noise;
   std::vector<double> ratios;  // of the blocks
-  double logEvidence = 0.0;    // restricted, with the scale of the noise integrated out, less the prices of what is there
-  double white = 1.0;          // standard deviation of the white noise, in units of the stated one
-  double whiteStd = 0.0;       // its standard uncertainty
-  double freedoms = 1.0;       // rows less the columns that are free
+  double logEvidence =
+      0.0;  // restricted, with the scale of the noise integrated out, less the prices of what is there
+  double white = 1.0;     // standard deviation of the white noise, in units of the stated one
+  double whiteStd = 0.0;  // its standard uncertainty
+  double freedoms = 1.0;  // rows less the columns that are free
 };
 
 struct NoiseFitOptions {
-  /// Log evidence that one drift term must earn: each may be one of about twenty (direction and time constant).
+  /// Log evidence that one drift term must earn: each may be one of about twenty (direction and time
+  /// constant).
   double driftPrice = 3.0;
   bool addDrift = true;   // look for further terms
   bool dropDrift = true;  // try without those that are there
@@ -68,7 +72,8 @@ class NoiseFit {
   /// Fits the ratios; @return the evidence. @param freedoms, rest: of the scale.
   double value(const Gram& gram, const std::vector<double>& ratios, double* rest) const;
   double fitRatios(const Gram& gram, std::vector<double>& ratios) const;
-  double prices(const NoiseModel& noise, const std::vector<double>& ratios, const NoiseFitOptions& options) const;
+  double prices(const NoiseModel& noise, const std::vector<double>& ratios,
+                const NoiseFitOptions& options) const;
 
   const NoiseRows& rows_;
   std::vector<RandomBlock> blocks_;
@@ -76,7 +81,8 @@ class NoiseFit {
   std::vector<double> timeConstants_;
 };
 
-/// The fit of a session: one of more rows than `most` is fitted to stretches of its rows, spread over its length.
+/// The fit of a session: one of more rows than `most` is fitted to stretches of its rows, spread over its
+/// length.
 NoiseFitResult fitNoise(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
                         const NoiseFitOptions& options, int most);
 

@@ -52,7 +52,8 @@ LinearisedRows noiseRows(const Problem& problem, const std::vector<int>& used, c
   out.rows.factors.resize(n, count);
   for (int d = 0; d < count; ++d) {
     const double size = std::sqrt(directions.factors.col(d).squaredNorm() / n);
-    // along a direction of unit factors the drift is in the unit of the rows; a turn that acts on a lever is not
+    // along a direction of unit factors the drift is in the unit of the rows; a turn that acts on a lever is
+    // not
     const double scale = size > 0.1 && size < 10.0 ? unit : unit / size;
     out.directions.push_back(directions.names[d]);
     out.directionScale.push_back(scale);

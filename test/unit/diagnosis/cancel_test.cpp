@@ -51,7 +51,7 @@ class Clock {
 
 Session plate(const std::vector<std::string>& hide) {
   const Machine machine = Machine::load("three_axis");
-  return simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, 3}).session;
+  return simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, 3, ""}).session;
 }
 
 /// Nonlinear in every way: a period that is searched for, and a formula.

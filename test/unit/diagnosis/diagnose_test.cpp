@@ -17,7 +17,7 @@ constexpr double kNoise = 0.3e-6;  // m, of the plan
 
 Simulation measured(const std::vector<std::string>& hide, std::uint64_t seed) {
   const Machine machine = Machine::load("three_axis");
-  return simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, seed});
+  return simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, seed, ""});
 }
 
 Diagnosis diagnosed(const Session& session, const std::vector<EffectSpec>& model = {}) {

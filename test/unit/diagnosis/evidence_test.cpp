@@ -95,7 +95,8 @@ TEST(Evidence, AGainIsADifferenceOfEvidence) {
   const Evidence::Given given = evidence.given({a});
   const Gain gain = evidence.gainOf(given, 1);
   ASSERT_GT(gain.size, 0.0);
-  EXPECT_NEAR(gain.value, evidence.given({a, made.member(1, gain.size)}).logEvidence - given.logEvidence, 1e-8);
+  EXPECT_NEAR(gain.value, evidence.given({a, made.member(1, gain.size)}).logEvidence - given.logEvidence,
+              1e-8);
   for (const double other : {0.5 * gain.size, 2.0 * gain.size})
     EXPECT_LE(evidence.given({a, made.member(1, other)}).logEvidence, given.logEvidence + gain.value + 1e-9);
   EXPECT_NEAR(evidence.gainOf(given, {a}, *made.member(1, 1.0).columns).value, gain.value, 1e-8);
@@ -114,7 +115,8 @@ TEST(Evidence, RowsHeldOutCountNothing) {
 }
 
 TEST(Evidence, OfNothingThereIsHardlyAnyGain) {
-  // with a prior of one size the gain exceeds g by chance less often than exp(-g); the best of all sizes little more
+  // with a prior of one size the gain exceeds g by chance less often than exp(-g); the best of all sizes
+  // little more
   int above = 0, asked = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     const Made made(seed + 10);

@@ -130,7 +130,8 @@ TEST(NoiseFit, EvidenceIsThatOfTheDenseFormula) {
     for (int j = 0; j < 60; ++j) v(i, j) += 0.64 * std::exp(-6.0 * std::abs(i - j) / 50.0);
   const Eigen::MatrixXd inverse = v.inverse();
   const Eigen::MatrixXd information = rows.base.transpose() * inverse * rows.base;
-  const Eigen::MatrixXd p = inverse - inverse * rows.base * information.inverse() * rows.base.transpose() * inverse;
+  const Eigen::MatrixXd p =
+      inverse - inverse * rows.base * information.inverse() * rows.base.transpose() * inverse;
   const double rest = rows.target.dot(p * rows.target);
   const Eigen::LLT<Eigen::MatrixXd> llt(v);
   double logDeterminant = std::log(information(0, 0));

@@ -31,7 +31,7 @@ struct Measured {
       : machine(Machine::load("five_axis")),
         plan(changed.empty() ? Plan::load("config/plans/five_axis_ball.yaml", machine)
                              : Plan::parse(changed, "plan.yaml", ".", machine)),
-        simulation(simulate(machine, plan, {kMount, seed})) {}
+        simulation(simulate(machine, plan, {kMount, seed, ""})) {}
   CalibrationResult fit(const Session& session) const {
     CalibrateOptions options;
     options.method = Method::kLeastSquares;

@@ -1,0 +1,115 @@
+// What every cause of the catalogue would do after refit of everything, on a nine-ball plate of 675 contacts:
+// by the evidence of a linear-Gaussian model, all of them at once with every shape, period and time constant,
+// against one warm-started fit by Ceres for one shape of each.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "diagnosis/evidence.h"
+#include "diagnosis/groups.h"
+#include "estimation/noise_rows.h"
+#include "estimation/polish.h"
+#include "model/observed_domain.h"
+#include "simulation/simulate.h"
+
+namespace {
+
+struct Base {
+  mm::Simulation simulation = [] {
+    const mm::Machine machine = mm::Machine::load("three_axis");
+    return mm::simulate(machine, mm::Plan::load("config/plans/nine_ball_plate.yaml", machine),
+                        {{"backlash:x=3um"}, 5, ""});
+  }();
+  mm::Model model{simulation.session.machine, mm::observedDomain(simulation.session),
+                  std::vector<mm::EffectPtr>{}};
+  mm::CalibrationResult fitted = [this] {
+    mm::CalibrateOptions options;
+    options.method = mm::Method::kLeastSquares;
+    mm::CalibrationResult r = mm::calibrate(simulation.session, model, options);
+    r.problem->linearise(r.x);
+    return r;
+  }();
+};
+
+const Base& base() {
+  static const Base kBase;
+  return kBase;
+}
+
+struct Outcome {
+  double seconds = 1e300;
+  int causes = 0;
+  std::string best;
+};
+Outcome byEvidence, byRefits;
+
+template <class Run>
+void measure(benchmark::State& state, Outcome& outcome, Run run) {
+  base();
+  for (auto _ : state) {
+    const std::clock_t began = std::clock();  // of the processor, all threads
+    run();
+    const double seconds = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+    state.SetIterationTime(seconds);
+    outcome.seconds = std::min(outcome.seconds, seconds);
+  }
+}
+
+void evidence(benchmark::State& state) {
+  measure(state, byEvidence, [] {
+    const mm::ResidualSpace space(base().fitted);
+    const mm::LinearisedRows rows =
+        mm::noiseRows(space.problem(), space.used(), base().fitted.sigma, space.target(), space.basis());
+    const mm::Groups groups = mm::makeGroups(space);
+    mm::NoiseModel noise;
+    noise.variance = Eigen::VectorXd::Ones(rows.rows.rows());
+    const mm::Evidence all(rows.rows, groups, noise, {});
+    const auto gains = all.gains(all.given({}));
+    byEvidence.causes = static_cast<int>(gains.size());
+    byEvidence.best = groups.groups[static_cast<std::size_t>(gains[0].group)].key;
+  });
+}
+
+void refitsByCeres(benchmark::State& state) {
+  const mm::ResidualSpace space(base().fitted);
+  const mm::Groups groups = mm::makeGroups(space);
+  measure(state, byRefits, [&] {
+    const mm::CalibrationResult& fitted = base().fitted;
+    double least = 1e300;
+    byRefits.causes = 0;
+    for (const mm::Group& group : groups.groups) {
+      const mm::EffectPtr effect = group.shapes[0].effect;
+      std::vector<mm::EffectPtr> effects = base().model.effects();
+      effects.push_back(effect);
+      const mm::Model model(base().model.machine(), base().model.domain(), effects);
+      const mm::Problem problem(base().simulation.session, model);
+      const int before = base().model.parameterCount(), more = effect->parameterCount();
+      Eigen::VectorXd x(fitted.x.size() + more);
+      x.head(before) = fitted.x.head(before);
+      for (int k = 0; k < more; ++k) x[before + k] = effect->parameters()[static_cast<std::size_t>(k)].start;
+      x.tail(fitted.x.size() - before) = fitted.x.tail(fitted.x.size() - before);
+      std::vector<char> fixed = fitted.identifiability.fixed;
+      fixed.insert(fixed.begin() + before, static_cast<std::size_t>(more), 0);
+      const mm::PolishResult r = mm::polish(problem, x, fixed, fitted.sigma, fitted.weight, {});
+      const double rss =
+          problem.residuals(r.x).cwiseQuotient(fitted.sigma).cwiseAbs2().cwiseProduct(fitted.weight).sum();
+      ++byRefits.causes;
+      if (rss < least) least = rss, byRefits.best = group.key;
+    }
+  });
+}
+
+BENCHMARK(evidence)->Iterations(5)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(refitsByCeres)->Iterations(2)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+  std::printf("evidence %.3f s, %d causes, best %s; refits by Ceres %.3f s, %d causes, best %s: %.0f times\n",
+              byEvidence.seconds, byEvidence.causes, byEvidence.best.c_str(), byRefits.seconds,
+              byRefits.causes, byRefits.best.c_str(), byRefits.seconds / byEvidence.seconds);
+}

@@ -1,0 +1,94 @@
+// Sessions as rough as real ones: noise with memory, imperfect balls, heavy tails. The simulation's roughness
+// shares no code and no kernel with the diagnosis.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "diagnosis/diagnose.h"
+#include "model/observed_domain.h"
+#include "simulation/simulate.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNoise = 0.3e-6;  // m, of the plan
+
+Diagnosis rough(const std::vector<std::string>& hide, const std::string& how, std::uint64_t seed,
+                const std::vector<EffectSpec>& model = {}) {
+  const Machine machine = Machine::load("three_axis");
+  SimulationRequest request;
+  request.hide = hide;
+  request.seed = seed;
+  request.rough = how;
+  const Simulation s = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), request);
+  Diagnosis d = diagnose(s.session, Model(machine, observedDomain(s.session), model), {});
+  d.base = {};  // it refers to the session
+  return d;
+}
+
+bool silent(const Diagnosis& d) { return d.missing.empty() && d.profiles.empty() && d.formulas.empty(); }
+
+TEST(Rough, NothingIsClaimedWhereNothingIsHidden) {
+  for (const char* how : {"drift", "correlated", "form", "tails", "quantised"})
+    for (const std::uint64_t seed : {31, 32}) {
+      const Diagnosis d = rough({}, how, seed);
+      EXPECT_TRUE(silent(d)) << how << " " << seed << ": " << d.sentence;
+    }
+}
+
+TEST(Rough, BacklashAtTwiceTheNoiseIsNamedAlone) {
+  for (const char* how : {"drift", "correlated", "form", "tails", "quantised"}) {
+    const Diagnosis d = rough({"backlash:x=2.4um"}, how, 33);
+    ASSERT_EQ(d.missing.size(), 1u) << how << ": " << d.sentence;
+    EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x")) << how;
+    EXPECT_TRUE(d.profiles.empty()) << how << ": " << d.sentence;
+    EXPECT_GT(d.missing[0].odds, 0.5) << how;
+    EXPECT_NEAR(d.missing[0].parameters[0].value, 2.4, 0.4) << how;
+  }
+}
+
+TEST(Rough, DriftIsToldAndTheNoiseIsWhatIsLeftOfIt) {
+  const Diagnosis d = rough({}, "drift", 34);
+  EXPECT_FALSE(d.drift.empty()) << d.sentence;
+  EXPECT_NEAR(d.noise / kNoise, 1.0, 0.1);
+  for (const DriftResult& r : d.drift) {
+    EXPECT_GT(r.std, 0.3 * kNoise);
+    EXPECT_LT(r.std, 4.0 * kNoise);
+    EXPECT_GT(r.timeConstant, 0.0);
+  }
+}
+
+TEST(Rough, WhiteNoiseHasNoDriftAndBallsAsStatedNoScatter) {
+  const Diagnosis d = rough({}, "", 35);
+  EXPECT_TRUE(d.drift.empty()) << d.sentence;
+  EXPECT_TRUE(d.artifactScatter.empty());
+  EXPECT_EQ(d.tailDof, 0.0);
+  EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
+}
+
+TEST(Rough, HeavyTailsAreSeen) { EXPECT_GT(rough({}, "tails", 36).tailDof, 0.0); }
+
+TEST(Rough, AnUnknownErrorIsAProfileOverItsVariables) {
+  const Diagnosis d = rough(
+      {"{type: uncatalogued_damp_bow, axis: x, direction: z, covariate: humidity, size: 3 um}"}, "", 37);
+  EXPECT_EQ(d.verdict, Verdict::kUnknownEffect) << d.sentence;
+  ASSERT_FALSE(d.profiles.empty()) << d.sentence;
+  EXPECT_EQ(d.profiles[0].direction, "z");
+  std::vector<std::string> variables = d.profiles[0].variables;
+  std::sort(variables.begin(), variables.end());
+  EXPECT_EQ(variables, (std::vector<std::string>{"humidity", "x"})) << d.sentence;
+  EXPECT_LT(d.heldOut, 1.15 * kNoise);
+  EXPECT_FALSE(d.profiles[0].curve.empty());
+}
+
+TEST(Rough, TheSecondHarmonicOfAScrewInTheModelIsAScrewToo) {
+  const Diagnosis d =
+      rough({"lead_screw_periodic:x=1um,period=1mm", "lead_screw_periodic:x=1um,period=2mm"}, "", 38,
+            {EffectSpec("lead_screw_periodic").set("axis", "x").set("period_mm", 2.0)});
+  ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.missing[0].effect.type, "lead_screw_periodic") << d.sentence;
+  EXPECT_TRUE(d.profiles.empty());
+}
+
+}  // namespace
+}  // namespace mm
