@@ -20,6 +20,13 @@ struct LedgerEntry {
   std::string calibration;  // id of the calibration before the step: what it can be taken back to
 };
 
+/// What the machine wanders along one direction, which no parameter describes.
+struct Wandering {
+  std::string direction;      // a joint, or x, y, z of workpiece
+  double std = 0.0;           // m (rad for a rotary joint)
+  double timeConstant = 0.0;  // s
+};
+
 /// A calibration: the model, its parameters and where it holds. Complete in itself (the URDF is inside). SI
 /// units.
 struct Calibration {
@@ -42,6 +49,9 @@ struct Calibration {
   std::vector<EffectSpec> effects;
   std::vector<Value> values;   // in the order of the model's parameters
   Eigen::MatrixXd covariance;  // SI, of `values`
+
+  std::vector<Wandering>
+      drift;  // what the session showed beside white noise; the corrected point may be off by it
 
   std::string sessionSource;
   std::string sessionHash;

@@ -149,6 +149,20 @@ void readDomain(YamlKeys in, Domain& d) {
   in.finish();
 }
 
+void readDrift(YamlKeys& root, std::vector<Wandering>& drift) {
+  if (!root.has("drift")) return;  // none, or written before it was told
+  const std::vector<YAML::Node> entries = root.list("drift");
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    YamlKeys keys = root.item(entries[i], "drift", i);
+    Wandering w;
+    w.direction = keys.text("direction");
+    w.std = keys.number("std_si");
+    w.timeConstant = keys.number("time_constant_s");
+    keys.finish();
+    drift.push_back(std::move(w));
+  }
+}
+
 void readLedger(YamlKeys& root, std::vector<LedgerEntry>& ledger) {
   const std::vector<YAML::Node> entries = root.list("ledger");
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -198,6 +212,7 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   c.repeatability = residuals.number("repeatability_si");
   c.repeatabilityFrom = residuals.text("repeatability_from");
   residuals.finish();
+  readDrift(root, c.drift);
   readLedger(root, c.ledger);
   c.urdf = root.text("urdf");
   root.finish();

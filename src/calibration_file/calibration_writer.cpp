@@ -221,6 +221,17 @@ std::string content(const Calibration& c) {
   number(out, "repeatability_si", c.repeatability);
   text(out, "repeatability_from", c.repeatabilityFrom);
   out << EndMap;
+  if (!c.drift.empty()) {
+    out << Key << "drift" << Value << BeginSeq;
+    for (const Wandering& w : c.drift) {
+      out << BeginMap;
+      text(out, "direction", w.direction);
+      number(out, "std_si", w.std);
+      number(out, "time_constant_s", w.timeConstant);
+      out << EndMap;
+    }
+    out << EndSeq;
+  }
   ledger(out, c.ledger);
   const bool literal = c.urdf.size() > 1 && c.urdf.front() == '<' && c.urdf.back() == '\n' &&
                        c.urdf[c.urdf.size() - 2] != '\n' && c.urdf.find_first_of("\r\t") == std::string::npos;

@@ -23,7 +23,8 @@ Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation) {
 Compensator::Compensator(const Calibration& calibration, Options options)
     : id_(calibration.id),
       options_(options),
-      model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects) {
+      model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects),
+      drift_(calibration.drift) {
   if (!(options_.margin >= 0.0))
     throw InputError("margin of the calibrated volume is " + std::to_string(options_.margin) +
                      "; it must be 0 or more (0.1 is a tenth of the range)");
@@ -126,6 +127,19 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
   if (options_.sigma) {
     work.weighted.noalias() = work.byParameter.topRows<3>() * part.covariance;
     c.covariance.noalias() = work.weighted * work.byParameter.topRows<3>().transpose();
+    if (!drift_.empty()) {
+      const auto jacobian = model_.machine().jacobian(state.position.data(), beam);
+      for (const Wandering& w : drift_) {
+        const int joint = d.findJoint(w.direction);
+        Eigen::Vector3d along = Eigen::Vector3d::Zero();
+        if (joint >= 0)
+          along = jacobian.block<3, 1>(0, joint);
+        else
+          for (int k = 0; k < 3; ++k)
+            if (w.direction == std::string(1, "xyz"[k])) along[k] = 1.0;
+        c.covariance += w.std * w.std * along * along.transpose();
+      }
+    }
     c.sigma = std::sqrt(std::max(0.0, c.covariance.trace() / 3.0));
   }
   judge(state, part, c);

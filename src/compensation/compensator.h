@@ -89,7 +89,8 @@ class Compensator {
   Part all_, timeless_;
   /// An effect: it counts the time since the start, and says nothing beyond the calibrated duration.
   std::vector<bool> ofTime_;
-  std::string timed_;  // names of these
+  std::string timed_;             // names of these
+  std::vector<Wandering> drift_;  // what the corrected position may be off by, beside its parameters
   std::unique_ptr<const CalibratedLimits> limits_;
 };
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "diagnosis/diagnose.h"
+#include "effects/effect_words.h"
 
 namespace mm {
 
@@ -12,9 +13,7 @@ namespace mm {
 /// The verdict in one to four sentences: what is named, with its size and odds, and what else it may be.
 std::string sentenceOf(const Diagnosis& diagnosis);
 
-/// `{type: backlash, axis: x}` as people call it: "backlash of x".
-std::string inWords(const EffectSpec& effect);
-/// Several, as a list: "a, b and c"; of more than `shown`, the first and how many more.
+/// Several effects, as a list: "a, b and c"; of more than `shown`, the first and how many more.
 std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t shown = 4);
 
 /// A probability as odds: "even", "3 to 2", "about 30 to 1", "more than 1000 to 1"; below one half the other

@@ -103,6 +103,18 @@ Json calibrationJson(const CalibrationResult& result, const std::vector<Doubt>& 
     object["repeatability_dof"] = number(result.repeated.dof);
     object["repeatability_relative_std"] = number(result.repeated.relativeStd());
   }
+  object["drift"] = Json::array();
+  for (const Drift& d : result.drift) {
+    const int joint = result.problem->model().domain().findJoint(d.direction);
+    const bool turns =
+        joint >= 0 &&
+        result.problem->model().domain().joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
+    Json one{{"direction", d.direction}};
+    one["std_um"] = turns ? Json(nullptr) : number(d.std / kMicrometre);
+    if (turns) one["std_arcsec"] = number(d.std / kArcsecond);
+    one["time_constant_s"] = number(d.timeConstant);
+    object["drift"].push_back(std::move(one));
+  }
   setFigures(object, result.figures, true);
   object["chi2_per_dof"] = number(result.figures.chi2PerDof);
   object["converged"] = result.converged;

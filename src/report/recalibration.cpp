@@ -145,6 +145,9 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
         {model.effectOf(i), p.name, p.unit, p.toUnit, result.x[i], fixed ? 0.0 : result.std(i), fixed});
   }
   c.covariance = result.covariance.topLeftCorner(count, count);
+  for (const Drift& d : result.drift)
+    if (d.direction != "approach")
+      c.drift.push_back({d.direction, d.std, d.timeConstant});  // that is the contact's
   c.sessionSource = session.source;
   c.sessionHash = sessionHash(session);
   c.method = nameOf(result.method);

@@ -91,6 +91,15 @@ std::string noiseText(const CalibrationResult& r) {
   std::string text = "  Repeatability  " + length(r.repeatability, angular) + ", " + from + "\n";
   if (r.repeatabilityFrom != "estimated")
     text += format("  chi2 / dof     %.4g (1: nothing but noise is left)\n", r.figures.chi2PerDof);
+  for (const Drift& d : r.drift) {
+    const int joint = r.problem->model().domain().findJoint(d.direction);
+    const bool turns =
+        joint >= 0 &&
+        r.problem->model().domain().joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
+    text += "  Drift          " + d.direction + " wanders by " + length(d.std, turns) +
+            " RMS with a time constant of " + durationInWords(d.timeConstant) +
+            "; the uncertainties allow for it\n";
+  }
   return text;
 }
 

@@ -13,7 +13,7 @@
 
 namespace mm {
 
-/// Collects the live session from the topics of DESIGN section 3. /artifact with a new stamp begins a new
+/// Collects the live session from the topics that a session is recorded from. /artifact with a new stamp begins a new
 /// session; so does a clock that goes back. Temperatures and covariates are found by their topics' names.
 /// Thread-safe.
 class LiveSession {

@@ -1,4 +1,4 @@
-// Signs and forms that are conventions of DESIGN section 4 or of the papers, each worked out by hand.
+// Signs and forms that are conventions of the catalogue or of the papers, each worked out by hand.
 #include <gtest/gtest.h>
 
 #include <functional>

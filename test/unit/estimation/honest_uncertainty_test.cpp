@@ -45,7 +45,7 @@ struct Coverage {
   double share() const { return static_cast<double>(inside) / asked; }
 };
 
-Coverage coverageOver(int sessions, const std::string& repeatability) {
+Coverage coverageOver(int sessions, const std::string& repeatability, const std::string& rough) {
   const Machine machine = Machine::load("three_axis");
   char yaml[4096];
   std::snprintf(yaml, sizeof(yaml), kPlan, repeatability.c_str());
@@ -63,6 +63,7 @@ Coverage coverageOver(int sessions, const std::string& repeatability) {
   for (int s = 0; s < sessions; ++s) {
     SimulationRequest request;
     request.seed = 1000 + static_cast<std::uint64_t>(s);
+    request.rough = rough;
     request.hide = {"scale:x",    "scale:y",        "scale:z",        "backlash:x",     "backlash:y",
                     "backlash:z", "cross_talk:x/y", "cross_talk:x/z", "cross_talk:y/z", "time_drift:z"};
     const Simulation simulation = simulate(machine, plan, request);
@@ -97,21 +98,26 @@ Coverage coverageOver(int sessions, const std::string& repeatability) {
       }
     }
   }
-  std::printf("%d sessions: %.2f %% of %d intervals cover the truth; RMS of error / sigma %.3f\n", sessions,
-              100.0 * coverage.share(), coverage.asked, std::sqrt(coverage.square / coverage.asked));
+  std::printf("%s %d sessions: %.2f %% of %d intervals cover the truth; RMS of error / sigma %.3f\n",
+              rough.c_str(), sessions, 100.0 * coverage.share(), coverage.asked,
+              std::sqrt(coverage.square / coverage.asked));
   return coverage;
 }
 
 // Within a session the errors at fresh states are linear in ten estimated parameters: about three independent
 // trials a session, so that the pooled share scatters by 0.7 % over 300 sessions and by 1.6 % over 60.
-void expectHonest(const std::string& repeatability) {
+void expectHonest(const std::string& repeatability, const std::string& rough = "") {
   const bool all = mm_test::longTests();
-  const Coverage coverage = coverageOver(all ? 300 : 60, repeatability);
+  const Coverage coverage = coverageOver(all ? 300 : 60, repeatability, rough);
   EXPECT_GE(coverage.share(), all ? 0.93 : 0.905);
   EXPECT_LE(coverage.share(), all ? 0.97 : 0.990);
 }
 
 TEST(HonestUncertainty, WithTheRepeatabilityDeclared) { expectHonest("0.3"); }
+
+// Noise with memory tells less than as much white noise would.
+TEST(HonestUncertainty, WithCorrelatedNoise) { expectHonest("0.3", "correlated"); }
+TEST(HonestUncertainty, WithDrift) { expectHonest("0.3", "drift"); }
 
 // The declared repeatability is half of the true one: the intervals go by the residuals.
 TEST(HonestUncertainty, WithTheRepeatabilityUnderstated) {

@@ -1,8 +1,8 @@
+#include "effects/effect_words.h"
+
 #include <algorithm>
 #include <array>
 #include <set>
-
-#include "diagnosis/wording.h"
 
 namespace mm {
 namespace {
@@ -107,15 +107,6 @@ std::string inWords(const EffectSpec& effect) {
   }
   for (const auto& [key, value] : effect.keys)
     if (used.count(key) == 0) text += keyInWords(key, value);
-  return text;
-}
-
-std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t shown) {
-  const std::size_t count = effects.size() > shown + 1 ? shown : effects.size();
-  std::string text;
-  for (std::size_t i = 0; i < count; ++i)
-    text += (i == 0 ? "" : i + 1 == effects.size() ? " and " : ", ") + inWords(effects[i]);
-  if (count < effects.size()) text += " and " + std::to_string(effects.size() - count) + " more";
   return text;
 }
 
