@@ -6,6 +6,7 @@
 
 #include "diagnosis/next_measurement.h"
 #include "diagnosis/wording.h"
+#include "effects/inputs.h"
 #include "effects/profile.h"
 #include "effects/registry.h"
 #include "machine/units.h"
@@ -328,6 +329,45 @@ void fillScatter(const Questions& q, const Explanation& found, double unit, Diag
                                     : "the balls are out of round by " + size +
                                           "; clean them, turn one and measure it again, or use better ones";
     out.artifactScatter.push_back(std::move(s));
+  }
+}
+
+void fillMissingInputs(const Questions& q, Diagnosis& out) {
+  const Session& session = q.space->problem().session();
+  const Domain& domain = q.space->problem().model().domain();
+  std::vector<EffectSpec> named;
+  for (const CandidateResult& m : out.missing) {
+    named.push_back(m.effect);
+    for (const Confusable& c : m.confusableWith) named.push_back(c.effect);
+  }
+  for (const AssumedInput& a : session.assumed) {
+    MissingInput input{"direction of travel of " + a.joint, a.how, {}};
+    const int joint = domain.findJoint(a.joint);
+    for (const EffectSpec& spec : named) {
+      const Inputs inputs = inputsOf(*createEffect(spec, domain), domain);
+      const auto needs = [&](const std::vector<int>& joints) {
+        return std::find(joints.begin(), joints.end(), joint) != joints.end();
+      };
+      if (needs(inputs.travels) || needs(inputs.velocities)) input.effects.push_back(spec);
+    }
+    out.missingInputs.push_back(std::move(input));
+  }
+  // what could not be asked for want of a speed or a direction
+  const auto recorded = [&](auto value) {
+    return std::any_of(session.observations.begin(), session.observations.end(), value);
+  };
+  for (const NotShown& n : q.groups.notShown) {
+    const Inputs inputs = inputsOf(*n.effect, domain);
+    for (const int joint : inputs.velocities)
+      if (!recorded([&](const Observation& o) { return std::isfinite(o.velocity[joint]); })) {
+        const std::string name = "speed of " + domain.joints[joint].name;
+        const auto known = std::find_if(out.missingInputs.begin(), out.missingInputs.end(),
+                                        [&](const MissingInput& m) { return m.input == name; });
+        if (known == out.missingInputs.end())
+          out.missingInputs.push_back({name, "", {n.spec}});
+        else
+          known->effects.push_back(n.spec);
+      }
   }
 }
 

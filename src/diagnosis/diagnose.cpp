@@ -189,6 +189,7 @@ class Diagnoser {
     listCannotShow(q, found, out_);
     out_.drift = driftOf(search, found);
     fillScatter(q, found, unit, out_);
+    fillMissingInputs(q, out_);
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);
     decide(out_);
