@@ -103,7 +103,7 @@ TEST_F(ProfileEffect, refusesWhatItCannotUse) {
   expectRefused("{type: profile, direction: x, variable: y, smoothness: 9}", {"'smoothness'", "9"});
   expectRefused("{type: profile, direction: x, variable: y, size_um: 0}", {"'size_um'", "0"});
   expectRefused("{type: profile, direction: x, variable: y, size_arcsec: 3}", {"size_um", "size_arcsec"});
-  expectRefused("{type: profile, direction: x, variable: y, size: 3}", {"'size'", "did you mean 'size_um'"});
+  expectRefused("{type: profile, direction: x, variable: y, size: 3}", {"'size'", "allowed: direction"});
   domain.upper[1] = domain.lower[1];
   domain.velocityLower[0] = domain.velocityUpper[0] = kNan;
   domain.duration = 0.0;
