@@ -72,9 +72,9 @@ Json outliersJson(const CalibrationResult& result) {
     const ResidualRow& row = result.problem->rows()[static_cast<std::size_t>(o.row)];
     Json one;
     const Session& session = result.problem->session();
-    const std::int64_t number = session.observations[static_cast<std::size_t>(row.observation)].row;
-    one["row"] = number;
-    one["where"] = session.rowText(number);
+    const std::int64_t line = session.observations[static_cast<std::size_t>(row.observation)].row;
+    one["row"] = line;
+    one["where"] = session.rowText(line);
     one["residual_um"] = row.angular ? Json(nullptr) : number(o.residual / kMicrometre);
     if (row.angular) one["residual_arcsec"] = number(o.residual / kArcsecond);
     list.push_back(std::move(one));
