@@ -14,7 +14,8 @@ namespace {
 
 /// Where a value came from, in words for people.
 std::string place(const Session& session, const Observation& o) {
-  return session.source + ": " + session.rowText(o.row);
+  const bool own = std::filesystem::path(session.source).filename() == session.rowFile;
+  return session.source + ": " + (own ? "line " + std::to_string(o.row) : session.rowText(o.row));
 }
 
 void fail(const Session& session, const Observation& o, const std::string& what) {
@@ -134,8 +135,7 @@ double Series::at(double t) const {
 std::string Session::rowText(std::int64_t row) const {
   const std::string number = std::to_string(row);
   if (rowFile.empty()) return "row " + number;
-  const bool own = std::filesystem::path(source).filename() == rowFile;
-  return "line " + number + (own ? "" : " of " + rowFile);
+  return "line " + number + " of " + rowFile;
 }
 
 void Session::prepare() {

@@ -125,8 +125,8 @@ std::string assumedText(const Session& session) {
   }
   std::string text;
   for (const auto& [how, joints] : ways)
-    text += (text.empty() ? "assumed, as no velocity was recorded: direction of travel " : "; ") + how +
-            " (" + joints + ")";
+    text += (text.empty() ? "assumed, as no velocity was recorded: direction of travel" : "") +
+            ("\n  " + how) + " (" + joints + ")";
   return text.empty() ? text : text + " of the observations";
 }
 

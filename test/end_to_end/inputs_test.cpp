@@ -81,10 +81,9 @@ TEST_F(Inputs, ASimulatedPlateWithoutVelocitiesShowsItsPlay) {
   EXPECT_LT(std, 0.05);
   EXPECT_EQ(answer.json()["assumed"], set["assumed"]);
   EXPECT_LT(answer.json()["chi2_per_dof"].get<double>(), 1.3);
-  EXPECT_THAT(
-      calibrate("{type: backlash, axis: x}", "s.bag", "").out,
-      HasSubstr(
-          "assumed, as no velocity was recorded: direction of travel from the approach at the touch (x in "));
+  EXPECT_THAT(calibrate("{type: backlash, axis: x}", "s.bag", "").out,
+              HasSubstr("assumed, as no velocity was recorded: direction of travel\n  from the approach at "
+                        "the touch (x in "));
 }
 
 TEST_F(Inputs, AnImportedPlateWithoutVelocitiesShowsItsPlay) {

@@ -4,10 +4,14 @@
 
 namespace mm {
 
-/// Measurements by others, beside the repository; empty path when they are not there.
+/// Measurements by others, beside the repository or above it (a worktree); empty path when they are not
+/// there.
 inline std::filesystem::path sharedData(const std::string& name) {
-  const std::filesystem::path path = std::filesystem::path("../shared/data") / name;
-  return std::filesystem::exists(path) ? path : std::filesystem::path();
+  for (const char* folder : {"../shared/data", "../../shared/data"})
+    if (const std::filesystem::path path = std::filesystem::path(folder) / name;
+        std::filesystem::exists(path))
+      return path;
+  return {};
 }
 
 }  // namespace mm

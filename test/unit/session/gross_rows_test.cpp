@@ -54,8 +54,9 @@ TEST_F(GrossRows, AMistypedReadingIsSetAsideByItsLine) {
   EXPECT_EQ(s.setAside[0].row, static_cast<std::int64_t>(typed) + 2);
   EXPECT_EQ(s.setAside[0].field, "x");
   EXPECT_THAT(s.setAside[0].value, HasSubstr(" mm"));
-  EXPECT_THAT(setAsideText(s, s.setAside[0]),
-              AllOf(HasSubstr("line 302: the row is set aside: x = "), HasSubstr("all others are within")));
+  EXPECT_THAT(
+      setAsideText(s, s.setAside[0]),
+      AllOf(HasSubstr("line 302 of c.csv: the row is set aside: x = "), HasSubstr("all others are within")));
   Session other = read(test::plateCsv(without, true));
   ASSERT_EQ(s.observations.size(), other.observations.size());
   for (std::size_t i = 0; i < s.observations.size(); ++i) {
