@@ -39,7 +39,8 @@ void listCandidates(const Search& search, const Explanation& found, const HeldOu
                     Diagnosis& out);
 void listCannotShow(const Questions& questions, const Explanation& found, Diagnosis& out);
 void fillScatter(const Questions& questions, const Explanation& found, double unit, Diagnosis& out);
-/// Inputs that the session did not record: what was assumed in their place, and what cannot be excluded without them.
+/// Inputs that the session did not record: what was assumed in their place, and what cannot be excluded
+/// without them.
 void fillMissingInputs(const Questions& questions, Diagnosis& out);
 /// Moves that tell confusable effects apart, and which of them no move tells apart.
 void separate(const Search& search, const Explanation& found, Diagnosis& out);

@@ -138,6 +138,30 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
   return best;
 }
 
+Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
+  constexpr double kAlike = 0.9999;  // cosine of what is left of their columns
+  if (best.group < 0 || q_.groups.groups[best.group].profile) return best;
+  const auto columnOf = [&](const Gain& g) {
+    const Shape& shape = q_.groups.groups[g.group].shapes[g.shape];
+    Eigen::MatrixXd column(q_.groups.columns.rows(), shape.main == 1 && shape.mixed.empty() ? 1 : 0);
+    if (column.cols() == 1) {
+      column = q_.groups.columns.col(shape.first);
+      q_.space->project(column);
+      column /= std::max(1e-300, column.norm());
+    }
+    return column;
+  };
+  const Eigen::MatrixXd own = columnOf(best);
+  Gain first = best;
+  if (own.cols() == 0) return first;
+  for (const Gain& g : gains) {
+    if (g.group < 0 || g.group >= first.group || g.value < best.value - kIndistinct) continue;
+    const Eigen::MatrixXd other = columnOf(g);
+    if (other.cols() == 1 && std::abs(other.col(0).dot(own.col(0))) > kAlike) first = g;
+  }
+  return first;
+}
+
 std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Member> members,
                                         bool* changed) const {
   *changed = false;
@@ -150,12 +174,14 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
     const double now = own.value - priceOf(members[j]);
     Gain best;
     double most = -1e300;
-    for (const Gain& g : evidence.gains(given)) {
+    const std::vector<Gain> gains = evidence.gains(given);
+    for (const Gain& g : gains) {
       if (std::any_of(others.begin(), others.end(),
                       [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
         continue;
       if (g.value - priceOf(g.group) > most) most = g.value - priceOf(g.group), best = g;
     }
+    if (best.group >= 0) best = commoner(best, gains);
     // another one must be better, and a profile clearly better than a cause with a name
     const bool named = !q_.groups.groups[members[j].group].profile;
     const double margin =
@@ -245,7 +271,7 @@ Explanation Search::grown(Explanation best) const {
           continue;
         ++tried;
         std::vector<Member> members = best.members;
-        members.push_back(refined(*evidence, best.members, memberOf(g)));
+        members.push_back(refined(*evidence, best.members, memberOf(commoner(g, gains))));
         // with the cause in at the size that it has without them, drift and scatter must earn their place
         // again
         Explanation trial = refitted(members, best, false);
@@ -302,7 +328,8 @@ std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& ev
     const Evidence::Given given = evidence.given(members);
     Gain pick;
     pick.value = 0.0;
-    for (const Gain& g : evidence.gains(given)) {
+    const std::vector<Gain> gains = evidence.gains(given);
+    for (const Gain& g : gains) {
       if (std::any_of(members.begin(), members.end(),
                       [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
         continue;
@@ -310,6 +337,9 @@ std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& ev
       if (gain > pick.value) pick = g, pick.value = gain;
     }
     if (pick.group < 0) break;
+    Gain whole = pick;
+    whole.value += priceOf(pick.group);
+    pick = commoner(whole, gains);
     members.push_back(refined(evidence, members, memberOf(pick)));
     for (int round = 0; round < 2; ++round) {
       bool changed = false;

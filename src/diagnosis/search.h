@@ -72,6 +72,10 @@ class Search {
   void tick() const {
     if (step) step();
   }
+  /// Of causes that act alike in this session (one speed: play and a late trigger) the one that comes first
+  /// in the catalogue, which goes from the common to the rare: their evidence differs by the freedom of their
+  /// shapes alone.
+  Gain commoner(const Gain& best, const std::vector<Gain>& gains) const;
   Explanation grown(Explanation best) const;
   Explanation exchanged(Explanation best) const;
   Explanation pruned(Explanation best) const;

@@ -95,7 +95,9 @@ Memory memoryOf(Problem& problem, const Fitter& fit, const WhitenedSystem& syste
   NoiseModel white;
   white.variance = Eigen::VectorXd::Ones(n);
 
-  memory.fit = fitNoise(memory.rows.rows, {}, white, {}, kMostRows);
+  NoiseFitOptions options;
+  options.driftPrice = 5.0;  // an uncertainty changes only for what is there at 100 to 1 and better
+  memory.fit = fitNoise(memory.rows.rows, {}, white, options, kMostRows);
   return memory;
 }
 

