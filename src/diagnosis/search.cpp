@@ -8,6 +8,8 @@ namespace mm {
 namespace {
 
 constexpr int kMostMembers = 10;
+/// A cause with a name that explains this share of what a free curve does is kept: the curve is for the rest.
+constexpr double kMostOfIt = 0.9;
 /// A free curve imitates whatever has a name: it must be this much more likely, for each of its variables.
 constexpr double kUnnamed = 100.0;
 constexpr int kTrials = 3;            // candidates whose noise is fitted again from none
@@ -140,7 +142,16 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
 
 Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
   constexpr double kAlike = 0.9999;  // cosine of what is left of their columns
-  if (best.group < 0 || q_.groups.groups[best.group].profile) return best;
+  if (best.group < 0) return best;
+  if (q_.groups.groups[best.group].profile) {  // a cause with a name that explains most of it comes first
+    const double freedoms =
+        std::max<double>(1.0, q_.rows.length() - static_cast<double>(q_.rows.base.cols()));
+    const auto explained = [&](const Gain& g) { return -std::expm1(-2.0 * g.value / freedoms); };
+    Gain named;
+    for (const Gain& g : gains)
+      if (g.group >= 0 && !q_.groups.groups[g.group].profile && g.value > named.value) named = g;
+    return named.group >= 0 && explained(named) > kMostOfIt * explained(best) ? commoner(named, gains) : best;
+  }
   const auto columnOf = [&](const Gain& g) {
     const Shape& shape = q_.groups.groups[g.group].shapes[g.shape];
     Eigen::MatrixXd column(q_.groups.columns.rows(), shape.main == 1 && shape.mixed.empty() ? 1 : 0);
@@ -182,12 +193,17 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
       if (g.value - priceOf(g.group) > most) most = g.value - priceOf(g.group), best = g;
     }
     if (best.group >= 0) best = commoner(best, gains);
+    const bool nameForCurve = q_.groups.groups[members[j].group].profile && best.group >= 0 &&
+                              !q_.groups.groups[best.group].profile;
     // another one must be better, and a profile clearly better than a cause with a name
     const bool named = !q_.groups.groups[members[j].group].profile;
-    const double margin =
-        best.group >= 0 && q_.groups.groups[best.group].profile && named ? kIndistinct : 0.5;
+    double margin = 0.5;
+    if (best.group >= 0 && q_.groups.groups[best.group].profile && named) {
+      const auto explained = [&](double gain) { return -std::expm1(-2.0 * gain / given.freedoms); };
+      margin = explained(own.value) > kMostOfIt * explained(best.value) ? 1e300 : kIndistinct;
+    }
     if (best.group >= 0 && (best.group != members[j].group || best.shape != members[j].shape) &&
-        most > now + margin) {
+        (most > now + margin || (nameForCurve && best.value > priceOf(best.group)))) {
       members[j] = refined(evidence, others, memberOf(best));
       *changed = true;
     } else {
@@ -292,7 +308,23 @@ Explanation Search::pruned(Explanation best) const {
     again = false;
     Explanation most;
     most.worth = -1e300;
+    // causes with a name that explain most of it without any curve stay, whatever curve would take their
+    // place
+    const auto evidence = evidenceAt(best);
+    std::vector<Member> namedOnes;
+    for (const Member& m : best.members)
+      if (!q_.groups.groups[m.group].profile) namedOnes.push_back(m);
+    const double none = evidence->given({}).rest, all = evidence->given(best.members).rest;
+    const bool curves = namedOnes.size() < best.members.size();
+    const bool keep =
+        curves && !namedOnes.empty() && none - evidence->given(namedOnes).rest > kMostOfIt * (none - all);
     for (std::size_t j = 0; j < best.members.size(); ++j) {
+      if (keep && !q_.groups.groups[best.members[j].group].profile) {
+        std::vector<Member> fewer = namedOnes;  // but not one that the other causes make needless
+        fewer.erase(std::find_if(fewer.begin(), fewer.end(),
+                                 [&](const Member& m) { return m.id == best.members[j].id; }));
+        if (none - evidence->given(fewer).rest < kMostOfIt * (none - all)) continue;
+      }
       std::vector<Member> others = best.members;
       others.erase(others.begin() + static_cast<long>(j));
       // without it, drift may take its place

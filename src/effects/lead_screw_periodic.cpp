@@ -85,7 +85,9 @@ class LeadScrewPeriodic : public CatalogueEffect {
   }
   std::vector<int> variesAlong(const Domain&) const override { return {axis_}; }
   std::vector<int> mustMove() const override { return {axis_}; }
-  int positionsNeeded() const override { return parameterCount() + 3; }
+  /// A period that is searched for takes several waves at several places each: nine places are met by many
+  /// periods.
+  int positionsNeeded() const override { return searched_ ? 12 : parameterCount() + 3; }
   bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
     const double period = searched_ && !nonlinear.empty() ? nonlinear.front() : period_;
     return period <= 0.5 * travel_;
