@@ -271,7 +271,7 @@ CalibrationResult calibrateFrom(const Session& session, Model model, const Calib
   }
   if (options.progress) options.progress("uncertainty", 0.0);
   const std::vector<char>& fixed = result.identifiability.fixed;
-  Summary summary = summarise(*result.problem, fit, fixed, &result.drift);
+  Summary summary = summarise(*result.problem, fit, fixed, options.whiteNoise ? nullptr : &result.drift);
   if (!options.holdEffects) summary.takeFreedoms(networkUnknowns(problem.model()));
   if (networkShift.size() > 0) addNetworkShift(*result.problem, fit.x, networkShift, summary.heldOut);
   result.x = fit.x;

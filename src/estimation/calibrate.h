@@ -26,6 +26,7 @@ struct CalibrateOptions {
   unsigned threads = 0;       // 0: all cores; the result does not depend on it
   double repeatability = -1;  // m, declared: overrides the artifact's; negative: not stated here
   bool rejectOutliers = true;
+  bool whiteNoise = false;  // uncertainties as if no row knew of its neighbours, whatever the residuals show
   Eigen::VectorXd weights;  // a data row, with rejectOutliers false: 0 leaves it out; empty: all count
   bool holdEffects =
       false;  // the effects' parameters stay at `start`; only what belongs to the session is fitted

@@ -51,6 +51,8 @@ void FitOptions::declare(CLI::App& command, bool genetic) {
       "--repeatability-um", repeatability,
       "noise of one measurement (else the model's, the artifact's, or found from repetitions)");
   command.add_flag("--keep-outliers", keepOutliers, "nothing is left aside");
+  command.add_flag("--white-noise", whiteNoise,
+                   "uncertainties as if no row knew of its neighbours, whatever the residuals show");
   declareNamespace(command, space);
   if (!genetic) return;
   command.add_option("--seed", calibrate.seed, "of the genetic algorithm")->capture_default_str();
@@ -64,6 +66,7 @@ CalibrateOptions FitOptions::checked() const {
     throw InputError("--repeatability-um is " + sixDigits(repeatability) + "; it must be above 0");
   if (repeatability > 0.0) options.repeatability = repeatability * kMicrometre;
   options.rejectOutliers = !keepOutliers;
+  options.whiteNoise = whiteNoise;
   options.cancelled = [] { return Interrupt::asked(); };
   return options;
 }

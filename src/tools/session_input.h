@@ -32,6 +32,7 @@ struct FitOptions {
   CalibrateOptions calibrate;
   double repeatability = 0.0;  // um; 0: not stated
   bool keepOutliers = false;
+  bool whiteNoise = false;
   std::string space;  // of the session's topics
 
   void declare(CLI::App& command, bool genetic);

@@ -89,6 +89,7 @@ CalibrationResult solve(const Session& session, const Entry& entry, const std::v
   for (const double s : start) starts.push_back(EffectSpec().set("s", s).text("s"));
   spec.set("direction", "x").set("formula", entry.formula).setList("start", starts);
   CalibrateOptions options;
+  options.whiteNoise = true;  // what is certified
   options.method = method;
   return calibrate(session, Model(session.machine, observedDomain(session), {spec}), options);
 }
