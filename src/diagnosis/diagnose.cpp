@@ -54,6 +54,7 @@ class Diagnoser {
       throw NumericalError(std::to_string(out_.base.problem->rowCount()) + " residuals leave " +
                            std::to_string(out_.base.figures.degreesOfFreedom) +
                            " degrees of freedom, too few to tell a missing effect from noise; measure more");
+    refuseWhatNoPhysicsExplains();
     out_.where = whereItFails(out_.base);
 
     // outliers may have been structure, and structure may have hidden outliers: look again with what was
@@ -85,6 +86,18 @@ class Diagnoser {
   void report(const std::string& stage, double share) const {
     if (options_.cancelled && options_.cancelled()) throw Cancelled("diagnosis cancelled");
     if (options_.progress) options_.progress(stage, share);
+  }
+
+  /// No machine errs by a thousand times its repeatability in a way that one of its parts explains: units,
+  /// signs or names of the session are asked first.
+  void refuseWhatNoPhysicsExplains() const {
+    constexpr double kMost = 1000.0;
+    const double rms = out_.angular ? out_.base.figures.rmsAngular : out_.base.figures.rms;
+    if (out_.base.repeatabilityFrom == "estimated" || !(rms > kMost * out_.base.repeatability)) return;
+    throw NumericalError(
+        "its residuals are " + shortNumber(rms / out_.base.repeatability) +
+        " times the repeatability; look at units, signs and names in the session first (mm check "
+        "asks about them)");
   }
 
   Look lookAt(const CalibrationResult& fitted, int round) const {
