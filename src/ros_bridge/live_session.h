@@ -13,9 +13,9 @@
 
 namespace mm {
 
-/// Collects the live session from the topics that a session is recorded from. /artifact with a new stamp begins a new
-/// session; so does a clock that goes back. Temperatures and covariates are found by their topics' names.
-/// Thread-safe.
+/// Collects the live session from the topics that a session is recorded from. /artifact with a new stamp
+/// begins a new session; so does a clock that goes back. Temperatures and covariates are found by their
+/// topics' names. Thread-safe.
 class LiveSession {
  public:
   explicit LiveSession(ros::NodeHandle node);
