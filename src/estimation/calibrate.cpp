@@ -96,7 +96,7 @@ Memory memoryOf(Problem& problem, const Fitter& fit, const WhitenedSystem& syste
   white.variance = Eigen::VectorXd::Ones(n);
 
   NoiseFitOptions options;
-  options.driftPrice = 5.0;  // an uncertainty changes only for what is there at 100 to 1 and better
+  options.driftPrice = 3.0;  // coverage under drift is what it should be with it, and too small with 5
   memory.fit = fitNoise(memory.rows.rows, {}, white, options, kMostRows);
   return memory;
 }

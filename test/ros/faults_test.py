@@ -208,7 +208,9 @@ class Faults(unittest.TestCase):
         self.assertEqual((found[0].feature, found[0].calibration_id), ("b0", self.scales.calibration_id))
         repeatability = 1e-6 * json.loads(self.scales.json)["repeatability_um"]
         self.assertGreater(found[0].sigma, repeatability)
-        self.assertLess(found[0].sigma, 3 * repeatability)
+        # scales alone leave errors of this machine unexplained, and the sigma allows for what wanders of them
+        unexplained = 1e-6 * json.loads(self.scales.json)["rms_um"]
+        self.assertLess(found[0].sigma, 3 * repeatability + 2 * unexplained)
         contact.position[0] = math.nan
         mark = len(self.statuses.all)
         out.publish(contact)
