@@ -142,6 +142,7 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
 
 Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
   constexpr double kAlike = 0.9999;  // cosine of what is left of their columns
+  constexpr double kByShape = 10.0;  // nats: what the freedom of a shape may cost where the noise is small
   if (best.group < 0) return best;
   if (q_.groups.groups[best.group].profile) {  // a cause with a name that explains most of it comes first
     const double freedoms =
@@ -166,7 +167,7 @@ Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
   Gain first = best;
   if (own.cols() == 0) return first;
   for (const Gain& g : gains) {
-    if (g.group < 0 || g.group >= first.group || g.value < best.value - kIndistinct) continue;
+    if (g.group < 0 || g.group >= first.group || g.value < best.value - kByShape) continue;
     const Eigen::MatrixXd other = columnOf(g);
     if (other.cols() == 1 && std::abs(other.col(0).dot(own.col(0))) > kAlike) first = g;
   }

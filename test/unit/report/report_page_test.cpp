@@ -59,6 +59,7 @@ TEST_F(ReportPage, SaysWhatTheDiagnosisSaysAndWhatToTypeNext) {
   const nlohmann::json& first = data["diagnosis"]["missing"][0];
   const bool play = first["effect"]["type"] == "backlash";
   EXPECT_TRUE(play || first["effect"]["type"] == "speed_lag") << first.dump();
+  ASSERT_FALSE(first["confusable_with"].empty());
   EXPECT_EQ(first["confusable_with"][0]["effect"]["type"], play ? "speed_lag" : "backlash");
   EXPECT_EQ(data["command"], std::string("mm add 'my session.bag' --calibration c.yaml ") +
                                  (play ? "'{type: backlash, axis: x}'" : "'{type: speed_lag}'") +
