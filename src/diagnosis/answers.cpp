@@ -35,6 +35,14 @@ double weightOf(const Questions& q, double gain) {
   return std::exp(std::min(600.0, gain)) * kPriorCause / std::max(1, q.asked);
 }
 
+/// The first shape of a group that would be added as `spec`; null: none.
+const Shape* shapeWith(const Questions& q, const EffectSpec& spec) {
+  for (const Group& g : q.groups.groups)
+    for (const Shape& s : g.shapes)
+      if (s.spec == spec) return &s;
+  return nullptr;
+}
+
 std::vector<Member> without(const std::vector<Member>& members, std::size_t j) {
   std::vector<Member> others = members;
   others.erase(others.begin() + static_cast<long>(j));
@@ -373,28 +381,36 @@ void fillMissingInputs(const Questions& q, Diagnosis& out) {
 
 void separate(const Search& search, const Explanation& found, Diagnosis& out) {
   const Questions& q = search.questions();
-  for (const CandidateResult& missing : out.missing) {
+  for (CandidateResult& missing : out.missing) {
     if (missing.confusableWith.empty()) continue;
     for (std::size_t j = 0; j < found.members.size(); ++j) {
       const Shape& shape = shapeOf(q, found.members[j]);
       if (!(shape.spec == missing.effect) && shape.mixed.empty()) continue;
       std::vector<Hypothesis> rivals;
-      for (const Confusable& c : missing.confusableWith)
-        for (const Group& g : q.groups.groups)
-          for (const Shape& s : g.shapes)
-            if (s.spec == c.effect && rivals.size() < kMostRivals) {
-              rivals.push_back({s.effect, s.nonlinear});
-              break;
-            }
-      out.nextMeasurement = nextMeasurement(*q.space, {shape.effect, found.members[j].nonlinear}, rivals);
-      return;
+      std::vector<Confusable*> asked;
+      for (Confusable& c : missing.confusableWith) {
+        if (!c.notRecorded.empty()) continue;
+        const Shape* rival = shapeWith(q, c.effect);
+        if (rival == nullptr) continue;
+        rivals.push_back({rival->effect, rival->nonlinear});
+        asked.push_back(&c);
+      }
+      const NextMeasurement next =
+          nextMeasurement(*q.space, {shape.effect, found.members[j].nonlinear}, rivals);
+      for (std::size_t r = 0; r < asked.size() && r < next.rivals.size(); ++r) {
+        asked[r]->same = next.rivals[r].same;
+        if (!asked[r]->same) asked[r]->moves = movesInWords(next.rivals[r].deviations, next.moves.size());
+      }
+      if (out.nextMeasurement.empty()) out.nextMeasurement = next.moves;
+      break;
     }
   }
 }
 
 void decide(Diagnosis& out) {
   const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {
-    return !m.confusableWith.empty() || m.confusableWithDrift;
+    return std::any_of(m.confusableWith.begin(), m.confusableWith.end(),
+                       [](const Confusable& c) { return !c.same; });
   });
   constexpr double kMoreThanRepeatability =
       1.3;  // repeatability from five runs is known to a third (ISO 230-2)

@@ -32,7 +32,7 @@ struct Confusable {
   /// Not empty: an input of it that the session did not record, so that it can only be excluded by recording
   /// it.
   std::string notRecorded;
-  std::string moves;  // in words, what would tell them apart; empty where `same`
+  std::string moves;  // in words, what the proposed moves would tell; empty where `same`
 };
 
 /// One effect of the catalogue, judged on the session.
@@ -45,8 +45,6 @@ struct CandidateResult {
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // RMS, m (rad for angular sessions)
   double size = 0.0;  // RMS of its contribution after refit, m (rad for angular sessions)
   std::vector<Confusable> confusableWith;
-  /// Time drift explains as well what it explains (it is then listed in `drift[].perhaps` too).
-  bool confusableWithDrift = false;
   std::string cause, remedy;
 };
 

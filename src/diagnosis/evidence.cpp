@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/row_products.h"
 #include "machine/cancel_scope.h"
 #include "machine/two_threads.h"
 
@@ -21,17 +22,6 @@ const std::vector<double>& sizes() {
     return s;
   }();
   return all;
-}
-
-/// a' b of many rows: few columns of a by axpy along the rows of b, which need no packing.
-template <class A, class B>
-RowMatrix crossProducts(const A& a, const B& b) {
-  constexpr int kFew = 24;
-  if (a.cols() > kFew) return a.transpose() * b;
-  RowMatrix out = RowMatrix::Zero(a.cols(), b.cols());
-  for (Eigen::Index i = 0; i < a.rows(); ++i)
-    for (Eigen::Index k = 0; k < a.cols(); ++k) out.row(k).noalias() += a(i, k) * b.row(i);
-  return out;
 }
 
 }  // namespace
@@ -69,7 +59,7 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise
     }
   });
   target_ = target.col(0);
-  Eigen::MatrixXd m = crossProducts(fixed_, fixed_);
+  Eigen::MatrixXd m = rowProducts(fixed_);
   for (int k = 0; k < fixed; ++k) m(k, k) += k < base ? kRidge : 1.0;
   const Eigen::LLT<Eigen::MatrixXd> llt(m);
   factor_ = llt.matrixL();
@@ -87,7 +77,7 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise
     const int first = half == 0 ? 0 : middle, count = half == 0 ? middle : all - middle;
     if (count > 0) {
       const auto part = columns_.middleCols(first, count);
-      Eigen::MatrixXd by = crossProducts(fixed_, part);
+      Eigen::MatrixXd by = rowProducts(fixed_, part);
       factor_.triangularView<Eigen::Lower>().solveInPlace(by);
       groupTarget_.segment(first, count) = part.transpose() * target_ - by.transpose() * fixedTarget_;
       byBase_.middleCols(first, count) = by;
@@ -98,47 +88,53 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise
       for (const Shape& s : groups.groups[g].shapes) {
         const auto block = columns_.middleCols(s.first, s.count);
         const auto by = byBase_.middleCols(s.first, s.count);
-        products_[g].push_back(Eigen::MatrixXd(crossProducts(block, block)) - by.transpose() * by);
+        products_[g].push_back(Eigen::MatrixXd(rowProducts(block)) - by.transpose() * by);
       }
   });
 }
 
-Evidence::Prepared Evidence::prepare(const RowMatrix& columns, bool cross) const {
+Evidence::Prepared Evidence::prepare(const RowMatrix& columns) const {
   Prepared p;
   p.columns = columns;
   whitener_->whiten(p.columns);
-  p.byBase = factor_.triangularView<Eigen::Lower>().solve(fixed_.transpose() * p.columns);
+  p.byBase = factor_.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(rowProducts(fixed_, p.columns)));
   p.target = p.columns.transpose() * target_ - p.byBase.transpose() * fixedTarget_;
-  if (cross) p.cross = Eigen::MatrixXd(crossProducts(p.columns, columns_)) - p.byBase.transpose() * byBase_;
   return p;
 }
 
-const Evidence::Prepared& Evidence::prepared(const Member& member) const {
+Evidence::Prepared& Evidence::prepared(const Member& member) const {
   const auto found = prepared_.find(member.id);
   if (found != prepared_.end()) return found->second;
-  return prepared_.emplace(member.id, prepare(*member.columns, true)).first->second;
+  return prepared_.emplace(member.id, prepare(*member.columns)).first->second;
 }
 
-Evidence::Given Evidence::given(const std::vector<Member>& members) const {
-  CancelScope::check();
-  Given g;
-  g.freedoms = freedoms_;
-  int k = 0;
-  for (const Member& m : members) k += static_cast<int>(m.columns->cols());
-  Eigen::MatrixXd products(k, k), cross(k, columns_.cols());
-  Eigen::VectorXd target(k);
+const RowMatrix& Evidence::crossOf(Prepared& p) const {
+  if (p.cross.rows() == 0) {
+    p.cross = rowProducts(p.columns, columns_);
+    p.cross.noalias() -= p.byBase.transpose() * byBase_;
+  }
+  return p.cross;
+}
+
+Eigen::MatrixXd Evidence::productsOf(const Prepared& a, const Prepared& b) const {
+  return Eigen::MatrixXd(rowProducts(a.columns, b.columns)) - a.byBase.transpose() * b.byBase;
+}
+
+Evidence::Joint Evidence::jointOf(const std::vector<Member>& members) const {
+  Joint joint;
+  for (const Member& m : members) joint.columns += static_cast<int>(m.columns->cols());
+  Eigen::MatrixXd products(joint.columns, joint.columns);
+  Eigen::VectorXd target(joint.columns);
   int at = 0;
   for (std::size_t i = 0; i < members.size(); ++i) {
     const Prepared& a = prepared(members[i]);
     const int n = static_cast<int>(a.columns.cols());
-    cross.middleRows(at, n) = members[i].size * a.cross;
     target.segment(at, n) = members[i].size * a.target;
     int to = 0;
     for (std::size_t j = 0; j <= i; ++j) {
       const Prepared& b = prepared(members[j]);
       const int other = static_cast<int>(b.columns.cols());
-      const Eigen::MatrixXd block = members[i].size * members[j].size *
-                                    (crossProducts(a.columns, b.columns) - a.byBase.transpose() * b.byBase);
+      const Eigen::MatrixXd block = members[i].size * members[j].size * productsOf(a, b);
       products.block(at, to, n, other) = block;
       products.block(to, at, other, n) = block.transpose();
       to += other;
@@ -146,12 +142,27 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
     at += n;
   }
   products.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> llt(products);
-  g.explained = llt.matrixL().solve(target);
-  g.absorbed = llt.matrixL().solve(cross);
+  joint.factor.compute(products);
+  joint.explained = joint.factor.matrixL().solve(target);
+  return joint;
+}
+
+Evidence::Given Evidence::given(const std::vector<Member>& members) const {
+  CancelScope::check();
+  const Joint joint = jointOf(members);
+  Given g;
+  g.freedoms = freedoms_;
+  g.explained = joint.explained;
+  g.absorbed.resize(joint.columns, columns_.cols());
+  int at = 0;
+  for (const Member& m : members) {
+    g.absorbed.middleRows(at, m.columns->cols()) = m.size * crossOf(prepared(m));
+    at += static_cast<int>(m.columns->cols());
+  }
+  joint.factor.matrixL().solveInPlace(g.absorbed);
   g.rest = std::max(1e-300, rest_ - g.explained.squaredNorm());
   double logDeterminant = logDeterminant_;
-  for (int i = 0; i < k; ++i) logDeterminant += 2.0 * std::log(llt.matrixLLT()(i, i));
+  for (int i = 0; i < joint.columns; ++i) logDeterminant += 2.0 * std::log(joint.factor.matrixLLT()(i, i));
   g.logEvidence = -0.5 * logDeterminant - 0.5 * g.freedoms * std::log(g.rest / g.freedoms);
   return g;
 }
@@ -209,35 +220,20 @@ Gain Evidence::gainOf(const Given& given, int group) const {
 
 Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members,
                       const RowMatrix& columns) const {
-  const Prepared p = prepare(columns, false);
-  Eigen::MatrixXd products = crossProducts(p.columns, p.columns) - p.byBase.transpose() * p.byBase;
+  const Prepared p = prepare(columns);
+  Eigen::MatrixXd products = productsOf(p, p);
   Eigen::VectorXd target = p.target;
   if (!members.empty()) {
-    int k = 0;
-    for (const Member& m : members) k += static_cast<int>(m.columns->cols());
-    Eigen::MatrixXd own(k, k), cross(k, columns.cols());
+    const Joint joint = jointOf(members);
+    Eigen::MatrixXd absorbed(joint.columns, columns.cols());
     int at = 0;
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      const Prepared& a = prepared(members[i]);
-      const int n = static_cast<int>(a.columns.cols());
-      cross.middleRows(at, n) =
-          members[i].size * (crossProducts(a.columns, p.columns) - a.byBase.transpose() * p.byBase);
-      int to = 0;
-      for (std::size_t j = 0; j <= i; ++j) {
-        const Prepared& b = prepared(members[j]);
-        const int other = static_cast<int>(b.columns.cols());
-        own.block(at, to, n, other) = members[i].size * members[j].size *
-                                      (crossProducts(a.columns, b.columns) - a.byBase.transpose() * b.byBase);
-        own.block(to, at, other, n) = own.block(at, to, n, other).transpose().eval();
-        to += other;
-      }
-      at += n;
+    for (const Member& m : members) {
+      absorbed.middleRows(at, m.columns->cols()) = m.size * productsOf(prepared(m), p);
+      at += static_cast<int>(m.columns->cols());
     }
-    own.diagonal().array() += 1.0;
-    const Eigen::LLT<Eigen::MatrixXd> llt(own);
-    const Eigen::MatrixXd absorbed = llt.matrixL().solve(cross);
+    joint.factor.matrixL().solveInPlace(absorbed);
     products -= absorbed.transpose() * absorbed;
-    target -= absorbed.transpose() * given.explained;
+    target -= absorbed.transpose() * joint.explained;
   }
   return best(products, target, given);
 }
@@ -253,34 +249,28 @@ std::vector<Gain> Evidence::gains(const Given& given) const {
 }
 
 Evidence::Fit Evidence::fit(const std::vector<Member>& members) const {
-  const int fixed = static_cast<int>(fixed_.cols()), base = static_cast<int>(rows_.base.cols());
-  int columns = fixed;
-  for (const Member& m : members) columns += static_cast<int>(m.columns->cols());
-  RowMatrix raw(rows_.length(), columns);
-  raw.leftCols(fixed) = fixedRaw_;
-  int at = fixed;
-  for (const Member& m : members) {
-    raw.middleCols(at, m.columns->cols()) = m.size * *m.columns;
-    at += static_cast<int>(m.columns->cols());
-  }
-  RowMatrix whitened = raw;
-  whitener_->whiten(whitened);
-  Eigen::MatrixXd products = whitened.transpose() * whitened;
-  for (int k = 0; k < columns; ++k) products(k, k) += k < base ? kRidge : 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> llt(products);
-  const Eigen::VectorXd values = llt.solve(whitened.transpose() * target_);
-  const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(columns, columns));
+  const Joint joint = jointOf(members);
+  const Eigen::VectorXd values = joint.factor.matrixU().solve(joint.explained);
+  Eigen::VectorXd byFixed = fixedTarget_;
   Fit fit;
-  fit.withoutDrift = raw * values;
+  fit.withoutDrift = Eigen::VectorXd::Zero(rows_.length());
+  int at = 0;
+  for (const Member& m : members) {
+    const int k = static_cast<int>(m.columns->cols());
+    fit.values.emplace_back(m.size * values.segment(at, k));
+    byFixed -= prepared(m).byBase * fit.values.back();
+    fit.withoutDrift += *m.columns * fit.values.back();
+    at += k;
+  }
+  fit.withoutDrift += fixedRaw_ * factor_.triangularView<Eigen::Lower>().transpose().solve(byFixed);
   fit.expected = fit.withoutDrift;
   const Eigen::VectorXd left = rows_.target - fit.withoutDrift;
   fit.expected.head(rows_.rows()) += whitener_->driftIn(left.head(rows_.rows()));
-  const double rest = std::max(0.0, target_.squaredNorm() - values.dot(whitened.transpose() * target_));
-  const double variance = rest / freedoms_;
-  at = fixed;
+  const double variance = std::max(0.0, rest_ - joint.explained.squaredNorm()) / freedoms_;
+  const Eigen::MatrixXd inverse = joint.factor.solve(Eigen::MatrixXd::Identity(joint.columns, joint.columns));
+  at = 0;
   for (const Member& m : members) {
     const int k = static_cast<int>(m.columns->cols());
-    fit.values.push_back(m.size * values.segment(at, k));
     fit.covariance.push_back(variance * m.size * m.size * inverse.block(at, at, k, k));
     at += k;
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <map>
 #include <memory>
@@ -72,11 +73,20 @@ class Evidence {
                      // products
     RowMatrix columns;
     Eigen::MatrixXd byBase;  // base and blocks x k
-    Eigen::MatrixXd cross;   // k x all columns of the groups
+    RowMatrix cross;         // k x all columns of the groups; empty until somebody asks
     Eigen::VectorXd target;  // k
   };
-  const Prepared& prepared(const Member& member) const;
-  Prepared prepare(const RowMatrix& columns, bool cross) const;
+  /// Members together, beside base and blocks.
+  struct Joint {
+    int columns = 0;
+    Eigen::LLT<Eigen::MatrixXd> factor;
+    Eigen::VectorXd explained;
+  };
+  Prepared prepare(const RowMatrix& columns) const;
+  Prepared& prepared(const Member& member) const;
+  const RowMatrix& crossOf(Prepared& p) const;
+  Eigen::MatrixXd productsOf(const Prepared& a, const Prepared& b) const;
+  Joint jointOf(const std::vector<Member>& members) const;
   Gain best(const Eigen::MatrixXd& products, const Eigen::VectorXd& target, const Given& given) const;
 
   const NoiseRows& rows_;

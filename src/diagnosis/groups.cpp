@@ -401,14 +401,29 @@ std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space) {
 
 namespace {
 
-Groups profilesOf(const ResidualSpace& space, const std::vector<EffectSpec>& specs, int variables) {
+/// What a profile is of: a direction and one or two variables.
+struct ProfileOf {
+  std::string direction;
+  std::vector<std::string> variables;
+};
+
+Groups profilesOf(const ResidualSpace& space, const std::vector<ProfileOf>& profiles) {
   Groups out;
   const Maker maker(space);
   std::vector<Wanted> wanted;
-  for (const EffectSpec& spec : specs) {
+  std::map<std::string, bool> ofTime;  // a variable: it changes while the machine stands still
+  for (const auto& [direction, variables] : profiles) {
+    const auto make = [&, &along = direction](const std::vector<std::string>& of) {
+      return createEffect(profileSpec(along, of, 0.0, maker.domain()), maker.domain());
+    };
+    const auto dependsOnTime = [&](const std::string& variable) {
+      const auto known = ofTime.find(variable);
+      if (known != ofTime.end()) return known->second;
+      return ofTime[variable] = inputsOf(*make({variable}), maker.domain()).dependsOnTime();
+    };
     EffectPtr effect;
     try {
-      effect = createEffect(spec, maker.domain());
+      effect = make(variables);
     } catch (const InputError&) {
       continue;  // a variable that varied, but not enough for a curve
     }
@@ -418,8 +433,8 @@ Groups profilesOf(const ResidualSpace& space, const std::vector<EffectSpec>& spe
     Group group;
     group.key = causeOf(*effect);
     group.profile = true;
-    group.variables = variables;
-    group.dependsOnTime = inputsOf(*effect, maker.domain()).dependsOnTime();
+    group.variables = static_cast<int>(variables.size());
+    group.dependsOnTime = std::any_of(variables.begin(), variables.end(), dependsOnTime);
     wanted.push_back({out.groups.size(), effect, {}});
     out.groups.push_back(std::move(group));
   }
@@ -429,10 +444,6 @@ Groups profilesOf(const ResidualSpace& space, const std::vector<EffectSpec>& spe
       out.groups.end());
   return out;
 }
-
-}  // namespace
-
-namespace {
 
 /// Names that a formula may use for what varied in this session.
 std::vector<std::string> variablesThatVary(const ResidualSpace& space) {
@@ -445,23 +456,20 @@ std::vector<std::string> variablesThatVary(const ResidualSpace& space) {
 }  // namespace
 
 Groups makeProfiles(const ResidualSpace& space) {
-  const Domain& domain = space.problem().model().domain();
-  std::vector<EffectSpec> specs;
+  std::vector<ProfileOf> profiles;
   for (const std::string& direction : directionsOf(space).names)
-    for (const std::string& variable : variablesThatVary(space))
-      specs.push_back(profileSpec(direction, {variable}, 0.0, domain));
-  return profilesOf(space, specs, 1);
+    for (const std::string& variable : variablesThatVary(space)) profiles.push_back({direction, {variable}});
+  return profilesOf(space, profiles);
 }
 
 Groups makePairProfiles(const ResidualSpace& space) {
-  const Domain& domain = space.problem().model().domain();
-  std::vector<EffectSpec> specs;
+  std::vector<ProfileOf> profiles;
   const std::vector<std::string> names = variablesThatVary(space);
   for (const std::string& direction : directionsOf(space).names)
     for (std::size_t a = 0; a < names.size(); ++a)
       for (std::size_t b = a + 1; b < names.size(); ++b)
-        specs.push_back(profileSpec(direction, {names[a], names[b]}, 0.0, domain));
-  return profilesOf(space, specs, 2);
+        profiles.push_back({direction, {names[a], names[b]}});
+  return profilesOf(space, profiles);
 }
 
 }  // namespace mm

@@ -11,6 +11,7 @@ namespace mm {
 namespace {
 
 constexpr int kMoves = 12;
+constexpr double kSame = 1e-3;    // of an effect: what an imitation of it lacks, wherever the machine can go
 constexpr double kWait = 3600.0;  // s: long enough for a small machine to cool
 
 /// Readings at which the tip is at `target`, the rotary joints staying where they are; false when out of the
@@ -170,16 +171,16 @@ void measured(const Eigen::MatrixXd& rows, int row, Eigen::MatrixXd& covariance,
 
 }  // namespace
 
-std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& own,
-                                  const std::vector<Hypothesis>& rivals) {
-  std::vector<Move> moves;
-  if (rivals.empty()) return moves;
+NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& own,
+                                const std::vector<Hypothesis>& rivals) {
+  NextMeasurement out;
+  if (rivals.empty()) return out;
   const Session next = hypothetical(space);
-  if (next.observations.empty()) return moves;
+  if (next.observations.empty()) return out;
   const Problem& problem = space.problem();
   try {
     Problem future(next, problem.model(), problem.datum());
-    if (future.unknownCount() != problem.unknownCount()) return moves;
+    if (future.unknownCount() != problem.unknownCount()) return out;
     future.linearise(space.fitted().x);
     Eigen::MatrixXd futureJacobian;
     future.residuals(space.fitted().x, futureJacobian);
@@ -232,10 +233,18 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
       const Eigen::LDLT<Eigen::MatrixXd> solver(gram);
       const Eigen::VectorXd imitation = solver.solve(now.transpose() * (ownNow * size));
       misses.push_back(ownNext * size - later * imitation);
+      out.rivals.push_back({misses.back().norm() < kSame * (ownNext * size).norm(), 0.0});
       covariances.push_back(solver.solve(Eigen::MatrixXd::Identity(gram.rows(), gram.cols())));
       uncertainties.push_back((later * covariances.back()).cwiseProduct(later).rowwise().sum());
       nextRows.push_back(later);
     }
+    const auto told = [&](std::size_t r, int observation) {  // in squares of standard deviations
+      double sum = 0.0;
+      for (int i = future.firstRow(observation); i < future.firstRow(observation + 1); ++i)
+        sum += misses[r][i] * misses[r][i] / (1.0 + std::max(0.0, uncertainties[r][i]));
+      return sum;
+    };
+    if (std::all_of(out.rivals.begin(), out.rivals.end(), [](const auto& r) { return r.same; })) return out;
     std::vector<char> taken(next.observations.size(), 0);
     const double end = problem.session().observations.back().time;
     std::vector<std::pair<double, Move>> chosen;
@@ -245,20 +254,17 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
       for (std::size_t o = 0; o < next.observations.size(); ++o) {
         if (taken[o]) continue;
         double worst = 1e300;  // the rival that is told apart least
-        for (std::size_t r = 0; r < rivals.size(); ++r) {
-          double told = 0.0;
-          for (int i = future.firstRow(static_cast<int>(o)); i < future.firstRow(static_cast<int>(o) + 1);
-               ++i)
-            told += misses[r][i] * misses[r][i] / (1.0 + std::max(0.0, uncertainties[r][i]));
-          worst = std::min(worst, told);
-        }
+        for (std::size_t r = 0; r < rivals.size(); ++r)
+          if (!out.rivals[r].same) worst = std::min(worst, told(r, static_cast<int>(o)));
         if (worst > best) best = worst, pick = static_cast<int>(o);
       }
       if (pick < 0) break;
       taken[pick] = 1;
-      for (std::size_t r = 0; r < rivals.size(); ++r)
+      for (std::size_t r = 0; r < rivals.size(); ++r) {
+        out.rivals[r].deviations = std::sqrt(std::pow(out.rivals[r].deviations, 2) + told(r, pick));
         for (int i = future.firstRow(pick); i < future.firstRow(pick + 1); ++i)
           measured(nextRows[r], i, covariances[r], uncertainties[r]);
+      }
       chosen.emplace_back(next.observations[pick].time,
                           moveOf(problem.session(), next.observations[pick], end));
     }
@@ -271,12 +277,12 @@ std::vector<Move> nextMeasurement(const ResidualSpace& space, const Hypothesis& 
         v.erase(wait);
       else
         waited |= wait != v.end();
-      moves.push_back(move);
+      out.moves.push_back(move);
     }
   } catch (const InputError&) {
-    moves.clear();  // the model cannot be evaluated at states that were not measured
+    out = {};  // the model cannot be evaluated at states that were not measured
   }
-  return moves;
+  return out;
 }
 
 }  // namespace mm

@@ -1,27 +1,54 @@
 // What scatters in every session of balls, and is no cause: their centres, radii and form.
 #include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
 
 #include "diagnosis/search.h"
+#include "machine/units.h"
 
 namespace mm {
 namespace {
 
 constexpr double kPrice = 3.0;  // nats: as for a drift term
 constexpr std::size_t kMostBalls =
-    40;  // more are treated as free of scatter: their columns would be too many
+    40;                         // more are treated as free of scatter: their columns would be too many
+constexpr int kMostForm = 120;  // columns of form: each costs as much as an unknown
+constexpr int kLowest = 2, kHighest = 6;
+constexpr int kHarmonics = (kHighest + 1) * (kHighest + 1) - kLowest * kLowest;
 
-/// Real spherical harmonics of degree 2 and 3 at a unit vector, each of unit mean square over the sphere.
-Eigen::Matrix<double, 12, 1> harmonics(const Eigen::Vector3d& n) {
-  const double x = n.x(), y = n.y(), z = n.z();
-  Eigen::Matrix<double, 12, 1> h;
-  h << std::sqrt(15.0) * x * y, std::sqrt(15.0) * y * z, std::sqrt(5.0) / 2.0 * (3 * z * z - 1),
-      std::sqrt(15.0) * x * z, std::sqrt(15.0) / 2.0 * (x * x - y * y),
-      std::sqrt(35.0 / 8.0) * y * (3 * x * x - y * y), std::sqrt(105.0) * x * y * z,
-      std::sqrt(21.0 / 8.0) * y * (5 * z * z - 1), std::sqrt(7.0) / 2.0 * z * (5 * z * z - 3),
-      std::sqrt(21.0 / 8.0) * x * (5 * z * z - 1), std::sqrt(105.0) / 2.0 * z * (x * x - y * y),
-      std::sqrt(35.0 / 8.0) * x * (x * x - 3 * y * y);
+/// Real spherical harmonics from degree 2 (lower ones are the radius and the centre) to 6 at a unit vector,
+/// each with the standard deviation that it has where a ball's form is 1: amplitudes fall with the degree, as
+/// on ground and lapped balls.
+Eigen::Matrix<double, 1, kHarmonics> formAt(const Eigen::Vector3d& n) {
+  const double polar = std::acos(std::clamp(n.z(), -1.0, 1.0)), azimuth = std::atan2(n.y(), n.x());
+  double total = 0.0;
+  for (int l = kLowest; l <= kHighest; ++l) total += 1.0 / (l * l);
+  Eigen::Matrix<double, 1, kHarmonics> h;
+  int at = 0;
+  for (int l = kLowest; l <= kHighest; ++l) {
+    const double share = std::sqrt(1.0 / (l * l) / total / (2 * l + 1));
+    for (int m = -l; m <= l; ++m) {
+      const auto order = static_cast<unsigned>(std::abs(m)), degree = static_cast<unsigned>(l);
+      const double part =
+          m < 0 ? boost::math::spherical_harmonic_i(degree, static_cast<int>(order), polar, azimuth)
+                : boost::math::spherical_harmonic_r(degree, static_cast<int>(order), polar, azimuth);
+      h[at++] = share * std::sqrt(4.0 * kPi) * (m == 0 ? 1.0 : std::sqrt(2.0)) * part;
+    }
+  }
   return h;
+}
+
+/// The few combinations of a ball's harmonics that its contacts can show.
+/// @param all rows x harmonics of one ball. @return rows x at most `most`.
+Eigen::MatrixXd shown(const Eigen::MatrixXd& all, int most) {
+  constexpr double kNegligible = 0.01;  // of the largest variance
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(all.transpose() * all);
+  int count = 0;
+  const auto values = eigen.eigenvalues();  // ascending
+  const auto n = static_cast<int>(values.size());
+  while (count < std::min(most, n) && values[n - 1 - count] > kNegligible * values[n - 1]) ++count;
+  return all * eigen.eigenvectors().rightCols(count);
 }
 
 }  // namespace
@@ -39,8 +66,9 @@ void addScatter(Questions& q) {
   const Eigen::MatrixXd& g = problem.slotGradients();
   const int count = static_cast<int>(features.size());
   Eigen::MatrixXd centres = Eigen::MatrixXd::Zero(problem.rowCount(), 3 * count),
-                  radii = Eigen::MatrixXd::Zero(problem.rowCount(), count),
-                  form = Eigen::MatrixXd::Zero(problem.rowCount(), 12 * count);
+                  radii = Eigen::MatrixXd::Zero(problem.rowCount(), count);
+  std::vector<std::vector<int>> contacts(static_cast<std::size_t>(count));  // of a ball: rows
+  std::vector<std::vector<Eigen::Matrix<double, 1, kHarmonics>>> shapes(contacts.size());
   bool balls = false, seen = false;
   for (const int row : space.used()) {
     const Observation& o = problem.session().observations[problem.rows()[row].observation];
@@ -56,8 +84,22 @@ void addScatter(Questions& q) {
     radii(row, o.feature) = -unit;
     const Eigen::Vector3d normal(g(row, layout.volume(0)), g(row, layout.volume(1)),
                                  g(row, layout.volume(2)));
-    if (normal.norm() > 0.5)
-      form.block<1, 12>(row, 12 * o.feature) = unit * harmonics(normal.normalized()).transpose();
+    if (normal.norm() > 0.5) {
+      contacts[o.feature].push_back(row);
+      shapes[o.feature].push_back(unit * formAt(normal.normalized()));
+    }
+  }
+  Eigen::MatrixXd form(problem.rowCount(), 0);
+  for (int f = 0; f < count; ++f) {
+    const auto n = static_cast<int>(contacts[f].size());
+    if (n == 0) continue;
+    Eigen::MatrixXd all(n, kHarmonics);
+    for (int i = 0; i < n; ++i) all.row(i) = shapes[f][i];
+    const Eigen::MatrixXd some = shown(all, std::max(5, kMostForm / count));
+    const auto first = form.cols();
+    form.conservativeResize(Eigen::NoChange, first + some.cols());
+    form.rightCols(some.cols()).setZero();
+    for (int i = 0; i < n; ++i) form.row(contacts[f][i]).segment(first, some.cols()) = some.row(i);
   }
   const auto add = [&](const Eigen::MatrixXd& columns, const char* name) {
     q.scatter.push_back({RowMatrix(space.whiten(columns)), 0.0, kPrice, false});

@@ -45,7 +45,7 @@ std::vector<const Confusable*> openRivals(const CandidateResult& c) {
   return open;
 }
 
-bool isOpen(const CandidateResult& c) { return c.confusableWithDrift || !openRivals(c).empty(); }
+bool isOpen(const CandidateResult& c) { return !openRivals(c).empty(); }
 
 /// "backlash of x, 2.06 ± 0.06 um (k = 2), odds about 1000 to 1"
 std::string surely(const CandidateResult& c, bool angular) {
@@ -61,7 +61,7 @@ std::string eitherOr(const CandidateResult& c, bool angular) {
                      oddsInWords(c.odds) + ")";
   for (const Confusable* rival : openRivals(c))
     text += " or " + inWords(rival->effect) + " (" + oddsInWords(rival->odds) + ")";
-  return text + (c.confusableWithDrift ? " or drift in time" : "");
+  return text;
 }
 
 std::string capital(std::string text) {
@@ -260,6 +260,17 @@ std::string sentenceOf(const Diagnosis& d) {
     default:
       return "The model cannot be fitted to this session: measure more, or take effects out of the model.";
   }
+}
+
+std::string movesInWords(double deviations, std::size_t moves) {
+  if (moves == 0) return "no move within the machine's limits does";
+  constexpr double kEnough = 3.0;  // standard deviations
+  const std::string all = "the " + std::to_string(moves) + " proposed moves differ by " +
+                          shortNumber(deviations) + " standard deviations";
+  if (deviations >= kEnough) return all;
+  const double times = std::ceil(std::pow(kEnough / std::max(deviations, 1e-3), 2));
+  return all + (times > 100.0 ? ": no sensible number of repeats does"
+                              : ": measure them " + shortNumber(times) + " times");
 }
 
 std::string whyNotApart(const Confusable& rival) {

@@ -35,6 +35,8 @@ std::string variableInWords(const std::string& name, const std::string& unit);
 std::string variablesInWords(const ProfileResult& profile);
 /// "the direction of travel of x"
 std::string inputInWords(const std::string& input);
+/// What the proposed moves would tell of a rival, by how many standard deviations.
+std::string movesInWords(double deviations, std::size_t moves);
 /// Where a rival cannot be told apart, or not excluded, why; empty where measuring more would tell.
 std::string whyNotApart(const Confusable& rival);
 

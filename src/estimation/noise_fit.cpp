@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/row_products.h"
 #include "machine/cancel_scope.h"
 #include "machine/two_threads.h"
 
@@ -48,8 +49,8 @@ RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
 }  // namespace
 
 struct NoiseFit::Gram {
-  Eigen::MatrixXd products;  // of base, blocks and target
-  std::vector<int> first;    // a block: its first column, -1 where it was left out
+  RowMatrix products;      // of base, blocks and target
+  std::vector<int> first;  // a block: its first column, -1 where it was left out
   double logDeterminant = 0.0;
 };
 
@@ -83,8 +84,7 @@ NoiseFit::Gram NoiseFit::gramOf(const NoiseModel& noise, const std::vector<doubl
   const TimeWhitener whitener(rows_.time, rows_.factors, noise.variance, noise.drift);
   whitener.whiten(m);
   gram.logDeterminant = whitener.logDeterminant();
-  gram.products = Eigen::MatrixXd::Zero(m.cols(), m.cols());
-  gram.products.selfadjointView<Eigen::Lower>().rankUpdate(m.transpose());
+  gram.products = rowProducts(m);
   return gram;
 }
 

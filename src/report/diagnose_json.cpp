@@ -46,7 +46,6 @@ Json candidateJson(const CandidateResult& c, bool angular) {
     o["moves"] = other.moves;
     one["confusable_with"].push_back(std::move(o));
   }
-  one["confusable_with_drift"] = c.confusableWithDrift;
   one["cause"] = c.cause;
   one["remedy"] = c.remedy;
   return one;

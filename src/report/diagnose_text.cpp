@@ -36,7 +36,6 @@ std::string missingText(const CandidateResult& c, bool angular) {
                              (rival.moves.empty() ? "" : "; to tell: " + rival.moves));
     label.clear();
   }
-  if (c.confusableWithDrift) text += entry(label, "drift in time, which explains it as well");
   return text + entry("cause", c.cause) + entry("remedy", c.remedy);
 }
 

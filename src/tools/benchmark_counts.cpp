@@ -92,7 +92,6 @@ void BenchmarkCounts::add(const Trial& r) {
   withWrong_ += s.wrong > 0;
   profiles_ += s.profile;
   formulas_ += s.formula;
-  namedWithDrift_ += s.namedWithDrift;
   perhaps_ += s.perhaps;
   seconds_ = std::max(seconds_, r.seconds);
   ++verdicts_[nameOf(r.verdict)];
@@ -157,9 +156,9 @@ std::string BenchmarkCounts::text() const {
     char wrong[80];
     std::snprintf(wrong, sizeof wrong, "%.3f", sessions_ > 0 ? static_cast<double>(wrong_) / sessions_ : 0.0);
     out << "wrong causes a session: " << wrong << "\nof " << hits_.all << " hidden: named " << hits_.named
-        << " (" << namedWithDrift_ << " with drift as a rival), one of at most two rivals "
-        << hits_.confusable << ", listed beside drift " << hits_.besideDrift << ", missed " << missed
-        << "\ncauses listed beside drift: " << perhaps_ << " in " << sessions_ << " sessions\n";
+        << ", one of at most two rivals " << hits_.confusable << ", listed beside drift " << hits_.besideDrift
+        << ", missed " << missed << "\ncauses listed beside drift: " << perhaps_ << " in " << sessions_
+        << " sessions\n";
   } else {
     out << line("sessions with anything claimed", claimed_, sessions_)
         << line("sessions with a wrong cause", withWrong_, sessions_)
@@ -201,7 +200,6 @@ nlohmann::ordered_json BenchmarkCounts::json() const {
                                 {"sessions_formula", formulas_},
                                 {"sessions_profile", profiles_},
                                 {"causes", json(hits_)},
-                                {"named_with_drift", namedWithDrift_},
                                 {"listed_beside_drift", perhaps_},
                                 {"at_noise", atNoise_},
                                 {"longest_s", seconds_},

@@ -38,7 +38,7 @@ class BenchmarkCounts {
   int sessions_ = 0, notShown_ = 0;
   int first_ = 0, firstBesideDrift_ = 0, exact_ = 0, byHand_ = 0, atNoise_ = 0;
   int claimed_ = 0, withWrong_ = 0, wrong_ = 0, profiles_ = 0, formulas_ = 0;
-  int namedWithDrift_ = 0, perhaps_ = 0, oracleSure_ = 0, oracleOnly_ = 0;
+  int perhaps_ = 0, oracleSure_ = 0, oracleOnly_ = 0;
   bool oracle_ = false;
   double seconds_ = 0.0;
   Hits hits_;

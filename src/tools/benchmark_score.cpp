@@ -16,17 +16,10 @@ std::string sensorPair(const EffectSpec& s) {
   return text;
 }
 
-/// Whether a cause changes while the machine stands still: with time, a temperature or a covariate.
-bool changesWithTime(const EffectSpec& effect) {
-  return effect.type == "time_drift" || effect.type == "warm_up" || !effect.text("sensor").empty() ||
-         !effect.text("covariate").empty() || !sensorPair(effect).empty();
-}
-
-/// A cause that stands still cannot be what wanders, whatever the diagnosis lists.
 bool listedBesideDrift(const Diagnosis& d, const EffectSpec& hidden) {
   for (const DriftResult& drift : d.drift)
     for (const DriftResult::Perhaps& perhaps : drift.perhaps)
-      if (sameCause(hidden, perhaps.effect) && changesWithTime(perhaps.effect)) return true;
+      if (sameCause(hidden, perhaps.effect)) return true;
   return false;
 }
 
@@ -65,13 +58,9 @@ Score scoreOf(const Diagnosis& d, const std::vector<EffectSpec>& hidden) {
                        [&](const EffectSpec& h) { return sameCause(h, m.effect); });
   };
   for (std::size_t h = 0; h < hidden.size(); ++h) {
-    bool withDrift = false;
     for (const CandidateResult& m : d.missing) {
-      if (!sameCause(hidden[h], m.effect)) continue;
-      score.hits[h] = Hit::kNamed;
-      withDrift = withDrift || m.confusableWithDrift;
+      if (sameCause(hidden[h], m.effect)) score.hits[h] = Hit::kNamed;
     }
-    score.namedWithDrift += withDrift;
   }
   for (std::size_t i = 0; i < d.missing.size(); ++i) {
     const CandidateResult& m = d.missing[i];

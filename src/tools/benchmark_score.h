@@ -23,10 +23,9 @@ struct Score {
   /// A list of more rivals than this points at nothing.
   static constexpr std::size_t kRivals = 2;
 
-  std::vector<Hit> hits;   // of each hidden cause
-  int wrong = 0;           // named causes that are no hidden cause and by which none was found as confusable
-  int namedWithDrift = 0;  // hidden causes that were named, with drift as a rival
-  int perhaps = 0;         // causes listed as what the drift may be
+  std::vector<Hit> hits;  // of each hidden cause
+  int wrong = 0;          // named causes that are no hidden cause and by which none was found as confusable
+  int perhaps = 0;        // causes listed as what the drift may be
   /// The first named is right; or nothing is named, and a hidden cause is listed beside drift.
   bool firstRight = false, firstBesideDrift = false;
   bool claimed = false;  // a cause, a profile or a formula

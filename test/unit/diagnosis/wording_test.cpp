@@ -147,10 +147,7 @@ TEST(Sentence, ConfusableNamesTheRivalsWithTheirOdds) {
             "cannot tell "
             "which. Held-out RMS 0.93 -> 0.32 um.");
   d.nextMeasurement.resize(1);
-  d.missing[0].confusableWithDrift = true;
-  EXPECT_NE(sentenceOf(d).find(
-                "speed lag (1 to 2) or drift in time: these data cannot tell which; the listed moves "
-                "would."),
+  EXPECT_NE(sentenceOf(d).find("speed lag (1 to 2): these data cannot tell which; the listed moves would."),
             std::string::npos);
 }
 
@@ -158,7 +155,7 @@ TEST(Sentence, ConfusableBesideWhatIsSure) {
   Diagnosis d = verdict(Verdict::kConfusable);
   CandidateResult heat = play();
   heat.effect = growth("z");
-  heat.confusableWithDrift = true;
+  heat.confusableWith = {rival(growth("y"), 0.3, "measure at another temperature")};
   d.missing = {play(), heat};
   EXPECT_EQ(
       sentenceOf(d).find("Missing: backlash of x, 2.06 ± 0.06 um (k = 2), odds about 1000 to 1. Beside it "

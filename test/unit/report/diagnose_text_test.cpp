@@ -31,7 +31,6 @@ Diagnosis confusable() {
   same.same = true;
   hidden.notRecorded = "direction of travel of y";
   d.missing[0].confusableWith = {rival(EffectSpec("speed_lag"), 0.3, "touch x at two speeds"), same, hidden};
-  d.missing[0].confusableWithDrift = true;
   d.nextMeasurement.resize(1);
   d.nextMeasurement[0].values = {{"x_mm", 1.5}};
   return d;
@@ -58,7 +57,6 @@ TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
   EXPECT_TRUE(has(text, "    or instead        speed lag, 1 to 2; to tell: touch x at two speeds\n")) << text;
   EXPECT_TRUE(has(text, "zero of b; the same error told in another frame")) << text;
   EXPECT_TRUE(has(text, "backlash of y; cannot be excluded: the direction of travel of y was not")) << text;
-  EXPECT_TRUE(has(text, "drift in time, which explains it as well\n")) << text;
   // the moves first, then what may be added without them
   const std::size_t moves = text.find("mm diagnose plate.bag --calibration plate.yaml --moves moves.yaml"),
                     add = text.find("mm add plate.bag");

@@ -130,25 +130,6 @@ TEST(Score, ACauseThatChangesWithTimeMayBeListedBesideDrift) {
   }
 }
 
-TEST(Score, WhatStandsStillIsNoDrift) {
-  Diagnosis diagnosis;
-  wander(diagnosis, {backlash("x")});
-  const Score s = scoreOf(diagnosis, {backlash("x")});
-  EXPECT_EQ(s.hits[0], Hit::kMissed);
-  EXPECT_FALSE(s.firstRight);
-}
-
-TEST(Score, ANamedCauseMayHaveDriftAsItsRival) {
-  Diagnosis diagnosis = saying({named(growth("x"))});
-  diagnosis.missing[0].confusableWithDrift = true;
-  wander(diagnosis, {growth("x")});
-  const Score s = scoreOf(diagnosis, {growth("x")});
-  EXPECT_EQ(s.hits[0], Hit::kNamed);
-  EXPECT_EQ(s.namedWithDrift, 1);
-  EXPECT_TRUE(s.firstRight);
-  EXPECT_FALSE(s.firstBesideDrift);
-}
-
 Trial trialOf(const Diagnosis& diagnosis, const std::vector<EffectSpec>& hidden) {
   Trial trial;
   trial.hidden = hidden;
