@@ -17,16 +17,19 @@ typedef double Lanes
     __attribute__((vector_size(kLanes * sizeof(double)), aligned(alignof(double)), may_alias));
 
 /// Panels of `width` columns each, row after row; the last is filled up with zeros.
-std::vector<double> packed(const Eigen::Ref<const RowMatrix>& m, int first, int rows, int width) {
-  const int columns = static_cast<int>(m.cols()), panels = (columns + width - 1) / width;
-  std::vector<double> out(static_cast<std::size_t>(panels) * rows * width, 0.0);
-  for (int p = 0; p < panels; ++p) {
-    const int count = std::min(width, columns - p * width);
-    double* to = out.data() + static_cast<std::size_t>(p) * rows * width;
-    for (int i = 0; i < rows; ++i, to += width) {
-      const double* from = m.data() + (first + i) * m.outerStride() + p * width;
-      std::copy(from, from + count, to);
+template <int width>
+std::vector<double> packed(const Eigen::Ref<const RowMatrix>& m, Eigen::Index first, int rows) {
+  const auto columns = static_cast<int>(m.cols());
+  const int whole = columns / width, rest = columns % width;
+  std::vector<double> out(static_cast<std::size_t>(whole + (rest > 0)) * rows * width);
+  for (int i = 0; i < rows; ++i) {
+    const double* from = m.data() + (first + i) * m.outerStride();
+    for (int p = 0; p < whole; ++p) {
+      double* to = out.data() + (static_cast<std::size_t>(p) * rows + i) * width;
+      for (int k = 0; k < width; ++k) to[k] = from[p * width + k];
     }
+    double* to = out.data() + (static_cast<std::size_t>(whole) * rows + i) * width;
+    for (int k = 0; k < rest; ++k) to[k] = from[whole * width + k];
   }
   return out;
 }
@@ -67,8 +70,8 @@ RowMatrix products(const Eigen::Ref<const RowMatrix>& a, const Eigen::Ref<const 
   RowMatrix out = RowMatrix::Zero(down, across);
   for (Eigen::Index first = 0; first < a.rows(); first += kRows) {
     const int rows = static_cast<int>(std::min<Eigen::Index>(kRows, a.rows() - first));
-    const std::vector<double> left = packed(a, static_cast<int>(first), rows, kDown);
-    const std::vector<double> right = packed(b, static_cast<int>(first), rows, kAcross);
+    const std::vector<double> left = packed<kDown>(a, first, rows);
+    const std::vector<double> right = packed<kAcross>(b, first, rows);
     for (int j = 0; j < across; j += kAcross)
       for (int i = 0; i < down && !(own && i >= j + kAcross); i += kDown) {
         double sums[kDown * kAcross];
