@@ -177,8 +177,14 @@ void sortByGain(const Search& search, Explanation& found) {
   }
   std::stable_sort(order.begin(), order.end());
   std::vector<Member> sorted;
-  for (const auto& [gain, j] : order) sorted.push_back(found.members[j]);
+  std::vector<Rival> rivals;
+  for (const auto& [gain, j] : order) {
+    for (Rival r : found.rivals)
+      if (r.member == j) r.member = sorted.size(), rivals.push_back(r);
+    sorted.push_back(found.members[j]);
+  }
   found.members = std::move(sorted);
+  found.rivals = std::move(rivals);
 }
 
 void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit,
@@ -199,9 +205,13 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     double weights = 1.0 + weightOf(q, gain);
     std::vector<Confusable> rivals;
     if (!group.profile)
-      for (const Gain& g : evidence->gains(given)) {
+      for (Gain g : evidence->gains(given)) {
         const Group& rival = q.groups.groups[g.group];
-        if (gain - g.value >= kIndistinct) break;
+        const auto refitted = std::find_if(found.rivals.begin(), found.rivals.end(), [&](const Rival& r) {
+          return r.member == j && r.group == g.group;
+        });
+        if (refitted != found.rivals.end()) g.value = gain - refitted->behind;
+        if (gain - g.value >= kIndistinct) continue;
         if (rival.profile || rival.key == group.key ||
             std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))
           continue;

@@ -129,6 +129,7 @@ class Diagnoser {
       look.found = search.improved(look.found);
     }
     lookAtPairs(look);
+    look.found = Search(q).settled(std::move(look.found));
     return look;
   }
 

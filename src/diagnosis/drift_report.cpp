@@ -1,16 +1,18 @@
 #include "diagnosis/drift_report.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "diagnosis/wording.h"
+#include "estimation/drift.h"
 #include "machine/units.h"
 
 namespace mm {
 namespace {
 
 const double kSaid = std::log(100.0);  // nats: drift that is not there at 100 to 1 is not spoken of
-constexpr std::size_t kMostAsked = 2;  // causes from each start
+constexpr std::size_t kMostAsked = 3;  // causes for a direction
 constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kHopeless = -3.0;  // nats against drift alone
 
@@ -19,6 +21,52 @@ double varianceAlong(const NoiseModel& noise, int direction, double white) {
   for (const DriftTerm& t : noise.drift)
     if (t.direction == direction) sum += t.ratio * t.ratio * white * white;
   return sum;
+}
+
+/// A cause whose course resembles that of a drift.
+struct Alike {
+  int group = 0;
+  double share = 0.0;  // of the drift's sum of squares
+};
+
+/// The causes that change with time and resemble the drift along a direction most.
+std::vector<Alike> alikeTo(const Search& search, const Explanation& found, int direction) {
+  const Questions& q = search.questions();
+  const int n = q.rows.rows();
+  const Eigen::VectorXd left = q.rows.target - search.evidenceAt(found)->fit(found.members).withoutDrift;
+  const Eigen::MatrixXd byTerm =
+      TimeWhitener(q.rows.time, q.rows.factors, found.noise.variance, found.noise.drift)
+          .driftByTerm(left.head(n));
+  Eigen::MatrixXd path = Eigen::MatrixXd::Zero(q.rows.length(), 1);
+  int term = 0;
+  for (const DriftTerm& t : found.noise.drift) {
+    if (!(t.ratio > 0.0)) continue;
+    if (t.direction == direction) path.col(0).head(n) += byTerm.col(term);
+    ++term;
+  }
+  q.space->project(path);
+  const double all = path.squaredNorm();
+  std::vector<Alike> alike;
+  if (!(all > 0.0)) return alike;
+  for (std::size_t g = 0; g < q.groups.groups.size(); ++g) {
+    const Group& group = q.groups.groups[g];
+    const auto there = [&](const Member& m) { return m.group == static_cast<int>(g); };
+    if (!group.dependsOnTime || group.profile ||
+        std::any_of(found.members.begin(), found.members.end(), there))
+      continue;
+    Alike one{static_cast<int>(g), 0.0};
+    for (const Shape& s : group.shapes) {
+      Eigen::MatrixXd columns = q.groups.columns.middleCols(s.first, s.main);
+      q.space->project(columns);
+      const Eigen::VectorXd rest = path - columns * columns.colPivHouseholderQr().solve(path);
+      one.share = std::max(one.share, 1.0 - rest.squaredNorm() / all);
+    }
+    if (one.share > kSomeShare) alike.push_back(one);
+  }
+  std::stable_sort(alike.begin(), alike.end(),
+                   [](const Alike& a, const Alike& b) { return a.share > b.share; });
+  if (alike.size() > kMostAsked) alike.resize(kMostAsked);
+  return alike;
 }
 
 }  // namespace
@@ -47,53 +95,35 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
   }
   if (results.empty()) return results;
 
-  // which causes take it over? those that show most where there is no drift, and those that show beside it
-  Explanation none = found;
-  none.noise.drift.clear();
-  struct Trial {
-    int group;
-    double delta;
-    Explanation with;
-  };
-  std::vector<Trial> trials;
-  for (const Explanation* start : {static_cast<const Explanation*>(&none), &found}) {
-    const auto evidence = search.evidenceAt(*start);
-    std::size_t count = 0;
-    for (const Gain& g : evidence->gains(evidence->given(found.members))) {
-      const Group& group = q.groups.groups[g.group];
-      if (!group.dependsOnTime || group.profile || !(g.value > 0.0)) continue;
-      const auto known = [&](const auto& other) { return other.group == g.group; };
-      if (std::any_of(found.members.begin(), found.members.end(), known) ||
-          std::any_of(trials.begin(), trials.end(), known))
-        continue;
-      if (++count > kMostAsked) break;
-      std::vector<Member> members = found.members;
-      members.push_back(search.refined(*evidence, found.members, search.memberOf(g)));
-      Trial trial{g.group, -1e300, {}};
-      const double price = std::log(static_cast<double>(group.shapes.size()));
-      // at the size that it has without drift, which must then earn its place again
-      trial.with = search.refitted(members, found, false);
-      trial.delta = trial.with.logEvidence - found.logEvidence - price;
-      trials.push_back(std::move(trial));
-    }
-  }
+  // which causes take it over? Drift that was fitted without a cause has eaten it: so the cause comes in
+  // where there is no drift along that direction, which must then earn its place again
   for (std::size_t r = 0; r < results.size(); ++r) {
     const double before = varianceAlong(found.noise, directions[r], found.white);
+    Explanation none = found;
+    auto& drift = none.noise.drift;
+    drift.erase(std::remove_if(drift.begin(), drift.end(),
+                               [&](const DriftTerm& t) { return t.direction == directions[r]; }),
+                drift.end());
+    const auto evidence = search.evidenceAt(none);
     double total = 1.0;  // drift alone
-    std::vector<const Trial*> fit;
-    for (const Trial& t : trials) {
-      const double share = 1.0 - varianceAlong(t.with.noise, directions[r], t.with.white) / before;
-      if (t.delta < kHopeless || share < kSomeShare) continue;
-      fit.push_back(&t);
-      total += std::exp(std::min(50.0, t.delta));
-    }
-    for (const Trial* t : fit) {
-      const Member& m = t->with.members.back();
-      const Shape& shape = q.groups.groups[m.group].shapes[m.shape];
+    for (const Alike& alike : alikeTo(search, found, directions[r])) {
+      const Group& group = q.groups.groups[alike.group];
+      std::vector<Member> members = found.members;
+      Gain gain = evidence->gainOf(evidence->given(found.members), alike.group);
+      if (gain.group < 0) continue;
+      members.push_back(search.refined(*evidence, found.members, search.memberOf(gain)));
+      const Explanation with = search.refitted(members, none, true, directions[r]);
+      const double delta =
+          with.logEvidence - found.logEvidence - std::log(static_cast<double>(group.shapes.size()));
+      const double share = 1.0 - varianceAlong(with.noise, directions[r], with.white) / before;
+      if (delta < kHopeless || share < kSomeShare) continue;
+      const Member& m = with.members.back();
+      const double odds = std::exp(std::min(50.0, delta));
       results[r].perhaps.push_back(
-          {shape.effect->shapedAs(m.nonlinear), std::exp(std::min(50.0, t->delta)) / total,
-           std::min(1.0, 1.0 - varianceAlong(t->with.noise, directions[r], t->with.white) / before)});
+          {group.shapes[m.shape].effect->shapedAs(m.nonlinear), odds, std::min(1.0, share)});
+      total += odds;
     }
+    for (DriftResult::Perhaps& p : results[r].perhaps) p.odds /= total;
     std::stable_sort(results[r].perhaps.begin(), results[r].perhaps.end(),
                      [](const auto& a, const auto& b) { return a.odds > b.odds; });
   }

@@ -67,7 +67,8 @@ std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
   return evidence;
 }
 
-Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start, bool add) const {
+Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start, bool add,
+                             int along) const {
   tick();
   Explanation out;
   out.members = members;
@@ -83,6 +84,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   for (const Member& m : members) blocks.push_back({*m.columns, m.size, 0.0, false});
   NoiseFitOptions options;
   options.addDrift = add;
+  options.addAlong = along;
   if (!add) options.rounds = 2;
   const NoiseFitResult fit = fitNoise(q_.rows, std::move(blocks), start.noise, options, kMostNoiseRows);
   out.noise = fit.noise;
@@ -352,6 +354,42 @@ Explanation Search::run(const Eigen::VectorXd& variance) const {
 
 Explanation Search::improved(const Explanation& start) const {
   return pruned(grown(refitted(start.members, start, true)));
+}
+
+Explanation Search::settled(Explanation best) const {
+  constexpr double kNear =
+      20.0;  // nats at the noise of the member: fitted to the rival, it may make up for them
+  constexpr int kMostNear = 3;
+  constexpr double kBetter = 0.5;
+  for (int round = 0; round < 3; ++round) {
+    best.rivals.clear();
+    Explanation better;
+    better.worth = best.worth + kBetter;
+    const auto evidence = evidenceAt(best);
+    for (std::size_t j = 0; j < best.members.size(); ++j) {
+      if (q_.groups.groups[best.members[j].group].profile) continue;
+      std::vector<Member> others = best.members;
+      others.erase(others.begin() + static_cast<long>(j));
+      const Evidence::Given given = evidence->given(others);
+      const double own = evidence->gainOf(given, others, *best.members[j].columns).value;
+      int tried = 0;
+      for (const Gain& g : evidence->gains(given)) {
+        if (tried == kMostNear || g.group < 0 || g.value < own - kNear) break;
+        if (q_.groups.groups[g.group].profile || g.group == best.members[j].group ||
+            std::any_of(others.begin(), others.end(), [&](const Member& m) { return m.group == g.group; }))
+          continue;
+        ++tried;
+        std::vector<Member> members = best.members;
+        members[j] = refined(*evidence, others, memberOf(g));
+        Explanation trial = refitted(members, best, true);
+        best.rivals.push_back({j, g.group, g.shape, best.worth - trial.worth});
+        if (trial.worth > better.worth) better = std::move(trial);
+      }
+    }
+    if (better.members.empty()) break;
+    best = std::move(better);
+  }
+  return best;
 }
 
 std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& evidence) const {

@@ -25,6 +25,13 @@ struct Questions {
   int pairs = 0;     // profiles of two
 };
 
+/// Another cause in the place of a member, with the noise fitted again.
+struct Rival {
+  std::size_t member = 0;
+  int group = 0, shape = 0;
+  double behind = 0.0;  // nats
+};
+
 /// One explanation of the session: causes, drift, scatter, noise, and what all of it is worth.
 struct Explanation {
   std::vector<Member> members;
@@ -33,6 +40,7 @@ struct Explanation {
   double logEvidence = 0.0;     // less the prices of drift and scatter
   double worth = 0.0;           // less the prices of the members too
   double white = 1.0, whiteStd = 0.0;
+  std::vector<Rival> rivals;  // those that were near at its noise
 };
 
 /// What the evidence of a cause must outweigh, beside the number of causes asked. Where nothing is hidden the
@@ -52,6 +60,9 @@ class Search {
   Explanation run(const Eigen::VectorXd& variance) const;
   /// The search on from an explanation, whose noise, weights or questions have changed.
   Explanation improved(const Explanation& start) const;
+  /// The same with every near rival of every member tried with the noise fitted again: what one model of the
+  /// noise, fitted beside the member, says of its rivals is biased. Also fills in the rivals.
+  Explanation settled(Explanation best) const;
   /// The search at one model of the noise that stays, on some of the rows. @param heldOut a data row.
   std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
 
@@ -61,8 +72,10 @@ class Search {
   /// The evidence at the noise of an explanation.
   std::shared_ptr<const Evidence> evidenceAt(const Explanation& at,
                                              const std::vector<char>* heldOut = nullptr) const;
-  /// Variances fitted again for other members, from a start. @param add look for further drift, too.
-  Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add) const;
+  /// Variances fitted again for other members, from a start. @param add look for further drift, too, @param
+  /// along one direction only, or along all (-1).
+  Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add,
+                       int along = -1) const;
   Member memberOf(const Gain& gain) const;
   /// Nonlinear parameters and size at their best, beside the others.
   Member refined(const Evidence& evidence, const std::vector<Member>& others, const Member& member) const;

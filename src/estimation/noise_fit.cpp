@@ -201,11 +201,12 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
     if (options.addDrift && !timeConstants_.empty()) {
       // the best of all further terms; then its size and time constant with the others'
       constexpr double kRatio = 0.6;  // its size is fitted next
-      const int count = directions * static_cast<int>(timeConstants_.size());
+      const int along = options.addAlong >= 0 ? 1 : directions;
+      const int count = along * static_cast<int>(timeConstants_.size());
       const auto further = [&](int k) {
         NoiseModel more = best.noise;
-        more.drift.push_back(
-            {k % directions, kRatio, timeConstants_[static_cast<std::size_t>(k / directions)]});
+        more.drift.push_back({options.addAlong >= 0 ? options.addAlong : k % directions, kRatio,
+                              timeConstants_[static_cast<std::size_t>(k / along)]});
         return more;
       };
       std::vector<double> worth(static_cast<std::size_t>(count), -1e300);

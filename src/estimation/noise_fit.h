@@ -48,6 +48,7 @@ struct NoiseFitOptions {
   /// constant).
   double driftPrice = 3.0;
   bool addDrift = true;   // look for further terms
+  int addAlong = -1;      // only along this direction; -1: along all
   bool dropDrift = true;  // try without those that are there
   bool refine = true;     // sizes and time constants of those that are there
   int rounds = 4;
