@@ -43,12 +43,6 @@ const Shape* shapeWith(const Questions& q, const EffectSpec& spec) {
   return nullptr;
 }
 
-std::vector<Member> without(const std::vector<Member>& members, std::size_t j) {
-  std::vector<Member> others = members;
-  others.erase(others.begin() + static_cast<long>(j));
-  return others;
-}
-
 double projectedRms(const ResidualSpace& space, const RowMatrix& columns, const Eigen::VectorXd& values) {
   Eigen::MatrixXd one = columns * values;
   space.project(one);
@@ -171,7 +165,7 @@ void sortByGain(const Search& search, Explanation& found) {
   const auto evidence = search.evidenceAt(found);
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t j = 0; j < found.members.size(); ++j) {
-    const std::vector<Member> others = without(found.members, j);
+    const std::vector<Member> others = search.beside(*evidence, found.members, j);
     order.emplace_back(-evidence->gainOf(evidence->given(others), others, *found.members[j].columns).value,
                        j);
   }
@@ -197,7 +191,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const Member& m = found.members[j];
     const Group& group = q.groups.groups[m.group];
-    const std::vector<Member> others = without(found.members, j);
+    const std::vector<Member> others = search.beside(*evidence, found.members, j);
     const Evidence::Given given = evidence->given(others);
     const double price = std::log(static_cast<double>(group.shapes.size()));
     const double gain = evidence->gainOf(given, others, *m.columns).value - price;
@@ -211,6 +205,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
           return r.member == j && r.group == g.group;
         });
         if (refitted != found.rivals.end()) g.value = gain - refitted->behind;
+        if (g.group >= 0 && search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
         if (gain - g.value >= kIndistinct) continue;
         if (rival.profile || rival.key == group.key ||
             std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))

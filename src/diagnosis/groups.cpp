@@ -423,6 +423,9 @@ Groups profilesOf(const ResidualSpace& space, const std::vector<ProfileOf>& prof
     };
     EffectPtr effect;
     try {
+      // two that change with time alone trace one line through their plane: what depends on both is a
+      // function of time, and that is drift
+      if (variables.size() == 2 && dependsOnTime(variables[0]) && dependsOnTime(variables[1])) continue;
       effect = make(variables);
     } catch (const InputError&) {
       continue;  // a variable that varied, but not enough for a curve

@@ -45,7 +45,7 @@ std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
                                                    const std::vector<char>* heldOut) const {
   const auto sameDrift = [](const std::vector<DriftTerm>& a, const std::vector<DriftTerm>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const DriftTerm& s, const DriftTerm& t) {
-      return s.direction == t.direction && s.ratio == t.ratio && s.tau == t.tau;
+      return s.direction == t.direction && s.ratio == t.ratio && s.tau == t.tau && s.smooth == t.smooth;
     });
   };
   if (heldOut == nullptr)
@@ -112,6 +112,27 @@ Member Search::memberOf(const Gain& gain) const {
   return m;
 }
 
+std::vector<Member> Search::beside(const Evidence& evidence, const std::vector<Member>& members,
+                                   std::size_t j) const {
+  const auto isCurve = [&](const Member& m) { return q_.groups.groups[m.group].profile; };
+  std::vector<Member> others;
+  for (std::size_t p = 0; p < members.size(); ++p) {
+    if (p == j) continue;
+    if (isCurve(members[p]) && !isCurve(members[j])) {
+      std::vector<Member> rest;
+      for (std::size_t k = 0; k < members.size(); ++k)
+        if (k != j && k != p) rest.push_back(members[k]);
+      const Evidence::Given given = evidence.given(rest);
+      const auto explained = [&](const Member& m) {
+        return -std::expm1(-2.0 * evidence.gainOf(given, rest, *m.columns).value / given.freedoms);
+      };
+      if (explained(members[j]) > kMostOfIt * explained(members[p])) continue;
+    }
+    others.push_back(members[p]);
+  }
+  return others;
+}
+
 Member Search::refined(const Evidence& evidence, const std::vector<Member>& others,
                        const Member& member) const {
   Member best = member;
@@ -143,7 +164,6 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
 }
 
 Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
-  constexpr double kAlike = 0.9999;  // cosine of what is left of their columns
   constexpr double kByShape = 10.0;  // nats: what the freedom of a shape may cost where the noise is small
   if (best.group < 0) return best;
   if (q_.groups.groups[best.group].profile) {  // a cause with a name that explains most of it comes first
@@ -155,25 +175,28 @@ Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
       if (g.group >= 0 && !q_.groups.groups[g.group].profile && g.value > named.value) named = g;
     return named.group >= 0 && explained(named) > kMostOfIt * explained(best) ? commoner(named, gains) : best;
   }
-  const auto columnOf = [&](const Gain& g) {
-    const Shape& shape = q_.groups.groups[g.group].shapes[g.shape];
-    Eigen::MatrixXd column(q_.groups.columns.rows(), shape.main == 1 && shape.mixed.empty() ? 1 : 0);
+  Gain first = best;
+  for (const Gain& g : gains)
+    if (g.group >= 0 && g.group < first.group && g.value > best.value - kByShape &&
+        actAlike(best.group, best.shape, g.group, g.shape))
+      first = g;
+  return first;
+}
+
+bool Search::actAlike(int group, int shape, int otherGroup, int otherShape) const {
+  constexpr double kAlike = 0.9999;  // cosine of what is left of their columns
+  const auto columnOf = [&](int g, int s) {
+    const Shape& of = q_.groups.groups[g].shapes[s];
+    Eigen::MatrixXd column(q_.groups.columns.rows(), of.main == 1 && of.mixed.empty() ? 1 : 0);
     if (column.cols() == 1) {
-      column = q_.groups.columns.col(shape.first);
+      column = q_.groups.columns.col(of.first);
       q_.space->project(column);
       column /= std::max(1e-300, column.norm());
     }
     return column;
   };
-  const Eigen::MatrixXd own = columnOf(best);
-  Gain first = best;
-  if (own.cols() == 0) return first;
-  for (const Gain& g : gains) {
-    if (g.group < 0 || g.group >= first.group || g.value < best.value - kByShape) continue;
-    const Eigen::MatrixXd other = columnOf(g);
-    if (other.cols() == 1 && std::abs(other.col(0).dot(own.col(0))) > kAlike) first = g;
-  }
-  return first;
+  const Eigen::MatrixXd own = columnOf(group, shape), other = columnOf(otherGroup, otherShape);
+  return own.cols() == 1 && other.cols() == 1 && std::abs(own.col(0).dot(other.col(0))) > kAlike;
 }
 
 std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Member> members,
@@ -311,23 +334,13 @@ Explanation Search::pruned(Explanation best) const {
     again = false;
     Explanation most;
     most.worth = -1e300;
-    // causes with a name that explain most of it without any curve stay, whatever curve would take their
-    // place
     const auto evidence = evidenceAt(best);
-    std::vector<Member> namedOnes;
-    for (const Member& m : best.members)
-      if (!q_.groups.groups[m.group].profile) namedOnes.push_back(m);
-    const double none = evidence->given({}).rest, all = evidence->given(best.members).rest;
-    const bool curves = namedOnes.size() < best.members.size();
-    const bool keep =
-        curves && !namedOnes.empty() && none - evidence->given(namedOnes).rest > kMostOfIt * (none - all);
     for (std::size_t j = 0; j < best.members.size(); ++j) {
-      if (keep && !q_.groups.groups[best.members[j].group].profile) {
-        std::vector<Member> fewer = namedOnes;  // but not one that the other causes make needless
-        fewer.erase(std::find_if(fewer.begin(), fewer.end(),
-                                 [&](const Member& m) { return m.id == best.members[j].id; }));
-        if (none - evidence->given(fewer).rest < kMostOfIt * (none - all)) continue;
-      }
+      const std::vector<Member> named = beside(*evidence, best.members, j);
+      if (named.size() + 1 < best.members.size() &&
+          evidence->gainOf(evidence->given(named), named, *best.members[j].columns).value >
+              priceOf(best.members[j]))
+        continue;  // the curve is for the rest
       std::vector<Member> others = best.members;
       others.erase(others.begin() + static_cast<long>(j));
       // without it, drift may take its place

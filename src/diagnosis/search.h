@@ -77,6 +77,13 @@ class Search {
   Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add,
                        int along = -1) const;
   Member memberOf(const Gain& gain) const;
+  /// The other members, without the curves of which this one, which has a name, does most: beside them it
+  /// would seem to do nothing.
+  std::vector<Member> beside(const Evidence& evidence, const std::vector<Member>& members,
+                             std::size_t j) const;
+  /// Two causes have the same column in this session: what their evidence differs by is the freedom of their
+  /// shapes.
+  bool actAlike(int group, int shape, int otherGroup, int otherShape) const;
   /// Nonlinear parameters and size at their best, beside the others.
   Member refined(const Evidence& evidence, const std::vector<Member>& others, const Member& member) const;
   const Questions& questions() const { return q_; }

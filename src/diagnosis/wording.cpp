@@ -151,10 +151,24 @@ std::string peakOf(const Diagnosis& d, const ProfileResult& p) {
   return text;
 }
 
+/// "Missing: backlash of x, … ; backlash of y, …."
+std::string surelyAll(const Diagnosis& d) {
+  std::string text;
+  for (const CandidateResult& c : d.missing) text += (text.empty() ? "" : "; ") + surely(c, d.angular);
+  return text + ".";
+}
+
 std::string unknownSentence(const Diagnosis& d) {
   std::string text;
+  // what has a name comes first where it does more
+  const bool namedFirst =
+      !d.missing.empty() && (d.profiles.empty() || d.missing.front().gain > d.profiles.front().gain);
+  if (namedFirst) text = "Missing: " + surelyAll(d) + " Beside it ";
   for (const ProfileResult& p : d.profiles) {
-    text += text.empty() ? "An error " : " And one ";
+    if (&p == &d.profiles.front())
+      text += namedFirst ? "an error " : "An error ";
+    else
+      text += " And one ";
     text += alongWords(d, p.direction) + " that depends on " + variablesInWords(p);
     if (&p == &d.profiles.front()) text += ", and that no effect of the catalogue explains";
     const std::string peak = peakOf(d, p);
@@ -167,18 +181,14 @@ std::string unknownSentence(const Diagnosis& d) {
     std::vector<std::string> on;
     for (const WhereItFails& w : d.where)
       if (w.pValue < 1e-3 && on.size() < 3) on.push_back(w.variable);
-    text = "Structure is left that no effect of the catalogue explains";
+    text += std::string(namedFirst ? "structure" : "Structure") +
+            " is left that no effect of the catalogue explains";
     for (const std::string& variable : on)
       text += (&variable == &on.front() ? "; it depends on " : ", ") + variable;
     text += ".";
   }
   for (const FormulaResult& f : d.formulas) text += " The formula " + inWords(f.effect) + " says the same.";
-  if (!d.missing.empty()) {
-    text += " Found on the way: ";
-    for (const CandidateResult& c : d.missing)
-      text += (&c == &d.missing.front() ? "" : "; ") + surely(c, d.angular);
-    text += ".";
-  }
+  if (!d.missing.empty() && !namedFirst) text += " Found on the way: " + surelyAll(d);
   return text + (d.profiles.empty()       ? " Look for its cause."
                  : d.profiles.size() == 1 ? " Add it as a profile, or look for its cause."
                                           : " Add them as profiles, or look for their causes.");

@@ -5,32 +5,66 @@
 
 namespace mm {
 
+TimeWhitener::Step TimeWhitener::stepOf(const DriftTerm& term, double dt) {
+  if (!term.smooth) return {std::exp(-dt / term.tau), 0.0, 0.0, 0.0};
+  // the slope is counted in units of lambda times the value's: both then have the same variance
+  const double a = std::sqrt(3.0) * dt / term.tau, e = std::exp(-a);
+  return {e * (1.0 + a), e * a, -e * a, e * (1.0 - a)};
+}
+
 TimeWhitener::TimeWhitener(const std::vector<double>& time, const RowMatrix& factors,
                            const Eigen::VectorXd& variance, const std::vector<DriftTerm>& terms)
     : rows_(static_cast<int>(time.size())), time_(time), variance_(variance), inverseRoot_(rows_) {
   for (const DriftTerm& t : terms)
-    if (t.ratio > 0.0) terms_.push_back(t);
-  states_ = static_cast<int>(terms_.size());
-  decay_.setZero(rows_, states_);
-  seen_.setZero(rows_, states_);
+    if (t.ratio > 0.0) {
+      terms_.push_back(t);
+      first_.push_back(states_);
+      states_ += t.smooth ? 2 : 1;
+    }
+  const std::size_t count = terms_.size();
+  steps_.resize(static_cast<std::size_t>(rows_) * count);
+  seen_.setZero(rows_, static_cast<int>(count));
   gain_.setZero(rows_, states_);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(states_, states_);
-  for (int k = 0; k < states_; ++k) covariance(k, k) = terms_[k].ratio * terms_[k].ratio;
+  const auto variances = [&](auto add) {  // add(state, variance at rest)
+    for (std::size_t k = 0; k < count; ++k)
+      for (int s = first_[k]; s < first_[k] + (terms_[k].smooth ? 2 : 1); ++s)
+        add(s, terms_[k].ratio * terms_[k].ratio);
+  };
+  variances([&](int s, double v) { covariance(s, s) = v; });
+  Eigen::VectorXd spread(states_);
   for (int i = 0; i < rows_; ++i) {
     double innovation = variance_[i];
-    if (states_ > 0) {
-      const double dt = i > 0 ? std::max(0.0, time[i] - time[i - 1]) : 0.0;
-      for (int k = 0; k < states_; ++k) {
-        decay_(i, k) = i > 0 ? std::exp(-dt / terms_[k].tau) : 1.0;
-        seen_(i, k) = factors(i, terms_[k].direction);
-      }
-      if (dt > 0.0)
-        for (int k = 0; k < states_; ++k) {
-          for (int l = 0; l < states_; ++l) covariance(k, l) *= decay_(i, k) * decay_(i, l);
-          covariance(k, k) += terms_[k].ratio * terms_[k].ratio * -std::expm1(-2.0 * dt / terms_[k].tau);
+    const double dt = i > 0 ? std::max(0.0, time[i] - time[i - 1]) : 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+      steps_[i * count + k] = stepOf(terms_[k], dt);
+      seen_(i, static_cast<int>(k)) = factors(i, terms_[k].direction);
+    }
+    if (dt > 0.0 && states_ > 0) {
+      // what is away from rest comes back to it: P = R + A (P - R) A'
+      variances([&](int s, double v) { covariance(s, s) -= v; });
+      for (int side = 0; side < 2; ++side) {
+        for (std::size_t k = 0; k < count; ++k) {
+          const Step& a = steps_[i * count + k];
+          auto value = covariance.row(first_[k]);
+          if (!terms_[k].smooth) {
+            value *= a.stay;
+            continue;
+          }
+          auto slope = covariance.row(first_[k] + 1);
+          const Eigen::RowVectorXd before = value;
+          value = a.stay * before + a.slope * slope;
+          slope = a.back * before + a.slopeStays * slope;
         }
-      const Eigen::VectorXd spread = covariance * seen_.row(i).transpose();
-      innovation += seen_.row(i).dot(spread);
+        covariance.transposeInPlace();
+      }
+      variances([&](int s, double v) { covariance(s, s) += v; });
+    }
+    if (states_ > 0) {
+      spread.setZero();
+      for (std::size_t k = 0; k < count; ++k)
+        spread += seen_(i, static_cast<int>(k)) * covariance.col(first_[k]);
+      for (std::size_t k = 0; k < count; ++k) innovation += seen_(i, static_cast<int>(k)) * spread[first_[k]];
       gain_.row(i) = spread.transpose() / innovation;
       covariance.noalias() -= spread * spread.transpose() / innovation;
     }
@@ -41,12 +75,23 @@ TimeWhitener::TimeWhitener(const std::vector<double>& time, const RowMatrix& fac
 
 void TimeWhitener::whiten(Eigen::Ref<RowMatrix> m) const {
   RowMatrix state = RowMatrix::Zero(states_, m.cols());
+  Eigen::RowVectorXd before(m.cols());
   for (int i = 0; i < rows_; ++i) {
-    for (int k = 0; k < states_; ++k) {
-      state.row(k) *= decay_(i, k);
-      if (seen_(i, k) != 0.0) m.row(i).noalias() -= seen_(i, k) * state.row(k);
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      const Step& a = step(i, k);
+      auto value = state.row(first_[k]);
+      if (terms_[k].smooth) {
+        auto slope = state.row(first_[k] + 1);
+        before = value;
+        value = a.stay * before + a.slope * slope;
+        slope = a.back * before + a.slopeStays * slope;
+      } else {
+        value *= a.stay;
+      }
+      const double seen = seen_(i, static_cast<int>(k));
+      if (seen != 0.0) m.row(i).noalias() -= seen * value;
     }
-    for (int k = 0; k < states_; ++k) state.row(k).noalias() += gain_(i, k) * m.row(i);
+    for (int s = 0; s < states_; ++s) state.row(s).noalias() += gain_(i, s) * m.row(i);
     m.row(i) *= inverseRoot_[i];
   }
 }
@@ -59,8 +104,18 @@ Eigen::VectorXd TimeWhitener::inverseTimes(const Eigen::VectorXd& r) const {
   Eigen::VectorXd state = Eigen::VectorXd::Zero(states_);
   for (int i = rows_ - 1; i >= 0; --i) {
     out[i] = u(i, 0) * inverseRoot_[i];
-    for (int k = 0; k < states_; ++k) out[i] += gain_(i, k) * state[k];
-    for (int k = 0; k < states_; ++k) state[k] = decay_(i, k) * (state[k] - seen_(i, k) * out[i]);
+    for (int s = 0; s < states_; ++s) out[i] += gain_(i, s) * state[s];
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      const Step& a = step(i, k);
+      const double value = state[first_[k]] - seen_(i, static_cast<int>(k)) * out[i];
+      if (terms_[k].smooth) {
+        const double slope = state[first_[k] + 1];
+        state[first_[k]] = a.stay * value + a.back * slope;
+        state[first_[k] + 1] = a.slope * value + a.slopeStays * slope;
+      } else {
+        state[first_[k]] = a.stay * value;
+      }
+    }
   }
   return out;
 }
@@ -70,44 +125,44 @@ Eigen::VectorXd TimeWhitener::driftIn(const Eigen::VectorXd& r) const {
   return r.head(rows_) - variance_.cwiseProduct(inverseTimes(r));
 }
 
-Eigen::MatrixXd TimeWhitener::driftByTerm(const Eigen::VectorXd& r) const {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows_, states_);
-  if (states_ == 0) return out;
-  // a term's covariance with the rows, times V^-1 r: two passes of the exponential kernel
-  const Eigen::VectorXd x = inverseTimes(r);
-  for (int k = 0; k < states_; ++k) {
-    double forward = 0.0;
-    Eigen::VectorXd sum(rows_);
-    for (int i = 0; i < rows_; ++i) {
-      forward = forward * decay_(i, k) + seen_(i, k) * x[i];
-      sum[i] = forward;
-    }
-    double backward = 0.0;
-    for (int i = rows_ - 1; i >= 0; --i) {
-      sum[i] += backward;
-      backward = (backward + seen_(i, k) * x[i]) * decay_(i, k);
-    }
-    out.col(k) = terms_[k].ratio * terms_[k].ratio * sum.cwiseProduct(seen_.col(k));
+RowMatrix TimeWhitener::covarianceOf(std::size_t term, const RowMatrix& m) const {
+  // two passes of the kernel, which is the first element of its steps
+  const int k = static_cast<int>(term);
+  RowMatrix out = RowMatrix::Zero(rows_, m.cols());
+  Eigen::RowVectorXd value, slope, before;
+  const auto go = [&](const Step& a) {
+    before = value;
+    value = a.stay * before + a.slope * slope;
+    slope = a.back * before + a.slopeStays * slope;
+  };
+  value = slope = Eigen::RowVectorXd::Zero(m.cols());
+  for (int i = 0; i < rows_; ++i) {  // what came before, and the row itself
+    go(step(i, term));
+    value += seen_(i, k) * m.row(i);
+    out.row(i) += seen_(i, k) * value;
   }
+  value.setZero();
+  slope.setZero();
+  for (int i = rows_ - 1; i > 0; --i) {  // what comes after
+    value += seen_(i, k) * m.row(i);
+    go(step(i, term));
+    out.row(i - 1) += seen_(i - 1, k) * value;
+  }
+  return terms_[term].ratio * terms_[term].ratio * out;
+}
+
+Eigen::MatrixXd TimeWhitener::driftByTerm(const Eigen::VectorXd& r) const {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows_, static_cast<int>(terms_.size()));
+  if (states_ == 0) return out;
+  const RowMatrix x = inverseTimes(r);
+  for (std::size_t k = 0; k < terms_.size(); ++k) out.col(static_cast<int>(k)) = covarianceOf(k, x);
   return out;
 }
 
 RowMatrix TimeWhitener::covarianceTimes(const RowMatrix& m) const {
   RowMatrix out = m;
   for (int i = 0; i < rows_; ++i) out.row(i) *= variance_[i];
-  for (int k = 0; k < states_; ++k) {
-    const double variance = terms_[k].ratio * terms_[k].ratio;
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(m.cols());
-    for (int i = 0; i < rows_; ++i) {  // what came before, and the row itself
-      sum = sum * decay_(i, k) + seen_(i, k) * m.row(i);
-      out.row(i) += variance * seen_(i, k) * sum;
-    }
-    sum.setZero();
-    for (int i = rows_ - 1; i > 0; --i) {  // what comes after
-      sum = (sum + seen_(i, k) * m.row(i)) * decay_(i, k);
-      out.row(i - 1) += variance * seen_(i - 1, k) * sum;
-    }
-  }
+  for (std::size_t k = 0; k < terms_.size(); ++k) out.topRows(rows_) += covarianceOf(k, m);
   return out;
 }
 

@@ -7,13 +7,14 @@ namespace mm {
 /// Rows in one piece of memory: one observation after the other, as they come in time.
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A slow wandering along one direction: an Ornstein-Uhlenbeck process, that is noise that forgets with a
-/// time constant. Sums of these stand for a random walk, for settling and for noise that lasts from contact
-/// to contact.
+/// A slow wandering along one direction, that forgets with a time constant. Rough: an Ornstein-Uhlenbeck
+/// process (Matern 1/2); sums of these stand for a random walk, for settling and for noise that lasts from
+/// contact to contact. Smooth: Matern 3/2, whose slope is continuous, as that of a part that warms and cools.
 struct DriftTerm {
   int direction = 0;   // a column of the factors
   double ratio = 0.0;  // standard deviation, in units of the white noise of a row of unit variance
   double tau = 1.0;    // time constant, s
+  bool smooth = false;
 };
 
 /// Takes the correlation in time out of rows: multiplies by L^-1, V = L L', where V is the covariance of
@@ -39,13 +40,24 @@ class TimeWhitener {
   Eigen::MatrixXd driftByTerm(const Eigen::VectorXd& r) const;
 
  private:
+  /// What becomes of the state of one term over a step of time: of its value, and of its slope where it has
+  /// one.
+  struct Step {
+    double stay = 1.0, slope = 0.0, back = 0.0, slopeStays = 1.0;
+  };
+  static Step stepOf(const DriftTerm& term, double dt);
+  const Step& step(int row, std::size_t term) const { return steps_[row * terms_.size() + term]; }
   Eigen::VectorXd inverseTimes(const Eigen::VectorXd& r) const;  // V^-1 r
+  RowMatrix covarianceOf(std::size_t term, const RowMatrix& m) const;
 
   int rows_ = 0, states_ = 0;
   const std::vector<double>& time_;
   std::vector<DriftTerm> terms_;
+  std::vector<int> first_;                  // a term: its first state
   Eigen::VectorXd variance_, inverseRoot_;  // a row; 1 / sqrt(innovation variance)
-  RowMatrix decay_, seen_, gain_;           // rows x states
+  std::vector<Step> steps_;                 // a row, a term: from the row before
+  RowMatrix seen_;                          // rows x terms
+  RowMatrix gain_;                          // rows x states
   double logDeterminant_ = 0.0;
 };
 

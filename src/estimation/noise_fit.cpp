@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kRidge = 1e-9;  // on orthonormal columns: what a part of the rows does not see
 constexpr int kTimeConstants = 6;
+constexpr int kRoughOnly = 3;    // the shortest of them
 constexpr double kEnough = 0.3;  // nats: what another round must bring
 
 double medianSpacing(const std::vector<double>& time) {
@@ -157,7 +158,8 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
 double NoiseFit::prices(const NoiseModel& noise, const std::vector<double>& ratios,
                         const NoiseFitOptions& options) const {
   double sum = 0.0;
-  for (const DriftTerm& t : noise.drift) sum += t.ratio > 0.0 ? options.driftPrice : 0.0;
+  for (const DriftTerm& t : noise.drift)
+    if (t.ratio > 0.0) sum += t.smooth ? options.smoothPrice : options.driftPrice;
   for (std::size_t b = 0; b < blocks_.size(); ++b) sum += ratios[b] > 0.0 ? blocks_[b].price : 0.0;
   return sum;
 }
@@ -202,11 +204,15 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
       // the best of all further terms; then its size and time constant with the others'
       constexpr double kRatio = 0.6;  // its size is fitted next
       const int along = options.addAlong >= 0 ? 1 : directions;
-      const int count = along * static_cast<int>(timeConstants_.size());
+      // smooth ones of time constants that are long beside the spacing: a short one is as rough as the noise
+      const int rough = static_cast<int>(timeConstants_.size()), smooth = rough - kRoughOnly;
+      const int count = along * (rough + smooth);
       const auto further = [&](int k) {
         NoiseModel more = best.noise;
+        const int of = k / along;
         more.drift.push_back({options.addAlong >= 0 ? options.addAlong : k % directions, kRatio,
-                              timeConstants_[static_cast<std::size_t>(k / along)]});
+                              timeConstants_[static_cast<std::size_t>(of < rough ? of : of - smooth)],
+                              of >= rough});
         return more;
       };
       std::vector<double> worth(static_cast<std::size_t>(count), -1e300);
@@ -237,6 +243,12 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
           while (steps < 4 && scaled(ratio, tau)) ++steps;
           return steps > 0;
         };
+        for (const double tau : {1.0, 0.3}) {  // as rough as it was, or smooth
+          NoiseModel other = best.noise;
+          other.drift[k].smooth = !other.drift[k].smooth;
+          other.drift[k].tau *= tau;
+          if (attempt(std::move(other))) break;
+        }
         if (!walk(step, 1.0)) walk(1.0 / step, 1.0);
         if (!walk(1.0, step * step)) walk(1.0, 1.0 / (step * step));
       }

@@ -47,6 +47,9 @@ struct NoiseFitOptions {
   /// Log evidence that one drift term must earn: each may be one of about twenty (direction and time
   /// constant).
   double driftPrice = 3.0;
+  /// That a smooth one must earn: what follows a smooth course is as particular as a cause that has a name,
+  /// and must be as likely beside it (ln 100 causes, and 100 to 1).
+  double smoothPrice = 9.2;
   bool addDrift = true;   // look for further terms
   int addAlong = -1;      // only along this direction; -1: along all
   bool dropDrift = true;  // try without those that are there

@@ -204,7 +204,11 @@ TEST(Sentence, AnUnknownEffectIsACurveAndAFormulaOnlyWhereThereIsOne) {
   d.formulas = {{EffectSpec("formula").set("direction", "z").set("formula", "k1*x^2"), 0.93e-6, 0.33e-6}};
   EXPECT_NE(sentenceOf(d).find("The formula k1*x^2 along z says the same."), std::string::npos);
   d.missing = {play()};
+  d.missing[0].gain = d.profiles[0].gain - 1.0;
   EXPECT_NE(sentenceOf(d).find("Found on the way: backlash of x, 2.06"), std::string::npos);
+  d.missing[0].gain = d.profiles[0].gain + 1.0;  // what does more comes first
+  EXPECT_EQ(sentenceOf(d).find("Missing: backlash of x, 2.06"), 0u);
+  EXPECT_NE(sentenceOf(d).find(". Beside it an error along z that depends on x"), std::string::npos);
 }
 
 TEST(Sentence, UnknownWithoutACurveSaysOnWhatItDepends) {

@@ -12,12 +12,20 @@ using namespace mm;
 
 namespace {
 
+/// The covariance functions as they stand in Rasmussen & Williams, eq. 4.16 and 4.17.
+double matern(const DriftTerm& t, double apart) {
+  if (!t.smooth) return std::exp(-apart / t.tau);
+  const double a = std::sqrt(3.0) * apart / t.tau;
+  return (1.0 + a) * std::exp(-a);
+}
+
 /// A small session with uneven times, two directions and two drift terms, and its covariance written out.
 struct Small {
   std::vector<double> time = {0.0, 1.0, 1.0, 2.5, 7.0, 7.5, 20.0, 21.0, 60.0, 61.0, 62.0, 90.0};
   RowMatrix factors;
   Eigen::VectorXd variance;
-  std::vector<DriftTerm> terms = {{0, 1.3, 10.0}, {1, 0.7, 2.0}, {0, 0.5, 100.0}};
+  std::vector<DriftTerm> terms = {
+      {0, 1.3, 10.0}, {1, 0.7, 2.0}, {0, 0.5, 100.0}, {1, 0.9, 20.0, true}, {0, 1.1, 60.0, true}};
 
   Small() : factors(12, 2), variance(12) {
     std::mt19937 random(3);
@@ -35,7 +43,7 @@ struct Small {
         for (int i = 0; i < 12; ++i)
           for (int j = 0; j < 12; ++j)
             v(i, j) += terms[k].ratio * terms[k].ratio * factors(i, terms[k].direction) *
-                       factors(j, terms[k].direction) * std::exp(-std::abs(time[i] - time[j]) / terms[k].tau);
+                       factors(j, terms[k].direction) * matern(terms[k], std::abs(time[i] - time[j]));
     return v;
   }
   Eigen::MatrixXd covariance() const { return drift() + Eigen::MatrixXd(variance.asDiagonal()); }
@@ -63,7 +71,7 @@ TEST(Drift, ExpectedDriftIsThatOfTheGaussianConditional) {
   const Eigen::VectorXd solved = s.covariance().ldlt().solve(r);
   EXPECT_LT((whitener.driftIn(r) - s.drift() * solved).norm(), 1e-10);
   const Eigen::MatrixXd byTerm = whitener.driftByTerm(r);
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; k < 5; ++k)
     EXPECT_LT((byTerm.col(k) - s.drift(static_cast<std::size_t>(k)) * solved).norm(), 1e-10);
 }
 

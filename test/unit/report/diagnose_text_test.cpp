@@ -201,7 +201,6 @@ TEST(DiagnoseJson, MissingWithOddsGainAndRivals) {
   EXPECT_EQ(one["odds_in_words"], "3 to 2");
   EXPECT_EQ(one["gain"], 183.0);
   EXPECT_EQ(one["p_value"], 1e-40);
-  EXPECT_EQ(one["confusable_with_drift"], true);
   EXPECT_FALSE(one.contains("stability"));
   ASSERT_EQ(one["confusable_with"].size(), 3u);
   const Json& lag = one["confusable_with"][0];
