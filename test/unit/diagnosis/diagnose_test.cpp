@@ -104,6 +104,12 @@ TEST(Diagnose, TheMovesTellConfusableEffectsApart) {
   ASSERT_FALSE(d.missing.empty());
   ASSERT_EQ(d.verdict, Verdict::kConfusable) << d.sentence;
   EXPECT_FALSE(d.nextMeasurement.empty());
+  for (const Confusable& rival : d.missing[0].confusableWith) {
+    EXPECT_FALSE(rival.same) << rival.effect.yaml();  // at two speeds they differ
+    EXPECT_NE(rival.moves.find(std::to_string(d.nextMeasurement.size()) + " proposed moves differ by"),
+              std::string::npos)
+        << rival.moves;
+  }
   for (const Move& m : d.nextMeasurement) {
     EXPECT_NEAR(std::hypot(m.approach[0], m.approach[1], m.approach[2]), 1.0, 1e-9);
     EXPECT_EQ(m.words[0].first, "feature");
