@@ -7,6 +7,7 @@
 #include "diagnosis/next_measurement.h"
 #include "diagnosis/wording.h"
 #include "effects/inputs.h"
+#include "effects/linearity.h"
 #include "effects/profile.h"
 #include "effects/registry.h"
 #include "machine/units.h"
@@ -19,14 +20,6 @@ constexpr double kCounts = 4.5;  // standard deviations: a further shape of a fa
 constexpr double kPriorCause =
     0.5;  // that any cause acts, before a session is seen: that is why it is diagnosed
 constexpr std::size_t kMostHeldOut = 12;  // candidates whose held-out figure is worked out: the best
-
-std::vector<int> linearParameters(const Effect& effect) {
-  const std::vector<int> nonlinear = effect.nonlinearParameters();
-  std::vector<int> linear;
-  for (int k = 0; k < effect.parameterCount(); ++k)
-    if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) linear.push_back(k);
-  return linear;
-}
 
 const Shape& shapeOf(const Questions& q, const Member& m) { return q.groups.groups[m.group].shapes[m.shape]; }
 

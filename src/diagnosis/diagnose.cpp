@@ -210,6 +210,23 @@ class Diagnoser {
     out_.sentence = sentenceOf(out_);
   }
 
+  /// The session with an artifact that is known as well as it was found to be: balls that scatter would shift
+  /// the sizes of causes, and make them seem surer than they are.
+  Session withScatter(const Look& look) const {
+    Session session = session_;
+    const double unit = look.found.white * unitOf(*look.space);
+    const auto both = [](double stated, double found) { return std::sqrt(stated * stated + found * found); };
+    for (std::size_t b = 0; b < look.questions.scatter.size(); ++b)
+      for (Feature& f : session.artifact.features) {
+        const double found = look.found.scatter[b] * unit;
+        if (look.questions.scatterNames[b] == "centres" && f.known)
+          f.positionStd = both(f.positionStd, found);
+        if (look.questions.scatterNames[b] == "radii" && f.kind == FeatureKind::kBall)
+          f.radiusStd = both(f.radiusStd, found);
+      }
+    return session;
+  }
+
   /// Values and uncertainties by a full refit of the model with everything that was found.
   void refinedParameters(const Look& look, const CalibrationResult& fitted) {
     if (look.found.members.empty()) return;
@@ -218,8 +235,9 @@ class Diagnoser {
     CalibrateOptions again = fit_;
     again.rejectOutliers = false;
     again.weights = fitted.weight;
+    const Session session = withScatter(look);
     try {
-      const CalibrationResult full = calibrate(session_, modelWith(model_, effects), again, start);
+      const CalibrationResult full = calibrate(session, modelWith(model_, effects), again, start);
       takeParameters(full, model_.parameterCount(), effects, out_);
     } catch (const NumericalError&) {
       // what the linearised fit says stands

@@ -7,6 +7,7 @@
 
 #include "diagnosis/structure.h"
 #include "effects/inputs.h"
+#include "effects/linearity.h"
 #include "effects/profile.h"
 #include "effects/registry.h"
 #include "machine/cancel_scope.h"
@@ -19,8 +20,6 @@ namespace {
 /// Less than this share of a column is left by the model's unknowns: it is rounding, or would have to be
 /// enormous.
 constexpr double kSeen = 1e-3;
-/// How much the size of a cause changes over the travel of a joint along which it is known to change.
-constexpr double kVariation = 0.15;
 /// Weights of the members of a family that act together: the lowest two alike, the further ones less.
 constexpr double kMixed[] = {1.0, 1.0, 0.7, 0.5, 0.4};
 
@@ -30,19 +29,6 @@ bool sameSpec(const EffectSpec& a, const EffectSpec& b) {
            const EffectSpec::Value* other = b.find(key.first);
            return other != nullptr && *other == key.second;
          });
-}
-
-bool inModel(const Model& model, const EffectSpec& spec) {
-  return std::any_of(model.effects().begin(), model.effects().end(),
-                     [&](const EffectPtr& e) { return sameSpec(e->spec(), spec); });
-}
-
-std::vector<int> linearParameters(const Effect& effect) {
-  const std::vector<int> nonlinear = effect.nonlinearParameters();
-  std::vector<int> linear;
-  for (int k = 0; k < effect.parameterCount(); ++k)
-    if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) linear.push_back(k);
-  return linear;
 }
 
 int distinctPositions(const Problem& problem, int joint) {
@@ -142,13 +128,8 @@ class Maker {
     for (const Effect::NonlinearFreedom& f : effect->freedomBeside(nonlinear))
       beside(*effect, f.nonlinear, f.share);
     for (const int joint : effect->variesAlong(domain_)) {
-      const double range = domain_.upper[joint] - domain_.lower[joint];
-      if (!(range > 0.0)) continue;
       RowMatrix varied = main;
-      for (int i = 0; i < space_.rows(); ++i) {
-        const double q = problem_.state(problem_.rows()[space_.used()[i]].observation).position[joint];
-        varied.row(i) *= (2.0 * q - domain_.upper[joint] - domain_.lower[joint]) / range;
-      }
+      varyAlong(problem_, space_.used(), joint, varied);
       std::string why;
       Eigen::MatrixXd raw = varied;
       const RowMatrix columns = normalised(raw, nullptr, why);
@@ -260,6 +241,21 @@ void makeAll(const Maker& maker, const std::vector<Wanted>& wanted, Groups& out,
 
 }  // namespace
 
+bool inModel(const Model& model, const EffectSpec& spec) {
+  return std::any_of(model.effects().begin(), model.effects().end(),
+                     [&](const EffectPtr& e) { return sameSpec(e->spec(), spec); });
+}
+
+void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns) {
+  const Domain& domain = problem.model().domain();
+  const double range = domain.upper[joint] - domain.lower[joint];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double q = problem.state(problem.rows()[rows[i]].observation).position[joint];
+    columns.row(static_cast<int>(i)) *=
+        range > 0.0 ? (2.0 * q - domain.upper[joint] - domain.lower[joint]) / range : 0.0;
+  }
+}
+
 std::string causeOf(const Effect& effect) {
   const std::vector<std::string> shape = effect.shapeKeys();
   std::string key = effect.spec().type;
@@ -338,65 +334,6 @@ void append(Groups& to, Groups more) {
     to.groups.push_back(std::move(g));
   }
   to.notShown.insert(to.notShown.end(), more.notShown.begin(), more.notShown.end());
-}
-
-std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space) {
-  std::vector<RandomBlock> blocks;
-  const Model& model = space.problem().model();
-  const Domain& domain = model.domain();
-  for (std::size_t e = 0; e < model.effects().size(); ++e) {
-    const Effect& effect = *model.effects()[e];
-    double size = 0.0;  // of the fitted values, in units of the parameters' scale
-    for (const int k : linearParameters(effect))
-      size = std::max(size, std::abs(space.fitted().x[model.offset(static_cast<int>(e)) + k]) /
-                                effect.parameters()[k].scale);
-    if (!(size > 0.0)) continue;
-    std::vector<double> p;
-    for (int k = 0; k < effect.parameterCount(); ++k)
-      p.push_back(space.fitted().x[model.offset(static_cast<int>(e)) + k]);
-    const auto add = [&](const Eigen::MatrixXd& columns, double share) {
-      constexpr double kNothing = 0.05;  // of the noise, root mean square: less is not worth its columns
-      Eigen::MatrixXd seen = columns;
-      space.project(seen);
-      if (!(share * size * seen.norm() > kNothing * std::sqrt(static_cast<double>(space.rows())))) return;
-      blocks.push_back({RowMatrix(columns), share * size, 0.0, true});
-    };
-    const auto linearOf = [](const Effect& other, const Eigen::MatrixXd& all) {
-      const std::vector<int> linear = linearParameters(other);
-      Eigen::MatrixXd columns(all.rows(), linear.size());
-      for (std::size_t k = 0; k < linear.size(); ++k) columns.col(static_cast<int>(k)) = all.col(linear[k]);
-      return columns;
-    };
-    for (const ShapeFreedom& f : effect.freedom(domain)) {
-      if (inModel(model, f.spec)) continue;
-      const EffectPtr other = createEffect(f.spec, domain);
-      std::vector<double> at;
-      for (const Parameter& q : other->parameters()) at.push_back(q.start);
-      // in the units of this effect's parameters, so that a share is a share
-      Eigen::MatrixXd columns = linearOf(*other, space.columns(*other, at));
-      add(columns, f.share);
-    }
-    const std::vector<int> nonlinear = effect.nonlinearParameters();
-    std::vector<double> now;
-    for (const int k : nonlinear) now.push_back(p[k]);
-    for (const Effect::NonlinearFreedom& f : effect.freedomBeside(now)) {
-      std::vector<double> at = p;
-      for (std::size_t k = 0; k < nonlinear.size(); ++k) at[nonlinear[k]] = f.nonlinear[k];
-      add(linearOf(effect, space.columns(effect, at)), f.share);
-    }
-    for (const int joint : effect.variesAlong(domain)) {
-      const double range = domain.upper[joint] - domain.lower[joint];
-      if (!(range > 0.0)) continue;
-      Eigen::MatrixXd columns = linearOf(effect, space.columns(effect, p));
-      for (int i = 0; i < space.rows(); ++i) {
-        const double q =
-            space.problem().state(space.problem().rows()[space.used()[i]].observation).position[joint];
-        columns.row(i) *= (2.0 * q - domain.upper[joint] - domain.lower[joint]) / range;
-      }
-      add(columns, kVariation);
-    }
-  }
-  return blocks;
 }
 
 namespace {

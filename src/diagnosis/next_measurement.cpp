@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/linearity.h"
 #include "machine/error.h"
 #include "machine/units.h"
 
@@ -122,13 +123,11 @@ std::vector<double> pointOf(const Hypothesis& h) {
 }
 
 Eigen::MatrixXd linearColumns(const Effect& effect, const Eigen::MatrixXd& all) {
-  const std::vector<int> nonlinear = effect.nonlinearParameters();
-  Eigen::MatrixXd out(all.rows(), 0);
-  for (int k = 0; k < all.cols(); ++k) {
-    if (std::find(nonlinear.begin(), nonlinear.end(), k) != nonlinear.end()) continue;
-    out.conservativeResize(Eigen::NoChange, out.cols() + 1);
-    out.rightCols<1>() = all.col(k).unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
-  }
+  const std::vector<int> linear = linearParameters(effect);
+  Eigen::MatrixXd out(all.rows(), linear.size());
+  for (std::size_t k = 0; k < linear.size(); ++k)
+    out.col(static_cast<int>(k)) =
+        all.col(linear[k]).unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
   return out;
 }
 

@@ -85,7 +85,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   NoiseFitOptions options;
   options.addDrift = add;
   options.addAlong = along;
-  if (!add) options.rounds = 2;
+  if (!add || along >= 0) options.rounds = 2;
   const NoiseFitResult fit = fitNoise(q_.rows, std::move(blocks), start.noise, options, kMostNoiseRows);
   out.noise = fit.noise;
   out.scatter.assign(q_.scatter.size(), 0.0);

@@ -91,6 +91,14 @@ class Trials {
 
 }  // namespace
 
+std::vector<int> linearParameters(const Effect& effect) {
+  const std::vector<int> nonlinear = effect.nonlinearParameters();
+  std::vector<int> linear;
+  for (int k = 0; k < effect.parameterCount(); ++k)
+    if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) linear.push_back(k);
+  return linear;
+}
+
 Linearity linearityOf(const Expression& expression, const FormulaVariables& variables,
                       const std::vector<double>& start) {
   Linearity result;

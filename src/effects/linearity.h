@@ -1,10 +1,14 @@
 #pragma once
 #include <vector>
 
+#include "effects/effect.h"
 #include "effects/expression.h"
 #include "effects/formula_variables.h"
 
 namespace mm {
+
+/// Indices of the parameters of an effect that enter linearly: all but its nonlinearParameters().
+std::vector<int> linearParameters(const Effect& effect);
 
 /// Which unknowns of a formula enter linearly, found by trial at many random states and unknowns.
 struct Linearity {
