@@ -78,8 +78,14 @@ RowMatrix products(const Eigen::Ref<const RowMatrix>& a, const Eigen::Ref<const 
         wideTile(left.data() + static_cast<std::size_t>(i) * rows,
                  right.data() + static_cast<std::size_t>(j) * rows, rows, sums);
         const int m = std::min(kDown, down - i), n = std::min(kAcross, across - j);
-        for (int k = 0; k < m; ++k)
-          for (int l = 0; l < n; ++l) out(i + k, j + l) += sums[k * kAcross + l];
+        for (int k = 0; k < m; ++k) {
+          double* to = &out(i + k, j);
+          const double* from = sums + k * kAcross;
+          if (n == kAcross)
+            for (int l = 0; l < kAcross; ++l) to[l] += from[l];
+          else
+            for (int l = 0; l < n; ++l) to[l] += from[l];
+        }
       }
   }
   if (own)
