@@ -8,8 +8,8 @@
 #include <iostream>
 #include <map>
 
+#include "base/error.h"
 #include "experiment.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

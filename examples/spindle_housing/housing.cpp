@@ -5,7 +5,7 @@
 #include <ostream>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "thermal/calculix_results.h"
 
 namespace mm {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "housing.h"
-#include "machine/error.h"
 
 namespace {
 

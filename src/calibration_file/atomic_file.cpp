@@ -11,7 +11,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace fs = std::filesystem;

@@ -1,10 +1,10 @@
 #include <charconv>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "calibration_file/checksum.h"
 #include "calibration_file/yaml_keys.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

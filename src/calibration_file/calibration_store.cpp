@@ -11,10 +11,10 @@
 #include <cstring>
 #include <sstream>
 
+#include "base/error.h"
+#include "base/utc_now.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
-#include "machine/error.h"
-#include "machine/utc_now.h"
 
 namespace mm {
 namespace fs = std::filesystem;

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/error.h"
+#include "base/utc_now.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "calibration_file/checksum.h"
 #include "calibration_file/number_text.h"
-#include "machine/error.h"
-#include "machine/utc_now.h"
 
 namespace mm {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "calibration_file/number_text.h"
-#include "machine/error.h"
 
 namespace mm {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/error.h"
 #include "effects/inputs.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "compensation/compensator.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/next_measurement.h"
+#include "base/units.h"
+#include "design/next_measurement.h"
 #include "diagnosis/wording.h"
 #include "effects/inputs.h"
 #include "effects/linearity.h"
 #include "effects/profile.h"
 #include "effects/registry.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -6,14 +6,14 @@
 #include <memory>
 #include <set>
 
+#include "base/cancel_scope.h"
+#include "base/error.h"
 #include "diagnosis/answers.h"
 #include "diagnosis/drift_report.h"
 #include "diagnosis/held_out.h"
 #include "diagnosis/search.h"
 #include "diagnosis/structure.h"
 #include "diagnosis/wording.h"
-#include "machine/cancel_scope.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "design/next_measurement.h"
 #include "effects/effect.h"
 #include "estimation/calibrate.h"
 
@@ -98,14 +99,6 @@ struct MissingInput {
 struct CannotShow {
   EffectSpec effect;
   std::string why, moves;
-};
-
-/// A target for the measurement plan: values by the names of the import columns.
-struct Move {
-  std::vector<std::pair<std::string, double>> values;      // "x_mm", "b_deg", "wait_s" …
-  std::vector<std::pair<std::string, std::string>> words;  // "feature"
-  std::vector<double> approach;                            // unit vector in workpiece, or empty
-  std::vector<std::pair<std::string, double>> from;        // a joint: the side it comes from, -1 or +1
 };
 
 enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEffect, kScatter, kExplained };

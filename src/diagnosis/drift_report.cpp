@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
 #include "diagnosis/wording.h"
 #include "estimation/drift.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/cancel_scope.h"
+#include "base/two_threads.h"
 #include "estimation/row_products.h"
-#include "machine/cancel_scope.h"
-#include "machine/two_threads.h"
 
 namespace mm {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/error.h"
 #include "diagnosis/answers.h"
 #include "effects/registry.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

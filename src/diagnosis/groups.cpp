@@ -5,14 +5,14 @@
 #include <cmath>
 #include <map>
 
+#include "base/cancel_scope.h"
+#include "base/error.h"
+#include "base/two_threads.h"
 #include "diagnosis/structure.h"
 #include "effects/inputs.h"
 #include "effects/linearity.h"
 #include "effects/profile.h"
 #include "effects/registry.h"
-#include "machine/cancel_scope.h"
-#include "machine/error.h"
-#include "machine/two_threads.h"
 
 namespace mm {
 namespace {
@@ -22,14 +22,6 @@ namespace {
 constexpr double kSeen = 1e-3;
 /// Weights of the members of a family that act together: the lowest two alike, the further ones less.
 constexpr double kMixed[] = {1.0, 1.0, 0.7, 0.5, 0.4};
-
-bool sameSpec(const EffectSpec& a, const EffectSpec& b) {
-  return a.type == b.type && a.keys.size() == b.keys.size() &&
-         std::all_of(a.keys.begin(), a.keys.end(), [&](const auto& key) {
-           const EffectSpec::Value* other = b.find(key.first);
-           return other != nullptr && *other == key.second;
-         });
-}
 
 int distinctPositions(const Problem& problem, int joint) {
   std::vector<double> q;
@@ -70,12 +62,8 @@ class Maker {
   /// seen are left out. @param why not empty on return: nothing of it is seen.
   RowMatrix unitColumns(const Effect& effect, const std::vector<double>& nonlinear, double* factor,
                         std::string& why) const {
-    std::vector<double> p;
-    for (const Parameter& q : effect.parameters()) p.push_back(q.start);
-    const std::vector<int> indices = effect.nonlinearParameters();
-    for (std::size_t k = 0; k < indices.size() && k < nonlinear.size(); ++k) p[indices[k]] = nonlinear[k];
     int missing = 0;
-    const Eigen::MatrixXd all = space_.columns(effect, p, &missing);
+    const Eigen::MatrixXd all = space_.columns(effect, startsAt(effect, nonlinear), &missing);
     if (10 * missing > space_.rows()) {
       why = "an input is not known for " + std::to_string(missing) + " of " + std::to_string(space_.rows()) +
             " residuals";
@@ -243,7 +231,7 @@ void makeAll(const Maker& maker, const std::vector<Wanted>& wanted, Groups& out,
 
 bool inModel(const Model& model, const EffectSpec& spec) {
   return std::any_of(model.effects().begin(), model.effects().end(),
-                     [&](const EffectPtr& e) { return sameSpec(e->spec(), spec); });
+                     [&](const EffectPtr& e) { return e->spec() == spec; });
 }
 
 void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns) {
@@ -298,7 +286,7 @@ Groups makeGroups(const ResidualSpace& space) {
       if (starts.empty()) starts.push_back({});
       for (std::vector<double>& start : starts) {
         // what is in the model already may be there once more with another shape, if a key can say it
-        if (again && sameSpec(effect->shapedAs(start), effect->spec())) continue;
+        if (again && effect->shapedAs(start) == effect->spec()) continue;
         if (!start.empty() && !effect->mayBeClaimed(start)) continue;
         wanted.push_back({at->second, effect, std::move(start)});
       }

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/residual_space.h"
 #include "estimation/noise_fit.h"
+#include "estimation/residual_space.h"
 
 namespace mm {
 

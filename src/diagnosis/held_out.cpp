@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/two_threads.h"
+#include "base/two_threads.h"
 
 namespace mm {
 namespace {

@@ -40,10 +40,8 @@ std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space) {
     for (const ShapeFreedom& f : effect.freedom(domain)) {
       if (inModel(model, f.spec)) continue;
       const EffectPtr other = createEffect(f.spec, domain);
-      std::vector<double> at;
-      for (const Parameter& q : other->parameters()) at.push_back(q.start);
       // in the units of this effect's parameters, so that a share is a share
-      Eigen::MatrixXd columns = linearOf(*other, space.columns(*other, at));
+      Eigen::MatrixXd columns = linearOf(*other, space.columns(*other, startsAt(*other, {})));
       add(columns, f.share);
     }
     const std::vector<int> nonlinear = effect.nonlinearParameters();

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/units.h"
 #include "diagnosis/wording.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -4,8 +4,8 @@
 #include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
 
+#include "base/units.h"
 #include "diagnosis/search.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

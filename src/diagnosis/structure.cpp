@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "machine/cancel_scope.h"
-#include "machine/units.h"
+#include "base/cancel_scope.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "diagnosis/diagnose.h"
-#include "diagnosis/residual_space.h"
 #include "estimation/noise_rows.h"
+#include "estimation/residual_space.h"
 
 namespace mm {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

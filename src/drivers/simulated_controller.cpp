@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "simulation/simulate.h"
 
 namespace mm {

@@ -25,11 +25,13 @@ class Backlash : public CatalogueEffect {
   std::string cause() const override {
     return "Play in the drive of " + name_ +
            " (nut, gear, thrust bearing, belt): the slide lags behind its drive and stops short "
-           "in the direction of travel.";
+           "in the direction of travel. Where the gap is negative, the controller's own backlash "
+           "compensation adds more than the play there is.";
   }
   std::string remedy() const override {
     return "Preload or replace the nut, the thrust bearing or the gear of " + name_ +
-           "; until then approach every point from the same side.";
+           "; until then approach every point from the same side. Where the gap is negative, lower the "
+           "controller's backlash compensation by it.";
   }
   std::string shownBy() const override {
     return "The same places reached in both directions of " + name_ +

@@ -4,6 +4,7 @@
 #include <yaml-cpp/emittermanip.h>
 #include <yaml-cpp/stlemitter.h>
 
+#include <algorithm>
 #include <charconv>
 
 namespace mm {
@@ -43,6 +44,14 @@ const EffectSpec::Value* EffectSpec::find(const std::string& key) const {
 std::string EffectSpec::text(const std::string& key) const {
   const Value* value = find(key);
   return value == nullptr || value->items.empty() ? std::string() : value->items.front();
+}
+
+bool EffectSpec::operator==(const EffectSpec& o) const {
+  return type == o.type && keys.size() == o.keys.size() &&
+         std::all_of(keys.begin(), keys.end(), [&](const auto& key) {
+           const Value* other = o.find(key.first);
+           return other != nullptr && *other == key.second;
+         });
 }
 
 std::string EffectSpec::yaml() const {

@@ -27,7 +27,8 @@ class EffectSpec {
   const Value* find(const std::string& key) const;
   std::string text(const std::string& key) const;  // empty when absent
 
-  bool operator==(const EffectSpec& o) const { return type == o.type && keys == o.keys; }
+  /// The same type and the same values, in whatever order they stand.
+  bool operator==(const EffectSpec& o) const;
 
   /// One line of YAML: `{type: backlash, axis: x}`.
   std::string yaml() const;

@@ -8,9 +8,9 @@
 #include <limits>
 #include <regex>
 
-#include "effects/nearest_name.h"
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/nearest_name.h"
 #include "effects/catalogue_effect.h"
 #include "effects/expression.h"
 #include "effects/formula_variables.h"
 #include "effects/linearity.h"
-#include "effects/nearest_name.h"
 #include "effects/numeric_derivative.h"
 #include "effects/quantity.h"
 #include "effects/touch.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "machine/units.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -99,6 +99,14 @@ std::vector<int> linearParameters(const Effect& effect) {
   return linear;
 }
 
+std::vector<double> startsAt(const Effect& effect, const std::vector<double>& nonlinear) {
+  std::vector<double> p;
+  for (const Parameter& parameter : effect.parameters()) p.push_back(parameter.start);
+  const std::vector<int> indices = effect.nonlinearParameters();
+  for (std::size_t k = 0; k < indices.size() && k < nonlinear.size(); ++k) p[indices[k]] = nonlinear[k];
+  return p;
+}
+
 Linearity linearityOf(const Expression& expression, const FormulaVariables& variables,
                       const std::vector<double>& start) {
   Linearity result;

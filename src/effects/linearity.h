@@ -10,6 +10,10 @@ namespace mm {
 /// Indices of the parameters of an effect that enter linearly: all but its nonlinearParameters().
 std::vector<int> linearParameters(const Effect& effect);
 
+/// Start values of the parameters (SI), with those that enter nonlinearly at other values. @param nonlinear
+/// in the order of nonlinearParameters(); those that are left out stay at their start.
+std::vector<double> startsAt(const Effect& effect, const std::vector<double>& nonlinear);
+
 /// Which unknowns of a formula enter linearly, found by trial at many random states and unknowns.
 struct Linearity {
   bool linear = false;         // additive and homogeneous in all unknowns

@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/error.h"
+#include "base/nearest_name.h"
 #include "effects/catalogue_effect.h"
 #include "effects/formula_variables.h"
-#include "effects/nearest_name.h"
 #include "effects/quantity.h"
 #include "effects/smooth_basis.h"
 #include "effects/touch.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <string>
 
+#include "base/units.h"
 #include "effects/effect.h"
-#include "machine/units.h"
 
 namespace mm {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/error.h"
+#include "base/nearest_name.h"
 #include "effects/angular_motion.h"
 #include "effects/artifact_expansion.h"
 #include "effects/artifact_position.h"
@@ -17,7 +19,6 @@
 #include "effects/laser_scale.h"
 #include "effects/lead_screw_periodic.h"
 #include "effects/mmt_deviation.h"
-#include "effects/nearest_name.h"
 #include "effects/position_table.h"
 #include "effects/positioning_polynomial.h"
 #include "effects/probe_lobing.h"
@@ -37,7 +38,6 @@
 #include "effects/thermal_network.h"
 #include "effects/time_drift.h"
 #include "effects/warm_up.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

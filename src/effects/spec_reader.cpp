@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "effects/nearest_name.h"
-#include "machine/error.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
 
 namespace mm {
 namespace {

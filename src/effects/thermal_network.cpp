@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
+#include "base/error.h"
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
-#include "machine/error.h"
 #include "thermal/thermal_network.h"
 
 namespace mm {

@@ -3,9 +3,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "estimation/calibrate.h"
-#include "machine/error.h"
-#include "machine/units.h"
 #include "model/session_states.h"
 #include "session/sphere_centre.h"
 

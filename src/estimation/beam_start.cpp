@@ -2,8 +2,8 @@
 
 #include <Eigen/Dense>
 
+#include "base/cancel_scope.h"
 #include "estimation/whitened.h"
-#include "machine/cancel_scope.h"
 
 namespace mm {
 namespace {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "estimation/beam_start.h"
 #include "estimation/datum.h"
 #include "estimation/fitter.h"
@@ -17,8 +19,6 @@
 #include "estimation/robust.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
-#include "machine/error.h"
-#include "machine/units.h"
 #include "thermal/thermal_network.h"
 
 namespace mm {

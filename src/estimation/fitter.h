@@ -1,6 +1,6 @@
 #pragma once
+#include "base/units.h"
 #include "estimation/calibrate.h"
-#include "machine/units.h"
 
 namespace mm {
 

@@ -16,10 +16,10 @@ enum class NichingRefill {
   kRandom      // random chromosomes
 };
 
-/// Settings of `niching`. Crossover, mutation and precision are LASER's; the others are lost in print. Their
-/// defaults were found by trial on LASER's Table 2, ranges of 1 mm, 0.6 deg and 0.1 about the nominal mount
-/// (examples/laser_probe/convergence.py). With so narrow ranges there is one niche: the traditional algorithm
-/// is there first, and the elimination pays where a wide bowl hides a deep one.
+/// Settings of `niching`. Crossover, mutation and precision are LASER's; the paper does not state the others.
+/// Their defaults were found by trial on LASER's Table 2, ranges of 1 mm, 0.6 deg and 0.1 about the nominal
+/// mount (examples/laser_probe/convergence.py). With so narrow ranges there is one niche: the traditional
+/// algorithm is there first, and the elimination pays where a wide bowl hides a deep one.
 struct NichingSettings : GeneticSettings {
   NichingSettings() {
     population = 200;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

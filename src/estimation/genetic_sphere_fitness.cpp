@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/error.h"
 #include "estimation/genetic_run.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "estimation/genetic_sphere_fitness.h"
 #include "estimation/whitened.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "base/error.h"
 #include "estimation/genetic_run.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

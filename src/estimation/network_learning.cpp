@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <numeric>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "effects/registry.h"
 #include "estimation/network_samples.h"
-#include "machine/error.h"
-#include "machine/units.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/grey_relation.h"
 #include "thermal/ridge.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "estimation/problem.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

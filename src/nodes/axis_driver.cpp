@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/axis_messages.h"
 #include "ros_bridge/node_support.h"
 

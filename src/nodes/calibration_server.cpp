@@ -6,9 +6,9 @@
 
 #include <filesystem>
 
+#include "base/cancel_scope.h"
+#include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
-#include "machine/cancel_scope.h"
-#include "machine/error.h"
 #include "report/json.h"
 #include "report/text.h"
 #include "ros_bridge/bag_session.h"

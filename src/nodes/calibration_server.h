@@ -15,8 +15,8 @@
 #include "calibration_file/calibration_store.h"
 #include "machine/machine.h"
 #include "nodes/job.h"
-#include "report/recalibration.h"
 #include "ros_bridge/live_session.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 

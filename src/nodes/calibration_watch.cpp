@@ -1,6 +1,6 @@
 #include "nodes/calibration_watch.h"
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 

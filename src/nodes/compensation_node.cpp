@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/correction_messages.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"

@@ -7,7 +7,7 @@
 
 namespace mm {
 
-/// The one long piece of work that a server does at a time: who works, how far, and the wish to cancel it.
+/// The one long piece of work that a server does at a time: who works, how far, and whether to cancel it.
 /// Thread-safe.
 class Job {
  public:

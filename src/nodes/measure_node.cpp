@@ -5,7 +5,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/axis_messages.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"

@@ -1,5 +1,5 @@
+#include "base/units.h"
 #include "diagnosis/wording.h"
-#include "machine/units.h"
 #include "report/json.h"
 #include "report/json_parts.h"
 

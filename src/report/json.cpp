@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/units.h"
+#include "base/units.h"
+#include "design/weak_directions.h"
 #include "report/found_features.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
-#include "report/weak_directions.h"
 
 namespace mm {
 namespace {

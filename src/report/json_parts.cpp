@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "base/units.h"
 #include "calibration_file/number_text.h"
 #include "diagnosis/wording.h"
-#include "machine/units.h"
 #include "report/quantiles.h"
 
 namespace mm {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "report/text.h"
 #include "report/text_parts.h"
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/units.h"
+#include "base/units.h"
+#include "design/point_set.h"
 #include "report/json_parts.h"
-#include "report/point_set.h"
 #include "report/quantiles.h"
 #include "report/text_parts.h"
 #include "session/session_summary.h"

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
 #include "diagnosis/wording.h"
-#include "machine/units.h"
 #include "report/text_parts.h"
 
 namespace mm {

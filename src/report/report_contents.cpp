@@ -1,9 +1,9 @@
 #include "report/report_contents.h"
 
-#include "machine/error.h"
-#include "machine/utc_now.h"
+#include "base/error.h"
+#include "base/utc_now.h"
 #include "model/model_spec.h"
-#include "report/recalibration.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "calibration_file/calibration.h"
+#include "design/point_set.h"
 #include "diagnosis/diagnose.h"
-#include "report/point_set.h"
 #include "report/report_curve.h"
 #include "report/report_positioning.h"
 #include "report/report_thermal.h"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/number_text.h"
-#include "machine/error.h"
 
 namespace mm {
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
+#include "base/units.h"
 #include "diagnosis/wording.h"
-#include "machine/units.h"
 #include "report/json.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"

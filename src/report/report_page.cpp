@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
-#include "machine/error.h"
 #include "report/text_parts.h"
 
 namespace mm {

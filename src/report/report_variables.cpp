@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "diagnosis/residual_space.h"
+#include "base/units.h"
 #include "diagnosis/structure.h"
-#include "machine/units.h"
+#include "estimation/residual_space.h"
 
 namespace mm {
 namespace {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
+#include "design/weak_directions.h"
 #include "diagnosis/wording.h"
-#include "machine/units.h"
 #include "report/found_features.h"
 #include "report/quantiles.h"
 #include "report/text_parts.h"
-#include "report/weak_directions.h"
 #include "session/session_summary.h"
 
 namespace mm {

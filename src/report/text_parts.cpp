@@ -2,22 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "report/quantiles.h"
 
 namespace mm {
-
-std::string format(const char* pattern, ...) {
-  va_list arguments;
-  va_start(arguments, pattern);
-  char buffer[512];
-  std::vsnprintf(buffer, sizeof buffer, pattern, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 std::string length(double value, bool angular) {
   if (!std::isfinite(value)) return "-";

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "base/format.h"
 #include "diagnosis/diagnose.h"
 #include "effects/effect_spec.h"
 #include "estimation/calibrate.h"
@@ -10,8 +11,6 @@ namespace mm {
 
 // Pieces that the texts of several commands share. Private to this folder's sources.
 
-/// printf into a string.
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
 /// "3.42 um", or "12.1 arcsec" where `angular`; "-" for what does not exist.
 std::string length(double value, bool angular);
 /// Value and uncertainty, the uncertainty with two digits: "25.41 ± 0.11 um".

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 

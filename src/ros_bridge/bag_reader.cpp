@@ -9,7 +9,7 @@
 #include <cstring>
 #include <set>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/bag_writer.h"
 #include "ros_bridge/message_conversion.h"
 #include "session/gross_rows.h"

@@ -6,7 +6,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/bag_reader.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/session_collector.h"

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <pluginlib/class_loader.hpp>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -4,7 +4,7 @@
 #include <ros/master.h>
 #include <std_msgs/String.h>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

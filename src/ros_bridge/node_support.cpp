@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/nearest_name.h"
 #include "calibration_file/calibration_store.h"
-#include "machine/nearest_name.h"
 #include "ros_bridge/master_watch.h"
 
 namespace mm {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "machine/machine.h"
 
 namespace mm {

@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
-#include "effects/nearest_name.h"
-#include "machine/error.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
 
 namespace mm {
 namespace {

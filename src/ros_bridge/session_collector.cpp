@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/error.h"
-#include "machine/nearest_name.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
 #include "session/session_time.h"
 
 namespace mm {

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 #include "session/yaml_mapping.h"
 
 namespace mm {

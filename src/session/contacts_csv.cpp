@@ -5,8 +5,8 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "machine/error.h"
-#include "machine/nearest_name.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
 #include "session/assumed_travel.h"
 #include "session/csv_columns.h"
 #include "session/line_reader.h"

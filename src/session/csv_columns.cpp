@@ -5,9 +5,9 @@
 #include <map>
 #include <set>
 
-#include "machine/error.h"
-#include "machine/nearest_name.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <tuple>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "session/sphere_centre.h"
 
 namespace mm {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 #include "session/artifact_file.h"
 #include "session/plan_builder.h"
 #include "session/plan_generators.h"

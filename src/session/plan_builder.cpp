@@ -6,8 +6,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "session/plan_generators.h"
 
 namespace mm {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <numeric>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "session/geometric_start.h"
 #include "session/sphere_centre.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session/free_centres.h"
 #include "session/gross_rows.h"
 #include "session/travel.h"

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "machine/units.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -5,8 +5,8 @@
 #include <set>
 #include <sstream>
 
-#include "machine/error.h"
-#include "machine/nearest_name.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
 
 namespace mm {
 namespace {

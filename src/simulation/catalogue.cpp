@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "simulation/guideway.h"
 #include "simulation/rotary.h"
 #include "simulation/screw.h"

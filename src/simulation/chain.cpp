@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <limits>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "simulation/simulated_machine.h"
 
 namespace mm {

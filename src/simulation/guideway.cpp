@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "machine/units.h"
+#include "base/units.h"
 
 namespace mm {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <sstream>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 #include "simulation/catalogue.h"
 #include "simulation/quantity.h"
 #include "simulation/uncatalogued.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session/yaml_mapping.h"
 
 namespace mm {

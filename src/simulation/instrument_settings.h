@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "simulation/physics.h"
 #include "simulation/roughness.h"
 #include "simulation/thermal.h"

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session/yaml_mapping.h"
 
 namespace mm {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "machine/units.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

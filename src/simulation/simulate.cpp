@@ -5,7 +5,7 @@
 #include <functional>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "simulation/wander.h"
 
 namespace mm {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/units.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "simulation/catalogue.h"
 #include "simulation/uncatalogued_setting.h"
 

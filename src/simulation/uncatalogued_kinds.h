@@ -1,5 +1,5 @@
 #pragma once
-#include "machine/units.h"
+#include "base/units.h"
 #include "simulation/uncatalogued.h"
 
 // For the sources of the kinds only.

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 

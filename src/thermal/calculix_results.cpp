@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

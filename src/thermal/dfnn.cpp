@@ -7,7 +7,7 @@
 #include <limits>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/dfnn_consequents.h"
 #include "thermal/numbers.h"

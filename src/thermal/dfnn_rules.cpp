@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

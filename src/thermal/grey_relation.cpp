@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

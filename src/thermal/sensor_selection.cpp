@@ -6,7 +6,7 @@
 #include <numeric>
 #include <thread>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/ridge.h"
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/dfnn.h"
 #include "thermal/numbers.h"

@@ -4,11 +4,11 @@
 #include <iostream>
 #include <memory>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "compensation/apply_states.h"
-#include "machine/error.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 

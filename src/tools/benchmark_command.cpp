@@ -7,7 +7,7 @@
 #include <optional>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "model/model_spec.h"
 #include "simulation/roughness.h"
 #include "tools/benchmark_counts.h"

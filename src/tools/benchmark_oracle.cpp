@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

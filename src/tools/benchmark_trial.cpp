@@ -5,10 +5,11 @@
 #include <chrono>
 #include <cmath>
 
-#include "diagnosis/residual_space.h"
+#include "base/error.h"
+#include "base/units.h"
+#include "effects/linearity.h"
 #include "effects/registry.h"
-#include "machine/error.h"
-#include "machine/units.h"
+#include "estimation/residual_space.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
 #include "tools/benchmark_session.h"
@@ -121,17 +122,14 @@ void rankByCorrelation(const Diagnosis& d, const Domain& domain, Trial& trial) {
   const ResidualSpace space(d.base);
   for (const CandidateResult& c : d.candidates) {
     const EffectPtr effect = createEffect(c.effect, domain);
-    std::vector<double> p;
-    for (const Parameter& q : effect->parameters()) p.push_back(q.start);
-    const std::vector<int> nonlinear = effect->nonlinearParameters();
+    const std::vector<int> linear = linearParameters(*effect);
     std::vector<std::vector<double>> starts = effect->searchStarts();
     if (starts.empty()) starts.push_back({});
     double best = 0.0;
     for (const auto& start : starts) {
-      for (std::size_t k = 0; k < nonlinear.size(); ++k) p[nonlinear[k]] = start[k];
-      const Eigen::MatrixXd columns = space.columns(*effect, p);
-      for (int k = 0; k < columns.cols(); ++k)
-        if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end() && columns.col(k).norm() > 0)
+      const Eigen::MatrixXd columns = space.columns(*effect, startsAt(*effect, start));
+      for (const int k : linear)
+        if (columns.col(k).norm() > 0)
           best = std::max(best, std::abs(columns.col(k).dot(space.target())) / columns.col(k).norm());
     }
     ranked.emplace_back(-best, c.effect);

@@ -7,19 +7,19 @@
 #include <optional>
 #include <sstream>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
+#include "design/session_doubts.h"
 #include "estimation/ball_centres.h"
-#include "machine/error.h"
 #include "report/json.h"
-#include "report/recalibration.h"
-#include "report/session_doubts.h"
 #include "report/text.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/one_line.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "calibration_file/calibration.h"
-#include "report/recalibration.h"
+#include "workflow/recalibration.h"
 
 namespace CLI {
 class App;

@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "report/point_set.h"
-#include "report/recalibration.h"
+#include "design/point_set.h"
 #include "tools/commands.h"
 #include "tools/session_input.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -4,14 +4,14 @@
 
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
+#include "design/moves.h"
 #include "report/json.h"
-#include "report/moves.h"
-#include "report/recalibration.h"
 #include "report/text.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
@@ -39,7 +39,7 @@ void runDiagnose(const DiagnoseCommand& c) {
     diagnosis = diagnoseCalibration(session, calibration, options);
   }
   if (!c.moves.empty()) {
-    const std::string plan = movesYaml(*diagnosis, session);
+    const std::string plan = movesYaml(diagnosis->nextMeasurement, session);
     if (!plan.empty()) writeFileAtomically(c.moves, plan);
     std::cerr << (plan.empty() ? "no moves are proposed: " + c.moves + " is not written\n"
                                : "moves written to " + c.moves + "\n");

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "ros_bridge/bag_session.h"
 #include "session/artifact_file.h"
 #include "session/contacts_csv.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "machine/error.h"
-#include "machine/nearest_name.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
 #include "ros_bridge/effect_plugins.h"
 #include "tools/commands.h"
 #include "tools/one_line.h"

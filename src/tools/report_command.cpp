@@ -5,12 +5,12 @@
 
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
-#include "report/recalibration.h"
 #include "report/report_page.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "estimation/genetic_subset.h"
-#include "machine/error.h"
 #include "thermal/sensor_selection.h"
 #include "tools/commands.h"
 #include "tools/json_output.h"

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <numeric>
 
+#include "base/error.h"
 #include "calibration_file/number_text.h"
-#include "machine/error.h"
 #include "session/line_reader.h"
 
 namespace mm {

@@ -1,8 +1,8 @@
 #include "tools/sensors_source.h"
 
+#include "base/error.h"
+#include "base/units.h"
 #include "estimation/network_samples.h"
-#include "machine/error.h"
-#include "machine/units.h"
 #include "model/observed_domain.h"
 #include "thermal/calculix_results.h"
 #include "thermal/series.h"

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <iostream>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 #include "report/quantiles.h"
 #include "ros_bridge/bag_session.h"
 #include "session/session_summary.h"

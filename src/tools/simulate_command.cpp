@@ -5,7 +5,7 @@
 #include <iostream>
 #include <memory>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/bag_session.h"
 #include "session/session_summary.h"
 #include "simulation/session_csv.h"

@@ -6,12 +6,12 @@
 
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
-#include "report/recalibration.h"
 #include "report/text.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <iostream>
 
+#include "base/units.h"
 #include "estimation/calibrate.h"
-#include "machine/units.h"
 #include "model/observed_domain.h"
 #include "nist_problem.h"
 #include "shared_data.h"

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/units.h"
 #include "calibration_file/calibration.h"
 #include "compensation/compensator.h"
-#include "machine/units.h"
 
 namespace mm::test {
 

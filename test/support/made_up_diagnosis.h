@@ -1,7 +1,7 @@
 #pragma once
+#include "base/units.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/wording.h"
-#include "machine/units.h"
 
 namespace mm::test_support {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <functional>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "random_numbers.h"
 #include "session/session.h"
 

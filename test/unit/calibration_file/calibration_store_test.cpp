@@ -9,9 +9,9 @@
 #include <fstream>
 #include <random>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "example_calibration.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

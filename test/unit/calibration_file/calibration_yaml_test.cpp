@@ -9,11 +9,11 @@
 #include <cstring>
 #include <fstream>
 
+#include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/checksum.h"
 #include "calibration_file/number_text.h"
 #include "example_calibration.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/error.h"
 #include "compensation_support.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "base/error.h"
 #include "compensation_support.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "compensation_support.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

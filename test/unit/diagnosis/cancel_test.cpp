@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
+#include "base/cancel_scope.h"
+#include "base/error.h"
 #include "diagnosis/diagnose.h"
-#include "machine/cancel_scope.h"
-#include "machine/error.h"
 #include "model/model_spec.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"

@@ -1,1 +1,1 @@
-set(diagnosis_test_dependencies simulation)
+set(diagnosis_test_dependencies design simulation)

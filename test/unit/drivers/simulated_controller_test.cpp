@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

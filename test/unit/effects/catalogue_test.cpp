@@ -3,8 +3,8 @@
 
 #include <set>
 
+#include "base/error.h"
 #include "effects_support.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

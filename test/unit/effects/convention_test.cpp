@@ -3,9 +3,9 @@
 
 #include <functional>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "effects_support.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

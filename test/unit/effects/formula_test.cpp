@@ -11,10 +11,10 @@
 #include <sstream>
 #include <thread>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "effects/numeric_derivative.h"
 #include "effects_support.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "effects/smooth_basis.h"
 #include "effects_support.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

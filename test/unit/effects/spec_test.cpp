@@ -1,8 +1,8 @@
 // What a user may write, and what is said to whoever writes something else.
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "effects_support.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "effects_support.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

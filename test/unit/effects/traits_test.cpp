@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <set>
 
+#include "base/units.h"
 #include "effects/inputs.h"
 #include "effects_support.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

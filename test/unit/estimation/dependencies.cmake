@@ -1,1 +1,1 @@
-set(estimation_test_dependencies report diagnosis compensation simulation)
+set(estimation_test_dependencies workflow report design diagnosis compensation simulation)

@@ -7,9 +7,9 @@
 #include <limits>
 #include <random>
 
+#include "base/error.h"
 #include "estimation/genetic_staged_mutation.h"
 #include "genetic_mmt_problem.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

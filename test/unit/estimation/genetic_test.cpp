@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "estimation/genetic_niching.h"
 #include "estimation/genetic_staged_mutation.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <random>
 
+#include "base/units.h"
 #include "compensation/compensator.h"
+#include "design/point_set.h"
+#include "design/session_doubts.h"
 #include "estimation/ball_centres.h"
-#include "machine/units.h"
-#include "report/point_set.h"
-#include "report/recalibration.h"
-#include "report/session_doubts.h"
 #include "simulation/simulate.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

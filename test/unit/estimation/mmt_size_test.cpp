@@ -12,8 +12,8 @@
 
 #include "compensation/compensator.h"
 #include "long_tests.h"
-#include "report/recalibration.h"
 #include "simulation/simulate.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "model/observed_domain.h"
 
 namespace mm {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/units.h"
 #include "calibration_file/calibration_yaml.h"
 #include "compensation/compensator.h"
-#include "machine/units.h"
 #include "random_numbers.h"
-#include "report/recalibration.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

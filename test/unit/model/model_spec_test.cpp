@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {

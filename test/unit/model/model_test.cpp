@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 #include "model/observed_domain.h"
 #include "model/session_states.h"
 

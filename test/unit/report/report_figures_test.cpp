@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/recalibration.h"
 #include "report/report_positioning.h"
 #include "report/report_variables.h"
 #include "report/report_vectors.h"
 #include "report_sessions.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

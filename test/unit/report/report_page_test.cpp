@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "machine/error.h"
-#include "report/recalibration.h"
+#include "base/error.h"
 #include "report_sessions.h"
 #include "session_files.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

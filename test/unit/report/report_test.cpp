@@ -4,14 +4,14 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "calibration_file/calibration_yaml.h"
-#include "machine/error.h"
-#include "machine/units.h"
+#include "design/point_set.h"
 #include "model/observed_domain.h"
 #include "report/json.h"
-#include "report/point_set.h"
-#include "report/recalibration.h"
 #include "report/text.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "report/recalibration.h"
 #include "report_sessions.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {

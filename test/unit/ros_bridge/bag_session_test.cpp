@@ -13,7 +13,7 @@
 #include <csignal>
 #include <random>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/session_collector.h"
 #include "session/artifact_file.h"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session_files.h"
 
 namespace mm {

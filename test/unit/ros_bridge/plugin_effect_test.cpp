@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "effects/inputs.h"
-#include "machine/error.h"
 
 namespace mm {
 namespace {

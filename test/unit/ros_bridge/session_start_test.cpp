@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "ros_bridge/axis_messages.h"
 #include "ros_bridge/session_collector.h"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session_files.h"
 
 namespace mm {

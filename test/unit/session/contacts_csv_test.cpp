@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session/artifact_file.h"
 #include "session/session_hash.h"
 #include "session_files.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session/plan_writer.h"
 
 namespace mm {

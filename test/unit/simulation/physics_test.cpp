@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "machine/units.h"
+#include "base/units.h"
 #include "session/session.h"
 #include "simulation/chain.h"
 #include "simulation/probe.h"

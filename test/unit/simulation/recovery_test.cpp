@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "base/units.h"
 #include "estimation/calibrate.h"
-#include "machine/units.h"
 #include "model/model_spec.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"

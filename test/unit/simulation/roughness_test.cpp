@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machine/error.h"
-#include "machine/units.h"
+#include "base/error.h"
+#include "base/units.h"
 #include "simulation/simulate.h"
 #include "simulation/wander.h"
 

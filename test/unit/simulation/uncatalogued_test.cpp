@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session/plan.h"
 #include "simulation/simulate.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "random_numbers.h"
 
 namespace mm {

@@ -8,8 +8,8 @@
 #include <iostream>
 #include <numeric>
 
+#include "base/error.h"
 #include "long_tests.h"
-#include "machine/error.h"
 #include "random_numbers.h"
 #include "spindle_simulation.h"
 #include "thermal/blocked_folds.h"

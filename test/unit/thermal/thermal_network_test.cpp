@@ -7,8 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "base/error.h"
 #include "long_tests.h"
-#include "machine/error.h"
 #include "random_numbers.h"
 #include "simulation/heated_mill.h"
 #include "thermal/grey_relation.h"

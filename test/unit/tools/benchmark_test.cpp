@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "machine/error.h"
+#include "base/error.h"
 #include "session/plan.h"
 #include "simulation/simulate.h"
 #include "tools/benchmark_session.h"

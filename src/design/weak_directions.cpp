@@ -1,10 +1,10 @@
-#include "report/weak_directions.h"
+#include "design/weak_directions.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "report/text_parts.h"
+#include "base/format.h"
 
 namespace mm {
 

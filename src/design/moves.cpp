@@ -1,4 +1,4 @@
-#include "report/moves.h"
+#include "design/moves.h"
 
 #include <cstdio>
 
@@ -15,13 +15,13 @@ std::string number(double v) {
 
 }  // namespace
 
-std::string movesYaml(const Diagnosis& diagnosis, const Session& session) {
-  if (diagnosis.nextMeasurement.empty()) return "";
+std::string movesYaml(const std::vector<Move>& moves, const Session& session) {
+  if (moves.empty()) return "";
   std::string text = "name: next_measurement\n";
   if (!session.artifact.features.empty()) text += "artifact:\n" + artifactYaml(session.artifact, 2);
   if (session.hasLaser()) text += "probe: laser\n";
   text += "moves:\n";
-  for (const Move& move : diagnosis.nextMeasurement) {
+  for (const Move& move : moves) {
     std::string entry;
     const auto add = [&](const std::string& key, const std::string& value) {
       entry += (entry.empty() ? "" : ", ") + key + ": " + value;

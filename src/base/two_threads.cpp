@@ -1,4 +1,4 @@
-#include "machine/two_threads.h"
+#include "base/two_threads.h"
 
 #include <exception>
 #include <thread>

@@ -3,7 +3,7 @@
 
 namespace mm {
 
-/// The wish to cancel, for work deep inside a long computation that nobody hands it to: while a scope lives,
+/// A request to cancel, for work deep inside a long computation that nobody hands it to: while a scope lives,
 /// the loops of its thread can ask. Scopes nest; the innermost counts.
 class CancelScope {
  public:

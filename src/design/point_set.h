@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "design/posture_proposals.h"
 #include "effects/effect_spec.h"
 #include "estimation/identifiability.h"
 #include "model/model_spec.h"
-#include "report/posture_proposals.h"
 #include "session/sense_checks.h"
 #include "session/session.h"
 

@@ -1,13 +1,13 @@
-#include "report/session_doubts.h"
+#include "design/session_doubts.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "machine/error.h"
-#include "machine/units.h"
-#include "report/text_parts.h"
+#include "base/error.h"
+#include "base/format.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {

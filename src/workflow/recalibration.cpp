@@ -1,12 +1,12 @@
-#include "report/recalibration.h"
+#include "workflow/recalibration.h"
 
 #include <algorithm>
 
+#include "base/error.h"
+#include "base/utc_now.h"
 #include "calibration_file/number_text.h"
 #include "effects/registry.h"
 #include "estimation/network_learning.h"
-#include "machine/error.h"
-#include "machine/utc_now.h"
 #include "model/observed_domain.h"
 #include "session/session_hash.h"
 

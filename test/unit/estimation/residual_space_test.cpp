@@ -1,4 +1,4 @@
-#include "diagnosis/residual_space.h"
+#include "estimation/residual_space.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "machine/nearest_name.h"
+#include "base/nearest_name.h"
 
 #include <algorithm>
 #include <cctype>
@@ -42,6 +42,12 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
     }
   }
   return nearest;
+}
+
+std::string listOf(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out.empty() ? "none" : out;
 }
 
 std::string didYouMean(const std::string& name, const std::vector<std::string>& known) {

@@ -1,10 +1,19 @@
 #pragma once
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "diagnosis/diagnose.h"
-#include "diagnosis/residual_space.h"
+#include "estimation/residual_space.h"
 
 namespace mm {
+
+/// A target for the measurement plan: values by the names of the import columns.
+struct Move {
+  std::vector<std::pair<std::string, double>> values;      // "x_mm", "b_deg", "wait_s" …
+  std::vector<std::pair<std::string, std::string>> words;  // "feature"
+  std::vector<double> approach;                            // unit vector in workpiece, or empty
+  std::vector<std::pair<std::string, double>> from;        // a joint: the side it comes from, -1 or +1
+};
 
 /// An effect with the values of its nonlinear parameters: one explanation of the data.
 struct Hypothesis {

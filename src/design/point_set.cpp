@@ -1,14 +1,15 @@
-#include "report/point_set.h"
+#include "design/point_set.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
+#include "design/session_doubts.h"
+#include "effects/linearity.h"
 #include "effects/registry.h"
 #include "estimation/whitened.h"
-#include "machine/units.h"
 #include "model/observed_domain.h"
-#include "report/session_doubts.h"
 
 namespace mm {
 namespace {
@@ -159,13 +160,9 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
       if (std::any_of(inModel.begin(), inModel.end(),
                       [&](const EffectPtr& e) { return e->spec() == effect->spec(); }))
         continue;
-      std::vector<double> p;
-      for (const Parameter& parameter : effect->parameters()) p.push_back(parameter.start);
-      const std::vector<int> nonlinear = effect->nonlinearParameters();
       const auto starts = effect->searchStarts();
-      if (!starts.empty())
-        for (std::size_t k = 0; k < nonlinear.size(); ++k)
-          p[static_cast<std::size_t>(nonlinear[k])] = starts[starts.size() / 2][k];
+      const std::vector<double> p =
+          startsAt(*effect, starts.empty() ? std::vector<double>() : starts[starts.size() / 2]);
       Eigen::MatrixXd all = inverse.asDiagonal() * problem.effectColumns(*effect, p);
       int unknown = 0;  // rows that lack an input; a fit leaves them out, as long as they are few
       for (Eigen::Index i = 0; i < all.rows(); ++i) {
@@ -179,8 +176,7 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
         continue;
       }
       double seen = 0.0, alone = 0.0;  // in typical sizes over the noise
-      for (int k = 0; k < effect->parameterCount(); ++k) {
-        if (std::find(nonlinear.begin(), nonlinear.end(), k) != nonlinear.end()) continue;
+      for (const int k : linearParameters(*effect)) {
         const Eigen::VectorXd column = all.col(k) * effect->parameters()[static_cast<std::size_t>(k)].scale;
         alone = std::max(alone, column.norm());
         seen = std::max(seen, (column - q * (q.transpose() * column)).norm());

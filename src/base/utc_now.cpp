@@ -1,4 +1,4 @@
-#include "machine/utc_now.h"
+#include "base/utc_now.h"
 
 #include <ctime>
 

@@ -1,12 +1,12 @@
-#include "diagnosis/next_measurement.h"
+#include "design/next_measurement.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "effects/linearity.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {
@@ -114,14 +114,6 @@ Session hypothetical(const ResidualSpace& space) {
   return next;
 }
 
-std::vector<double> pointOf(const Hypothesis& h) {
-  std::vector<double> p;
-  for (const Parameter& q : h.effect->parameters()) p.push_back(q.start);
-  const std::vector<int> indices = h.effect->nonlinearParameters();
-  for (std::size_t k = 0; k < indices.size(); ++k) p[indices[k]] = h.nonlinear[k];
-  return p;
-}
-
 Eigen::MatrixXd linearColumns(const Effect& effect, const Eigen::MatrixXd& all) {
   const std::vector<int> linear = linearParameters(effect);
   Eigen::MatrixXd out(all.rows(), linear.size());
@@ -192,10 +184,11 @@ NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& ow
       for (int i = 0; i < m.rows(); ++i) m.row(i) *= inverse[i];
       return m;
     };
-    const Eigen::MatrixXd ownNow =
-        whitened(linearColumns(*own.effect, problem.effectColumns(*own.effect, pointOf(own))));
+    const Eigen::MatrixXd ownNow = whitened(
+        linearColumns(*own.effect, problem.effectColumns(*own.effect, startsAt(*own.effect, own.nonlinear))));
     const Eigen::MatrixXd ownNext =
-        linearColumns(*own.effect, future.effectColumns(*own.effect, pointOf(own))) / sigma;
+        linearColumns(*own.effect, future.effectColumns(*own.effect, startsAt(*own.effect, own.nonlinear))) /
+        sigma;
     // the leading hypothesis at its fitted size
     Eigen::MatrixXd left = Eigen::MatrixXd::Zero(space.length(), ownNow.cols());
     for (int i = 0; i < space.rows(); ++i) left.row(i) = ownNow.row(space.used()[i]);
@@ -209,10 +202,12 @@ NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& ow
     std::vector<Eigen::MatrixXd> covariances;    // of each rival's unknowns, by all that is measured so far
     std::vector<Eigen::VectorXd> uncertainties;  // variance of its prediction, a future row
     for (const Hypothesis& rival : rivals) {
-      const Eigen::MatrixXd rivalNow =
-          whitened(linearColumns(*rival.effect, problem.effectColumns(*rival.effect, pointOf(rival))));
+      const Eigen::MatrixXd rivalNow = whitened(linearColumns(
+          *rival.effect, problem.effectColumns(*rival.effect, startsAt(*rival.effect, rival.nonlinear))));
       const Eigen::MatrixXd rivalNext =
-          linearColumns(*rival.effect, future.effectColumns(*rival.effect, pointOf(rival))) / sigma;
+          linearColumns(*rival.effect,
+                        future.effectColumns(*rival.effect, startsAt(*rival.effect, rival.nonlinear))) /
+          sigma;
       Eigen::MatrixXd now(jacobian.rows(), free + rivalNow.cols()),
           later(futureJacobian.rows(), free + rivalNow.cols());
       now << whitened(jacobian), rivalNow;

@@ -1,13 +1,13 @@
-#include "report/posture_proposals.h"
+#include "design/posture_proposals.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/units.h"
 #include "estimation/identifiability.h"
 #include "estimation/whitened.h"
-#include "machine/error.h"
-#include "machine/units.h"
 
 namespace mm {
 namespace {

@@ -1,12 +1,12 @@
 #pragma once
 #include <string>
 
-#include "diagnosis/diagnose.h"
+#include "design/next_measurement.h"
 
 namespace mm {
 
 /// The proposed moves as a measurement plan (YAML) that `mm simulate` and the node `measure` run, with the
 /// session's artifact in it. Empty when nothing is proposed.
-std::string movesYaml(const Diagnosis& diagnosis, const Session& session);
+std::string movesYaml(const std::vector<Move>& moves, const Session& session);
 
 }  // namespace mm

@@ -1,6 +1,6 @@
-#include "machine/cancel_scope.h"
+#include "base/cancel_scope.h"
 
-#include "machine/error.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {
