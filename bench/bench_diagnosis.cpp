@@ -3,6 +3,7 @@
 // against one warm-started fit by Ceres for one shape of each.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -11,6 +12,7 @@
 #include "diagnosis/groups.h"
 #include "estimation/noise_rows.h"
 #include "estimation/polish.h"
+#include "estimation/row_products.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
 
@@ -101,6 +103,37 @@ void refitsByCeres(benchmark::State& state) {
   });
 }
 
+/// Columns of a session whose balls have form errors: 160 nuisances with themselves, half of a diagnosis
+/// there.
+mm::RowMatrix nuisances() { return mm::RowMatrix::Random(675, 160); }
+double ownSeconds = 1e300, eigenSeconds = 1e300;
+
+template <class Run>
+void products(benchmark::State& state, double& seconds, Run run) {
+  const mm::RowMatrix columns = nuisances();
+  for (auto _ : state) {
+    const auto began = std::chrono::steady_clock::now();
+    benchmark::DoNotOptimize(run(columns));
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+    state.SetIterationTime(took.count());
+    seconds = std::min(seconds, took.count());
+  }
+}
+
+void rowProducts(benchmark::State& state) {
+  products(state, ownSeconds, [](const mm::RowMatrix& m) { return mm::rowProducts(m); });
+}
+
+void eigenProducts(benchmark::State& state) {
+  products(state, eigenSeconds, [](const mm::RowMatrix& m) {
+    mm::RowMatrix out = mm::RowMatrix::Zero(m.cols(), m.cols());
+    out.selfadjointView<Eigen::Lower>().rankUpdate(m.transpose());
+    return out;
+  });
+}
+
+BENCHMARK(rowProducts)->UseManualTime()->Unit(benchmark::kMicrosecond);
+BENCHMARK(eigenProducts)->UseManualTime()->Unit(benchmark::kMicrosecond);
 BENCHMARK(evidence)->Iterations(5)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(refitsByCeres)->Iterations(2)->UseManualTime()->Unit(benchmark::kMillisecond);
 
@@ -112,4 +145,6 @@ int main(int argc, char** argv) {
   std::printf("evidence %.3f s, %d causes, best %s; refits by Ceres %.3f s, %d causes, best %s: %.0f times\n",
               byEvidence.seconds, byEvidence.causes, byEvidence.best.c_str(), byRefits.seconds,
               byRefits.causes, byRefits.best.c_str(), byRefits.seconds / byEvidence.seconds);
+  std::printf("row products %.2f ms, Eigen's %.2f ms: %.2f of its time\n", 1e3 * ownSeconds,
+              1e3 * eigenSeconds, ownSeconds / eigenSeconds);
 }

@@ -116,6 +116,7 @@ struct Diagnosis {
   std::vector<DriftResult> drift;
   std::vector<ArtifactScatter> artifactScatter;
   std::vector<MissingInput> missingInputs;
+  int searched = 0;       // residuals that the search looked at: all, or of a long session stretches
   double noise = 0.0;     // m (rad): the white part of what is left, as estimated
   double noiseStd = 0.0;  // its standard uncertainty
   double tailDof = 0.0;   // degrees of freedom of Student's t where the noise has heavy tails; 0: normal

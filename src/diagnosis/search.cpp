@@ -14,8 +14,6 @@ constexpr double kMostOfIt = 0.9;
 constexpr double kUnnamed = 100.0;
 constexpr int kTrials = 3;            // candidates whose noise is fitted again from none
 constexpr double kWorthTrying = 6.0;  // nats below its price: a candidate is not refitted
-constexpr int kMostNoiseRows =
-    3000;  // the variances of longer sessions are fitted to stretches of their rows
 
 std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
   std::string id = std::to_string(group) + "/" + std::to_string(shape);
@@ -86,7 +84,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   options.addDrift = add;
   options.addAlong = along;
   if (!add || along >= 0) options.rounds = 2;
-  const NoiseFitResult fit = fitNoise(q_.rows, std::move(blocks), start.noise, options, kMostNoiseRows);
+  const NoiseFitResult fit = NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
   out.noise = fit.noise;
   out.scatter.assign(q_.scatter.size(), 0.0);
   for (std::size_t k = 0; k < scatter; ++k) out.scatter[ofBlock[k]] = fit.ratios[k];
@@ -389,7 +387,8 @@ Explanation Search::settled(Explanation best) const {
       for (const Gain& g : evidence->gains(given)) {
         if (tried == kMostNear || g.group < 0 || g.value < own - kNear) break;
         if (q_.groups.groups[g.group].profile || g.group == best.members[j].group ||
-            std::any_of(others.begin(), others.end(), [&](const Member& m) { return m.group == g.group; }))
+            std::any_of(others.begin(), others.end(), [&](const Member& m) { return m.group == g.group; }) ||
+            actAlike(best.members[j].group, best.members[j].shape, g.group, g.shape))
           continue;
         ++tried;
         std::vector<Member> members = best.members;

@@ -25,8 +25,16 @@ double medianSpacing(const std::vector<double>& time) {
   return dt[dt.size() / 2];
 }
 
-/// Stretches of rows, spread over the session: neighbours for what lasts from row to row, and the whole
-/// length for what is slow.
+RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
+  const int priors = static_cast<int>(all.rows()) - rows, n = static_cast<int>(taken.size());
+  RowMatrix out(n + priors, all.cols());
+  for (int i = 0; i < n; ++i) out.row(i) = all.row(taken[i]);
+  out.bottomRows(priors) = all.bottomRows(priors);
+  return out;
+}
+
+}  // namespace
+
 std::vector<int> stretches(int rows, int most) {
   std::vector<int> taken;
   constexpr int kStretch = 30;
@@ -38,16 +46,6 @@ std::vector<int> stretches(int rows, int most) {
   }
   return taken;
 }
-
-RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
-  const int priors = static_cast<int>(all.rows()) - rows, n = static_cast<int>(taken.size());
-  RowMatrix out(n + priors, all.cols());
-  for (int i = 0; i < n; ++i) out.row(i) = all.row(taken[i]);
-  out.bottomRows(priors) = all.bottomRows(priors);
-  return out;
-}
-
-}  // namespace
 
 struct NoiseFit::Gram {
   RowMatrix products;      // of base, blocks and target

@@ -267,10 +267,12 @@ class ColumnSink final : public ErrorSink {
 
 }  // namespace
 
-Eigen::MatrixXd Problem::effectColumns(const Effect& effect, const std::vector<double>& p) const {
+Eigen::MatrixXd Problem::effectColumns(const Effect& effect, const std::vector<double>& p,
+                                       const std::vector<char>* asked) const {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rowCount(), effect.parameterCount());
   ColumnSink sink(slotGradients_, columns);
   for (std::size_t o = 0; o < session_->observations.size(); ++o) {
+    if (asked != nullptr && !(*asked)[o]) continue;
     sink.at(firstRow_[o], firstRow_[o + 1] - firstRow_[o]);
     effect.evaluate(state(static_cast<int>(o)), p.data(), sink);
   }

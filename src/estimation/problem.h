@@ -102,7 +102,9 @@ class Problem {
   void scatter(int observation, const Derivative& derivative, Eigen::MatrixXd& rows) const;
   /// Columns (rowCount x parameters) by which an effect that is not in the model would change the residuals,
   /// at x, with the effect's parameters at `p`.
-  Eigen::MatrixXd effectColumns(const Effect& effect, const std::vector<double>& p) const;
+  /// @param asked an observation: whether its rows are wanted, the others stay zero; null: all.
+  Eigen::MatrixXd effectColumns(const Effect& effect, const std::vector<double>& p,
+                                const std::vector<char>* asked = nullptr) const;
   /// Observations that lack an input of the model: they have no weight. Empty when all are used.
   const std::vector<int>& leftOut() const { return leftOut_; }
   bool uses(int observation) const { return usable_[observation] != 0; }

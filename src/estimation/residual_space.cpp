@@ -5,21 +5,29 @@
 #include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 
+#include "estimation/noise_fit.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
 namespace mm {
-ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) {
+ResidualSpace::ResidualSpace(const CalibrationResult& fitted, int most) : fitted_(fitted) {
   const Problem& problem = *fitted.problem;
   const Folds all = makeFolds(problem);
   folds_.folds = all.folds;
   folds_.blocks = all.blocks;
+  std::vector<int> weighted;
   for (int i = 0; i < problem.rowCount(); ++i)
-    if (fitted.weight[i] > 0.0) {
-      used_.push_back(i);
-      folds_.ofRow.push_back(all.ofRow[i]);
-      folds_.blockOfRow.push_back(all.blockOfRow[i]);
-    }
+    if (fitted.weight[i] > 0.0) weighted.push_back(i);
+  if (most > 0 && static_cast<int>(weighted.size()) > most)
+    for (const int k : stretches(static_cast<int>(weighted.size()), most)) used_.push_back(weighted[k]);
+  else
+    used_ = std::move(weighted);
+  asked_.assign(problem.session().observations.size(), 0);
+  for (const int row : used_) {
+    folds_.ofRow.push_back(all.ofRow[row]);
+    folds_.blockOfRow.push_back(all.blockOfRow[row]);
+    asked_[problem.rows()[row].observation] = 1;
+  }
   inverseSigma_.resize(rows());
   for (int i = 0; i < rows(); ++i) inverseSigma_[i] = 1.0 / fitted.sigma[used_[i]];
 
@@ -40,7 +48,7 @@ ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) 
 
 Eigen::MatrixXd ResidualSpace::columns(const Effect& effect, const std::vector<double>& p,
                                        int* missing) const {
-  Eigen::MatrixXd all = fitted_.problem->effectColumns(effect, p);
+  Eigen::MatrixXd all = fitted_.problem->effectColumns(effect, p, &asked_);
   for (int k = 0; k < all.cols(); ++k) all.col(k) *= effect.parameters()[k].scale;
   if (missing != nullptr) {
     *missing = 0;

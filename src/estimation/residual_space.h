@@ -13,7 +13,8 @@ namespace mm {
 /// refitted together.
 class ResidualSpace {
  public:
-  explicit ResidualSpace(const CalibrationResult& fitted);
+  /// @param most rows: of a longer session only so many are taken, in stretches; 0: all.
+  explicit ResidualSpace(const CalibrationResult& fitted, int most = 0);
 
   const Problem& problem() const { return *fitted_.problem; }
   const CalibrationResult& fitted() const { return fitted_; }
@@ -37,6 +38,7 @@ class ResidualSpace {
  private:
   const CalibrationResult& fitted_;
   std::vector<int> used_;
+  std::vector<char> asked_;       // an observation: whether it has a row here
   Eigen::VectorXd inverseSigma_;  // a row here
   Eigen::MatrixXd q_;
   Eigen::VectorXd target_;

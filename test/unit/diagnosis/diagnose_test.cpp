@@ -103,6 +103,7 @@ TEST(Diagnose, TheMovesTellConfusableEffectsApart) {
   const Diagnosis d = diagnosed(s.session);
   ASSERT_FALSE(d.missing.empty());
   ASSERT_EQ(d.verdict, Verdict::kConfusable) << d.sentence;
+  EXPECT_EQ(d.missing[0].effect.type, "backlash") << "of causes that act alike the commoner is named";
   EXPECT_FALSE(d.nextMeasurement.empty());
   for (const Confusable& rival : d.missing[0].confusableWith) {
     EXPECT_FALSE(rival.same) << rival.effect.yaml();  // at two speeds they differ
