@@ -89,7 +89,6 @@ function rivals(m) {
   const lines = m.confusable_with.map((c) => [el("b", {}, c.in_words), c.same ? ": the same error told in another frame; no measurement on this machine tells them apart" :
     c.not_recorded ? ": cannot be excluded, " + c.not_recorded.replace(/^(the )?/, "the ") + " was not recorded" : ", odds " + c.odds_in_words,
     c.moves ? el("div", { class: "note" }, "To tell: " + said(c.moves)) : null]);
-  if (m.confusable_with_drift) lines.push([el("b", {}, "drift in time"), ", which explains it as well"]);
   return lines.length ? [el("dt", {}, "Or instead"), el("dd", {}, el("ul", { class: "plain" }, lines.map((line) => el("li", {}, line))))] : [];
 }
 
@@ -185,7 +184,7 @@ function candidates() {
   const rows = diagnosis.candidates.map((c) => {
     const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
     const gain = c[key] && known(c[key][0]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
-    const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words).concat(taken.confusable_with_drift ? ["drift in time"] : []) : [];
+    const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words) : [];
     return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
   section("candidates", "Candidates, best first", lead("Each cause of the catalogue, everything refitted with it; the bar is the share of the held-out RMS that it removes. Bold: named as missing."),

@@ -285,6 +285,36 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
   }
 }
 
+void allowForForm(const Search& search, const Explanation& found, Diagnosis& out) {
+  const Questions& q = search.questions();
+  bool form = false;
+  for (std::size_t b = 0; b < q.scatter.size(); ++b)
+    form = form || (q.scatterNames[b] == "form" && found.scatter[b] > 0.0);
+  if (!form || found.members.empty()) return;
+  const Evidence::Fit fit = search.evidenceAt(found)->fit(found.members);
+  for (std::size_t j = 0; j < found.members.size(); ++j) {
+    const Member& m = found.members[j];
+    const Shape& shape = shapeOf(q, m);
+    if (q.groups.groups[m.group].profile || shape.main != 1 || !shape.mixed.empty()) continue;
+    const auto result = std::find_if(out.missing.begin(), out.missing.end(), [&](const CandidateResult& r) {
+      return r.effect == shape.spec || r.effect == shape.effect->shapedAs(m.nonlinear);
+    });
+    const std::vector<int> linear = linearParameters(*shape.effect);
+    if (result == out.missing.end() || linear.size() != 1 ||
+        result->parameters.size() != static_cast<std::size_t>(shape.effect->parameterCount()))
+      continue;
+    const Eigen::MatrixXd raw = q.space->columns(*shape.effect, startsAt(*shape.effect, m.nonlinear));
+    const double norm = raw.col(linear[0]).norm();
+    if (!(norm > 0.0)) continue;
+    const Parameter& p = shape.effect->parameters()[static_cast<std::size_t>(linear[0])];
+    // the member's first column is the effect's own, in another unit
+    const double unit = m.columns->col(0).dot(raw.col(linear[0])) / (norm * norm) * p.scale * p.toUnit;
+    NamedValue& value = result->parameters[static_cast<std::size_t>(linear[0])];
+    value.value = fit.values[j][0] * unit;
+    value.std = std::sqrt(fit.covariance[j](0, 0)) * std::abs(unit);
+  }
+}
+
 void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                     Diagnosis& out) {
   const Questions& q = search.questions();

@@ -35,6 +35,8 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
                  Diagnosis& out);
 void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
                     Diagnosis& out);
+/// Sizes by the fit that knows the form of the balls, where they have one: least squares do not.
+void allowForForm(const Search& search, const Explanation& found, Diagnosis& out);
 void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                     Diagnosis& out);
 void listCannotShow(const Questions& questions, const Explanation& found, Diagnosis& out);

@@ -203,6 +203,7 @@ class Diagnoser {
     report("answers", 0.85);
     fillAnswers(search, found, held, unit, out_);
     refinedParameters(look, fitted);
+    allowForForm(search, found, out_);
     listCandidates(search, found, held, unit, out_);
     listCannotShow(q, found, out_);
     out_.drift = driftOf(search, found);

@@ -257,15 +257,14 @@ Explanation Search::exchanged(Explanation best) const {
         std::vector<Member> others = members;
         others.erase(others.begin() + static_cast<long>(j));
         for (int more = 0; more < 2; ++more) {
+          const std::vector<Gain> gains = evidence->gains(evidence->given(others));
           Gain pick;
-          for (const Gain& g : evidence->gains(evidence->given(others)))
-            if (g.group != members[j].group && g.value - priceOf(g.group) > pick.value) {
-              Gain priced = g;
-              priced.value -= priceOf(g.group);
-              pick = priced;
-            }
+          double most = 0.0;
+          for (const Gain& g : gains)
+            if (g.group != members[j].group && g.value - priceOf(g.group) > most)
+              most = g.value - priceOf(g.group), pick = g;
           if (pick.group < 0) break;
-          others.push_back(refined(*evidence, others, memberOf(pick)));
+          others.push_back(refined(*evidence, others, memberOf(commoner(pick, gains))));
           bool again = false;
           const std::vector<Member> settled = exchangedAt(*evidence, others, &again);
           const double gain = worthAt(settled) - now;
