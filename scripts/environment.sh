@@ -3,7 +3,7 @@ set -euo pipefail
 export PATH="/usr/bin:$PATH" LC_ALL=C.UTF-8 LANG=C.UTF-8
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root"
-if [[ "${1:-}" == --help || "${1:-}" == -h ]]; then  # the comment at the top of the script that sources this
+if [[ " $* " == *" --help "* || " $* " == *" -h "* ]]; then  # the comment at the top of the script that sources this
   sed -n '2,/^[^#]/{s/^# \{0,1\}//p}' "$root/scripts/$(basename "$0")"
   exit 0
 fi

@@ -1,17 +1,12 @@
 #include "design/moves.h"
 
-#include <cstdio>
-
+#include "base/format.h"
 #include "session/plan_writer.h"
 
 namespace mm {
 namespace {
 
-std::string number(double v) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", v);
-  return text;
-}
+std::string number(double v) { return format("%.9g", v); }
 
 }  // namespace
 

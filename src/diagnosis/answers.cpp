@@ -193,12 +193,13 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     std::vector<Confusable> rivals;
     if (!group.profile)
       for (Gain g : evidence->gains(given)) {
+        if (g.group < 0) continue;
         const Group& rival = q.groups.groups[g.group];
         const auto refitted = std::find_if(found.rivals.begin(), found.rivals.end(), [&](const Rival& r) {
           return r.member == j && r.group == g.group;
         });
         if (refitted != found.rivals.end()) g.value = gain - refitted->behind;
-        if (g.group >= 0 && search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
+        if (search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
         if (gain - g.value >= kIndistinct) continue;
         if (rival.profile || rival.key == group.key ||
             std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))
@@ -248,70 +249,6 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
       first = false;
     }
     before = after;
-  }
-}
-
-void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
-                    Diagnosis& out) {
-  int at = first;
-  for (const EffectPtr& effect : effects) {
-    const auto found = std::find_if(out.missing.begin(), out.missing.end(),
-                                    [&](const CandidateResult& m) { return m.effect == effect->spec(); });
-    if (found != out.missing.end()) found->parameters.clear();
-    for (ProfileResult& p : out.profiles) {
-      if (!(p.effect == effect->spec())) continue;
-      constexpr int kPoints = 41, kPointsOfTwo = 9;
-      const int n = effect->parameterCount();
-      const ProfileCurve curve =
-          profileCurve(effect->spec(), full.problem->model().domain(), full.x.segment(at, n),
-                       full.covariance.block(at, at, n, n), p.variables.size() == 2 ? kPointsOfTwo : kPoints);
-      p.units.clear();
-      for (const auto& v : curve.variables) p.units.push_back(v.unit);
-      p.curve.clear();
-      for (const auto& point : curve.points) {
-        std::vector<double> row = {point.at[0]};
-        if (p.variables.size() == 2) row.push_back(point.at[1]);
-        row.push_back(point.value);
-        row.push_back(point.std);
-        p.curve.push_back(std::move(row));
-      }
-    }
-    for (const Parameter& p : effect->parameters()) {
-      if (found != out.missing.end())
-        found->parameters.push_back(
-            {p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
-      ++at;
-    }
-  }
-}
-
-void allowForForm(const Search& search, const Explanation& found, Diagnosis& out) {
-  const Questions& q = search.questions();
-  bool form = false;
-  for (std::size_t b = 0; b < q.scatter.size(); ++b)
-    form = form || (q.scatterNames[b] == "form" && found.scatter[b] > 0.0);
-  if (!form || found.members.empty()) return;
-  const Evidence::Fit fit = search.evidenceAt(found)->fit(found.members);
-  for (std::size_t j = 0; j < found.members.size(); ++j) {
-    const Member& m = found.members[j];
-    const Shape& shape = shapeOf(q, m);
-    if (q.groups.groups[m.group].profile || shape.main != 1 || !shape.mixed.empty()) continue;
-    const auto result = std::find_if(out.missing.begin(), out.missing.end(), [&](const CandidateResult& r) {
-      return r.effect == shape.spec || r.effect == shape.effect->shapedAs(m.nonlinear);
-    });
-    const std::vector<int> linear = linearParameters(*shape.effect);
-    if (result == out.missing.end() || linear.size() != 1 ||
-        result->parameters.size() != static_cast<std::size_t>(shape.effect->parameterCount()))
-      continue;
-    const Eigen::MatrixXd raw = q.space->columns(*shape.effect, startsAt(*shape.effect, m.nonlinear));
-    const double norm = raw.col(linear[0]).norm();
-    if (!(norm > 0.0)) continue;
-    const Parameter& p = shape.effect->parameters()[static_cast<std::size_t>(linear[0])];
-    // the member's first column is the effect's own, in another unit
-    const double unit = m.columns->col(0).dot(raw.col(linear[0])) / (norm * norm) * p.scale * p.toUnit;
-    NamedValue& value = result->parameters[static_cast<std::size_t>(linear[0])];
-    value.value = fit.values[j][0] * unit;
-    value.std = std::sqrt(fit.covariance[j](0, 0)) * std::abs(unit);
   }
 }
 

@@ -47,6 +47,8 @@ struct Explanation {
 /// evidence for one cause exceeds e^g at most once in e^g sessions, so that of a hundred such sessions one at
 /// the most claims something.
 constexpr double kPriorOdds = 100.0;
+/// A cause with a name that explains this share of what a free curve does is kept: the curve is for the rest.
+constexpr double kMostOfIt = 0.9;
 /// Explanations whose log evidence differs by less cannot be told apart (Kass & Raftery 1995: 20 to 1).
 constexpr double kIndistinct = 3.0;
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <map>
 #include <tuple>
 
+#include "base/format.h"
 #include "base/units.h"
 #include "session/sphere_centre.h"
 
@@ -17,16 +17,6 @@ namespace {
 constexpr std::size_t kFewest = 20;
 /// At most one in fifty stands alone: more is something else (two places, two machines, wrong units).
 constexpr std::size_t kShare = 50;
-
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-std::string format(const char* pattern, ...) {
-  va_list arguments;
-  va_start(arguments, pattern);
-  char text[400];
-  std::vsnprintf(text, sizeof text, pattern, arguments);
-  va_end(arguments);
-  return text;
-}
 
 /// A list of values in which single ones may be impossible. SI.
 struct Column {

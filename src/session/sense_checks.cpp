@@ -3,11 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <functional>
 #include <numeric>
 
+#include "base/format.h"
 #include "base/units.h"
 #include "session/geometric_start.h"
 #include "session/sphere_centre.h"
@@ -20,16 +20,6 @@ constexpr double kSuspect = 50e-6;  // m
 /// A machine's own errors stay whatever is tried; a mistake that is undone takes nearly all away.
 constexpr double kUndone = 0.1;
 constexpr double kAsGood = 1.5;  // times the least misfit
-
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-std::string format(const char* pattern, ...) {
-  va_list arguments;
-  va_start(arguments, pattern);
-  char text[400];
-  std::vsnprintf(text, sizeof text, pattern, arguments);
-  va_end(arguments);
-  return text;
-}
 
 /// "14 mm", "3.1 um".
 std::string length(double metres) {

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "base/format.h"
 #include "base/units.h"
 
 namespace mm {
 namespace {
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
+std::string number(double value) { return format("%.6g", value); }
 
 struct Range {
   double lower = std::numeric_limits<double>::infinity(), upper = -lower;

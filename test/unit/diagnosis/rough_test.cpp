@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "diagnosis/diagnose.h"
+#include "effects/inputs.h"
+#include "effects/registry.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
 
@@ -50,6 +52,9 @@ TEST(Rough, BacklashAtTwiceTheNoiseIsNamedAlone) {
 }
 
 TEST(Rough, DriftIsToldAndTheNoiseIsWhatIsLeftOfIt) {
+  const Machine machine = Machine::load("three_axis");
+  const Domain domain = observedDomain(
+      simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {{}, 34, ""}).session);
   const Diagnosis d = rough({}, "drift", 34);
   EXPECT_FALSE(d.drift.empty()) << d.sentence;
   EXPECT_NEAR(d.noise / kNoise, 1.0, 0.1);
@@ -57,6 +62,8 @@ TEST(Rough, DriftIsToldAndTheNoiseIsWhatIsLeftOfIt) {
     EXPECT_GT(r.std, 0.3 * kNoise);
     EXPECT_LT(r.std, 4.0 * kNoise);
     EXPECT_GT(r.timeConstant, 0.0);
+    for (const DriftResult::Perhaps& p : r.perhaps)  // what stands still is no drift
+      EXPECT_TRUE(inputsOf(*createEffect(p.effect, domain), domain).dependsOnTime()) << p.effect.yaml();
   }
 }
 

@@ -1,0 +1,76 @@
+// How large what was found is, by the fit of everything together.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/answers.h"
+#include "effects/linearity.h"
+#include "effects/profile.h"
+
+namespace mm {
+
+void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
+                    Diagnosis& out) {
+  int at = first;
+  for (const EffectPtr& effect : effects) {
+    const auto found = std::find_if(out.missing.begin(), out.missing.end(),
+                                    [&](const CandidateResult& m) { return m.effect == effect->spec(); });
+    if (found != out.missing.end()) found->parameters.clear();
+    for (ProfileResult& p : out.profiles) {
+      if (!(p.effect == effect->spec())) continue;
+      constexpr int kPoints = 41, kPointsOfTwo = 9;
+      const int n = effect->parameterCount();
+      const ProfileCurve curve =
+          profileCurve(effect->spec(), full.problem->model().domain(), full.x.segment(at, n),
+                       full.covariance.block(at, at, n, n), p.variables.size() == 2 ? kPointsOfTwo : kPoints);
+      p.units.clear();
+      for (const auto& v : curve.variables) p.units.push_back(v.unit);
+      p.curve.clear();
+      for (const auto& point : curve.points) {
+        std::vector<double> row = {point.at[0]};
+        if (p.variables.size() == 2) row.push_back(point.at[1]);
+        row.push_back(point.value);
+        row.push_back(point.std);
+        p.curve.push_back(std::move(row));
+      }
+    }
+    for (const Parameter& p : effect->parameters()) {
+      if (found != out.missing.end())
+        found->parameters.push_back(
+            {p.name, p.unit, full.x[at] * p.toUnit, full.std(at) * std::abs(p.toUnit)});
+      ++at;
+    }
+  }
+}
+
+void allowForForm(const Search& search, const Explanation& found, Diagnosis& out) {
+  const Questions& q = search.questions();
+  bool form = false;
+  for (std::size_t b = 0; b < q.scatter.size(); ++b)
+    form = form || (q.scatterNames[b] == "form" && found.scatter[b] > 0.0);
+  if (!form || found.members.empty()) return;
+  const Evidence::Fit fit = search.evidenceAt(found)->fit(found.members);
+  for (std::size_t j = 0; j < found.members.size(); ++j) {
+    const Member& m = found.members[j];
+    const Shape& shape = q.groups.groups[m.group].shapes[m.shape];
+    if (q.groups.groups[m.group].profile || shape.main != 1 || !shape.mixed.empty()) continue;
+    const auto result = std::find_if(out.missing.begin(), out.missing.end(), [&](const CandidateResult& r) {
+      return r.effect == shape.spec || r.effect == shape.effect->shapedAs(m.nonlinear);
+    });
+    const std::vector<int> linear = linearParameters(*shape.effect);
+    if (result == out.missing.end() || linear.size() != 1 ||
+        result->parameters.size() != static_cast<std::size_t>(shape.effect->parameterCount()))
+      continue;
+    const Eigen::MatrixXd raw = q.space->columns(*shape.effect, startsAt(*shape.effect, m.nonlinear));
+    const double norm = raw.col(linear[0]).norm();
+    if (!(norm > 0.0)) continue;
+    const Parameter& p = shape.effect->parameters()[static_cast<std::size_t>(linear[0])];
+    // the member's first column is the effect's own, in another unit
+    const double unit = m.columns->col(0).dot(raw.col(linear[0])) / (norm * norm) * p.scale * p.toUnit;
+    NamedValue& value = result->parameters[static_cast<std::size_t>(linear[0])];
+    value.value = fit.values[j][0] * unit;
+    value.std = std::sqrt(fit.covariance[j](0, 0)) * std::abs(unit);
+  }
+}
+
+}  // namespace mm
