@@ -186,7 +186,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     const Group& group = q.groups.groups[m.group];
     const std::vector<Member> others = search.beside(*evidence, found.members, j);
     const Evidence::Given given = evidence->given(others);
-    const double price = std::log(static_cast<double>(group.shapes.size()));
+    const double price = group.priceOfShape();
     const double gain = evidence->gainOf(given, others, *m.columns).value - price;
     const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;
     double weights = 1.0 + weightOf(q, gain);

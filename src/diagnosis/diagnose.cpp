@@ -12,6 +12,7 @@
 #include "diagnosis/drift_report.h"
 #include "diagnosis/held_out.h"
 #include "diagnosis/search.h"
+#include "diagnosis/shortlist.h"
 #include "diagnosis/structure.h"
 #include "diagnosis/wording.h"
 
@@ -20,9 +21,7 @@ namespace {
 
 constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 constexpr int kMostLooks = 3;       // at what stands apart
-/// Residuals that the search looks at: of a longer session so many, in stretches. They show a cause of a
-/// tenth of the noise (2,000 * 0.1^2 / 2 = 10 nats, the price of a cause); what is found is fitted to all.
-constexpr int kMostRows = 2000;
+constexpr int kManyRows = 3000;     // residuals: of a longer session not all questions are asked together
 
 Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
   std::vector<EffectPtr> effects = model.effects();
@@ -105,7 +104,7 @@ class Diagnoser {
 
   Look lookAt(const CalibrationResult& fitted, int round) const {
     Look look;
-    look.space = std::make_unique<ResidualSpace>(fitted, kMostRows);
+    look.space = std::make_unique<ResidualSpace>(fitted);
     Questions& q = look.questions;
     q.space = look.space.get();
     LinearisedRows rows = noiseRows(look.space->problem(), look.space->used(), fitted.sigma,
@@ -114,63 +113,106 @@ class Diagnoser {
     q.directions = std::move(rows.directions);
     q.directionScale = std::move(rows.directionScale);
     addScatter(q);
+    q.many = look.space->rows() > kManyRows;
     report("questions", 0.1 + 0.2 * round);
-    q.groups = makeGroups(*look.space);
-    q.asked = q.groups.causes;
-    Groups profiles = makeProfiles(*look.space);
-    q.profiles = static_cast<int>(profiles.groups.size());
-    append(q.groups, std::move(profiles));
-    report("search", 0.2 + 0.2 * round);
-    Search search(q);
-    search.step = [this] { CancelScope::check(); };
-    Eigen::VectorXd variance = Eigen::VectorXd::Ones(q.rows.rows());
-    look.found = search.run(variance);
-    const Tails tails = tailsOf(search, look.found);
-    if (tails.dof > 0.0) {
-      look.tailDof = tails.dof;
-      look.found.noise.variance = tails.variance;
-      look.found = search.improved(look.found);
+    if (q.many) {
+      lookAtMany(look, round);
+    } else {
+      q.groups = QuestionList::causes(*look.space).all();
+      q.asked = q.groups.causes;
+      Groups profiles = QuestionList::profiles(*look.space).all();
+      q.profiles = static_cast<int>(profiles.groups.size());
+      append(q.groups, std::move(profiles));
+      report("search", 0.2 + 0.2 * round);
+      const Search search = searchOf(q);
+      look.found = withTails(search, search.run(Eigen::VectorXd::Ones(q.rows.rows())), look);
     }
     lookAtPairs(look);
     look.found = Search(q).settled(std::move(look.found));
     return look;
   }
 
+  static Search searchOf(const Questions& q) {
+    Search search(q);
+    search.step = [] { CancelScope::check(); };
+    return search;
+  }
+
+  /// The search on with the weights that the tails of the noise ask for.
+  static Explanation withTails(const Search& search, Explanation found, Look& look) {
+    const Tails tails = tailsOf(search, found);
+    if (!(tails.dof > 0.0)) return found;
+    look.tailDof = tails.dof;
+    found.noise.variance = tails.variance;
+    return search.improved(found);
+  }
+
+  /// A long session: what may be an answer is asked, and when something was found, all again beside it.
+  void lookAtMany(Look& look, int round) const {
+    Questions& q = look.questions;
+    Shortlist list(*look.space, q);
+    look.found = searchOf(q).none(Eigen::VectorXd::Ones(q.rows.rows()));
+    list.extend(look.found);
+    report("search", 0.2 + 0.2 * round);
+    look.found = withTails(searchOf(q), searchOf(q).improved(look.found), look);
+    for (int again = 0; again < kMostLooks && !look.found.members.empty() && list.extend(look.found);
+         ++again) {
+      report("search", 0.25 + 0.2 * round);
+      look.found = searchOf(q).improved(look.found);
+    }
+  }
+
   /// Two variables at once, where what was found may be no more than their shadow.
   void lookAtPairs(Look& look) const {
     Questions& q = look.questions;
     report("two variables", 0.5);
-    Questions pairs = q;
-    pairs.groups = makePairProfiles(*look.space);
-    if (pairs.groups.groups.empty()) return;
-    q.pairs = pairs.pairs = static_cast<int>(pairs.groups.groups.size());
-    const Search search(pairs);
-    const auto evidence = search.evidenceAt(look.found);
-    const auto worthAsking = [&](const std::vector<Member>& rest, double lost) {
-      const Evidence::Given given = evidence->given(rest);
-      for (const Gain& g : evidence->gains(given))
-        if (g.value - search.priceOf(g.group) > lost) return true;
-      return false;
-    };
+    const QuestionList list = QuestionList::pairs(*look.space);
+    const Explanation& found = look.found;
+    q.pairs = static_cast<int>(list.size());
+    // beside what was found, in the place of one of it, in the place of all of it
     const Search of(q);
-    const double whole = evidence->given(look.found.members).logEvidence;
-    bool ask = worthAsking(look.found.members, 0.0);
+    const auto noise = of.evidenceAt(found);
+    struct Beside {
+      std::vector<Member> rest;
+      double lost;
+    };
+    std::vector<Beside> asked = {{found.members, 0.0}};
+    const double whole = noise->given(found.members).logEvidence;
     double all = 0.0;
-    for (std::size_t j = 0; j < look.found.members.size() && !ask; ++j) {
-      std::vector<Member> others = look.found.members;
+    for (std::size_t j = 0; j < found.members.size(); ++j) {
+      std::vector<Member> others = found.members;
       others.erase(others.begin() + static_cast<long>(j));
-      const double lost = whole - evidence->given(others).logEvidence - of.priceOf(look.found.members[j]);
-      all += of.priceOf(look.found.members[j]);
-      ask = worthAsking(others, lost + kIndistinct);
+      const double price = of.priceOf(found.members[j]);
+      const double lost = whole - noise->given(others).logEvidence - price;
+      all += price;
+      asked.push_back({std::move(others), lost + kIndistinct});
     }
-    if (!ask && look.found.members.size() > 1)
-      ask = worthAsking({}, whole - evidence->given({}).logEvidence - all + kIndistinct);
-    if (!ask) return;
-    Groups more = std::move(pairs.groups);
+    if (found.members.size() > 1)
+      asked.push_back({{}, whole - noise->given({}).logEvidence - all + kIndistinct});
+    Groups more;
+    for (std::size_t first = 0, end = 0; first < list.size(); first = end) {
+      end = q.many ? list.endOfPart(first, kShapesTogether) : list.size();
+      Groups part = list.made(first, end - first);
+      if (part.groups.empty()) continue;
+      if (!q.many) q.pairs = static_cast<int>(part.groups.size());
+      const Evidence evidence = noise->ofGroups(part);
+      std::vector<char> worth(part.groups.size(), 0);
+      for (const Beside& beside : asked) {
+        for (const Gain& g : evidence.gains(evidence.given(beside.rest)))
+          if (g.group >= 0 && g.value - of.priceOfOne(part.groups[g.group]) > beside.lost) worth[g.group] = 1;
+        if (!q.many && std::count(worth.begin(), worth.end(), 1) > 0) break;
+      }
+      if (std::count(worth.begin(), worth.end(), 1) == 0) continue;
+      if (!q.many) {
+        more = std::move(part);
+        break;
+      }
+      for (std::size_t g = 0; g < part.groups.size(); ++g)
+        if (worth[g]) append(more, oneOf(part, g));
+    }
+    if (more.groups.empty()) return;
     append(q.groups, std::move(more));
-    Search again(q);
-    again.step = [this] { CancelScope::check(); };
-    look.found = again.improved(look.found);
+    look.found = searchOf(q).improved(found);
   }
 
   /// Start values of the model's and the found effects' parameters, from the linearised solution.
@@ -193,7 +235,6 @@ class Diagnoser {
     Explanation& found = look.found;
     const double unit = unitOf(*look.space);
     out_.tailDof = look.tailDof;
-    out_.searched = look.space->rows();
     out_.noise = found.white * unit * std::sqrt(found.noise.variance.mean());
     out_.noiseStd = found.whiteStd * unit * std::sqrt(found.noise.variance.mean());
     sortByGain(search, found);

@@ -110,13 +110,12 @@ struct Diagnosis {
   std::string sentence;  // the verdict in words
   std::vector<WhereItFails> where;
   std::vector<CandidateResult> missing;     // accepted, in the order found
-  std::vector<CandidateResult> candidates;  // every cause asked, best first
+  std::vector<CandidateResult> candidates;  // the causes asked, best first; of a long session the likely ones
   std::vector<ProfileResult> profiles;      // accepted: what no effect of the catalogue explains
   std::vector<FormulaResult> formulas;      // where one says the same as a profile
   std::vector<DriftResult> drift;
   std::vector<ArtifactScatter> artifactScatter;
   std::vector<MissingInput> missingInputs;
-  int searched = 0;       // residuals that the search looked at: all, or of a long session stretches
   double noise = 0.0;     // m (rad): the white part of what is left, as estimated
   double noiseStd = 0.0;  // its standard uncertainty
   double tailDof = 0.0;   // degrees of freedom of Student's t where the noise has heavy tails; 0: normal

@@ -113,8 +113,7 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
       if (gain.group < 0) continue;
       members.push_back(search.refined(*evidence, found.members, search.memberOf(gain)));
       const Explanation with = search.refitted(members, none, true, directions[r]);
-      const double delta =
-          with.logEvidence - found.logEvidence - std::log(static_cast<double>(group.shapes.size()));
+      const double delta = with.logEvidence - found.logEvidence - group.priceOfShape();
       const double share = 1.0 - varianceAlong(with.noise, directions[r], with.white) / before;
       if (delta < kHopeless || share < kSomeShare) continue;
       const Member& m = with.members.back();

@@ -26,62 +26,71 @@ const std::vector<double>& sizes() {
 
 }  // namespace
 
-Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise,
-                   std::vector<RandomBlock> blocks, const std::vector<char>* heldOut)
-    : rows_(rows), groups_(groups), noise_(std::move(noise)) {
+std::shared_ptr<const Evidence::Fixed> Evidence::fixedOf(const NoiseRows& rows, NoiseModel noise,
+                                                         const std::vector<RandomBlock>& blocks,
+                                                         const std::vector<char>* heldOut) {
   CancelScope::check();
+  auto out = std::make_shared<Fixed>();
+  out->noise = std::move(noise);
   int held = 0;
   if (heldOut != nullptr)
     for (int i = 0; i < rows.rows(); ++i)
-      if ((*heldOut)[i]) noise_.variance[i] = kUnused, ++held;
-  whitener_ = std::make_unique<TimeWhitener>(rows.time, rows.factors, noise_.variance, noise_.drift);
+      if ((*heldOut)[i]) out->noise.variance[i] = kUnused, ++held;
+  out->whitener =
+      std::make_unique<TimeWhitener>(rows.time, rows.factors, out->noise.variance, out->noise.drift);
   const int base = static_cast<int>(rows.base.cols());
   int fixed = base;
   for (const RandomBlock& b : blocks)
     if (b.ratio > 0.0) fixed += static_cast<int>(b.columns.cols());
-  fixedRaw_.resize(rows.length(), fixed);
-  fixedRaw_.leftCols(base) = rows.base;
+  out->raw.resize(rows.length(), fixed);
+  out->raw.leftCols(base) = rows.base;
   int at = base;
   for (const RandomBlock& b : blocks)
     if (b.ratio > 0.0) {
-      fixedRaw_.middleCols(at, b.columns.cols()) = b.ratio * b.columns;
+      out->raw.middleCols(at, b.columns.cols()) = b.ratio * b.columns;
       at += static_cast<int>(b.columns.cols());
     }
-  fixed_ = fixedRaw_;
+  out->columns = out->raw;
+  out->whitener->whiten(out->columns);
   RowMatrix target = rows.target;
-  inTwo([&](std::size_t half) {
-    if (half == 0) {
-      whitener_->whiten(fixed_);
-      whitener_->whiten(target);
-    } else {
-      columns_ = groups.columns;
-      whitener_->whiten(columns_);
-    }
-  });
-  target_ = target.col(0);
-  Eigen::MatrixXd m = rowProducts(fixed_);
+  out->whitener->whiten(target);
+  out->target = target.col(0);
+  Eigen::MatrixXd m = rowProducts(out->columns);
   for (int k = 0; k < fixed; ++k) m(k, k) += k < base ? kRidge : 1.0;
   const Eigen::LLT<Eigen::MatrixXd> llt(m);
-  factor_ = llt.matrixL();
-  fixedTarget_ = factor_.triangularView<Eigen::Lower>().solve(fixed_.transpose() * target_);
-  rest_ = std::max(1e-300, target_.squaredNorm() - fixedTarget_.squaredNorm());
-  logDeterminant_ = whitener_->logDeterminant() + 2.0 * factor_.diagonal().array().log().sum();
-  freedoms_ = std::max(1, rows.length() - base - held);
+  out->factor = llt.matrixL();
+  out->byTarget = out->factor.triangularView<Eigen::Lower>().solve(out->columns.transpose() * out->target);
+  out->rest = std::max(1e-300, out->target.squaredNorm() - out->byTarget.squaredNorm());
+  out->logDeterminant = out->whitener->logDeterminant() + 2.0 * out->factor.diagonal().array().log().sum();
+  out->freedoms = std::max(1, rows.length() - base - held);
+  return out;
+}
 
-  const int all = static_cast<int>(columns_.cols());
-  byBase_.resize(fixed, all);
+Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise,
+                   std::vector<RandomBlock> blocks, const std::vector<char>* heldOut)
+    : Evidence(rows, groups, fixedOf(rows, std::move(noise), blocks, heldOut)) {}
+
+Evidence Evidence::ofGroups(const Groups& groups) const { return Evidence(rows_, groups, fixed_); }
+
+Evidence::Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<const Fixed> fixed)
+    : rows_(rows), groups_(groups), fixed_(std::move(fixed)) {
+  const int all = static_cast<int>(groups.columns.cols());
+  columns_.resize(groups.columns.rows(), all);
+  byBase_.resize(fixed_->columns.cols(), all);
   groupTarget_.resize(all);
   products_.resize(groups.groups.size());
   const int middle = all / 2;
   inTwo([&](std::size_t half) {
     const int first = half == 0 ? 0 : middle, count = half == 0 ? middle : all - middle;
-    if (count > 0) {
-      const auto part = columns_.middleCols(first, count);
-      Eigen::MatrixXd by = rowProducts(fixed_, part);
-      factor_.triangularView<Eigen::Lower>().solveInPlace(by);
-      groupTarget_.segment(first, count) = part.transpose() * target_ - by.transpose() * fixedTarget_;
-      byBase_.middleCols(first, count) = by;
-    }
+    if (count == 0) return;
+    RowMatrix part = groups.columns.middleCols(first, count);
+    fixed_->whitener->whiten(part);
+    Eigen::MatrixXd by = rowProducts(fixed_->columns, part);
+    fixed_->factor.triangularView<Eigen::Lower>().solveInPlace(by);
+    groupTarget_.segment(first, count) =
+        part.transpose() * fixed_->target - by.transpose() * fixed_->byTarget;
+    byBase_.middleCols(first, count) = by;
+    columns_.middleCols(first, count) = part;
   });
   inTwo([&](std::size_t half) {
     for (std::size_t g = half; g < groups.groups.size(); g += 2)
@@ -96,9 +105,10 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise
 Evidence::Prepared Evidence::prepare(const RowMatrix& columns) const {
   Prepared p;
   p.columns = columns;
-  whitener_->whiten(p.columns);
-  p.byBase = factor_.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(rowProducts(fixed_, p.columns)));
-  p.target = p.columns.transpose() * target_ - p.byBase.transpose() * fixedTarget_;
+  fixed_->whitener->whiten(p.columns);
+  p.byBase = fixed_->factor.triangularView<Eigen::Lower>().solve(
+      Eigen::MatrixXd(rowProducts(fixed_->columns, p.columns)));
+  p.target = p.columns.transpose() * fixed_->target - p.byBase.transpose() * fixed_->byTarget;
   return p;
 }
 
@@ -151,7 +161,7 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
   CancelScope::check();
   const Joint joint = jointOf(members);
   Given g;
-  g.freedoms = freedoms_;
+  g.freedoms = fixed_->freedoms;
   g.explained = joint.explained;
   g.absorbed.resize(joint.columns, columns_.cols());
   int at = 0;
@@ -160,8 +170,8 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
     at += static_cast<int>(m.columns->cols());
   }
   joint.factor.matrixL().solveInPlace(g.absorbed);
-  g.rest = std::max(1e-300, rest_ - g.explained.squaredNorm());
-  double logDeterminant = logDeterminant_;
+  g.rest = std::max(1e-300, fixed_->rest - g.explained.squaredNorm());
+  double logDeterminant = fixed_->logDeterminant;
   for (int i = 0; i < joint.columns; ++i) logDeterminant += 2.0 * std::log(joint.factor.matrixLLT()(i, i));
   g.logEvidence = -0.5 * logDeterminant - 0.5 * g.freedoms * std::log(g.rest / g.freedoms);
   return g;
@@ -196,10 +206,11 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
   return gain;
 }
 
-Gain Evidence::gainOf(const Given& given, int group) const {
+Gain Evidence::gainOf(const Given& given, int group, std::vector<double>* ofShapes) const {
   Gain best;
   const Group& g = groups_.groups[group];
-  const double price = std::log(static_cast<double>(g.shapes.size()));
+  const double price = g.priceOfShape();
+  if (ofShapes != nullptr) ofShapes->clear();
   for (std::size_t s = 0; s < g.shapes.size(); ++s) {
     const Shape& shape = g.shapes[s];
     Eigen::MatrixXd products = products_[group][s];
@@ -213,6 +224,7 @@ Gain Evidence::gainOf(const Given& given, int group) const {
     gain.group = group;
     gain.shape = static_cast<int>(s);
     gain.value -= price;
+    if (ofShapes != nullptr) ofShapes->push_back(gain.value);
     if (gain.value > best.value) best = gain;
   }
   return best;
@@ -251,7 +263,7 @@ std::vector<Gain> Evidence::gains(const Given& given) const {
 Evidence::Fit Evidence::fit(const std::vector<Member>& members) const {
   const Joint joint = jointOf(members);
   const Eigen::VectorXd values = joint.factor.matrixU().solve(joint.explained);
-  Eigen::VectorXd byFixed = fixedTarget_;
+  Eigen::VectorXd byFixed = fixed_->byTarget;
   Fit fit;
   fit.withoutDrift = Eigen::VectorXd::Zero(rows_.length());
   int at = 0;
@@ -262,11 +274,11 @@ Evidence::Fit Evidence::fit(const std::vector<Member>& members) const {
     fit.withoutDrift += *m.columns * fit.values.back();
     at += k;
   }
-  fit.withoutDrift += fixedRaw_ * factor_.triangularView<Eigen::Lower>().transpose().solve(byFixed);
+  fit.withoutDrift += fixed_->raw * fixed_->factor.triangularView<Eigen::Lower>().transpose().solve(byFixed);
   fit.expected = fit.withoutDrift;
   const Eigen::VectorXd left = rows_.target - fit.withoutDrift;
-  fit.expected.head(rows_.rows()) += whitener_->driftIn(left.head(rows_.rows()));
-  const double variance = std::max(0.0, rest_ - joint.explained.squaredNorm()) / freedoms_;
+  fit.expected.head(rows_.rows()) += fixed_->whitener->driftIn(left.head(rows_.rows()));
+  const double variance = std::max(0.0, fixed_->rest - joint.explained.squaredNorm()) / fixed_->freedoms;
   const Eigen::MatrixXd inverse = joint.factor.solve(Eigen::MatrixXd::Identity(joint.columns, joint.columns));
   at = 0;
   for (const Member& m : members) {

@@ -38,6 +38,9 @@ class Evidence {
   Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise, std::vector<RandomBlock> blocks,
            const std::vector<char>* heldOut = nullptr);
 
+  /// The same noise and blocks, and other questions. @param groups must outlive it.
+  Evidence ofGroups(const Groups& groups) const;
+
   /// Everything given some members: what is left for others to explain.
   struct Given {
     double logEvidence = 0.0;
@@ -48,8 +51,8 @@ class Evidence {
   };
   Given given(const std::vector<Member>& members) const;
 
-  /// The best shape and size of a group beside what is given.
-  Gain gainOf(const Given& given, int group) const;
+  /// The best shape and size of a group beside what is given. @param ofShapes filled with the gain of each.
+  Gain gainOf(const Given& given, int group, std::vector<double>* ofShapes = nullptr) const;
   /// The same for columns that no group has.
   Gain gainOf(const Given& given, const std::vector<Member>& members, const RowMatrix& columns) const;
   /// Of all groups, best first.
@@ -64,7 +67,7 @@ class Evidence {
   };
   Fit fit(const std::vector<Member>& members) const;
 
-  const NoiseModel& noise() const { return noise_; }
+  const NoiseModel& noise() const { return fixed_->noise; }
   const Groups& groups() const { return groups_; }
   const NoiseRows& rows() const { return rows_; }
 
@@ -82,6 +85,20 @@ class Evidence {
     Eigen::LLT<Eigen::MatrixXd> factor;
     Eigen::VectorXd explained;
   };
+  /// Base, blocks and noise: what does not depend on the questions.
+  struct Fixed {
+    NoiseModel noise;
+    std::unique_ptr<TimeWhitener> whitener;
+    RowMatrix raw, columns;  // base and blocks, and the same whitened
+    Eigen::VectorXd target;  // whitened
+    Eigen::MatrixXd factor;  // Cholesky factor of the products of base and blocks
+    Eigen::VectorXd byTarget;
+    double logDeterminant = 0.0, rest = 0.0, freedoms = 1.0;
+  };
+  Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<const Fixed> fixed);
+  static std::shared_ptr<const Fixed> fixedOf(const NoiseRows& rows, NoiseModel noise,
+                                              const std::vector<RandomBlock>& blocks,
+                                              const std::vector<char>* heldOut);
   Prepared prepare(const RowMatrix& columns) const;
   Prepared& prepared(const Member& member) const;
   const RowMatrix& crossOf(Prepared& p) const;
@@ -91,19 +108,12 @@ class Evidence {
 
   const NoiseRows& rows_;
   const Groups& groups_;
-  NoiseModel noise_;
-  std::unique_ptr<TimeWhitener> whitener_;
-  RowMatrix fixed_;         // base and blocks, whitened
-  Eigen::VectorXd target_;  // whitened
-  RowMatrix columns_;       // of the groups, whitened
-  Eigen::MatrixXd factor_;  // Cholesky factor of the products of base and blocks
-  Eigen::MatrixXd byBase_;  // base and blocks x columns of the groups
-  Eigen::VectorXd fixedTarget_;
+  std::shared_ptr<const Fixed> fixed_;
+  RowMatrix columns_;            // of the groups, whitened
+  Eigen::MatrixXd byBase_;       // base and blocks x columns of the groups
   Eigen::VectorXd groupTarget_;  // a column of the groups: product with the target, after base and blocks
   std::vector<std::vector<Eigen::MatrixXd>>
       products_;  // a group, a shape: of its columns, after base and blocks
-  RowMatrix fixedRaw_;
-  double logDeterminant_ = 0.0, rest_ = 0.0, freedoms_ = 1.0;
   mutable std::map<std::string, Prepared> prepared_;
 };
 

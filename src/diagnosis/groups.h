@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -22,11 +24,16 @@ struct Shape {
 struct Group {
   std::string key;  // type and what says where it acts, without what says its shape only
   std::vector<Shape> shapes;
+  int shapesAsked = 0;  // where `shapes` are only the likely ones of more
   bool profile = false;
   int variables = 0;  // of a profile
   bool dependsOnTime = false;
   std::vector<std::string>
       notRecorded;  // inputs of it that the session does not have, made up for the question
+  /// Log of the number of its shapes, one of which is to be chosen.
+  double priceOfShape() const {
+    return std::log(std::max<double>({1.0, double(shapesAsked), double(shapes.size())}));
+  }
 };
 
 /// A member of the catalogue that the session cannot show.
@@ -46,15 +53,46 @@ struct Groups {
   int causes = 0;  // groups that are no profiles
 };
 
-/// The causes of the catalogue, as its effects declare them, and profiles of one variable.
-Groups makeGroups(const ResidualSpace& space);
-/// A smooth function of one recorded variable along each direction.
-Groups makeProfiles(const ResidualSpace& space);
-/// Profiles of two variables, asked only where structure is left.
-Groups makePairProfiles(const ResidualSpace& space);
+/// Questions that may be asked of a session. Their columns are made when they are wanted: all of them are
+/// some thousands, of the length of the session.
+class QuestionList {
+ public:
+  /// The causes of the catalogue, as its effects declare them.
+  static QuestionList causes(const ResidualSpace& space);
+  /// A smooth function of one recorded variable along each direction.
+  static QuestionList profiles(const ResidualSpace& space);
+  /// Profiles of two variables, asked only where structure is left.
+  static QuestionList pairs(const ResidualSpace& space);
+
+  std::size_t size() const { return groups_.size(); }
+  /// The end of a part that begins with a group and has about so many shapes.
+  std::size_t endOfPart(std::size_t first, std::size_t shapes) const;
+  /// Some of them, with their columns; those that the session cannot show are left out, and listed.
+  Groups made(std::size_t first, std::size_t count) const;
+  Groups all() const { return made(0, size()); }
+
+ private:
+  explicit QuestionList(const ResidualSpace& space) : space_(&space) {}
+  struct ProfileOf;
+  static QuestionList of(const ResidualSpace& space, const std::vector<ProfileOf>& profiles);
+  /// A shape to be made: the effect and values of its nonlinear parameters.
+  struct Wanted {
+    std::size_t group;
+    EffectPtr effect;
+    std::vector<double> nonlinear;
+  };
+  const ResidualSpace* space_;
+  std::vector<Group> groups_;     // without shapes
+  std::vector<EffectPtr> first_;  // a group: the first effect of it
+  std::vector<std::string> why_;  // a group: not empty where it cannot be shown
+  std::vector<Wanted> wanted_;    // in the order of their groups
+};
 
 /// One after the other. @param more is emptied.
 void append(Groups& to, Groups more);
+/// One of the groups, with a copy of its columns. @param shapes of it, ascending.
+Groups oneOf(const Groups& all, std::size_t group, const std::vector<int>& shapes);
+Groups oneOf(const Groups& all, std::size_t group);
 
 /// Makes the columns of a shape at other values of its nonlinear parameters.
 class GroupColumns {

@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/two_threads.h"
+#include "estimation/row_products.h"
+#include "estimation/thin_qr.h"
 
 namespace mm {
 namespace {
 
 constexpr int kFolds = 5;
 constexpr int kGap = 2;  // observations on either side that are neither fitted nor judged
+/// Of a free column: with a smaller share of its square in the rows that are fitted, those do not determine
+/// it.
+constexpr double kDetermined = 0.01;
 
 }  // namespace
 
@@ -35,9 +39,26 @@ HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(searc
           if (fold.held[j]) fold.unused[i] = 1;
   }
   for (Fold& fold : folds_) {
+    fold.own = ownOf(fold);
     fold.evidence = search.evidenceAt(found, &fold.unused);
     fold.members = search.runHeld(found, *fold.evidence);
   }
+}
+
+Eigen::MatrixXd HeldOut::ownOf(const Fold& fold) const {
+  const RowMatrix& base = search_.questions().rows.base;
+  std::vector<int> held;
+  RowMatrix fitted = base;
+  for (std::size_t i = 0; i < fold.held.size(); ++i) {
+    if (fold.unused[i]) fitted.row(static_cast<long>(i)).setZero();
+    if (fold.held[i]) held.push_back(static_cast<int>(i));
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> shares(Eigen::MatrixXd(rowProducts(fitted)));
+  const long undetermined = (shares.eigenvalues().array() < kDetermined).count();
+  Eigen::MatrixXd own(held.size(), undetermined);
+  for (std::size_t i = 0; i < held.size(); ++i)
+    own.row(static_cast<long>(i)) = base.row(held[i]) * shares.eigenvectors().leftCols(undetermined);
+  return orthonormalBasis(std::move(own));
 }
 
 double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const {
@@ -46,12 +67,13 @@ double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& mem
   int n = 0;
   for (const Fold& fold : folds_) {
     const Eigen::VectorXd expected = fold.evidence->fit(members(fold)).expected;
+    std::vector<double> of;
     for (int i = 0; i < q.rows.rows(); ++i)
-      if (fold.held[i]) {
-        const double left = q.rows.target[i] - expected[i];
-        sum += left * left;
-        ++n;
-      }
+      if (fold.held[i]) of.push_back(q.rows.target[i] - expected[i]);
+    Eigen::Map<Eigen::VectorXd> left(of.data(), static_cast<long>(of.size()));
+    left -= fold.own * (fold.own.transpose() * left).eval();
+    sum += left.squaredNorm();
+    n += static_cast<int>(left.size() - fold.own.cols());
   }
   return n > 0 ? std::sqrt(sum / n) : 0.0;
 }

@@ -8,11 +8,11 @@ namespace mm {
 
 /// What an explanation is worth on rows that it has not seen. Blocks of time are held out with a gap on
 /// either side; in each fold the search is run again on the other rows, the noise being that of all; drift is
-/// predicted from its neighbours.
+/// predicted from its neighbours. What only the rows of a block can determine, such as the centre of a ball
+/// that was measured in no other, is fitted to them.
 class HeldOut {
  public:
-  /// @param found the explanation of all rows, in the order in which its members are told. @param
-  /// threadsCancel asked by the folds' threads.
+  /// @param found the explanation of all rows, in the order in which its members are told.
   HeldOut(const Search& search, const Explanation& found);
 
   /// RMS over the rows, in units of the stated noise times `unit`, m or rad.
@@ -30,10 +30,11 @@ class HeldOut {
   struct Fold {
     std::vector<char> held;    // a data row: judged in this fold
     std::vector<char> unused;  // judged, or in the gap
+    Eigen::MatrixXd own;       // orthonormal: what of the free columns only the judged rows determine
     std::shared_ptr<const Evidence> evidence;
     std::vector<Member> members;
   };
-  double rms(const std::vector<Eigen::VectorXd>& expected) const;
+  Eigen::MatrixXd ownOf(const Fold& fold) const;
   double rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const;
 
   const Search& search_;

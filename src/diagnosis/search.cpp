@@ -25,8 +25,7 @@ std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
 
 }  // namespace
 
-double Search::priceOf(int group) const {
-  const Group& g = q_.groups.groups[group];
+double Search::priceOfOne(const Group& g) const {
   const double asked = g.variables == 2 ? q_.asked + q_.profiles + q_.pairs
                        : g.profile      ? q_.asked + q_.profiles
                                         : q_.asked;
@@ -34,7 +33,7 @@ double Search::priceOf(int group) const {
 }
 
 double Search::priceOf(const Member& member) const {
-  return priceOf(member.group) + std::log(static_cast<double>(q_.groups.groups[member.group].shapes.size()));
+  return priceOf(member.group) + q_.groups.groups[member.group].priceOfShape();
 }
 
 std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
@@ -82,7 +81,8 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   options.addDrift = add;
   options.addAlong = along;
   if (!add || along >= 0) options.rounds = 2;
-  const NoiseFitResult fit = NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
+  const NoiseFitResult fit = q_.many ? fitManyRows(q_.rows, std::move(blocks), start.noise, options)
+                                     : NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
   out.noise = fit.noise;
   out.scatter.assign(q_.scatter.size(), 0.0);
   for (std::size_t k = 0; k < scatter; ++k) out.scatter[ofBlock[k]] = fit.ratios[k];
@@ -106,6 +106,12 @@ Member Search::memberOf(const Gain& gain) const {
   m.columns = std::make_shared<RowMatrix>(q_.groups.columns.middleCols(shape.first, shape.count));
   m.id = idOf(m.group, m.shape, {});
   return m;
+}
+
+Member Search::moved(Member member, int group) const {
+  member.group = group;
+  member.id = idOf(group, member.shape, member.nonlinear);
+  return member;
 }
 
 Member Search::refined(const Evidence& evidence, const std::vector<Member>& others,
@@ -294,14 +300,16 @@ Explanation Search::pruned(Explanation best) const {
   return best;
 }
 
-Explanation Search::run(const Eigen::VectorXd& variance) const {
+Explanation Search::none(const Eigen::VectorXd& variance) const {
   Explanation start;
   start.noise.variance = variance;
   start.scatter.assign(q_.scatter.size(), 0.0);
   for (std::size_t b = 0; b < q_.scatter.size(); ++b)
     if (q_.scatter[b].fixed) start.scatter[b] = q_.scatter[b].ratio;
-  return pruned(grown(refitted({}, start, true)));
+  return refitted({}, start, true);
 }
+
+Explanation Search::run(const Eigen::VectorXd& variance) const { return pruned(grown(none(variance))); }
 
 Explanation Search::improved(const Explanation& start) const {
   return pruned(grown(refitted(start.members, start, true)));

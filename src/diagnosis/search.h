@@ -20,9 +20,10 @@ struct Questions {
   std::vector<std::string> directions;  // of drift
   std::vector<double> directionScale;   // m (rad) of a drift of ratio 1 over white noise of 1
   Groups groups;
-  int asked = 0;     // causes
-  int profiles = 0;  // profiles of one variable among the groups
-  int pairs = 0;     // profiles of two
+  int asked = 0;      // causes
+  int profiles = 0;   // profiles of one variable among the groups
+  int pairs = 0;      // profiles of two
+  bool many = false;  // rows: the noise is fitted as `fitManyRows` does
 };
 
 /// Another cause in the place of a member, with the noise fitted again.
@@ -60,6 +61,8 @@ class Search {
 
   /// The whole search. @param variance of the white noise a row. @param most members.
   Explanation run(const Eigen::VectorXd& variance) const;
+  /// Nothing found, and the noise that is then there.
+  Explanation none(const Eigen::VectorXd& variance) const;
   /// The search on from an explanation, whose noise, weights or questions have changed.
   Explanation improved(const Explanation& start) const;
   /// The same with every near rival of every member tried with the noise fitted again: what one model of the
@@ -69,7 +72,8 @@ class Search {
   std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
 
   /// What a group must gain to be named.
-  double priceOf(int group) const;
+  double priceOf(int group) const { return priceOfOne(q_.groups.groups[group]); }
+  double priceOfOne(const Group& group) const;
   double priceOf(const Member& member) const;
   /// The evidence at the noise of an explanation.
   std::shared_ptr<const Evidence> evidenceAt(const Explanation& at,
@@ -79,6 +83,8 @@ class Search {
   Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add,
                        int along = -1) const;
   Member memberOf(const Gain& gain) const;
+  /// A member whose group has another place in the list now.
+  Member moved(Member member, int group) const;
   /// The other members, without the curves of which this one, which has a name, does most: beside them it
   /// would seem to do nothing.
   std::vector<Member> beside(const Evidence& evidence, const std::vector<Member>& members,

@@ -267,6 +267,25 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
   return best;
 }
 
+NoiseFitResult fitManyRows(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
+                           const NoiseFitOptions& options) {
+  NoiseRows left = rows;
+  left.base.resize(rows.length(), 0);
+  std::vector<RandomBlock> leftOf = blocks;
+  for (RandomBlock& b : leftOf) {
+    const RowMatrix absorbed = rowProducts(rows.base, b.columns);
+    b.columns.noalias() -= rows.base * absorbed;
+  }
+  const NoiseFitResult rough = NoiseFit(left, std::move(leftOf)).run(start, options);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    if (!blocks[b].fixed) blocks[b].ratio = rough.ratios[b];
+  const NoiseFit fit(rows, std::move(blocks));
+  NoiseFitOptions fine = options;
+  fine.addDrift = fine.dropDrift = false;
+  fine.rounds = 1;
+  return rough.noise.drift.empty() ? fit.at(rough.noise, fine) : fit.run(rough.noise, fine);
+}
+
 NoiseFitResult fitNoise(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
                         const NoiseFitOptions& options, int most) {
   if (rows.rows() <= most) return NoiseFit(rows, std::move(blocks)).run(start, options);

@@ -85,6 +85,11 @@ class NoiseFit {
   std::vector<double> timeConstants_;
 };
 
+/// The fit of a long session with many free columns: variances from what those leave of the target and of the
+/// blocks, which costs a hundredth; then refined, and valued, with the columns free.
+NoiseFitResult fitManyRows(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
+                           const NoiseFitOptions& options);
+
 /// At most `most` of so many rows, in stretches spread over the session: neighbours for what lasts from row
 /// to row, and the whole length for what is slow.
 std::vector<int> stretches(int rows, int most);

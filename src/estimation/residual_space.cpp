@@ -6,22 +6,18 @@
 #include <cmath>
 
 #include "estimation/noise_fit.h"
+#include "estimation/row_products.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
 namespace mm {
-ResidualSpace::ResidualSpace(const CalibrationResult& fitted, int most) : fitted_(fitted) {
+ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) {
   const Problem& problem = *fitted.problem;
   const Folds all = makeFolds(problem);
   folds_.folds = all.folds;
   folds_.blocks = all.blocks;
-  std::vector<int> weighted;
   for (int i = 0; i < problem.rowCount(); ++i)
-    if (fitted.weight[i] > 0.0) weighted.push_back(i);
-  if (most > 0 && static_cast<int>(weighted.size()) > most)
-    for (const int k : stretches(static_cast<int>(weighted.size()), most)) used_.push_back(weighted[k]);
-  else
-    used_ = std::move(weighted);
+    if (fitted.weight[i] > 0.0) used_.push_back(i);
   asked_.assign(problem.session().observations.size(), 0);
   for (const int row : used_) {
     folds_.ofRow.push_back(all.ofRow[row]);
@@ -43,6 +39,7 @@ ResidualSpace::ResidualSpace(const CalibrationResult& fitted, int most) : fitted
     target_[i] = -system.residuals[from];
   }
   q_ = orthonormalBasis(std::move(jacobian));
+  qRows_ = q_;
   target_ -= q_ * (q_.transpose() * target_);
 }
 
@@ -71,6 +68,12 @@ void ResidualSpace::project(Eigen::MatrixXd& columns) const {
   if (q_.cols() == 0) return;
   const Eigen::MatrixXd absorbed = q_.transpose() * columns;
   columns.noalias() -= q_ * absorbed;
+}
+
+Eigen::VectorXd ResidualSpace::leftOf(const RowMatrix& columns) const {
+  Eigen::VectorXd left = columns.colwise().squaredNorm();
+  if (q_.cols() > 0) left -= rowProducts(qRows_, columns).colwise().squaredNorm().transpose();
+  return left.cwiseMax(0.0).cwiseSqrt();
 }
 
 double logPValueF(double f, double d1, double d2) {

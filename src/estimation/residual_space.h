@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "estimation/calibrate.h"
+#include "estimation/drift.h"
 #include "estimation/folds.h"
 
 namespace mm {
@@ -13,8 +14,7 @@ namespace mm {
 /// refitted together.
 class ResidualSpace {
  public:
-  /// @param most rows: of a longer session only so many are taken, in stretches; 0: all.
-  explicit ResidualSpace(const CalibrationResult& fitted, int most = 0);
+  explicit ResidualSpace(const CalibrationResult& fitted);
 
   const Problem& problem() const { return *fitted_.problem; }
   const CalibrationResult& fitted() const { return fitted_; }
@@ -33,6 +33,9 @@ class ResidualSpace {
   Eigen::MatrixXd whiten(const Eigen::MatrixXd& columns) const;
   /// Removes what the model's unknowns absorb.
   void project(Eigen::MatrixXd& columns) const;
+  /// Norms of what `project` would leave of columns (length x k): one product, without the columns
+  /// themselves.
+  Eigen::VectorXd leftOf(const RowMatrix& columns) const;
   int length() const { return static_cast<int>(target_.size()); }
 
  private:
@@ -41,6 +44,7 @@ class ResidualSpace {
   std::vector<char> asked_;       // an observation: whether it has a row here
   Eigen::VectorXd inverseSigma_;  // a row here
   Eigen::MatrixXd q_;
+  RowMatrix qRows_;  // the same, row after row
   Eigen::VectorXd target_;
   Folds folds_;
 };

@@ -96,12 +96,6 @@ std::string figuresText(const Diagnosis& d) {
     const double unit = d.angular ? kArcsecond : kMicrometre;
     text += ", noise found " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um");
   }
-  if (d.base.problem && d.searched > 0 && d.searched < (d.base.weight.array() > 0.0).count())
-    text += format(
-        "\n  the search looked at %d of %d residuals, in stretches, which held-out figures are of; what was "
-        "found is "
-        "fitted to all",
-        d.searched, static_cast<int>((d.base.weight.array() > 0.0).count()));
   if (d.tailDof > 0.0)
     text += format("\n  the noise has heavy tails: Student's t of %.2g degrees of freedom", d.tailDof);
   return text + "\n  after ± stands the expanded uncertainty, k = 2\n";
