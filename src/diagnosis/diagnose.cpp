@@ -21,7 +21,6 @@ namespace {
 
 constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 constexpr int kMostLooks = 3;       // at what stands apart
-constexpr int kManyRows = 3000;     // residuals: of a longer session not all questions are asked together
 
 Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
   std::vector<EffectPtr> effects = model.effects();
@@ -113,7 +112,7 @@ class Diagnoser {
     q.directions = std::move(rows.directions);
     q.directionScale = std::move(rows.directionScale);
     addScatter(q);
-    q.many = look.space->rows() > kManyRows;
+    q.many = look.space->rows() > options_.manyRows;
     report("questions", 0.1 + 0.2 * round);
     if (q.many) {
       lookAtMany(look, round);

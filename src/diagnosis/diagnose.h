@@ -129,6 +129,7 @@ struct Diagnosis {
 struct DiagnoseOptions {
   CalibrateOptions calibrate;  // repeatability, outliers, cancel
   std::uint64_t seed = 1;
+  int manyRows = 3000;  // residuals: of a longer session not all questions are asked together
   std::function<void(const std::string& stage, double share)> progress;
   std::function<bool()> cancelled;
 };

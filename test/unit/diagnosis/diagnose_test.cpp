@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "effects/registry.h"
 #include "model/observed_domain.h"
@@ -115,6 +117,45 @@ TEST(Diagnose, TheMovesTellConfusableEffectsApart) {
     EXPECT_NEAR(std::hypot(m.approach[0], m.approach[1], m.approach[2]), 1.0, 1e-9);
     EXPECT_EQ(m.words[0].first, "feature");
   }
+}
+
+TEST(Diagnose, OfALongSessionTheSameIsFoundThoughNotAllIsAskedTogether) {
+  // a short session taken as a long one: the period of y hides among a hundred, of which a few are compared
+  const Simulation s = measured({"backlash:x=2um", "lead_screw_periodic:y,size=0.6um", "warm_up:z=2um"}, 21);
+  const Model model(s.session.machine, observedDomain(s.session), std::vector<EffectSpec>{});
+  DiagnoseOptions options;
+  const Diagnosis together = diagnose(s.session, model, options);
+  options.manyRows = 100;
+  const Diagnosis inParts = diagnose(s.session, model, options);
+  EXPECT_EQ(together.missing.size(), 3u) << together.sentence;
+  EXPECT_EQ(together.verdict, inParts.verdict) << inParts.sentence;
+  ASSERT_EQ(together.missing.size(), inParts.missing.size()) << inParts.sentence;
+  for (std::size_t i = 0; i < together.missing.size(); ++i) {
+    EXPECT_EQ(together.missing[i].effect, inParts.missing[i].effect);
+    EXPECT_NEAR(together.missing[i].heldOutAfter, inParts.missing[i].heldOutAfter, 0.03 * kNoise);
+  }
+  EXPECT_EQ(together.cannotShow.size(), inParts.cannotShow.size());
+}
+
+TEST(Diagnose, AHeldOutBallThatNoOtherBlockShowsIsNotPredictedFromNothing) {
+  // 70 balls of unknown centres, one after the other, and a slow cause, that mostly moves the centres found
+  const Machine machine = Machine::load("three_axis");
+  std::ifstream in("config/plans/micro_machine_tool.yaml");
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  replace("points: 233", "points: 24");
+  replace("distance_mm: 0.5", "distance_mm: 1.5");
+  replace("errors: [\"mmt_deviation:x\", \"mmt_deviation:y\", \"mmt_deviation:z\"]", "errors: []");
+  const std::string path = testing::TempDir() + "ball_after_ball.yaml";
+  std::ofstream(path) << text;
+  const Simulation s = simulate(machine, Plan::load(path, machine), {{"warm_up:x=200um"}, 22, ""});
+  const Diagnosis d = diagnosed(s.session);
+  ASSERT_FALSE(d.missing.empty()) << d.sentence;
+  EXPECT_LT(d.missing[0].heldOutAfter, d.missing[0].heldOutBefore) << d.sentence;
 }
 
 TEST(Diagnose, TooFewResidualsAreInsufficientData) {
