@@ -33,8 +33,8 @@ RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
   return out;
 }
 
-}  // namespace
-
+/// At most `most` of so many rows, in stretches spread over the session: neighbours for what lasts from row
+/// to row, and the whole length for what is slow.
 std::vector<int> stretches(int rows, int most) {
   std::vector<int> taken;
   constexpr int kStretch = 30;
@@ -46,6 +46,8 @@ std::vector<int> stretches(int rows, int most) {
   }
   return taken;
 }
+
+}  // namespace
 
 struct NoiseFit::Gram {
   RowMatrix products;      // of base, blocks and target

@@ -90,10 +90,6 @@ class NoiseFit {
 NoiseFitResult fitManyRows(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
                            const NoiseFitOptions& options);
 
-/// At most `most` of so many rows, in stretches spread over the session: neighbours for what lasts from row
-/// to row, and the whole length for what is slow.
-std::vector<int> stretches(int rows, int most);
-
 /// The fit of a session: one of more rows than `most` is fitted to stretches of its rows, spread over its
 /// length.
 NoiseFitResult fitNoise(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
