@@ -54,7 +54,8 @@ nlohmann::ordered_json jsonOf(const Trial& r, bool uncatalogued) {
 }
 
 bool unknownGood(const Trial& r) {
-  return r.verdict == Verdict::kUnknownEffect && r.unknown.justTheVariables && r.unknown.explained;
+  return (r.verdict == Verdict::kUnknownEffect || r.unknown.byDrift) && r.unknown.justTheVariables &&
+         r.unknown.explained;
 }
 
 }  // namespace
@@ -109,7 +110,7 @@ void BenchmarkCounts::add(const Trial& r) {
   if (uncatalogued_)
     for (Unknown* u : {&unknown_, &unknownByType_[r.hidden.empty() ? "" : r.hidden[0].type]}) {
       ++u->all;
-      u->verdict += r.verdict == Verdict::kUnknownEffect;
+      u->verdict += r.verdict == Verdict::kUnknownEffect || r.unknown.byDrift;
       u->variables += r.unknown.justTheVariables;
       u->direction += r.unknown.justTheVariables && r.unknown.rightDirection;
       u->heldOut += r.unknown.explained;
@@ -124,8 +125,8 @@ void BenchmarkCounts::add(const Trial& r) {
 std::string BenchmarkCounts::unknownText() const {
   const Unknown& u = unknown_;
   std::ostringstream out;
-  out << line("verdict unknown_effect", u.verdict, u.all)
-      << line("profile over just the right variables", u.variables, u.all)
+  out << line("verdict unknown_effect, or told as drift", u.verdict, u.all)
+      << line("just the right variables", u.variables, u.all)
       << line("  and in the right direction", u.direction, u.all)
       << line("held-out RMS within 15 % of the noise", u.heldOut, u.all)
       << line("verdict, variables and held-out RMS", u.everything, u.all)

@@ -84,6 +84,16 @@ UnknownJudgement judge(const Diagnosis& d, const UncataloguedTruth& truth, doubl
     judgement.formula = d.formulas[0].effect.text("formula");
     judgement.formulaRight = justTheVariables(variablesOfFormula(judgement.formula), truth);
   }
+  // what follows the time and nothing that was recorded is drift: told rightly where the largest is along it
+  if (d.profiles.empty() && d.missing.empty() && truth.variables == std::vector<std::string>{"time"}) {
+    const auto largest =
+        std::max_element(d.drift.begin(), d.drift.end(),
+                         [](const DriftResult& a, const DriftResult& b) { return a.std < b.std; });
+    judgement.byDrift = largest != d.drift.end() && largest->direction == truth.direction;
+    judgement.justTheVariables = judgement.rightDirection = judgement.byDrift;
+    judgement.heldOut = d.heldOut / noise;
+    judgement.explained = judgement.byDrift && judgement.heldOut <= UnknownJudgement::kExplained;
+  }
   if (d.profiles.empty()) return judgement;
   judgement.profile = true;
   const ProfileResult& first = d.profiles[0];

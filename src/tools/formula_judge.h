@@ -22,9 +22,10 @@ struct UnknownJudgement {
 
   UncataloguedTruth truth;
   bool profile = false;           // one was given
-  bool justTheVariables = false;  // of the first profile, or of all together
-  bool rightDirection = false;    // of the first profile
-  double heldOut = 0.0;           // RMS with the profiles, over the noise
+  bool byDrift = false;           // it depends on time alone, and was told as drift along its direction
+  bool justTheVariables = false;  // of the first profile, or of all together, or of the drift
+  bool rightDirection = false;    // of the first profile, or of the drift
+  double heldOut = 0.0;           // RMS with the profiles or the drift, over the noise
   bool explained = false;
   std::string formula;        // the first; empty: none, which is no fault
   bool formulaRight = false;  // it is made of just the variables

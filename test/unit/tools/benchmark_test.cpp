@@ -102,6 +102,26 @@ TEST(UnknownJudgement, WantsAProfileOverTheRightVariables) {
   EXPECT_FALSE(judge(d, truth, 1e-6).rightDirection);
 }
 
+TEST(UnknownJudgement, WhatFollowsTheTimeAloneIsToldRightlyAsTheLargestDriftAlongItsDirection) {
+  const UncataloguedTruth truth = over({"time"});  // along z
+  Diagnosis d;
+  d.heldOut = 1.1e-6;
+  DriftResult x, z;
+  x.direction = "x", x.std = 0.2e-6;
+  z.direction = "z", z.std = 0.9e-6;
+  d.drift = {x, z};
+  EXPECT_TRUE(judge(d, truth, 1e-6).byDrift);
+  EXPECT_TRUE(judge(d, truth, 1e-6).justTheVariables && judge(d, truth, 1e-6).explained);
+  EXPECT_FALSE(judge(d, over({"x", "time"}), 1e-6).byDrift);  // drift says nothing of where
+  d.drift[0].std = 1e-6;
+  EXPECT_FALSE(judge(d, truth, 1e-6).byDrift);
+  d.drift.clear();
+  EXPECT_FALSE(judge(d, truth, 1e-6).justTheVariables);
+  d.drift = {z};
+  d.missing.resize(1);  // a cause was named instead
+  EXPECT_FALSE(judge(d, truth, 1e-6).byDrift);
+}
+
 TEST(UnknownJudgement, AFormulaIsJudgedWhereOneIsGiven) {
   Diagnosis d;
   d.formulas.emplace_back();
