@@ -29,7 +29,8 @@ std::vector<Member> Search::beside(const Evidence& evidence, const std::vector<M
   return others;
 }
 
-Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
+Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains,
+                      const std::vector<Member>& there) const {
   constexpr double kByShape = 10.0;  // nats: what the freedom of a shape may cost where the noise is small
   if (best.group < 0) return best;
   if (q_.groups.groups[best.group].profile) {  // a cause with a name that explains most of it comes first
@@ -38,12 +39,14 @@ Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains) const {
     const auto explained = [&](const Gain& g) { return -std::expm1(-2.0 * g.value / freedoms); };
     Gain named;
     for (const Gain& g : gains)
-      if (g.group >= 0 && !q_.groups.groups[g.group].profile && g.value > named.value) named = g;
-    return named.group >= 0 && explained(named) > kMostOfIt * explained(best) ? commoner(named, gains) : best;
+      if (g.group >= 0 && !q_.groups.groups[g.group].profile && g.value > named.value && !isThere(there, g))
+        named = g;
+    return named.group >= 0 && explained(named) > kMostOfIt * explained(best) ? commoner(named, gains, there)
+                                                                              : best;
   }
   Gain first = best;
   for (const Gain& g : gains)
-    if (g.group >= 0 && g.group < first.group && g.value > best.value - kByShape &&
+    if (g.group >= 0 && g.group < first.group && !isThere(there, g) && g.value > best.value - kByShape &&
         actAlike(best.group, best.shape, g.group, g.shape))
       first = g;
   return first;

@@ -114,6 +114,15 @@ Member Search::moved(Member member, int group) const {
   return member;
 }
 
+bool Search::isThere(const std::vector<Member>& members, const Gain& gain) const {
+  if (gain.group < 0) return false;
+  const Shape& shape = q_.groups.groups[gain.group].shapes[gain.shape];
+  const bool saidByAKey = shape.nonlinear.empty() || !(shape.effect->shapedAs(shape.nonlinear) == shape.spec);
+  return std::any_of(members.begin(), members.end(), [&](const Member& m) {
+    return m.group == gain.group && (m.shape == gain.shape || !saidByAKey);
+  });
+}
+
 Member Search::refined(const Evidence& evidence, const std::vector<Member>& others,
                        const Member& member) const {
   Member best = member;
@@ -158,12 +167,10 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
     double most = -1e300;
     const std::vector<Gain> gains = evidence.gains(given);
     for (const Gain& g : gains) {
-      if (std::any_of(others.begin(), others.end(),
-                      [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
-        continue;
+      if (isThere(others, g)) continue;
       if (g.value - priceOf(g.group) > most) most = g.value - priceOf(g.group), best = g;
     }
-    if (best.group >= 0) best = commoner(best, gains);
+    if (best.group >= 0) best = commoner(best, gains, others);
     const bool nameForCurve = q_.groups.groups[members[j].group].profile && best.group >= 0 &&
                               !q_.groups.groups[best.group].profile;
     // another one must be better, and a profile clearly better than a cause with a name
@@ -208,10 +215,10 @@ Explanation Search::exchanged(Explanation best) const {
           Gain pick;
           double most = 0.0;
           for (const Gain& g : gains)
-            if (g.group != members[j].group && g.value - priceOf(g.group) > most)
+            if (g.group != members[j].group && !isThere(others, g) && g.value - priceOf(g.group) > most)
               most = g.value - priceOf(g.group), pick = g;
           if (pick.group < 0) break;
-          others.push_back(refined(*evidence, others, memberOf(commoner(pick, gains))));
+          others.push_back(refined(*evidence, others, memberOf(commoner(pick, gains, others))));
           bool again = false;
           const std::vector<Member> settled = exchangedAt(*evidence, others, &again);
           const double gain = worthAt(settled) - now;
@@ -252,12 +259,10 @@ Explanation Search::grown(Explanation best) const {
       int tried = 0;
       for (const Gain& g : gains) {
         if (tried == (s == 0 ? 1 : kTrials) || g.value < (starts.size() == 1 ? 0.0 : -kWorthTrying)) break;
-        if (std::any_of(best.members.begin(), best.members.end(),
-                        [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
-          continue;
+        if (isThere(best.members, g)) continue;
         ++tried;
         std::vector<Member> members = best.members;
-        members.push_back(refined(*evidence, best.members, memberOf(commoner(g, gains))));
+        members.push_back(refined(*evidence, best.members, memberOf(commoner(g, gains, best.members))));
         // with the cause in at the size that it has without them, drift and scatter must earn their place
         // again
         Explanation trial = refitted(members, best, false);
@@ -324,16 +329,14 @@ std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& ev
     pick.value = 0.0;
     const std::vector<Gain> gains = evidence.gains(given);
     for (const Gain& g : gains) {
-      if (std::any_of(members.begin(), members.end(),
-                      [&](const Member& m) { return m.group == g.group && m.shape == g.shape; }))
-        continue;
+      if (isThere(members, g)) continue;
       const double gain = g.value - priceOf(g.group);
       if (gain > pick.value) pick = g, pick.value = gain;
     }
     if (pick.group < 0) break;
     Gain whole = pick;
     whole.value += priceOf(pick.group);
-    pick = commoner(whole, gains);
+    pick = commoner(whole, gains, members);
     members.push_back(refined(evidence, members, memberOf(pick)));
     for (int round = 0; round < 2; ++round) {
       bool changed = false;

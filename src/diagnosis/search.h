@@ -83,6 +83,8 @@ class Search {
   Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add,
                        int along = -1) const;
   Member memberOf(const Gain& gain) const;
+  /// A cause is there already, and no key of its effect could say that it is there once more.
+  bool isThere(const std::vector<Member>& members, const Gain& gain) const;
   /// A member whose group has another place in the list now.
   Member moved(Member member, int group) const;
   /// The other members, without the curves of which this one, which has a name, does most: beside them it
@@ -103,7 +105,7 @@ class Search {
   /// Of causes that act alike in this session (one speed: play and a late trigger) the one that comes first
   /// in the catalogue, which goes from the common to the rare: their evidence differs by the freedom of their
   /// shapes alone.
-  Gain commoner(const Gain& best, const std::vector<Gain>& gains) const;
+  Gain commoner(const Gain& best, const std::vector<Gain>& gains, const std::vector<Member>& there) const;
   Explanation grown(Explanation best) const;
   Explanation exchanged(Explanation best) const;
   Explanation pruned(Explanation best) const;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <set>
 
 #include "run_mm.h"
 #include "shared_data.h"
@@ -85,6 +86,26 @@ TEST(RealData, FrameThermal) {
   EXPECT_NEAR(calibrated(work, csv, bed + frame)["rms_um"].get<double>(), 8.1, 0.05);
   EXPECT_NEAR(calibrated(work, csv, bed)["rms_um"].get<double>(), 77.0, 0.5);
   EXPECT_NEAR(calibrated(work, csv, frame)["rms_um"].get<double>(), 42.9, 0.05);
+}
+
+TEST(RealData, FrameThermalDiagnosisNamesNothingTwice) {
+  MM_NEEDS_SHARED_DATA(folder, "frame_thermal");
+  const TestFolder work;
+  const std::string csv = folder / "z_against_temperatures.csv";
+  calibrated(work, csv, "  - {type: thermal_growth, direction: z, sensor: frame}\n",
+             "--method least_squares");
+  const std::string diagnose = "diagnose " + work / "s.bag" + " --calibration " + work / "c.yaml" + " --json";
+  const nlohmann::json beside = mmRun(work, diagnose).json();
+  ASSERT_FALSE(beside["missing"].empty());
+  EXPECT_EQ(beside["missing"][0]["effect"]["sensor"], "bed") << beside["missing"];
+
+  const std::string nothing = work.write("n.yaml", "machine: three_axis\neffects: []\n");
+  ASSERT_EQ(
+      mmRun(work, "calibrate " + work / "s.bag" + " --model " + nothing + " -o " + work / "c.yaml").status,
+      0);
+  std::set<std::string> names;
+  for (const auto& m : mmRun(work, diagnose).json()["missing"])
+    EXPECT_TRUE(names.insert(m["effect"].dump()).second) << m["effect"];
 }
 
 /// What is left over bed and frame does not follow their temperatures: networks would make it worse, judged
