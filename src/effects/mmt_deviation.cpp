@@ -86,7 +86,7 @@ class MmtDeviation : public CatalogueEffect {
            ": lead, home position, periodic error of the screw, straightness and squareness of the guideway.";
   }
   std::string remedy() const override {
-    return "Leave the correction on; where one constant dominates, mend that part of " + name_ +
+    return "Leave the correction on; where one constant dominates, repair that part of " + name_ +
            " (screw, guideway, squareness).";
   }
   std::string shownBy() const override {

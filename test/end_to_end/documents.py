@@ -45,7 +45,7 @@ def examples(text, folder):
 
 
 def try_typed(document, folder):
-    for line in typed_lines(text_of(document)):
+    for line in dict.fromkeys(typed_lines(text_of(document))):  # each once
         done = run(line, folder)
         say(done.returncode == 0, f"{document}: {line[:70]}", done.stderr.strip()[-300:])
 
