@@ -97,7 +97,7 @@ Groups oneOf(const Groups& all, std::size_t group);
 /// Makes the columns of a shape at other values of its nonlinear parameters.
 class GroupColumns {
  public:
-  explicit GroupColumns(const ResidualSpace& space) : space_(space) {}
+  explicit GroupColumns(const ResidualSpace& space) : space_(space) {}  ///< which must outlive it
   /// @return length x k, weighted; no columns where nothing is seen.
   RowMatrix operator()(const EffectPtr& effect, const std::vector<double>& nonlinear) const;
 
@@ -114,6 +114,7 @@ constexpr double kVariation = 0.15;
 /// themselves at the other; zero where it never moved.
 void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns);
 
+/// Whether an effect of this canonical spec is in the model.
 bool inModel(const Model& model, const EffectSpec& spec);
 
 /// The key of the cause that an effect belongs to.
