@@ -64,7 +64,7 @@ class QuestionList {
   /// Profiles of two variables, asked only where structure is left.
   static QuestionList pairs(const ResidualSpace& space);
 
-  std::size_t size() const { return groups_.size(); }
+  std::size_t size() const { return groups_.size(); }  ///< groups
   /// The end of a part that begins with a group and has about so many shapes.
   std::size_t endOfPart(std::size_t first, std::size_t shapes) const;
   /// Some of them, with their columns; those that the session cannot show are left out, and listed.
