@@ -5,6 +5,7 @@
 #include "calibration_file/calibration_yaml.h"
 #include "calibration_file/checksum.h"
 #include "calibration_file/yaml_keys.h"
+#include "effects/registry.h"
 
 namespace mm {
 namespace {
@@ -25,7 +26,7 @@ EffectSpec effectOf(const YAML::Node& node, const YamlKeys& in, const std::strin
   for (const auto& pair : node) {
     const std::string& key = pair.first.Scalar();
     if (key == "type") {
-      spec.type = pair.second.Scalar();
+      spec.type = presentType(pair.second.Scalar());
       continue;
     }
     EffectSpec::Value value;

@@ -161,8 +161,8 @@ std::string CalibratedLimits::withoutTravel(const State& state) const {
   }
   if (names.empty()) return {};
   return "direction of travel of " + names + " is not known (the model has an error that depends on it); " +
-         (silent ? "its velocity must be told with its reading"
-                 : "move " + names + ", either way, by more than its play");
+         (silent ? "its velocity must be given with its reading"
+                 : "move " + names + ", in either direction, by more than its backlash");
 }
 
 std::string CalibratedLimits::missing(const State& state) const {

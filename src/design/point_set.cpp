@@ -172,7 +172,7 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
       }
       if (!all.allFinite()) {
         hidden.push_back(
-            {spec, "an input that it needs was not known at some of the observations", effect->shownBy()});
+            {spec, "an input that it needs is not known at some of the observations", effect->shownBy()});
         continue;
       }
       double seen = 0.0, alone = 0.0;  // in typical sizes over the noise
@@ -182,9 +182,11 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
         seen = std::max(seen, (column - q * (q.transpose() * column)).norm());
       }
       if (!(alone > 0.0))
-        hidden.push_back({spec, "nothing that was measured depends on it", effect->shownBy()});
+        hidden.push_back({spec, "no measurement of this session depends on it", effect->shownBy()});
       else if (seen < 1e-3 * alone)
-        hidden.push_back({spec, "here a constant, the artifact's pose or the model's effects do the same",
+        hidden.push_back({spec,
+                          "in this session it is equivalent to a constant, to the pose of the artifact or to "
+                          "effects of the model",
                           effect->shownBy()});
     }
   }

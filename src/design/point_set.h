@@ -78,7 +78,9 @@ struct PointSet {
 /// @throw InputError as `calibrate`.
 PointSet checkPointSet(const Session& session, const ModelSpec* model);
 
+/// The answer of `mm check` as text.
 std::string pointSetText(const PointSet& set);
+/// The same as JSON.
 std::string pointSetJson(const PointSet& set);
 
 }  // namespace mm

@@ -38,14 +38,14 @@ void rotaryDoubts(const Session& session, const std::vector<const Observation*>&
     if (high - low < kOneAngle)
       doubts.push_back("every posture has " + joint.name + format(" = %.4g deg: ", low / kDegree) + "what " +
                        joint.name +
-                       " carries cannot be told from the place of the artifact; measure at "
+                       " carries cannot be separated from the position of the artifact; measure at "
                        "two values of " +
                        joint.name + " or more, a quarter of a turn apart");
     else if (j == last && (low >= 0.0 || high <= 0.0) && joint.lower < 0.0 && joint.upper > 0.0)
       doubts.push_back(
           joint.name +
           format(" is of one sign in every posture (%.4g … %.4g deg): ", low / kDegree, high / kDegree) +
-          "offsets that turn with it stay weak; measure with " + joint.name + " of both signs");
+          "offsets that turn with it are weakly determined; measure with " + joint.name + " of both signs");
   }
 }
 
@@ -62,7 +62,7 @@ void readingDoubts(const Session& session, const std::vector<const Observation*>
   if (readings.back() - readings.front() < kOneReading) {
     doubts.push_back(
         format("every reading of the laser is %.4g mm: ", readings.front() / kMillimetre) +
-        "the direction of its beam cannot be told from its zero; measure at both ends of its range");
+        "the direction of its beam cannot be separated from its zero; measure at both ends of its range");
     return;
   }
   constexpr std::size_t kFew = 10;
@@ -105,7 +105,7 @@ void beamDoubts(const CalibrationResult& result, std::vector<std::string>& doubt
                        format("the beam passes the centre of '%s' at %.3g mm and misses it "
                               "(radius %.4g mm): ",
                               feature.name.c_str(), miss / kMillimetre, feature.radius / kMillimetre) +
-                       "the reading is of something else; leave the row out");
+                       "the reading is of another surface; leave the row out");
   }
 }
 
@@ -149,7 +149,7 @@ void signDoubts(const CalibrationResult& result, std::vector<std::string>& doubt
   doubts.push_back(session.source +
                    format(": with the readings of %s reversed the residual falls from %.3g to %.3g um: ",
                           nameOf(0).c_str(), before / kMicrometre, better[0].first / kMicrometre) +
-                   "likely a sign error of " + nameOf(0) + others +
+                   "probably a sign error of " + nameOf(0) + others +
                    "; reverse its axis in the URDF, or its readings");
 }
 

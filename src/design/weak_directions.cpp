@@ -48,7 +48,7 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
                      format(" (± %.2g%s%s)", result.std(one.direction[i].first) * u.toUnit,
                             u.unit == "1" ? "" : " ", u.unit == "1" ? "" : u.unit.c_str());
     }
-    one.inWords += one.direction.size() > 1 ? " move together" : " stays open";
+    one.inWords += one.direction.size() > 1 ? " are strongly correlated" : " is weakly determined";
     weak.push_back(std::move(one));
   }
   return weak;

@@ -24,6 +24,7 @@ struct Tails {
   double dof = 0.0;          // 0: normal
   Eigen::VectorXd variance;  // a data row: 1 / weight
 };
+/// Degrees of freedom of Student's t that the residuals bear out, and the weights that follow.
 Tails tailsOf(const Search& search, const Explanation& found);
 
 /// m or rad of a residual of one unit of the stated noise.

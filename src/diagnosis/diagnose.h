@@ -102,6 +102,7 @@ struct CannotShow {
 };
 
 enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEffect, kScatter, kExplained };
+/// As in JSON: "missing_effect".
 std::string nameOf(Verdict verdict);
 
 struct Diagnosis {

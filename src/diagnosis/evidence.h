@@ -49,6 +49,7 @@ class Evidence {
     Eigen::MatrixXd absorbed;   // members' columns x all columns of the groups
     Eigen::VectorXd explained;  // members' columns
   };
+  /// What is common to all that is asked beside these members.
   Given given(const std::vector<Member>& members) const;
 
   /// The best shape and size of a group beside what is given. @param ofShapes filled with the gain of each.
@@ -65,11 +66,11 @@ class Evidence {
     std::vector<Eigen::VectorXd> values;      // a member: its coefficients
     std::vector<Eigen::MatrixXd> covariance;  // a member: of its coefficients
   };
-  Fit fit(const std::vector<Member>& members) const;
+  Fit fit(const std::vector<Member>& members) const;  ///< refits all together
 
-  const NoiseModel& noise() const { return fixed_->noise; }
-  const Groups& groups() const { return groups_; }
-  const NoiseRows& rows() const { return rows_; }
+  const NoiseModel& noise() const { return fixed_->noise; }  ///< held
+  const Groups& groups() const { return groups_; }           ///< all causes asked
+  const NoiseRows& rows() const { return rows_; }            ///< whitened
 
  private:
   struct Prepared {  // the columns of a member, whitened, and what the base and the blocks leave of their

@@ -64,7 +64,7 @@ class QuestionList {
   /// Profiles of two variables, asked only where structure is left.
   static QuestionList pairs(const ResidualSpace& space);
 
-  std::size_t size() const { return groups_.size(); }
+  std::size_t size() const { return groups_.size(); }  ///< groups
   /// The end of a part that begins with a group and has about so many shapes.
   std::size_t endOfPart(std::size_t first, std::size_t shapes) const;
   /// Some of them, with their columns; those that the session cannot show are left out, and listed.
@@ -97,7 +97,7 @@ Groups oneOf(const Groups& all, std::size_t group);
 /// Makes the columns of a shape at other values of its nonlinear parameters.
 class GroupColumns {
  public:
-  explicit GroupColumns(const ResidualSpace& space) : space_(space) {}
+  explicit GroupColumns(const ResidualSpace& space) : space_(space) {}  ///< which must outlive it
   /// @return length x k, weighted; no columns where nothing is seen.
   RowMatrix operator()(const EffectPtr& effect, const std::vector<double>& nonlinear) const;
 
@@ -114,6 +114,7 @@ constexpr double kVariation = 0.15;
 /// themselves at the other; zero where it never moved.
 void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns);
 
+/// Whether an effect of this canonical spec is in the model.
 bool inModel(const Model& model, const EffectSpec& spec);
 
 /// The key of the cause that an effect belongs to.

@@ -56,10 +56,10 @@ constexpr double kIndistinct = 3.0;
 /// The search for the explanation of greatest worth: forward, exchange and backward, drift always a rival.
 class Search {
  public:
-  explicit Search(const Questions& questions) : q_(questions) {}
-  std::function<void()> step;  // called now and then; may throw to cancel
+  explicit Search(const Questions& questions) : q_(questions) {}  ///< which must outlive it
+  std::function<void()> step;                                     // called now and then; may throw to cancel
 
-  /// The whole search. @param variance of the white noise a row. @param most members.
+  /// The whole search. @param variance of the white noise a row.
   Explanation run(const Eigen::VectorXd& variance) const;
   /// Nothing found, and the noise that is then there.
   Explanation none(const Eigen::VectorXd& variance) const;
@@ -68,7 +68,7 @@ class Search {
   /// The same with every near rival of every member tried with the noise fitted again: what one model of the
   /// noise, fitted beside the member, says of its rivals is biased. Also fills in the rivals.
   Explanation settled(Explanation best) const;
-  /// The search at one model of the noise that stays, on some of the rows. @param heldOut a data row.
+  /// The search at one model of the noise that stays, on some of the rows.
   std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
 
   /// What a group must gain to be named.

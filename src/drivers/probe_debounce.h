@@ -17,7 +17,7 @@ class ProbeDebounce {
     double stuck = 5.0;      // s closed outside of a probing motion: stuck
   };
 
-  explicit ProbeDebounce(Settings settings) : settings_(settings) {}
+  explicit ProbeDebounce(Settings settings) : settings_(settings) {}  ///< settings in s
   ProbeDebounce() : ProbeDebounce(Settings()) {}
 
   /// Edges in the order of their time.

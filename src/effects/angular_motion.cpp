@@ -32,16 +32,17 @@ class AngularMotion : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {axis_}; }
 
   std::string cause() const override {
-    return "The slide of " + name_ + " rolls, pitches or yaws about " + axisName(about_) +
-           " as it travels; the lever to the probe turns that into displacement.";
+    return "Angular error motion of " + name_ + " about " + axisName(about_) +
+           " (roll, pitch or yaw): with the Abbe offset of the probe as its lever it becomes a displacement.";
   }
   std::string remedy() const override {
     return "Check preload and straightness of the guideway of " + name_ +
-           "; keep the scale close to the line of measurement (Abbe).";
+           "; keep the Abbe offset small: scale in line with the measurement, measuring point close to the "
+           "guideway.";
   }
   std::string shownBy() const override {
-    return "Contacts at different distances across the axis " + axisName(about_) +
-           ", all over the travel of " + name_ + ".";
+    return "Contacts at different Abbe offsets (distances from the axis " + axisName(about_) +
+           "), over the whole travel of " + name_ + ".";
   }
 
  private:

@@ -22,12 +22,12 @@ class ArtifactExpansion : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The artifact itself grows with the temperature " + name_ +
-           ": it is not the length of its certificate, which holds at 20 degC.";
+    return "The artifact expands with the temperature " + name_ +
+           "; the dimensions of its certificate hold at 20 degC.";
   }
   std::string remedy() const override {
-    return "Let the artifact reach the room's temperature, state its expansion in the artifact file, or use "
-           "one of low expansion.";
+    return "Let the artifact reach the temperature of the room, state its coefficient of thermal expansion "
+           "in the artifact file, or use one of low expansion.";
   }
   std::string shownBy() const override {
     return "The whole artifact measured at different temperatures of " + name_ + ".";

@@ -23,7 +23,7 @@ class ArtifactPosition : public CatalogueEffect {
 
   std::string cause() const override {
     return "The feature " + name_ +
-           " is not where the artifact file says: it has moved, or its calibration is wrong.";
+           " is not where the artifact file says: it has moved, or its calibrated position is wrong.";
   }
   std::string remedy() const override {
     return "Check that " + name_ +

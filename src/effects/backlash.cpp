@@ -24,17 +24,17 @@ class Backlash : public CatalogueEffect {
 
   std::string cause() const override {
     return "Play in the drive of " + name_ +
-           " (nut, gear, thrust bearing, belt): the slide lags behind its drive and stops short "
-           "in the direction of travel. Where the gap is negative, the controller's own backlash "
-           "compensation adds more than the play there is.";
+           " (nut, gear, thrust bearing, belt): the slide stops short in the direction of travel, so the two "
+           "directions differ by the gap (reversal value, ISO 230-2). A negative gap is no play: the "
+           "backlash compensation of the controller is larger than the play.";
   }
   std::string remedy() const override {
     return "Preload or replace the nut, the thrust bearing or the gear of " + name_ +
            "; until then approach every point from the same side. Where the gap is negative, lower the "
-           "controller's backlash compensation by it.";
+           "backlash compensation of the controller by its magnitude.";
   }
   std::string shownBy() const override {
-    return "The same places reached in both directions of " + name_ +
+    return "The same positions reached in both directions of " + name_ +
            ", with the direction of travel recorded.";
   }
 

@@ -17,7 +17,7 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 class CatalogueEffect : public Effect {
  public:
   Stage stage() const override { return stage_; }
-  void adopt(EffectSpec canonical) { spec_ = std::move(canonical); }
+  void adopt(EffectSpec canonical) { spec_ = std::move(canonical); }  ///< what spec() gives
 
  protected:
   CatalogueEffect(const SpecReader& read, Stage stage)

@@ -16,15 +16,15 @@ class CovariateOffset : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The position along " + direction_ + " follows " + name_ + ".";
+    return "The position along " + direction_ + " changes with " + name_ + ".";
   }
   std::string remedy() const override {
     return "Keep " + name_ +
            " steady, find how it acts on the machine and separate the two, or leave the correction on.";
   }
   std::string shownBy() const override {
-    return "The same places measured at different values of " + name_ +
-           ", not only in step with time or temperature.";
+    return "The same positions measured at different values of " + name_ +
+           ", not correlated with time or temperature.";
   }
 
  private:

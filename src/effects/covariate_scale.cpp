@@ -32,11 +32,12 @@ class CovariateScale : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {axis_}; }
 
   std::string cause() const override {
-    return "The scale of " + axisName_ + " changes with " + name_ +
-           " (humidity swells it, pressure changes a wavelength, load stretches it).";
+    return "The scale factor of " + axisName_ + " changes with " + name_ +
+           " (humidity or load that acts on the scale, pressure that changes the wavelength of an "
+           "interferometer).";
   }
   std::string remedy() const override {
-    return "Keep " + name_ + " steady, use a scale that it does not change, or leave the correction on.";
+    return "Keep " + name_ + " steady, use a scale that does not depend on it, or leave the correction on.";
   }
   std::string shownBy() const override {
     return "Lengths along " + axisName_ + " measured at different values of " + name_ + ".";

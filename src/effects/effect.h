@@ -51,11 +51,11 @@ class Effect {
  public:
   virtual ~Effect() = default;
 
-  const EffectSpec& spec() const { return spec_; }
-  const std::vector<Parameter>& parameters() const { return parameters_; }
-  int parameterCount() const { return static_cast<int>(parameters_.size()); }
+  const EffectSpec& spec() const { return spec_; }                             ///< canonical form
+  const std::vector<Parameter>& parameters() const { return parameters_; }     ///< in the order of `p`
+  int parameterCount() const { return static_cast<int>(parameters_.size()); }  ///< size of `p`
 
-  virtual Stage stage() const = 0;
+  virtual Stage stage() const = 0;  ///< where in the chain it acts
   /// True when the error is linear in all parameters.
   virtual bool linear() const { return true; }
   /// Composites are never candidates of a diagnosis.
@@ -95,13 +95,14 @@ class Effect {
   /// profile, harmonics of a screw. Each is linear in its parameters.
   virtual std::vector<ShapeFreedom> freedom(const Domain& /*domain*/) const { return {}; }
   /// The spec with the nonlinear parameters stated, where a key can state them: {period_mm: unknown} at 2 mm
-  /// is {period_mm: 2}. @param nonlinear in the order of nonlinearParameters(), SI.
+  /// is {period_mm: 2}. Values in the order of nonlinearParameters(), SI.
   virtual EffectSpec shapedAs(const std::vector<double>& /*nonlinear*/) const { return spec_; }
   /// Like freedom(), by other values of the nonlinear parameters: half the period of a screw.
   struct NonlinearFreedom {
     std::vector<double> nonlinear;
     double share = 0.15;
   };
+  /// See NonlinearFreedom. Values in the order of nonlinearParameters(), SI.
   virtual std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& /*nonlinear*/) const {
     return {};
   }
@@ -113,7 +114,7 @@ class Effect {
   /// Distinct positions of each of these that it takes at the least; 0: any that moved.
   virtual int positionsNeeded() const { return 0; }
   /// Whether what the session covered can tell it, with these nonlinear parameters, from a smooth profile: a
-  /// wave of which less than two lengths were seen is none. @param nonlinear in the order of
+  /// wave of which less than two lengths were seen is none. Values in the order of
   /// nonlinearParameters().
   virtual bool mayBeClaimed(const std::vector<double>& /*nonlinear*/) const { return true; }
 
@@ -131,7 +132,7 @@ class Effect {
 
   /// An input at which it says nothing, because it was not calibrated there: which, its value and the range,
   /// in words; empty: none. What all effects have in common (readings of the joints, temperatures,
-  /// covariates, time) is judged elsewhere. @param margin beyond the observed range, as a fraction of it.
+  /// covariates, time) is judged elsewhere. The margin is beyond the observed range, as a fraction of it.
   virtual std::string outside(const State& /*state*/, double /*margin*/) const { return {}; }
 
   virtual std::string cause() const = 0;    // physical cause, in plain words

@@ -16,16 +16,16 @@ class EffectSpec {
   };
 
   EffectSpec() = default;
-  explicit EffectSpec(std::string type) : type(std::move(type)) {}
+  explicit EffectSpec(std::string type) : type(std::move(type)) {}  ///< without keys
 
   std::string type;
   std::vector<std::pair<std::string, Value>> keys;
 
-  EffectSpec& set(const std::string& key, const std::string& value);
+  EffectSpec& set(const std::string& key, const std::string& value);  ///< adds or replaces
   EffectSpec& set(const std::string& key, double value);  // shortest text that reads back the same
-  EffectSpec& setList(const std::string& key, std::vector<std::string> items);
-  const Value* find(const std::string& key) const;
-  std::string text(const std::string& key) const;  // empty when absent
+  EffectSpec& setList(const std::string& key, std::vector<std::string> items);  ///< adds or replaces
+  const Value* find(const std::string& key) const;                              ///< null when absent
+  std::string text(const std::string& key) const;                               // empty when absent
 
   /// The same type and the same values, in whatever order they stand.
   bool operator==(const EffectSpec& o) const;

@@ -17,8 +17,7 @@ struct Phrase {
 constexpr std::array kPhrases = {
     Phrase{"mmt_deviation", "MMT deviation of {axis}"},
     Phrase{"scale", "scale of {axis}"},
-    Phrase{"squareness", "squareness of {axis} to {of}"},
-    Phrase{"cross_talk", "cross talk of {of} into {axis}"},
+    Phrase{"squareness", "squareness of {of} to {axis}"},
     Phrase{"lead_screw_periodic", "periodic error of {axis}"},
     Phrase{"positioning_polynomial", "positioning error of {axis}"},
     Phrase{"straightness", "straightness of {axis} in {direction}"},

@@ -12,7 +12,7 @@ class Expression {
   /// One compiled copy, for one thread at a time; goes back to the pool when destroyed.
   class Evaluation {
    public:
-    explicit Evaluation(const Expression& owner);
+    explicit Evaluation(const Expression& owner);  ///< the owner must outlive it
     ~Evaluation();
     Evaluation(const Evaluation&) = delete;
     Evaluation& operator=(const Evaluation&) = delete;

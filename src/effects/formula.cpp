@@ -70,10 +70,10 @@ class Formula : public CatalogueEffect {
   bool ofUnknownSize() const override { return true; }
 
   std::string cause() const override {
-    return "Physics stated by the user: " + spec().text("formula") + " along " + direction_.name + ".";
+    return "A law stated by the user: " + spec().text("formula") + " along " + direction_.name + ".";
   }
   std::string remedy() const override {
-    return "Depends on what the formula stands for; until that is mended leave the correction on.";
+    return "Depends on what the formula describes; until that is removed leave the correction on.";
   }
   std::string shownBy() const override {
     return "Measurements in which " + names_ + " vary independently of each other, over their whole range.";

@@ -15,15 +15,17 @@ namespace mm {
 /// with characters that a formula cannot hold is written with `_` in their place.
 class FormulaVariables {
  public:
-  explicit FormulaVariables(const Domain& domain);
-  const std::vector<std::string>& names() const { return names_; }
+  explicit FormulaVariables(const Domain& domain);                  ///< all that the domain records
+  const std::vector<std::string>& names() const { return names_; }  ///< as written in a formula
   /// Values of the variables with these indices; NaN: not known.
   void values(const State& state, const std::vector<int>& indices, double* out) const;
   /// A value of this variable drawn from (somewhat beyond) its observed range.
   double sample(int index, std::mt19937_64& random) const;
 
   enum class Kind { kPosition, kVelocity, kTime, kTemperature, kCovariate, kReading };
-  Kind kind(int index) const { return variables_[static_cast<std::size_t>(index)].kind; }
+  Kind kind(int index) const {
+    return variables_[static_cast<std::size_t>(index)].kind;
+  }  ///< of names()[index]
   /// Of a position or a velocity.
   int joint(int index) const { return variables_[static_cast<std::size_t>(index)].index; }
   /// "mm", "rad", "mm/s", "rad/s", "s", "degC"; empty for a covariate.

@@ -25,14 +25,15 @@ class GravitySag : public CatalogueEffect {
 
   std::string cause() const override {
     return "The arm or beam that " + name_ +
-           " extends bends under its own weight, more than in proportion as it reaches out.";
+           " extends deflects under its own weight, more than in proportion to its extension.";
   }
   std::string remedy() const override {
     return "Stiffen or counterweight the arm, measure with less extension of " + name_ +
            ", or leave the correction on.";
   }
   std::string shownBy() const override {
-    return "Heights felt at the same places of the other axes over the whole extension of " + name_ + ".";
+    return "Heights measured at the same positions of the other axes over the whole extension of " + name_ +
+           ".";
   }
 
  private:

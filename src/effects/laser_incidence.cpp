@@ -23,14 +23,14 @@ class LaserIncidence : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The laser spot is drawn out on an inclined surface and its centre of light shifts: the reading "
-           "errs with the angle of incidence.";
+    return "On an inclined surface the laser spot is elongated and its centroid shifts: the error of the "
+           "reading depends on the angle of incidence.";
   }
   std::string remedy() const override {
-    return "Point the beam within some 20 degrees of the surface's normal, or leave the correction on.";
+    return "Keep the beam within 20 degrees of the surface normal, or leave the correction on.";
   }
   std::string shownBy() const override {
-    return "One ball seen at angles of incidence from straight on to about 50 degrees.";
+    return "One ball measured at angles of incidence from 0 to about 50 degrees.";
   }
 };
 

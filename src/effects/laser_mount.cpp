@@ -71,15 +71,15 @@ class LaserMount : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The probe is not mounted where the chain says: its zero, its beam or the axes that carry it are "
-           "displaced.";
+    return "The probe is not mounted where the kinematic chain says: its zero, its beam or the axes that "
+           "carry it are displaced.";
   }
   std::string remedy() const override {
-    return "Leave the correction on, and calibrate again whenever the probe has been taken off.";
+    return "Leave the correction on, and calibrate again whenever the probe has been remounted.";
   }
   std::string shownBy() const override {
-    return "One ball seen in postures with two values of b or more, a of both signs, and readings from both "
-           "ends of the range.";
+    return "One ball measured in postures with two values of b or more, a of both signs, and readings from "
+           "both ends of the range.";
   }
 
  private:

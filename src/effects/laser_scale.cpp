@@ -18,13 +18,14 @@ class LaserScale : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The laser probe's reading is out of scale: gain of its sensor or of its electronics.";
+    return "The sensitivity of the laser probe is not the stated one: the error of its reading is "
+           "proportional to the reading.";
   }
   std::string remedy() const override {
     return "Calibrate the laser probe against a known displacement along its beam.";
   }
   std::string shownBy() const override {
-    return "The same surface seen at readings from both ends of the laser's range.";
+    return "The same surface measured at readings from both ends of the range of the laser.";
   }
 };
 

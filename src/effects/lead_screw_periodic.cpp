@@ -94,16 +94,16 @@ class LeadScrewPeriodic : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The screw, gear or belt pulley of " + name_ +
-           " wobbles: once a turn it is ahead and once behind its mean lead.";
+    return "Periodic error of the screw, gear or belt pulley of " + name_ +
+           ": within each revolution it runs ahead of and behind its mean lead.";
   }
   std::string remedy() const override {
-    return "Check the screw's thrust bearing, coupling and alignment, or the pulley's runout, on " + name_ +
-           "; or leave the correction on.";
+    return "Check thrust bearing, coupling and alignment of the screw, or the run-out of the pulley, of " +
+           name_ + "; or leave the correction on.";
   }
   std::string shownBy() const override {
     return "Positions of " + name_ +
-           " that spread over all phases of a turn: steps that are no multiple or simple fraction of the "
+           " at all phases of a revolution: steps that are neither a multiple nor a simple fraction of the "
            "lead.";
   }
 

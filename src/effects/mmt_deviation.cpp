@@ -24,7 +24,7 @@ class MmtDeviation : public CatalogueEffect {
       if (j != axis_ && domain.joints[j].kind == JointKind::kLinear) others_.push_back(j);
     if (others_.size() != 2)
       read.fail(
-          "mmt_deviation needs a machine with three linear joints; use scale, cross_talk and the others");
+          "mmt_deviation needs a machine with three linear joints; use scale, squareness and the others");
     const double lead = read.number("lead_mm", 1e-4, 1e4) * kMillimetre;
     exponent_ = read.integer("exponent", 1, 2, 2);
     amplitudeExponent_ = read.integer("amplitude_exponent", 0, 1, 1);
@@ -82,16 +82,16 @@ class MmtDeviation : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "Geometry of axis " + name_ +
-           ": lead and home error, screw wobble, guideways that are not straight and not square.";
+    return "Geometric errors of " + name_ +
+           ": lead, home position, periodic error of the screw, straightness and squareness of the guideway.";
   }
   std::string remedy() const override {
-    return "Leave the correction on; where one constant dominates, mend that part of " + name_ +
+    return "Leave the correction on; where one constant dominates, repair that part of " + name_ +
            " (screw, guideway, squareness).";
   }
   std::string shownBy() const override {
-    return "Contacts all around balls at many places of the workspace, not in steps that are a multiple of "
-           "the screw lead.";
+    return "Contacts all around balls at many places of the measuring volume, not in steps that are a "
+           "multiple of the screw lead.";
   }
 
  private:

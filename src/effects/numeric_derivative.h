@@ -11,6 +11,7 @@ struct CentralDifference {
   double error = std::numeric_limits<double>::infinity();  // infinite: f is not finite somewhere within 4 h
   double truncation = 0.0;
 
+  /// Of f at x with steps of h.
   template <class F>
   CentralDifference(F&& f, double x, double h) {
     // Weights of the difference quotients over +-h … +-4h: fourth, sixth and eighth order.

@@ -52,10 +52,10 @@ class PositionTable : public CatalogueEffect {
     return "Positioning error of " + name_ + " of any shape: screw, scale, guideway and Abbe error together.";
   }
   std::string remedy() const override {
-    return "Load the table into the controller as its pitch error table, or leave the correction on.";
+    return "Load the table into the controller as its pitch error compensation, or leave the correction on.";
   }
   std::string shownBy() const override {
-    return "The same positions of " + name_ +
+    return "The same target positions of " + name_ +
            " measured several times, by an interferometer or a step gauge.";
   }
 

@@ -51,19 +51,18 @@ class ProbeLobing : public CatalogueEffect {
 
   std::string cause() const override {
     if (order_ == 0)
-      return "The probe needs another travel to trigger sideways than along the stylus: the stylus bends, "
-             "and the "
-             "lever to its seat is longer.";
-    return "The probe needs more travel to trigger in some directions than in others: its seat on " +
-           std::to_string(order_) + " points gives as many lobes around the stylus.";
+      return "The pre-travel of the probe differs sideways from that along the stylus: the stylus bends, and "
+             "the lever to its seat is longer.";
+    return "The pre-travel of the probe depends on the direction of approach: " + std::to_string(order_) +
+           " lobes around the stylus" + (order_ == 3 ? ", from a seat on three points." : ".");
   }
   std::string remedy() const override {
-    return "Use a shorter, stiffer stylus and less trigger force, or a strain-gauge probe; touch along few, "
-           "calibrated directions.";
+    return "Use a shorter, stiffer stylus and a lower trigger force, or a strain-gauge probe; approach along "
+           "few directions in which the tip was qualified.";
   }
   std::string shownBy() const override {
-    if (order_ == 0) return "One ball touched all around its equator and at its pole.";
-    return "One ball touched at twelve directions or more all around the stylus.";
+    if (order_ == 0) return "Contacts all around the equator of one ball and at its pole.";
+    return "Contacts on one ball in twelve directions or more all around the stylus.";
   }
 
  private:

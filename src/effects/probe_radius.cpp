@@ -17,8 +17,8 @@ class ProbeRadius : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The tip acts as if its radius were another: the stated radius is wrong, or the stylus bends "
-           "before it triggers.";
+    return "The effective radius of the tip is not the stated one: the entry is wrong, the tip is worn, or "
+           "the stylus bends before the probe triggers (pre-travel).";
   }
   std::string remedy() const override {
     return "Qualify the tip on a ball of known radius and enter the effective radius; check the tip for wear "

@@ -201,7 +201,7 @@ class Profile : public CatalogueEffect {
   }
   std::string shownBy() const override {
     return "Measurements at many values of " + names_ +
-           ", over the whole range and not in step with anything else.";
+           ", over the whole range and not correlated with another input.";
   }
 
  private:

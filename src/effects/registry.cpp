@@ -11,7 +11,6 @@
 #include "effects/ball_radius.h"
 #include "effects/covariate_offset.h"
 #include "effects/covariate_scale.h"
-#include "effects/cross_talk.h"
 #include "effects/formula.h"
 #include "effects/gravity_sag.h"
 #include "effects/laser_incidence.h"
@@ -31,6 +30,7 @@
 #include "effects/rotary_zero.h"
 #include "effects/scale.h"
 #include "effects/speed_lag.h"
+#include "effects/squareness.h"
 #include "effects/straightness.h"
 #include "effects/thermal_bending.h"
 #include "effects/thermal_expansion.h"
@@ -46,7 +46,7 @@ std::vector<EffectType>& registry() {
   static std::vector<EffectType> types{
       mmtDeviationType(),           //
       scaleType(),                  //
-      crossTalkType(),              //
+      squarenessType(),             //
       leadScrewPeriodicType(),      //
       positioningPolynomialType(),  //
       straightnessType(),           //
@@ -86,17 +86,22 @@ std::vector<EffectType>& registry() {
 
 const std::vector<EffectType>& effectRegistry() { return registry(); }
 
+std::string presentType(const std::string& type) { return type == "cross_talk" ? "squareness" : type; }
+
 void registerEffectType(EffectType type) {
   auto& types = registry();
   if (type.type.empty() || !type.create)
     throw InputError("an effect type needs a name and a way to create it");
-  if (std::any_of(types.begin(), types.end(), [&](const EffectType& t) { return t.type == type.type; }))
+  if (std::any_of(types.begin(), types.end(),
+                  [&](const EffectType& t) { return t.type == presentType(type.type); }))
     throw InputError("effect type '" + type.type + "' is already in the catalogue; choose another name");
   if (!type.candidates) type.candidates = [](const Domain&) { return std::vector<EffectSpec>(); };
   types.push_back(std::move(type));
 }
 
-EffectPtr createEffect(const EffectSpec& spec, const Domain& domain) {
+EffectPtr createEffect(const EffectSpec& given, const Domain& domain) {
+  EffectSpec spec = given;
+  spec.type = presentType(given.type);
   std::vector<std::string> names;
   for (const EffectType& type : registry()) {
     if (type.type == spec.type) return type.create(spec, domain);

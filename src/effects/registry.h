@@ -25,7 +25,11 @@ const std::vector<EffectType>& effectRegistry();
 /// Adds a type at run time (a user's plugin). @throw InputError when the name is taken.
 void registerEffectType(EffectType type);
 
-/// @throw InputError: unknown type (names the nearest known one), missing or unknown keys.
+/// The name that a type has now: `cross_talk` of older files is `squareness`; any other name as it is.
+std::string presentType(const std::string& type);
+
+/// Older names of a type are understood. @throw InputError: unknown type (names the nearest known one),
+/// missing or unknown keys.
 EffectPtr createEffect(const EffectSpec& spec, const Domain& domain);
 
 }  // namespace mm

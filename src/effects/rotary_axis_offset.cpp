@@ -26,7 +26,7 @@ class RotaryAxisOffset : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {joint_}; }
 
   std::string cause() const override {
-    return "The axis of " + name_ + " does not pass where the chain says: it is displaced along " +
+    return "Location error of the axis of " + name_ + " (ISO 230-7): it is displaced along " +
            axisName(axis_) + " of its seat.";
   }
   std::string remedy() const override {
@@ -34,7 +34,7 @@ class RotaryAxisOffset : public CatalogueEffect {
   }
   std::string shownBy() const override {
     return "Postures that turn " + name_ +
-           " over most of its range, and the other joints with it, seeing one ball.";
+           " over most of its range, and the other joints with it, at one ball.";
   }
 
  private:

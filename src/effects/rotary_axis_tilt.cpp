@@ -25,15 +25,15 @@ class RotaryAxisTilt : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {joint_}; }
 
   std::string cause() const override {
-    return "The axis of " + name_ + " is not parallel to where the chain says: its seat is tilted about " +
-           axisName(axis_) + ".";
+    return "Orientation error of the axis of " + name_ + " (ISO 230-7): it is tilted about " +
+           axisName(axis_) + " of its seat.";
   }
   std::string remedy() const override {
     return "Shim the seat of " + name_ + " with an indicator on a mandrel, or enter the tilt in the URDF.";
   }
   std::string shownBy() const override {
     return "Postures that turn " + name_ +
-           " over most of its range, and the other joints with it, seeing one ball.";
+           " over most of its range, and the other joints with it, at one ball.";
   }
 
  private:

@@ -48,8 +48,8 @@ class RotaryEccentricity : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {joint_}; }
 
   std::string cause() const override {
-    return "Bearing or scale of " + name_ + " run out: once every " + turn_ +
-           " the axis swings sideways and the scale reads ahead and behind.";
+    return "Radial error motion of the bearing, or eccentricity of the scale, of " + name_ + ": once every " +
+           turn_ + " the axis moves sideways and the scale reads ahead and behind.";
   }
   std::string remedy() const override {
     return "Centre the scale of " + name_ +

@@ -43,7 +43,7 @@ class RotaryWobble : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {joint_}; }
 
   std::string cause() const override {
-    return "The axis of " + name_ + " wobbles as it turns, once every " + turn_ +
+    return "Tilt error motion of the axis of " + name_ + " (ISO 230-7), once every " + turn_ +
            ": bearing faces that are not square or not flat.";
   }
   std::string remedy() const override {

@@ -20,15 +20,15 @@ class RotaryZero : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The zero of " + name_ +
-           " is off: its home switch or index mark does not stand where the chain says.";
+    return "Zero position error of " + name_ +
+           ": its home switch or index mark is not where the kinematic chain says.";
   }
   std::string remedy() const override {
     return "Set the zero of " + name_ + " again with an indicator or an autocollimator.";
   }
   std::string shownBy() const override {
     return "Postures with at least two other joints turned, so that the zero of " + name_ +
-           " does not pass for a turned artifact.";
+           " is not equivalent to a rotation of the artifact.";
   }
 
  private:

@@ -21,8 +21,8 @@ class Scale : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {axis_}; }
 
   std::string cause() const override {
-    return "The scale or the mean screw lead of " + name_ +
-           " is wrong: its error grows in proportion to the reading.";
+    return "The scale factor or the mean screw lead of " + name_ +
+           " is wrong: its error is proportional to the reading.";
   }
   std::string remedy() const override {
     return "Correct the counts per unit of " + name_ +

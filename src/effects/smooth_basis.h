@@ -14,7 +14,7 @@ class SmoothBasis {
   /// standard deviation falls with the wave number: 2 is the cubic smoothing spline's, 1 a rougher curve's.
   SmoothBasis(int functions, double smoothness);
 
-  int size() const { return static_cast<int>(priorStd_.size()); }
+  int size() const { return static_cast<int>(priorStd_.size()); }  ///< number of functions
   /// Writes size() values. @param u beyond -1 … 1 as at the end; NaN gives NaN.
   void values(double u, double* out) const;
   /// Of coefficient i, where the curve's mean square over the range is 1.

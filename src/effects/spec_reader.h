@@ -17,8 +17,10 @@ class SpecReader {
   /// Refuses keys that are not among the allowed ones, and doubled keys.
   SpecReader(const EffectSpec& spec, const Domain& domain, std::vector<std::string> allowed);
 
-  int joint(const std::string& key);
+  int joint(const std::string& key);                  ///< index in the domain, of any kind
   int joint(const std::string& key, JointKind kind);  ///< of this kind only
+  /// A joint, or x, y, z of the workpiece where no joint has that name. @param approachAllowed also
+  /// `approach`.
   Direction direction(const std::string& key, bool approachAllowed = false);
   /// 0, 1, 2 for x, y, z. @param of for the message.
   int axisOf(const std::string& key, const std::string& of = "axis of the workpiece");
@@ -40,8 +42,8 @@ class SpecReader {
   std::vector<double> numbers(
       const std::string& key);  ///< empty when absent; a single number is a list of one
 
-  bool has(const std::string& key) const { return spec_.find(key) != nullptr; }
-  const Domain& domain() const { return domain_; }
+  bool has(const std::string& key) const { return spec_.find(key) != nullptr; }  ///< whether the key is given
+  const Domain& domain() const { return domain_; }  ///< in which names are looked up
   /// What was read, in the order of the allowed keys, numbers in their shortest form and defaults left out:
   /// two specs that mean the same have the same canonical form.
   EffectSpec canonical() const;

@@ -24,8 +24,8 @@ class SpeedLag : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The trigger, its filter or its cable is late: the readings are latched after the contact, "
-           "further along the motion.";
+    return "The trigger signal is delayed (probe, filter, cable): the readings are latched after the "
+           "contact, further along the motion.";
   }
   std::string remedy() const override {
     return "Latch the position in hardware at the trigger, or always touch at one low speed and calibrate at "

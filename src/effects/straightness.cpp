@@ -22,7 +22,7 @@ class Straightness : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {axis_}; }
 
   std::string cause() const override {
-    return "The guideway of " + name_ + " is not straight: its slide swerves along " + direction_ +
+    return "The guideway of " + name_ + " is not straight: its slide deviates along " + direction_ +
            " as it travels.";
   }
   std::string remedy() const override {
@@ -30,7 +30,7 @@ class Straightness : public CatalogueEffect {
            " for wear, dirt and the flatness of its seat; or leave the correction on.";
   }
   std::string shownBy() const override {
-    return "Contacts that feel " + direction_ + " at six places or more over the travel of " + name_ + ".";
+    return "Contacts along " + direction_ + " at six positions or more over the travel of " + name_ + ".";
   }
 
  private:

@@ -24,15 +24,15 @@ class ThermalBending : public CatalogueEffect {
 
   std::string cause() const override {
     return "The member that carries " + name_ + " is warmer on one side: it bends and tilts about " +
-           axisName(about_) + " with the difference of " + pair_ + ".";
+           axisName(about_) + " in proportion to the temperature difference of " + pair_ + ".";
   }
   std::string remedy() const override {
     return "Bring both sides to one temperature (insulate, move the heat source, circulate the air), or "
            "leave the correction on.";
   }
   std::string shownBy() const override {
-    return "Contacts at different distances across the axis " + axisName(about_) +
-           " while the difference of " + pair_ + " changes.";
+    return "Contacts at different Abbe offsets (distances from the axis " + axisName(about_) +
+           ") while the difference of " + pair_ + " changes.";
   }
 
  private:

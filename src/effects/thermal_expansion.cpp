@@ -27,8 +27,8 @@ class ThermalExpansion : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {axis_}; }
 
   std::string cause() const override {
-    return "The scale or screw of " + name_ + " grows with the temperature " + sensorName_ +
-           ": lengths along it are wrong in proportion.";
+    return "The scale or screw of " + name_ + " expands with the temperature " + sensorName_ +
+           ": the error of a length along it is proportional to the length.";
   }
   std::string remedy() const override {
     return "Measure near 20 degC, use a scale of low expansion, or leave the correction on with the sensor " +

@@ -38,8 +38,8 @@ class ThermalGrowth : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The part whose temperature is " + sensorName_ +
-           " grows with heat and carries the probe or the artifact along " + direction_ +
+    return "The part at the sensor " + sensorName_ +
+           " expands with temperature and displaces the probe or the artifact along " + direction_ +
            (lag_ ? ", some time after the sensor warms." : ".");
   }
   std::string remedy() const override {
@@ -47,9 +47,9 @@ class ThermalGrowth : public CatalogueEffect {
            " steady (warm up before measuring, screen or cool the source), or leave the correction on.";
   }
   std::string shownBy() const override {
-    return "The same places measured at different temperatures of " + sensorName_ +
+    return "The same positions measured at different temperatures of " + sensorName_ +
            (lag_ ? ", with a quick change and the time after it."
-                 : ", rising and falling, not only with time.");
+                 : ", rising and falling, so that it is not correlated with time.");
   }
 
  private:

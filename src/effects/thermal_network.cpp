@@ -58,10 +58,10 @@ class ThermalNetworkEffect : public CatalogueEffect {
   bool learned() const override { return true; }
 
   std::string cause() const override {
-    return "Heat deforms the machine along " + name_ + " in a way that no single thermal effect describes.";
+    return "Thermal deformation of the machine along " + name_ + " that no single thermal effect describes.";
   }
   std::string remedy() const override {
-    return "Cool or screen the sources, warm up before measuring, or leave the correction on.";
+    return "Cool or screen the heat sources, warm up before measuring, or leave the correction on.";
   }
   std::string shownBy() const override {
     return "The same positions of " + name_ +

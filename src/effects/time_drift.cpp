@@ -17,15 +17,16 @@ class TimeDrift : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "Something settles or creeps along " + direction_ +
-           " steadily while the session runs: a fixture, an adhesive, a slow change of temperature.";
+    return "Steady drift along " + direction_ +
+           " during the session: a fixture that settles, an adhesive that creeps, a slow change of "
+           "temperature.";
   }
   std::string remedy() const override {
-    return "Measure a reference again at intervals, look for the loose or creeping part, or shorten the "
+    return "Repeat a reference measurement at intervals, look for the loose or creeping part, or shorten the "
            "session.";
   }
   std::string shownBy() const override {
-    return "The same places measured again and again, spread over the whole session, in changing order.";
+    return "The same positions measured repeatedly over the whole session, in changing order.";
   }
 
  private:

@@ -7,6 +7,7 @@ namespace mm {
 /// not.
 enum class Touch { kNone, kKnown, kUnknown };
 
+/// Whether this state touches something, and from where.
 inline Touch touchOf(const State& state) {
   if (state.approach.squaredNorm() > 0.25) return Touch::kKnown;  // a unit vector; false for NaN
   return state.feature < 0 ? Touch::kNone : Touch::kUnknown;

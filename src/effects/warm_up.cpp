@@ -32,15 +32,15 @@ class WarmUp : public CatalogueEffect {
   }
 
   std::string cause() const override {
-    return "The machine warms after it is switched on and moves along " + direction_ +
-           ", quickly at first, until it is settled.";
+    return "The machine warms up after it is switched on and drifts along " + direction_ +
+           ", quickly at first, towards a steady state.";
   }
   std::string remedy() const override {
-    return "Let the machine run warm before measuring (three time constants), or leave the correction on "
-           "from the same start.";
+    return "Let the machine warm up before measuring (three time constants), or leave the correction on and "
+           "start every session in the same way.";
   }
   std::string shownBy() const override {
-    return "The same places measured often at the beginning and later until nothing moves any more.";
+    return "The same positions measured often at the beginning, and until they are steady.";
   }
 
  private:

@@ -92,7 +92,7 @@ struct CalibrationResult {
   Method method = Method::kLeastSquares;
   std::uint64_t seed = 0;
 
-  double std(int unknown) const;
+  double std(int unknown) const;  ///< SI; 0 where it is held
 };
 
 /// Calibrates: gauge by convention, genetic algorithm, polish, outliers, uncertainty.

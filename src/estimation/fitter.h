@@ -25,7 +25,7 @@ Eigen::VectorXd usableWeight(const Problem& problem);
 /// What residuals are multiplied by: sqrt(weight) / sigma.
 Eigen::VectorXd inverseOf(const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight);
 
-int freeCount(const std::vector<char>& fixed);
+int freeCount(const std::vector<char>& fixed);  ///< number of zeros in it
 
 /// One fit and everything that belongs to it: polish, outliers, noise of each kind of row.
 class Fitter {

@@ -15,6 +15,7 @@ struct Folds {
   int folds = 0;
   int blocks = 0;
 };
+/// Blocks of time in turn; consecutive contacts of a ball whose centre is free stay together.
 Folds makeFolds(const Problem& problem);
 
 /// Root mean square of the residuals that each fold has under the model fitted to the other folds, by the
@@ -22,7 +23,7 @@ Folds makeFolds(const Problem& problem);
 /// fold itself can determine (a ball's centre measured nowhere else) is fitted within the fold and its
 /// degrees of freedom are counted.
 /// @param q rows x rank, the first rows being the data rows. @param residuals whitened, data rows first.
-/// @param use a data row: whether it counts. @return one held-out residual a data row (whitened).
+/// @return one held-out residual a data row (whitened).
 Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd& residuals,
                                  const Folds& folds);
 

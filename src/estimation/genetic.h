@@ -11,7 +11,7 @@ namespace mm {
 struct GeneticRanges {
   std::vector<double> low, high;
 
-  std::size_t dimension() const { return low.size(); }
+  std::size_t dimension() const { return low.size(); }  ///< number of genes
   /// Throws InputError, naming the gene, when a range is empty, not finite, or not of `dimension` genes.
   void validate(std::size_t dimension) const;
 };

@@ -11,7 +11,7 @@ class GeneticRandom {
   GeneticRandom(std::uint64_t seed, std::uint64_t generation, std::uint64_t chromosome)
       : state_(mix(mix(mix(seed + kStep) + generation * kStep) + chromosome * kStep)) {}
 
-  std::uint64_t bits() { return mix(state_ += kStep); }
+  std::uint64_t bits() { return mix(state_ += kStep); }  ///< 64 random bits
   /// Uniform in [0, 1).
   double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   /// Uniform in [-1, 1).

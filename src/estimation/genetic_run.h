@@ -22,8 +22,8 @@ class GeneticRun {
   GeneticRun(const char* algorithm, GeneticFitness& fitness, const GeneticRanges& ranges,
              const GeneticSettings& settings, const GeneticControl& control);
 
-  std::size_t dimension() const { return dimension_; }
-  std::size_t population() const { return settings_.population; }
+  std::size_t dimension() const { return dimension_; }             ///< number of genes
+  std::size_t population() const { return settings_.population; }  ///< chromosomes
   /// The chromosome to be written, of the generation being made.
   double* chromosome(std::size_t i) { return next_.data() + i * dimension_; }
   /// The i-th best chromosome of the last generation, and its cost.

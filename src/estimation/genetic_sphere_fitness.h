@@ -24,7 +24,7 @@ struct SphereContacts {
   std::vector<SparseColumn> distanceColumns;              // E
   std::vector<double> weight;                             // of the squared residual; empty: 1
   std::vector<std::size_t> ball;                          // index into `balls`
-  std::size_t size() const { return distance.size(); }
+  std::size_t size() const { return distance.size(); }    ///< contacts
 };
 
 /// A ball: its centre in `workpiece`, m; of a free one, where the search for it starts.

@@ -27,7 +27,7 @@ enum SphereRow : std::size_t {
 /// Numbers of sparse columns: those of the three components of the displacement, then those of the distance.
 struct SphereTerms {
   std::size_t x = 0, y = 0, z = 0, distance = 0;
-  std::size_t total() const { return x + y + z + distance; }
+  std::size_t total() const { return x + y + z + distance; }  ///< columns of all
 };
 
 /// One block of contacts of one ball against all lanes (chromosomes).

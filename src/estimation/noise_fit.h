@@ -13,8 +13,8 @@ struct NoiseRows {
   RowMatrix factors;         // data rows x directions of drift
   Eigen::VectorXd target;    // data rows, then priors: what is to be explained
   RowMatrix base;            // orthonormal columns of what is free without a prior; data rows, then priors
-  int rows() const { return static_cast<int>(time.size()); }
-  int length() const { return static_cast<int>(target.size()); }
+  int rows() const { return static_cast<int>(time.size()); }      ///< data rows
+  int length() const { return static_cast<int>(target.size()); }  ///< data rows and priors
 };
 
 /// Columns whose coefficients are drawn from a normal distribution: the scatter of the balls, the shapes of a
@@ -63,7 +63,7 @@ class NoiseFit {
   /// @param rows must outlive the fit.
   NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks);
 
-  NoiseFitResult run(const NoiseModel& start, const NoiseFitOptions& options) const;
+  NoiseFitResult run(const NoiseModel& start, const NoiseFitOptions& options) const;  ///< REML from `start`
   /// The evidence as it is, nothing fitted but the ratios of blocks that are not fixed.
   NoiseFitResult at(const NoiseModel& noise, const NoiseFitOptions& options) const;
   /// Time constants that are asked, s: from the spacing of the rows to the length of the session.

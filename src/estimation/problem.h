@@ -34,6 +34,7 @@ struct UnitVector {
   int first = 0;
   double penalty = 0.0;  // M, the weight of h^2 beside residuals in mm; 0: a constraint
 
+  /// Square of the norm less 1.
   double excess(const double* lmn) const { return lmn[0] * lmn[0] + lmn[1] * lmn[1] + lmn[2] * lmn[2] - 1.0; }
   /// What h is multiplied by among whitened residuals. @param inverseSigma of the data rows, 1/m.
   double weight(const Eigen::VectorXd& inverseSigma) const;
@@ -75,18 +76,18 @@ class Problem {
   /// (no observations, unknown feature, missing input of an effect).
   Problem(const Session& session, Model model, Datum datum = Datum::kFree);
 
-  const Session& session() const { return *session_; }
-  const Model& model() const { return model_; }
-  Datum datum() const { return datum_; }
-  const std::vector<Unknown>& unknowns() const { return unknowns_; }
-  const std::vector<ResidualRow>& rows() const { return rows_; }
-  int unknownCount() const { return static_cast<int>(unknowns_.size()); }
-  int rowCount() const { return static_cast<int>(rows_.size()); }
-  int priorCount() const { return static_cast<int>(priors_.size()); }
-  const std::vector<UnitVector>& unitVectors() const { return unitVectors_; }
-  int firstRow(int observation) const { return firstRow_[observation]; }
-  const State& state(int observation) const { return states_->states()[observation]; }
-  Eigen::VectorXd start() const;
+  const Session& session() const { return *session_; }                         ///< measured
+  const Model& model() const { return model_; }                                ///< machine and effects
+  Datum datum() const { return datum_; }                                       ///< of deviations
+  const std::vector<Unknown>& unknowns() const { return unknowns_; }           ///< in the order of x
+  const std::vector<ResidualRow>& rows() const { return rows_; }               ///< one a data row
+  int unknownCount() const { return static_cast<int>(unknowns_.size()); }      ///< size of x
+  int rowCount() const { return static_cast<int>(rows_.size()); }              ///< data rows
+  int priorCount() const { return static_cast<int>(priors_.size()); }          ///< rows after the data rows
+  const std::vector<UnitVector>& unitVectors() const { return unitVectors_; }  ///< constraints
+  int firstRow(int observation) const { return firstRow_[observation]; }       ///< its first data row
+  const State& state(int observation) const { return states_->states()[observation]; }  ///< SI, uncorrected
+  Eigen::VectorXd start() const;  ///< of all unknowns, SI
 
   /// Standard deviation of each data row (m or rad): stated with the data, else linearSigma / angularSigma.
   Eigen::VectorXd sigmas(double linearSigma, double angularSigma) const;

@@ -16,11 +16,11 @@ class ResidualSpace {
  public:
   explicit ResidualSpace(const CalibrationResult& fitted);
 
-  const Problem& problem() const { return *fitted_.problem; }
-  const CalibrationResult& fitted() const { return fitted_; }
-  int rows() const { return static_cast<int>(used_.size()); }  // data rows in use
-  const std::vector<int>& used() const { return used_; }       // a row here: the problem's data row
-  int baseRank() const { return static_cast<int>(q_.cols()); }
+  const Problem& problem() const { return *fitted_.problem; }   ///< that was fitted
+  const CalibrationResult& fitted() const { return fitted_; }   ///< the fit itself
+  int rows() const { return static_cast<int>(used_.size()); }   // data rows in use
+  const std::vector<int>& used() const { return used_; }        // a row here: the problem's data row
+  int baseRank() const { return static_cast<int>(q_.cols()); }  ///< columns of the base model
   /// What is left to explain: minus the whitened residuals, projected (rows + priors).
   const Eigen::VectorXd& target() const { return target_; }
   const Eigen::MatrixXd& basis() const { return q_; }  // orthonormal, (rows + priors) x baseRank

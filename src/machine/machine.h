@@ -24,8 +24,8 @@ struct Joint {
 /// Units: m and rad.
 class ErrorLayout {
  public:
-  explicit ErrorLayout(int joints) : joints_(joints) {}
-  int axis(int joint) const { return joint; }  ///< added to the reading of a joint
+  explicit ErrorLayout(int joints) : joints_(joints) {}  ///< number of joints of the machine
+  int axis(int joint) const { return joint; }            ///< added to the reading of a joint
   /// Translation and rotation at a joint, before its motion, in the axes of the joint's fixed side (ISO
   /// 230-1).
   int jointTranslation(int joint, int k) const { return joints_ + 6 * joint + k; }
@@ -42,9 +42,9 @@ class ErrorLayout {
   int distance() const { return 7 * joints_ + 13; }  ///< added to the distance tip centre - ball centre
   int feature(int k) const {
     return 7 * joints_ + 14 + k;
-  }  ///< displacement of the touched feature, artifact frame
-  int size() const { return 7 * joints_ + 17; }
-  int joints() const { return joints_; }
+  }                                              ///< displacement of the touched feature, artifact frame
+  int size() const { return 7 * joints_ + 17; }  ///< of the vector of errors
+  int joints() const { return joints_; }         ///< as given
 
  private:
   int joints_;
@@ -68,10 +68,10 @@ class Machine {
   /// that names it. @throw InputError when it cannot be read.
   static Machine load(const std::string& nameOrPath, const std::filesystem::path& relativeTo = {});
 
-  const std::string& name() const { return name_; }
-  const std::string& urdf() const { return urdf_; }
-  const std::vector<Joint>& joints() const { return joints_; }
-  int jointCount() const { return static_cast<int>(joints_.size()); }
+  const std::string& name() const { return name_; }                    ///< as in the model file
+  const std::string& urdf() const { return urdf_; }                    ///< its text, whole
+  const std::vector<Joint>& joints() const { return joints_; }         ///< from workpiece to probe_tip
+  int jointCount() const { return static_cast<int>(joints_.size()); }  ///< moving joints
   /// @return index of a joint, or -1.
   int findJoint(const std::string& name) const;
   ErrorLayout layout() const { return ErrorLayout(jointCount()); }

@@ -32,16 +32,17 @@ class Model {
   /// The effects named by `specs`, made by the registry. @throw InputError as createEffect.
   Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs);
 
-  const Machine& machine() const { return machine_; }
-  const Domain& domain() const { return domain_; }
-  const std::vector<EffectPtr>& effects() const { return effects_; }
-  int parameterCount() const { return parameterCount_; }
-  int offset(int effect) const { return offsets_[effect]; }
+  const Machine& machine() const { return machine_; }                 ///< as given
+  const Domain& domain() const { return domain_; }                    ///< as given
+  const std::vector<EffectPtr>& effects() const { return effects_; }  ///< in the order of the spec
+  int parameterCount() const { return parameterCount_; }              ///< of all effects
+  int offset(int effect) const { return offsets_[effect]; }           ///< its first parameter
+  /// Of the whole vector of parameters. @param index 0 to parameterCount() - 1.
   const Parameter& parameter(int index) const {
     return effects_[effectOf_[index]]->parameters()[index - offsets_[effectOf_[index]]];
   }
-  int effectOf(int parameter) const { return effectOf_[parameter]; }
-  Eigen::VectorXd start() const;
+  int effectOf(int parameter) const { return effectOf_[parameter]; }  ///< index of its effect
+  Eigen::VectorXd start() const;                                      ///< start values, SI
 
   /// Sets what follows from the readings: the nominal tip (lever) and orientation, and for a laser the
   /// approach.

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "effects/registry.h"
 
 namespace mm {
 namespace {
@@ -37,7 +38,7 @@ EffectSpec effectOf(const YAML::Node& node, const std::string& source) {
     if (key == "type") {
       if (!value.IsScalar() || !spec.type.empty())
         refuse(source, pair.first, "'type' of an effect is one name, given once");
-      spec.type = value.Scalar();
+      spec.type = presentType(value.Scalar());
       continue;
     }
     if (spec.find(key) != nullptr)

@@ -18,9 +18,9 @@ class SessionStates {
   /// session's machine.
   SessionStates(const Session& session, const Domain& domain);
 
-  const std::vector<State>& states() const { return states_; }
+  const std::vector<State>& states() const { return states_; }  ///< one an observation, SI
   const State& operator[](std::size_t observation) const { return states_[observation]; }
-  std::size_t size() const { return states_.size(); }
+  std::size_t size() const { return states_.size(); }  ///< number of observations
 
   /// Points the contacts of a touch probe whose approach was not recorded from the nominal tip to the centre
   /// of their feature, and gives the contacts of a laser on a ball the surface's normal. @param centres in

@@ -28,7 +28,8 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
   clock_ = flagParameter(own, "clock", false);
   for (const std::string& axis : controller_->axes()) {
     const int joint = machine_.findJoint(axis);
-    if (joint < 0) throw InputError("the controller moves joint '" + axis + "', which the machine has not");
+    if (joint < 0)
+      throw InputError("the controller moves joint '" + axis + "', which the machine does not have");
     joints_.push_back(machine_.joints()[joint]);
   }
   travel_.assign(joints_.size(), 0);

@@ -37,7 +37,8 @@ AxesMotion AxisDriver::motionOf(const measuring_machine::MoveGoal& goal) const {
     return straightMotion(joints_, state_.position, target, linear, rotary);
   const Eigen::Vector3d from = machine_.nominal(state_.position.data(), 0.0).position;
   const double way = (machine_.nominal(target.data(), 0.0).position - from).norm();
-  if (way == 0.0) throw InputError("a probing move needs a way to go: the probe is there already");
+  if (way == 0.0)
+    throw InputError("a probing move needs a length above 0: the probe is at its target already");
   return timedMotion(state_.position, target, way / linear);
 }
 
@@ -46,7 +47,7 @@ bool AxisDriver::waitForMove(const AxesMotion& motion, bool probing, measuring_m
   if (!state_.homed) throw Error("not homed; call ~home first");
   if (homing_) throw Error("homing; wait until it is done");
   if (probing && state_.probeClosed)
-    throw Error("the probe is closed before the probing move; move it free, or look whether it is stuck");
+    throw Error("the probe is closed before the probing move; retract it, or check whether it sticks");
   const std::vector<double> from = state_.position;
   double way = 0.0;
   for (std::size_t j = 0; j < from.size(); ++j) way = std::max(way, std::abs(motion.target[j] - from[j]));

@@ -105,7 +105,7 @@ CalibrationServer::SessionPtr CalibrationServer::sessionOf(const Calibration& ca
     return openSession(calibration.sessionSource, machine);
   if (live_.observations() > 0) return openSession({}, machine);
   throw InputError("the session of calibration '" + calibration.id + "' (" + calibration.sessionSource +
-                   ") is not here any more; calibrate again first");
+                   ") no longer exists; calibrate again first");
 }
 
 ModelSpec CalibrationServer::modelFrom(const std::string& model, const Session& session) const {
@@ -260,7 +260,7 @@ bool CalibrationServer::cancel(measuring_machine::Cancel::Request&,
   const Job::State running = job_.cancel();
   response.success = !running.task.empty();
   response.message = running.task.empty() ? "nothing is running"
-                                          : "'" + running.task + "' is asked to stop (" +
+                                          : "'" + running.task + "' was asked to stop (" +
                                                 (running.stage.empty() ? "begins" : running.stage) +
                                                 "); its caller gets the answer";
   return true;

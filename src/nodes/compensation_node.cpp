@@ -141,7 +141,7 @@ void CompensationNode::takeJoints(const sensor_msgs::JointStateConstPtr& message
   const bool ready = inputs_.takeJoints(nanoseconds(message->header.stamp), message->name, message->position,
                                         message->velocity, reason);
   if (ready && notHomed_)
-    reason = "the axes are not homed, so their readings mean nothing; call axis_driver/home";
+    reason = "the axes are not homed, so their readings have no zero; call axis_driver/home";
   if (!reason.empty() || !ready) {
     if (!reason.empty()) {
       withhold(reason);

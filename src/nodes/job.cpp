@@ -19,8 +19,9 @@ void Job::run(const std::string& task, const std::function<void()>& work) {
     const State now = state();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!state_.task.empty())
-      throw InputError("'" + state_.task + "' is running since " + std::to_string(std::lround(now.seconds)) +
-                       " s (" + (now.stage.empty() ? "begins" : now.stage) + ", " +
+      throw InputError("'" + state_.task + "' has been running for " +
+                       std::to_string(std::lround(now.seconds)) + " s (" +
+                       (now.stage.empty() ? "begins" : now.stage) + ", " +
                        std::to_string(std::lround(100.0 * now.share)) + " %); wait for it, or call cancel");
     state_ = State();
     state_.task = task;

@@ -100,7 +100,7 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
     if (seen_[j] == 0)
       reason = "joint " + joints_[j] + " is missing in the joint states";
     else if (static_cast<double>(stamp - seen_[j]) * kNanosecond > settings_.jointAge)
-      reason = "joint " + joints_[j] + " has not been heard for " +
+      reason = "no reading of joint " + joints_[j] + " for " +
                std::to_string(static_cast<double>(stamp - seen_[j]) * kNanosecond) + " s";
     if (!reason.empty()) return false;
   }

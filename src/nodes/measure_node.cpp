@@ -41,7 +41,7 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
       "pause", [this](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
         paused_ = request.data;
         response.success = true;
-        response.message = paused_ ? "pauses after the move that is under way" : "goes on";
+        response.message = paused_ ? "pauses after the move that is under way" : "continues";
         return true;
       });
   server_.start();
@@ -120,7 +120,7 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
     if (++inARow >= giveUp_)
       throw Error(plan.source + ":" + std::to_string(move.line) + ": " + std::to_string(inARow) +
                   " measurements in a row without a contact (last: '" + feedback_.feature +
-                  "'); look at the probe, and where the artifact is");
+                  "'); check the probe and the position of the artifact");
   }
   feedback_.move = static_cast<std::uint32_t>(plan.moves.size());
   feedback_.progress = 1.0;

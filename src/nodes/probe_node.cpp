@@ -105,7 +105,7 @@ std::string ProbeNode::complaint() const {
   if (!refusal_.empty()) return refusal_;
   if (!debounce_.complaint().empty()) return debounce_.complaint();
   if (static_cast<int>(status_.unsuccessful) >= silentMoves_)
-    return "the probe does not trip: " + std::to_string(status_.unsuccessful) +
+    return "the probe does not trigger: " + std::to_string(status_.unsuccessful) +
            " probing moves in a row ended without a contact; look at the stylus, the cable, and where the "
            "artifact is";
   return {};

@@ -20,7 +20,7 @@ std::string reportPage(const ReportContents& report, const ReportFiles& files);
 
 /// Text for an HTML element or attribute.
 std::string escapedHtml(const std::string& text);
-/// JSON or a script for a <script> element: nothing in it can end the element.
+/// JSON or a script for an element `script`: nothing in it can end the element.
 std::string escapedForScript(const std::string& json);
 
 }  // namespace mm

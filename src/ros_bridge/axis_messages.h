@@ -12,9 +12,11 @@ namespace mm {
 
 // Between the messages of the nodes and the structures of the drivers. Both sides are SI.
 
+/// Readings and velocities in m, rad and s, stamped `stamp`.
 sensor_msgs::JointState toJointState(const std::vector<std::string>& axes, const AxesState& state,
                                      const ros::Time& stamp);
 
+/// What the controller latched at an edge of the probe, m and rad.
 measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::vector<std::string>& axes,
                                              const ros::Time& stamp, const std::string& feature);
 /// `time` is the stamp in s: differences of such times are good to a microsecond.

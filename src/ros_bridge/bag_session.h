@@ -15,7 +15,7 @@ struct BagNamespace {
   bool required = false;  // false: taken where it holds a session; else the only one there is
 };
 
-/// Reads a session from a bag: /probe/contact, /reference, /temperature/<sensor>, /covariate/<name>,
+/// Reads a session from a bag: /probe/contact, /reference, `/temperature/<sensor>`, `/covariate/<name>`,
 /// /joint_states, /artifact and /robot_description; other topics are left alone. Contacts are sorted by their
 /// header's stamp; t = 0 is the stamp of /artifact (else the earliest of these topics; see SessionCollector).
 /// Of an imported session /imported_from names the CSV, and the headers' `seq` count its lines. Directions of

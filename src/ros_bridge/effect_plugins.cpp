@@ -51,12 +51,12 @@ std::vector<std::string> descriptions(const PluginTrouble& trouble) {
     const std::string file = line.substr(line.find(' ') + 1);  // "package path"
     tinyxml2::XMLDocument document;
     if (!std::filesystem::exists(file))
-      trouble(
-          "effect plugins: " + file +
-          " does not exist; mend the line <measuring_machine plugin=…/> in the package.xml of its package");
+      trouble("effect plugins: " + file +
+              " does not exist; correct the line <measuring_machine plugin=…/> in the package.xml of its "
+              "package");
     else if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr)
       trouble("effect plugins: " + file + ":" + std::to_string(document.ErrorLineNum()) +
-              ": is no XML; mend it");
+              ": is not XML; correct it");
     else if (describesEffects(document.RootElement()))
       readable.push_back(file);
   }
@@ -74,7 +74,7 @@ void load(Loader& loader, const std::string& name, const PluginTrouble& trouble)
     registerEffectType(pluginEffectType(type, origin, trouble));
   } catch (const pluginlib::CreateClassException&) {
     trouble(origin + " is left out: its library has no class " + loader.getClassType(name) +
-            "; export it with PLUGINLIB_EXPORT_CLASS, or mend the plugin's xml");
+            "; export it with PLUGINLIB_EXPORT_CLASS, or correct the plugin's xml");
   } catch (const std::exception& e) {
     trouble(origin + " is left out: " + firstLine(e.what()));
   } catch (...) {

@@ -18,7 +18,7 @@ namespace mm {
 /// topics' names. Thread-safe.
 class LiveSession {
  public:
-  explicit LiveSession(ros::NodeHandle node);
+  explicit LiveSession(ros::NodeHandle node);  ///< subscribes
 
   /// What was collected so far. @param fallback the machine unless /robot_description was heard.
   /// @throw InputError when there is nothing, or a message was wrong (the first such is named).

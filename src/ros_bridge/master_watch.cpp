@@ -89,7 +89,7 @@ void MasterWatch::look() {
   if (!call("getPid", "", "", "", answer)) {
     if (!away_)
       ROS_ERROR(
-          "the ROS master at %s does not answer: what is connected goes on, nothing new can connect; start "
+          "the ROS master at %s does not answer: what is connected continues, nothing new can connect; start "
           "it "
           "again, and this node registers again by itself",
           uri.c_str());

@@ -17,10 +17,12 @@ namespace mm {
 // rounded.
 // @throw InputError: the text says what is wrong with the message; the caller adds where it came from.
 
+/// Of a stamp, since the epoch.
 std::int64_t nanoseconds(const ros::Time& stamp);
 /// @throw InputError for a stamp that a ROS time cannot hold.
 ros::Time rosTime(std::int64_t nanoseconds);
 
+/// Lengths in m both ways. @throw InputError naming the field that is not a number, out of range or doubled.
 measuring_machine::Artifact toMessage(const Artifact& artifact);
 Artifact fromMessage(const measuring_machine::Artifact& message);
 
@@ -30,6 +32,7 @@ measuring_machine::ProbeContact toContactMessage(const Observation& contact, con
 /// `time`, `row`, `travel` and the index of the feature are the caller's.
 Observation fromMessage(const measuring_machine::ProbeContact& message, const Machine& machine);
 
+/// A deviation or a position of an independent instrument, m and rad.
 measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& reference,
                                                            const Machine& machine, const std::string& setup);
 /// `time`, `row`, `travel` and the index of the setup are the caller's.

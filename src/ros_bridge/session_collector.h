@@ -38,8 +38,8 @@ class SessionCollector {
   /// Stamp of the newest observation, ns; 0: none yet.
   std::int64_t newest() const;
 
-  std::size_t observationCount() const { return rows_.size() + waiting_.size(); }
-  bool hasMachine() const { return machine_.has_value(); }
+  std::size_t observationCount() const { return rows_.size() + waiting_.size(); }  ///< so far
+  bool hasMachine() const { return machine_.has_value(); }                         ///< a URDF was heard
   /// Used when there is no robot description. @throw InputError when messages do not fit it.
   void setMachine(Machine machine);
 

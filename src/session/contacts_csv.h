@@ -26,7 +26,7 @@ struct StatesCsv {
   std::string header;
   std::vector<std::string> lines;  // as written, one an observation
 
-  explicit StatesCsv(Machine machine) : session(std::move(machine)) {}
+  explicit StatesCsv(Machine machine) : session(std::move(machine)) {}  ///< of which the rows are states
 };
 
 /// A reading that was not measured is NaN; without a column `time_s` all rows are at the session's start.

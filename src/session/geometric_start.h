@@ -12,6 +12,7 @@ struct GeometricStart {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // m
   std::vector<Eigen::Vector3d> features;                   // in workpiece, m
 };
+/// From the contacts alone, at the nominal machine.
 GeometricStart geometricStart(const Session& session);
 
 /// The rigid motion that brings `from` closest to `to` (columns, m): translation alone of one point, the

@@ -20,13 +20,13 @@ class PlanBuilder {
   double overrunRotary = 0.0175;     // rad
   std::map<int, double> clearance;   // a joint: reading at which everything can be passed
 
-  const Machine& machine() const { return machine_; }
-  const Plan& plan() const { return plan_; }
-  const std::vector<double>& current() const { return current_; }
+  const Machine& machine() const { return machine_; }              ///< that moves
+  const Plan& plan() const { return plan_; }                       ///< as far as it is built
+  const std::vector<double>& current() const { return current_; }  ///< readings, m or rad
   /// Starts a group of moves of one line of the file; messages name it.
   void at(int line, std::string what) { line_ = line, what_ = std::move(what); }
 
-  void go(const std::vector<double>& position, double speed = 0.0, double wait = 0.0);
+  void go(const std::vector<double>& position, double speed = 0.0, double wait = 0.0);  ///< m or rad, m/s, s
   /// Goes beyond a position on the sides given (-1, +1 or 0 a joint), so that it is then reached from there.
   void comeFrom(const std::vector<int>& sides, std::vector<double> position);
   /// Touches a ball so that the tip's centre would arrive at `contact` (workpiece) along `approach`.
@@ -40,8 +40,8 @@ class PlanBuilder {
   void reference(MoveKind kind, int joint, const std::vector<double>& position, double speed, double wait,
                  const std::string& setup);
 
-  Eigen::Vector3d tip(const std::vector<double>& readings) const;  ///< nominal, workpiece
-  Eigen::Vector3d beam(const std::vector<double>& readings) const;
+  Eigen::Vector3d tip(const std::vector<double>& readings) const;   ///< nominal, workpiece
+  Eigen::Vector3d beam(const std::vector<double>& readings) const;  ///< of a laser, workpiece
   /// Linear joints that put the nominal tip there; rotary ones stay. @throw InputError
   std::vector<double> reach(const Eigen::Vector3d& tip, std::vector<double> readings) const;
   bool withinLimits(const std::vector<double>& readings) const;

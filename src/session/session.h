@@ -108,7 +108,7 @@ struct Session {
   std::vector<AssumedInput> assumed;  // made by assumeTravel
   std::vector<SetAside> setAside;     // made by `prepare`: not in `observations`, not in the series
 
-  explicit Session(Machine m) : machine(std::move(m)) {}
+  explicit Session(Machine m) : machine(std::move(m)) {}  ///< nothing measured yet
 
   /// Sorts by time (stable; at equal times contacts first), derives the direction of travel (at standstill
   /// that of the last motion), checks every value, sets gross rows aside. Called by each reader; a second

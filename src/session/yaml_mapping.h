@@ -17,8 +17,8 @@ class YamlMapping {
   /// The root of a text. Refuses what is not YAML.
   static YAML::Node load(const std::string& yaml, const std::string& source);
 
-  bool has(const std::string& key) const { return static_cast<bool>(node_[key]); }
-  YAML::Node node(const std::string& key) const;
+  bool has(const std::string& key) const { return static_cast<bool>(node_[key]); }  ///< whether it is given
+  YAML::Node node(const std::string& key) const;                                    ///< refuses a missing key
   /// Keys in the order of the file.
   std::vector<std::string> keys() const;
   std::string text(const std::string& key) const;

@@ -131,7 +131,7 @@ std::vector<SourceKind> screwKinds() {
 
 std::vector<SourceKind> guidewayKinds() {
   return {
-      {"cross_talk",
+      {"squareness",
        {{"axis", Key::kLinear, ""}, {"of", Key::kOtherLinear, ""}},
        {{"c", "rad", 60e-6, 400e-6, true}},
        Probe::kAny,

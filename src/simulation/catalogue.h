@@ -21,7 +21,7 @@ struct HiddenSource {
   std::vector<std::pair<std::string, std::string>> keys;  // axis: x …
   std::vector<Number> numbers;                            // the first is the size
   std::string key(const std::string& name) const;         // empty when absent
-  double number(const std::string& name) const;
+  double number(const std::string& name) const;           ///< SI; @throw InputError
   /// In one line, e.g. `{type: backlash, axis: x, gap: 3 um}`.
   std::string text() const;
 };

@@ -11,14 +11,15 @@ namespace mm {
 /// workpiece.
 class Chain {
  public:
+  /// Reads the URDF of the machine by itself. @throw InputError
   explicit Chain(const Machine& machine);
 
   /// Tip and orientation at these positions of the slides. The probe's own errors are in.
   ProbePose pose(const std::vector<double>& slides, const Distortion& distortion) const;
   ProbePose nominal(const std::vector<double>& readings) const;
 
-  int jointCount() const { return static_cast<int>(joints_.size()); }
-  JointKind kind(int joint) const { return joints_[joint].kind; }
+  int jointCount() const { return static_cast<int>(joints_.size()); }  ///< moving joints
+  JointKind kind(int joint) const { return joints_[joint].kind; }      ///< linear or rotary
   /// Direction of a joint in workpiece with all joints at zero.
   const Eigen::Vector3d& axis(int joint) const { return joints_[joint].axis; }
 

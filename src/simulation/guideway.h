@@ -60,7 +60,7 @@ class MmtAxis : public Source {
     double straightness[2] = {0.0, 0.0};  // C of the other axes, 1/m
     double angle[2] = {0.0, 0.0};         // alpha of the other axes, rad
   };
-  /// @param others the two other axes in the machine's order. @param lead of the screw, m.
+  /// @param first, second the two other axes in the machine's order. @param lead of the screw, m.
   MmtAxis(int axis, int first, int second, double lead, const Constants& constants)
       : axis_(axis), others_{first, second}, lead_(lead), constants_(constants) {}
   void apply(const Condition& condition, Distortion& distortion) const override;

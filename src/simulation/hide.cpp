@@ -82,7 +82,7 @@ Written readShort(const std::string& text, const std::string& where) {
 
 const std::map<std::string, std::string> kOtherNames = {{"screw_periodic", "lead_screw_periodic"},
                                                         {"screw_cumulative", "positioning_polynomial"},
-                                                        {"squareness", "cross_talk"},
+                                                        {"cross_talk", "squareness"},
                                                         {"ball_position", "artifact_position"}};
 
 std::vector<std::string> choices(Key kind, const HiddenSource& source, const SourceKind& rule,

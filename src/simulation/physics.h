@@ -16,7 +16,7 @@ namespace mm {
 struct TrueCovariate {
   std::string name, unit;
   double mean = 0.0, swing = 0.0, period = 3600.0, phase = 0.0;  // in `unit`; s; rad
-  double at(double time) const;
+  double at(double time) const;                                  ///< in `unit`; time in s
 };
 
 /// Everything that is wrong with one instrument.
@@ -30,7 +30,7 @@ struct Physics {
   std::vector<Follower> followers;  // bodies after those of the ThermalModel
   std::vector<TrueCovariate> covariates;
 
-  Distortion distortion(const Condition& condition) const;
+  Distortion distortion(const Condition& condition) const;  ///< sum of all sources
 };
 
 /// A state of which the truth is asked: what a contact records. SI units.

@@ -20,7 +20,7 @@ class Profile {
   /// From -size to +size along the travel, mostly straight, a little wavy.
   static Profile rise(double lower, double upper, double size, Random& random);
 
-  double at(double travel) const;
+  double at(double travel) const;  ///< m; travel in m or rad
 
  private:
   Profile(double lower, double upper, std::vector<double> values);

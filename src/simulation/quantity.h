@@ -15,6 +15,7 @@ struct PeopleUnit {
   std::string name;
   double factor = 1.0;
 };
+/// The unit that is printed for a dimension ("m": um).
 PeopleUnit peopleUnit(const std::string& dimension);
 
 }  // namespace mm

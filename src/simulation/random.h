@@ -11,8 +11,8 @@ class Random {
  public:
   Random(std::uint64_t seed, const std::string& stream);
 
-  double uniform();  ///< in [0, 1)
-  double uniform(double lower, double upper);
+  double uniform();                               ///< in [0, 1)
+  double uniform(double lower, double upper);     ///< from lower to upper
   double logUniform(double lower, double upper);  ///< both above 0, or equal
   double normal();                                ///< mean 0, standard deviation 1
   /// Student's t, scaled to standard deviation 1 where it has one (more than two degrees of freedom).

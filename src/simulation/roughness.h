@@ -26,6 +26,7 @@ struct Roughness {
   double wildLower = 4.0, wildUpper = 8.0;  // repeatabilities by which these are off
   double quantised = 0.0;                   // step of the readings
 
+  /// Nothing of all: white noise on a perfect artifact.
   bool none() const {
     return drift == 0.0 && correlated == 0.0 && form == 0.0 && sensors == 0.0 && tails == 0.0 &&
            quantised == 0.0;

@@ -26,6 +26,7 @@ struct SimulatedRepeatability {
   double angular = 0.0;  // rad, of measured angles; that of a reading of a rotary joint where there are none
   double all = 0.0;      // of both together: m, or rad where only angles are measured
 };
+/// Standard deviations that the noise of the plan gives, m and rad.
 SimulatedRepeatability repeatabilityOf(const Machine& machine, const Plan& plan, const NoiseSettings& noise);
 
 /// An instrument that is ready to measure, and what is wrong with it.

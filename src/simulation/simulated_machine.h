@@ -36,8 +36,8 @@ class SimulatedMachine {
   const std::vector<double>& readings() const { return drive_; }     ///< of the drives, m or rad
   const std::vector<double>& velocity() const { return velocity_; }  ///< m/s or rad/s
   const std::vector<double>& travel() const { return travel_; }  ///< -1, +1 of the last motion; 0: none yet
-  const Machine& machine() const { return machine_; }
-  const Chain& chain() const { return chain_; }
+  const Machine& machine() const { return machine_; }            ///< nominal
+  const Chain& chain() const { return chain_; }                  ///< its own kinematics
 
   /// Puts the drives there without a motion: only before anything else.
   void home(const std::vector<double>& readings);
@@ -66,12 +66,12 @@ class SimulatedMachine {
   /// True tip in workpiece (m) as a tracker finds it, with its noise.
   Eigen::Vector3d measurePosition();
 
-  const std::vector<std::string>& sensorNames() const { return settings_.thermal.sensors; }
+  const std::vector<std::string>& sensorNames() const { return settings_.thermal.sensors; }  ///< as logged
   std::vector<double> temperatures();  ///< degC, as the sensors say now, with noise
-  const std::vector<Series>& temperatureLog() const { return temperatureLog_; }
-  const std::vector<Series>& covariateLog() const { return covariateLog_; }
+  const std::vector<Series>& temperatureLog() const { return temperatureLog_; }  ///< degC
+  const std::vector<Series>& covariateLog() const { return covariateLog_; }      ///< own units
   Eigen::Vector3d trueTip() const;  ///< in workpiece, without the probe's pre-travel
-  Truth truth() const { return Truth(chain_, physics_, thermal_); }
+  Truth truth() const { return Truth(chain_, physics_, thermal_); }  ///< what a reading truly means
 
  private:
   struct Segment {

@@ -19,6 +19,7 @@ struct Condition {
 /// The errors at one instant, added up over all sources. Vectors at a joint are in the axes of workpiece with
 /// all joints at zero, and act at the joint's fixed side, before its motion. Units: m, rad.
 struct Distortion {
+  /// Nothing distorted. @param joints of the machine.
   explicit Distortion(int joints)
       : travel(joints, 0.0), shift(joints, Eigen::Vector3d::Zero()), tilt(joints, Eigen::Vector3d::Zero()) {}
   std::vector<double> travel;  // true travel of a slide beyond what its drive says
@@ -44,6 +45,7 @@ using SourcePtr = std::shared_ptr<const Source>;
 struct Direction {
   int joint = -1;      // or
   int component = -1;  // 0, 1, 2
+  /// Adds an error along this direction. @param amount m, or rad of a rotary joint.
   void add(Distortion& distortion, double amount) const {
     if (joint >= 0)
       distortion.travel[joint] += amount;

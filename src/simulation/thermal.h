@@ -26,10 +26,10 @@ struct Contact {
 /// Heat that is switched on and off, e.g. of a heated bed.
 struct HeatSchedule {
   int body = 0;
-  double power = 0.0;           // W
-  double from = 0.0, to = 0.0;  // s
-  double every = 0.0;           // s between repetitions; 0: once
-  double at(double time) const;
+  double power = 0.0;            // W
+  double from = 0.0, to = 0.0;   // s
+  double every = 0.0;            // s between repetitions; 0: once
+  double at(double time) const;  ///< W; time in s
 };
 
 /// A body inside the structure that follows another with a first-order lag and gives nothing back.
@@ -40,11 +40,11 @@ struct Follower {
 
 /// Temperature of the room: start, ramp and a swing.
 struct Ambient {
-  double start = 20.0;     // degC
-  double ramp = 0.0;       // K/s
-  double swing = 0.0;      // K
-  double period = 3600.0;  // s
-  double at(double time) const;
+  double start = 20.0;           // degC
+  double ramp = 0.0;             // K/s
+  double swing = 0.0;            // K
+  double period = 3600.0;        // s
+  double at(double time) const;  ///< degC; time in s
 };
 
 /// Heat balances of the machine's bodies: C dT/dt = power - sum of conductance * temperature difference.
@@ -98,10 +98,10 @@ class TemperatureSensor {
  public:
   TemperatureSensor(int body, double lag, double noise, double offset = 0.0, double step = 0.0)
       : body_(body), lag_(lag), noise_(noise), offset_(offset), step_(step) {}
-  void settle(double temperature) { value_ = temperature; }
-  void advance(double seconds, double bodyTemperature);
-  double read(Random& random) const;  ///< degC
-  int body() const { return body_; }
+  void settle(double temperature) { value_ = temperature; }  ///< degC, without lag
+  void advance(double seconds, double bodyTemperature);      ///< s, degC
+  double read(Random& random) const;                         ///< degC
+  int body() const { return body_; }                         ///< index in the thermal model
 
  private:
   int body_;

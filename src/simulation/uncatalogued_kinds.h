@@ -24,6 +24,7 @@ inline const SourceKind::KeyRule kAxis = {"axis", Key::kLinear, ""}, kLevelAxis 
                                  kDamp = {"covariate", Key::kCovariate, ""};
 inline const SourceKind::NumberRule kPhase = {"phase", "turn", 0.01, 6.28};
 
+/// Radians of a part of a turn.
 inline double turns(double part) { return 2.0 * kPi * part; }
 
 }  // namespace mm::uncatalogued

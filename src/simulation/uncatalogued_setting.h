@@ -48,6 +48,7 @@ std::vector<Eigen::Vector3d> linearAxes(const Workshop& workshop);
 struct Spread {
   double mean = 0.0, deviation = 0.0;
 };
+/// Mean and size of a quantity over the states that are visited.
 Spread spreadOf(const Quantity& quantity, const std::vector<Condition>& visits);
 
 }  // namespace mm

@@ -13,7 +13,7 @@ struct CalculixResults {
   std::vector<std::string> sets;      // whose displacements were printed, as CalculiX writes them
   std::vector<Eigen::MatrixXd> mean;  // of a set's nodes, a set: samples x 3, unit of length of the deck
 
-  int samples() const { return static_cast<int>(time.size()); }
+  int samples() const { return static_cast<int>(time.size()); }  ///< points of time
 };
 
 /// @throw InputError naming file, line and what to do: no temperatures, a cell that is no finite number, a

@@ -13,11 +13,11 @@ namespace mm {
 /// the held-out error clearly.
 class Dfnn : public ThermalNetwork {
  public:
-  explicit Dfnn(const NetworkSettings& settings);
+  explicit Dfnn(const NetworkSettings& settings);  ///< not trained yet
 
   NetworkKind kind() const override { return NetworkKind::kDfnn; }
   int rules() const override { return rules_.count(); }
-  const DfnnRules& memberships() const { return rules_; }
+  const DfnnRules& memberships() const { return rules_; }  ///< after fit()
   void evaluate(const double* x, double* y) const override;
   std::string describe() const override;
 

@@ -37,8 +37,8 @@ struct DfnnRules {
   /// its border, so that only the common line goes on. Empty: they go on too.
   Eigen::RowVectorXd low, high;
 
-  int count() const { return static_cast<int>(widths.size()); }
-  int inputs() const { return static_cast<int>(centres.cols()); }
+  int count() const { return static_cast<int>(widths.size()); }    ///< rules
+  int inputs() const { return static_cast<int>(centres.cols()); }  ///< temperatures
   /// psi_j = phi_j / sum phi, with phi_j = exp(-|x - C_j|^2 / sigma_j^2); finite however far x is from all
   /// centres.
   void strengths(const double* x, double* psi) const;

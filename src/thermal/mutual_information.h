@@ -43,8 +43,8 @@ class SensorInformation {
   SensorInformation(const Eigen::MatrixXd& temperatures, const Eigen::VectorXd& displacement,
                     const InformationSettings& settings);
 
-  int samples() const { return static_cast<int>(temperatures_.rows()); }
-  int sensors() const { return static_cast<int>(temperatures_.cols()); }
+  int samples() const { return static_cast<int>(temperatures_.rows()); }  ///< rows
+  int sensors() const { return static_cast<int>(temperatures_.cols()); }  ///< columns
   /// I(Y; T_1 ... T_m) in nat for the sensors of these indices; 0 for none.
   double joint(const std::vector<int>& sensors) const;
   /// Absolute correlation of one sensor with the displacement; 0 when one of them does not vary.

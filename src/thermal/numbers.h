@@ -6,6 +6,7 @@ namespace mm {
 
 // Networks are stored as plain numbers: a matrix is its two sizes and then its columns.
 
+/// Appends rows, columns and the values column by column.
 void writeMatrix(std::vector<double>& numbers, const Eigen::MatrixXd& matrix);
 /// Takes one number. Throws InputError at the end.
 double readNumber(const double*& next, const double* end);

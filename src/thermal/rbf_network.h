@@ -9,7 +9,7 @@ namespace mm {
 class RbfNetwork : public ThermalNetwork {
  public:
   static constexpr int kMostCentres = 300;
-  explicit RbfNetwork(const NetworkSettings& settings) : ThermalNetwork(settings) {}
+  explicit RbfNetwork(const NetworkSettings& settings) : ThermalNetwork(settings) {}  ///< not trained yet
 
   NetworkKind kind() const override { return NetworkKind::kRbf; }
   int rules() const override { return static_cast<int>(centres_.rows()); }

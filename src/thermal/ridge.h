@@ -13,6 +13,7 @@ struct RidgeModel {
   Eigen::MatrixXd slopes;  // inputs x outputs, unit of the output per unit of the input
   double lambda = 0.0;
 
+  /// @param x a sample a row, in the unit of the samples that were learned.
   Eigen::MatrixXd evaluate(const Eigen::MatrixXd& x) const {
     return (x * slopes).rowwise() + offset.transpose();
   }

@@ -8,7 +8,7 @@ namespace mm {
 /// network has to beat.
 class RidgeNetwork : public ThermalNetwork {
  public:
-  explicit RidgeNetwork(const NetworkSettings& settings) : ThermalNetwork(settings) {}
+  explicit RidgeNetwork(const NetworkSettings& settings) : ThermalNetwork(settings) {}  ///< not trained yet
 
   NetworkKind kind() const override { return NetworkKind::kRidge; }
   void evaluate(const double* x, double* y) const override;

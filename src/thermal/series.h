@@ -11,7 +11,7 @@ struct SampledSeries {
   std::vector<std::string> names;
   Eigen::MatrixXd values;  // samples x columns
 
-  int samples() const { return static_cast<int>(values.rows()); }
+  int samples() const { return static_cast<int>(values.rows()); }  ///< rows
   /// Index of a column by its exact name. Throws InputError that lists the names there are.
   int column(const std::string& name) const;
 };

@@ -27,10 +27,10 @@ class ThermalNetwork {
  public:
   virtual ~ThermalNetwork() = default;
 
-  virtual NetworkKind kind() const = 0;
-  int inputs() const { return static_cast<int>(x_.cols()); }
-  int outputs() const { return static_cast<int>(y_.cols()); }
-  int samples() const { return static_cast<int>(x_.rows()); }
+  virtual NetworkKind kind() const = 0;                        ///< which network it is
+  int inputs() const { return static_cast<int>(x_.cols()); }   ///< temperatures
+  int outputs() const { return static_cast<int>(y_.cols()); }  ///< positions
+  int samples() const { return static_cast<int>(x_.rows()); }  ///< that it learned
   /// Rules of a DFNN, centres of an RBF network, 1 of a linear one.
   virtual int rules() const { return 1; }
   /// Constants that were fitted to the samples, at most one a value; a ridge holds some of them back.

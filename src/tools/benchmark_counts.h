@@ -16,7 +16,7 @@ class BenchmarkCounts {
   /// @param effects hidden in each session. @param uncatalogued they are outside the catalogue.
   BenchmarkCounts(int effects, bool uncatalogued) : effects_(effects), uncatalogued_(uncatalogued) {}
 
-  void add(const Trial& trial);
+  void add(const Trial& trial);  ///< one session more
   /// Whether a session went as it should: worth no line.
   bool good(const Trial& trial) const;
   std::string text() const;

@@ -31,11 +31,12 @@ struct Score {
   bool claimed = false;  // a cause, a profile or a formula
   bool profile = false, formula = false;
 
-  int count(Hit hit) const;
+  int count(Hit hit) const;  ///< hidden effects of that kind
   /// All found, nothing else claimed.
   bool exact() const;
 };
 
+/// Judges a diagnosis by what was hidden.
 Score scoreOf(const Diagnosis& diagnosis, const std::vector<EffectSpec>& hidden);
 
 }  // namespace mm

@@ -10,6 +10,7 @@ namespace mm {
 // subcommand is the one that was typed, does the work from the callback of CLI11. Bad input is thrown
 // (InputError, NumericalError); a result whose answer is no sets `exitStatus` to 1.
 
+/// Each adds its subcommand, which sets `exitStatus` and throws mm::Error for bad input.
 void addImportCommand(CLI::App& app, int& exitStatus);
 void addSensorsCommand(CLI::App& app, int& exitStatus);
 void addSimulateCommand(CLI::App& app, int& exitStatus);

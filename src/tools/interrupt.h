@@ -9,7 +9,7 @@ class Interrupt {
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
-  static bool asked();
+  static bool asked();  ///< Ctrl-C or SIGTERM came
 
  private:
   void (*before_)(int);

@@ -35,6 +35,7 @@ struct FitOptions {
   bool whiteNoise = false;
   std::string space;  // of the session's topics
 
+  /// Adds the options. @param genetic also seed and threads of the genetic algorithms.
   void declare(CLI::App& command, bool genetic);
   /// The options checked, with progress on `bar`'s terminal and Ctrl-C as cancel. @throw InputError.
   CalibrateOptions checked() const;

@@ -64,7 +64,7 @@ import csv, math; r=list(csv.DictReader(open('corrected.csv'))); d=abs(float(r[0
 # Wrong ones: one line each, and the others go on.
 bad calibrate s.bag --model empty.yaml --method least_squares -o b.yaml >/dev/null 2>err
 check 'wrong plugins do not stop what does not need them' [ $? -eq 0 ]
-for words in 'missing.xml does not exist' 'no_xml.xml:1: is no XML' "'never_built' of package bad_effects is left out" \
+for words in 'missing.xml does not exist' 'no_xml.xml:1: is not XML' "'never_built' of package bad_effects is left out" \
   "'nobody' of package bad_effects is left out: its library has no class" "'old' .* build it again" \
   "'backlash' is already in the catalogue" "'throws_at_once' of package bad_effects is left out: no licence file"; do
   check "one line: $words" [ "$(grep -c "^mm: warning: .*$words" err)" = 1 ]

@@ -186,7 +186,7 @@ class Demo(unittest.TestCase):
                 return f.read().count(words)
 
         stop(master)
-        self.assertTrue(support.wait_until(lambda: said("does not answer: what is connected goes on") == 2, 20))
+        self.assertTrue(support.wait_until(lambda: said("does not answer: what is connected continues") == 2, 20))
         start_master()
         self.assertTrue(support.wait_until(lambda: said("this node is registered again") == 2, 20))
         self.assertTrue(all(node.poll() is None for node in nodes), "the nodes outlive their master")

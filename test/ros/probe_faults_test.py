@@ -47,7 +47,7 @@ class ProbeFaults(unittest.TestCase):
         frames = support.Frames("m1/x_slide", "m2/x_slide")
         message = self.measure("m1")
         self.assertIn("in a row without a contact", message)
-        self.expect_diagnostics("m1", "the probe does not trip")
+        self.expect_diagnostics("m1", "the probe does not trigger")
         self.assertEqual(self.contacts, [])
         self.assertTrue(frames.of("m1/x_slide") and frames.of("m2/x_slide"))
 

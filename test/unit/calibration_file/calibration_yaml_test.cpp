@@ -113,6 +113,13 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
   EXPECT_EQ(r.ledger[1].calibration, c.ledger[1].calibration);
 }
 
+TEST(CalibrationYaml, readsAnEffectByItsOlderName) {
+  Calibration c = test::exampleCalibration();
+  c.effects[0] = EffectSpec("cross_talk").set("axis", "x").set("of", "y");
+  const Calibration r = parseCalibration(calibrationYaml(c), "c.yaml");
+  EXPECT_EQ(r.effects[0].yaml(), "{type: squareness, axis: x, of: y}");
+}
+
 TEST(CalibrationYaml, keepsACovarianceThatIsNotSymmetricAndAnUrdfOfAnyText) {
   Calibration c = test::exampleCalibration();
   c.covariance(0, 2) = 0.25;

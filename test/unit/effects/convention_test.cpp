@@ -80,7 +80,7 @@ TEST_F(Convention, artifactExpansionGrowsPositionAndRadius) {
 TEST_F(Convention, crossTalkAndScale) {
   place(0.01, 0.02, -0.01);
   EXPECT_DOUBLE_EQ(values("{type: scale, axis: y}", {1e-4})[layout.axis(1)], 2e-6);
-  EXPECT_DOUBLE_EQ(values("{type: cross_talk, axis: x, of: y}", {1e-4})[layout.axis(0)], 2e-6);
+  EXPECT_DOUBLE_EQ(values("{type: squareness, axis: x, of: y}", {1e-4})[layout.axis(0)], 2e-6);
 }
 
 TEST_F(Convention, rotationIsRightHandedAboutTheOrigin) {

@@ -33,7 +33,7 @@ struct Row {
 const std::vector<Row> kThreeAxis{
     {"{type: mmt_deviation, axis: x, lead_mm: 1}", "x y z"},
     {"{type: scale, axis: x}", "x"},
-    {"{type: cross_talk, axis: x, of: y}", "y"},
+    {"{type: squareness, axis: x, of: y}", "y"},
     {"{type: lead_screw_periodic, axis: x, period_mm: unknown}", "x"},
     {"{type: lead_screw_periodic, axis: y, period_mm: 2.5}", "y"},
     {"{type: positioning_polynomial, axis: x, degree: 3}", "x"},
@@ -141,7 +141,7 @@ TEST(Inputs, doNotNeedAFullSession) {
         domain);
   Domain bare;
   bare.setMachine(rigOf(0).machine);
-  check({{"{type: cross_talk, axis: x, of: y}", "y"}, {"{type: backlash, axis: z}", "travel:z"}}, bare);
+  check({{"{type: squareness, axis: x, of: y}", "y"}, {"{type: backlash, axis: z}", "travel:z"}}, bare);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST_F(Spec, refusalsNameTheCulpritAndTheNearestName) {
   expect("{type: mmt_deviation, axis: x, lead_mm: -1}", {"'lead_mm'", "-1"});
   expect("{type: mmt_deviation, axis: x, lead_mm: nan}", {"'lead_mm'", "finite"});
   expect("{type: mmt_deviation, axis: x, lead_mm: 1, argument: pi}", {"'argument'", "2pi, 1"});
-  expect("{type: cross_talk, axis: x, of: x}", {"different joints"});
+  expect("{type: squareness, axis: x, of: x}", {"different joints"});
   expect("{type: straightness, axis: x, direction: x, degree: 2}", {"must differ"});
   expect("{type: lead_screw_periodic, axis: b, period_mm: 1}", {"period_deg"});
   expect("{type: ball_radius, ball: target}", {"'target'", "a point"});
@@ -57,7 +57,8 @@ TEST_F(Spec, theSameMeaningHasOneForm) {
   const auto canonical = [&](const std::string& yaml) {
     return createEffect(specOf(yaml), domain)->spec().yaml();
   };
-  EXPECT_EQ(canonical("{type: cross_talk, of: y, axis: x}"), "{type: cross_talk, axis: x, of: y}");
+  EXPECT_EQ(canonical("{type: squareness, of: y, axis: x}"), "{type: squareness, axis: x, of: y}");
+  EXPECT_EQ(canonical("{type: cross_talk, of: y, axis: x}"), "{type: squareness, axis: x, of: y}");
   EXPECT_EQ(canonical("{type: mmt_deviation, argument: 2pi, exponent: 2, lead_mm: 1.50, axis: x}"),
             "{type: mmt_deviation, axis: x, lead_mm: 1.5}");
   EXPECT_EQ(canonical("{type: thermal_growth, direction: z, sensor: bed, lag: false}"),

@@ -121,7 +121,7 @@ TEST_F(OneEffect, aPeriodIsClaimedOnlyWhereTwoWereSeen) {
 TEST_F(OneEffect, onlyALawOfAPositionNeedsOne) {
   EXPECT_TRUE(make("{type: backlash, axis: x}")->mustMove().empty());
   EXPECT_TRUE(make("{type: thermal_bending, axis: z, about: x, sensors: [bed, frame]}")->mustMove().empty());
-  EXPECT_EQ(make("{type: cross_talk, axis: x, of: y}")->mustMove(), std::vector<int>{1});
+  EXPECT_EQ(make("{type: squareness, axis: x, of: y}")->mustMove(), std::vector<int>{1});
   EXPECT_EQ(make("{type: backlash, axis: y}")->variesAlong(domain), std::vector<int>{1});
   EXPECT_TRUE(make("{type: speed_lag}")->variesAlong(domain).empty());
 }

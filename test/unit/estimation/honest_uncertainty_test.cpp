@@ -56,7 +56,7 @@ Coverage coverageOver(int sessions, const std::string& repeatability, const std:
     model.effects.push_back(EffectSpec("backlash").set("axis", axis));
   }
   for (const auto& [axis, of] : {std::pair("x", "y"), std::pair("x", "z"), std::pair("y", "z")})
-    model.effects.push_back(EffectSpec("cross_talk").set("axis", axis).set("of", of));
+    model.effects.push_back(EffectSpec("squareness").set("axis", axis).set("of", of));
   model.effects.push_back(EffectSpec("time_drift").set("direction", "z"));
 
   Coverage coverage;
@@ -65,7 +65,7 @@ Coverage coverageOver(int sessions, const std::string& repeatability, const std:
     request.seed = 1000 + static_cast<std::uint64_t>(s);
     request.rough = rough;
     request.hide = {"scale:x",    "scale:y",        "scale:z",        "backlash:x",     "backlash:y",
-                    "backlash:z", "cross_talk:x/y", "cross_talk:x/z", "cross_talk:y/z", "time_drift:z"};
+                    "backlash:z", "squareness:x/y", "squareness:x/z", "squareness:y/z", "time_drift:z"};
     const Simulation simulation = simulate(machine, plan, request);
     CalibrateOptions options;
     options.method = Method::kLeastSquares;

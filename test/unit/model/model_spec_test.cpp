@@ -20,6 +20,12 @@ std::string refusal(const std::string& yaml) {
   return "accepted";
 }
 
+TEST(ModelSpec, understandsTheOlderNameOfSquareness) {
+  const ModelSpec spec = parseModelSpec("effects: [{type: cross_talk, axis: x, of: y}]", "m.yaml");
+  ASSERT_EQ(spec.effects.size(), 1u);
+  EXPECT_EQ(spec.effects[0].yaml(), "{type: squareness, axis: x, of: y}");
+}
+
 TEST(ModelSpec, isReadWithTheOrderOfItsKeys) {
   const ModelSpec spec = parseModelSpec(
       "machine: three_axis\n"

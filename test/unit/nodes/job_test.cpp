@@ -17,7 +17,7 @@ TEST(Job, ASecondOneIsRefusedWithTheNameAndStageOfTheFirst) {
       job.run("diagnose", [] { FAIL() << "must not run"; });
       FAIL() << "must throw";
     } catch (const InputError& e) {
-      EXPECT_NE(std::string(e.what()).find("'calibrate' is running since 0 s (polish, 40 %)"),
+      EXPECT_NE(std::string(e.what()).find("'calibrate' has been running for 0 s (polish, 40 %)"),
                 std::string::npos)
           << e.what();
     }

@@ -40,7 +40,7 @@ TEST(Recovery, TouchProbeOnThePlate) {
   const std::vector<Recovery> cases = {
       {"backlash:x=3um", "{type: backlash, axis: x}", 3e-6},
       {"scale:z=200ppm", "{type: scale, axis: z}", 200e-6},
-      {"cross_talk:x/y=30arcsec", "{type: cross_talk, axis: x, of: y}", 30.0 * kArcsecond},
+      {"squareness:x/y=30arcsec", "{type: squareness, axis: x, of: y}", 30.0 * kArcsecond},
       {"speed_lag=1ms", "{type: speed_lag}", 1e-3},
       {"thermal_expansion:x/motor=40ppm/K", "{type: thermal_expansion, axis: x, sensor: motor}",
        40.0 * perMetreK},

@@ -88,7 +88,7 @@ TEST(Simulate, TruthOfTheLatchedStateIsTheContact) {
   const Simulation s =
       run(smallPlate(40), {"backlash:x=4um", "backlash:z=3um", "speed_lag=1.5ms", "probe_lobing=2um",
                            "thermal_expansion:x/motor=40ppm/K", "warm_up:z=8um", "gravity_sag:z/y=5um",
-                           "positioning_polynomial:y=4um", "cross_talk:x/y=60arcsec",
+                           "positioning_polynomial:y=4um", "squareness:x/y=60arcsec",
                            "thermal_bending:x/y/frame/bed=20arcsec/K"});
   for (std::size_t i = 0; i < s.states.size(); ++i) {
     const Eigen::Vector3d said = s.truth->position(s.states[i]);
@@ -177,7 +177,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
                                              {"positioning_polynomial", {":y", "um", 3}},
                                              {"scale", {":z", "ppm", 200}},
                                              {"mmt_deviation", {":x", "ppm", 300}},
-                                             {"cross_talk", {":x/y", "arcsec", 30}},
+                                             {"squareness", {":x/y", "arcsec", 30}},
                                              {"straightness", {":y/z", "um", 3}},
                                              {"angular_motion", {":y/x", "arcsec", 40}},
                                              {"thermal_expansion", {":x/motor", "ppm/K", 50}},
@@ -283,7 +283,7 @@ TEST(Simulate, NoNameIsSilentlyIgnored) {
   EXPECT_THROW(run(laserPlan(), {"rotary_axis_tilt:b/z"}, 1, Machine::load("five_axis")), InputError);
   EXPECT_EQ(run(smallPlate(3), {"{type: backlash, axis: y, gap: 3um}"}).hidden[0].text(),
             "{type: backlash, axis: y, gap: 3 um}");
-  EXPECT_EQ(run(smallPlate(3), {"squareness:x/y=10arcsec"}).hidden[0].type, "cross_talk");
+  EXPECT_EQ(run(smallPlate(3), {"cross_talk:x/y=10arcsec"}).hidden[0].type, "squareness");
 }
 
 TEST(Simulate, LaserPointsLieOnTheBall) {

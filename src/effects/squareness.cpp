@@ -1,4 +1,4 @@
-#include "effects/cross_talk.h"
+#include "effects/squareness.h"
 
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
@@ -6,9 +6,9 @@
 namespace mm {
 namespace {
 
-class CrossTalk : public CatalogueEffect {
+class Squareness : public CatalogueEffect {
  public:
-  explicit CrossTalk(SpecReader& read)
+  explicit Squareness(SpecReader& read)
       : CatalogueEffect(read, Stage::kAxis), axis_(read.joint("axis")), of_(read.joint("of")) {
     if (axis_ == of_) read.fail("axis and of must be different joints; for an axis on itself use scale");
     const auto& joints = read.domain().joints;
@@ -25,8 +25,8 @@ class CrossTalk : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {of_}; }
 
   std::string cause() const override {
-    return "The guideway of " + ofName_ + " is not square to " + axisName_ + ": moving " + ofName_ +
-           " carries the probe along " + axisName_ + " in proportion.";
+    return "The guideway of " + ofName_ + " is not square to " + axisName_ + ": travel of " + ofName_ +
+           " displaces the probe along " + axisName_ + " in proportion.";
   }
   std::string remedy() const override {
     return "Square the guideway of " + ofName_ + " to " + axisName_ +
@@ -44,11 +44,11 @@ class CrossTalk : public CatalogueEffect {
 
 }  // namespace
 
-EffectType crossTalkType() {
-  return effectType<CrossTalk>("cross_talk", {"axis", "of"}, [](const Domain& domain) {
+EffectType squarenessType() {
+  return effectType<Squareness>("squareness", {"axis", "of"}, [](const Domain& domain) {
     std::vector<EffectSpec> specs;
     for (const auto& [axis, of] : coupledJoints(domain))
-      specs.push_back(EffectSpec("cross_talk").set("axis", axis).set("of", of));
+      specs.push_back(EffectSpec("squareness").set("axis", axis).set("of", of));
     return specs;
   });
 }

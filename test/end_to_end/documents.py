@@ -1,0 +1,196 @@
+"""Tries the documents: run by documents_test.sh; prints `ok …` and `not ok …` lines."""
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
+MM = os.environ["MM"]
+
+
+def say(good, what, why=""):
+    print(("ok " if good else "not ok ") + what + ("" if good or not why else ": " + why), flush=True)
+
+
+def text_of(name):
+    with open(os.path.join(ROOT, name), encoding="utf-8") as file:
+        return file.read()
+
+
+def run(line, folder):
+    """A line of a document; `mm` is the program under test."""
+    environment = dict(os.environ, HOME=folder)
+    environment["PATH"] = os.path.dirname(os.path.abspath(MM)) + ":" + environment["PATH"]
+    return subprocess.run(["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+
+
+def typed_lines(text):
+    """Lines of indented or fenced blocks that begin with mm or printf, continued ones joined; without a placeholder."""
+    fenced, lines = False, []
+    for line in text.replace("\\\n", " ").split("\n"):
+        if line.lstrip().startswith("```"):
+            fenced = not fenced
+        elif (fenced or line.startswith("    ")) and re.match(r"\s*(mm|printf) ", line) and "…" not in line:
+            lines.append(line.strip())
+    return lines
+
+
+def examples(text, folder):
+    for name, body in re.findall(r"```\w+ file=(\S+)\n(.*?)```", text, re.S):
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            file.write(body)
+
+
+def try_typed(document, folder):
+    for line in dict.fromkeys(typed_lines(text_of(document))):  # each once
+        done = run(line, folder)
+        say(done.returncode == 0, f"{document}: {line[:70]}", done.stderr.strip()[-300:])
+
+
+def ranges(text):
+    """(section, key, a value outside) of every range in the tables."""
+    section, found = "", []
+    for line in text.split("\n"):
+        title = re.match(r"## (.*)|\*\*(\w+)\*\*", line)
+        if title:
+            section = title.group(1) or title.group(2)
+        cells = [cell.strip() for cell in line.split("|")[1:-1]]
+        if len(cells) != 5:
+            continue
+        keys = [key.split(": ")[-1] for key in re.findall(r"`([^`<]+)`", cells[0])]
+        for bound in cells[3].split(", "):
+            numbers = re.fullmatch(r"(-?[\d.e]+) to (-?[\d.e]+)", bound)
+            outside = None
+            if numbers:
+                outside = 2.0 * float(numbers.group(2)) + 1.0
+            elif re.fullmatch(r"(\d+) or more", bound):
+                outside = int(bound.split()[0]) - 1
+            elif bound == "above 0":
+                outside = 0
+            if outside is not None:
+                each = keys if len(cells[3].split(", ")) == 1 else [keys[cells[3].split(", ").index(bound)]]
+                found += [(section, key, outside) for key in each]
+    return found
+
+
+def try_ranges(text, folder):
+    kinds = {
+        "Artifact": ("artifact.yaml", "mm import contacts.csv --artifact {} --machine three_axis -o x.bag"),
+        "Model": ("model.yaml", "mm check readings.bag --model {}"),
+        "postures": ("laser_plan.yaml", "mm simulate --machine five_axis --plan {} -o x.bag"),
+        "": ("plan.yaml", "mm simulate --machine three_axis --plan {} -o x.bag"),
+    }
+    tried = 0
+    for section, key, value in ranges(text):
+        name, command = kinds.get(section, kinds[""])
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            whole = file.read()
+        # the part of the file that the section is about
+        first = {"Simulated instrument": "instrument"}.get(section, section)
+        part = re.search(r"^" + first + r":.*?(?=^\w|\Z)", whole, re.M | re.S) or re.search(r".*?(?=^touch:|\Z)", whole, re.M | re.S)
+        places = list(re.finditer(r"\b" + key + r": (\[[^\]]*\]|[^,}\s]+)", whole[:part.end()]))
+        places = [place for place in places if place.start() >= part.start()]
+        if not places:
+            say(False, f"docs/formats.md: {key} of {section} is in an example")
+        for place in places:
+            with open(os.path.join(folder, "changed.yaml"), "w", encoding="utf-8") as file:
+                file.write(whole[:place.start(1)] + repr(value) + whole[place.end(1):])
+            done = run(command.format("changed.yaml"), folder)
+            tried += 1
+            if done.returncode != 2 or key not in done.stderr:
+                say(False, f"docs/formats.md: {key} = {value} of {section} is refused", done.stderr.strip()[-200:])
+    say(tried > 60, f"docs/formats.md: {tried} values outside their ranges were tried")
+
+
+def try_links():
+    documents = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "src/README.md", "src/effects/README.md"]
+    documents += ["docs/" + name for name in sorted(os.listdir(os.path.join(ROOT, "docs"))) if name.endswith(".md")]
+    for document in documents:
+        text = text_of(document)
+        wrong = []
+        for target in re.findall(r"\]\(([^)\s]+)\)", text):
+            if re.match(r"https?:", target):
+                continue
+            path, _, anchor = target.partition("#")
+            file = os.path.normpath(os.path.join(os.path.dirname(document), path)) if path else document
+            if not os.path.exists(os.path.join(ROOT, file)):
+                wrong.append(target)
+            elif anchor and file.endswith(".md"):
+                titles = re.findall(r"^#+ (.*)$", text_of(file), re.M)
+                names = [re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles]
+                if anchor not in names:
+                    wrong.append(target)
+        say(not wrong, f"{document}: its links lead somewhere", ", ".join(wrong))
+
+
+def try_messages():
+    """Messages that troubleshooting explains are printed by the program: their fixed parts stand in its sources."""
+    program = ""
+    for folder, _, names in os.walk(os.path.join(ROOT, "src")):
+        for name in names:
+            if name.endswith((".cpp", ".h")):
+                program += text_of(os.path.join(folder, name))
+    program = re.sub(r'"\s*\n\s*"', "", program)
+    wrong = []
+    for line in text_of("docs/troubleshooting.md").split("\n"):
+        cells = line.split("|")
+        if len(cells) != 4 or "mm: " in cells[1]:
+            continue
+        for message in re.findall(r"`([^`]+)`", cells[1]):
+            for part in re.split(r"<[^>]*>|…|'|, and | and |: |; ", message):
+                if len(part.strip()) > 7 and part.strip() not in program:
+                    wrong.append(part.strip())
+    say(not wrong, "docs/troubleshooting.md: its messages are those of the program", "; ".join(wrong))
+
+
+def try_settings():
+    """What documents say can be typed to mm exists: its commands and their options."""
+    helps = {}
+
+    def help_of(command):
+        if command not in helps:
+            helps[command] = subprocess.run([MM, command, "--help"], capture_output=True, text=True).stdout
+        return helps[command]
+
+    wrong = []
+    for document in ["README.md", "CONTRIBUTING.md", "docs/troubleshooting.md", "docs/services.md", "docs/formats.md"]:
+        for typed in re.findall(r"`(mm \w[^`]*)`", text_of(document)):
+            words = shlex.split(typed.replace("…", "").replace("'", ""))
+            if words[1:2] and words[1].startswith("<"):
+                continue
+            for word in words[1:]:
+                option = re.match(r"\[?(--[a-z-]+)", word)
+                if option and option.group(1) not in help_of(words[1]) + " --version":
+                    wrong.append(f"{document}: {typed}")
+            if "Usage: mm " + words[1] not in help_of(words[1]):
+                wrong.append(f"{document}: {typed}")
+    say(not wrong, "options that the documents name exist", "; ".join(wrong))
+
+
+def main():
+    work = tempfile.mkdtemp()
+    try:
+        formats = text_of("docs/formats.md")
+        folder = os.path.join(work, "formats")
+        os.mkdir(folder)
+        examples(formats, folder)
+        try_typed("docs/formats.md", folder)
+        try_ranges(formats, folder)
+
+        folder = os.path.join(work, "build", "try")
+        os.makedirs(folder)
+        for name in ("config", "examples"):
+            os.symlink(os.path.join(ROOT, name), os.path.join(work, name))
+        try_typed("README.md", folder)
+        try_links()
+        try_messages()
+        try_settings()
+    finally:
+        shutil.rmtree(work)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
