@@ -181,7 +181,7 @@ class Learner {
                           (l.positions.size() == 1 ? " position, from " : " positions, from ");
     for (std::size_t s = 0; s < l.sensors.size(); ++s) summary += (s == 0 ? "" : ", ") + l.sensors[s];
     if (spec_.find("sensors") == nullptr || !spec_.find("sensors")->list)
-      summary += grey_ ? " (highest grey grade)" : " (by information)";
+      summary += grey_ ? " (highest grey grade)" : " (by prediction)";
     return (network != nullptr
                 ? wordsOf(*network, wish_, choice)
                 : (wish_ ? nameOf(*wish_) : std::string("network")) + " not activated, " + choice.reason) +
