@@ -26,9 +26,14 @@ $tool positions "$folder/positions.csv"
 for estimator in ksg histogram correlation; do
   echo
   echo "== $estimator"
-  $mm sensors "$folder/housing.csv" --target nose_um --max 2 --estimator $estimator \
+  choose=information
+  if [ $estimator = ksg ]; then choose=held_out; fi
+  $mm sensors "$folder/housing.csv" --target nose_um --max 2 --estimator $estimator --choose $choose \
     --picture "$folder/$estimator.svg" --positions "$folder/positions.csv"
 done
+echo
+echo "== by the error expected on other duties and on held-out blocks of time, the default"
+$mm sensors "$folder/housing.csv" --target nose_um --max 2
 echo
 echo "== histogram, corrected by circular shift"
 $mm sensors "$folder/housing.csv" --target nose_um --max 2 --estimator histogram --correction circular_shift

@@ -23,7 +23,7 @@ class ThermalNetworkEffect : public CatalogueEffect {
       for (const int sensor : read.sensorList("sensors")) listed.push_back(read.domain().sensors[sensor]);
     else
       read.choice("sensors", {"auto", "grey_grade"});
-    read.choice("network", {"dfnn", "rbf", "ridge"});
+    read.choice("network", {"auto", "dfnn", "rbf", "ridge"});
     if (listed.size() > kMostInputs) read.fail("at most 64 sensors");
     if (read.domain().sensors.empty())
       read.fail("the session has no temperatures; log them (columns <sensor>_degC), or leave the effect out");

@@ -3,7 +3,7 @@
 
 namespace mm {
 
-/// thermal_network {axis, sensors, network}: what a network learned of the error of one axis at the positions
+/// thermal_network {axis, sensors, network: auto}: what a network learned of the error of one axis at the positions
 /// measured, linear between them and constant beyond, from temperatures (DFNN). What it learned is in the
 /// Domain; before it learned, or where it was not worth it, it has no parameters and gives nothing.
 /// Composite.

@@ -12,6 +12,7 @@
 #include "estimation/network_samples.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/grey_relation.h"
+#include "thermal/network_choice.h"
 #include "thermal/ridge.h"
 #include "thermal/sensor_selection.h"
 #include "thermal/thermal_network.h"
@@ -19,10 +20,44 @@
 namespace mm {
 namespace {
 
-constexpr double kBetter = 0.98;     // of the ridge-linear held-out error: what counts as beating it
 constexpr int kSamplesForSets = 30;  // fewer say too little about the information of sets of sensors
 constexpr int kGreySensors = 4;      // as many as DFNN takes
 constexpr int kLargestSensorSet = 3;
+
+/// Held-out errors of all that were tried, the chosen one first.
+std::string figuresOf(const NetworkChoice& choice, JointKind joint) {
+  const bool linear = joint == JointKind::kLinear;
+  const double unit = linear ? kMicrometre : kArcsecond;
+  const NetworkTrial& chosen = choice.chosen();
+  char text[80];
+  std::snprintf(text, sizeof text, "held out %.3g %s", chosen.heldOutRms / unit, linear ? "um" : "arcsec");
+  std::string words = text;
+  for (auto trial = choice.trials.rbegin(); trial != choice.trials.rend(); ++trial) {
+    if (&*trial == &chosen) continue;
+    std::snprintf(text, sizeof text, "%s %s %.3g", words.find(';') == std::string::npos ? ";" : ",",
+                  trial->name == "ridge" ? "ridge-linear" : trial->name.c_str(), trial->heldOutRms / unit);
+    words += text;
+  }
+  return words;
+}
+
+/// What works, how large it is, and why it does.
+std::string wordsOf(const ThermalNetwork& network, const NetworkWish& wish, const NetworkChoice& choice) {
+  std::string words = nameOf(network.kind()) + " active";
+  if (network.rules() > 1)
+    words += ", " + std::to_string(network.rules()) +
+             (network.kind() == NetworkKind::kRbf ? " centres" : " rules");
+  if (choice.kind && wish == choice.kind) return words;
+  return words + (choice.kind ? ", " : ", kept although ") + choice.reason;
+}
+
+/// Held out: of what works, else of what was asked for; of ridge-linear; of none.
+void takeFigures(LearnedNetwork& learned, const NetworkWish& wish, const NetworkChoice& choice) {
+  learned.heldOut =
+      choice.kind || !wish ? choice.chosen().heldOutRms : choice.find(nameOf(*wish))->heldOutRms;
+  learned.heldOutRidge = choice.find("ridge")->heldOutRms;
+  learned.heldOutNone = choice.find("none")->heldOutRms;
+}
 
 /// One network: its axis, its samples, and what is learned from them.
 class Learner {
@@ -31,36 +66,30 @@ class Learner {
           const CalibrateOptions& options)
       : spec_(spec), domain_(domain), samples_(std::move(samples)), options_(options) {
     axis_ = domain.findJoint(spec.text("axis"));
-    const std::string network = spec.text("network");
-    kind_ = networkKind(network.empty() ? "dfnn" : network);
+    wish_ = networkWish(spec.text("network"));
     chooseSensors();
     keepKnown();
   }
 
   LearnedNetwork run() {
     const auto goOn = [this] { return !(options_.cancelled && options_.cancelled()); };
-    const Eigen::MatrixXd &x = inputs_, &y = outputs_;
-    const Eigen::MatrixXd ridge = heldOutPredictions(NetworkKind::kRidge, x, y, {}, goOn);
-    predicted_ = kind_ == NetworkKind::kRidge ? ridge : heldOutPredictions(kind_, x, y, {}, goOn);
+    const NetworkChoice choice = chooseNetwork(wish_, inputs_, outputs_, {}, goOn);
     LearnedNetwork learned;
     learned.effect = spec_.yaml();
     learned.positions = samples_.positions;
     for (const int s : sensors_) learned.sensors.push_back(domain_.sensors[static_cast<std::size_t>(s)]);
-    learned.heldOut = rms(predicted_ - y);
-    learned.heldOutRidge = rms(ridge - y);
-    learned.heldOutNone = std::min(rms(heldOutMeans(y) - y), rms(y));
-    const double best = kind_ == NetworkKind::kRidge ? learned.heldOutNone
-                                                     : std::min(learned.heldOutRidge, learned.heldOutNone);
-    learned.active = learned.heldOut < kBetter * best;
-    const std::unique_ptr<ThermalNetwork> network = makeNetwork(kind_);
-    network->fit(x, y);
-    if (learned.active) {
+    takeFigures(learned, wish_, choice);
+    learned.active = choice.kind.has_value();
+    std::unique_ptr<ThermalNetwork> network;
+    if (choice.kind) {
+      network = makeNetwork(*choice.kind);
+      network->fit(inputs_, outputs_);
       learned.numbers = network->toNumbers();
-      predicted_ -= network->evaluateAll(x);
+      predicted_ = choice.chosen().predicted - network->evaluateAll(inputs_);
     } else {
-      predicted_.setZero();
+      predicted_ = Eigen::MatrixXd::Zero(outputs_.rows(), outputs_.cols());
     }
-    learned.summary = summaryOf(learned, *network);
+    learned.summary = summaryOf(learned, choice, network.get());
     return learned;
   }
 
@@ -73,8 +102,6 @@ class Learner {
   int axis() const { return axis_; }
 
  private:
-  double rms(const Eigen::MatrixXd& e) const { return e.norm() / std::sqrt(static_cast<double>(e.size())); }
-
   bool varies(int sensor) const {
     double low = INFINITY, high = -INFINITY;
     for (Eigen::Index k = 0; k < samples_.temperatures.rows(); ++k) {
@@ -147,33 +174,18 @@ class Learner {
     outputs_ = rowsOf(samples_.error, rows);
   }
 
-  std::string summaryOf(const LearnedNetwork& l, const ThermalNetwork& network) const {
-    const bool linear = domain_.joints[static_cast<std::size_t>(axis_)].kind == JointKind::kLinear;
-    const double unit = linear ? kMicrometre : kArcsecond;
-    const char* name = linear ? "um" : "arcsec";
-    std::string sensors;
-    for (const std::string& s : l.sensors) sensors += (sensors.empty() ? "" : ", ") + s;
-    char text[400];
-    std::snprintf(
-        text, sizeof text, "held out %.3g %s; ridge-linear %.3g, none %.3g; %lld sets, %zu position%s, from ",
-        l.heldOut / unit, name, l.heldOutRidge / unit, l.heldOutNone / unit,
-        static_cast<long long>(outputs_.rows()), l.positions.size(), l.positions.size() == 1 ? "" : "s");
-    std::string summary = text + sensors;
+  std::string summaryOf(const LearnedNetwork& l, const NetworkChoice& choice,
+                        const ThermalNetwork* network) const {
+    std::string summary = figuresOf(choice, domain_.joints[static_cast<std::size_t>(axis_)].kind) + "; " +
+                          std::to_string(outputs_.rows()) + " sets, " + std::to_string(l.positions.size()) +
+                          (l.positions.size() == 1 ? " position, from " : " positions, from ");
+    for (std::size_t s = 0; s < l.sensors.size(); ++s) summary += (s == 0 ? "" : ", ") + l.sensors[s];
     if (spec_.find("sensors") == nullptr || !spec_.find("sensors")->list)
-      summary += grey_ ? " (highest grey grade)" : " (by information)";
-    if (l.active)
-      return nameOf(network.kind()) + " active" +
-             (network.rules() > 1 ? ", " + std::to_string(network.rules()) +
-                                        (network.kind() == NetworkKind::kRbf ? " centres" : " rules")
-                                  : std::string()) +
-             ": " + summary;
-    summary =
-        nameOf(network.kind()) + " not activated, it does not beat " +
-        (kind_ == NetworkKind::kRidge || l.heldOutNone <= l.heldOutRidge ? "no network" : "ridge-linear") +
-        " on held-out blocks of time: " + summary;
-    if (kind_ != NetworkKind::kRidge && l.heldOutRidge < kBetter * l.heldOutNone)
-      summary += "; ridge-linear itself is worth it: network: ridge";
-    return summary;
+      summary += grey_ ? " (highest grey grade)" : " (by prediction)";
+    return (network != nullptr
+                ? wordsOf(*network, wish_, choice)
+                : (wish_ ? nameOf(*wish_) : std::string("network")) + " not activated, " + choice.reason) +
+           ": " + summary;
   }
 
   EffectSpec spec_;
@@ -181,7 +193,7 @@ class Learner {
   NetworkSamples samples_;
   const CalibrateOptions& options_;
   int axis_ = 0;
-  NetworkKind kind_ = NetworkKind::kDfnn;
+  NetworkWish wish_;
   bool grey_ = false;
   std::vector<int> sensors_;          // of the domain
   std::vector<int> rowOf_;            // a set: its row below, -1: a temperature is not known
@@ -281,17 +293,35 @@ void widen(Domain& domain, const Eigen::MatrixXd& temperatures) {
     }
 }
 
-/// What an update with all blocks but one leaves of that one; of a single set, what the old network leaves.
-Eigen::MatrixXd heldOutUpdate(const LearnedNetwork& old, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
-  if (x.rows() < 2) return networkFromNumbers(old.numbers)->evaluateAll(x) - y;
-  Eigen::MatrixXd left(y.rows(), y.cols());
-  for (const Fold& fold :
-       blockedFolds(static_cast<int>(x.rows()), std::min(10, static_cast<int>(x.rows())))) {
-    const std::unique_ptr<ThermalNetwork> network = networkFromNumbers(old.numbers);
-    network->update(rowsOf(x, fold.train), rowsOf(y, fold.train));
-    left.middleRows(fold.test.front(), static_cast<Eigen::Index>(fold.test.size())) =
-        network->evaluateAll(rowsOf(x, fold.test)) - rowsOf(y, fold.test);
+/// Samples of two sessions, the older ones first.
+Eigen::MatrixXd below(const Eigen::MatrixXd& first, const Eigen::MatrixXd& second) {
+  Eigen::MatrixXd both(first.rows() + second.rows(), first.cols());
+  both << first, second;
+  return both;
+}
+
+/// The old network taught new sets, or, where another kind is to work, one that learns all sets.
+std::unique_ptr<ThermalNetwork> taught(const ThermalNetwork& old, NetworkKind kind, const Eigen::MatrixXd& x,
+                                       const Eigen::MatrixXd& y) {
+  if (kind == old.kind()) {
+    std::unique_ptr<ThermalNetwork> network = networkFromNumbers(old.toNumbers());
+    network->update(x, y);
+    return network;
   }
+  std::unique_ptr<ThermalNetwork> network = makeNetwork(kind);
+  network->fit(below(old.sampleInputs(), x), below(old.sampleOutputs(), y));
+  return network;
+}
+
+/// What an update with all blocks but one leaves of that one; of a single set, what the old network leaves.
+Eigen::MatrixXd heldOutUpdate(const ThermalNetwork& old, NetworkKind kind, const Eigen::MatrixXd& x,
+                              const Eigen::MatrixXd& y) {
+  if (x.rows() < 2) return old.evaluateAll(x) - y;
+  Eigen::MatrixXd left(y.rows(), y.cols());
+  for (const Fold& fold : blockedFolds(static_cast<int>(x.rows()), std::min(10, static_cast<int>(x.rows()))))
+    left.middleRows(fold.test.front(), static_cast<Eigen::Index>(fold.test.size())) =
+        taught(old, kind, rowsOf(x, fold.train), rowsOf(y, fold.train))->evaluateAll(rowsOf(x, fold.test)) -
+        rowsOf(y, fold.test);
   return left;
 }
 
@@ -326,13 +356,22 @@ UpdatedNetworks updateNetworks(const CalibrationResult& held) {
                          ": one of its temperatures is not known throughout; log all of them");
       const Eigen::MatrixXd y = network->evaluateAll(x) + samples.error / gain;
       squares[0] += samples.error.squaredNorm();
-      squares[2] += (gain * heldOutUpdate(learned, x, y)).squaredNorm();
-      network->update(x, y);
-      squares[1] += (gain * (network->evaluateAll(x) - y)).squaredNorm();
+      // which kind works is asked again, of the sets of all sessions
+      const NetworkWish wish = networkWish(spec.text("network"));
+      const NetworkChoice choice =
+          chooseNetwork(wish, below(network->sampleInputs(), x), below(network->sampleOutputs(), y));
+      const NetworkKind kind = choice.kind.value_or(network->kind());
+      squares[2] += (gain * heldOutUpdate(*network, kind, x, y)).squaredNorm();
+      const std::unique_ptr<ThermalNetwork> now = taught(*network, kind, x, y);
+      squares[1] += (gain * (now->evaluateAll(x) - y)).squaredNorm();
       values += y.size();
-      learned.numbers = network->toNumbers();
-      learned.summary +=
-          "; updated with " + std::to_string(x.rows()) + " sets of " + problem.session().source;
+      learned.numbers = now->toNumbers();
+      takeFigures(learned, wish, choice);
+      const int axis = model.domain().findJoint(spec.text("axis"));
+      learned.summary += "; updated with " + std::to_string(x.rows()) + " sets of " +
+                         problem.session().source + ": " + wordsOf(*now, wish, choice) + ", all " +
+                         std::to_string(now->samples()) + " sets " +
+                         figuresOf(choice, model.domain().joints[static_cast<std::size_t>(axis)].kind);
       updated.effects.push_back(learned.effect);
       updated.sets += static_cast<int>(x.rows());
       widen(updated.domain, samples.temperatures);

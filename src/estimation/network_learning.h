@@ -29,14 +29,16 @@ struct UpdatedNetworks {
 };
 
 /// Updates the active networks with the sets of a session: the samples that they learned from stay, so
-/// nothing is forgotten. All other parameters stay as they are.
+/// nothing is forgotten, and which kind of network works is chosen again, from the sets of all sessions
+/// (where none beats no network, the kind stays). All other parameters stay as they are.
 /// @param held a calibration with its effects held on the new session.
 /// @throw InputError: no active network; the session lacks a sensor, an axis or positions of a network.
 UpdatedNetworks updateNetworks(const CalibrationResult& held);
 
 /// Physical effects come first: the model without its networks is fitted, and each network, in the order of
-/// the model, learns what is left. One that does not beat the ridge-linear network on held-out blocks of time
-/// (for `ridge`: no network at all) is not activated; its summary says so. Deterministic.
+/// the model, learns what is left. Which kind works is chosen on held-out blocks of time (chooseNetwork()):
+/// the best, or the one asked for by name unless a ridge-linear one is significantly better; where none beats
+/// no network, nothing is active. Its summary says what works, and why. Deterministic.
 /// @param start of the model's parameters; empty: the effects' own.
 /// @throw InputError: no temperatures, too few sets, a listed sensor that does not vary. Cancelled.
 LearnedModel learnNetworks(const Session& session, const Model& model, const CalibrateOptions& options,

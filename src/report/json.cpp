@@ -8,6 +8,7 @@
 #include "report/found_features.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
+#include "thermal/thermal_network.h"
 
 namespace mm {
 namespace {
@@ -57,6 +58,7 @@ Json networksJson(const CalibrationResult& result) {
     Json one;
     one["effect"] = effectJson(effect->spec());
     one["active"] = n->active;
+    one["network"] = n->active ? nameOf(networkFromNumbers(n->numbers)->kind()) : "none";  // what works
     one["sensors"] = n->sensors;
     one["positions"] = n->positions.size();
     setEither(one, "held_out_rms", n->heldOut, angular);

@@ -15,6 +15,8 @@ namespace {
 
 using Subset = std::vector<int>;
 
+constexpr double kNoError = 1e-300;  // has a logarithm
+
 double binomial(int n, int k) {
   double count = 1.0;
   for (int i = 0; i < k; ++i) count = count * (n - i) / (i + 1);
@@ -73,6 +75,7 @@ class Selector {
         displacement_(displacement),
         information_(thinned(temperatures_), thinned(displacement), settings.information),
         gaussian_(temperatures_, displacement, gaussianSettings()),
+        duties_(temperatures_, displacement, settings.seed),
         folds_(blockedFolds(static_cast<int>(displacement.size()),
                             std::min(settings.blocks, static_cast<int>(displacement.size())), settings.gap)) {
   }
@@ -156,8 +159,15 @@ class Selector {
 
   /// What proposes a set. The held-out judge is linear, so that linear information has a say as well.
   double proposal(const Subset& subset) const {
-    const double information = information_.joint(subset);
-    return settings_.crossValidate ? information + gaussian_.joint(subset) : information;
+    switch (settings_.choice) {
+      case SetChoice::kPrediction:
+        return -std::log(std::max(duties_.of(subset), kNoError));
+      case SetChoice::kHeldOut:
+        return information_.joint(subset) + gaussian_.joint(subset);
+      case SetChoice::kInformation:
+        break;
+    }
+    return information_.joint(subset);
   }
 
   std::vector<Subset> ranked(std::vector<Subset> subsets) {
@@ -198,22 +208,27 @@ class Selector {
     return best;
   }
 
-  /// The set of a shortlist (best proposal first) with the largest information - log(held-out error).
+  /// The best set of a shortlist (best proposal first).
   SensorSet choose(const std::vector<Subset>& shortlist) {
-    const std::size_t judged = settings_.crossValidate ? shortlist.size() : 1;
+    const std::size_t judged = settings_.choice == SetChoice::kInformation ? 1 : shortlist.size();
     std::vector<SensorSet> sets(judged);
     parallel(
         judged, settings_.threads,
         [&](std::size_t i) {
-          sets[i] = {shortlist[i], information_.joint(shortlist[i]), heldOutRms(shortlist[i])};
+          sets[i] = {shortlist[i], 0.0, heldOutRms(shortlist[i]), duties_.of(shortlist[i])};
+          if (settings_.choice != SetChoice::kPrediction)
+            sets[i].information = information_.joint(shortlist[i]);
         },
         [&](double fraction) { report(0.8 + 0.2 * fraction); });
-    const auto merit = [](const SensorSet& s) {
-      return s.information - std::log(std::max(s.heldOutRms, 1e-300));
+    const auto merit = [&](const SensorSet& s) {
+      const double heldOut = -std::log(std::max(s.heldOutRms, kNoError));
+      return heldOut + (settings_.choice == SetChoice::kPrediction ? -std::log(std::max(s.dutyRms, kNoError))
+                                                                   : s.information);
     };
     std::size_t best = 0;
     for (std::size_t i = 1; i < judged; ++i)
       if (merit(sets[i]) > merit(sets[best])) best = i;
+    sets[best].information = information_.joint(sets[best].sensors);
     return sets[best];
   }
 
@@ -222,6 +237,7 @@ class Selector {
   Eigen::MatrixXd temperatures_;
   Eigen::VectorXd displacement_;
   SensorInformation information_, gaussian_;
+  DutyError duties_;
   std::vector<Fold> folds_;
   std::string stage_ = "single sensors";
   double begin_ = 0.0, share_ = 0.0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "thermal/duty_error.h"
 #include "thermal/mutual_information.h"
 
 namespace mm {
@@ -18,18 +19,24 @@ using SetSearch = std::function<std::vector<std::vector<int>>(int sensors, int s
                                                               std::uint64_t seed, const SetScore& score,
                                                               const std::function<void(double)>& progress)>;
 
+/// By what the set of each size is chosen. Singles are always ranked by information.
+enum class SetChoice {
+  kPrediction,   // smallest error on other duties (DutyError) times held-out error
+  kHeldOut,      // largest information - log(held-out error), both in nat
+  kInformation,  // largest information, as SENSORS does
+};
+
 struct SelectionSettings {
   InformationSettings information;
+  SetChoice choice = SetChoice::kPrediction;
   int largestSize = 3;            // sets of 1 to so many sensors
   double enumerationLimit = 1e5;  // all subsets are tried where they are at most so many
   SetSearch search;               // beyond it; needed only then
   int informationSamples = 500;   // longer series are thinned evenly to so many for the information
-  bool crossValidate =
-      true;             // choose among the proposed sets by held-out error too; else by information alone
-  int shortlist = 500;  // sets of each size that information proposes to the cross-validation
-  int blocks = 10;      // of time, each held out once
-  int gap = 0;          // samples beside a block that are not used
-  double equivalent = 0.999;  // series that correlate at least so much may stand for each other
+  int shortlist = 500;            // sets of each size that are proposed to the cross-validation
+  int blocks = 10;                // of time, each held out once
+  int gap = 0;                    // samples beside a block that are not used
+  double equivalent = 0.999;      // series that correlate at least so much may stand for each other
   /// The smallest set is recommended whose held-out error is at most `accuracy` (unit of the displacement),
   /// or, where none is wanted or reached, within accuracyMargin of the best.
   double accuracy = 0.0;
@@ -49,6 +56,7 @@ struct SensorSet {
   double information = 0.0;  // nat
   double heldOutRms =
       0.0;  // of a ridge-linear model on held-out blocks of time, in the unit of the displacement
+  double dutyRms = 0.0;  // expected of a line on other duties, in the unit of the displacement
 };
 
 /// Which temperatures to measure. Sensors are indices of the columns given.
@@ -67,11 +75,13 @@ struct SensorSelection {
 /// Tells how far the search is, from 0 to 1; false stops it (throws Cancelled).
 using SelectionProgress = std::function<bool(double fraction, const std::string& stage)>;
 
-/// Chooses sensors as SENSORS does: by their joint information with the displacement, (1) and (2).
-/// Information alone picks pairs badly where the series are few and smooth, held-out error alone trusts
-/// differences of sensors that only fit the one duty; so information proposes a shortlist, and of it the set
-/// with the largest information - log(held-out error) is chosen, both in nat. `temperatures`: samples x
-/// sensors in the order of time. Throws InputError for bad series or settings.
+/// Chooses sensors, all of a set together. As published, by joint information with the displacement, (1) and
+/// (2): with few and smooth series that picks badly, pairs above all, because it cannot tell a temperature
+/// that the displacement follows on any duty from one that happens to go with it on this one. By default,
+/// then, by what a line through the set would leave on other duties and what it leaves of held-out blocks of
+/// time: both estimate the error in use, the first hardly sees noise, the second assumes nothing, and the set
+/// with the smallest product is chosen. `temperatures`: samples x sensors in the order of time. Throws
+/// InputError for bad series or settings.
 SensorSelection selectSensors(const Eigen::MatrixXd& temperatures, const Eigen::VectorXd& displacement,
                               const SelectionSettings& settings = {}, const SelectionProgress& progress = {});
 

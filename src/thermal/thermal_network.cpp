@@ -159,21 +159,4 @@ Eigen::MatrixXd heldOutMeans(const Eigen::MatrixXd& y, const NetworkSettings& se
   return predicted;
 }
 
-std::vector<NetworkComparison> compareNetworks(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
-                                               const NetworkSettings& settings) {
-  check(x, y);
-  std::vector<NetworkComparison> table{{"dfnn"}, {"rbf"}, {"ridge"}, {"none"}};
-  for (NetworkComparison& entry : table) {
-    const Eigen::MatrixXd predicted = entry.kind == "none"
-                                          ? heldOutMeans(y, settings)
-                                          : heldOutPredictions(networkKind(entry.kind), x, y, settings);
-    entry.heldOutRms = (predicted - y).norm() / std::sqrt(static_cast<double>(y.size()));
-  }
-  const double ridge = table[2].heldOutRms, none = table[3].heldOutRms;
-  table[0].worthwhile = table[0].heldOutRms < std::min(ridge, none);
-  table[1].worthwhile = table[1].heldOutRms < std::min(ridge, none);
-  table[2].worthwhile = ridge < none;
-  return table;
-}
-
 }  // namespace mm

@@ -31,6 +31,9 @@ class ThermalNetwork {
   int inputs() const { return static_cast<int>(x_.cols()); }   ///< temperatures
   int outputs() const { return static_cast<int>(y_.cols()); }  ///< positions
   int samples() const { return static_cast<int>(x_.rows()); }  ///< that it learned
+  /// The samples that it learned from, in the order of time: inputs, and outputs.
+  const Eigen::MatrixXd& sampleInputs() const { return x_; }
+  const Eigen::MatrixXd& sampleOutputs() const { return y_; }
   /// Rules of a DFNN, centres of an RBF network, 1 of a linear one.
   virtual int rules() const { return 1; }
   /// Constants that were fitted to the samples, at most one a value; a ridge holds some of them back.
@@ -72,14 +75,6 @@ std::unique_ptr<ThermalNetwork> makeNetwork(NetworkKind kind, const NetworkSetti
 /// The network that toNumbers() wrote. Throws InputError when the numbers are not those of a network.
 std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers);
 
-/// Held-out error of each kind of network over blocks of time: each network is fitted, with its own choice of
-/// settings, without the block on which it is judged.
-struct NetworkComparison {
-  std::string kind;         // "dfnn", "rbf", "ridge", or "none": no compensation but the mean
-  double heldOutRms = 0.0;  // unit of y
-  /// False for a network that does not beat ridge-linear: it is not to be activated.
-  bool worthwhile = false;
-};
 /// What a network says of every sample when it was fitted without the block of time that holds it. Throws
 /// InputError as fit() does; `goOn`, asked before each block, stops it with Cancelled.
 Eigen::MatrixXd heldOutPredictions(NetworkKind kind, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
@@ -87,9 +82,5 @@ Eigen::MatrixXd heldOutPredictions(NetworkKind kind, const Eigen::MatrixXd& x, c
                                    const std::function<bool()>& goOn = {});
 /// The same of no network: the mean of the other blocks.
 Eigen::MatrixXd heldOutMeans(const Eigen::MatrixXd& y, const NetworkSettings& settings = {});
-
-/// In the order dfnn, rbf, ridge, none. Throws InputError as fit() does.
-std::vector<NetworkComparison> compareNetworks(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
-                                               const NetworkSettings& settings = {});
 
 }  // namespace mm

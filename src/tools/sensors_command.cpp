@@ -83,7 +83,11 @@ SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) 
   settings.largestSize = options.largest;
   settings.blocks = options.blocks;
   settings.gap = options.gap;
-  settings.crossValidate = options.choose.empty() ? options.estimator == "ksg" : options.choose == "held_out";
+  const std::map<std::string, SetChoice> choices{{"prediction", SetChoice::kPrediction},
+                                                 {"held_out", SetChoice::kHeldOut},
+                                                 {"information", SetChoice::kInformation}};
+  const std::string usual = options.estimator == "ksg" ? "prediction" : "information";
+  settings.choice = choices.at(options.choose.empty() ? usual : options.choose);
   if (options.correction != "none" && options.estimator != "histogram")
     throw InputError("--correction " + options.correction + " belongs to --estimator histogram, not to " +
                      options.estimator + "; leave it out");
@@ -99,7 +103,8 @@ ordered_json toJson(const SensorSelection& selection, const SensorCandidates& ca
   const auto setJson = [&](const SensorSet& set) {
     return ordered_json{{"sensors", names(set.sensors)},
                         {"mutual_information_nat", jsonNumber(set.information)},
-                        {"cv_rms_um", jsonNumber(set.heldOutRms, candidates.micrometres)}};
+                        {"cv_rms_um", jsonNumber(set.heldOutRms, candidates.micrometres)},
+                        {"other_duties_rms_um", jsonNumber(set.dutyRms, candidates.micrometres)}};
   };
   ordered_json json{{"single", ordered_json::array()}, {"sets", ordered_json::array()}};
   for (const SensorScore& s : selection.singles)
@@ -228,9 +233,11 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
   command
       ->add_option(
           "--choose", options->choose,
-          "information: sets by information alone, as published (default of histogram and correlation); "
-          "held_out: by information and held-out error (default of ksg)")
-      ->check(CLI::IsMember({"information", "held_out"}));
+          "prediction: sets by the error expected on other duties and on held-out blocks of time (default of "
+          "ksg); held_out: by information and held-out error; information: by information alone, as "
+          "published "
+          "(default of histogram and correlation)")
+      ->check(CLI::IsMember({"prediction", "held_out", "information"}));
   command
       ->add_option("--accuracy-um", options->accuracyUm,
                    "recommend the smallest set whose held-out error reaches it")

@@ -41,7 +41,8 @@ int runUpdate(const UpdateOptions& c) {
     std::cerr
         << "mm: warning: held out by blocks the updated networks are worse than those before; this kind of "
            "network does not follow the new session: keep "
-        << c.calibration << ", or learn both sessions with another network (network: dfnn)" << std::endl;
+        << c.calibration << ", or learn both sessions with the network that predicts best (network: auto)"
+        << std::endl;
   if (c.json) {
     std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
     return 0;

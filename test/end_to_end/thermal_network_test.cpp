@@ -184,14 +184,26 @@ TEST_F(ThermalNetwork, ANewSessionIsLearnedAndTheOldOneKept) {
   EXPECT_NE(none.error.find("no active thermal_network"), std::string::npos) << none.error;
 }
 
-TEST_F(ThermalNetwork, WhatDoesNotBeatRidgeIsNotActivatedAndSaysSo) {
+TEST_F(ThermalNetwork, WhereALineIsBetterTheLineWorksAndSaysSo) {
   simulate("linear", 3);
+  ASSERT_EQ(calibrate("ridge").status, 0);
+  const auto [before, line] = corrected();
+  EXPECT_LT(line, 0.25 * before);
   const Answer answer = calibrate("rbf", "");
   ASSERT_EQ(answer.status, 0) << answer.error;
-  EXPECT_NE(answer.out.find("rbf not activated, it does not beat ridge-linear"), std::string::npos)
+  EXPECT_NE(answer.out.find("ridge active, instead of rbf, which is significantly worse than ridge-linear"),
+            std::string::npos)
       << answer.out;
-  const auto [before, after] = corrected();
-  EXPECT_EQ(before, after);
+  EXPECT_NE(textOf(folder / "c.yaml").find("instead of rbf"), std::string::npos);
+  EXPECT_EQ(corrected().second, line);
+  const Answer chosen = calibrate("auto");
+  ASSERT_EQ(chosen.status, 0) << chosen.error;
+  const nlohmann::json network = chosen.json()["networks"][0];
+  EXPECT_TRUE(network["active"]);
+  EXPECT_EQ(network["network"], "ridge");
+  EXPECT_EQ(network["effect"].count("network"), 0u);  // the default
+  EXPECT_LE(network["held_out_rms_um"].get<double>(), network["held_out_rms_ridge_um"].get<double>());
+  EXPECT_LE(corrected().second, 1.05 * line);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "model/observed_domain.h"
+#include "thermal/thermal_network.h"
 
 namespace mm {
 namespace {
@@ -54,7 +55,7 @@ EffectSpec network(const std::string& kind, std::vector<std::string> sensors = {
   EffectSpec spec("thermal_network");
   spec.set("axis", "x");
   if (!sensors.empty()) spec.setList("sensors", std::move(sensors));
-  if (kind != "dfnn") spec.set("network", kind);
+  if (kind != "auto") spec.set("network", kind);
   return spec;
 }
 
@@ -102,9 +103,67 @@ TEST(NetworkLearning, TakesWhatThePhysicalEffectsLeave) {
   EXPECT_GT(result.figures.heldOutRms, 1.1 * result.figures.rms);
 }
 
+const LearnedNetwork& learnedBy(const CalibrationResult& result) {
+  return result.problem->model().domain().networks.at(0);
+}
+
+TEST(NetworkLearning, ALineWorksWhereTheNetworkAskedForIsWorse) {
+  const Session session = warmUp(60, 0.0), fresh = warmUp(25, 0.0);
+  const CalibrationResult line = fit(session, {network("ridge", {"spindle", "bed"})}),
+                          result = fit(session, {network("rbf", {"spindle", "bed"})});
+  const LearnedNetwork& learned = learnedBy(result);
+  ASSERT_TRUE(learned.active) << learned.summary;
+  EXPECT_EQ(networkFromNumbers(learned.numbers)->kind(), NetworkKind::kRidge);
+  EXPECT_EQ(learned.summary.find("ridge active, instead of rbf, which is significantly worse"), 0u)
+      << learned.summary;
+  EXPECT_NE(learned.summary.find(", none "), std::string::npos) << learned.summary;
+  EXPECT_EQ(learned.numbers, learnedBy(line).numbers);
+  EXPECT_EQ(learned.heldOut, learned.heldOutRidge);
+  EXPECT_EQ(result.x, line.x);
+  EXPECT_LT(result.figures.rms, 1.5 * kNoise);
+}
+
+TEST(NetworkLearning, AutoIsTheDefaultAndTakesTheBest) {
+  const CalibrationResult straight = fit(warmUp(60, 0.0), {network("auto", {"spindle", "bed"})}),
+                          bent = fit(warmUp(60, 0.5), {network("auto", {"spindle", "bed"})});
+  EXPECT_EQ(learnedBy(bent).effect, "{type: thermal_network, axis: x, sensors: [spindle, bed]}");
+  EXPECT_EQ(networkFromNumbers(learnedBy(straight).numbers)->kind(), NetworkKind::kRidge)
+      << learnedBy(straight).summary;
+  ASSERT_TRUE(learnedBy(bent).active) << learnedBy(bent).summary;
+  EXPECT_LT(learnedBy(bent).heldOut, 0.6 * learnedBy(bent).heldOutRidge);
+  for (const char* name : {"dfnn", "rbf", "ridge-linear", "none", "best"})
+    EXPECT_NE(learnedBy(bent).summary.find(name), std::string::npos) << learnedBy(bent).summary;
+}
+
+TEST(NetworkLearning, AnUpdateChoosesAgainFromAllSets) {
+  const Session first = warmUp(9, 0.5), second = warmUp(60, 0.5);  // a bend shows in the second only
+  CalibrateOptions held;
+  held.holdEffects = true;
+  held.rejectOutliers = false;
+  for (const std::string kind : {"auto", "ridge"}) {
+    const CalibrationResult learned = fit(first, {network(kind, {"spindle", "bed"})});
+    ASSERT_EQ(networkFromNumbers(learnedBy(learned).numbers)->kind(), NetworkKind::kRidge)
+        << learnedBy(learned).summary;
+    const Model& model = learned.problem->model();
+    const UpdatedNetworks updated =
+        updateNetworks(calibrate(second, model, held, learned.x.head(model.parameterCount())));
+    const LearnedNetwork& now = updated.domain.networks.at(0);
+    const auto network = networkFromNumbers(now.numbers);
+    EXPECT_EQ(network->samples(), 69);
+    EXPECT_EQ(network->kind() == NetworkKind::kRidge, kind == "ridge") << now.summary;
+    EXPECT_NE(now.summary.find("; updated with 60 sets of warm_up.csv: " + nameOf(network->kind())),
+              std::string::npos)
+        << now.summary;
+    if (kind == "auto") {
+      EXPECT_LT(updated.heldOut, 0.5 * updated.before);
+      EXPECT_LT(now.heldOut, now.heldOutRidge);
+    }
+  }
+}
+
 TEST(NetworkLearning, TheSameBitsWhateverTheThreads) {
   const Session session = warmUp(40, 0.5);
-  const CalibrationResult one = fit(session, {network("dfnn")}, 1), two = fit(session, {network("dfnn")}, 2);
+  const CalibrationResult one = fit(session, {network("auto")}, 1), two = fit(session, {network("auto")}, 2);
   EXPECT_EQ(one.x, two.x);
   EXPECT_EQ(one.problem->model().domain().networks[0].numbers,
             two.problem->model().domain().networks[0].numbers);

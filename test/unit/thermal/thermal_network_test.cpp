@@ -272,17 +272,5 @@ TEST(Dfnn, OnMachinesIsMuchBetterThanRidgeWhereTheyBend) {
   EXPECT_LE(bending.dfnn, 0.6 * bending.ridge);
 }
 
-TEST(Comparison, SaysWhatIsNotWorthActivating) {
-  const Linear line(40, 16), bend(60, 17, 0.3);
-  const std::vector<NetworkComparison> on = compareNetworks(bend.x, bend.y),
-                                       off = compareNetworks(line.x, line.y);
-  ASSERT_EQ(on.size(), 4u);
-  EXPECT_TRUE(on[0].worthwhile);
-  EXPECT_LT(on[0].heldOutRms, 0.6 * on[2].heldOutRms);
-  EXPECT_FALSE(off[1].worthwhile);
-  EXPECT_TRUE(off[2].worthwhile);
-  EXPECT_GT(off[3].heldOutRms, 10.0 * off[2].heldOutRms);
-}
-
 }  // namespace
 }  // namespace mm
