@@ -25,6 +25,7 @@ void addApplyCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);
 void addPromoteCommand(CLI::App& app, int& exitStatus);
 void addRollbackCommand(CLI::App& app, int& exitStatus);
+void addEffectsCommand(CLI::App& app, int& exitStatus);
 void addBenchmarkCommand(CLI::App& app, int& exitStatus);
 
 }  // namespace mm

@@ -106,6 +106,7 @@ int main(int argc, char** argv) {
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);
+  mm::addEffectsCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
   addExitStatus(app);
   // Before the command's own work, and not for --help.
