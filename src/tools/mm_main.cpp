@@ -108,6 +108,8 @@ int main(int argc, char** argv) {
   mm::addRollbackCommand(app, exitStatus);
   mm::addEffectsCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
+  mm::addCompletionCommand(app, exitStatus);
+  mm::addManualCommand(app, exitStatus);
   addExitStatus(app);
   // Before the command's own work, and not for --help.
   app.parse_complete_callback([] {
