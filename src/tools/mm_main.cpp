@@ -107,6 +107,8 @@ int main(int argc, char** argv) {
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);
   mm::addEffectsCommand(app, exitStatus);
+  mm::addMachineCommand(app, exitStatus);
+  mm::addPlanCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
   mm::addCompletionCommand(app, exitStatus);
   mm::addManualCommand(app, exitStatus);
