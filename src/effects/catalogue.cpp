@@ -260,7 +260,10 @@ CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
   entry.example = linear.spec.yaml();
   entry.keys = keysOf(type, linear, rotary);
   entry.parameters = parametersOf(linear, rotary);
-  entry.needs = needsOf(inputsOf(*linear.effect, domain));
+  try {
+    entry.needs = needsOf(inputsOf(*linear.effect, domain));
+  } catch (const Error&) {  // an effect of a plugin that cannot be evaluated is listed all the same
+  }
   if (linear.effect->learned()) entry.needs.emplace_back("temperature");
   entry.shownBy = linear.effect->shownBy();
   entry.cause = linear.effect->cause();
