@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "effects/key_recorder.h"
 
 namespace mm {
 namespace {
@@ -26,6 +27,10 @@ std::vector<std::string> jointNames(const Domain& domain, std::optional<JointKin
     if (!kind || joint.kind == *kind) names.push_back(joint.name);
   return names;
 }
+
+using Kind = KeyUse::Kind;
+
+void note(const std::string& key, Kind kind) { KeyRecorder::note({key, kind, 0.0, 0.0, {}, {}, false}); }
 
 }  // namespace
 
@@ -78,10 +83,12 @@ int SpecReader::find(const std::string& key, const std::string& what, const std:
 }
 
 int SpecReader::joint(const std::string& key) {
+  note(key, Kind::kJoint);
   return find(key, "joint of the machine", jointNames(domain_));
 }
 
 int SpecReader::joint(const std::string& key, JointKind kind) {
+  note(key, kind == JointKind::kLinear ? Kind::kLinearJoint : Kind::kRotaryJoint);
   const std::string& name = scalar(key);
   const int index = domain_.findJoint(name);
   const std::string word = kind == JointKind::kLinear ? "linear" : "rotary";
@@ -92,6 +99,7 @@ int SpecReader::joint(const std::string& key, JointKind kind) {
 }
 
 Direction SpecReader::direction(const std::string& key, bool approachAllowed) {
+  note(key, approachAllowed ? Kind::kDirectionApproach : Kind::kDirection);
   const std::string& name = scalar(key);
   const int index = domain_.findJoint(name);
   if (index >= 0) {
@@ -117,20 +125,24 @@ Direction SpecReader::direction(const std::string& key, bool approachAllowed) {
 }
 
 int SpecReader::axisOf(const std::string& key, const std::string& of) {
+  note(key, Kind::kWorkpieceAxis);
   return find(key, of, workpieceAxes());
 }
 
 bool SpecReader::isWord(const std::string& key, const std::string& word) {
+  KeyRecorder::note({key, Kind::kWord, 0.0, 0.0, {word}, {}, false});
   if (scalar(key) != word) return false;
   read_.set(key, word);
   return true;
 }
 
 int SpecReader::sensor(const std::string& key) {
+  note(key, Kind::kSensor);
   return find(key, "temperature sensor of the session", domain_.sensors);
 }
 
 std::pair<int, int> SpecReader::sensorPair(const std::string& key) {
+  note(key, Kind::kSensorPair);
   const EffectSpec::Value* value = spec_.find(key);
   if (value == nullptr) fail("key '" + key + "' is missing; add it");
   if (value->items.size() != 2 || value->items[0] == value->items[1])
@@ -147,11 +159,13 @@ std::pair<int, int> SpecReader::sensorPair(const std::string& key) {
 }
 
 bool SpecReader::isList(const std::string& key) const {
+  KeyRecorder::noteList(key);
   const EffectSpec::Value* value = spec_.find(key);
   return value != nullptr && value->list;
 }
 
 std::vector<int> SpecReader::sensorList(const std::string& key) {
+  note(key, Kind::kSensorList);
   const EffectSpec::Value* value = spec_.find(key);
   if (value == nullptr || !value->list || value->items.empty())
     fail("key '" + key + "' must be a list of sensors, as [a, b]");
@@ -170,14 +184,17 @@ std::vector<int> SpecReader::sensorList(const std::string& key) {
 }
 
 int SpecReader::covariate(const std::string& key) {
+  note(key, Kind::kCovariate);
   return find(key, "covariate of the session", domain_.covariates);
 }
 
 int SpecReader::feature(const std::string& key) {
+  note(key, Kind::kFeature);
   return find(key, "feature of the artifact", domain_.features);
 }
 
 int SpecReader::ball(const std::string& key) {
+  note(key, Kind::kBall);
   const int index = feature(key);
   if (index < static_cast<int>(domain_.featureRadius.size()) && domain_.featureRadius[index] <= 0.0)
     fail(key + " '" + domain_.features[index] + "' is a point, not a ball");
@@ -185,6 +202,13 @@ int SpecReader::ball(const std::string& key) {
 }
 
 double SpecReader::number(const std::string& key, double lower, double upper, std::optional<double> absent) {
+  KeyRecorder::note({key,
+                     Kind::kNumber,
+                     lower,
+                     upper,
+                     {},
+                     absent ? std::optional<std::string>(shortest(*absent)) : std::nullopt,
+                     false});
   if (absent && !has(key)) return *absent;
   const double value = parse(key, scalar(key));
   if (value < lower || value > upper)
@@ -195,12 +219,20 @@ double SpecReader::number(const std::string& key, double lower, double upper, st
 }
 
 int SpecReader::integer(const std::string& key, int lower, int upper, std::optional<int> absent) {
+  KeyRecorder::note({key,
+                     Kind::kInteger,
+                     static_cast<double>(lower),
+                     static_cast<double>(upper),
+                     {},
+                     absent ? std::optional<std::string>(std::to_string(*absent)) : std::nullopt,
+                     false});
   const double value = number(key, lower, upper, absent ? std::optional<double>(*absent) : std::nullopt);
   if (value != std::floor(value)) fail("key '" + key + "' must be a whole number, not " + shortest(value));
   return static_cast<int>(value);
 }
 
 bool SpecReader::flag(const std::string& key, bool absent) {
+  KeyRecorder::note({key, Kind::kFlag, 0.0, 0.0, {"true", "false"}, absent ? "true" : "false", false});
   if (!has(key)) return absent;
   const std::string& word = scalar(key);
   if (word != "true" && word != "false") fail("key '" + key + "' must be true or false, not '" + word + "'");
@@ -209,6 +241,7 @@ bool SpecReader::flag(const std::string& key, bool absent) {
 }
 
 std::string SpecReader::choice(const std::string& key, const std::vector<std::string>& words) {
+  KeyRecorder::note({key, Kind::kWord, 0.0, 0.0, words, words.front(), false});
   if (!has(key)) return words.front();
   const std::string& word = scalar(key);
   if (std::find(words.begin(), words.end(), word) == words.end())
@@ -218,17 +251,20 @@ std::string SpecReader::choice(const std::string& key, const std::vector<std::st
 }
 
 std::string SpecReader::text(const std::string& key) {
+  note(key, Kind::kText);
   read_.set(key, scalar(key));
   return scalar(key);
 }
 
 std::vector<std::string> SpecReader::names(const std::string& key) {
+  note(key, Kind::kNames);
   if (!isList(key)) fail("key '" + key + "' must be a list, as [a, b]");
   read_.setList(key, spec_.find(key)->items);
   return spec_.find(key)->items;
 }
 
 std::vector<double> SpecReader::numbers(const std::string& key) {
+  KeyRecorder::note({key, Kind::kNumbers, 0.0, 0.0, {}, "", false});
   const EffectSpec::Value* value = spec_.find(key);
   if (value == nullptr) return {};
   std::vector<double> out;

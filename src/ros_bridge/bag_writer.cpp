@@ -83,7 +83,7 @@ BagWriter::Connections::iterator BagWriter::addConnection(const std::string& top
   connection.id = static_cast<std::uint32_t>(connections_.size());
   std::string about = field("topic", topic) + field("type", type) + field("md5sum", md5) +
                       field("message_definition", definition);
-  if (latched) about += field("latching", "1") + field("callerid", "/measuring_machine");
+  if (latched) about += field("latching", "1") + field("callerid", kBagWriterName);
   connection.record =
       withLength(op(rosbag::OP_CONNECTION) + field(rosbag::CONNECTION_FIELD_NAME, bytes(connection.id)) +
                  field(rosbag::TOPIC_FIELD_NAME, topic)) +

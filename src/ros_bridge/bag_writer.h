@@ -10,6 +10,9 @@
 
 namespace mm {
 
+/// Who published what stands in a bag that was not recorded from nodes.
+inline constexpr const char* kBagWriterName = "/measuring_machine";
+
 /// Writes a bag of format 2.0, uncompressed, with its index. rosbag's own writer seeks before every message
 /// and ends the program when the disk fills up; this one writes a chunk at a time and reports what the system
 /// said.

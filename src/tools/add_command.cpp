@@ -8,7 +8,9 @@ namespace mm {
 void addAddCommand(CLI::App& app, int& exitStatus) {
   declareChange(
       *app.add_subcommand("add", "One effect more: everything is refitted, the ledger tells what it did"),
-      addEffect, "mm add plate.bag --calibration plate.yaml '{type: backlash, axis: x}' -o plate2.yaml",
+      addEffect, true,
+      "mm add plate.bag --calibration plate.yaml '{type: backlash, axis: x}' -o plate2.yaml\n"
+      "  mm add plate.bag --calibration plate.yaml --all -o plate9.yaml",
       exitStatus);
 }
 

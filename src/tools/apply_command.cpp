@@ -5,11 +5,12 @@
 #include <memory>
 
 #include "base/error.h"
-#include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "compensation/apply_states.h"
+#include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 
 namespace mm {
@@ -18,6 +19,7 @@ namespace {
 struct ApplyOptions {
   std::string csv, calibration, store, output;
   double margin = 0.10;
+  OutputFiles files;
 };
 
 Calibration chosenCalibration(const ApplyOptions& options) {
@@ -31,7 +33,12 @@ Calibration chosenCalibration(const ApplyOptions& options) {
   return *active.calibration;
 }
 
-void runApply(const ApplyOptions& options) {
+void runApply(ApplyOptions& options) {
+  const bool toStandardOutput = options.output == "-";
+  options.files.input(options.csv);
+  options.files.input(options.calibration);
+  if (!toStandardOutput) options.files.output("-o", options.output, FileKind::kStates);
+  options.files.check();
   const Calibration calibration = chosenCalibration(options);
   Compensator::Options limits;
   limits.margin = options.margin;
@@ -42,10 +49,10 @@ void runApply(const ApplyOptions& options) {
     ProgressBar bar("correcting");
     applied = applyStates(options.csv, calibration, compensator, text, bar.callback());
   }
-  if (options.output == "-") {
+  if (toStandardOutput) {
     std::cout << text;
   } else {
-    writeFileAtomically(options.output, text);
+    options.files.write(options.output, text);
     std::printf(
         "%zu rows, %zu valid; largest correction %.3f um, largest standard deviation %.3g um; written to "
         "%s\n",
@@ -73,7 +80,9 @@ void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
   command
       ->add_option("--margin", options->margin,
                    "how far beyond the calibrated range a row is still valid, as a fraction of the range")
+      ->check(numberWithin(0.0, 10.0))
       ->capture_default_str();
+  options->files.declare(*command);
   command->footer(
       "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in "
       "workpiece),\n"

@@ -13,7 +13,10 @@
 #include "tools/benchmark_counts.h"
 #include "tools/benchmark_session.h"
 #include "tools/benchmark_trial.h"
+#include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/exit_status.h"
+#include "tools/interrupt.h"
 #include "tools/json_output.h"
 #include "tools/progress_bar.h"
 
@@ -50,7 +53,7 @@ void printSession(const Trial& r, const Options& o) {
   std::fflush(stdout);
 }
 
-void run(const Options& o) {
+int run(const Options& o) {
   const Machine machine = Machine::load(o.machine);
   TrialOptions trial;
   std::ifstream in(o.plan);
@@ -83,7 +86,13 @@ void run(const Options& o) {
   }
   BenchmarkCounts counts(o.effects, o.uncatalogued);
   ProgressBar bar("benchmark");
+  int status = kDone;
   for (int t = 0; t < o.trials; ++t) {
+    if (t > 0 && Interrupt::asked()) {
+      std::cerr << "mm: stopped by Ctrl-C after " << t << " of " << o.trials << " sessions" << std::endl;
+      status = kStopped;  // what was counted so far is the answer
+      break;
+    }
     bar.show(static_cast<double>(t) / o.trials);
     const Trial r =
         runTrial(machine, trial, o.seed + static_cast<std::uint64_t>(t), oracle ? &*oracle : nullptr);
@@ -92,18 +101,19 @@ void run(const Options& o) {
   }
   if (!o.json) {
     std::cout << counts.text();
-    return;
+    return status;
   }
   nlohmann::ordered_json out = {
       {"plan", o.plan}, {"machine", o.machine},     {"rough", o.rough}, {"effects", o.effects},
       {"size", o.size}, {"trials_asked", o.trials}, {"seed", o.seed},   {"uncatalogued", o.uncatalogued}};
   out.update(counts.json());
   printJson(std::cout, out);
+  return status;
 }
 
 }  // namespace
 
-void addBenchmarkCommand(CLI::App& app, int&) {
+void addBenchmarkCommand(CLI::App& app, int& exitStatus) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
       "benchmark", "hides effects at random in simulated sessions and counts what the diagnosis finds");
@@ -113,18 +123,20 @@ void addBenchmarkCommand(CLI::App& app, int&) {
   c->add_option("--model", o->model, "model file: what the diagnosis starts from; nothing if left out");
   c->add_option("--trials", o->trials, "simulated sessions")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumberWithin(1, 1'000'000));
   c->add_option("--effects", o->effects, "effects hidden in each; 0: none")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  c->add_option("--size", o->size, "RMS of what refit leaves of each, over the noise")->capture_default_str();
+      ->check(wholeNumberWithin(0, 100));
+  c->add_option("--size", o->size, "RMS of what refit leaves of each, over the noise")
+      ->capture_default_str()
+      ->check(numberWithin(1e-6, 1e6));
   c->add_option("--only", o->only, "kinds to draw from (see mm simulate --help)");
   c->add_flag(
       "--uncatalogued", o->uncatalogued,
       "hide effects outside the catalogue: unknown_effect and a profile over the right variables are wanted");
   c->add_option("--contacts", o->variant.contacts,
                 "contacts of a session, e.g. 160 or 5000; as in the plan if left out")
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumberWithin(1, 1'000'000));
   c->add_flag("--one-sided", o->variant.oneSided, "every contact from one side of x, of y and of z");
   c->add_flag("--free-centres", o->variant.freeCentres, "the balls' centres are not known");
   c->add_flag("--outliers", o->variant.outliers, "3 % of the contacts are wrong by 20 um");
@@ -139,13 +151,13 @@ void addBenchmarkCommand(CLI::App& app, int&) {
   c->add_option("--oracle", o->oracle,
                 "also what somebody could tell who knows noise and roughness and asks about the hidden cause "
                 "alone; learned from this many sessions, e.g. 200, or 2000 where balls have form errors")
-      ->check(CLI::Range(8, 100000));
+      ->check(wholeNumberWithin(8, 100000));
   c->add_flag("--json", o->json, "figures and sessions as JSON on standard output");
-  c->add_option("--seed", o->seed, "first seed")->capture_default_str();
+  c->add_option("--seed", o->seed, "first seed")->capture_default_str()->check(anySeed());
   c->add_flag("--verbose", o->verbose, "a line for each session, not only for those that went wrong");
   c->footer(
       "Example: mm benchmark --plan config/plans/nine_ball_plate.yaml --trials 100 --effects 2 --size 1");
-  c->callback([o] { run(*o); });
+  c->callback([o, &exitStatus] { exitStatus = run(*o); });
 }
 
 }  // namespace mm

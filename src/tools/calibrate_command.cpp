@@ -8,15 +8,15 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "calibration_file/atomic_file.h"
-#include "calibration_file/calibration_yaml.h"
 #include "design/session_doubts.h"
 #include "estimation/ball_centres.h"
 #include "report/json.h"
 #include "report/text.h"
+#include "session/session_hash.h"
+#include "tools/bounds.h"
 #include "tools/commands.h"
-#include "tools/interrupt.h"
 #include "tools/one_line.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "workflow/recalibration.h"
@@ -29,6 +29,7 @@ struct CalibrateCommand {
   bool json = false, traditional = false, twoSteps = false;
   std::optional<std::size_t> population, generations;
   FitOptions fit;
+  OutputFiles files;
 };
 
 /// "15:1,30:0.5": last generation and share of half the range. @throw InputError.
@@ -51,37 +52,44 @@ std::vector<MutationStage> stagesOf(const std::string& text) {
 void declareGenetic(CLI::App& command, CalibrateCommand& c) {
   StagedMutationSettings& s = c.fit.calibrate.stagedMutation;
   NichingSettings& n = c.fit.calibrate.niching;
-  const auto add = [&](const char* group, const char* name, auto& value, const char* what) {
-    command.add_option(name, value, what)->capture_default_str()->group(group);
+  const auto add = [&](const char* group, const char* name, auto& value, double lower, double upper,
+                       const char* what) {
+    command.add_option(name, value, what)
+        ->capture_default_str()
+        ->group(group)
+        ->check(numberWithin(lower, upper));
   };
   const char* const both = "Genetic algorithm";
   command.add_option("--population", c.population, "chromosomes [staged_mutation 500, niching 200]")
-      ->group(both);
-  command.add_option("--generations", c.generations, "[staged_mutation 100, niching 500]")->group(both);
+      ->group(both)
+      ->check(wholeNumberWithin(2, 10'000'000));
+  command.add_option("--generations", c.generations, "[staged_mutation 100, niching 500]")
+      ->group(both)
+      ->check(wholeNumberWithin(0, 1'000'000'000));
   const char* const staged = "Genetic algorithm: staged_mutation";
-  add(staged, "--father-share", s.fatherShare, "the best share, fathers of the next generation");
+  add(staged, "--father-share", s.fatherShare, 1e-6, 1.0, "the best share, fathers of the next generation");
   command
       .add_option("--stages", c.stages,
                   "<last generation>:<share of half the range>, … [15:1,30:0.5,50:0.05,75:0.005,100:0.0005]")
       ->group(staged);
-  add(staged, "--survivor-share", s.survivorShare, "fathers that live on unchanged, of the population");
-  add(staged, "--gene-share", s.geneShare, "probability that a gene of a child is mutated");
-  add(staged, "--reach", s.reach, "1: uniform mutation as published; below 1 mixes fine steps in");
+  add(staged, "--survivor-share", s.survivorShare, 0.0, 1.0,
+      "fathers that live on unchanged, of the population");
+  add(staged, "--gene-share", s.geneShare, 0.0, 1.0, "probability that a gene of a child is mutated");
+  add(staged, "--reach", s.reach, 1e-12, 1.0,
+      "1: uniform mutation as published; below 1 mixes fine steps in");
   const char* const niching = "Genetic algorithm: niching";
-  add(niching, "--crossover", n.crossover, "probability");
-  add(niching, "--mutation", n.mutation, "probability of a gene");
-  add(niching, "--precision", n.precision, "of a gene, in parts of its range");
-  add(niching, "--threshold", n.threshold,
+  add(niching, "--crossover", n.crossover, 0.0, 1.0, "probability");
+  add(niching, "--mutation", n.mutation, 0.0, 1.0, "probability of a gene");
+  add(niching, "--precision", n.precision, 1e-15, 0.1, "of a gene, in parts of its range");
+  add(niching, "--threshold", n.threshold, 0.0, 1.0,
       "chromosomes closer than this are dropped, in parts of the ranges' diagonal");
-  add(niching, "--niching-reach", n.reach, "1: uniform mutation; below 1 mixes fine steps in");
+  add(niching, "--niching-reach", n.reach, 1e-15, 1.0, "1: uniform mutation; below 1 mixes fine steps in");
   command
       .add_flag("--traditional", c.traditional, "niching without dropping: the algorithm LASER compares with")
       ->group(niching);
 }
 
 int runCalibrate(CalibrateCommand& c) {
-  checkOutput(c.output);
-  checkOutput(c.curve);
   CalibrateOptions options = c.fit.checked();
   options.method = methodOf(c.method);
   if (!c.stages.empty()) options.stagedMutation.stages = stagesOf(c.stages);
@@ -93,6 +101,11 @@ int runCalibrate(CalibrateCommand& c) {
   options.niching.eliminate = !c.traditional;
   options.stagedMutation.validate();
   options.niching.validate();
+  c.files.input(c.bag);
+  c.files.input(c.model);
+  c.files.output("-o", c.output, FileKind::kCalibration);
+  c.files.output("--curve", c.curve, FileKind::kCurve);
+  c.files.check();
   const ModelSpec model = loadModelSpec(c.model);
   const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
   std::optional<Machine> machine;
@@ -100,11 +113,15 @@ int runCalibrate(CalibrateCommand& c) {
   Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.fit.space);
   checkMachine(model, folder, session);
   const std::vector<Doubt> questions = askFirst(session);
-  if (c.twoSteps) session = centresByPosture(session, modelFor(session, model.effects));
+  std::vector<std::string> hashes{sessionHash(session)};
+  if (c.twoSteps) {
+    session = centresByPosture(session, modelFor(session, model.effects));
+    hashes.push_back(sessionHash(session));
+  }
+  c.files.checkSession(hashes);
 
   std::optional<Recalibration> done;
   {
-    const Interrupt interrupt;
     ProgressBar bar("calibrating");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     done = recalibrate(session, model, options);
@@ -116,11 +133,11 @@ int runCalibrate(CalibrateCommand& c) {
     for (const std::string& doubt : fitDoubts(done->result)) doubts.push_back(doubt);
   for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
   const int status = verdictOf(done->result);
-  if (!c.output.empty()) saveCalibration(done->calibration, c.output);
+  if (!c.output.empty()) c.files.write(c.output, done->calibration);
   const bool angular = !std::isfinite(done->result.figures.rms);
   if (!c.curve.empty())
-    writeFileAtomically(c.curve, done->result.genetic ? curveCsv(*done->result.genetic, angular)
-                                                      : curveCsv(GeneticSummary(), angular));
+    c.files.write(c.curve, done->result.genetic ? curveCsv(*done->result.genetic, angular)
+                                                : curveCsv(GeneticSummary(), angular));
   if (c.json) {
     std::cout << calibrateJson(done->result, questions) << '\n';
   } else {
@@ -145,11 +162,12 @@ void addCalibrateCommand(CLI::App& app, int& exitStatus) {
                     "balls as LASER uses them: first the centre in each posture, then the model to these "
                     "centres (default: every contact and everything together)");
   command->add_option("--curve", c->curve, "CSV of the best RMS in each generation");
+  c->files.declare(*command);
   c->fit.declare(*command, true);
   declareGenetic(*command, *c);
   command->footer(
-      "Exit status: 0 done; 1 not converged, or a parameter that this session does not determine and no\n"
-      "convention fixes (the file is still written); 2 bad input.\n"
+      "Exit status 1: not converged, or a parameter that this session does not determine and no convention\n"
+      "fixes; the file is still written.\n"
       "Example:\n  mm calibrate plate.bag --model model.yaml -o plate.yaml");
   command->callback([c, &exitStatus] { exitStatus = runCalibrate(*c); });
 }

@@ -1,41 +1,110 @@
 #include "tools/change_command.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <iostream>
 #include <memory>
 
+#include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
 #include "report/text.h"
-#include "tools/interrupt.h"
+#include "session/session_hash.h"
+#include "tools/bounds.h"
+#include "tools/exit_status.h"
+#include "tools/one_line.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "workflow/learning.h"
 
 namespace mm {
 namespace {
 
 struct ChangeOptions {
   std::string bag, effect, calibration, output;
-  bool json = false;
+  bool json = false, all = false;
+  std::size_t most = 10;
   FitOptions fit;
+  OutputFiles files;
 };
 
-int runChange(const ChangeOptions& c, ModelChange change) {
-  checkOutput(c.output);
+/// Each step is written when it is done: whoever is killed loses at most one.
+int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
+           const CalibrateOptions& options) {
+  askFirst(session);
+  DiagnoseOptions diagnosing;
+  diagnosing.calibrate = options;
+  diagnosing.seed = options.seed;
+  diagnosing.cancelled = options.cancelled;
+  std::optional<ProgressBar> bar("diagnosing");
+  const auto show = [&](const std::string& stage, double share) { bar->show(share, stage); };
+  diagnosing.progress = show;
+  diagnosing.calibrate.progress = show;
+  const auto keep = [&](const Diagnosis& diagnosis, Recalibration& step) {
+    if (!c.output.empty()) c.files.write(c.output, step.calibration);
+    bar.emplace("diagnosing");
+    std::cerr << "mm: " << oneLine(diagnosis.sentence + " Added: " + step.calibration.effects.back().yaml())
+              << std::endl;
+  };
+  const Learned learned = learnAll(session, before, diagnosing, c.most, keep);
+  bar.reset();
+  std::cerr << "mm: " << oneLine(learned.sentence) << std::endl;
+  if (!learned.last) {  // the file is written all the same: it is what there is to use
+    if (learned.stopped) throw Cancelled("stopped before anything was added");
+    if (!c.output.empty()) {
+      Calibration same = before;
+      c.files.write(c.output, same);
+    }
+    const CalibrationResult held = compareCalibration(session, before, options);
+    if (c.json)
+      std::cout << changeJson(held, before.ledger) << '\n';
+    else
+      std::cout << ledgerText(before.ledger, !std::isfinite(held.figures.rms)) << "\nnothing was added\n";
+    return learned.complete ? kDone : kAnswerIsNo;
+  }
+  const Recalibration& last = *learned.last;
+  const int status = verdictOf(last.result);
+  if (c.json) {
+    std::cout << changeJson(last.result, last.calibration.ledger) << '\n';
+  } else {
+    std::cout << ledgerText(last.calibration.ledger, !std::isfinite(last.result.figures.rms)) << '\n'
+              << calibrateText(last.result);
+    if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
+  }
+  if (learned.stopped) {
+    std::cerr << "mm: stopped by Ctrl-C after " << learned.steps << " steps: what is written holds them"
+              << std::endl;
+    return kStopped;
+  }
+  if (learned.complete) return status;
+  std::cerr << "mm: after " << learned.steps << " steps something is still missing; mm diagnose tells"
+            << std::endl;
+  return kAnswerIsNo;
+}
+
+int runChange(ChangeOptions& c, ModelChange change) {
+  c.files.input(c.bag);
+  c.files.calibration(c.calibration);
+  c.files.output("-o", c.output, FileKind::kCalibration);
+  c.files.check();
   CalibrateOptions options = c.fit.checked();
-  const EffectSpec effect = parseEffectSpec(c.effect, "effect");
+  if (c.all != c.effect.empty())
+    throw InputError(c.all ? "--all finds the effects by itself; leave out '" + c.effect + "'"
+                           : "no effect is named; give one, e.g. '{type: backlash, axis: x}', or --all");
+  const EffectSpec effect = c.all ? EffectSpec() : parseEffectSpec(c.effect, "effect");
   const Calibration before = loadCalibration(c.calibration);
-  const Machine machine(before.urdf, before.machineName);
-  const Session session = loadSession(c.bag, &machine, c.fit.space);
+  const Session session = loadSession(c.bag, before, c.fit.space);
+  c.files.checkSession({sessionHash(session)});
+  if (c.all) return runAll(c, session, before, options);
   std::optional<Recalibration> done;
   {
-    const Interrupt interrupt;
     ProgressBar bar("refitting");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     done = change(session, before, effect, options);
   }
   const int status = verdictOf(done->result);
-  if (!c.output.empty()) saveCalibration(done->calibration, c.output);
+  if (!c.output.empty()) c.files.write(c.output, done->calibration);
   if (c.json) {
     std::cout << changeJson(done->result, done->calibration.ledger) << '\n';
     return status;
@@ -48,14 +117,22 @@ int runChange(const ChangeOptions& c, ModelChange change) {
 
 }  // namespace
 
-void declareChange(CLI::App& command, ModelChange change, const std::string& example, int& exitStatus) {
+void declareChange(CLI::App& command, ModelChange change, bool all, const std::string& example,
+                   int& exitStatus) {
   auto c = std::make_shared<ChangeOptions>();
   command.add_option("bag", c->bag, "the session")->required();
-  command.add_option("effect", c->effect, "YAML: {type: backlash, axis: x}")->required();
+  command.add_option("effect", c->effect, "YAML: {type: backlash, axis: x}")->required(!all);
   command.add_option("--calibration", c->calibration, "the calibration file")->required();
   command.add_option("-o,--output", c->output, "the new calibration file");
   command.add_flag("--json", c->json, "the result as JSON on standard output");
-  c->fit.declare(command, false);
+  if (all) {
+    command.add_flag("--all", c->all, "diagnoses and adds what is missing, step by step, until nothing is");
+    command.add_option("--most", c->most, "steps of --all")
+        ->capture_default_str()
+        ->check(wholeNumberWithin(1, 100));
+  }
+  c->files.declare(command);
+  c->fit.declare(command, all);
   command.footer("Example:\n  " + example);
   command.callback([c, change, &exitStatus] { exitStatus = runChange(*c, change); });
 }

@@ -26,6 +26,11 @@ void addApplyCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);
 void addPromoteCommand(CLI::App& app, int& exitStatus);
 void addRollbackCommand(CLI::App& app, int& exitStatus);
+void addMachineCommand(CLI::App& app, int& exitStatus);
+void addPlanCommand(CLI::App& app, int& exitStatus);
+void addCompletionCommand(CLI::App& app, int& exitStatus);
+void addManualCommand(CLI::App& app, int& exitStatus);
+void addEffectsCommand(CLI::App& app, int& exitStatus);
 void addBenchmarkCommand(CLI::App& app, int& exitStatus);
 
 }  // namespace mm

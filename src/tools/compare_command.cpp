@@ -6,7 +6,6 @@
 #include "report/json.h"
 #include "report/text.h"
 #include "tools/commands.h"
-#include "tools/interrupt.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "workflow/recalibration.h"
@@ -23,11 +22,9 @@ struct CompareCommand {
 void runCompare(const CompareCommand& c) {
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
-  const Machine machine(calibration.urdf, calibration.machineName);
-  const Session session = loadSession(c.bag, &machine, c.fit.space);
+  const Session session = loadSession(c.bag, calibration, c.fit.space);
   std::optional<CalibrationResult> compared;
   {
-    const Interrupt interrupt;
     ProgressBar bar("comparing");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     compared = compareCalibration(session, calibration, options);

@@ -2,13 +2,12 @@
 #include <iostream>
 #include <memory>
 
-#include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "design/moves.h"
 #include "report/json.h"
 #include "report/text.h"
 #include "tools/commands.h"
-#include "tools/interrupt.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "workflow/recalibration.h"
@@ -20,27 +19,30 @@ struct DiagnoseCommand {
   std::string bag, calibration, moves;
   bool json = false;
   FitOptions fit;
+  OutputFiles files;
 };
 
-void runDiagnose(const DiagnoseCommand& c) {
+void runDiagnose(DiagnoseCommand& c) {
+  c.files.input(c.bag);
+  c.files.input(c.calibration);
+  c.files.output("--moves", c.moves, FileKind::kMoves);
+  c.files.check();
   DiagnoseOptions options;
   options.calibrate = c.fit.checked();
   options.seed = c.fit.calibrate.seed;
   options.cancelled = options.calibrate.cancelled;
   const Calibration calibration = loadCalibration(c.calibration);
-  const Machine machine(calibration.urdf, calibration.machineName);
-  const Session session = loadSession(c.bag, &machine, c.fit.space);
+  const Session session = loadSession(c.bag, calibration, c.fit.space);
   askFirst(session);
   std::optional<Diagnosis> diagnosis;
   {
-    const Interrupt interrupt;
     ProgressBar bar("diagnosing");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     diagnosis = diagnoseCalibration(session, calibration, options);
   }
   if (!c.moves.empty()) {
     const std::string plan = movesYaml(diagnosis->nextMeasurement, session);
-    if (!plan.empty()) writeFileAtomically(c.moves, plan);
+    if (!plan.empty()) c.files.write(c.moves, plan);
     std::cerr << (plan.empty() ? "no moves are proposed: " + c.moves + " is not written\n"
                                : "moves written to " + c.moves + "\n");
   }
@@ -60,6 +62,7 @@ void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_flag("--json", c->json, "the result as JSON on standard output");
   command->add_option("--moves", c->moves,
                       "writes the proposed moves as a plan for mm simulate and the node measure");
+  c->files.declare(*command);
   c->fit.declare(*command, true);
   command->footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");
   command->callback([c] { runDiagnose(*c); });

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "base/units.h"
-#include "ros_bridge/bag_session.h"
 #include "session/artifact_file.h"
 #include "session/contacts_csv.h"
 #include "session/session_summary.h"
 #include "tools/commands.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 
 namespace mm {
@@ -19,9 +19,16 @@ namespace {
 
 struct ImportOptions {
   std::string csv, artifact, machine, output;
+  OutputFiles files;
 };
 
-void runImport(const ImportOptions& options) {
+void runImport(ImportOptions& options) {
+  options.files.input(options.csv);
+  options.files.input(options.artifact);
+  options.files.input(options.machine);
+  options.files.bag("-o", options.output,
+                    "imported from " + std::filesystem::path(options.csv).filename().string());
+  options.files.check();
   const Machine machine = Machine::load(options.machine);
   std::optional<Artifact> artifact;
   if (!options.artifact.empty()) artifact = loadArtifact(options.artifact);
@@ -32,7 +39,7 @@ void runImport(const ImportOptions& options) {
   }
   {
     ProgressBar bar("writing");
-    writeSessionBag(*session, options.output, bar.callback());
+    options.files.write(options.output, *session, bar.callback());
   }
   std::cout << summarize(*session) << "written to " << options.output << '\n';
 }
@@ -50,6 +57,7 @@ void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("--machine", options->machine, "three_axis, five_axis or the path of a URDF")
       ->required();
   command->add_option("-o,--output", options->output, "the session's bag")->required();
+  options->files.declare(*command);
   command->footer(
       "Columns (any order, empty cells are not measured):\n"
       "  time_s                        required\n"

@@ -3,6 +3,8 @@
 #include <csignal>
 #include <ctime>
 
+#include "base/error.h"
+
 namespace mm {
 namespace {
 
@@ -30,12 +32,21 @@ void onInterrupt(int signal) {
 
 Interrupt::Interrupt() {
   askedToStop = 0;
-  before_ = std::signal(SIGINT, onInterrupt);
+  struct sigaction ours {
+  }, theirs{};
+  ours.sa_handler = onInterrupt;  // without SA_RESTART: who waits for a pipe is woken
+  sigemptyset(&ours.sa_mask);
+  sigaction(SIGINT, &ours, &theirs);
+  before_ = theirs.sa_handler;
   if (before_ == SIG_IGN) std::signal(SIGINT, SIG_IGN);  // started in the background of a script
 }
 
 Interrupt::~Interrupt() { std::signal(SIGINT, before_); }
 
 bool Interrupt::asked() { return askedToStop != 0; }
+
+void Interrupt::check() {
+  if (asked()) throw Cancelled("stopped by Ctrl-C");
+}
 
 }  // namespace mm

@@ -2,7 +2,8 @@
 
 namespace mm {
 
-/// While it lives, Ctrl-C asks the work to stop instead of ending the program; a second Ctrl-C ends it.
+/// While it lives, Ctrl-C asks the work to stop instead of ending the program; a second Ctrl-C ends it. One
+/// lives from the beginning of `mm` to its end; a read that waits (a pipe) returns at once.
 class Interrupt {
  public:
   Interrupt();
@@ -10,6 +11,8 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
   static bool asked();  ///< Ctrl-C or SIGTERM came
+  /// @throw Cancelled when Ctrl-C was pressed.
+  static void check();
 
  private:
   void (*before_)(int);

@@ -12,17 +12,41 @@
 #include "base/nearest_name.h"
 #include "ros_bridge/effect_plugins.h"
 #include "tools/commands.h"
+#include "tools/exit_status.h"
+#include "tools/interrupt.h"
 #include "tools/one_line.h"
+#include "tools/output_files.h"
 
 namespace {
 
-constexpr int kDone = 0;        // also: help and version
-constexpr int kAnswerIsNo = 1;  // not converged, a parameter lost, cancelled: the output is still written
-constexpr int kBadInput = 2;    // bad input or usage
+using mm::kAnswerIsNo, mm::kBadInput, mm::kDone, mm::kStopped;
 
 int fail(int status, const std::string& message) {
   std::cerr << "mm: error: " << mm::oneLine(message) << std::endl;
   return status;
+}
+
+/// One line that says what is left of the work.
+int stopped() {
+  std::string files;
+  for (const std::string& file : mm::OutputFiles::written()) files += (files.empty() ? "" : ", ") + file;
+  std::cerr << "mm: stopped by Ctrl-C; " << (files.empty() ? "nothing was written" : "written: " + files)
+            << std::endl;
+  return kStopped;
+}
+
+/// `mm plan old`: a command that only has commands of its own, and a word that is none of them; else empty.
+std::string unknownSecondWord(const CLI::App& app, int argc, char** argv) {
+  if (argc < 3 || argv[2][0] == '-') return {};
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (command->get_name() != argv[1]) continue;
+    std::vector<std::string> own;
+    for (const CLI::App* sub : command->get_subcommands(nullptr)) own.push_back(sub->get_name());
+    if (own.empty() || std::find(own.begin(), own.end(), argv[2]) != own.end()) return {};
+    return "'" + std::string(argv[2]) + "' is not a command of mm " + argv[1] + mm::didYouMean(argv[2], own) +
+           " (mm " + argv[1] + " --help lists them)";
+  }
+  return {};
 }
 
 /// What CLI11 found wrong with the command line; a word that is no subcommand is named.
@@ -33,8 +57,18 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error, int ar
   if (word.rfind('-', 0) != 0 && std::find(commands.begin(), commands.end(), word) == commands.end())
     return "'" + word + "' is not a command of mm" + mm::didYouMean(word, commands) +
            " (mm --help lists them)";
+  if (const std::string wrong = unknownSecondWord(app, argc, argv); !wrong.empty()) return wrong;
   const bool known = word.rfind('-', 0) != 0;
   return std::string(error.what()) + "; see mm " + (known ? word + " " : "") + "--help";
+}
+
+void addExitStatus(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands(nullptr)) {
+    const std::string footer = command->get_footer();
+    if (command->get_subcommands(nullptr).empty())
+      command->footer(footer + (footer.empty() ? "" : "\n") + mm::kExitStatusHelp);
+    addExitStatus(*command);
+  }
 }
 
 }  // namespace
@@ -53,8 +87,10 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   app.footer(
       "A session:  mm import contacts.csv --artifact artifact.yaml --machine three_axis -o session.bag\n"
-      "Each subcommand explains itself: mm import --help");
+      "Each subcommand explains itself: mm import --help\n" +
+      std::string(mm::kExitStatusHelp));
   int exitStatus = kDone;
+  const mm::Interrupt interrupt;
   mm::addImportCommand(app, exitStatus);
   mm::addSensorsCommand(app, exitStatus);
   mm::addSimulateCommand(app, exitStatus);
@@ -70,7 +106,13 @@ int main(int argc, char** argv) {
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);
+  mm::addEffectsCommand(app, exitStatus);
+  mm::addMachineCommand(app, exitStatus);
+  mm::addPlanCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
+  mm::addCompletionCommand(app, exitStatus);
+  mm::addManualCommand(app, exitStatus);
+  addExitStatus(app);
   // Before the command's own work, and not for --help.
   app.parse_complete_callback([] {
     mm::loadEffectPlugins(
@@ -80,13 +122,16 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     std::cout.flush();
     if (!std::cout) return fail(kBadInput, "standard output cannot be written; is the disk full?");
-    return exitStatus;
+    return mm::Interrupt::asked() && exitStatus != kStopped ? stopped() : exitStatus;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
     return fail(kBadInput, usageError(app, e, argc, argv));
+  } catch (const mm::Cancelled&) {
+    return stopped();
   } catch (const mm::InputError& e) {
+    if (mm::Interrupt::asked()) return stopped();  // a read that was woken by Ctrl-C
     return fail(kBadInput, e.what());
-  } catch (const mm::Error& e) {  // NumericalError, Cancelled
+  } catch (const mm::Error& e) {  // NumericalError
     return fail(kAnswerIsNo, e.what());
   } catch (const std::exception& e) {
     return fail(kBadInput, std::string("unexpected: ") + e.what());

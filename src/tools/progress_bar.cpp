@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "tools/interrupt.h"
+
 namespace mm {
 
 ProgressBar::ProgressBar(std::string label)
@@ -30,7 +32,10 @@ void ProgressBar::show(double fraction, const std::string& note) {
 }
 
 ProgressCallback ProgressBar::callback() {
-  return [this](double fraction) { show(fraction); };
+  return [this](double fraction) {
+    Interrupt::check();
+    show(fraction);
+  };
 }
 
 }  // namespace mm

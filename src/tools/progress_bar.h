@@ -16,7 +16,7 @@ class ProgressBar {
 
   /// Draws at most ten times a second. @param fraction from 0 to 1. @param note a few words behind the bar.
   void show(double fraction, const std::string& note = {});
-  /// To hand to a reader or an estimator; valid as long as the bar.
+  /// To hand to a reader or a simulation; valid as long as the bar. It throws Cancelled after Ctrl-C.
   ProgressCallback callback();
 
  private:

@@ -8,7 +8,7 @@ namespace mm {
 void addRemoveCommand(CLI::App& app, int& exitStatus) {
   declareChange(
       *app.add_subcommand("remove", "One effect less: everything is refitted, the ledger tells what it did"),
-      removeEffect,
+      removeEffect, false,
       "mm remove plate.bag --calibration plate2.yaml '{type: backlash, axis: x}' -o plate3.yaml", exitStatus);
 }
 

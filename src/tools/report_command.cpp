@@ -3,11 +3,10 @@
 #include <memory>
 #include <optional>
 
-#include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/report_page.h"
 #include "tools/commands.h"
-#include "tools/interrupt.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "workflow/recalibration.h"
@@ -19,10 +18,16 @@ struct ReportCommand {
   std::string bag, calibration, output = "report.html", plotly, serial, operatorName;
   std::vector<std::string> curves;
   FitOptions fit;
+  OutputFiles files;
 };
 
-void runReport(const ReportCommand& c) {
-  checkOutput(c.output);
+void runReport(ReportCommand& c) {
+  c.files.input(c.bag);
+  c.files.input(c.calibration);
+  c.files.input(c.plotly);
+  for (const std::string& curve : c.curves) c.files.input(curve);
+  c.files.output("-o", c.output, FileKind::kPage);
+  c.files.check();
   const ReportFiles files = loadReportFiles(c.plotly);
   ReportOptions options;
   options.diagnose.calibrate = c.fit.checked();
@@ -34,16 +39,14 @@ void runReport(const ReportCommand& c) {
   options.operatorName = c.operatorName;
   for (const std::string& curve : c.curves) options.curves.push_back(readConvergenceCurve(curve));
   const Calibration calibration = loadCalibration(c.calibration);
-  const Machine machine(calibration.urdf, calibration.machineName);
-  const Session session = loadSession(c.bag, &machine, c.fit.space);
+  const Session session = loadSession(c.bag, calibration, c.fit.space);
   std::optional<ReportContents> report;
   {
-    const Interrupt interrupt;
     ProgressBar bar("diagnosing");
     options.diagnose.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     report = makeReport(session, calibration, options);
   }
-  writeFileAtomically(c.output, reportPage(*report, files));
+  c.files.write(c.output, reportPage(*report, files));
   std::cout << report->diagnosis.sentence << "\nwritten to " << c.output << '\n';
 }
 
@@ -61,6 +64,7 @@ void addReportCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("--serial", c->serial, "serial number of the machine, for the page's head");
   command->add_option("--operator", c->operatorName, "who measured, for the page's head");
   command->add_option("--plotly", c->plotly, "path of plotly.min.js, if the build could not fetch it");
+  c->files.declare(*command);
   c->fit.declare(*command, true);
   command->footer(
       "The page opens without a network.\nExample:\n  mm report plate.bag --calibration plate.yaml -o "

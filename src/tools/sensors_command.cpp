@@ -7,11 +7,13 @@
 #include <optional>
 
 #include "base/error.h"
-#include "calibration_file/atomic_file.h"
 #include "estimation/genetic_subset.h"
 #include "thermal/sensor_selection.h"
+#include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/interrupt.h"
 #include "tools/json_output.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/sensors_picture.h"
 #include "tools/sensors_source.h"
@@ -30,6 +32,7 @@ struct SensorsOptions {
   std::vector<int> bins{30, 30};
   std::uint64_t seed = 1;
   bool json = false;
+  OutputFiles files;
 };
 
 /// `subset` of SENSORS, which returns one set, as a search that returns the best it met.
@@ -162,8 +165,11 @@ void printText(const SensorSelection& selection, const SensorCandidates& candida
   std::fflush(stdout);
 }
 
-void runSensors(const SensorsOptions& options) {
-  checkOutput(options.picture);
+void runSensors(SensorsOptions& options) {
+  options.files.input(options.csv);
+  options.files.input(options.positions);
+  options.files.output("--picture", options.picture, FileKind::kPicture);
+  options.files.check();
   const SensorCandidates candidates = readSensorCandidates(options.csv, options.target, options.space);
   const SelectionSettings settings = settingsOf(options, candidates.micrometres);
   const std::optional<Eigen::MatrixXd> positions =
@@ -176,17 +182,18 @@ void runSensors(const SensorsOptions& options) {
     selection = selectSensors(candidates.temperatures, candidates.displacement, settings,
                               [&](double fraction, const std::string& stage) {
                                 bar.show(fraction, stage);
-                                return true;
+                                return !Interrupt::asked();
                               });
   } catch (const InputError& e) {
     throw InputError(options.csv + ": " + e.what());
   }
+  Interrupt::check();
   for (int s : selection.constant)
     std::cerr << "mm: warning: " << options.csv << ": column '"
               << candidates.names[static_cast<std::size_t>(s)] << "' does not vary and is left out"
               << std::endl;
   if (!options.picture.empty())
-    writeFileAtomically(options.picture, sensorsPicture(selection, candidates.names, positions,
+    options.files.write(options.picture, sensorsPicture(selection, candidates.names, positions,
                                                         options.target, candidates.micrometres));
   if (options.json)
     printJson(std::cout, toJson(selection, candidates));
@@ -213,7 +220,7 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
       ->required();
   command->add_option("--max", options->largest, "largest set")
       ->capture_default_str()
-      ->check(CLI::Range(1, 64));
+      ->check(wholeNumberWithin(1, 64));
   command->add_option("--estimator", options->estimator, "of the mutual information")
       ->capture_default_str()
       ->check(CLI::IsMember({"ksg", "histogram", "correlation"}));
@@ -221,7 +228,7 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
       ->delimiter(',')
       ->expected(2)
       ->capture_default_str()
-      ->check(CLI::Range(2, 10000));
+      ->check(wholeNumberWithin(2, 10000));
   command
       ->add_option("--range", options->range,
                    "temperature range of the bins: common to all sensors or one a sensor")
@@ -241,14 +248,16 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
   command
       ->add_option("--accuracy-um", options->accuracyUm,
                    "recommend the smallest set whose held-out error reaches it")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberWithin(0.0, 1e9, "um"));
   command->add_option("--blocks", options->blocks, "blocks of time of the cross-validation")
       ->capture_default_str()
-      ->check(CLI::Range(2, 1000));
+      ->check(wholeNumberWithin(2, 1000));
   command->add_option("--gap", options->gap, "samples beside a block that are not used")
       ->capture_default_str()
-      ->check(CLI::Range(0, 100000));
-  command->add_option("--seed", options->seed, "of all that is random")->capture_default_str();
+      ->check(wholeNumberWithin(0, 100000));
+  command->add_option("--seed", options->seed, "of all that is random")
+      ->capture_default_str()
+      ->check(anySeed());
   declareNamespace(*command, options->space);
   command->add_option("--picture", options->picture,
                       "SVG: where the sensors sit, and the information and held-out error against m");
@@ -257,6 +266,7 @@ void addSensorsCommand(CLI::App& app, int& /*exitStatus*/) {
                    "CSV for the picture: sensor,x_mm,y_mm,z_mm, one row a sensor")
       ->needs("--picture");
   command->add_flag("--json", options->json, "for programs");
+  options->files.declare(*command);
   command->footer(
       "Columns named t, time or time_<unit> are time; all others but the target are candidate sensors.\n"
       "Example:  mm sensors housing.csv --target nose_um --max 2");

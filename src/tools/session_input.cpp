@@ -2,27 +2,36 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <filesystem>
 #include <iostream>
 
 #include "base/error.h"
 #include "base/units.h"
-#include "report/quantiles.h"
 #include "ros_bridge/bag_session.h"
 #include "session/session_summary.h"
+#include "tools/bounds.h"
+#include "tools/exit_status.h"
 #include "tools/interrupt.h"
 #include "tools/one_line.h"
 #include "tools/progress_bar.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 
 Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space) {
   ProgressBar bar("reading");
   Session session = readSessionBag(bag, bar.callback(), fallback, {space, !space.empty()});
+  Interrupt::check();
   if (!session.warning.empty())
     std::cerr << "mm: warning: " << oneLine(bag + ": " + session.warning) << std::endl;
   for (const SetAside& aside : session.setAside)
     std::cerr << "mm: warning: " << oneLine(bag + ": " + setAsideText(session, aside)) << std::endl;
+  return session;
+}
+
+Session loadSession(const std::string& bag, const Calibration& calibration, const std::string& space) {
+  const Machine machine(calibration.urdf, calibration.machineName);
+  Session session = loadSession(bag, &machine, space);
+  checkMachine(calibration, session);
   return session;
 }
 
@@ -37,33 +46,26 @@ void declareNamespace(CLI::App& command, std::string& space) {
                      "of the topics, where the bag holds the sessions of several machines");
 }
 
-void checkOutput(const std::string& file) {
-  if (file.empty()) return;
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw InputError(file + ": the folder '" + folder.string() +
-                     "' does not exist; make it, or name another");
-  if (std::filesystem::is_directory(file)) throw InputError(file + ": is a folder; name a file");
-}
-
 void FitOptions::declare(CLI::App& command, bool genetic) {
-  command.add_option(
-      "--repeatability-um", repeatability,
-      "noise of one measurement (else the model's, the artifact's, or found from repetitions)");
+  command
+      .add_option("--repeatability-um", repeatability,
+                  "noise of one measurement (else the model's, the artifact's, or found from repetitions)")
+      ->check(numberWithin(1e-6, 1e6, "um"));
   command.add_flag("--keep-outliers", keepOutliers, "nothing is left aside");
   command.add_flag("--white-noise", whiteNoise,
                    "uncertainties as if no row knew of its neighbours, whatever the residuals show");
   declareNamespace(command, space);
   if (!genetic) return;
-  command.add_option("--seed", calibrate.seed, "of the genetic algorithm")->capture_default_str();
+  command.add_option("--seed", calibrate.seed, "of the genetic algorithm")
+      ->capture_default_str()
+      ->check(anySeed());
   command.add_option("--threads", calibrate.threads, "0: all cores; the result does not depend on it")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(wholeNumberWithin(0, 1024));
 }
 
 CalibrateOptions FitOptions::checked() const {
   CalibrateOptions options = calibrate;
-  if (repeatability < 0.0 || !std::isfinite(repeatability))
-    throw InputError("--repeatability-um is " + sixDigits(repeatability) + "; it must be above 0");
   if (repeatability > 0.0) options.repeatability = repeatability * kMicrometre;
   options.rejectOutliers = !keepOutliers;
   options.whiteNoise = whiteNoise;
@@ -77,10 +79,11 @@ int verdictOf(const CalibrationResult& result) {
     std::cerr << "mm: " << oneLine(text) << std::endl;
     status = 1;
   };
-  if (result.cancelled)
+  if (result.cancelled) {
     say("stopped by Ctrl-C: what follows is the best found so far");
-  else if (!result.converged)
-    say("not converged (" + result.stop + "); try another --seed, or a simpler model");
+    return kStopped;
+  }
+  if (!result.converged) say("not converged (" + result.stop + "); try another --seed, or a simpler model");
   for (const LostDirection& l : result.identifiability.lost)
     if (l.lacking()) say("not determined by this session: " + l.inWords + "; " + l.wouldShow);
   return status;

@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "calibration_file/calibration.h"
 #include "estimation/calibrate.h"
 #include "session/sense_checks.h"
 #include "session/session.h"
@@ -16,15 +17,14 @@ namespace mm {
 /// @param fallback machine of a bag that does not bring its own; may be null. @param space of `--namespace`;
 /// empty: the only one that there is. @throw InputError.
 Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space);
+/// The same for a session that goes with a calibration: of the machine that was calibrated, which is also
+/// that of a bag without one. @throw InputError: of another machine, naming what differs.
+Session loadSession(const std::string& bag, const Calibration& calibration, const std::string& space);
 /// What is likely mistaken in a session's units, signs and names: a line on standard error each, before
 /// anything is computed from it.
 std::vector<Doubt> askFirst(const Session& session);
 /// The option --namespace.
 void declareNamespace(CLI::App& command, std::string& space);
-
-/// @throw InputError when a file cannot be written there because the folder does not exist: before the work,
-/// not after.
-void checkOutput(const std::string& file);
 
 /// The options of a fit that several commands share: --namespace, --seed, --threads, --repeatability-um,
 /// --keep-outliers.
@@ -41,7 +41,8 @@ struct FitOptions {
   CalibrateOptions checked() const;
 };
 
-/// Says what Ctrl-C and doubtful results mean: a line on standard error each. @return exit status, 0 or 1.
+/// Says what Ctrl-C and doubtful results mean: a line on standard error each. @return exit status: done, the
+/// answer is no, or stopped.
 int verdictOf(const CalibrationResult& result);
 
 }  // namespace mm

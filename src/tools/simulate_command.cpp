@@ -1,17 +1,17 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 
 #include "base/error.h"
-#include "ros_bridge/bag_session.h"
 #include "session/session_summary.h"
 #include "simulation/session_csv.h"
 #include "simulation/simulate.h"
 #include "simulation/uncatalogued.h"
+#include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 
 namespace mm {
@@ -20,15 +20,16 @@ namespace {
 struct SimulateOptions {
   std::string machine = "three_axis", plan, output, csv, truth;
   SimulationRequest request;
+  OutputFiles files;
 };
 
-void writeText(const std::string& text, const std::string& file) {
-  std::ofstream out(file);
-  out << text << std::flush;
-  if (!out) throw InputError(file + ": cannot be written; check the path and the space on the disk");
-}
-
-void runSimulate(const SimulateOptions& options) {
+void runSimulate(SimulateOptions& options) {
+  options.files.input(options.plan);
+  options.files.input(options.machine);
+  options.files.bag("-o", options.output, "simulated");
+  options.files.output("--csv", options.csv, FileKind::kTable);
+  options.files.output("--truth", options.truth, FileKind::kTruth);
+  options.files.check();
   const auto started = std::chrono::steady_clock::now();
   const Machine machine = Machine::load(options.machine);
   const Plan plan = Plan::load(options.plan, machine);
@@ -40,10 +41,10 @@ void runSimulate(const SimulateOptions& options) {
                      " moves missed the artifact or the laser's range");
   {
     ProgressBar writing("writing");
-    writeSessionBag(simulation.session, options.output, writing.callback(), simulation.motion);
+    options.files.write(options.output, simulation.session, writing.callback(), simulation.motion);
   }
-  if (!options.csv.empty()) writeText(sessionCsv(simulation.session), options.csv);
-  if (!options.truth.empty()) writeText(truthYaml(simulation, options.request), options.truth);
+  if (!options.csv.empty()) options.files.write(options.csv, sessionCsv(simulation.session));
+  if (!options.truth.empty()) options.files.write(options.truth, truthYaml(simulation, options.request));
 
   const double hours = simulation.session.observations.back().time / 3600.0;
   std::cout << summarize(simulation.session);
@@ -75,10 +76,13 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
       "--rough", options->request.rough,
       "rougher than white noise: drift, correlated, form, sensors, tails, quantised, all (see "
       "below), separated by commas");
-  command->add_option("--seed", options->request.seed, "of everything random")->capture_default_str();
+  command->add_option("--seed", options->request.seed, "of everything random")
+      ->capture_default_str()
+      ->check(anySeed());
   command->add_option("-o,--output", options->output, "the session's bag")->required();
   command->add_option("--csv", options->csv, "also as CSV, in the format of mm import");
   command->add_option("--truth", options->truth, "also what was hidden, as YAML: the bag does not tell");
+  options->files.declare(*command);
   std::string kinds, uncatalogued;
   for (const SourceKind& kind : sourceKinds()) {
     std::string places;

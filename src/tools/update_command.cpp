@@ -8,7 +8,7 @@
 #include "report/json.h"
 #include "report/text.h"
 #include "tools/commands.h"
-#include "tools/interrupt.h"
+#include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "workflow/recalibration.h"
@@ -20,22 +20,25 @@ struct UpdateOptions {
   std::string bag, calibration, output;
   bool json = false;
   FitOptions fit;
+  OutputFiles files;
 };
 
-int runUpdate(const UpdateOptions& c) {
-  checkOutput(c.output);
+int runUpdate(UpdateOptions& c) {
+  c.files.input(c.bag);
+  c.files.calibration(c.calibration);
+  c.files.output("-o", c.output, FileKind::kCalibration);
+  c.files.check();
   CalibrateOptions options = c.fit.checked();
   const Calibration before = loadCalibration(c.calibration);
-  const Machine machine(before.urdf, before.machineName);
-  const Session session = loadSession(c.bag, &machine, c.fit.space);
+  c.files.checkSession({before.sessionHash});
+  const Session session = loadSession(c.bag, before, c.fit.space);
   std::optional<Recalibration> done;
   {
-    const Interrupt interrupt;
     ProgressBar bar("updating");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
     done = updateNetworks(session, before, options);
   }
-  if (!c.output.empty()) saveCalibration(done->calibration, c.output);
+  if (!c.output.empty()) c.files.write(c.output, done->calibration);
   const LedgerEntry& step = done->calibration.ledger.back();
   if (step.heldOutAfter > step.heldOutBefore)
     std::cerr
@@ -63,6 +66,7 @@ void addUpdateCommand(CLI::App& app, int& exitStatus) {
   command->add_option("--calibration", c->calibration, "the calibration file")->required();
   command->add_option("-o,--output", c->output, "the new calibration file");
   command->add_flag("--json", c->json, "the result as JSON on standard output");
+  c->files.declare(*command);
   c->fit.declare(*command, false);
   command->footer(
       "What the networks learned before stays in the file and is learned again with the new sets.\n"

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/units.h"
 #include "base/utc_now.h"
 #include "calibration_file/number_text.h"
 #include "effects/registry.h"
@@ -71,6 +73,7 @@ CalibrateOptions leastSquares(CalibrateOptions options, const Calibration& calib
 Recalibration refit(const Session& session, const Calibration& calibration,
                     const std::vector<EffectSpec>& effects, const std::string& action,
                     const EffectSpec& effect, const CalibrateOptions& given) {
+  checkMachine(calibration, session);
   const CalibrateOptions options = leastSquares(given, calibration);
   Model before = modelFor(session, calibration.effects);
   Model after = modelFor(session, effects);
@@ -86,6 +89,44 @@ Recalibration refit(const Session& session, const Calibration& calibration,
   done.calibration.ledger.push_back(
       entryOf(action, effect, base.figures, done.result.figures, calibration.id));
   return done;
+}
+
+std::string namesOf(const std::vector<Joint>& joints) {
+  std::string text;
+  for (const Joint& j : joints) text += (text.empty() ? "" : ", ") + j.name;
+  return text;
+}
+
+std::string inMillimetres(const Eigen::Vector3d& v) {
+  return format("(%.6g, %.6g, %.6g) mm", v.x() / kMillimetre, v.y() / kMillimetre, v.z() / kMillimetre);
+}
+
+/// What the calibrated machine has, and what the session's has instead; empty: they are the same.
+std::string differenceOf(const Machine& calibrated, const Machine& other) {
+  constexpr double kSameDirection = 1e-9, kSamePlace = 1e-9;  // 1, m
+  const std::vector<Joint>&a = calibrated.joints(), &b = other.joints();
+  if (namesOf(a) != namesOf(b))
+    return "the calibrated one has the joints " + namesOf(a) + ", the session's " + namesOf(b);
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    const std::string joint = "joint " + a[j].name + " ";
+    const auto kind = [](const Joint& one) { return one.kind == JointKind::kLinear ? "linear" : "rotary"; };
+    if (a[j].kind != b[j].kind) return joint + "is " + kind(a[j]) + ", in the session " + kind(b[j]);
+    if ((a[j].axis - b[j].axis).norm() > kSameDirection) {
+      const auto along = [](const Eigen::Vector3d& v) {
+        return format("(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
+      };
+      return joint + "moves along " + along(a[j].axis) + ", in the session along " + along(b[j].axis);
+    }
+    if ((a[j].origin - b[j].origin).norm() > kSamePlace)
+      return joint + "stands at " + inMillimetres(a[j].origin) + ", in the session at " +
+             inMillimetres(b[j].origin);
+  }
+  if ((calibrated.tipTranslation() - other.tipTranslation()).norm() > kSamePlace)
+    return "its probe's tip stands at " + inMillimetres(calibrated.tipTranslation()) +
+           ", in the session at " + inMillimetres(other.tipTranslation());
+  if ((calibrated.tipRotation() - other.tipRotation()).norm() > kSameDirection)
+    return "its probe points otherwise than in the session";
+  return {};
 }
 
 }  // namespace
@@ -179,6 +220,7 @@ Recalibration recalibrate(const Session& session, const ModelSpec& spec, const C
 
 Recalibration addEffect(const Session& session, const Calibration& calibration, const EffectSpec& effect,
                         const CalibrateOptions& options) {
+  checkMachine(calibration, session);             // the effect's joints are those of the calibrated machine
   createEffect(effect, observedDomain(session));  // its own message comes first
   if (findEffect(calibration, effect) < calibration.effects.size())
     throw InputError(effect.yaml() + " is in the model already (" + listOf(calibration.effects) +
@@ -201,6 +243,7 @@ Recalibration removeEffect(const Session& session, const Calibration& calibratio
 
 Recalibration updateNetworks(const Session& session, const Calibration& calibration,
                              CalibrateOptions options) {
+  checkMachine(calibration, session);
   options.rejectOutliers = false;  // what the old networks do not know is no outlier
   UpdatedNetworks updated = updateNetworks(compareCalibration(session, calibration, options));
   Recalibration done;
@@ -225,6 +268,7 @@ Recalibration updateNetworks(const Session& session, const Calibration& calibrat
 
 CalibrationResult compareCalibration(const Session& session, const Calibration& calibration,
                                      CalibrateOptions options) {
+  checkMachine(calibration, session);
   options.method = Method::kLeastSquares;
   options.holdEffects = true;
   return calibrate(session, modelOf(calibration), options, valuesOf(calibration));
@@ -232,9 +276,19 @@ CalibrationResult compareCalibration(const Session& session, const Calibration& 
 
 Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibration,
                               DiagnoseOptions options) {
+  checkMachine(calibration, session);
   options.calibrate = leastSquares(options.calibrate, calibration);
   const Model model = modelFor(session, calibration.effects);
   return diagnose(session, model, options, startFrom(calibration, model));
+}
+
+void checkMachine(const Calibration& calibration, const Session& session) {
+  const std::string difference =
+      differenceOf(Machine(calibration.urdf, calibration.machineName), session.machine);
+  if (!difference.empty())
+    throw InputError(
+        session.source + ": was measured on another machine than the one that was calibrated ('" +
+        calibration.machineName + "'): " + difference + "; use a session of the machine that was calibrated");
 }
 
 void checkMachine(const ModelSpec& model, const std::filesystem::path& folder, const Session& session) {
@@ -247,13 +301,8 @@ void checkMachine(const ModelSpec& model, const std::filesystem::path& folder, c
         return p.name == q.name && p.kind == q.kind;
       });
   if (same) return;
-  const auto names = [](const std::vector<Joint>& joints) {
-    std::string text;
-    for (const Joint& j : joints) text += (text.empty() ? "" : ", ") + j.name;
-    return text;
-  };
-  throw InputError(session.source + ": its machine has the joints " + names(b) + ", the model's machine '" +
-                   model.machine + "' has " + names(a) + "; use the model of the machine that measured");
+  throw InputError(session.source + ": its machine has the joints " + namesOf(b) + ", the model's machine '" +
+                   model.machine + "' has " + namesOf(a) + "; use the model of the machine that measured");
 }
 
 }  // namespace mm

@@ -67,6 +67,10 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
 /// Whether two specs name the same effect: order of keys and spelling of numbers aside, defaults filled in.
 bool sameEffect(const EffectSpec& a, const EffectSpec& b, const Domain& domain);
 
+/// @throw InputError when the session was measured on another machine than the one that was calibrated: what
+/// differs (joints, their order and kind, where they stand and how they move, where the tip stands) is named.
+void checkMachine(const Calibration& calibration, const Session& session);
+
 /// Machine of a model file when it names one. @throw InputError when the joints are not those of the session.
 void checkMachine(const ModelSpec& model, const std::filesystem::path& folder, const Session& session);
 

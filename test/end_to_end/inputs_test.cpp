@@ -32,8 +32,9 @@ class Inputs : public ::testing::Test {
   }
   Answer calibrate(const std::string& effects, const std::string& bag = "s.bag",
                    const std::string& more = "--json") {
-    const Answer answer = mmRun(folder_, "calibrate " + folder_ / bag + " --model " + model(effects) +
-                                             " -o " + folder_ / "c.yaml" + " --method least_squares " + more);
+    const Answer answer =
+        mmRun(folder_, "calibrate " + folder_ / bag + " --model " + model(effects) + " -o " +
+                           folder_ / "c.yaml" + " --force --method least_squares " + more);
     EXPECT_EQ(answer.status, 0) << answer.error;
     return answer;
   }
@@ -208,7 +209,9 @@ TEST_F(Inputs, AnInterferometerRunNeedsNoVelocities) {
     bare += cells[0] + "," + cells[1] + "," + cells[3] + "\n";
   }
   const auto calibrated = [&](const std::string& csv) {
-    EXPECT_EQ(mmRun(folder_, "import '" + csv + "' --machine three_axis -o " + folder_ / "x.bag").status, 0);
+    EXPECT_EQ(
+        mmRun(folder_, "import '" + csv + "' --machine three_axis --force -o " + folder_ / "x.bag").status,
+        0);
     return calibrate("{type: position_table, axis: x}, {type: backlash, axis: x}", "x.bag").json();
   };
   const nlohmann::json known = calibrated(data / "x_axis.csv"),

@@ -22,12 +22,12 @@ nlohmann::json parameterOf(const nlohmann::json& result, const std::string& type
 nlohmann::json calibrated(const TestFolder& folder, const std::string& csv, const std::string& effects,
                           const std::string& options = "", const std::string& machine = "three_axis",
                           const std::string& artifact = "") {
-  const Answer imported =
-      mmRun(folder, "import '" + csv + "' " + artifact + " --machine " + machine + " -o " + folder / "s.bag");
+  const Answer imported = mmRun(folder, "import '" + csv + "' " + artifact + " --machine " + machine +
+                                            " --force -o " + folder / "s.bag");
   EXPECT_EQ(imported.status, 0) << imported.error;
   const std::string model = folder.write("m.yaml", "machine: " + machine + "\neffects:\n" + effects);
   const Answer answer = mmRun(folder, "calibrate " + folder / "s.bag" + " --model " + model + " -o " +
-                                          folder / "c.yaml" + " --json " + options);
+                                          folder / "c.yaml" + " --force --json " + options);
   EXPECT_EQ(answer.status, 0) << answer.error;
   return answer.json();
 }

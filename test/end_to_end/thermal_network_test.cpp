@@ -54,7 +54,7 @@ class ThermalNetwork : public ::testing::Test {
                      "grey_grade, network: " +
                          network + "}\n");
     return mmRun(folder, "calibrate " + folder / "s.bag" + " --model " + model +
-                             " --method least_squares -o " + folder / "c.yaml " + options);
+                             " --method least_squares --force -o " + folder / "c.yaml " + options);
   }
 
   /// um: scatter of the test's deviations before, and of what the correction leaves.
@@ -153,7 +153,7 @@ TEST_F(ThermalNetwork, ANewSessionIsLearnedAndTheOldOneKept) {
     simulate(law, 4, 1);
     EXPECT_EQ(calibrate("ridge").status, 0);
     return mmRun(folder, "update " + folder / "n.bag" + " --calibration " + folder / "c.yaml" + " -o " +
-                             folder / "c2.yaml --json");
+                             folder / "c2.yaml --force --json");
   };
   const auto left = [&](const std::string& bag, const std::string& calibration) {
     return mmRun(folder, "compare " + folder / bag + " --calibration " + folder / calibration +

@@ -1,0 +1,22 @@
+# Manual pages and completion scripts, as the command line's own definition tells them.
+# cmake -DMM=<mm> -DFOLDER=<build>/share/mm -P cmake/write_manual.cmake
+function(put file)
+  get_filename_component(folder ${FOLDER}/${file} DIRECTORY)
+  file(MAKE_DIRECTORY ${folder})
+  execute_process(COMMAND ${MM} ${ARGN} OUTPUT_FILE ${FOLDER}/${file} RESULT_VARIABLE status ERROR_VARIABLE problem)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "mm ${ARGN}: ${problem}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${FOLDER})
+put(man/man1/mm.1 manual)
+execute_process(COMMAND ${MM} manual --list OUTPUT_VARIABLE names)
+string(REGEX MATCHALL "[^\n]+" names "${names}")
+foreach(name ${names})
+  string(REPLACE " " "-" page "${name}")
+  string(REPLACE " " ";" words "${name}")
+  put(man/man1/mm-${page}.1 manual ${words})
+endforeach()
+put(bash-completion/completions/mm completion bash)
+put(zsh/site-functions/_mm completion zsh)

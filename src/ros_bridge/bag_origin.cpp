@@ -1,0 +1,37 @@
+#include "ros_bridge/bag_origin.h"
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <std_msgs/String.h>
+
+#include "ros_bridge/bag_writer.h"
+
+namespace mm {
+namespace {
+
+/// rosbag notes who published; BagWriter, which writes what mm imports and simulates, signs with its own
+/// name.
+bool publishedByANode(const rosbag::ConnectionInfo& connection) {
+  if (!connection.header) return false;
+  const auto by = connection.header->find("callerid");
+  return by != connection.header->end() && by->second != kBagWriterName;
+}
+
+}  // namespace
+
+std::string bagOrigin(const std::filesystem::path& file) {
+  try {
+    rosbag::Bag bag(file.string(), rosbag::bagmode::Read);
+    rosbag::View all(bag);
+    for (const rosbag::ConnectionInfo* connection : all.getConnections())
+      if (publishedByANode(*connection)) return "recorded on a machine";
+    rosbag::View imported(bag, rosbag::TopicQuery("/imported_from"));
+    for (const rosbag::MessageInstance& message : imported)
+      if (const auto name = message.instantiate<std_msgs::String>()) return "imported from " + name->data;
+    return "simulated";
+  } catch (const std::exception&) {
+    return "damaged";
+  }
+}
+
+}  // namespace mm

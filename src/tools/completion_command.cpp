@@ -1,0 +1,49 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "tools/command_line.h"
+#include "tools/commands.h"
+
+namespace mm {
+
+void addCompletionCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto shell = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("completion", "Prints what completes the words of mm in a shell");
+  command->add_option("shell", *shell, "the shell")->required()->check(CLI::IsMember({"bash", "zsh"}));
+  command->footer(
+      "Installed with the package. Without installing it:\n  source <(mm completion bash)\n"
+      "  source <(mm completion zsh)       after compinit");
+  command->callback(
+      [&app, shell] { std::cout << (*shell == "bash" ? bashCompletion(app) : zshCompletion(app)); });
+}
+
+void addManualCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto name = std::make_shared<std::vector<std::string>>();
+  auto list = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("manual", "Prints a manual page, for man");
+  command->add_option("command", *name, "the command; without one, the page of mm itself")->expected(0, 2);
+  command->add_flag("--list", *list, "only the names of the commands that have a page");
+  command->footer("Installed with the package. Without installing it:\n  mm manual calibrate | man -l -");
+  command->callback([&app, name, list] {
+    const std::vector<Command> commands = commandsOf(app);
+    std::string wanted;
+    for (const std::string& word : *name) wanted += (wanted.empty() ? "" : " ") + word;
+    std::vector<std::string> known;
+    for (const Command& c : commands) {
+      known.push_back(c.name);
+      if (*list) std::cout << c.name << '\n';
+      if (!*list && c.name == wanted) std::cout << manualPage(c, MM_VERSION);
+      if (c.name == wanted) return;
+    }
+    if (*list) return;
+    if (!wanted.empty())
+      throw InputError("'" + wanted + "' is no command of mm" + didYouMean(wanted, known) +
+                       " (mm manual --list names them)");
+    std::cout << manualPage(app, MM_VERSION);
+  });
+}
+
+}  // namespace mm

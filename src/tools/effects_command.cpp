@@ -1,0 +1,110 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "effects/catalogue.h"
+#include "tools/commands.h"
+#include "tools/json_output.h"
+
+namespace mm {
+namespace {
+
+struct EffectsOptions {
+  std::string type;
+  bool json = false;
+};
+
+using nlohmann::ordered_json;
+
+ordered_json toJson(const CatalogueEntry& e) {
+  ordered_json keys = ordered_json::array(), parameters = ordered_json::array();
+  for (const CatalogueKey& k : e.keys) {
+    ordered_json key{{"key", k.use.key}, {"required", k.required}};
+    if (k.known) key["takes"] = takesInWords(k.use);
+    if (k.use.kind == KeyUse::Kind::kNumber || k.use.kind == KeyUse::Kind::kInteger)
+      key.update({{"lower", k.use.lower}, {"upper", k.use.upper}});
+    if (!k.use.words.empty()) key["words"] = k.use.words;
+    if (k.use.absent && !k.use.absent->empty()) key["default"] = *k.use.absent;
+    if (!k.onlyAt.empty()) key["only_at"] = k.onlyAt;
+    keys.push_back(key);
+  }
+  for (const CatalogueParameter& p : e.parameters) {
+    ordered_json parameter{{"name", p.name}, {"unit", p.unit.empty() ? p.rotaryUnit : p.unit}};
+    if (!p.rotaryUnit.empty()) parameter["unit_rotary"] = p.rotaryUnit;
+    parameters.push_back(parameter);
+  }
+  return {{"type", e.type},        {"composite", e.composite}, {"example", e.example},
+          {"keys", keys},          {"parameters", parameters}, {"needs", e.needs},
+          {"shown_by", e.shownBy}, {"cause", e.cause},         {"remedy", e.remedy}};
+}
+
+std::string unitOf(const CatalogueParameter& p) {
+  if (p.unit.empty()) return p.rotaryUnit + " (rotary axes alone)";
+  return p.unit + (p.rotaryUnit.empty() || p.rotaryUnit == p.unit ? "" : " (rotary: " + p.rotaryUnit + ")");
+}
+
+void print(const CatalogueEntry& e) {
+  std::cout << e.type << (e.composite ? "  (composite: never a candidate of a diagnosis)" : "") << '\n';
+  if (!e.example.empty()) std::cout << "  example     " << e.example << '\n';
+  const char* title = "  keys        ";
+  for (const CatalogueKey& k : e.keys) {
+    std::cout << title << k.use.key << ": " << (k.known ? takesInWords(k.use) : "as its package says");
+    if (!k.onlyAt.empty()) std::cout << " (" << k.onlyAt << " axes alone)";
+    if (!k.required && k.known)
+      std::cout << (k.use.absent && !k.use.absent->empty() ? " [" + *k.use.absent + "]" : " (optional)");
+    std::cout << '\n';
+    title = "              ";
+  }
+  title = "  parameters  ";
+  constexpr std::size_t kShown = 12;
+  for (std::size_t i = 0; i < std::min(kShown, e.parameters.size()); ++i) {
+    std::cout << title << e.parameters[i].name << ", " << unitOf(e.parameters[i]) << '\n';
+    title = "              ";
+  }
+  if (e.parameters.size() > kShown) std::cout << title << "and " << e.parameters.size() - kShown << " more\n";
+  if (!e.needs.empty()) std::cout << "  needs       " << listOf(e.needs) << '\n';
+  if (!e.shownBy.empty()) std::cout << "  shown by    " << e.shownBy << '\n';
+  if (!e.cause.empty()) std::cout << "  cause       " << e.cause << '\n';
+  if (!e.remedy.empty()) std::cout << "  remedy      " << e.remedy << '\n';
+}
+
+void runEffects(const EffectsOptions& options) {
+  std::vector<CatalogueEntry> entries = effectCatalogue();
+  if (!options.type.empty()) {
+    std::vector<std::string> known;
+    for (const CatalogueEntry& e : entries) known.push_back(e.type);
+    entries.erase(std::remove_if(entries.begin(), entries.end(),
+                                 [&](const CatalogueEntry& e) { return e.type != options.type; }),
+                  entries.end());
+    if (entries.empty())
+      throw InputError("'" + options.type + "' is no effect of the catalogue" +
+                       didYouMean(options.type, known) + " (mm effects lists them)");
+  }
+  if (options.json) {
+    ordered_json list = ordered_json::array();
+    for (const CatalogueEntry& e : entries) list.push_back(toJson(e));
+    return printJson(std::cout, {{"effects", list}});
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (i > 0) std::cout << '\n';
+    print(entries[i]);
+  }
+}
+
+}  // namespace
+
+void addEffectsCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto options = std::make_shared<EffectsOptions>();
+  CLI::App* command = app.add_subcommand("effects", "The catalogue of physical effects, with their keys");
+  command->add_option("type", options->type, "one effect alone, e.g. backlash");
+  command->add_flag("--json", options->json, "as JSON on standard output");
+  command->footer(
+      "Effects of your own packages are among them. A key in [ ] has that default.\n"
+      "Example:\n  mm effects thermal_growth");
+  command->callback([options] { runEffects(*options); });
+}
+
+}  // namespace mm

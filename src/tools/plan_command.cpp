@@ -1,0 +1,237 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/units.h"
+#include "session/artifact_file.h"
+#include "session/plan.h"
+#include "session/plan_writer.h"
+#include "tools/bounds.h"
+#include "tools/commands.h"
+#include "tools/output_files.h"
+
+namespace mm {
+namespace {
+
+struct PlanOptions {
+  std::string machine, artifact, balls, output;
+  double radius = 3.9685, tip = 1.0, cone = 90.0, repeatability = 0.0;  // mm, mm, deg, um
+  int points = 25, positions = 0, runs = 5;
+  OutputFiles files;
+};
+
+/// Where the nominal tip can be: the box of the corners of the linear travels, rotary joints in the middle.
+struct Reach {
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY), upper = -lower;  // m, workpiece
+};
+
+std::vector<int> linearJoints(const Machine& machine) {
+  std::vector<int> linear;
+  for (int j = 0; j < machine.jointCount(); ++j)
+    if (machine.joints()[static_cast<std::size_t>(j)].kind == JointKind::kLinear) linear.push_back(j);
+  return linear;
+}
+
+std::vector<double> middleOf(const Machine& machine) {
+  std::vector<double> q;
+  for (const Joint& j : machine.joints()) q.push_back(0.5 * (j.lower + j.upper));
+  return q;
+}
+
+Reach reachOf(const Machine& machine) {
+  const std::vector<int> linear = linearJoints(machine);
+  Reach reach;
+  for (unsigned corner = 0; corner < (1U << linear.size()); ++corner) {
+    std::vector<double> q = middleOf(machine);
+    for (std::size_t i = 0; i < linear.size(); ++i) {
+      const std::size_t joint = static_cast<std::size_t>(linear[i]);
+      const Joint& j = machine.joints()[joint];
+      q[joint] = (corner >> i & 1U) != 0 ? j.upper : j.lower;
+    }
+    const Eigen::Vector3d tip = machine.nominal(q.data(), 0.0).position;
+    reach.lower = reach.lower.cwiseMin(tip);
+    reach.upper = reach.upper.cwiseMax(tip);
+  }
+  return reach;
+}
+
+/// "3x3". @throw InputError.
+std::pair<int, int> gridOf(const std::string& text) {
+  int nx = 0, ny = 0;
+  char times = 0;
+  std::istringstream in(text);
+  if (!(in >> nx >> times >> ny) || times != 'x' || !(in >> std::ws).eof() || nx < 1 || ny < 1 || nx > 20 ||
+      ny > 20)
+    throw InputError("--balls: '" + text + "' is not <columns>x<rows>, each 1 to 20, e.g. 3x3");
+  return {nx, ny};
+}
+
+/// Balls in a grid over the reach, at three heights in turn, so that scale and squareness of all axes show.
+Artifact gridArtifact(const PlanOptions& o, const Machine& machine, double margin) {
+  const auto [nx, ny] = gridOf(o.balls);
+  const Reach reach = reachOf(machine);
+  const Eigen::Vector3d lower = reach.lower.array() + margin, upper = reach.upper.array() - margin;
+  const double sideways = std::min(upper.x() - lower.x(), upper.y() - lower.y());
+  if (sideways < 0.0 || upper.z() < lower.z())
+    throw InputError(o.machine + ": a ball of radius " + format("%.6g", o.radius) +
+                     " mm with its approach does not fit into the travels of " +
+                     format("%.6g x %.6g x %.6g mm", (reach.upper.x() - reach.lower.x()) / kMillimetre,
+                            (reach.upper.y() - reach.lower.y()) / kMillimetre,
+                            (reach.upper.z() - reach.lower.z()) / kMillimetre) +
+                     "; take a smaller --ball-radius-mm");
+  Artifact artifact;
+  artifact.name = "grid_" + o.balls;
+  artifact.poseKnown = false;
+  artifact.tipRadius = o.tip * kMillimetre;
+  if (o.repeatability > 0.0) artifact.repeatability = o.repeatability * kMicrometre;
+  const auto between = [](double a, double b, int i, int n) {
+    return n == 1 ? 0.5 * (a + b) : a + (b - a) * i / (n - 1);
+  };
+  // Stems end below the probe's way: the highest ball leaves room to pass over it.
+  const double top = lower.z() + 0.6 * (upper.z() - lower.z());
+  for (int iy = 0; iy < ny; ++iy)
+    for (int ix = 0; ix < nx; ++ix) {
+      Feature ball;
+      ball.name = "b" + std::to_string(artifact.features.size());
+      ball.radius = o.radius * kMillimetre;
+      ball.position = {between(lower.x(), upper.x(), ix, nx), between(lower.y(), upper.y(), iy, ny),
+                       between(lower.z(), top, (ix + 2 * iy) % 3, 3)};
+      artifact.features.push_back(ball);
+    }
+  return artifact;
+}
+
+/// The joint that moves the probe most along + z of the workpiece, at its highest: everything can be passed.
+std::string clearance(const Machine& machine) {
+  const std::vector<double> q = middleOf(machine);
+  const auto jacobian = machine.jacobian(q.data(), 0.0);
+  int best = -1;
+  for (const int j : linearJoints(machine))
+    if (best < 0 || std::abs(jacobian(2, j)) > std::abs(jacobian(2, best))) best = j;
+  if (best < 0) return {};
+  const Joint& joint = machine.joints()[static_cast<std::size_t>(best)];
+  const double end = jacobian(2, best) > 0.0 ? joint.upper : joint.lower;
+  return "clearance: {" + joint.name + "_mm: " + format("%.6g", end / kMillimetre) + "}\n";
+}
+
+std::string touchPlan(const PlanOptions& o, const Machine& machine, const std::string& name) {
+  constexpr double kApproach = 1.5, kOvertravel = 1.0;  // mm
+  Artifact artifact;
+  if (!o.artifact.empty()) {
+    artifact = loadArtifact(o.artifact);
+  } else {
+    const double margin = (o.radius + o.tip + kApproach + 0.5) * kMillimetre;
+    artifact = gridArtifact(o, machine, margin);
+  }
+  std::string text = "name: " + name + "\nartifact:\n" + artifactYaml(artifact, 2);
+  text += "speeds: {rapid_mm_s: 10, approach_mm_s: 2}\n";
+  text += format("approach: {distance_mm: %.6g, overtravel_mm: %.6g}\n", kApproach, kOvertravel);
+  text += clearance(machine);
+  text += format("touch:\n  features: all\n  points: %d\n  cone_deg: %.6g\n", o.points, o.cone);
+  // interleaved: time and temperature do not go with the ball; several speeds: a late trigger shows
+  text += "  order: interleaved\n  speeds_mm_s: [1, 2, 4]\n";
+  return text;
+}
+
+std::string instrumentPlan(const PlanOptions& o, const Machine& machine, const std::string& name) {
+  std::string text = "# ISO 230-2: each linear axis at " + std::to_string(o.positions) + " positions, " +
+                     std::to_string(o.runs) + " runs, both directions.\nname: " + name +
+                     "\nspeeds: {rapid_mm_s: 10}\napproach: {overrun_mm: 0.5}\nreference:\n";
+  std::string middle;
+  const std::vector<double> q = middleOf(machine);
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const Joint& joint = machine.joints()[static_cast<std::size_t>(j)];
+    const bool linear = joint.kind == JointKind::kLinear;
+    middle += (middle.empty() ? "" : ", ") + joint.name + (linear ? "_mm: " : "_deg: ") +
+              format("%.9g", q[static_cast<std::size_t>(j)] / (linear ? kMillimetre : kDegree));
+  }
+  for (const int j : linearJoints(machine)) {
+    const Joint& joint = machine.joints()[static_cast<std::size_t>(j)];
+    const double room = 0.02 * (joint.upper - joint.lower) + 0.6 * kMillimetre;  // for the overrun
+    if (joint.upper - joint.lower <= 2.0 * room)
+      throw InputError(o.machine + ": axis " + joint.name + " travels only " +
+                       format("%.6g", (joint.upper - joint.lower) / kMillimetre) +
+                       " mm; --positions needs more than 1.3 mm");
+    // The last interval is a little longer: positions that are no multiple of a pitch (ISO 230-2).
+    text += "  - {joint: " + joint.name +
+            format(", from_mm: %.6g, to_mm: %.6g", (joint.lower + room) / kMillimetre,
+                   (joint.upper - 1.1 * room) / kMillimetre) +
+            ", points: " + std::to_string(o.positions) + ", runs: " + std::to_string(o.runs) +
+            ", dwell_s: 5, setup: " + joint.name + ", at: {" + middle + "}}\n";
+  }
+  return text;
+}
+
+void runNew(PlanOptions& o) {
+  const int kinds = (o.artifact.empty() ? 0 : 1) + (o.balls.empty() ? 0 : 1) + (o.positions == 0 ? 0 : 1);
+  if (kinds != 1)
+    throw InputError(
+        std::string(kinds == 0 ? "nothing says what to measure" : "only one thing can be measured") +
+        ": give --artifact, --balls or --positions");
+  o.files.input(o.machine);
+  o.files.input(o.artifact);
+  o.files.output("-o", o.output, FileKind::kPlan);
+  o.files.check();
+  const Machine machine = Machine::load(o.machine);
+  if (linearJoints(machine).empty())
+    throw InputError(o.machine + ": the machine has no linear axis; write its plan by hand (config/plans)");
+  const std::string name = std::filesystem::path(o.output).stem().string();
+  const std::string text = o.positions > 0 ? instrumentPlan(o, machine, name) : touchPlan(o, machine, name);
+  const Plan plan =
+      Plan::parse(text, o.output, {}, machine);  // within the limits, or a line that says where not
+  o.files.write(o.output, text);
+  std::cout << plan.measurements() << " measurements on " << o.machine << " written to " << o.output << '\n';
+}
+
+}  // namespace
+
+void addPlanCommand(CLI::App& app, int& /*exitStatus*/) {
+  auto o = std::make_shared<PlanOptions>();
+  CLI::App* plan = app.add_subcommand("plan", "Measurement plans: a new one for a machine");
+  plan->require_subcommand(1);
+  CLI::App* command =
+      plan->add_subcommand("new", "A plan for a machine: an artifact touched all over, or its axes read");
+  command->add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")->required();
+  command->add_option("--artifact", o->artifact,
+                      "YAML: the artifact to touch, where it lies in the workpiece frame");
+  command->add_option("--balls", o->balls,
+                      "<columns>x<rows>: or a plate of balls that fills the travels, e.g. 3x3");
+  command->add_option("--ball-radius-mm", o->radius, "of --balls")
+      ->capture_default_str()
+      ->check(numberWithin(0.1, 500.0, "mm"));
+  command->add_option("--tip-radius-mm", o->tip, "of --balls")
+      ->capture_default_str()
+      ->check(numberWithin(0.01, 50.0, "mm"));
+  command->add_option("--repeatability-um", o->repeatability, "of the probe, with --balls; 0: not stated")
+      ->capture_default_str()
+      ->check(numberWithin(0.0, 1e4, "um"));
+  command->add_option("--points", o->points, "touches of each ball")
+      ->capture_default_str()
+      ->check(wholeNumberWithin(4, 10000));
+  command->add_option("--cone-deg", o->cone, "how far down from the top of a ball it is touched")
+      ->capture_default_str()
+      ->check(numberWithin(10.0, 120.0, "deg"));
+  command
+      ->add_option(
+          "--positions", o->positions,
+          "or an independent instrument reads each linear axis at so many positions, both directions")
+      ->check(wholeNumberWithin(2, 1000));
+  command->add_option("--runs", o->runs, "of --positions")
+      ->capture_default_str()
+      ->check(wholeNumberWithin(1, 100));
+  command->add_option("-o,--output", o->output, "the plan")->required();
+  o->files.declare(*command);
+  command->footer(
+      "The plan is a text to go on with; mm simulate tries it, the node measure runs it.\n"
+      "Examples:\n  mm plan new --machine mill.urdf --balls 3x3 --points 30 -o mill_plan.yaml\n"
+      "  mm plan new --machine mill.urdf --positions 11 -o mill_axes.yaml");
+  command->callback([o] { runNew(*o); });
+}
+
+}  // namespace mm

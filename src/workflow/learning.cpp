@@ -1,0 +1,45 @@
+#include "workflow/learning.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "calibration_file/calibration_yaml.h"
+
+namespace mm {
+
+const EffectSpec* nextToAdd(const Diagnosis& d) {
+  if (!d.missing.empty()) return &d.missing.front().effect;
+  if (!d.profiles.empty()) return &d.profiles.front().effect;
+  return d.formulas.empty() ? nullptr : &d.formulas.front().effect;
+}
+
+Learned learnAll(const Session& session, const Calibration& calibration, const DiagnoseOptions& options,
+                 std::size_t most, const std::function<void(const Diagnosis&, Recalibration&)>& kept) {
+  Learned learned;
+  Calibration now = calibration;
+  try {
+    for (;;) {
+      const Diagnosis diagnosis = diagnoseCalibration(session, now, options);
+      learned.sentence = diagnosis.sentence;
+      const EffectSpec* next = nextToAdd(diagnosis);
+      // What is in the model already and is still named is no step forward: somebody has to look at it.
+      learned.complete = next == nullptr && diagnosis.verdict != Verdict::kInsufficientData;
+      if (next == nullptr || learned.steps == most ||
+          std::any_of(now.effects.begin(), now.effects.end(),
+                      [&](const EffectSpec& e) { return sameEffect(e, *next, now.domain); }))
+        return learned;
+      Recalibration step = addEffect(session, now, *next, options.calibrate);
+      if (step.result.cancelled) break;
+      completeCalibration(step.calibration);  // the next line of the ledger names it
+      kept(diagnosis, step);
+      now = step.calibration;
+      learned.last = std::move(step);
+      ++learned.steps;
+    }
+  } catch (const Cancelled&) {
+  }
+  learned.stopped = true;
+  return learned;
+}
+
+}  // namespace mm

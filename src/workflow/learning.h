@@ -1,0 +1,28 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "workflow/recalibration.h"
+
+namespace mm {
+
+/// How far a search for what is missing has come.
+struct Learned {
+  std::optional<Recalibration> last;  // of the last step; empty: nothing was added
+  std::size_t steps = 0;
+  std::string sentence;   // the verdict of the last diagnosis, in words
+  bool complete = false;  // the last diagnosis found nothing more to add
+  bool stopped = false;   // asked to; what was added before is kept
+};
+
+/// The effect that a diagnosis says to add next: what is missing, else a profile, else a formula; null: none.
+const EffectSpec* nextToAdd(const Diagnosis& diagnosis);
+
+/// Diagnoses, adds the effect that is named and refits, until nothing is missing. Each step is a line of the
+/// ledger and can be taken back. @param most steps. @param kept is told of each step when it is done, with
+/// the diagnosis that led to it: where a caller saves it. @throw as diagnoseCalibration and addEffect.
+Learned learnAll(const Session& session, const Calibration& calibration, const DiagnoseOptions& options,
+                 std::size_t most, const std::function<void(const Diagnosis&, Recalibration&)>& kept);
+
+}  // namespace mm

@@ -1,0 +1,205 @@
+// What `mm` says of itself, how it is stopped, and the commands that begin a machine's life.
+#include <sys/wait.h>
+
+#include "session_folder.h"
+
+namespace mm {
+namespace {
+
+using CommandLine = SessionFolder;
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(CommandLine, TheVersionIsThatOfThePackage) {
+  const std::string package = textOf("package.xml");
+  const std::size_t from = package.find("<version>") + 9;
+  const std::string version = package.substr(from, package.find("</version>") - from);
+  EXPECT_EQ(typed("--version").out, "mm " + version + "\n");
+  EXPECT_NE(textOf(*folder_ / "c.yaml").find("software: " + version + "\n"), std::string::npos);
+}
+
+TEST_F(CommandLine, EveryHelpTellsTheExitStatuses) {
+  const std::vector<std::string> commands = linesOf(typed("manual --list").out);
+  EXPECT_GE(commands.size(), 20u);
+  for (const std::string& command : commands) {
+    const Answer help = typed(command + " --help");
+    EXPECT_EQ(help.status, 0) << command;
+    for (const char* words : {"0 done", "1 the answer is no", "2 bad input", "130 stopped by Ctrl-C"})
+      EXPECT_NE(help.out.find(words), std::string::npos) << command << ": " << words;
+  }
+  EXPECT_NE(typed("--help").out.find("130 stopped by Ctrl-C"), std::string::npos);
+}
+
+TEST_F(CommandLine, BoundsStandInTheHelp) {
+  EXPECT_NE(typed("apply --help").out.find("[0 to 10]"), std::string::npos);
+  EXPECT_NE(typed("calibrate --help").out.find("[2 to 10000000]"), std::string::npos);
+}
+
+/// Typed with Ctrl-C after some seconds (`timeout` signals the program).
+Answer stoppedAfter(const TestFolder& folder, const std::string& seconds, const std::string& arguments) {
+  const std::string out = folder / "stdout.txt", error = folder / "stderr.txt";
+  const int status =
+      std::system(("cd '" + folder / "." + "' && timeout -k 60 -s INT --preserve-status " + seconds +
+                   " '" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'")
+                      .c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(out), textOf(error)};
+}
+
+TEST_F(CommandLine, CtrlCKeepsTheBestOfACalibration) {
+  const Answer answer =
+      stoppedAfter(*folder_, "8",
+                   "calibrate s.bag --model m.yaml -o stopped.yaml --generations 10000000 --stages "
+                   "10000000:1");
+  EXPECT_EQ(answer.status, 130) << answer.error;
+  EXPECT_NE(answer.error.find("best found so far"), std::string::npos) << answer.error;
+  EXPECT_EQ(typed("compare s.bag --calibration stopped.yaml").status, 0);
+}
+
+TEST_F(CommandLine, CtrlCEndsABenchmarkWithWhatItCounted) {
+  const Answer answer = stoppedAfter(
+      *folder_, "20", "benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 40 --json");
+  EXPECT_EQ(answer.status, 130) << answer.error;
+  EXPECT_EQ(linesOf(answer.error).size(), 1u) << answer.error;
+  if (!answer.out.empty()) {
+    EXPECT_GE(answer.json()["trials"].size(), 1u);
+  }
+}
+
+TEST_F(CommandLine, CtrlCDuringADiagnosisLosesNothing) {
+  std::string plan = textOf(*folder_ / "plan.yaml");  // so long that it is stopped in its middle
+  plan.replace(plan.find("points: 75"), 10, "points: 600");
+  folder_->write("long.yaml", plan);
+  run("simulate --machine three_axis --plan long.yaml --hide backlash:x=3um -o plate.bag");
+  folder_->write("none.yaml", "machine: three_axis\neffects: []\n");
+  run("calibrate plate.bag --model none.yaml --method least_squares -o plate.yaml");
+  const auto before = files();
+  const Answer answer =
+      stoppedAfter(*folder_, "3", "diagnose plate.bag --calibration plate.yaml --moves moves.yaml");
+  EXPECT_EQ(answer.status, 130) << answer.error;
+  EXPECT_EQ(linesOf(answer.error).size(), 1u) << answer.error;
+  EXPECT_NE(answer.error.find("nothing was written"), std::string::npos) << answer.error;
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(CommandLine, CtrlCEndsAReadThatWaits) {
+  const std::string fifo = *folder_ / "fifo";
+  ASSERT_EQ(std::system(("mkfifo '" + fifo + "' && (sleep 20 >'" + fifo + "') &").c_str()), 0);
+  const Answer waiting = stoppedAfter(*folder_, "1", "apply fifo --calibration c.yaml -o waiting.csv");
+  EXPECT_EQ(waiting.status, 130) << waiting.error;
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "waiting.csv"));
+  std::filesystem::remove(fifo);
+}
+
+TEST_F(CommandLine, AddAllGoesTheWholeWay) {
+  std::string plan = textOf(*folder_ / "plan.yaml");
+  plan.replace(plan.find("points: 75"), 10, "points: 25");
+  folder_->write("few.yaml", plan);
+  run("simulate --machine three_axis --plan few.yaml --hide backlash:x=3um --seed 5 -o way.bag");
+  folder_->write("none.yaml", "machine: three_axis\neffects: []\n");
+  run("calibrate way.bag --model none.yaml --method least_squares -o way.yaml");
+  const Answer answer = typed("add way.bag --calibration way.yaml --all -o way_end.yaml --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  const nlohmann::json ledger = answer.json()["ledger"];
+  ASSERT_GE(ledger.size(), 2u);
+  EXPECT_EQ(ledger[0]["action"], "calibrate");
+  EXPECT_EQ(ledger[1]["action"], "add");
+  EXPECT_EQ(ledger[1]["effect"], (nlohmann::json{{"type", "backlash"}, {"axis", "x"}}));
+  EXPECT_LT(ledger.back()["rms_um"][1].get<double>(), 0.4);
+  EXPECT_NE(answer.error.find("Nothing is missing"), std::string::npos) << answer.error;
+  EXPECT_NE(textOf(*folder_ / "way_end.yaml").find("backlash"), std::string::npos);
+  // at the end of the way there is nothing to add, and that is no error
+  const Answer again = typed("add way.bag --calibration way_end.yaml --all -o way_again.yaml");
+  EXPECT_EQ(again.status, 0) << again.error;
+  EXPECT_NE(again.out.find("nothing was added"), std::string::npos) << again.out;
+}
+
+TEST_F(CommandLine, ANewMachineItsPlanAndItsFirstModelCalibrate) {
+  run("machine new --axis x=0:120mm@-1,0,0 --axis y=0:100mm --axis z=-60:0mm --tip-mm 0,0,-40 -o mill.urdf "
+      "--model "
+      "mill.yaml");
+  run("plan new --machine mill.urdf --balls 3x3 --points 20 --repeatability-um 0.5 -o mill_plan.yaml");
+  run("simulate --machine mill.urdf --plan mill_plan.yaml --hide scale:y=100ppm -o mill.bag");
+  const Answer answer =
+      typed("calibrate mill.bag --model mill.yaml --method least_squares -o mill_c.yaml --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  EXPECT_EQ(answer.json()["observations"], 180);
+  EXPECT_EQ(answer.json()["identifiability"]["rank"], 6);
+}
+
+TEST_F(CommandLine, ANewPlanForAnInstrumentStaysWithinTheTravels) {
+  run("plan new --machine three_axis --positions 7 --runs 2 -o axes.yaml");
+  run("simulate --machine three_axis --plan axes.yaml -o axes.bag");
+  const Answer answer = typed("check axes.bag --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  EXPECT_EQ(answer.json()["references"], 3 * 7 * 2 * 2);
+  expectRefused("plan new --machine three_axis --positions 9 -o axes.yaml", {"axes.yaml", "--force"});
+}
+
+TEST_F(CommandLine, ANewPlanTakesAnArtifact) {
+  run("plan new --machine three_axis --artifact artifact.yaml --points 12 -o one.yaml");
+  run("simulate --machine three_axis --plan one.yaml -o one.bag");
+  EXPECT_EQ(typed("check one.bag --json").json()["contacts"], 12);
+}
+
+TEST_F(CommandLine, TheCatalogueComesFromTheRegistry) {
+  const nlohmann::json all = typed("effects --json").json()["effects"];
+  EXPECT_GE(all.size(), 33u);
+  const nlohmann::json one = typed("effects straightness --json").json()["effects"];
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0]["keys"][2]["key"], "degree");
+  EXPECT_EQ(one[0]["keys"][2]["lower"], 2.0);
+  EXPECT_EQ(one[0]["parameters"][0]["unit"], "um");
+  EXPECT_FALSE(one[0]["cause"].get<std::string>().empty());
+  EXPECT_FALSE(one[0]["remedy"].get<std::string>().empty());
+  EXPECT_NE(typed("effects thermal_growth").out.find("a temperature sensor"), std::string::npos);
+}
+
+TEST_F(CommandLine, BashCompletesCommandsOptionsAndWords) {
+  const auto complete = [&](const std::string& words, int at) {
+    const std::string script = folder_->write(
+        "complete.sh", "source <('" MM_PROGRAM "' completion bash)\nCOMP_WORDS=(" + words +
+                           ")\nCOMP_CWORD=" + std::to_string(at) + "\n_mm\necho \"${COMPREPLY[@]}\"\n");
+    const std::string out = *folder_ / "completed.txt";
+    EXPECT_EQ(std::system(("bash '" + script + "' >'" + out + "'").c_str()), 0);
+    return textOf(out);
+  };
+  EXPECT_EQ(complete("mm cal", 1), "calibrate\n");
+  EXPECT_EQ(complete("mm calibrate --mod", 2), "--model\n");
+  EXPECT_EQ(complete("mm sensors s.csv --estimator h", 4), "histogram\n");
+  EXPECT_EQ(complete("mm machine n", 2), "new\n");
+  EXPECT_EQ(complete("mm machine new --ti", 3), "--tip-mm\n");
+  EXPECT_EQ(complete("mm completion z", 2), "zsh\n");
+}
+
+TEST_F(CommandLine, TheZshScriptNamesEveryCommandAndOption) {
+  const std::string script = typed("completion zsh").out;
+  EXPECT_EQ(script.rfind("#compdef mm\n", 0), 0u);
+  for (const std::string& command : linesOf(typed("manual --list").out))
+    EXPECT_NE(script.find("    '" + command + "')\n"), std::string::npos) << command;
+  for (const char* option : {"*--calibration[", "*--estimator[", ":(ksg histogram correlation)'"})
+    EXPECT_NE(script.find(option), std::string::npos) << option;
+}
+
+TEST_F(CommandLine, EveryCommandHasAManualPage) {
+  for (std::string command : linesOf(typed("manual --list").out)) {
+    const Answer page = typed("manual " + command);
+    EXPECT_EQ(page.status, 0) << command;
+    std::replace(command.begin(), command.end(), ' ', '-');
+    EXPECT_NE(page.out.find("mm\\-"), std::string::npos) << command;
+    for (const char* part : {".TH ", ".SH NAME", ".SH SYNOPSIS", ".SH OPTIONS", "130 stopped by Ctrl"})
+      EXPECT_NE(page.out.find(part), std::string::npos) << command << ": " << part;
+    for (const std::string& line : linesOf(page.out))  // a line that begins with a dot is a request
+      if (!line.empty() && line[0] == '.') {
+        EXPECT_TRUE(std::isupper(line[1]) != 0 || line == ".nf" || line == ".fi") << line;
+      }
+  }
+  EXPECT_NE(typed("manual").out.find("mm\\-calibrate"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mm
