@@ -171,25 +171,30 @@ void finishImport(ImportContext& context, Session session) {
   }
   session.prepare();
   assumeTravel(session);
-  Imported& imported = context.imported;
-  const int joints = session.machine.jointCount();
+  const auto assumed = [&](int j) {
+    return std::any_of(session.assumed.begin(), session.assumed.end(),
+                       [&](const AssumedInput& a) { return a.joint == session.machine.joints()[j].name; });
+  };
   double before = -1.0;
   for (const Observation& o : session.observations) {
-    const double halfway = 0.5 * (before + o.time);
-    before = o.time;
-    if (std::none_of(o.velocity.begin(), o.velocity.end(), [](double v) { return v == 0.0; })) continue;
     // How fast the machine came to the target was not recorded; a bag tells directions by the sign of a
     // velocity.
     constexpr double kDirectionOnly = 1e-9;
     MotionSample sample;
-    sample.time = halfway;
+    sample.time = 0.5 * (before + o.time);
+    before = o.time;
     sample.position = o.position;
-    sample.velocity.assign(static_cast<std::size_t>(joints), 0.0);
-    for (int j = 0; j < joints; ++j)
-      if (o.velocity[j] == 0.0) sample.velocity[j] = kDirectionOnly * o.travel[j];
-    imported.motion.push_back(std::move(sample));
+    sample.velocity.assign(o.position.size(), 0.0);
+    bool any = false;
+    for (int j = 0; j < session.machine.jointCount(); ++j) {
+      const bool told = o.velocity[j] == 0.0 || (std::isnan(o.velocity[j]) && !assumed(j));
+      if (!told || o.travel[j] == 0.0) continue;
+      sample.velocity[j] = kDirectionOnly * o.travel[j];
+      any = true;
+    }
+    if (any) context.imported.motion.push_back(std::move(sample));
   }
-  imported.session = std::move(session);
+  context.imported.session = std::move(session);
 }
 
 Session emptySession(const ImportContext& context) {

@@ -39,6 +39,12 @@ std::size_t countOf(const std::vector<std::string_view>& cells) {
   return n;
 }
 
+/// The first cell of a line of targets, as ISO 230-2 prints it: `Target;-20;-10;0`.
+bool namesTargets(std::string_view cell) {
+  const std::string word = lower(cell.substr(0, cell.find_first_of(" [(_")));
+  return word == "target" || word == "position" || word == "soll" || word == "sollposition" || word == "pi";
+}
+
 struct Line {
   std::size_t number;
   std::string_view text;
@@ -111,6 +117,7 @@ class LayoutFinder {
     const auto cells = cellsOf(line.text, layout_.separator);
     const std::size_t count = countOf(cells);
     if (count + 2 < columns_ || count > columns_ + 1 || count < 1) return false;
+    if (namesTargets(cells.front())) return false;
     std::size_t values = 0, filled = 0;
     for (const auto cell : cells) {
       filled += !cell.empty();
@@ -153,7 +160,8 @@ class LayoutFinder {
     std::vector<Line> above;  // nearest first
     for (const Line& line : lines_) {
       if (layout_.firstRow > 0 && line.number >= layout_.firstRow) break;
-      if (countOf(cellsOf(line.text, layout_.separator)) + 1 >= columns_) above.insert(above.begin(), line);
+      const std::size_t count = countOf(cellsOf(line.text, layout_.separator));
+      if (count > 1 && count + 1 >= columns_) above.insert(above.begin(), line);
       if (layout_.firstRow == 0) break;  // names without a row
     }
     if (!mapping_.headerLine && !above.empty()) {
