@@ -14,65 +14,6 @@
 namespace mm {
 namespace {
 
-using Words = std::set<std::string>;
-
-enum class WordClass {
-  kTime,
-  kDate,
-  kFeature,
-  kDeviation,
-  kError,
-  kReference,
-  kStd,
-  kVelocity,
-  kTemperature,
-  kSetup,
-  kRun,
-  kDirection,
-  kReading,
-  kTarget,
-  kMeasured,
-  kIndex,
-  kNote,
-  kFiller
-};
-
-const std::map<std::string, WordClass>& wordClasses() {
-  using W = WordClass;
-  static const std::map<std::string, WordClass> kWords = [] {
-    std::map<std::string, WordClass> all;
-    const auto add = [&](WordClass c, std::initializer_list<const char*> words) {
-      for (const char* w : words) all[w] = c;
-    };
-    add(W::kTime, {"time", "timestamp", "t", "zeit", "uhrzeit", "zeitstempel", "epoch", "elapsed", "datetime",
-                   "clock", "stamp", "unixtime"});
-    add(W::kDate, {"date", "datum", "day"});
-    add(W::kFeature, {"feature", "ball", "balls", "sphere", "kugel", "merkmal", "artefact", "artifact"});
-    add(W::kDeviation, {"deviation", "dev", "abweichung", "abw", "deviations"});
-    add(W::kError, {"error", "err", "fehler", "messabweichung"});
-    add(W::kReference, {"reference", "ref", "true", "referenz", "tracker"});
-    add(W::kStd, {"std", "sigma", "stddev", "stdev", "sd"});
-    add(W::kVelocity, {"velocity", "vel", "speed", "geschwindigkeit", "feedrate"});
-    add(W::kTemperature, {"temp", "temperature", "temperatur", "thermocouple", "pt100"});
-    add(W::kSetup, {"setup", "aufstellung", "fixturing"});
-    add(W::kRun, {"run", "cycle", "lauf", "zyklus", "pass"});
-    add(W::kDirection, {"direction", "dir", "richtung"});
-    add(W::kReading, {"reading", "laser"});
-    add(W::kTarget, {"target", "nominal", "soll", "sollwert", "commanded", "command", "cmd", "set",
-                     "setpoint", "sollposition", "zielposition"});
-    add(W::kMeasured, {"measured", "meas", "ist", "istwert", "istposition", "actual", "act", "indicated",
-                       "gemessen", "messwert"});
-    add(W::kIndex, {"n", "no", "nr", "index", "idx", "number", "id", "row", "pt", "point", "punkt", "seq",
-                    "i", "num", "lfd", "sample"});
-    add(W::kNote, {"note", "notes", "comment", "comments", "remark", "remarks", "operator", "bemerkung",
-                   "kommentar", "status", "prüfer"});
-    add(W::kFiller, {"pos", "position", "axis", "achse", "coord", "coordinate", "machine", "mcs", "joint",
-                     "value", "encoder", "scale", "in", "of", "the", "is", "at"});
-    return all;
-  }();
-  return kWords;
-}
-
 std::string joined(const std::vector<std::string>& words, const char* with) {
   std::string text;
   for (const std::string& w : words) text += (text.empty() ? "" : with) + w;
@@ -130,7 +71,8 @@ class TableUnderstander {
   /// The key of a column in the mapping.
   std::string key(std::size_t i) const {
     const std::string& name = layout_.names[i];
-    if (layout_.headerLine == 0 || name.empty()) return std::to_string(i + 1);
+    const bool twice = std::count(layout_.names.begin(), layout_.names.end(), name) > 1;
+    if (layout_.headerLine == 0 || name.empty() || twice) return std::to_string(i + 1);
     const bool plain =
         name.find_first_of(":#{}[],&*?|<>=!%@`'\"") == std::string::npos && name.front() != '-';
     return plain ? name : "'" + name + "'";
@@ -196,6 +138,8 @@ class TableUnderstander {
   }
 
   bool mapped(std::size_t i, const std::string& name) const {
+    const bool twice = std::count(layout_.names.begin(), layout_.names.end(), layout_.names[i]) > 1;
+    if (twice) return name == std::to_string(i + 1);
     return layout_.names[i] == name || name == std::to_string(i + 1) ||
            lower(layout_.names[i]) == lower(name);
   }
@@ -373,7 +317,7 @@ class TableUnderstander {
       if (name == "x" || name == "y" || name == "z") return make(CsvRole::kReference, name[0] - 'x');
     }
     if (has(W::kVelocity)) return ofJoint(CsvRole::kVelocity, joint);
-    if (has(W::kMeasured) && hasTarget_) return ofJoint(CsvRole::kMeasured, joint);
+    if (has(W::kMeasured) && (hasTarget_ || said)) return ofJoint(CsvRole::kMeasured, joint);
     if (has(W::kTarget)) return ofJoint(CsvRole::kPosition, joint);
     if (has(W::kReading) && joint < 0) return make(CsvRole::kReading, 0);
     if ((has(W::kTime) || has(W::kDate)) && joint < 0 && (rest.empty() || said))
@@ -386,7 +330,8 @@ class TableUnderstander {
   }
 
   Meaning time(bool named, const ColumnSample& sample) const {
-    const bool dayOnly = sample.calendars > 0 && sample.midnight && timeColumns_ > 0 && !named;
+    const bool dayOnly =
+        sample.calendars + sample.slashed > 0 && sample.midnight && timeColumns_ > 0 && !named;
     return make(dayOnly ? CsvRole::kDate : CsvRole::kTime, 0);
   }
 
@@ -479,7 +424,7 @@ class TableUnderstander {
     if (!meaning) meaning = covariate(name, split, unit, sample);
     if (!meaning && !said && layout_.headerLine > 0 && sample.texts > 0 && sample.numbers == 0 && isLabels(i))
       meaning = make(CsvRole::kFeature, 0);
-    const bool stamps = sample.count > 0 && sample.calendars + sample.clocks == sample.count;
+    const bool stamps = sample.count > 0 && sample.calendars + sample.slashed + sample.clocks == sample.count;
     if (!meaning && !said && stamps && !hasTime_) meaning = make(CsvRole::kTime, 0), hasTime_ = true;
     if (!meaning) {
       unknown(i, name, said, unit);
@@ -546,9 +491,13 @@ class TableUnderstander {
     std::string as = !near.empty() ? near : "ignore", or_ = "";
     if (near.empty())
       or_ = ", or say what it holds (joints: " + joints() + "; " + plain + "_<unit> of anything else)";
-    if (near.empty() && unit && (unit->kind == UnitKind::kLength || unit->kind == UnitKind::kAngle)) {
+    const bool measured = classesOf(wordsOf(name)).first.count(WordClass::kMeasured) > 0;
+    if (near.empty() && !measured && unit &&
+        (unit->kind == UnitKind::kLength || unit->kind == UnitKind::kAngle)) {
       const std::string joint = freeJoint(unit->kind);
       if (!joint.empty()) as = joint + "_" + unit->symbol;
+    } else if (near.empty() && measured) {
+      as = "measured_" + machine_.joints()[std::max(0, axis_)].name + "_mm";
     } else if (near.empty() && samples_[i].texts > 0 && !hasFeature_ && samples_[i].numbers == 0) {
       as = "feature";
       or_ = ", or ignore";
@@ -584,6 +533,14 @@ class TableUnderstander {
       if (!unit)
         fault(i, "is in '" + layout_.units[i] + "' (line " + std::to_string(layout_.unitsLine) + "), but " +
                      meaningText(m) + " is " + unitsOf(*m.kind) + "; " + line(i, example(m)));
+      return unit;
+    }
+    if (!samples_[i].suffix.empty()) {
+      from = "cells";
+      const auto unit = parseUnit(samples_[i].suffix, m.kind);
+      if (!unit)
+        fault(i, "is in '" + samples_[i].suffix + "', but " + meaningText(m) + " is " + unitsOf(*m.kind) +
+                     "; " + line(i, example(m)));
       return unit;
     }
     const auto& remark = *m.kind == UnitKind::kAngle ? angleUnit_ : lengthUnit_;
@@ -701,6 +658,7 @@ class TableUnderstander {
     c.role = m.role;
     c.index = m.index;
     c.name = m.name;
+    c.suffix = samples_[i].suffix;
     seen.meaning = meaningText(m);
     if (m.role == CsvRole::kTime || m.role == CsvRole::kDate) {
       takeTime(i, split, c, seen);
@@ -726,12 +684,29 @@ class TableUnderstander {
       table_.form.absoluteTime = true;
       return;
     }
+    if (s.slashed > 0) {
+      const std::string order = mapping_.setting("date");
+      if (!order.empty() && order != "month_first" && order != "day_first")
+        faults_.add(mapping_.source + ":" + std::to_string(mapping_.lines.at("date")) + ": date: is '" +
+                    order + "', but must be month_first or day_first");
+      else if (order.empty() && s.monthFirst == s.dayFirst)
+        fault(i, "has dates as " + s.first +
+                     ", and whether the month or the day comes first cannot be seen; write into the "
+                     "mapping (--columns): date: month_first (or day_first)");
+      const bool month = order.empty() ? s.monthFirst : order == "month_first";
+      c.timeForm = month ? TimeForm::kMonthFirst : TimeForm::kDayFirst;
+      seen.unit = month ? "calendar, month first" : "calendar, day first";
+      table_.form.absoluteTime = true;
+      return;
+    }
     if (s.clocks > 0) {
       c.timeForm = TimeForm::kClock;
       seen.unit = "time of day";
       return;
     }
-    const std::string text = !split.unitText.empty() ? split.unitText : layout_.units[i];
+    const std::string text = !split.unitText.empty()     ? split.unitText
+                             : !layout_.units[i].empty() ? layout_.units[i]
+                                                         : s.suffix;
     seen.from = !split.unitText.empty() ? "header"
                 : layout_.unitsLine > 0 ? "line " + std::to_string(layout_.unitsLine)
                                         : "";
@@ -826,59 +801,7 @@ class TableUnderstander {
   std::map<std::string, std::size_t> taken_;
 };
 
-/// A unit of two parts: x_velocity_mm_s.
-std::size_t unitCut(const std::string& name) {
-  for (std::size_t at = name.rfind('_'), parts = 0; at != std::string::npos && parts < 2;
-       at = at == 0 ? std::string::npos : name.rfind('_', at - 1), ++parts)
-    if (parts == 1 && parseUnit(name.substr(at + 1))) return at;
-  return name.rfind('_');
-}
-
 }  // namespace
-
-NameAndUnit splitUnit(const std::string& written) {
-  const std::string name(trim(written));
-  for (const auto& [open, close] : {std::pair('[', ']'), std::pair('(', ')'), std::pair('{', '}')}) {
-    const std::size_t begin = name.rfind(open), end = name.rfind(close);
-    if (begin == std::string::npos || end == std::string::npos || end < begin) continue;
-    const std::string inside(trim(name.substr(begin + 1, end - begin - 1)));
-    const std::string stem(trim(name.substr(0, begin) + " " + name.substr(end + 1)));
-    if (!stem.empty() && !inside.empty()) return {stem, inside};
-  }
-  for (const char mark : {'/', ',', ' '}) {
-    const std::size_t at = mark == '/' ? name.find(mark) : name.rfind(mark);
-    if (at == std::string::npos || at == 0) continue;
-    const std::string unit(trim(name.substr(at + 1)));
-    const auto parsed = parseUnit(unit);
-    // a word that may be a unit is one only where nothing else ends so: "ball s" has none
-    const bool single =
-        unit.size() == 1 && mark == ' ' && (!parsed || parsed->kind != UnitKind::kTemperature);
-    if (parsed && !single) return {std::string(trim(name.substr(0, at))), unit};
-  }
-  const std::size_t cut = unitCut(name);
-  if (cut != std::string::npos && cut > 0) {
-    const std::string unit = name.substr(cut + 1);
-    const std::string stem = name.substr(0, cut);
-    const bool percent = unit == "percent" || unit == "hPa" || unit == "kPa" || unit == "Pa" || unit == "N";
-    if (parseUnit(unit) || percent) return {stem, unit};
-  }
-  return {name, ""};
-}
-
-std::vector<std::string> wordsOf(std::string_view name) {
-  std::vector<std::string> words;
-  std::string word;
-  for (const char c : lower(name)) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) {
-      word += c;
-    } else if (!word.empty()) {
-      words.push_back(word);
-      word.clear();
-    }
-  }
-  if (!word.empty()) words.push_back(word);
-  return words;
-}
 
 UnderstoodTable understandTable(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
                                 const Machine& machine, const Artifact* artifact, FaultList& faults) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "import/column_mapping.h"
+#include "import/column_words.h"
 #include "import/table_layout.h"
 #include "import/unit.h"
 #include "machine/machine.h"
@@ -32,15 +33,5 @@ struct UnderstoodTable {
 /// by what the machine can reach. What cannot be known goes to `faults`, each with the line for the mapping.
 UnderstoodTable understandTable(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
                                 const Machine& machine, const Artifact* artifact, FaultList& faults);
-
-/// A column's name without its unit, and the unit: `X [mm]`, `x_mm`, `Temp (°C)`, `enc1/um`.
-struct NameAndUnit {
-  std::string stem;
-  std::string unitText;  // as written; empty: none
-};
-NameAndUnit splitUnit(const std::string& name);
-
-/// The words of a name in small letters: letters and digits, cut at everything else.
-std::vector<std::string> wordsOf(std::string_view name);
 
 }  // namespace mm

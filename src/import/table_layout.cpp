@@ -20,6 +20,9 @@ std::vector<std::string_view> cellsOf(std::string_view line, char separator) {
 
 bool isValue(std::string_view cell) {
   double value = 0.0;
+  std::string unit;
+  if (parseSlashed(cell, true) || parseSlashed(cell, false)) return true;
+  if (parseWithUnit(cell, false, value, unit) || parseWithUnit(cell, true, value, unit)) return true;
   return parseNumber(cell, false, value) || parseNumber(cell, true, value) || parseCalendar(cell) ||
          parseClock(cell);
 }
@@ -123,7 +126,8 @@ class LayoutFinder {
       filled += !cell.empty();
       values += !cell.empty() && isValue(cell);
     }
-    return values >= 1 && 3 * values >= filled;
+    // of two columns both: `Radius (mm),100` is of a head
+    return values >= 1 && (columns_ == 2 ? values == filled : 3 * values >= filled);
   }
 
   void findRows() {
@@ -258,6 +262,16 @@ bool parseNumber(std::string_view cell, bool decimalComma, double& value) {
   return !text.empty() && error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
+bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit) {
+  cell = trim(cell);
+  const std::size_t end = cell.find_last_of("0123456789");
+  if (end == std::string_view::npos || end + 1 == cell.size()) return false;
+  const std::string_view text = trim(cell.substr(end + 1));
+  if (!parseUnit(text) || !parseNumber(cell.substr(0, end + 1), decimalComma, value)) return false;
+  unit = std::string(text);
+  return true;
+}
+
 bool takeRemark(std::string_view line, std::string& text) {
   line = trim(line);
   std::size_t mark = 0;
@@ -307,7 +321,11 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
       ColumnSample& s = samples[i];
       if (s.count++ == 0) s.first = std::string(cells[i]);
       double value = 0.0;
-      if (parseNumber(cells[i], layout.decimalComma, value)) {
+      std::string suffix;
+      const bool plain = parseNumber(cells[i], layout.decimalComma, value);
+      if (plain || parseWithUnit(cells[i], layout.decimalComma, value, suffix)) {
+        if (s.numbers == 0) s.suffix = suffix;
+        if (s.suffix != suffix) s.suffix.clear();
         s.lower = s.numbers == 0 ? value : std::min(s.lower, value);
         s.upper = s.numbers == 0 ? value : std::max(s.upper, value);
         s.whole = s.whole && value == std::floor(value);
@@ -316,6 +334,12 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
         ++s.numbers;
       } else if (const auto calendar = parseCalendar(cells[i])) {
         ++s.calendars;
+        s.midnight = s.midnight && cells[i].find(':') == std::string_view::npos;
+      } else if (const bool month = parseSlashed(cells[i], true).has_value();
+                 month || parseSlashed(cells[i], false)) {
+        ++s.slashed;
+        s.monthFirst = s.monthFirst && month;
+        s.dayFirst = s.dayFirst && parseSlashed(cells[i], false).has_value();
         s.midnight = s.midnight && cells[i].find(':') == std::string_view::npos;
       } else if (parseClock(cells[i])) {
         ++s.clocks;

@@ -36,13 +36,19 @@ struct ColumnSample {
   bool whole = true;                // all numbers are integers
   bool rising = true;               // each above the one before it
   std::string first;
-  bool midnight = true;  // all calendars without a time of day
+  std::string suffix;                       // the unit behind each number, where all have the same: `12.5 mm`
+  std::size_t slashed = 0;                  // calendars with slashes
+  bool monthFirst = true, dayFirst = true;  // what all of these may be
+  bool midnight = true;                     // all calendars without a time of day
 };
 
 std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout);
 
 /// A number with the table's decimal mark.
 bool parseNumber(std::string_view cell, bool decimalComma, double& value);
+
+/// A number and the unit behind it: `12.5 mm`. False where there is no unit.
+bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit);
 
 /// A line without its mark of a remark (#, %, //), trimmed; false when it has none.
 bool takeRemark(std::string_view line, std::string& text);

@@ -173,7 +173,7 @@ class CsvReader {
   double number(std::string_view cell, std::size_t index) {
     const CsvColumn& column = columns_[index];
     const std::string_view written = cell;
-    if (foreign_) cell = plainNumber(cell);
+    if (foreign_) cell = plainNumber(withoutUnit(cell, column.suffix));
     const char* begin = cell.data();
     if (cell.size() > 1 && *begin == '+' && cell[1] != '-') ++begin;
     double value = 0.0;
@@ -187,6 +187,14 @@ class CsvReader {
     range.lower = std::min(range.lower, value);
     range.upper = std::max(range.upper, value);
     return value * column.factor + column.offset;
+  }
+
+  /// Without the unit that stands in each cell of a column.
+  static std::string_view withoutUnit(std::string_view cell, const std::string& suffix) {
+    if (suffix.empty() || cell.size() <= suffix.size() || cell.substr(cell.size() - suffix.size()) != suffix)
+      return cell;
+    cell.remove_suffix(suffix.size());
+    return cell.substr(0, cell.find_last_not_of(' ') + 1);
   }
 
   /// With a decimal point and a plain minus.
@@ -284,8 +292,7 @@ class CsvReader {
         stamp += std::llround(time * 1e9);
         continue;
       }
-      const auto read =
-          column.timeForm == TimeForm::kClock ? parseClock(cells_[i]) : parseCalendar(cells_[i]);
+      const auto read = timeIn(column.timeForm, cells_[i]);
       if (!read)
         fail("column '" + column.header + "': '" + std::string(cells_[i]) + "' is not a " +
              (column.timeForm == TimeForm::kClock
@@ -299,6 +306,18 @@ class CsvReader {
     earliest_ = any_ ? std::min(earliest_, stamp) : stamp;
     any_ = true;
     return stamp;
+  }
+
+  static std::optional<std::int64_t> timeIn(TimeForm form, std::string_view cell) {
+    switch (form) {
+      case TimeForm::kClock:
+        return parseClock(cell);
+      case TimeForm::kMonthFirst:
+      case TimeForm::kDayFirst:
+        return parseSlashed(cell, form == TimeForm::kMonthFirst);
+      default:
+        return parseCalendar(cell);
+    }
   }
 
   /// A clock that jumps back by more than half a day has passed midnight.

@@ -28,9 +28,11 @@ enum class CsvRole {
 
 /// How a cell of a column of times is written.
 enum class TimeForm {
-  kNumber,    // a number, times `factor` seconds
-  kCalendar,  // a date and a time of day (ISO 8601, 21.11.2026 10:15:03,5)
-  kClock      // a time of day alone; after midnight it begins again
+  kNumber,      // a number, times `factor` seconds
+  kCalendar,    // a date and a time of day (ISO 8601, 21.11.2026 10:15:03,5)
+  kMonthFirst,  // 11/21/2026 10:15:03
+  kDayFirst,    // 21/11/2026 10:15:03
+  kClock        // a time of day alone; after midnight it begins again
 };
 
 /// One column: its role, and which joint, component, sensor or covariate (`index`) it belongs to.
@@ -43,6 +45,7 @@ struct CsvColumn {
   std::string unit;
   double offset = 0.0;
   TimeForm timeForm = TimeForm::kNumber;
+  std::string suffix;  // behind the number in each cell: "mm"
 };
 
 /// Understands the header of a CSV in the import format. @param place `file:line` for messages.

@@ -95,7 +95,31 @@ bool zone(Scanner& s, std::int64_t& ns) {
   return true;
 }
 
+/// What follows the day: a time, a zone.
+std::optional<std::int64_t> afterDay(Scanner& s, std::int64_t days) {
+  std::int64_t ns = 0, off = 0;
+  if (!s.end()) {
+    if (!s.take('T') && !s.take('t') && !s.take(',') && s.peek() != ' ') return std::nullopt;
+    s.blanks();
+    if (!s.end() && (!clock(s, ns) || !zone(s, off))) return std::nullopt;
+    s.blanks();
+  }
+  if (!s.end()) return std::nullopt;
+  return days * 86400 * kSecond + ns - off;
+}
+
 }  // namespace
+
+std::optional<std::int64_t> parseSlashed(std::string_view text, bool monthFirst) {
+  Scanner s(text);
+  int first = 0, second = 0, year = 0;
+  if (!s.number(1, 2, first) || !s.take('/') || !s.number(1, 2, second) || !s.take('/') ||
+      !s.number(4, 4, year))
+    return std::nullopt;
+  std::int64_t days = 0;
+  if (!daysOf(year, monthFirst ? first : second, monthFirst ? second : first, days)) return std::nullopt;
+  return afterDay(s, days);
+}
 
 std::optional<std::int64_t> parseCalendar(std::string_view text) {
   Scanner s(text);
@@ -106,16 +130,9 @@ std::optional<std::int64_t> parseCalendar(std::string_view text) {
   if (!(yearFirst ? mark == '-' || mark == '/' : mark == '.')) return std::nullopt;
   if (!s.take(mark) || !s.number(1, 2, second) || !s.take(mark) || !s.number(1, 4, third))
     return std::nullopt;
-  std::int64_t days = 0, ns = 0, off = 0;
+  std::int64_t days = 0;
   if (!daysOf(yearFirst ? first : third, second, yearFirst ? third : first, days)) return std::nullopt;
-  if (!s.end()) {
-    if (!s.take('T') && !s.take('t') && !s.take(',') && s.peek() != ' ') return std::nullopt;
-    s.blanks();
-    if (!s.end() && (!clock(s, ns) || !zone(s, off))) return std::nullopt;
-    s.blanks();
-  }
-  if (!s.end()) return std::nullopt;
-  return days * 86400 * kSecond + ns - off;
+  return afterDay(s, days);
 }
 
 std::optional<std::int64_t> parseClock(std::string_view text) {

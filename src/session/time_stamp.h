@@ -11,6 +11,10 @@ namespace mm {
 /// Nothing for what may be read in two ways (11/12/2026) or is no such time.
 std::optional<std::int64_t> parseCalendar(std::string_view text);
 
+/// A calendar time with slashes, month first (11/21/2026 2:05 PM) or day first (21/11/2026 14:05): which of
+/// the two must be known.
+std::optional<std::int64_t> parseSlashed(std::string_view text, bool monthFirst);
+
 /// A time of day, `10:15`, `10:15:03.5`, `2:05:01 PM`: ns since midnight.
 std::optional<std::int64_t> parseClock(std::string_view text);
 

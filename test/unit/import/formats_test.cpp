@@ -116,6 +116,24 @@ TEST_F(Formats, BallBarByTimeAndItsRefusals) {
               HasSubstr("neither near the nominal"));
 }
 
+TEST_F(Formats, BallBarWithAHeadOfCommas) {
+  const Imported i = importer_.text(
+      "Ballbar export\nRadius (mm),100\nFeed rate (mm/min),1000\nPlane,XY\nCentre (mm),0 0 0\n\n"
+      "Angle (deg),Radius (mm)\n0,100.0012\n1,100.0013\n2,99.9991\n,\n");
+  ASSERT_EQ(i.session->observations.size(), 3u);
+  EXPECT_NEAR(i.session->observations[0].position[0], 99.9988e-3, 1e-12);
+}
+
+TEST_F(Formats, Iso230FromAGermanLaboratory) {
+  const Imported i = importer_.text(
+      "Messprotokoll ISO 230-2\r\nAchse: X\r\nAbweichungen in \xb5m\r\n\r\nSollposition [mm];1 vor;1 r\xfc"
+      "ck;2 vor;2 r\xfc"
+      "ck\r\n0,000;0,1;2,3;0,2;2,2\r\n10,000;-1,5;0,8;-1,4;0,7\r\n-10,000;1;3;1,1;\r\n");
+  ASSERT_EQ(i.session->observations.size(), 11u);
+  EXPECT_DOUBLE_EQ(i.session->observations[0].position[0], -10e-3);
+  EXPECT_NEAR(i.session->observations[2].deviation[0], -1.5e-6, 1e-15);
+}
+
 TEST_F(Formats, StepGaugeAndLengthBars) {
   const Imported i = example("step_gauge_x.txt");
   EXPECT_EQ(i.format, "step-gauge");

@@ -91,6 +91,45 @@ TEST_F(Understanding, TwoColumnsOfOneMeaning) {
   EXPECT_THAT(importer_.refusal("x_mm;X pos [mm];deviation_x_um\n0;0;1\n"), HasSubstr("both understood as"));
 }
 
+TEST_F(Understanding, DatesWithSlashes) {
+  const std::string tail = " 10:15:03,0,1\n";
+  const auto csv = [&](const char* a, const char* b) {
+    return std::string("when,x_mm,deviation_x_um\n") + a + tail + b + tail;
+  };
+  EXPECT_DOUBLE_EQ(importer_.text(csv("11/20/2026", "11/21/2026")).session->epoch, 1795256103.0 - 86400.0);
+  EXPECT_DOUBLE_EQ(importer_.text(csv("1/11/2026", "21/11/2026")).session->epoch,
+                   1795256103.0 - 20 * 86400.0);
+  EXPECT_THAT(importer_.refusal(csv("11/03/2026", "11/04/2026")), HasSubstr("date: month_first"));
+  EXPECT_DOUBLE_EQ(
+      importer_.text(csv("11/03/2026", "11/04/2026"), "date: day_first\n").session->observations[1].time,
+      2678400.0)
+      << "a month, not a day";
+}
+
+TEST_F(Understanding, UnitsBehindTheNumbers) {
+  const Imported i = importer_.text("time,X,deviation X\n0 ms,1.5 inch,1.5 um\n500 ms,1.6 inch,-2 um\n");
+  ASSERT_EQ(i.session->observations.size(), 2u);
+  EXPECT_DOUBLE_EQ(i.session->observations[1].position[0], 1.6 * 0.0254);
+  EXPECT_DOUBLE_EQ(i.session->observations[1].deviation[0], -2e-6);
+  EXPECT_DOUBLE_EQ(i.session->observations[1].time, 0.5);
+  EXPECT_THAT(importer_.refusal("time,X,deviation X\n0 s,1.5 mm,1.5 um\n5 s,1.6 inch,-2 um\n"),
+              HasSubstr("'X'"));
+}
+
+TEST_F(Understanding, AMeasuredPositionIsAsked) {
+  EXPECT_THAT(importer_.refusal("Position X [mm];Istwert [mm]\n0;0.001\n5;5.002\n"),
+              HasSubstr("{'Istwert [mm]': measured_x_mm}"));
+  const Imported i = importer_.text("Position X [mm];Istwert [mm]\n0;0.001\n5;5.002\n",
+                                    "columns: {'Istwert [mm]': measured_x_mm}\n");
+  EXPECT_NEAR(i.session->observations[1].deviation[0], 2e-6, 1e-12);
+}
+
+TEST_F(Understanding, TwoColumnsOfOneNameGoByTheirNumbers) {
+  const std::string csv = "x_mm;x_mm;deviation_x_um\n1;7;2\n";
+  EXPECT_THAT(importer_.refusal(csv), HasSubstr("columns: {2: ignore}"));
+  EXPECT_DOUBLE_EQ(importer_.text(csv, "columns: {1: ignore}\n").session->observations[0].position[0], 7e-3);
+}
+
 TEST_F(Understanding, AMisspeltNameIsNoCovariate) {
   EXPECT_THAT(importer_.refusal("time_s,x_velocty_mm_s,deviation_x_um\n0,0,1\n"),
               HasSubstr("columns: {x_velocty_mm_s: x_velocity_mm_s}"));
