@@ -1,16 +1,18 @@
 #include "session/contacts_csv.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "session/assumed_travel.h"
-#include "session/csv_columns.h"
-#include "session/line_reader.h"
+#include "session/input_faults.h"
 #include "session/session_time.h"
+#include "session/time_stamp.h"
 #include "session/travel.h"
 
 namespace mm {
@@ -30,34 +32,103 @@ struct Logged {
   double value;
 };
 
+constexpr std::int64_t kSecond = 1000000000;  // ns
+constexpr std::int64_t kDay = 86400 * kSecond;
+
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+/// How loggers and spreadsheets write that there is no value.
+bool meansNothing(std::string_view cell) {
+  static const std::set<std::string> kWords = {"nan", "n/a", "na", "#n/a", "-", "--", "---", "null", "none"};
+  return cell.size() <= 4 && kWords.count(lowerCase(cell)) > 0;
+}
+
+/// -1 or +1; 0: no direction.
+double directionOf(std::string_view cell) {
+  static const std::set<std::string> kUp = {"+",       "+1",       "1",        "up",       "fwd",
+                                            "forward", "forwards", "pos",      "positive", "→",
+                                            "↑",       "vor",      "vorwärts", "hin",      "+ve"};
+  static const std::set<std::string> kDown = {"-",         "-1",  "down",    "bwd",  "back",     "backward",
+                                              "backwards", "rev", "reverse", "neg",  "negative", "←",
+                                              "↓",         "−",   "zurück",  "rück", "-ve"};
+  const std::string lower = lowerCase(cell);
+  return kUp.count(lower) > 0 ? 1.0 : kDown.count(lower) > 0 ? -1.0 : 0.0;
+}
+
 /// Turns the rows of one file into observations and series.
 class CsvReader {
  public:
-  CsvReader(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
-            bool statesOnly)
-      : lines_(file), states_(machine), hasArtifact_(artifact != nullptr), statesOnly_(statesOnly) {
-    Session& session = states_.session;
-    session.source = file.string();
-    session.rowFile = file.filename().string();
-    if (artifact != nullptr) session.artifact = *artifact;
-    for (std::size_t i = 0; i < session.artifact.features.size(); ++i)
-      featureIndex_[session.artifact.features[i].name] = static_cast<int>(i);
+  /// The package's own columns.
+  CsvReader(LineSource& lines, const std::filesystem::path& file, const Machine& machine,
+            const Artifact* artifact, bool statesOnly)
+      : lines_(lines), states_(machine), hasArtifact_(artifact != nullptr), statesOnly_(statesOnly) {
+    begin(file, artifact);
     readHeader();
   }
 
-  StatesCsv read(const ProgressCallback& progress) {
+  /// Somebody else's table.
+  CsvReader(LineSource& lines, const TableForm& form, const std::filesystem::path& file,
+            const Machine& machine, const Artifact* artifact)
+      : lines_(lines),
+        states_(machine),
+        hasArtifact_(artifact != nullptr),
+        statesOnly_(false),
+        foreign_(true),
+        form_(form) {
+    begin(file, artifact);
+    columns_ = form.columns;
     std::string_view line;
-    while (lines_.next(line)) {
-      if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
-      readRow(line);
+    while (lines_.number() < form.headerLine && lines_.next(line)) {
+    }
+    readColumns();
+    for (const auto& [joint, value] : form.fixed) zeroUnlessColumn_[joint] = value;
+  }
+
+  StatesCsv read(const ProgressCallback& progress) {
+    constexpr std::size_t kHopeless = 1000;  // faults
+    std::string_view line;
+    while (faults_.count() < kHopeless && lines_.next(line)) {
+      if (line.find_first_not_of(" \t") == std::string_view::npos || isComment(line)) continue;
+      try {
+        readRow(line);
+      } catch (const InputError& e) {
+        faults_.add(e.what());
+      }
       if (progress && lines_.number() % 8192 == 0) progress(lines_.fraction());
     }
+    faults_.throwIfAny();
     countTimeFromStart();
     if (progress) progress(1.0);
     return std::move(states_);
   }
 
+  const std::vector<CsvColumn>& columns() const { return columns_; }
+  std::vector<ColumnRange> ranges() { return std::move(ranges_); }
+  std::vector<std::string> notes() { return std::move(notes_); }
+
  private:
+  void begin(const std::filesystem::path& file, const Artifact* artifact) {
+    Session& session = states_.session;
+    session.source = file.string();
+    session.rowFile = file.filename().string();
+    if (artifact != nullptr) session.artifact = *artifact;
+    for (std::size_t i = 0; i < session.artifact.features.size(); ++i) {
+      const std::string& name = session.artifact.features[i].name;
+      featureIndex_[name] = static_cast<int>(i);
+      if (foreign_) featureIndex_.emplace(lowerCase(name), static_cast<int>(i));
+    }
+  }
+
+  bool isComment(std::string_view line) const {
+    if (!foreign_) return false;
+    line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t")));
+    return line.front() == '#' || line.front() == '%' || line.substr(0, 2) == "//";
+  }
+
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(states_.session.source + ":" + std::to_string(lines_.number()) + ": " + what);
   }
@@ -72,15 +143,21 @@ class CsvReader {
     if (!splitCells(line, cells_)) fail("a quote is not closed, or text follows it");
     columns_ = parseCsvHeader({cells_.begin(), cells_.end()}, states_.session.machine,
                               states_.session.source + ":" + std::to_string(lines_.number()));
+    readColumns();
+  }
+
+  void readColumns() {
     const auto has = [&](CsvRole role) {
       return std::any_of(columns_.begin(), columns_.end(),
                          [&](const CsvColumn& c) { return c.role == role; });
     };
     hasTime_ = has(CsvRole::kTime);
-    if (!hasTime_ && !statesOnly_) fail("column 'time_s' is missing");
+    hasDate_ = has(CsvRole::kDate);
+    ranges_.resize(columns_.size());
+    if (!hasTime_ && !statesOnly_ && !foreign_) fail("column 'time_s' is missing");
     if (has(CsvRole::kFeature) && !hasArtifact_ && !statesOnly_)
       fail("column 'feature' needs an artifact that says what the features are; give one with --artifact");
-    hasDeviation_ = has(CsvRole::kDeviation) || has(CsvRole::kDeviationStd);
+    hasDeviation_ = has(CsvRole::kDeviation) || has(CsvRole::kDeviationStd) || has(CsvRole::kMeasured);
     const std::size_t joints = states_.session.machine.joints().size();
     zeroUnlessColumn_.assign(joints, 0.0);
     for (const CsvColumn& c : columns_) {
@@ -92,19 +169,67 @@ class CsvReader {
     covariates_.resize(states_.session.covariates.size());
   }
 
-  double number(std::string_view cell, const CsvColumn& column) const {
+  /// The cell times the column's factor. @param index of the column.
+  double number(std::string_view cell, std::size_t index) {
+    const CsvColumn& column = columns_[index];
+    const std::string_view written = cell;
+    if (foreign_) cell = plainNumber(withoutUnit(cell, column.suffix));
     const char* begin = cell.data();
     if (cell.size() > 1 && *begin == '+' && cell[1] != '-') ++begin;
     double value = 0.0;
     const auto [end, error] = std::from_chars(begin, cell.data() + cell.size(), value);
     if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-      fail("column '" + column.header + "': '" + std::string(cell) +
-           "' is not a finite number; leave the cell empty where nothing was measured");
-    return value * column.factor;
+      fail("column '" + column.header + "': '" + std::string(written) + "' is not a finite number" +
+           (form_.decimalComma ? " (with a decimal comma)" : "") +
+           "; leave the cell empty where nothing was measured");
+    ColumnRange& range = ranges_[index];
+    if (range.count++ == 0) range.first = std::string(written), range.lower = range.upper = value;
+    range.lower = std::min(range.lower, value);
+    range.upper = std::max(range.upper, value);
+    return value * column.factor + column.offset;
+  }
+
+  /// Without the unit that stands in each cell of a column.
+  static std::string_view withoutUnit(std::string_view cell, const std::string& suffix) {
+    if (suffix.empty() || cell.size() <= suffix.size() || cell.substr(cell.size() - suffix.size()) != suffix)
+      return cell;
+    cell.remove_suffix(suffix.size());
+    return cell.substr(0, cell.find_last_not_of(' ') + 1);
+  }
+
+  /// With a decimal point and a plain minus.
+  std::string_view plainNumber(std::string_view cell) {
+    constexpr std::string_view kMinus = "\xE2\x88\x92";
+    const bool comma = form_.decimalComma && cell.find(',') != std::string_view::npos;
+    if (!comma && cell.substr(0, kMinus.size()) != kMinus) return cell;
+    plain_ = cell.substr(0, kMinus.size()) == kMinus ? "-" + std::string(cell.substr(kMinus.size()))
+                                                     : std::string(cell);
+    if (comma && plain_.find('.') == std::string::npos) plain_[plain_.find(',')] = '.';
+    return plain_;
+  }
+
+  void note(std::size_t index, std::string_view cell) {
+    ColumnRange& range = ranges_[index];
+    if (range.count++ == 0) range.first = std::string(cell);
+  }
+
+  /// Of a foreign table: empty cells at the end do not count; a line of words between the rows is none.
+  bool fitCells(std::string_view line) {
+    while (cells_.size() > columns_.size() && cells_.back().empty()) cells_.pop_back();
+    const bool empty = std::all_of(cells_.begin(), cells_.end(), [](auto c) { return c.empty(); });
+    if (empty) return false;
+    if (cells_.size() < columns_.size() && cells_.size() <= 2 &&
+        line.find_first_of("0123456789") == std::string_view::npos) {
+      notes_.push_back("line " + std::to_string(lines_.number()) + " is no row and was left out: '" +
+                       std::string(line.substr(0, 60)) + "'");
+      return false;
+    }
+    return true;
   }
 
   void readRow(std::string_view line) {
-    if (!splitCells(line, cells_)) fail("a quote is not closed, or text follows it");
+    if (!splitCells(line, cells_, form_.separator)) fail("a quote is not closed, or text follows it");
+    if (foreign_ && !fitCells(line)) return;
     if (cells_.size() != columns_.size())
       fail(std::to_string(cells_.size()) + " cells, but the header names " + std::to_string(columns_.size()) +
            " columns");
@@ -119,9 +244,20 @@ class CsvReader {
       o.deviationStd.assign(joints, kNotMeasured);
     }
     RowKinds kinds;
+    const std::size_t before = faults_.count();
     const std::int64_t stamp = timeOf();
-    for (std::size_t i = 0; i < cells_.size(); ++i)
-      if (!cells_[i].empty()) readCell(cells_[i], columns_[i], stamp, o, kinds);
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const bool direction = columns_[i].role == CsvRole::kDirection;
+      if (cells_[i].empty() || (foreign_ && !direction && meansNothing(cells_[i]))) continue;
+      try {
+        readCell(cells_[i], i, stamp, o, kinds);
+      } catch (const InputError& e) {
+        faults_.add(e.what());
+      }
+    }
+    if (faults_.count() > before) return;
+    if (foreign_) finishMeasured(o);
+    if (form_.onlyFeature >= 0) o.feature = form_.onlyFeature, kinds.feature = true;
     if (statesOnly_) {
       states_.lines.emplace_back(line);
     } else if (!checkRow(o, kinds)) {
@@ -132,44 +268,107 @@ class CsvReader {
     session.observations.push_back(std::move(o));
   }
 
+  /// What was indicated minus the target is the deviation (ISO 230-2).
+  void finishMeasured(Observation& o) const {
+    for (const CsvColumn& c : columns_)
+      if (c.role == CsvRole::kMeasured) o.deviation[c.index] -= o.position[c.index];
+  }
+
   /// Nanoseconds on the file's own clock.
   std::int64_t timeOf() {
     std::int64_t stamp = static_cast<std::int64_t>(stamps_.size());  // keeps the order of rows without a time
-    if (hasTime_) {
-      for (std::size_t i = 0; i < columns_.size(); ++i) {
-        if (columns_[i].role != CsvRole::kTime) continue;
-        if (cells_[i].empty()) fail("column 'time_s' is empty");
-        const double time = number(cells_[i], columns_[i]);
+    if (foreign_ && !hasTime_ && !hasDate_) stamp = rows_ * kSecond;
+    ++rows_;
+    if (hasTime_ || hasDate_) stamp = 0;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const CsvColumn& column = columns_[i];
+      if (column.role != CsvRole::kTime && column.role != CsvRole::kDate) continue;
+      if (cells_[i].empty()) fail("column '" + column.header + "' is empty");
+      if (column.timeForm == TimeForm::kNumber && column.role == CsvRole::kTime) {
+        const double time = number(cells_[i], i);
         if (time < kSmallestTime || time > kLargestTime)
-          fail("column 'time_s': " + std::string(cells_[i]) +
+          fail("column '" + column.header + "': " + std::string(cells_[i]) +
                " s is outside -9e8 … 3e9 s; is it in seconds?");
-        stamp = std::llround(time * 1e9);
+        stamp += std::llround(time * 1e9);
+        continue;
       }
+      const auto read = timeIn(column.timeForm, cells_[i]);
+      if (!read)
+        fail("column '" + column.header + "': '" + std::string(cells_[i]) + "' is not a " +
+             (column.timeForm == TimeForm::kClock
+                  ? "time of day (10:15:03)"
+                  : "calendar time (2026-11-21T10:15:03, 21.11.2026 10:15:03)") +
+             " as in the rows before; mend it, or leave the row out");
+      note(i, cells_[i]);
+      stamp += *read;
+      if (column.timeForm == TimeForm::kClock && !hasDate_) stamp = afterMidnight(stamp);
     }
     earliest_ = any_ ? std::min(earliest_, stamp) : stamp;
     any_ = true;
     return stamp;
   }
 
-  void readCell(std::string_view cell, const CsvColumn& column, std::int64_t stamp, Observation& o,
+  static std::optional<std::int64_t> timeIn(TimeForm form, std::string_view cell) {
+    switch (form) {
+      case TimeForm::kClock:
+        return parseClock(cell);
+      case TimeForm::kMonthFirst:
+      case TimeForm::kDayFirst:
+        return parseSlashed(cell, form == TimeForm::kMonthFirst);
+      default:
+        return parseCalendar(cell);
+    }
+  }
+
+  /// A clock that jumps back by more than half a day has passed midnight.
+  std::int64_t afterMidnight(std::int64_t clock) {
+    if (any_ && clock + midnights_ * kDay < last_ - kDay / 2) ++midnights_;
+    return last_ = clock + midnights_ * kDay;
+  }
+
+  void readCell(std::string_view cell, std::size_t index, std::int64_t stamp, Observation& o,
                 RowKinds& kinds) {
     Session& session = states_.session;
+    const CsvColumn& column = columns_[index];
     switch (column.role) {
       case CsvRole::kTime:
+      case CsvRole::kDate:
         break;
+      case CsvRole::kIgnored:
+        note(index, cell);
+        break;
+      case CsvRole::kMeasured:
+        kinds.deviation = true;
+        o.deviation[column.index] = number(cell, index);
+        break;
+      case CsvRole::kDirection: {
+        note(index, cell);
+        const double direction = directionOf(cell);
+        if (direction == 0.0)
+          fail("column '" + column.header + "': '" + std::string(cell) +
+               "' is no direction; write + or - (up and down, forward and reverse, 1 and -1 are understood)");
+        o.travel.resize(zeroUnlessColumn_.size(), 0.0);
+        o.travel[column.index] = direction;
+        o.velocity[column.index] = 0.0;  // read at standstill
+        break;
+      }
       case CsvRole::kPosition:
-        o.position[column.index] = number(cell, column);
+        o.position[column.index] = number(cell, index);
         break;
       case CsvRole::kVelocity:
-        o.velocity[column.index] = number(cell, column);
+        o.velocity[column.index] = number(cell, index);
         break;
       case CsvRole::kReading:
-        o.laserReading = number(cell, column);
+        o.laserReading = number(cell, index);
         break;
       case CsvRole::kFeature: {
         kinds.feature = true;
+        note(index, cell);
         key_.assign(cell);
-        const auto found = featureIndex_.find(key_);
+        if (const auto renamed = form_.features.find(key_); renamed != form_.features.end())
+          key_ = renamed->second;
+        auto found = featureIndex_.find(key_);
+        if (found == featureIndex_.end() && foreign_) found = featureIndex_.find(lowerCase(key_));
         if (found != featureIndex_.end())
           o.feature = found->second;
         else if (!statesOnly_)
@@ -178,19 +377,20 @@ class CsvReader {
       }
       case CsvRole::kReference:
         kinds.reference = true;
-        o.reference[column.index] = number(cell, column);
+        o.reference[column.index] = number(cell, index);
         break;
       case CsvRole::kDeviation:
         kinds.deviation = true;
-        o.deviation[column.index] = number(cell, column);
+        o.deviation[column.index] = number(cell, index);
         break;
       case CsvRole::kDeviationStd:
-        o.deviationStd[column.index] = number(cell, column);
+        o.deviationStd[column.index] = number(cell, index);
         if (o.deviationStd[column.index] <= 0.0)
           fail("column '" + column.header + "': " + std::string(cell) + " must be above 0");
         break;
       case CsvRole::kSetup: {
         kinds.setup = true;
+        note(index, cell);
         const auto entry = setupIndex_.emplace(std::string(cell), static_cast<int>(session.setups.size()));
         if (entry.second) session.setups.emplace_back(cell);
         o.setup = entry.first->second;
@@ -198,11 +398,11 @@ class CsvReader {
       }
       case CsvRole::kTemperature:
         kinds.logged = true;
-        temperatures_[column.index].push_back({stamp, number(cell, column)});
+        temperatures_[column.index].push_back({stamp, number(cell, index)});
         break;
       case CsvRole::kCovariate:
         kinds.logged = true;
-        covariates_[column.index].push_back({stamp, number(cell, column)});
+        covariates_[column.index].push_back({stamp, number(cell, index)});
         break;
     }
   }
@@ -211,7 +411,10 @@ class CsvReader {
     std::vector<std::string> names;
     for (const Feature& f : states_.session.artifact.features) names.push_back(f.name);
     fail("feature '" + key_ + "' is not in artifact '" + states_.session.artifact.name + "'" +
-         didYouMean(key_, names));
+         didYouMean(key_, names) +
+         (foreign_ ? "; if it is one of them, write into the mapping: features: {" + key_ + ": " +
+                         (names.empty() ? "ball" : names.front()) + "}"
+                   : ""));
   }
 
   /// False for a row that only logs temperatures or covariates.
@@ -240,7 +443,8 @@ class CsvReader {
 
   void countTimeFromStart() {
     Session& session = states_.session;
-    session.epoch = static_cast<double>(kImportEpoch) + secondsBetween(0, earliest_);
+    const std::int64_t zero = form_.absoluteTime ? 0 : kImportEpoch;
+    session.epoch = static_cast<double>(zero) + secondsBetween(0, earliest_);
     for (std::size_t i = 0; i < stamps_.size(); ++i)
       session.observations[i].time = secondsBetween(earliest_, stamps_[i]);
     fillSeries(temperatures_, session.temperatures);
@@ -260,9 +464,16 @@ class CsvReader {
     }
   }
 
-  LineReader lines_;
+  LineSource& lines_;
   StatesCsv states_;
-  bool hasArtifact_, statesOnly_;
+  bool hasArtifact_, statesOnly_, foreign_ = false;
+  TableForm form_;
+  FaultList faults_;
+  std::vector<ColumnRange> ranges_;
+  std::vector<std::string> notes_;
+  std::string plain_;
+  std::int64_t rows_ = 0, last_ = 0, midnights_ = 0;
+  bool hasDate_ = false;
   bool hasTime_ = false, hasDeviation_ = false, any_ = false;
   std::vector<CsvColumn> columns_;
   std::vector<std::string_view> cells_;
@@ -275,11 +486,8 @@ class CsvReader {
   std::vector<std::vector<Logged>> temperatures_, covariates_;
 };
 
-}  // namespace
-
-Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
-                        const ProgressCallback& progress) {
-  Session session = CsvReader(file, machine, artifact, false).read(progress).session;
+/// Whatever it was written in: a session must hold a measurement, and each laser contact its reading.
+void finish(Session& session, const std::filesystem::path& file, const Artifact* artifact) {
   if (session.observations.empty())
     throw InputError(file.string() + ": no row holds a measurement (feature, reference or deviation)");
   if (artifact != nullptr && artifact->tipRadius == 0.0 && session.hasLaser())
@@ -291,12 +499,38 @@ Session readContactsCsv(const std::filesystem::path& file, const Machine& machin
             "out (or state the artifact's tip_radius_mm, if a touch probe was used there)");
   session.prepare();
   assumeTravel(session);
-  return session;
+}
+
+}  // namespace
+
+Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
+                        const ProgressCallback& progress) {
+  std::vector<CsvColumn> columns;
+  return readOwnTable(file, machine, artifact, columns, progress).session;
+}
+
+TableReading readOwnTable(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
+                          std::vector<CsvColumn>& columns, const ProgressCallback& progress) {
+  LineReader lines(file);
+  CsvReader reader(lines, file, machine, artifact, false);
+  columns = reader.columns();
+  Session session = reader.read(progress).session;
+  finish(session, file, artifact);
+  return {std::move(session), reader.ranges(), reader.notes()};
+}
+
+TableReading readTable(LineSource& lines, const TableForm& form, const std::filesystem::path& file,
+                       const Machine& machine, const Artifact* artifact, const ProgressCallback& progress) {
+  CsvReader reader(lines, form, file, machine, artifact);
+  Session session = reader.read(progress).session;
+  finish(session, file, artifact);
+  return {std::move(session), reader.ranges(), reader.notes()};
 }
 
 StatesCsv readStatesCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
                         const ProgressCallback& progress) {
-  StatesCsv states = CsvReader(file, machine, artifact, true).read(progress);
+  LineReader lines(file);
+  StatesCsv states = CsvReader(lines, file, machine, artifact, true).read(progress);
   if (states.lines.empty()) throw InputError(file.string() + ": no row below the header");
   deriveTravel(states.session.observations, machine.jointCount());
   return states;

@@ -1,8 +1,12 @@
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "session/csv_columns.h"
+#include "session/line_reader.h"
 #include "session/progress.h"
 #include "session/session.h"
 
@@ -16,9 +20,46 @@ inline constexpr std::int64_t kImportEpoch = 1000000000;
 /// counts from the earliest row, in whole nanoseconds. A row without a measurement adds its temperatures and
 /// covariates only.
 /// @param artifact null: sessions of an independent instrument only. The session returned is prepared.
-/// @throw InputError naming file, line, column and remedy.
+/// @throw InputError naming file, line, column and remedy; InputFaults where there are several.
 Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
                         const ProgressCallback& progress = {});
+
+/// How somebody else's table is written, and what its columns hold.
+struct TableForm {
+  char separator = ',';
+  bool decimalComma = false;
+  std::int64_t headerLine = 0;  // rows begin below it
+  std::vector<CsvColumn> columns;
+  std::map<std::string, std::string> features;  // names in the file -> names in the artifact
+  std::vector<std::pair<int, double>> fixed;    // joints without a column that did not stand at 0: m or rad
+  int onlyFeature = -1;                         // touched in each row, where no column says so
+  bool absoluteTime = false;                    // times count from 1970-01-01 UTC
+};
+
+/// What was read of one column, in the unit of the file.
+struct ColumnRange {
+  std::string first;  // as written
+  double lower = kNotMeasured, upper = kNotMeasured;
+  std::size_t count = 0;
+};
+
+struct TableReading {
+  Session session;
+  std::vector<ColumnRange> ranges;  // one a column
+  std::vector<std::string> notes;   // lines that were left out
+};
+
+/// Reads the rows of a table into a session that is prepared. Without a column of times the rows are a second
+/// apart, in their order. Cells `nan`, `n/a`, `-` and the like are not measured.
+/// @param source what messages call the file. @throw InputError, InputFaults as above.
+TableReading readTable(LineSource& lines, const TableForm& form, const std::filesystem::path& file,
+                       const Machine& machine, const Artifact* artifact,
+                       const ProgressCallback& progress = {});
+
+/// A table in the package's own columns, as readContactsCsv, with what was read of each column.
+/// @param columns gets its columns.
+TableReading readOwnTable(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
+                          std::vector<CsvColumn>& columns, const ProgressCallback& progress = {});
 
 /// The rows of a CSV in the import format taken as states of the machine, whatever was measured there.
 struct StatesCsv {

@@ -18,7 +18,12 @@ using Known = std::map<std::string, CsvColumn>;
 Known knownColumns(const Machine& machine) {
   Known known;
   const auto add = [&](const std::string& header, CsvRole role, int index, double factor) {
-    known[header] = {role, index, factor, header, "", ""};
+    CsvColumn column;
+    column.role = role;
+    column.index = index;
+    column.factor = factor;
+    column.header = header;
+    known[header] = column;
   };
   add("time_s", CsvRole::kTime, 0, 1.0);
   add("reading_mm", CsvRole::kReading, 0, kMillimetre);

@@ -18,17 +18,34 @@ enum class CsvRole {
   kDeviationStd,
   kSetup,
   kTemperature,
-  kCovariate
+  kCovariate,
+  // Only in other people's tables:
+  kDate,       // the day of a time of day
+  kMeasured,   // indicated by an independent instrument where kPosition was the target
+  kDirection,  // of the motion to the target
+  kIgnored
+};
+
+/// How a cell of a column of times is written.
+enum class TimeForm {
+  kNumber,      // a number, times `factor` seconds
+  kCalendar,    // a date and a time of day (ISO 8601, 21.11.2026 10:15:03,5)
+  kMonthFirst,  // 11/21/2026 10:15:03
+  kDayFirst,    // 21/11/2026 10:15:03
+  kClock        // a time of day alone; after midnight it begins again
 };
 
 /// One column: its role, and which joint, component, sensor or covariate (`index`) it belongs to.
 struct CsvColumn {
   CsvRole role = CsvRole::kTime;
   int index = 0;
-  double factor = 1.0;  // value in SI (degC, a covariate's own unit) = cell * factor
+  double factor = 1.0;  // value in SI (degC, a covariate's own unit) = cell * factor + offset
   std::string header;   // as written
   std::string name;     // of a sensor or covariate, without the unit
   std::string unit;
+  double offset = 0.0;
+  TimeForm timeForm = TimeForm::kNumber;
+  std::string suffix;  // behind the number in each cell: "mm"
 };
 
 /// Understands the header of a CSV in the import format. @param place `file:line` for messages.

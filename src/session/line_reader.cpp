@@ -57,13 +57,30 @@ bool LineReader::next(std::string_view& line) {
   }
 }
 
-bool splitCells(std::string_view line, std::vector<std::string_view>& cells) {
+namespace {
+
+std::string_view trimmed(std::string_view s) {
+  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
+  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
+  return s;
+}
+
+bool splitAtBlanks(std::string_view line, std::vector<std::string_view>& cells) {
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    const bool quoted = line.front() == '"';
+    const std::size_t end = quoted ? line.find('"', 1) : line.find_first_of(" \t");
+    if (quoted && end == std::string_view::npos) return false;
+    cells.push_back(line.substr(quoted ? 1 : 0, quoted ? end - 1 : end));
+    line.remove_prefix(end == std::string_view::npos ? line.size() : end + 1);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool splitCells(std::string_view line, std::vector<std::string_view>& cells, char separator) {
   cells.clear();
-  const auto trim = [](std::string_view s) {
-    while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-    while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-    return s;
-  };
+  if (separator == ' ') return splitAtBlanks(line, cells);
   std::size_t begin = 0;
   for (;;) {
     std::size_t start = begin;
@@ -71,21 +88,21 @@ bool splitCells(std::string_view line, std::vector<std::string_view>& cells) {
     if (start < line.size() && line[start] == '"') {
       const std::size_t close = line.find('"', start + 1);
       if (close == std::string_view::npos) return false;
-      const std::size_t comma = line.find(',', close);
-      if (!trim(line.substr(close + 1, comma == std::string_view::npos ? comma : comma - close - 1)).empty())
+      const std::size_t next = line.find(separator, close);
+      if (!trimmed(line.substr(close + 1, next == std::string_view::npos ? next : next - close - 1)).empty())
         return false;
       cells.push_back(line.substr(start + 1, close - start - 1));
-      if (comma == std::string_view::npos) return true;
-      begin = comma + 1;
+      if (next == std::string_view::npos) return true;
+      begin = next + 1;
       continue;
     }
-    const std::size_t comma = line.find(',', begin);
-    if (comma == std::string_view::npos) {
-      cells.push_back(trim(line.substr(begin)));
+    const std::size_t next = line.find(separator, begin);
+    if (next == std::string_view::npos) {
+      cells.push_back(trimmed(line.substr(begin)));
       return true;
     }
-    cells.push_back(trim(line.substr(begin, comma - begin)));
-    begin = comma + 1;
+    cells.push_back(trimmed(line.substr(begin, next - begin)));
+    begin = next + 1;
   }
 }
 

@@ -1,47 +1,76 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 
 #include "base/units.h"
+#include "import/import_file.h"
+#include "import/import_format.h"
 #include "session/artifact_file.h"
-#include "session/contacts_csv.h"
+#include "session/input_faults.h"
 #include "session/session_summary.h"
 #include "tools/commands.h"
+#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
+#include "tools/session_input.h"
 
 namespace mm {
 namespace {
 
 struct ImportOptions {
-  std::string csv, artifact, machine, output;
+  ImportRequest request;
+  std::string artifact, machine, output;
   OutputFiles files;
 };
 
+/// Reads the file; what was understood of it is said also when it is refused, each of its faults on a line.
+void readFile(const ImportOptions& options, const Machine& machine, const Artifact* artifact,
+              Imported& imported) {
+  try {
+    ProgressBar bar("reading");
+    importFile(options.request, machine, artifact, imported, bar.callback());
+  } catch (const InputFaults& e) {
+    if (!imported.columns.empty()) std::cout << understoodText(imported) << std::flush;
+    const std::vector<std::string>& faults = e.faults();
+    for (std::size_t i = 0; i + 1 < faults.size(); ++i)
+      std::cerr << "mm: error: " << oneLine(faults[i]) << std::endl;
+    throw InputError(faults.back());
+  } catch (const InputError&) {
+    if (!imported.columns.empty()) std::cout << understoodText(imported) << std::flush;
+    throw;
+  }
+}
+
 void runImport(ImportOptions& options) {
-  options.files.input(options.csv);
+  options.files.input(options.request.file);
+  options.files.input(options.request.mapping);
   options.files.input(options.artifact);
   options.files.input(options.machine);
   options.files.bag("-o", options.output,
-                    "imported from " + std::filesystem::path(options.csv).filename().string());
+                    "imported from " + std::filesystem::path(options.request.file).filename().string());
   options.files.check();
   const Machine machine = Machine::load(options.machine);
   std::optional<Artifact> artifact;
   if (!options.artifact.empty()) artifact = loadArtifact(options.artifact);
-  std::optional<Session> session;
-  {
-    ProgressBar bar("reading");
-    session = readContactsCsv(options.csv, machine, artifact ? &*artifact : nullptr, bar.callback());
-  }
+  Imported imported;
+  readFile(options, machine, artifact ? &*artifact : nullptr, imported);
   {
     ProgressBar bar("writing");
-    options.files.write(options.output, *session, bar.callback());
+    options.files.write(options.output, *imported.session, bar.callback(), imported.motion);
   }
-  std::cout << summarize(*session) << "written to " << options.output << '\n';
+  std::cout << understoodText(imported) << summarize(*imported.session) << "written to " << options.output
+            << '\n';
+}
+
+std::string formatLines() {
+  std::string text;
+  for (const ImportFormat& f : importFormats()) {
+    const std::string name = f.name;
+    text += "  " + name + std::string(name.size() < 14 ? 14 - name.size() : 1, ' ') + f.what + "\n";
+  }
+  return text;
 }
 
 }  // namespace
@@ -49,18 +78,21 @@ void runImport(ImportOptions& options) {
 void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
-      app.add_subcommand("import", "A CSV of contacts or of an instrument's readings to a session bag");
-  command->add_option("csv", options->csv, "the measurements: one row each, columns by name with their unit")
+      app.add_subcommand("import", "A file of contacts or of an instrument's readings to a session bag");
+  command->add_option("file", options->request.file, "the measurements: a table, or one of the formats below")
       ->required();
   command->add_option("--artifact", options->artifact,
                       "YAML: balls and points, the probe (needed for contacts)");
   command->add_option("--machine", options->machine, "three_axis, five_axis or the path of a URDF")
       ->required();
+  command->add_option("--columns", options->request.mapping,
+                      "YAML: what the file does not say of itself (docs/import.md)");
+  command->add_option("--format", options->request.format, "where it is not recognised by itself");
   command->add_option("-o,--output", options->output, "the session's bag")->required();
   options->files.declare(*command);
   command->footer(
-      "Columns (any order, empty cells are not measured):\n"
-      "  time_s                        required\n"
+      "The package's own columns (any order, empty cells are not measured):\n"
+      "  time_s                        (else the order of the rows)\n"
       "  <joint>_mm, <joint>_deg       readings; a joint without a column stays at 0\n"
       "  <joint>_velocity_mm_s, _deg_s direction of travel at the contact (without any, it is assumed: from "
       "the\n"
@@ -71,9 +103,15 @@ void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
       "  deviation_<joint>_um, _arcsec true minus indicated; weights deviation_<joint>_std_um, _std_arcsec\n"
       "  setup                         rows of one setup share an unknown zero\n"
       "  <sensor>_degC, <name>_<unit>  temperatures and any other covariate\n"
+      "Other people's tables: separators, decimal commas, units (inch, um, rad, K …), time stamps and usual "
+      "names "
+      "are\n"
+      "seen; what cannot be known is asked for with the line to write into the mapping. Formats:\n" +
+      formatLines() +
       "Examples:\n"
       "  mm import contacts.csv --artifact plate.yaml --machine three_axis -o plate.bag\n"
-      "  mm import interferometer_x.csv --machine three_axis -o x.bag");
+      "  mm import interferometer_x.csv --machine three_axis -o x.bag\n"
+      "  mm import log.txt --columns mapping.yaml --machine three_axis -o log.bag");
   command->callback([options] { runImport(*options); });
 }
 

@@ -36,6 +36,14 @@ sed 's/radius_mm: 4/radius_mm: -4/' plate.yaml >negative.yaml
 sed 's/pose:/psoe:/' plate.yaml >key.yaml
 
 refused 'unknown column' 'column.csv:1: .*spindel' import column.csv --artifact plate.yaml --machine three_axis -o s.bag
+printf 'time_s,x_mm,feature\n0,one,b0\n1,2,b0\n2,two,b9\n' >faults.csv
+"$mm" import faults.csv --artifact plate.yaml --machine three_axis -o s.bag >out 2>err
+check 'three faults: status 2' [ $? -eq 2 ]
+check 'three faults: a line each' [ "$(grep -c '^mm: error: faults.csv:[24]: ' err)" -eq 3 ]
+check 'three faults: nothing written' [ ! -e s.bag ]
+printf 'Zeit;Pos;x\n0;1,5;2\n' >foreign.csv
+refused 'what cannot be known' "columns: {Pos: " import foreign.csv --columns <(printf 'columns: {x: deviation_x_um}\n') --machine three_axis -o s.bag
+check 'what was understood is shown all the same' grep -q 'deviation of x' out
 refused 'NaN' "nan.csv:2: .*'x_mm'" import nan.csv --artifact plate.yaml --machine three_axis -o s.bag
 refused 'empty session' 'empty.csv' import empty.csv --artifact plate.yaml --machine three_axis -o s.bag
 refused 'missing artifact' '--artifact' import good.csv --machine three_axis -o s.bag
@@ -53,5 +61,10 @@ check 'a good file: status 0' [ $? -eq 0 ]
 check 'a good file: nothing on standard error' [ ! -s err ]
 check 'a good file: says what it read' grep -q '2 contacts' out
 check 'a good file: rosbag reads it' sh -c 'rosbag info s.bag | grep "/probe/contact *2 msgs" >/dev/null'
+printf 'columns: {Pos: x_mm, x: deviation_x_um}\n' >mapping.yaml
+rm s.bag
+"$mm" import foreign.csv --columns mapping.yaml --machine three_axis -o s.bag >out 2>err
+check 'a foreign file: status 0' [ $? -eq 0 ]
+check 'a foreign file: says what it understood' grep -q '^  Pos .*reading of joint x .*mm (mapping)' out
 check 'help' sh -c "'$mm' import --help | grep -q time_s"
 check 'version' sh -c "'$mm' --version | grep -q '^mm [0-9]'"

@@ -1,0 +1,105 @@
+#include "import/column_mapping.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "base/error.h"
+#include "session/yaml_mapping.h"
+
+namespace mm {
+namespace {
+
+/// What formats ask for; each is a word or a number.
+const std::vector<std::string>& settingKeys() {
+  static const std::vector<std::string> kKeys = {
+      "axis",    "plane",  "radius_mm", "feed_mm_min", "direction", "start_deg", "centre_mm",
+      "surface", "joints", "mount",     "position_mm", "unit",      "date",      "sign"};
+  return kKeys;
+}
+
+std::map<std::string, std::string> words(const YamlMapping& file, const std::string& key,
+                                         const std::string& what) {
+  std::map<std::string, std::string> found;
+  if (!file.has(key)) return found;
+  const YAML::Node node = file.node(key);
+  if (!node.IsMap()) file.fail(key, what);
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar() || !entry.second.IsScalar()) file.fail(key, what);
+    if (!found.emplace(entry.first.Scalar(), entry.second.Scalar()).second)
+      file.fail(key, "'" + entry.first.Scalar() + "' is given twice");
+  }
+  return found;
+}
+
+}  // namespace
+
+std::string ColumnMapping::setting(const std::string& key) const {
+  const auto found = settings.find(key);
+  return found == settings.end() ? "" : found->second;
+}
+
+ColumnMapping parseColumnMapping(const std::string& yaml, const std::string& source) {
+  std::vector<std::string> keys = {"format",  "separator", "decimal",  "header_line",
+                                   "columns", "others",    "features", "fixed"};
+  keys.insert(keys.end(), settingKeys().begin(), settingKeys().end());
+  const YAML::Node root = YamlMapping::load(yaml, source);
+  const YamlMapping file(root, source, "the mapping", keys);
+  ColumnMapping m;
+  m.source = source;
+  if (file.has("format")) m.format = file.text("format");
+  if (file.has("separator")) {
+    const std::string s = file.text("separator");
+    if (s == "tab" || s == "\t")
+      m.separator = '\t';
+    else if (s == "blank" || s == "space" || s == " ")
+      m.separator = ' ';
+    else if (s == "," || s == ";" || s == "|")
+      m.separator = s[0];
+    else
+      file.fail("separator", "is '" + s + "', but must be one of \",\" \";\" \"|\" tab blank");
+  }
+  if (file.has("decimal")) {
+    const std::string s = file.text("decimal");
+    if (s != "comma" && s != "point") file.fail("decimal", "is '" + s + "', but must be comma or point");
+    m.decimalComma = s == "comma";
+  }
+  if (file.has("header_line")) m.headerLine = static_cast<std::size_t>(file.count("header_line", 0));
+  m.columns =
+      words(file, "columns", "must be a mapping of a column's name to what it holds: {Position: x_mm}");
+  if (file.has("others")) {
+    if (file.text("others") != "ignore") file.fail("others", "can only be 'ignore'");
+    m.ignoreOthers = true;
+  }
+  m.features =
+      words(file, "features", "must be a mapping of names in the file to names in the artifact: {A: b0}");
+  for (const auto& [name, value] :
+       words(file, "fixed", "must be a mapping of joints to numbers: {y_mm: 12.5}")) {
+    std::istringstream in(value);
+    double number = 0.0;
+    if (!(in >> number) || !in.eof()) file.fail("fixed", "'" + value + "' of " + name + " is not a number");
+    m.fixed[name] = number;
+  }
+  for (const std::string& key : settingKeys()) {
+    if (!file.has(key)) continue;
+    const YAML::Node node = file.node(key);
+    std::string value;
+    if (node.IsSequence())
+      for (const YAML::Node& n : node) value += (value.empty() ? "" : " ") + n.Scalar();
+    else
+      value = file.text(key);
+    m.settings[key] = value;
+    m.lines[key] = file.line(key);
+  }
+  return m;
+}
+
+ColumnMapping loadColumnMapping(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError(file.string() + ": the mapping cannot be read; check --columns");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return parseColumnMapping(text.str(), file.string());
+}
+
+}  // namespace mm

@@ -1,0 +1,37 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "import/column_mapping.h"
+#include "import/column_words.h"
+#include "import/table_layout.h"
+#include "import/unit.h"
+#include "machine/machine.h"
+#include "session/contacts_csv.h"
+#include "session/input_faults.h"
+
+namespace mm {
+
+/// One column of a file as it was understood, for people.
+struct UnderstoodColumn {
+  std::string name;     // in the file
+  std::string meaning;  // "reading of joint x", "temperature bed", "left out: row number"
+  std::string unit;     // of the file; empty: none
+  std::string range;    // of its numbers, in the unit of the file
+  std::string first;    // first value, as written
+  std::string from;     // where the unit is known from: "header", "units line", "line 2", "mapping", "range"
+};
+
+struct UnderstoodTable {
+  TableForm form;
+  std::vector<UnderstoodColumn> columns;
+  std::vector<std::string> notes;
+};
+
+/// Understands the columns of a table: by the mapping, then by their names and units, by remarks in the file,
+/// by what the machine can reach. What cannot be known goes to `faults`, each with the line for the mapping.
+UnderstoodTable understandTable(const TextFile& file, const TableLayout& layout, const ColumnMapping& mapping,
+                                const Machine& machine, const Artifact* artifact, FaultList& faults);
+
+}  // namespace mm

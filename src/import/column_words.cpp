@@ -1,0 +1,102 @@
+#include "import/column_words.h"
+
+#include <cctype>
+
+#include "import/text_file.h"
+#include "import/unit.h"
+
+namespace mm {
+
+const std::map<std::string, WordClass>& wordClasses() {
+  using W = WordClass;
+  static const std::map<std::string, WordClass> kWords = [] {
+    std::map<std::string, WordClass> all;
+    const auto add = [&](WordClass c, std::initializer_list<const char*> words) {
+      for (const char* w : words) all[w] = c;
+    };
+    add(W::kTime, {"time", "timestamp", "t", "zeit", "uhrzeit", "zeitstempel", "epoch", "elapsed", "datetime",
+                   "clock", "stamp", "unixtime"});
+    add(W::kDate, {"date", "datum", "day"});
+    add(W::kFeature, {"feature", "ball", "balls", "sphere", "kugel", "merkmal", "artefact", "artifact"});
+    add(W::kDeviation, {"deviation", "dev", "abweichung", "abw", "deviations"});
+    add(W::kError, {"error", "err", "fehler", "messabweichung"});
+    add(W::kReference, {"reference", "ref", "true", "referenz", "tracker"});
+    add(W::kStd, {"std", "sigma", "stddev", "stdev", "sd"});
+    add(W::kVelocity, {"velocity", "vel", "speed", "geschwindigkeit", "feedrate"});
+    add(W::kTemperature, {"temp", "temperature", "temperatur", "thermocouple", "pt100"});
+    add(W::kSetup, {"setup", "aufstellung", "fixturing"});
+    add(W::kRun, {"run", "cycle", "lauf", "zyklus", "pass"});
+    add(W::kDirection, {"direction", "dir", "richtung"});
+    add(W::kReading, {"reading", "laser"});
+    add(W::kTarget, {"target", "nominal", "soll", "sollwert", "commanded", "command", "cmd", "set",
+                     "setpoint", "sollposition", "zielposition"});
+    add(W::kMeasured, {"measured", "meas", "ist", "istwert", "istposition", "actual", "act", "indicated",
+                       "gemessen", "messwert"});
+    add(W::kIndex, {"n", "no", "nr", "index", "idx", "number", "id", "row", "pt", "point", "punkt", "seq",
+                    "i", "num", "lfd", "sample"});
+    add(W::kNote, {"note", "notes", "comment", "comments", "remark", "remarks", "operator", "bemerkung",
+                   "kommentar", "status", "prüfer"});
+    add(W::kFiller, {"pos", "position", "axis", "achse", "coord", "coordinate", "machine", "mcs", "joint",
+                     "value", "encoder", "scale", "in", "of", "the", "is", "at"});
+    return all;
+  }();
+  return kWords;
+}
+
+namespace {
+
+/// A unit of two parts: x_velocity_mm_s.
+std::size_t unitCut(const std::string& name) {
+  for (std::size_t at = name.rfind('_'), parts = 0; at != std::string::npos && parts < 2;
+       at = at == 0 ? std::string::npos : name.rfind('_', at - 1), ++parts)
+    if (parts == 1 && parseUnit(name.substr(at + 1))) return at;
+  return name.rfind('_');
+}
+
+}  // namespace
+
+NameAndUnit splitUnit(const std::string& written) {
+  const std::string name(trim(written));
+  for (const auto& [open, close] : {std::pair('[', ']'), std::pair('(', ')'), std::pair('{', '}')}) {
+    const std::size_t begin = name.rfind(open), end = name.rfind(close);
+    if (begin == std::string::npos || end == std::string::npos || end < begin) continue;
+    const std::string inside(trim(name.substr(begin + 1, end - begin - 1)));
+    const std::string stem(trim(name.substr(0, begin) + " " + name.substr(end + 1)));
+    if (!stem.empty() && !inside.empty()) return {stem, inside};
+  }
+  for (const char mark : {'/', ',', ' '}) {
+    const std::size_t at = mark == '/' ? name.find(mark) : name.rfind(mark);
+    if (at == std::string::npos || at == 0) continue;
+    const std::string unit(trim(name.substr(at + 1)));
+    const auto parsed = parseUnit(unit);
+    // a word that may be a unit is one only where nothing else ends so: "ball s" has none
+    const bool single =
+        unit.size() == 1 && mark == ' ' && (!parsed || parsed->kind != UnitKind::kTemperature);
+    if (parsed && !single) return {std::string(trim(name.substr(0, at))), unit};
+  }
+  const std::size_t cut = unitCut(name);
+  if (cut != std::string::npos && cut > 0) {
+    const std::string unit = name.substr(cut + 1);
+    const std::string stem = name.substr(0, cut);
+    const bool percent = unit == "percent" || unit == "hPa" || unit == "kPa" || unit == "Pa" || unit == "N";
+    if (parseUnit(unit) || percent) return {stem, unit};
+  }
+  return {name, ""};
+}
+
+std::vector<std::string> wordsOf(std::string_view name) {
+  std::vector<std::string> words;
+  std::string word;
+  for (const char c : lower(name)) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) {
+      word += c;
+    } else if (!word.empty()) {
+      words.push_back(word);
+      word.clear();
+    }
+  }
+  if (!word.empty()) words.push_back(word);
+  return words;
+}
+
+}  // namespace mm

@@ -1,0 +1,44 @@
+#pragma once
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mm {
+
+/// What a word in the name of a column says.
+enum class WordClass {
+  kTime,
+  kDate,
+  kFeature,
+  kDeviation,
+  kError,
+  kReference,
+  kStd,
+  kVelocity,
+  kTemperature,
+  kSetup,
+  kRun,
+  kDirection,
+  kReading,
+  kTarget,
+  kMeasured,
+  kIndex,
+  kNote,
+  kFiller
+};
+
+/// Words of columns in small letters, English and German.
+const std::map<std::string, WordClass>& wordClasses();
+
+/// A column's name without its unit, and the unit: `X [mm]`, `x_mm`, `Temp (°C)`, `enc1/um`.
+struct NameAndUnit {
+  std::string stem;
+  std::string unitText;  // as written; empty: none
+};
+NameAndUnit splitUnit(const std::string& name);
+
+/// The words of a name in small letters: letters and digits, cut at everything else.
+std::vector<std::string> wordsOf(std::string_view name);
+
+}  // namespace mm

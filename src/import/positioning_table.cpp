@@ -1,0 +1,264 @@
+#include "import/positioning_table.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/units.h"
+#include "import/record_table.h"
+#include "import/unit.h"
+
+namespace mm {
+namespace {
+
+struct Run {
+  int number = 0;
+  double direction = 0.0;  // 0: not said
+};
+
+/// `1+`, `-2`, `Run 3 ↓`, `4 up`; nothing for another name.
+std::optional<Run> runOf(std::string_view name) {
+  std::string text = lower(trim(name));
+  const auto replace = [&](const char* from, const char* to) {
+    for (std::size_t at; (at = text.find(from)) != std::string::npos;)
+      text.replace(at, std::string(from).size(), to);
+  };
+  for (const char* up : {"↑", "→", "forward", "fwd", "up", "positive", "pos", "vor"}) replace(up, "+");
+  for (const char* down : {"↓", "←", "reverse", "rev", "down", "backward", "negative", "neg", "rück", "−"})
+    replace(down, "-");
+  for (const char* word : {"run", "cycle", "lauf", "zyklus", "j="}) replace(word, " ");
+  Run run;
+  std::string digits;
+  for (const char c : text) {
+    if (std::isdigit(static_cast<unsigned char>(c)) != 0)
+      digits += c;
+    else if (c == '+' || c == '-') {
+      if (run.direction != 0.0) return std::nullopt;
+      run.direction = c == '+' ? 1.0 : -1.0;
+    } else if (c != ' ' && c != '_' && c != '(' && c != ')') {
+      return std::nullopt;
+    }
+  }
+  if (digits.empty() || digits.size() > 3) return std::nullopt;
+  run.number = std::stoi(digits);
+  return run;
+}
+
+bool isTarget(const std::string& name) {
+  for (const std::string& word : wordsOf(name))
+    if (word == "target" || word == "position" || word == "nominal" || word == "soll" ||
+        word == "sollposition" || word == "pi" || word == "p")
+      return true;
+  return false;
+}
+
+struct Cell {
+  double target, value;  // value in its own unit, not yet SI
+  Run run;
+  std::size_t line;
+};
+
+class PositioningReader {
+ public:
+  explicit PositioningReader(ImportContext& context) : context_(context), table_(context) {}
+
+  void read() {
+    const std::string axis = table_.said({"axis", "achse", "axe", "axis under test"}, "axis");
+    const int joint = table_.joint(axis, "axis");
+    if (joint < 0) return;
+    linear_ = context_.machine.joints()[joint].kind == JointKind::kLinear;
+    kind_ = linear_ ? UnitKind::kLength : UnitKind::kAngle;
+    if (!cells()) return;
+    if (!units()) return;
+    session(joint);
+  }
+
+ private:
+  bool cells() {
+    const auto& names = table_.layout().names;
+    std::size_t runs = 0;
+    for (std::size_t i = 1; i < names.size(); ++i) runs += runOf(names[i]).has_value();
+    const bool transposed = !names.empty() && isTarget(names[0]) && !table_.rows().empty() &&
+                            runOf(table_.rows().front().cells[0]).has_value() && rowsAreRuns();
+    if (transposed)
+      byRuns();
+    else if (runs > 0)
+      byTargets();
+    else
+      context_.faults.add(context_.file.place(std::max<std::size_t>(1, table_.layout().headerLine)) +
+                          "no column is a run; name them by number and direction: 1+, 1-, 2+, 2-");
+    return context_.faults.empty();
+  }
+
+  /// The names are numbers (target positions), and each row begins with a run.
+  bool rowsAreRuns() const {
+    const auto& names = table_.layout().names;
+    double value = 0.0;
+    for (std::size_t i = 1; i < names.size(); ++i)
+      if (!parseNumber(names[i], table_.layout().decimalComma, value)) return false;
+    return std::all_of(table_.rows().begin(), table_.rows().end(),
+                       [](const auto& row) { return runOf(row.cells[0]).has_value(); });
+  }
+
+  bool numberAt(const std::string& cell, std::size_t line, double& value) {
+    if (parseNumber(cell, table_.layout().decimalComma, value)) return true;
+    context_.faults.add(context_.file.place(line) + "'" + cell +
+                        "' is not a finite number; leave the cell empty where nothing was measured");
+    return false;
+  }
+
+  void byTargets() {
+    const auto& names = table_.layout().names;
+    table_.show(0, "target position", unitOfTargets());
+    for (std::size_t i = 1; i < names.size(); ++i) {
+      const auto run = runOf(names[i]);
+      if (!run) {
+        context_.imported.notes.push_back("column '" + names[i] + "' is no run and was left out");
+        continue;
+      }
+      table_.show(static_cast<int>(i), "run " + std::to_string(run->number) + directionText(*run), "");
+      for (const auto& row : table_.rows()) {
+        double target = 0.0, value = 0.0;
+        if (i >= row.cells.size() || row.cells[i].empty()) continue;
+        if (numberAt(row.cells[0], row.line, target) && numberAt(row.cells[i], row.line, value))
+          cells_.push_back({target, value, *run, row.line});
+      }
+    }
+  }
+
+  void byRuns() {
+    const auto& names = table_.layout().names;
+    for (const auto& row : table_.rows()) {
+      const Run run = *runOf(row.cells[0]);
+      for (std::size_t i = 1; i < std::min(names.size(), row.cells.size()); ++i) {
+        double target = 0.0, value = 0.0;
+        if (row.cells[i].empty()) continue;
+        if (numberAt(names[i], table_.layout().headerLine, target) && numberAt(row.cells[i], row.line, value))
+          cells_.push_back({target, value, run, row.line});
+      }
+    }
+    context_.imported.notes.push_back("a column a target, a row a run");
+  }
+
+  static std::string directionText(const Run& run) {
+    return run.direction > 0.0 ? ", upwards" : run.direction < 0.0 ? ", downwards" : "";
+  }
+
+  std::string unitOfTargets() const {
+    const std::string own = splitUnit(table_.layout().names.front()).unitText;
+    if (!own.empty()) return own;
+    const std::string said = table_.said({"target unit", "position unit", "unit of positions"}, "");
+    return !said.empty() ? said : linear_ ? "mm" : "deg";
+  }
+
+  /// Positions follow their targets; deviations do not.
+  bool arePositions() const {
+    double low = INFINITY, high = -INFINITY, off = 0.0;
+    for (const Cell& c : cells_) {
+      low = std::min(low, c.target);
+      high = std::max(high, c.target);
+      off = std::max(off, std::abs(c.value - c.target));
+    }
+    return high > low && off < 0.02 * (high - low);
+  }
+
+  bool units() {
+    const auto targets = parseUnit(unitOfTargets(), kind_);
+    if (!targets) {
+      context_.faults.add(context_.file.path().string() + ": the targets are in '" + unitOfTargets() +
+                          "', but they are " + unitsOf(kind_) + "; write the unit behind the name: Target [" +
+                          (linear_ ? "mm]" : "deg]"));
+      return false;
+    }
+    targetUnit_ = targets->factor;
+    positions_ = arePositions();
+    if (positions_) {
+      valueUnit_ = targetUnit_;
+      context_.imported.notes.push_back("the values follow the targets: they are measured positions, in " +
+                                        targets->symbol + "; deviation = measured minus target");
+      return true;
+    }
+    std::string said = table_.said({"unit", "units", "deviation", "deviations", "deviation unit",
+                                    "unit of deviations", "einheit", "abweichungen"},
+                                   "unit");
+    if (said.empty())
+      for (const auto& [line, text] : table_.layout().remarks) {
+        const auto words = wordsOf(text);
+        for (std::size_t i = 0; i < words.size(); ++i)
+          if (words[i].rfind("deviation", 0) == 0 || words[i].rfind("abweichung", 0) == 0)
+            for (std::size_t k = i + 1; k < words.size(); ++k)
+              if (words[k] != "in" && parseUnit(words[k], kind_)) said = words[k];
+      }
+    const auto unit = parseUnit(said, kind_);
+    if (!unit) {
+      context_.faults.add(context_.file.path().string() + ": the unit of the deviations " +
+                          (said.empty() ? std::string("is not said") : "is '" + said + "'") +
+                          "; write into the mapping (--columns): unit: " + (linear_ ? "um" : "arcsec"));
+      return false;
+    }
+    valueUnit_ = unit->factor;
+    context_.imported.notes.push_back("deviations in " + unit->symbol + ", actual minus target");
+    return true;
+  }
+
+  /// In the order in which the standard measures: each run upwards through the targets, then downwards.
+  void session(int joint) {
+    for (Cell& c : cells_) c.target *= targetUnit_;
+    std::stable_sort(cells_.begin(), cells_.end(), [](const Cell& a, const Cell& b) {
+      if (a.run.number != b.run.number) return a.run.number < b.run.number;
+      if (a.run.direction != b.run.direction) return a.run.direction > b.run.direction;
+      return a.run.direction < 0.0 ? a.target > b.target : a.target < b.target;
+    });
+    Session session = emptySession(context_);
+    double time = 0.0;
+    for (const Cell& c : cells_) {
+      Observation o = blankRow(context_, ObservationKind::kDeviation, c.line, time);
+      time += 1.0;
+      o.position[joint] = c.target;
+      o.deviation[joint] = c.value * valueUnit_ - (positions_ ? c.target : 0.0);
+      if (c.run.direction != 0.0) o.velocity[joint] = 0.0, o.travel[joint] = c.run.direction;
+      o.setup = setupIndex(session, "iso230-2 " + context_.machine.joints()[joint].name);
+      session.observations.push_back(std::move(o));
+    }
+    context_.imported.notes.push_back(
+        "no times: the order of ISO 230-2, run by run, upwards then downwards, a second a target; the "
+        "instrument's zero "
+        "is one unknown of the setup");
+    finishImport(context_, std::move(session));
+  }
+
+  ImportContext& context_;
+  RecordTable table_;
+  bool linear_ = true, positions_ = false;
+  UnitKind kind_ = UnitKind::kLength;
+  double targetUnit_ = 1.0, valueUnit_ = 1.0;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace
+
+bool isPositioningTable(const TextFile& file) {
+  if (headHas(file, {"iso 230-2", "iso230-2"})) return true;
+  constexpr std::size_t kLooked = 40;
+  std::vector<std::string_view> cells;
+  for (std::size_t i = 0; i < std::min(kLooked, file.lines().size()); ++i)
+    for (const char separator : {'\t', ';', ','}) {
+      if (!splitCells(file.lines()[i], cells, separator) || cells.size() < 3) continue;
+      std::size_t directed = 0;
+      for (std::size_t k = 1; k < cells.size(); ++k) {
+        double value = 0.0;
+        const auto run = runOf(cells[k]);
+        // +1 is a number in a row, 1+ is a run
+        directed += run && run->direction != 0.0 && !parseNumber(cells[k], false, value);
+      }
+      if (directed >= 2 && isTarget(std::string(cells[0]))) return true;
+    }
+  return false;
+}
+
+void readPositioningTable(ImportContext& context) { PositioningReader(context).read(); }
+
+}  // namespace mm

@@ -1,0 +1,321 @@
+#include "import/probe_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/units.h"
+#include "import/record_table.h"
+#include "session/session_time.h"
+#include "session/time_stamp.h"
+
+namespace mm {
+namespace {
+
+struct Touch {
+  std::size_t line = 0;
+  double x = 0.0, y = 0.0, z = 0.0;   // mm
+  double speed = kNotMeasured;        // mm/s, of the probing move downwards
+  std::optional<std::int64_t> stamp;  // ns since 1970
+};
+
+/// The time at the beginning of a line of a log, as OctoPrint writes it.
+std::optional<std::int64_t> stampOf(std::string_view line) {
+  line = trim(line);
+  if (!line.empty() && line.front() == '[') line.remove_prefix(1);
+  for (const std::size_t length : {26u, 23u, 19u})
+    if (line.size() > length)
+      if (const auto stamp = parseCalendar(line.substr(0, length))) return stamp;
+  return std::nullopt;
+}
+
+/// The number behind `name` in a line (`X:12.5`, `X 12.5`, `X12.5`).
+bool after(const std::string& line, const std::string& name, double& value) {
+  const std::size_t at = line.find(name);
+  if (at == std::string::npos) return false;
+  std::size_t begin = at + name.size();
+  while (begin < line.size() && (line[begin] == ' ' || line[begin] == ':' || line[begin] == '=')) ++begin;
+  const std::size_t end = std::min(line.size(), line.find_first_not_of("+-.0123456789", begin));
+  return parseNumber(line.substr(begin, end - begin), false, value);
+}
+
+std::vector<Touch> klipperTouches(const TextFile& file) {
+  std::vector<Touch> touches;
+  double speed = kNotMeasured;
+  for (std::size_t n = 1; n <= file.lines().size(); ++n) {
+    const std::string line(file.lines()[n - 1]);
+    if (line.find("PROBE_ACCURACY") != std::string::npos) {
+      speed = kNotMeasured;
+      after(line, " speed", speed);
+    }
+    const std::size_t at = line.find("probe at ");
+    Touch t;
+    if (at == std::string::npos ||
+        std::sscanf(line.c_str() + at, "probe at %lf,%lf is z=%lf", &t.x, &t.y, &t.z) != 3)
+      continue;
+    t.line = n;
+    t.speed = speed;
+    t.stamp = stampOf(line);
+    touches.push_back(t);
+  }
+  return touches;
+}
+
+/// The meshes that SAVE_CONFIG leaves in printer.cfg, behind `#*#`: rows from min_y up, from min_x on.
+std::vector<Touch> savedMesh(const TextFile& file) {
+  std::vector<Touch> touches;
+  std::vector<std::pair<std::size_t, std::vector<double>>> rows;
+  std::map<std::string, double> keys;
+  const auto finish = [&] {
+    const bool all =
+        keys.count("min_x") + keys.count("max_x") + keys.count("min_y") + keys.count("max_y") == 4;
+    for (std::size_t r = 0; all && r < rows.size(); ++r)
+      for (std::size_t c = 0; c < rows[r].second.size(); ++c) {
+        const auto part = [](std::size_t i, std::size_t n) {
+          return n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0.0;
+        };
+        Touch t;
+        t.line = rows[r].first;
+        t.x = keys["min_x"] + part(c, rows[r].second.size()) * (keys["max_x"] - keys["min_x"]);
+        t.y = keys["min_y"] + part(r, rows.size()) * (keys["max_y"] - keys["min_y"]);
+        t.z = rows[r].second[c];
+        touches.push_back(t);
+      }
+    rows.clear();
+    keys.clear();
+  };
+  bool inMesh = false, inPoints = false;
+  for (std::size_t n = 1; n <= file.lines().size(); ++n) {
+    std::string_view line = trim(file.lines()[n - 1]);
+    if (line.substr(0, 3) != "#*#") continue;
+    line = trim(line.substr(3));
+    if (!line.empty() && line.front() == '[') {
+      finish();
+      inMesh = line.substr(0, 9) == "[bed_mesh";
+      inPoints = false;
+      continue;
+    }
+    if (!inMesh || line.empty()) continue;
+    std::string key, value;
+    const std::size_t equals = line.find('=');
+    if (equals != std::string_view::npos) {
+      key = std::string(trim(line.substr(0, equals)));
+      value = std::string(trim(line.substr(equals + 1)));
+      inPoints = key == "points";
+      double number = 0.0;
+      if (parseNumber(value, false, number)) keys[key] = number;
+      continue;
+    }
+    if (!inPoints) continue;
+    std::vector<std::string_view> cells;
+    splitCells(line, cells);
+    std::vector<double> numbers;
+    double number = 0.0;
+    for (const auto cell : cells)
+      if (parseNumber(cell, false, number)) numbers.push_back(number);
+    if (!numbers.empty()) rows.emplace_back(n, numbers);
+  }
+  finish();
+  return touches;
+}
+
+std::vector<Touch> marlinTouches(const TextFile& file, bool& placeUnknown) {
+  std::vector<Touch> touches;
+  double x = kNotMeasured, y = kNotMeasured;
+  placeUnknown = false;
+  for (std::size_t n = 1; n <= file.lines().size(); ++n) {
+    const std::string line(file.lines()[n - 1]);
+    Touch t;
+    t.line = n;
+    t.stamp = stampOf(line);
+    if (const std::size_t at = line.find("M48 ");
+        at != std::string::npos && line.find("Repeatability") == std::string::npos) {
+      x = y = kNotMeasured;
+      after(line.substr(at + 4), "X", x);
+      after(line.substr(at + 4), "Y", y);
+    }
+    if (const std::size_t at = line.find("Bed X:"); at != std::string::npos) {
+      const std::string rest = line.substr(at + 4);
+      if (after(rest, "X:", t.x) && after(rest, "Y:", t.y) && after(rest, "Z:", t.z)) touches.push_back(t);
+      continue;
+    }
+    int index = 0, of = 0;
+    const std::size_t sample = line.find(" of ");
+    if (sample == std::string::npos || line.find("mean:") == std::string::npos) continue;
+    const std::size_t begin = line.find_last_not_of("0123456789", sample - (sample > 0 ? 1 : 0));
+    const std::string text = line.substr(begin == std::string::npos ? 0 : begin + 1);
+    if (std::sscanf(text.c_str(), "%d of %d: z: %lf", &index, &of, &t.z) != 3) continue;
+    t.x = x;
+    t.y = y;
+    placeUnknown = placeUnknown || std::isnan(x) || std::isnan(y);
+    touches.push_back(t);
+  }
+  return touches;
+}
+
+class BedSession {
+ public:
+  BedSession(ImportContext& context, std::vector<Touch> touches)
+      : context_(context), touches_(std::move(touches)) {}
+
+  void make() {
+    const std::string name = context_.file.path().string();
+    const Machine& machine = context_.machine;
+    x_ = jointOf(machine, "x");
+    y_ = jointOf(machine, "y");
+    z_ = jointOf(machine, "z");
+    if (x_ < 0 || y_ < 0 || z_ < 0) {
+      context_.faults.add(name + ": a bed's touches need a machine with joints x, y and z; '" +
+                          machine.name() + "' has not all of them");
+      return;
+    }
+    if (touches_.empty()) {
+      context_.faults.add(name + ": no touch of the bed is in it");
+      return;
+    }
+    const std::string surface = context_.mapping.setting("surface");
+    if (!surface.empty() && surface != "flat" && surface != "unknown") {
+      context_.faults.add(context_.mapping.source + ":" +
+                          std::to_string(context_.mapping.lines.at("surface")) + ": surface is '" + surface +
+                          "', but must be flat or unknown");
+      return;
+    }
+    const bool flat = surface == "flat";
+    if (!flat && !repeated(name)) return;
+    session(flat);
+  }
+
+ private:
+  static std::pair<long, long> place(const Touch& t) {
+    return {std::lround(t.x * 1000.0), std::lround(t.y * 1000.0)};
+  }
+
+  /// A bed of unknown form tells something only where one place was touched again.
+  bool repeated(const std::string& name) {
+    std::map<std::pair<long, long>, int> counts;
+    for (const Touch& t : touches_) ++counts[place(t)];
+    const auto again =
+        std::count_if(counts.begin(), counts.end(), [](const auto& c) { return c.second > 1; });
+    if (again > 0) {
+      context_.imported.notes.push_back(
+          format("%zu places of the bed, %ld of them touched again; the form of the bed is not known, so "
+                 "each place has an "
+                 "unknown height of its own: repeatability and drift are seen, not the machine's geometry "
+                 "(surface: flat, if "
+                 "the bed is a reference)",
+                 counts.size(), static_cast<long>(again)));
+      return true;
+    }
+    context_.faults.add(
+        name +
+        format(": %zu places of the bed, each touched once: what is the bed's form and what the machine's "
+               "error cannot be told apart; if the bed is a flat reference (a glass or granite plate), "
+               "write into the mapping (--columns): surface: flat; else touch places again",
+               counts.size()));
+    return false;
+  }
+
+  void session(bool flat) {
+    Session session = emptySession(context_);
+    const bool stamped =
+        std::all_of(touches_.begin(), touches_.end(), [](const Touch& t) { return t.stamp.has_value(); });
+    if (stamped) session.epoch = secondsBetween(0, *touches_.front().stamp);
+    double low = INFINITY, high = -INFINITY;
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+      const Touch& t = touches_[i];
+      Observation o =
+          blankRow(context_, ObservationKind::kDeviation, t.line,
+                   stamped ? secondsBetween(*touches_.front().stamp, *t.stamp) : static_cast<double>(i));
+      o.position[x_] = t.x * kMillimetre;
+      o.position[y_] = t.y * kMillimetre;
+      o.position[z_] = t.z * kMillimetre;
+      // the surface is at one height: what the machine reads there, with the sign changed, is true minus
+      // indicated
+      o.deviation[z_] = -t.z * kMillimetre;
+      if (!std::isnan(t.speed)) o.velocity[z_] = -t.speed * kMillimetre;
+      o.travel[z_] = -1.0;  // a probe touches on its way down
+      o.setup = setupIndex(session, flat ? "bed" : format("bed at %.3f,%.3f", t.x, t.y));
+      session.observations.push_back(std::move(o));
+      low = std::min(low, t.z);
+      high = std::max(high, t.z);
+    }
+    UnderstoodColumn c;
+    c.name = "z at the trigger";
+    c.meaning = "reading of joint z, and with its sign changed its deviation from the bed";
+    c.unit = "mm";
+    c.range = format("%.6g … %.6g", low, high);
+    c.first = format("%.6g", touches_.front().z);
+    context_.imported.columns.push_back(std::move(c));
+    auto& notes = context_.imported.notes;
+    if (flat)
+      notes.push_back(
+          "the bed is taken as flat, its height as unknown: its tilt shows as squareness of z to x and y, "
+          "its form as "
+          "straightness");
+    if (!stamped) notes.push_back("no times: the order of the touches, a second apart");
+    finishImport(context_, std::move(session));
+  }
+
+  ImportContext& context_;
+  std::vector<Touch> touches_;
+  int x_ = -1, y_ = -1, z_ = -1;
+};
+
+bool anyLine(const TextFile& file, const char* words, const char* more = "") {
+  return std::any_of(file.lines().begin(), file.lines().end(), [&](std::string_view line) {
+    const std::size_t at = line.find(words);
+    return at != std::string_view::npos && line.find(more, at) != std::string_view::npos;
+  });
+}
+
+}  // namespace
+
+bool isKlipperLog(const TextFile& file) {
+  return anyLine(file, "probe at ", " is z=") || anyLine(file, "#*# [bed_mesh") ||
+         anyLine(file, "Mesh Leveling Probed Z");
+}
+
+void readKlipperLog(ImportContext& context) {
+  std::vector<Touch> touches = klipperTouches(context.file);
+  if (touches.empty()) touches = savedMesh(context.file);
+  if (touches.empty()) {
+    context.faults.add(
+        context.file.path().string() +
+        ": the heights of a mesh are in it, but not the places where they were probed; give the log of the "
+        "calibration (`probe at x,y is z=`), or printer.cfg with the saved mesh");
+    return;
+  }
+  context.imported.how = std::to_string(touches.size()) + " touches of the bed by Klipper";
+  BedSession(context, std::move(touches)).make();
+}
+
+bool isMarlinLog(const TextFile& file) {
+  return anyLine(file, "Bed X:", "Z:") || (anyLine(file, " of ", "mean:") && anyLine(file, "z:", "sigma"));
+}
+
+void readMarlinLog(ImportContext& context) {
+  bool placeUnknown = false;
+  std::vector<Touch> touches = marlinTouches(context.file, placeUnknown);
+  if (placeUnknown) {
+    std::istringstream in(context.mapping.setting("position_mm"));
+    double x = 0.0, y = 0.0;
+    if (!(in >> x >> y)) {
+      context.faults.add(
+          context.file.path().string() +
+          ": where M48 probed is not in the log (no line `M48 … X Y`); write into the mapping (--columns): "
+          "position_mm: [100, 100]");
+      return;
+    }
+    for (Touch& t : touches)
+      if (std::isnan(t.x) || std::isnan(t.y)) t.x = x, t.y = y;
+  }
+  context.imported.how = std::to_string(touches.size()) + " touches of the bed by Marlin";
+  BedSession(context, std::move(touches)).make();
+}
+
+}  // namespace mm

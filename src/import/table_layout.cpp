@@ -1,0 +1,354 @@
+#include "import/table_layout.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "import/unit.h"
+#include "session/time_stamp.h"
+
+namespace mm {
+namespace {
+
+std::vector<std::string_view> cellsOf(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  if (!splitCells(line, cells, separator)) cells.clear();
+  return cells;
+}
+
+bool isValue(std::string_view cell) {
+  double value = 0.0;
+  std::string unit;
+  if (parseSlashed(cell, true) || parseSlashed(cell, false)) return true;
+  if (parseWithUnit(cell, false, value, unit) || parseWithUnit(cell, true, value, unit)) return true;
+  return parseNumber(cell, false, value) || parseNumber(cell, true, value) || parseCalendar(cell) ||
+         parseClock(cell);
+}
+
+/// Without the brackets that a unit stands in.
+std::string_view unbracketed(std::string_view cell) {
+  if (cell.size() > 2 &&
+      ((cell.front() == '[' && cell.back() == ']') || (cell.front() == '(' && cell.back() == ')')))
+    return cell.substr(1, cell.size() - 2);
+  return cell;
+}
+
+/// Cells without the empty ones at the end.
+std::size_t countOf(const std::vector<std::string_view>& cells) {
+  std::size_t n = cells.size();
+  while (n > 0 && cells[n - 1].empty()) --n;
+  return n;
+}
+
+/// The first cell of a line of targets, as ISO 230-2 prints it: `Target;-20;-10;0`.
+bool namesTargets(std::string_view cell) {
+  const std::string word = lower(cell.substr(0, cell.find_first_of(" [(_")));
+  return word == "target" || word == "position" || word == "soll" || word == "sollposition" || word == "pi";
+}
+
+struct Line {
+  std::size_t number;
+  std::string_view text;
+};
+
+class LayoutFinder {
+ public:
+  LayoutFinder(const TextFile& file, const ColumnMapping& mapping) : file_(file), mapping_(mapping) {
+    for (std::size_t i = 0; i < file.lines().size(); ++i) {
+      std::string remark;
+      const std::string_view line = file.lines()[i];
+      if (trim(line).empty()) continue;
+      if (takeRemark(line, remark))
+        layout_.remarks.emplace_back(i + 1, remark);
+      else
+        lines_.push_back({i + 1, line});
+    }
+  }
+
+  TableLayout find() {
+    if (lines_.empty())
+      throw InputError(file_.path().string() + ": holds remarks only, no row of measurements");
+    findSeparator();
+    findRows();
+    findHeader();
+    findDecimalMark();
+    for (const Line& line : lines_)
+      if (line.number < layout_.lastHead() + 1 && line.number != layout_.headerLine &&
+          line.number != layout_.unitsLine)
+        layout_.remarks.emplace_back(line.number, std::string(trim(line.text)));
+    std::sort(layout_.remarks.begin(), layout_.remarks.end());
+    return std::move(layout_);
+  }
+
+ private:
+  void findSeparator() {
+    constexpr std::size_t kLooked = 400;
+    double best = 0.0;
+    for (const char candidate : {'\t', ';', ',', '|', ' '}) {
+      if (mapping_.separator && candidate != *mapping_.separator) continue;
+      std::map<std::size_t, std::pair<int, double>> counts;  // cells -> lines, their share of values
+      int all = 0;
+      for (const Line& line : lines_) {
+        const auto cells = cellsOf(line.text, candidate);
+        const std::size_t count = countOf(cells);
+        if (count > 0) {
+          int values = 0;
+          for (std::size_t i = 0; i < count; ++i) values += cells[i].empty() || isValue(cells[i]);
+          auto& c = counts[count];
+          ++c.first;
+          c.second += static_cast<double>(values) / static_cast<double>(count);
+        }
+        if (++all == static_cast<int>(kLooked)) break;
+      }
+      for (const auto& [count, seen] : counts) {
+        if (count < 2 && !mapping_.separator) continue;
+        // lines that agree, and values in their cells: either alone may be chance
+        const double score = (static_cast<double>(seen.first) / all) * (0.05 + seen.second / seen.first);
+        if (score > best * 1.0001) best = score, layout_.separator = candidate, columns_ = count;
+      }
+    }
+    if (best == 0.0)
+      throw InputError(
+          file_.place(lines_.front().number) +
+          "no table is seen: the lines have one cell each; separate columns with commas, semicolons, "
+          "tabs or blanks");
+  }
+
+  bool isRow(const Line& line) const {
+    const auto cells = cellsOf(line.text, layout_.separator);
+    const std::size_t count = countOf(cells);
+    if (count + 2 < columns_ || count > columns_ + 1 || count < 1) return false;
+    if (namesTargets(cells.front())) return false;
+    std::size_t values = 0, filled = 0;
+    for (const auto cell : cells) {
+      filled += !cell.empty();
+      values += !cell.empty() && isValue(cell);
+    }
+    // of two columns both: `Radius (mm),100` is of a head
+    return values >= 1 && (columns_ == 2 ? values == filled : 3 * values >= filled);
+  }
+
+  void findRows() {
+    const std::size_t after = mapping_.headerLine.value_or(0);
+    for (const Line& line : lines_)
+      if (line.number > after && isRow(line)) {
+        layout_.firstRow = line.number;
+        return;
+      }
+  }
+
+  void takeNames(std::string_view text) {
+    std::vector<std::string_view> cells = cellsOf(text, layout_.separator);
+    std::vector<std::string> names;
+    for (const auto cell : cells) {
+      // between blanks, a unit in brackets stands by itself
+      if (layout_.separator == ' ' && !names.empty() && !cell.empty() &&
+          (cell.front() == '[' || cell.front() == '('))
+        names.back() += " " + std::string(cell);
+      else
+        names.emplace_back(trim(cell));
+    }
+    layout_.names = std::move(names);
+  }
+
+  void findHeader() {
+    if (mapping_.headerLine) {
+      layout_.headerLine = *mapping_.headerLine;
+      if (layout_.headerLine > file_.lines().size())
+        throw InputError(mapping_.source + ": header_line is " + std::to_string(layout_.headerLine) +
+                         ", but " + file_.path().string() + " has " + std::to_string(file_.lines().size()) +
+                         " lines");
+    }
+    std::vector<Line> above;  // nearest first
+    for (const Line& line : lines_) {
+      if (layout_.firstRow > 0 && line.number >= layout_.firstRow) break;
+      const std::size_t count = countOf(cellsOf(line.text, layout_.separator));
+      if (count > 1 && count + 1 >= columns_) above.insert(above.begin(), line);
+      if (layout_.firstRow == 0) break;  // names without a row
+    }
+    if (!mapping_.headerLine && !above.empty()) {
+      std::size_t at = 0;
+      if (isUnits(above[0]) && above.size() > 1) layout_.unitsLine = above[at++].number;
+      layout_.headerLine = above[at].number;
+    } else if (mapping_.headerLine && !above.empty() && above[0].number > layout_.headerLine &&
+               isUnits(above[0])) {
+      layout_.unitsLine = above[0].number;
+    }
+    if (layout_.headerLine == 0 && !mapping_.headerLine) headerInRemark();
+    if (layout_.headerLine > 0 && layout_.names.empty()) {
+      std::string text;
+      const std::string_view line = file_.lines()[layout_.headerLine - 1];
+      takeNames(takeRemark(line, text) ? std::string_view(text) : line);
+    }
+    if (layout_.headerLine == 0)
+      for (std::size_t i = 0; i < columns_; ++i) layout_.names.push_back(std::to_string(i + 1));
+    if (layout_.unitsLine > 0)
+      for (const auto cell : cellsOf(file_.lines()[layout_.unitsLine - 1], layout_.separator))
+        layout_.units.emplace_back(unbracketed(trim(cell)));
+    dropEmptyEnd();
+    layout_.units.resize(layout_.names.size());
+  }
+
+  bool isUnits(const Line& line) const {
+    int units = 0;
+    for (const auto cell : cellsOf(line.text, layout_.separator)) {
+      if (cell.empty() || cell == "-" || cell == "[-]") continue;
+      if (!parseUnit(unbracketed(cell)) && cell.front() != '[' && cell.front() != '(') return false;
+      ++units;
+    }
+    return units > 0;
+  }
+
+  /// `# x y z` above the first row.
+  void headerInRemark() {
+    for (auto r = layout_.remarks.rbegin(); r != layout_.remarks.rend(); ++r) {
+      if (layout_.firstRow > 0 && r->first > layout_.firstRow) continue;
+      const auto cells = cellsOf(r->second, layout_.separator);
+      if (countOf(cells) != columns_ || std::any_of(cells.begin(), cells.end(), isValue)) continue;
+      layout_.headerLine = r->first;
+      takeNames(r->second);
+      layout_.remarks.erase(std::next(r).base());
+      return;
+    }
+  }
+
+  /// Separators after the last name, as spreadsheets write them, are no columns.
+  void dropEmptyEnd() {
+    while (!layout_.names.empty() && layout_.names.back().empty() && layout_.names.size() > columns_)
+      layout_.names.pop_back();
+  }
+
+  void findDecimalMark() {
+    if (mapping_.decimalComma) {
+      layout_.decimalComma = *mapping_.decimalComma;
+      return;
+    }
+    if (layout_.separator == ',' || layout_.firstRow == 0) return;
+    bool comma = false;
+    for (const Line& line : lines_) {
+      if (line.number < layout_.firstRow) continue;
+      for (const auto cell : cellsOf(line.text, layout_.separator)) {
+        double value = 0.0;
+        if (cell.find('.') != std::string_view::npos && parseNumber(cell, false, value)) return;
+        comma |= cell.find(',') != std::string_view::npos && parseNumber(cell, true, value);
+      }
+    }
+    layout_.decimalComma = comma;
+  }
+
+  const TextFile& file_;
+  const ColumnMapping& mapping_;
+  std::vector<Line> lines_;  // neither blank nor remarks
+  std::size_t columns_ = 0;
+  TableLayout layout_;
+};
+
+}  // namespace
+
+bool parseNumber(std::string_view cell, bool decimalComma, double& value) {
+  std::string text(trim(cell));
+  constexpr std::string_view kMinus = "\xE2\x88\x92";
+  if (text.rfind(kMinus, 0) == 0) text.replace(0, kMinus.size(), "-");
+  if (decimalComma) {
+    const std::size_t comma = text.find(',');
+    if (comma != std::string::npos && text.find('.') != std::string::npos) return false;
+    if (comma != std::string::npos) text[comma] = '.';
+  }
+  const char* begin = text.data();
+  if (text.size() > 1 && *begin == '+' && text[1] != '-') ++begin;
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+  return !text.empty() && error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+}
+
+bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit) {
+  cell = trim(cell);
+  const std::size_t end = cell.find_last_of("0123456789");
+  if (end == std::string_view::npos || end + 1 == cell.size()) return false;
+  const std::string_view text = trim(cell.substr(end + 1));
+  if (!parseUnit(text) || !parseNumber(cell.substr(0, end + 1), decimalComma, value)) return false;
+  unit = std::string(text);
+  return true;
+}
+
+bool takeRemark(std::string_view line, std::string& text) {
+  line = trim(line);
+  std::size_t mark = 0;
+  while (mark < line.size() && (line[mark] == '#' || line[mark] == '%')) ++mark;
+  if (mark == 0 && line.substr(0, 2) == "//") mark = 2;
+  if (mark == 0) return false;
+  text = std::string(trim(line.substr(mark)));
+  return true;
+}
+
+bool keyValue(std::string_view text, std::string& key, std::string& value) {
+  const std::size_t at = text.find_first_of(":=;,\t");
+  if (at == std::string_view::npos || at == 0) return false;
+  key = lower(trim(text.substr(0, at)));
+  std::string_view rest = trim(text.substr(at + 1));
+  while (!rest.empty() && (rest.back() == ';' || rest.back() == ','))
+    rest = trim(rest.substr(0, rest.size() - 1));
+  value = std::string(rest);
+  return !value.empty();
+}
+
+TableLayout tableLayout(const TextFile& file, const ColumnMapping& mapping) {
+  return LayoutFinder(file, mapping).find();
+}
+
+std::string TableLayout::inWords() const {
+  const std::string mark = separator == '\t'  ? "tabs"
+                           : separator == ' ' ? "blanks"
+                                              : "'" + std::string(1, separator) + "'";
+  std::string text = "separated by " + mark + (decimalComma ? ", decimal comma" : "");
+  text += headerLine > 0 ? ", names in line " + std::to_string(headerLine) : ", no line of names";
+  if (unitsLine > 0) text += ", units in line " + std::to_string(unitsLine);
+  return text;
+}
+
+std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout) {
+  std::vector<ColumnSample> samples(layout.names.size());
+  std::vector<double> last(samples.size(), -INFINITY);
+  if (layout.firstRow == 0) return samples;
+  for (std::size_t n = layout.firstRow; n <= file.lines().size(); ++n) {
+    std::string remark;
+    const std::string_view line = file.lines()[n - 1];
+    if (trim(line).empty() || takeRemark(line, remark)) continue;
+    const auto cells = cellsOf(line, layout.separator);
+    for (std::size_t i = 0; i < std::min(cells.size(), samples.size()); ++i) {
+      if (cells[i].empty()) continue;
+      ColumnSample& s = samples[i];
+      if (s.count++ == 0) s.first = std::string(cells[i]);
+      double value = 0.0;
+      std::string suffix;
+      const bool plain = parseNumber(cells[i], layout.decimalComma, value);
+      if (plain || parseWithUnit(cells[i], layout.decimalComma, value, suffix)) {
+        if (s.numbers == 0) s.suffix = suffix;
+        if (s.suffix != suffix) s.suffix.clear();
+        s.lower = s.numbers == 0 ? value : std::min(s.lower, value);
+        s.upper = s.numbers == 0 ? value : std::max(s.upper, value);
+        s.whole = s.whole && value == std::floor(value);
+        s.rising = s.rising && value > last[i];
+        last[i] = value;
+        ++s.numbers;
+      } else if (const auto calendar = parseCalendar(cells[i])) {
+        ++s.calendars;
+        s.midnight = s.midnight && cells[i].find(':') == std::string_view::npos;
+      } else if (const bool month = parseSlashed(cells[i], true).has_value();
+                 month || parseSlashed(cells[i], false)) {
+        ++s.slashed;
+        s.monthFirst = s.monthFirst && month;
+        s.dayFirst = s.dayFirst && parseSlashed(cells[i], false).has_value();
+        s.midnight = s.midnight && cells[i].find(':') == std::string_view::npos;
+      } else if (parseClock(cells[i])) {
+        ++s.clocks;
+      } else {
+        ++s.texts;
+      }
+    }
+  }
+  return samples;
+}
+
+}  // namespace mm

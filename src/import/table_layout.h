@@ -1,0 +1,59 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "import/column_mapping.h"
+#include "import/text_file.h"
+
+namespace mm {
+
+/// How a table is written, seen from its lines.
+struct TableLayout {
+  char separator = ',';
+  bool decimalComma = false;
+  std::size_t headerLine = 0;                                // 0: none
+  std::size_t unitsLine = 0;                                 // 0: none
+  std::size_t firstRow = 0;                                  // 0: there is no row
+  std::vector<std::string> names;                            // of the columns; "1", "2" … without a header
+  std::vector<std::string> units;                            // of the units line, empty without
+  std::vector<std::pair<std::size_t, std::string>> remarks;  // lines that are not of the table: number, text
+  std::size_t lastHead() const { return firstRow > 0 ? firstRow - 1 : std::max(headerLine, unitsLine); }
+  /// "separated by ';', decimal comma".
+  std::string inWords() const;
+};
+
+/// Looks at separators, decimal mark, remarks, header and units line. What the mapping says is taken from it.
+/// @throw InputError when the file holds no table.
+TableLayout tableLayout(const TextFile& file, const ColumnMapping& mapping);
+
+/// What was written in one column.
+struct ColumnSample {
+  std::size_t numbers = 0, texts = 0, calendars = 0, clocks = 0, count = 0;
+  double lower = 0.0, upper = 0.0;  // of the numbers, as written
+  bool whole = true;                // all numbers are integers
+  bool rising = true;               // each above the one before it
+  std::string first;
+  std::string suffix;                       // the unit behind each number, where all have the same: `12.5 mm`
+  std::size_t slashed = 0;                  // calendars with slashes
+  bool monthFirst = true, dayFirst = true;  // what all of these may be
+  bool midnight = true;                     // all calendars without a time of day
+};
+
+std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout);
+
+/// A number with the table's decimal mark.
+bool parseNumber(std::string_view cell, bool decimalComma, double& value);
+
+/// A number and the unit behind it: `12.5 mm`. False where there is no unit.
+bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit);
+
+/// A line without its mark of a remark (#, %, //), trimmed; false when it has none.
+bool takeRemark(std::string_view line, std::string& text);
+
+/// `key: value` or `key = value` of a remark or a line above the table, keys in small letters.
+bool keyValue(std::string_view text, std::string& key, std::string& value);
+
+}  // namespace mm

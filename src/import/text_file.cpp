@@ -1,0 +1,167 @@
+#include "import/text_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace mm {
+namespace {
+
+void append(std::string& text, char32_t c) {
+  if (c < 0x80) {
+    text += static_cast<char>(c);
+  } else if (c < 0x800) {
+    text += static_cast<char>(0xC0 | (c >> 6));
+    text += static_cast<char>(0x80 | (c & 0x3F));
+  } else if (c < 0x10000) {
+    text += static_cast<char>(0xE0 | (c >> 12));
+    text += static_cast<char>(0x80 | ((c >> 6) & 0x3F));
+    text += static_cast<char>(0x80 | (c & 0x3F));
+  } else {
+    text += static_cast<char>(0xF0 | (c >> 18));
+    text += static_cast<char>(0x80 | ((c >> 12) & 0x3F));
+    text += static_cast<char>(0x80 | ((c >> 6) & 0x3F));
+    text += static_cast<char>(0x80 | (c & 0x3F));
+  }
+}
+
+std::string fromUtf16(const std::string& bytes, std::size_t begin, bool bigEndian) {
+  std::string text;
+  const auto unit = [&](std::size_t i) {
+    const auto a = static_cast<unsigned char>(bytes[i]), b = static_cast<unsigned char>(bytes[i + 1]);
+    return static_cast<char32_t>(bigEndian ? a << 8 | b : b << 8 | a);
+  };
+  for (std::size_t i = begin; i + 1 < bytes.size(); i += 2) {
+    char32_t c = unit(i);
+    if (c >= 0xD800 && c < 0xDC00 && i + 3 < bytes.size()) {
+      c = 0x10000 + ((c - 0xD800) << 10) + (unit(i + 2) - 0xDC00);
+      i += 2;
+    }
+    append(text, c);
+  }
+  return text;
+}
+
+bool isUtf8(const std::string& bytes) {
+  int more = 0;
+  for (const char b : bytes) {
+    const auto c = static_cast<unsigned char>(b);
+    if (more > 0) {
+      if ((c & 0xC0) != 0x80) return false;
+      --more;
+    } else if (c >= 0x80) {
+      more = (c & 0xE0) == 0xC0 ? 1 : (c & 0xF0) == 0xE0 ? 2 : (c & 0xF8) == 0xF0 ? 3 : -1;
+      if (more < 0) return false;
+    }
+  }
+  return more == 0;
+}
+
+std::string fromLatin1(const std::string& bytes) {
+  std::string text;
+  for (const char b : bytes) append(text, static_cast<unsigned char>(b));
+  return text;
+}
+
+bool startsWith(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
+
+}  // namespace
+
+TextFile::TextFile(const std::filesystem::path& file) : path_(file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error))
+    throw InputError(file.string() + ": is a folder; name a file of measurements");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(file.string() + ": cannot be read: " + std::strerror(errno));
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  decode(bytes.str());
+  split();
+}
+
+void TextFile::decode(std::string bytes) {
+  const std::string name = path_.string();
+  if (bytes.empty()) throw InputError(name + ": is empty; the first line must name the columns");
+  if (startsWith(bytes, "#ROSBAG"))
+    throw InputError(name + ": is a bag, and so a session already; no import is needed");
+  if (startsWith(bytes, "PK\x03\x04") || startsWith(bytes, "\xD0\xCF\x11\xE0"))
+    throw InputError(name + ": is a workbook or an archive, not text; save the sheet as CSV and import that");
+  encoding_ = "UTF-16";
+  if (startsWith(bytes, "\xFF\xFE") || startsWith(bytes, "\xFE\xFF")) {
+    text_ = fromUtf16(bytes, 2, bytes[0] == '\xFE');
+    return;
+  }
+  std::size_t zeros[2] = {0, 0};
+  const std::size_t looked = std::min<std::size_t>(bytes.size(), 4096);
+  for (std::size_t i = 0; i < looked; ++i)
+    if (bytes[i] == '\0') ++zeros[i % 2];
+  if (zeros[0] + zeros[1] > 0) {  // text of 16 bits without its mark has a zero in every second place
+    const bool big = zeros[0] > zeros[1];
+    if (zeros[big ? 0 : 1] < looked / 3 || zeros[big ? 1 : 0] > 0)
+      throw InputError(name + ": is binary, not text; export it as text or CSV");
+    text_ = fromUtf16(bytes, 0, big);
+    return;
+  }
+  const bool mark = startsWith(bytes, "\xEF\xBB\xBF");
+  encoding_ = "UTF-8";
+  if (isUtf8(bytes)) {
+    text_ = mark ? bytes.substr(3) : std::move(bytes);
+  } else {
+    encoding_ = "Latin-1";
+    text_ = fromLatin1(bytes);
+  }
+}
+
+void TextFile::split() {
+  const std::string_view text = text_;
+  const bool mac = text.find('\n') == std::string_view::npos;  // old Macs end a line with CR alone
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.size(), text.find(mac ? '\r' : '\n', begin));
+    std::string_view line = text.substr(begin, end - begin);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    lines_.push_back(line);
+    begin = end + 1;
+  }
+}
+
+std::string TextFile::place(std::size_t line) const {
+  return path_.string() + ":" + std::to_string(line) + ": ";
+}
+
+bool TextLines::next(std::string_view& line) {
+  if (next_ >= file_.lines().size()) return false;
+  line = file_.lines()[next_++];
+  return true;
+}
+
+double TextLines::fraction() const {
+  return file_.lines().empty() ? 1.0 : static_cast<double>(next_) / static_cast<double>(file_.lines().size());
+}
+
+std::string_view trim(std::string_view text) {
+  constexpr const char* kBlank = " \t\r\n\v\f";
+  const std::size_t begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = static_cast<char>(std::tolower(static_cast<unsigned char>(result[i])));
+    // the capital umlauts of UTF-8 are 0x20 below the small ones
+    if (result[i] == '\xC3' && i + 1 < result.size()) {
+      ++i;
+      const auto c = static_cast<unsigned char>(result[i]);
+      if (c >= 0x80 && c <= 0x9E) result[i] = static_cast<char>(c + 0x20);
+    }
+  }
+  return result;
+}
+
+}  // namespace mm

@@ -1,0 +1,51 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "session/line_reader.h"
+
+namespace mm {
+
+/// A text file of somebody else as UTF-8 lines: UTF-8 or UTF-16 with or without its mark, else Latin-1; line
+/// breaks of Unix, Windows and old Macs.
+class TextFile {
+ public:
+  /// @throw InputError when it cannot be read, is empty, or is no text (a workbook, a bag, binary).
+  explicit TextFile(const std::filesystem::path& file);
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::string& encoding() const { return encoding_; }              ///< "UTF-8", "UTF-16", "Latin-1"
+  const std::vector<std::string_view>& lines() const { return lines_; }  ///< line n is lines()[n - 1]
+  /// "file:line: " for messages.
+  std::string place(std::size_t line) const;
+
+ private:
+  void decode(std::string bytes);
+  void split();
+  std::filesystem::path path_;
+  std::string text_, encoding_;
+  std::vector<std::string_view> lines_;
+};
+
+/// The lines of a text file from its first on.
+class TextLines : public LineSource {
+ public:
+  explicit TextLines(const TextFile& file) : file_(file) {}
+  bool next(std::string_view& line) override;
+  std::int64_t number() const override { return static_cast<std::int64_t>(next_); }
+  double fraction() const override;
+
+ private:
+  const TextFile& file_;
+  std::size_t next_ = 0;
+};
+
+std::string_view trim(std::string_view text);
+/// ASCII letters and the German umlauts in lower case.
+std::string lower(std::string_view text);
+
+}  // namespace mm

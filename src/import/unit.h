@@ -1,0 +1,26 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace mm {
+
+enum class UnitKind { kLength, kAngle, kTime, kTemperature, kSpeed, kTurning, kOther };
+
+/// A unit as people write it. SI value (degC of a temperature) = written * factor + offset.
+struct Unit {
+  UnitKind kind = UnitKind::kOther;
+  double factor = 1.0;
+  double offset = 0.0;
+  std::string symbol;  // as this package writes it: "mm", "arcsec", "degC", "mm/s"
+};
+
+/// Reads `mm`, `µm`, `inch`, `"`, `°C`, `deg C`, `arcsec`, `mm/min`, `mm_s` and their like in any case.
+/// Nothing for what is no unit of length, angle, time, temperature or speed.
+/// @param kind what it must be, where a symbol means two things (m, ", ').
+std::optional<Unit> parseUnit(std::string_view text, std::optional<UnitKind> kind = std::nullopt);
+
+/// "a length (mm, um, m, inch …)": for messages.
+std::string unitsOf(UnitKind kind);
+
+}  // namespace mm

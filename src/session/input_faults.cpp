@@ -1,0 +1,36 @@
+#include "session/input_faults.h"
+
+#include <algorithm>
+
+namespace mm {
+namespace {
+
+std::string joined(const std::vector<std::string>& faults) {
+  std::string text;
+  for (const std::string& f : faults) text += (text.empty() ? "" : "\n") + f;
+  return text;
+}
+
+}  // namespace
+
+InputFaults::InputFaults(std::vector<std::string> faults)
+    : InputError(joined(faults)), faults_(std::move(faults)) {}
+
+void FaultList::add(const std::string& fault) {
+  if (std::find(faults_.begin(), faults_.end(), fault) != faults_.end()) return;
+  if (faults_.size() < kShown)
+    faults_.push_back(fault);
+  else
+    ++more_;
+}
+
+void FaultList::throwIfAny() const {
+  if (faults_.empty()) return;
+  if (faults_.size() == 1) throw InputError(faults_.front());
+  std::vector<std::string> all = faults_;
+  if (more_ > 0)
+    all.push_back("and " + std::to_string(more_) + " faults more of that file; mend these first");
+  throw InputFaults(std::move(all));
+}
+
+}  // namespace mm

@@ -1,0 +1,1 @@
+set(import_test_dependencies gmock)

@@ -1,0 +1,205 @@
+// What a table says of itself, and what it does not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/units.h"
+#include "import/unit.h"
+#include "import_support.h"
+#include "session/input_faults.h"
+#include "session/time_stamp.h"
+
+namespace mm {
+namespace {
+
+using test::columnNamed;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(Units, AreReadAsPeopleWriteThem) {
+  const auto factor = [](const char* text) { return parseUnit(text)->factor; };
+  EXPECT_DOUBLE_EQ(factor("mm"), 1e-3);
+  for (const char* um : {"µm", "μm", "um", "UM", "micron"}) EXPECT_DOUBLE_EQ(factor(um), 1e-6) << um;
+  for (const char* inch : {"in", "inch", "Inches", "in."}) EXPECT_DOUBLE_EQ(factor(inch), 0.0254) << inch;
+  for (const char* deg : {"deg", "°", "Degrees"}) EXPECT_DOUBLE_EQ(factor(deg), kDegree) << deg;
+  EXPECT_DOUBLE_EQ(factor("mrad"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("arcsec"), kArcsecond);
+  EXPECT_DOUBLE_EQ(factor("arcmin"), 60 * kArcsecond);
+  EXPECT_DOUBLE_EQ(factor("mm/min"), 1e-3 / 60);
+  for (const char* c : {"°C", "degC", "deg C", "C", "Celsius"}) EXPECT_EQ(parseUnit(c)->symbol, "degC") << c;
+  EXPECT_NEAR(300.0 * parseUnit("K")->factor + parseUnit("K")->offset, 26.85, 1e-12);
+  EXPECT_NEAR(212.0 * parseUnit("°F")->factor + parseUnit("°F")->offset, 100.0, 1e-12);
+  EXPECT_EQ(parseUnit("m", UnitKind::kTime)->symbol, "min");
+  EXPECT_EQ(parseUnit("\"", UnitKind::kAngle)->symbol, "arcsec");
+  EXPECT_FALSE(parseUnit("furlong"));
+  EXPECT_FALSE(parseUnit("mm", UnitKind::kAngle));
+}
+
+TEST(TimeStamps, OfTheCalendar) {
+  constexpr std::int64_t kS = 1000000000, kAt = 1795256103LL * kS;
+  for (const char* text :
+       {"2026-11-21T10:15:03Z", "2026-11-21 10:15:03", "2026/11/21 10:15:03", "21.11.2026 10:15:03",
+        "2026-11-21T11:15:03+01:00", "2026-11-21T05:45:03-0430", "2026-11-21 10:15:03 AM"})
+    EXPECT_EQ(parseCalendar(text), kAt) << text;
+  EXPECT_EQ(parseCalendar("21.11.2026 10:15:03,25"), kAt + kS / 4);
+  EXPECT_EQ(parseCalendar("2026-11-21T10:15:03.000000001Z"), kAt + 1);
+  EXPECT_EQ(parseCalendar("2028-02-29"), 1835395200LL * kS);
+  for (const char* text :
+       {"11/12/2026", "2026-02-29", "2026-13-01", "25:00", "12.5", "2026-11-21T25:00", "soon", ""})
+    EXPECT_FALSE(parseCalendar(text)) << text;
+}
+
+TEST(TimeStamps, OfTheDay) {
+  EXPECT_EQ(parseClock("10:15"), 36900LL * 1000000000);
+  EXPECT_EQ(parseClock("2:05:01.5 pm"), 50701500000000LL);
+  EXPECT_FALSE(parseClock("10.15"));
+  EXPECT_FALSE(parseClock("13:00 PM"));
+}
+
+class Understanding : public ::testing::Test {
+ protected:
+  test::Importer importer_;
+};
+
+TEST_F(Understanding, ANightShiftPassesMidnight) {
+  const Imported i = importer_.text("clock;x_mm;deviation_x_um\n23:59:50;0;1\n00:00:10;1;2\n");
+  EXPECT_DOUBLE_EQ(i.session->observations[1].time, 20.0);
+}
+
+TEST_F(Understanding, DateAndTimeInTwoColumns) {
+  const Imported i =
+      importer_.text("Date,Time,x_mm,deviation_x_um\n2026-11-21,23:59:50,0,1\n2026-11-22,00:00:10,1,2\n");
+  EXPECT_DOUBLE_EQ(i.session->observations[1].time, 20.0);
+  EXPECT_DOUBLE_EQ(i.session->epoch, 1795305590.0);
+}
+
+TEST_F(Understanding, LengthsThatMayBeInchesAreNotGuessed) {
+  // ±0.6 of a machine of ±20 mm: 3 % of its travel in mm, three quarters of it in inches
+  const std::string csv = "X;deviation_x_um\n-0.6;1\n0;2\n0.6;3\n";
+  EXPECT_THAT(importer_.refusal(csv),
+              AllOf(HasSubstr("f.txt:1: column 'X'"), HasSubstr("columns: {X: x_mm}")));
+  EXPECT_DOUBLE_EQ(importer_.text(csv, "columns: {X: x_inch}\n").session->observations[2].position[0],
+                   0.01524);
+}
+
+TEST_F(Understanding, AUnitThatCannotBe) {
+  EXPECT_THAT(importer_.refusal("x [arcsec];deviation_x_um\n0;1\n"),
+              AllOf(HasSubstr("'arcsec'"), HasSubstr("length"), HasSubstr("{'x [arcsec]': x_mm}")));
+}
+
+TEST_F(Understanding, TwoColumnsOfOneMeaning) {
+  EXPECT_THAT(importer_.refusal("x_mm;X pos [mm];deviation_x_um\n0;0;1\n"), HasSubstr("both understood as"));
+}
+
+TEST_F(Understanding, DatesWithSlashes) {
+  const std::string tail = " 10:15:03,0,1\n";
+  const auto csv = [&](const char* a, const char* b) {
+    return std::string("when,x_mm,deviation_x_um\n") + a + tail + b + tail;
+  };
+  EXPECT_DOUBLE_EQ(importer_.text(csv("11/20/2026", "11/21/2026")).session->epoch, 1795256103.0 - 86400.0);
+  EXPECT_DOUBLE_EQ(importer_.text(csv("1/11/2026", "21/11/2026")).session->epoch,
+                   1795256103.0 - 20 * 86400.0);
+  EXPECT_THAT(importer_.refusal(csv("11/03/2026", "11/04/2026")), HasSubstr("date: month_first"));
+  EXPECT_DOUBLE_EQ(
+      importer_.text(csv("11/03/2026", "11/04/2026"), "date: day_first\n").session->observations[1].time,
+      2678400.0)
+      << "a month, not a day";
+}
+
+TEST_F(Understanding, UnitsBehindTheNumbers) {
+  const Imported i = importer_.text("time,X,deviation X\n0 ms,1.5 inch,1.5 um\n500 ms,1.6 inch,-2 um\n");
+  ASSERT_EQ(i.session->observations.size(), 2u);
+  EXPECT_DOUBLE_EQ(i.session->observations[1].position[0], 1.6 * 0.0254);
+  EXPECT_DOUBLE_EQ(i.session->observations[1].deviation[0], -2e-6);
+  EXPECT_DOUBLE_EQ(i.session->observations[1].time, 0.5);
+  EXPECT_THAT(importer_.refusal("time,X,deviation X\n0 s,1.5 mm,1.5 um\n5 s,1.6 inch,-2 um\n"),
+              HasSubstr("'X'"));
+}
+
+TEST_F(Understanding, AMeasuredPositionIsAsked) {
+  EXPECT_THAT(importer_.refusal("Position X [mm];Istwert [mm]\n0;0.001\n5;5.002\n"),
+              HasSubstr("{'Istwert [mm]': measured_x_mm}"));
+  const Imported i = importer_.text("Position X [mm];Istwert [mm]\n0;0.001\n5;5.002\n",
+                                    "columns: {'Istwert [mm]': measured_x_mm}\n");
+  EXPECT_NEAR(i.session->observations[1].deviation[0], 2e-6, 1e-12);
+}
+
+TEST_F(Understanding, TwoColumnsOfOneNameGoByTheirNumbers) {
+  const std::string csv = "x_mm;x_mm;deviation_x_um\n1;7;2\n";
+  EXPECT_THAT(importer_.refusal(csv), HasSubstr("columns: {2: ignore}"));
+  EXPECT_DOUBLE_EQ(importer_.text(csv, "columns: {1: ignore}\n").session->observations[0].position[0], 7e-3);
+}
+
+TEST_F(Understanding, AMisspeltNameIsNoCovariate) {
+  EXPECT_THAT(importer_.refusal("time_s,x_velocty_mm_s,deviation_x_um\n0,0,1\n"),
+              HasSubstr("columns: {x_velocty_mm_s: x_velocity_mm_s}"));
+}
+
+TEST_F(Understanding, WhatWasLoggedBeside) {
+  const Imported i =
+      importer_.text("x_mm;deviation_x_um;Humidity [%];air pressure (hPa);load_N\n0;1;45;1013;2\n");
+  ASSERT_EQ(i.session->covariates.size(), 3u);
+  EXPECT_EQ(i.session->covariates[0].name, "air_pressure");
+  EXPECT_EQ(i.session->covariates[0].unit, "hPa");
+  EXPECT_EQ(i.session->covariates[1].name, "humidity");
+  EXPECT_EQ(i.session->covariates[1].unit, "percent");
+}
+
+TEST_F(Understanding, TheMappingsOwnFaults) {
+  const std::string csv = "a;b\n0;1\n";
+  EXPECT_THAT(importer_.refusal(csv, "colums: {a: x_mm}\n"),
+              AllOf(HasSubstr("mapping.yaml:1"), HasSubstr("columns")));
+  EXPECT_THAT(importer_.refusal(csv, "columns: {c: x_mm}\n"),
+              AllOf(HasSubstr("'c' is not in"), HasSubstr("a, b")));
+  EXPECT_THAT(importer_.refusal(csv, "columns: {a: w_mm, b: deviation_x_um}\n"),
+              HasSubstr("'a: w_mm' is not understood"));
+  EXPECT_THAT(importer_.refusal(csv, "separator: x\n"), HasSubstr("separator"));
+  EXPECT_THAT(importer_.refusal(csv, "axis: w\n"),
+              AllOf(HasSubstr("mapping.yaml:1"), HasSubstr("'w' is no joint")));
+}
+
+TEST_F(Understanding, JointsThatStoodElsewhere) {
+  const Imported i = importer_.text("x_mm;deviation_x_um\n0;1\n", "fixed: {y_mm: 12.5, z_um: -300}\n");
+  EXPECT_DOUBLE_EQ(i.session->observations[0].position[1], 12.5e-3);
+  EXPECT_DOUBLE_EQ(i.session->observations[0].position[2], -0.3e-3);
+}
+
+TEST_F(Understanding, RotaryJointsInRadiansAndMinutesOfArc) {
+  const test::Importer five("five_axis");
+  const Imported i = five.text("B [rad]\tdeviation b [arcmin]\n0.5\t0.1\n-0.5\t0.2\n");
+  const int b = five.machine().findJoint("b");
+  EXPECT_DOUBLE_EQ(i.session->observations[0].position[b], 0.5);
+  EXPECT_DOUBLE_EQ(i.session->observations[0].deviation[b], 6 * kArcsecond);
+}
+
+TEST_F(Understanding, FilesThatAreNoTables) {
+  EXPECT_THAT(importer_.refusal("PK\x03\x04rest"), HasSubstr("save the sheet as CSV"));
+  EXPECT_THAT(importer_.refusal("#ROSBAG V2.0\n"), HasSubstr("is a bag"));
+  EXPECT_THAT(importer_.refusal(std::string("\0\1\0\0\0binary", 10)), HasSubstr("is binary"));
+  EXPECT_THAT(importer_.refusal(""), HasSubstr("is empty"));
+  EXPECT_THAT(importer_.refusal("hello\nworld\n"), HasSubstr("no table is seen"));
+}
+
+TEST_F(Understanding, FaultsBeyondTheLimitAreCounted) {
+  std::string csv = "time_s,x_mm,deviation_x_um\n";
+  for (int i = 0; i < 50; ++i) csv += std::to_string(i) + ",0,bad\n";
+  try {
+    importer_.text(csv);
+    FAIL() << "not refused";
+  } catch (const InputFaults& e) {
+    EXPECT_EQ(e.faults().size(), FaultList::kShown + 1);
+    EXPECT_THAT(e.faults().back(), HasSubstr("30 faults more"));
+  }
+}
+
+TEST_F(Understanding, TheTableOfColumnsIsShown) {
+  const std::string text = understoodText(importer_.text("Zeit;X [mm];deviation_x_um\n0;1,5;2\n5;2,5;3\n"));
+  EXPECT_THAT(text, AllOf(HasSubstr("decimal comma"), HasSubstr("reading of joint x"), HasSubstr("1.5 … 2.5"),
+                          HasSubstr("s (assumed)"), HasSubstr("times without a unit")));
+  EXPECT_THAT(
+      understoodText(importer_.text("time_s,x_mm,deviation_x_um\n0,1.5,2\n")),
+      AllOf(HasSubstr("the package's own columns"), HasSubstr("deviation of x"), Not(HasSubstr("note"))));
+}
+
+}  // namespace
+}  // namespace mm
