@@ -10,7 +10,7 @@ class Interrupt {
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
-  static bool asked();  ///< Ctrl-C or SIGTERM came
+  static bool asked();  ///< Ctrl-C came
   /// @throw Cancelled when Ctrl-C was pressed.
   static void check();
 
