@@ -42,7 +42,7 @@ Scale scaleOf(const Variable& variable, const Problem& problem) {
            : domain.duration > 300.0 ? Scale{"min", 1.0 / 60.0}
                                      : Scale{"s", 1.0};
   if (variable.name.rfind("temperature ", 0) == 0) return {"degC", 1.0};
-  if (variable.name == "laser reading") return {"mm", 1.0 / kMillimetre};
+  if (variable.name == "laser reading") return {"mm", 1.0};
   for (const Series& series : problem.session().covariates)
     if (series.name == variable.name) return {series.unit, 1.0};
   return {};

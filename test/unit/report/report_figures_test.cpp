@@ -64,6 +64,25 @@ TEST(ReportVariables, TheImprovedFitIsShownBesideIt) {
   EXPECT_NEAR(travel.bins[1].meanImproved, 0.0, 0.06);
 }
 
+TEST(ReportVariables, EachVariableIsInTheUnitThatStandsAtItsAxis) {
+  const auto ends = [](const VariableView& v) {
+    const auto range = std::minmax_element(v.x.begin(), v.x.end());
+    return std::make_pair(*range.first, *range.second);
+  };
+  const auto views = residualsByVariable(fitOf(test::laserSession(0.5e-6)), nullptr, {});
+  const VariableView& reading = view(views, "laser reading");
+  EXPECT_EQ(reading.unit, "mm");
+  EXPECT_NEAR(ends(reading).first, 3.0, 2e-3);
+  EXPECT_NEAR(ends(reading).second, 9.0, 2e-3);
+  const VariableView& height = view(views, "z");
+  EXPECT_EQ(height.unit, "mm");
+  EXPECT_NEAR(ends(height).first, -3.0, 1e-9);
+  EXPECT_NEAR(ends(height).second, 3.0, 1e-9);
+  const VariableView& time = view(views, "time");
+  EXPECT_EQ(time.unit, "s");
+  EXPECT_NEAR(ends(time).second - ends(time).first, 195.0, 1e-9);
+}
+
 TEST(ReportVectors, StartAtTheTouchedPointAndRunAlongTheNormal) {
   const Session session = test::ballSession("b0", 3e-6);
   const CalibrationResult fit = fitOf(session);

@@ -63,4 +63,38 @@ inline Session ballSession(const std::string& name, double outwards, double nois
   return session;
 }
 
+/// Readings of a laser of five_axis along its beam at one point, 3 to 9 mm by the height of its head, with
+/// noise (m).
+inline Session laserSession(double noise) {
+  Session session(Machine::load("five_axis"));
+  session.source = "laser.csv";
+  std::mt19937 generator(6);
+  std::normal_distribution<double> normal;
+  const int joints = session.machine.jointCount(), z = session.machine.findJoint("z");
+  const std::vector<double> zero(static_cast<std::size_t>(joints), 0.0);
+  Feature point;
+  point.kind = FeatureKind::kPoint;
+  point.name = "target";
+  point.position = session.machine.nominal(zero.data(), 6e-3).position;
+  session.artifact.features.push_back(point);
+  std::vector<double> up = zero;
+  up[static_cast<std::size_t>(z)] = 1e-3;
+  const double step = session.machine.nominal(up.data(), 6e-3).position.z() - point.position.z();
+  const double beam = session.machine.nominal(zero.data(), 7e-3).position.z() - point.position.z();
+  for (int i = 0; i < 40; ++i) {
+    const double height = 3e-3 * (2.0 * i / 39.0 - 1.0);
+    Observation o;
+    o.time = 5.0 * i;
+    o.row = i + 2;
+    o.position = zero;
+    o.position[static_cast<std::size_t>(z)] = height;
+    o.velocity = zero;
+    o.laserReading = 6e-3 - height * step / beam + noise * normal(generator);
+    o.feature = 0;
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  return session;
+}
+
 }  // namespace mm::test
