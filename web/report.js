@@ -183,7 +183,7 @@ function candidates() {
   const key = "held_out_rms" + kSuffix;
   const rows = diagnosis.candidates.map((c) => {
     const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
-    const gain = c[key] && known(c[key][0]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
+    const gain = c[key] && known(c[key][0]) && known(c[key][1]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
     const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words) : [];
     return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
@@ -273,7 +273,7 @@ function nextMeasurement() {
 
 function legend() {
   const terms = [["RMS", "root mean square of the scalar residuals: one a contact on a ball, one a measured component of a reference."],
-    ["Held-out RMS", "the same, of measurements that the fit did not see: blocks of time are left out in turn. It does not fall by fitting noise."],
+    ["Held-out RMS", "the same, of measurements that the fit did not see: blocks of time are left out in turn, the values fitted again to the others, and no drift predicted, as a corrected machine has it. It does not fall by fitting noise. Everywhere on this page, and in the ledger of mm add, it is this figure; mm diagnose also prints one that predicts drift from its neighbours, which is smaller where the machine drifts."],
     ["χ²/ν", "squared residuals over the noise, a degree of freedom: 1 when nothing but noise is left; says nothing where the noise was estimated from the residuals."],
     ["Odds", "that the effect acts, against its rivals and chance; “30 to 1” is a probability of 97 %."],
     ["Repeatability", "standard deviation of one measurement repeated; noise found: the part of the residuals that follows nothing."],

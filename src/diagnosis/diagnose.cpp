@@ -240,6 +240,7 @@ class Diagnoser {
     sortByGain(search, found);
     report("held out", 0.7);
     const HeldOut held(search, found);
+    out_.heldOutBefore = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
     fillAnswers(search, found, held, unit, out_);

@@ -119,8 +119,10 @@ struct Diagnosis {
   double noise = 0.0;     // m (rad): the white part of what is left, as estimated
   double noiseStd = 0.0;  // its standard uncertainty
   double tailDof = 0.0;   // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
-  double heldOut =
-      0.0;  // m (rad): RMS with everything that was found, the search run again without the rows judged
+  /// RMS of rows that were not seen, drift predicted from its neighbours, m (rad): with nothing found, and
+  /// with everything, the search run again without the rows judged. `base.figures.heldOutRms` is another
+  /// figure: values fitted again without the rows judged, no drift predicted, as a corrected machine has it.
+  double heldOutBefore = 0.0, heldOut = 0.0;
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;
   bool angular = false;  // RMS figures are rad

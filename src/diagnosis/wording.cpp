@@ -26,9 +26,9 @@ std::string alongWords(const Diagnosis& d, const std::string& direction) {
                                    : "along " + direction;
 }
 
-/// "held-out RMS 0.93 -> 0.32 um": without what was found, and with all of it.
+/// "held-out RMS 0.93 -> 0.32 um": without what was found, and with all of it, both by one definition.
 std::string heldOutWords(const Diagnosis& d) {
-  double before = d.angular ? d.base.figures.heldOutRmsAngular : d.base.figures.heldOutRms, after = d.heldOut;
+  double before = d.heldOutBefore, after = d.heldOut;
   if (!positive(before) && !d.missing.empty()) before = d.missing.front().heldOutBefore;
   if (!positive(before) && !d.profiles.empty()) before = d.profiles.front().heldOutBefore;
   if (!positive(after) && !d.missing.empty()) after = d.missing.back().heldOutAfter;

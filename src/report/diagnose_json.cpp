@@ -125,6 +125,7 @@ std::string diagnoseJson(const Diagnosis& d) {
   object["repeatability_from"] = d.base.repeatabilityFrom;
   setFigures(object, d.base.figures, true);
   const auto found = [](double value) { return value > 0.0 ? value : kNotMeasured; };
+  setEither(object, "held_out_rms_without_found", found(d.heldOutBefore), d.angular);
   setEither(object, "held_out_rms_with_found", found(d.heldOut), d.angular);
   setEither(object, "noise", found(d.noise), d.angular);
   setEither(object, "noise_std", found(d.noiseStd), d.angular);

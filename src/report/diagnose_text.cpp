@@ -85,7 +85,10 @@ std::string figuresText(const Diagnosis& d) {
   const bool found = !d.missing.empty() || !d.profiles.empty() || !d.drift.empty();
   std::string text = "\n  RMS " + length(d.angular ? f.rmsAngular : f.rms, d.angular) + ", held out " +
                      length(d.angular ? f.heldOutRmsAngular : f.heldOutRms, d.angular);
-  if (found && d.heldOut > 0.0) text += "; held out with what was found " + length(d.heldOut, d.angular);
+  if (found && d.heldOut > 0.0)
+    text += "\n  held out with drift predicted " + length(d.heldOutBefore, d.angular) +
+            "; with what was found " + length(d.heldOut, d.angular) +
+            " (the search run again without what is judged)";
   const bool known = d.base.repeatabilityFrom == "declared" || d.base.repeatabilityFrom == "repeated";
   text +=
       "\n  repeatability " +

@@ -63,6 +63,7 @@ inline Diagnosis verdict(Verdict what) {
   d.base.figures.heldOutRms = 0.93e-6;
   d.noise = 0.31e-6;
   d.noiseStd = 0.008e-6;
+  d.heldOutBefore = 0.93e-6;
   d.heldOut = what == Verdict::kExplained || what == Verdict::kScatter ? 0.93e-6 : 0.32e-6;
   return d;
 }

@@ -171,7 +171,7 @@ TEST(DiagnoseText, FiguresSayWhereTheNoiseIsFrom) {
   d.missing = {play()};
   d.tailDof = 4.0;
   const std::string text = textOf(d);
-  EXPECT_TRUE(has(text, "; held out with what was found 0.32 um\n")) << text;
+  EXPECT_TRUE(has(text, "\n  held out with drift predicted 0.93 um; with what was found 0.32 um (")) << text;
   EXPECT_TRUE(has(text, "  repeatability 0.1 um (declared), noise found")) << text;
   d.base.repeatabilityFrom = "repeated";
   EXPECT_TRUE(has(textOf(d), "  repeatability 0.1 um (from repeated measurements)")) << textOf(d);

@@ -78,6 +78,42 @@ TEST_F(ReportPage, SaysWhatTheDiagnosisSaysAndWhatToTypeNext) {
   EXPECT_EQ(countOf(page, "{{"), 0u);
 }
 
+/// Play and a drift: to predict drift from its neighbours is easier than to correct it.
+Session driftingSession() {
+  Session session = test::interferometerSession(2e-6, 0.1e-6);
+  for (Observation& o : session.observations) o.deviation[0] += 1e-6 * std::sin(o.time / 120.0);
+  return session;
+}
+
+TEST_F(ReportPage, HeldOutIsOneFigureInVerdictTableCardsAndLedger) {
+  const Session session = driftingSession();
+  const ReportContents report = contents(session, "s.bag", {EffectSpec("scale").set("axis", "x")});
+  ASSERT_FALSE(report.added.empty());
+  const nlohmann::json data = nlohmann::json::parse(reportJson(report));
+  const double before = data["figures"][2]["held_out_rms_um"], after = data["figures"][3]["held_out_rms_um"];
+  char words[64];
+  std::snprintf(words, sizeof(words), "eld-out RMS %.3g -> %.3g um", before, after);
+  EXPECT_NE(data["diagnosis"]["sentence"].get<std::string>().find(words), std::string::npos)
+      << words << " in: " << data["diagnosis"]["sentence"];
+  EXPECT_NEAR(data["diagnosis"]["held_out_rms_with_found_um"], after, 1e-12);
+  double now = before;
+  for (const nlohmann::json& m : data["diagnosis"]["missing"]) {
+    EXPECT_NEAR(m["held_out_rms_um"][0], now, 1e-12);
+    now = m["held_out_rms_um"][1];
+  }
+  EXPECT_NEAR(now, after, 1e-12);
+  // it is what the ledger will say when the proposed effects are added
+  Calibration calibration = report.calibration;
+  for (const EffectSpec& effect : report.added)
+    calibration = addEffect(session, calibration, effect, {}).calibration;
+  EXPECT_NEAR(calibration.ledger.back().heldOutAfter * 1e6, after, 1e-6 * after);
+  EXPECT_NEAR(calibration.ledger.front().heldOutAfter * 1e6, before, 1e-6 * before);
+  // and the diagnosis has another
+  const Diagnosis alone = diagnoseCalibration(session, report.calibration, {});
+  EXPECT_LT(alone.heldOut * 1e6, 0.8 * after);
+  EXPECT_GT(alone.heldOutBefore, alone.heldOut);
+}
+
 TEST_F(ReportPage, LoadsNothing) {
   const ReportFiles files = loadReportFiles(plotly_);
   for (const std::string& text : {files.html, files.css, files.js})
