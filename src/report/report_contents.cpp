@@ -113,6 +113,8 @@ ReportContents makeReport(const Session& session, const Calibration& calibration
   report.sessionPath = options.sessionPath;
   report.calibrationPath = options.calibrationPath;
   report.created = options.created.empty() ? utcNow() : options.created;
+  report.serial = options.serial;
+  report.operatorName = options.operatorName;
   report.calibration = calibration;
   report.curves = options.curves;
   report.diagnosis = diagnoseCalibration(session, calibration, options.diagnose);
@@ -130,6 +132,8 @@ ReportContents makeReport(const Session& session, const Calibration& calibration
   if (report.improved) fits.push_back({"with the named effects", &*report.improved});
   report.vectors = residualVectors(fits);
   report.positioning = axisPositioning(base);
+  report.circles = circleTests(base);
+  report.features = foundFeatures(base);
   report.thermal = thermalTest(base);
   return report;
 }

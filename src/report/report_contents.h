@@ -7,6 +7,8 @@
 #include "calibration_file/calibration.h"
 #include "design/point_set.h"
 #include "diagnosis/diagnose.h"
+#include "report/found_features.h"
+#include "report/report_circle.h"
 #include "report/report_curve.h"
 #include "report/report_positioning.h"
 #include "report/report_thermal.h"
@@ -20,6 +22,8 @@ struct ReportContents {
   const Session* session = nullptr;
   std::string sessionPath, calibrationPath;  // as typed: for the line to type next
   std::string created;                       // ISO 8601, UTC
+  std::string serial, operatorName;          // of the machine; who measured; empty: not told
+  std::vector<FoundFeature> features;        // balls and points where the session has them
   Calibration calibration;
   Diagnosis diagnosis;                       // its base: the model refitted to this session
   std::optional<CalibrationResult> nominal;  // no effects
@@ -31,6 +35,7 @@ struct ReportContents {
   std::vector<VariableView> variables;
   ResidualVectors vectors;
   std::vector<AxisPositioning> positioning;
+  std::vector<CircleTest> circles;
   ThermalTest thermal;
   std::vector<ConvergenceCurve> curves;
 };
@@ -40,6 +45,7 @@ struct ReportOptions {
   std::string sessionPath, calibrationPath;
   std::vector<ConvergenceCurve> curves;
   std::string created;  // empty: now
+  std::string serial, operatorName;
 };
 
 /// Diagnoses the calibration on the session and collects what the page shows.

@@ -1,5 +1,7 @@
 #include <cmath>
+#include <ctime>
 
+#include "base/error.h"
 #include "base/units.h"
 #include "diagnosis/wording.h"
 #include "report/json.h"
@@ -8,6 +10,7 @@
 #include "report/report_contents.h"
 #include "report/text_parts.h"
 #include "session/session_hash.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
@@ -168,10 +171,14 @@ Json positioningTestJson(const PositioningTest& test) {
   const PositioningFigures& f = test.figures;
   const auto figure = [](double value) { return rounded(value, 1e-4); };
   out["figures"] = Json{{"A", figure(f.accuracy)},
+                        {"A_forward", figure(f.forward.accuracy)},
+                        {"A_backward", figure(f.backward.accuracy)},
                         {"R", figure(f.repeatability)},
-                        {"R_forward", figure(f.repeatabilityForward)},
-                        {"R_backward", figure(f.repeatabilityBackward)},
+                        {"R_forward", figure(f.forward.repeatability)},
+                        {"R_backward", figure(f.backward.repeatability)},
                         {"E", figure(f.systematic)},
+                        {"E_forward", figure(f.forward.systematic)},
+                        {"E_backward", figure(f.backward.systematic)},
                         {"M", figure(f.meanRange)},
                         {"B", figure(f.reversal)},
                         {"B_mean", figure(f.meanReversal)}};
@@ -183,6 +190,8 @@ Json positioningJson(const std::vector<AxisPositioning>& axes) {
   for (const AxisPositioning& a : axes) {
     Json one;
     one["axis"] = a.axis;
+    one["name"] = a.name;
+    one["travel_assumed"] = a.travelAssumed;
     one["unit"] = a.rotary ? "arcsec" : "um";
     one["position_unit"] = a.rotary ? "deg" : "mm";
     one["measured"] = positioningTestJson(a.measured);
@@ -201,6 +210,75 @@ Json positioningJson(const std::vector<AxisPositioning>& axes) {
     out.push_back(std::move(one));
   }
   return out;
+}
+
+Json circlePathJson(const CirclePath& path) {
+  if (path.angle.empty()) return nullptr;
+  std::vector<double> degrees;
+  for (const double angle : path.angle) degrees.push_back(angle / kDegree);
+  return Json{{"angle_deg", list(degrees, 1e-3)},
+              {"F_um", list(path.radial, 1e-3)},
+              {"G", rounded(path.circular, 1e-4)},
+              {"F_max", rounded(path.largest, 1e-4)},
+              {"F_min", rounded(path.smallest, 1e-4)}};
+}
+
+Json circleFiguresJson(const CircleFigures& f) {
+  return Json{{"counter_clockwise", circlePathJson(f.counterClockwise)},
+              {"clockwise", circlePathJson(f.clockwise)},
+              {"G_both", rounded(f.bidirectional, 1e-4)},
+              {"D", rounded(f.meanRadial, 1e-4)},
+              {"H", rounded(f.hysteresis, 1e-4)}};
+}
+
+Json circlesJson(const std::vector<CircleTest>& tests) {
+  Json out = Json::array();
+  for (const CircleTest& t : tests)
+    out.push_back(Json{{"first", t.first},
+                       {"second", t.second},
+                       {"setup", t.setup},
+                       {"radius_mm", rounded(t.radius, 1e-4)},
+                       {"measured", circleFiguresJson(t.measured)},
+                       {"calibrated", circleFiguresJson(t.calibrated)}});
+  return out;
+}
+
+/// Balls and points: where the file has them beside where the session found them, in the artifact's frame
+/// where that is the workpiece's, else found alone.
+Json featuresJson(const ReportContents& r) {
+  Json out = Json::array();
+  const Artifact& artifact = r.session->artifact;
+  for (const FoundFeature& f : r.features) {
+    if (!(f.std.maxCoeff() > 0.0) && !(f.radiusStd > 0.0)) continue;  // nothing was asked
+    const Feature& file = artifact.features[static_cast<std::size_t>(artifact.findFeature(f.name))];
+    const bool comparable = artifact.poseKnown && file.position.allFinite();
+    const auto place = [](const Eigen::Vector3d& at, double unit) {
+      Json values = Json::array();
+      for (const double v : at) values.push_back(number(v / unit));
+      return values;
+    };
+    out.push_back(Json{{"name", f.name},
+                       {"nominal_mm", comparable ? place(file.position, kMillimetre) : Json(nullptr)},
+                       {"actual_mm", place(f.position, kMillimetre)},
+                       {"std_um", place(f.std, kMicrometre)},
+                       {"nominal_radius_mm", f.ball ? number(file.radius / kMillimetre) : Json(nullptr)},
+                       {"radius_mm", f.ball ? number(f.radius / kMillimetre) : Json(nullptr)},
+                       {"radius_std_um", number(f.radiusStd / kMicrometre)}});
+  }
+  return out;
+}
+
+/// When the session began, where its stamps are those of a clock: an import and a simulation have none.
+Json measuredJson(const ReportContents& r) {
+  constexpr double kEarliest = 1.2e9;  // s; readings from before 2008 have the made-up date of an import
+  const auto now = static_cast<double>(std::time(nullptr));
+  if (!(r.session->epoch > kEarliest) || r.session->epoch > now + 86400.0) return nullptr;
+  const auto seconds = static_cast<std::time_t>(r.session->epoch);
+  std::tm utc{};
+  char text[32];
+  if (gmtime_r(&seconds, &utc) == nullptr || std::strftime(text, sizeof(text), "%FT%TZ", &utc) == 0)
+    return nullptr;
+  return text;
 }
 
 Json thermalJson(const ThermalTest& test) {
@@ -236,16 +314,31 @@ Json networkSummaries(const Model& model) {
   return out;
 }
 
+/// Nominal value of each parameter, SI: zero, or what the catalogue takes for absolute quantities (a mount).
+/// Empty where the model cannot be made again.
+Eigen::VectorXd nominalValues(const Calibration& c) {
+  try {
+    const Eigen::VectorXd start = modelOf(c).start();
+    return start.size() == static_cast<Eigen::Index>(c.values.size()) ? start : Eigen::VectorXd();
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 Json parametersJson(const Calibration& c) {
   Json out = Json::array();
+  const Eigen::VectorXd nominal = nominalValues(c);
   for (std::size_t e = 0; e < c.effects.size(); ++e) {
     Json one;
     one["effect"] = effectJson(c.effects[e]);
     one["in_words"] = inWords(c.effects[e]);
     one["values"] = Json::array();
-    for (const Calibration::Value& v : c.values) {
+    for (std::size_t i = 0; i < c.values.size(); ++i) {
+      const Calibration::Value& v = c.values[i];
       if (v.effect != static_cast<int>(e)) continue;
       Json value;
+      value["nominal"] =
+          nominal.size() > 0 ? number(nominal[static_cast<Eigen::Index>(i)] * v.toUnit) : Json(nullptr);
       value["name"] = v.name;
       value["value"] = number(v.value * v.toUnit);
       value["std"] = v.fixed ? Json(nullptr) : number(v.std * std::abs(v.toUnit));
@@ -327,6 +420,9 @@ std::string reportJson(const ReportContents& r) {
   out["same_session"] =
       c.sessionHash.empty() ? Json(nullptr) : Json(c.sessionHash == sessionHash(*r.session));
   out["created"] = r.created;
+  out["measured"] = measuredJson(r);
+  out["serial"] = r.serial;
+  out["operator"] = r.operatorName;
   out["software"] = c.software;
   out["machine"] = c.machineName;
   out["method"] = c.method;
@@ -342,6 +438,8 @@ std::string reportJson(const ReportContents& r) {
   out["variables"] = variablesJson(r.variables);
   out["vectors"] = vectorsJson(r.vectors, *r.session);
   out["positioning"] = positioningJson(r.positioning);
+  out["circles"] = circlesJson(r.circles);
+  out["features"] = featuresJson(r);
   out["thermal"] = thermalJson(r.thermal);
   out["networks"] = fitted ? networkSummaries(d.base.problem->model()) : Json::array();
   out["ledger"] = ledgerJson(c.ledger, angular);

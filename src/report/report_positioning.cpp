@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/format.h"
 #include "base/units.h"
 
 namespace mm {
@@ -32,27 +33,49 @@ struct Range {
   double width() const { return high - low; }
 };
 
+/// The same three figures for one direction of approach.
+PositioningFigures::OneWay oneWay(const std::vector<PositioningTarget>& targets, bool forward) {
+  Range means, edges, spread;
+  bool repeated = true;
+  for (const PositioningTarget& t : targets) {
+    const double mean = forward ? t.meanForward : t.meanBackward, s = forward ? t.sForward : t.sBackward;
+    means.add(mean);
+    edges.add(mean + 2.0 * s);
+    edges.add(mean - 2.0 * s);
+    spread.add(4.0 * s);
+    repeated = repeated && (forward ? t.forward : t.backward) != 1;
+  }
+  PositioningFigures::OneWay out;
+  out.systematic = means.width();
+  if (!repeated) return out;  // a single run has no standard deviation
+  out.accuracy = edges.width();
+  out.repeatability = spread.high;
+  return out;
+}
+
 PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
   PositioningFigures f;
-  Range systematic, accuracy, middle, both, up, down;
+  f.forward = oneWay(targets, true);
+  f.backward = oneWay(targets, false);
+  Range systematic, accuracy, middle, spread;
   double reversal = 0.0, reversals = 0.0;
   int bidirectional = 0;
   bool repeated = true;
   for (const PositioningTarget& t : targets) {
     systematic.add(t.meanForward);
     systematic.add(t.meanBackward);
-    accuracy.add(t.meanForward + 2.0 * t.sForward);
-    accuracy.add(t.meanForward - 2.0 * t.sForward);
-    accuracy.add(t.meanBackward + 2.0 * t.sBackward);
-    accuracy.add(t.meanBackward - 2.0 * t.sBackward);
-    up.add(4.0 * t.sForward);
-    down.add(4.0 * t.sBackward);
-    repeated = repeated && (t.forward == 0 || t.forward > 1) && (t.backward == 0 || t.backward > 1);
+    for (const double k : {2.0, -2.0}) {
+      accuracy.add(t.meanForward + k * t.sForward);
+      accuracy.add(t.meanBackward + k * t.sBackward);
+    }
+    spread.add(4.0 * t.sForward);
+    spread.add(4.0 * t.sBackward);
+    repeated = repeated && t.forward != 1 && t.backward != 1;
     if (t.forward == 0 || t.backward == 0) continue;
     const double b = t.meanForward - t.meanBackward;
     middle.add(0.5 * (t.meanForward + t.meanBackward));
-    both.add(2.0 * t.sForward + 2.0 * t.sBackward + std::abs(b));
-    if (std::abs(b) > std::abs(reversal)) reversal = b;
+    spread.add(2.0 * t.sForward + 2.0 * t.sBackward + std::abs(b));
+    reversal = std::max(reversal, std::abs(b));
     reversals += b;
     ++bidirectional;
   }
@@ -62,13 +85,9 @@ PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
     f.reversal = reversal;
     f.meanReversal = reversals / bidirectional;
   }
-  if (!repeated) return f;  // a single run has no standard deviation
+  if (!repeated) return f;
   f.accuracy = accuracy.width();
-  f.repeatabilityForward = up.high;
-  f.repeatabilityBackward = down.high;
-  Range largest;
-  for (const double r : {both.high, up.high, down.high}) largest.add(r);
-  f.repeatability = largest.high;
+  f.repeatability = spread.high;
   return f;
 }
 
@@ -96,28 +115,99 @@ PositioningTest positioningTest(std::vector<PositioningRun> runs) {
   return test;
 }
 
-std::vector<AxisPositioning> axisPositioning(const CalibrationResult& fitted) {
-  std::vector<AxisPositioning> axes;
+namespace {
+
+/// Runs of one axis along one line of the machine's volume, with one zero of the instrument.
+struct LineRuns {
+  int setup = -1;
+  std::vector<double> where;  // of all joints, m or rad, at the first of them
+  AxisPositioning axis;
+};
+
+/// Whether nothing but one joint moved from one state to another: a circle is no positioning run.
+bool onOneLine(const std::vector<double>& a, const std::vector<double>& b, std::size_t moving,
+               const std::vector<Joint>& joints) {
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (k != moving &&
+        std::abs(a[k] - b[k]) > (joints[k].kind == JointKind::kRotary ? 0.5 * kDegree : 0.5 * kMillimetre))
+      return false;
+  return true;
+}
+
+std::vector<LineRuns> linesOf(const CalibrationResult& fitted, std::size_t j) {
+  std::vector<LineRuns> lines;
   const Problem& problem = *fitted.problem;
   const std::vector<Joint>& joints = problem.model().machine().joints();
+  const bool rotary = joints[j].kind == JointKind::kRotary;
+  const double unit = rotary ? kArcsecond : kMicrometre, place = rotary ? kDegree : kMillimetre;
+  for (int row = 0; row < problem.rowCount(); ++row) {
+    const ResidualRow& r = problem.rows()[static_cast<std::size_t>(row)];
+    const Observation& o = problem.session().observations[static_cast<std::size_t>(r.observation)];
+    if (o.kind != ObservationKind::kDeviation || r.component != static_cast<int>(j)) continue;
+    if (o.travel[j] == 0.0) continue;
+    auto line = std::find_if(lines.begin(), lines.end(), [&](const LineRuns& l) {
+      return l.setup == o.setup && onOneLine(l.where, o.position, j, joints);
+    });
+    if (line == lines.end()) line = lines.insert(lines.end(), LineRuns{o.setup, o.position, {}});
+    AxisPositioning& axis = line->axis;
+    axis.rotary = rotary;
+    axis.runs.push_back({o.position[j] / place, o.deviation[j] / unit, o.travel[j] > 0.0});
+    axis.left.push_back({o.position[j] / place, fitted.residuals[row] / unit, o.travel[j] > 0.0});
+  }
+  return lines;
+}
+
+/// What tells a line from the others of its axis: ", setup left", ", at y = 100 mm".
+std::string nameOf(const LineRuns& line, const std::vector<LineRuns>& all, std::size_t moving,
+                   const Session& session) {
+  const std::vector<Joint>& joints = session.machine.joints();
+  std::string name = joints[moving].name;
+  const auto differs = [&](auto same) { return !std::all_of(all.begin(), all.end(), same); };
+  if (line.setup >= 0 && differs([&](const LineRuns& l) { return l.setup == line.setup; }))
+    name += ", setup " + session.setups[static_cast<std::size_t>(line.setup)];
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    std::vector<double> here = line.where;
+    const auto same = [&](const LineRuns& l) {
+      std::vector<double> there = line.where;
+      there[k] = l.where[k];
+      return onOneLine(here, there, moving, joints);
+    };
+    if (k == moving || !differs(same)) continue;
+    const bool turns = joints[k].kind == JointKind::kRotary;
+    name += ", at " + joints[k].name + " = " +
+            format("%.4g", line.where[k] / (turns ? kDegree : kMillimetre)) + (turns ? " deg" : " mm");
+  }
+  return name;
+}
+
+}  // namespace
+
+std::vector<AxisPositioning> axisPositioning(const CalibrationResult& fitted) {
+  std::vector<AxisPositioning> axes;
+  const Session& session = fitted.problem->session();
+  const std::vector<Joint>& joints = session.machine.joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    AxisPositioning axis;
-    axis.axis = joints[j].name;
-    axis.rotary = joints[j].kind == JointKind::kRotary;
-    const double unit = axis.rotary ? kArcsecond : kMicrometre, place = axis.rotary ? kDegree : kMillimetre;
-    for (int row = 0; row < problem.rowCount(); ++row) {
-      const ResidualRow& r = problem.rows()[static_cast<std::size_t>(row)];
-      const Observation& o = problem.session().observations[static_cast<std::size_t>(r.observation)];
-      if (o.kind != ObservationKind::kDeviation || r.component != static_cast<int>(j)) continue;
-      if (o.travel[j] == 0.0 || !(fitted.weight[row] > 0.0)) continue;
-      axis.runs.push_back({o.position[j] / place, o.deviation[j] / unit, o.travel[j] > 0.0});
-      axis.left.push_back({o.position[j] / place, fitted.residuals[row] / unit, o.travel[j] > 0.0});
+    std::vector<LineRuns> lines = linesOf(fitted, j);
+    for (LineRuns& line : lines) {
+      line.axis.measured = positioningTest(line.axis.runs);
+      line.axis.calibrated = positioningTest(line.axis.left);
     }
-    axis.measured = positioningTest(axis.runs);
-    axis.calibrated = positioningTest(axis.left);
-    const auto bothWays = [](const PositioningTarget& t) { return t.forward > 0 && t.backward > 0; };
-    if (std::count_if(axis.measured.targets.begin(), axis.measured.targets.end(), bothWays) >= 3)
-      axes.push_back(std::move(axis));
+    lines.erase(std::remove_if(lines.begin(), lines.end(),
+                               [](const LineRuns& line) {
+                                 const auto& targets = line.axis.measured.targets;
+                                 return std::count_if(targets.begin(), targets.end(),
+                                                      [](const PositioningTarget& t) {
+                                                        return t.forward > 0 && t.backward > 0;
+                                                      }) < 3;
+                               }),
+                lines.end());
+    for (LineRuns& line : lines) {
+      line.axis.axis = joints[j].name;
+      line.axis.name = nameOf(line, lines, j, session);
+      for (const AssumedInput& assumed : session.assumed)
+        if (assumed.joint == line.axis.axis) line.axis.travelAssumed = assumed.how;
+      axes.push_back(line.axis);
+    }
   }
   return axes;
 }

@@ -15,15 +15,23 @@ struct PositioningTarget {
   int forward = 0, backward = 0;                             // runs
 };
 
-/// Figures of ISO 230-2:2014, section 2, in um (arcsec). NaN: there are too few runs.
+/// Figures of ISO 230-2:2014, section 3, with its coverage factor of 2, in um (arcsec). NaN: there are too
+/// few runs.
 struct PositioningFigures {
-  double accuracy = kNotMeasured;       // A, bi-directional accuracy of positioning
-  double repeatability = kNotMeasured;  // R, bi-directional
-  double repeatabilityForward = kNotMeasured, repeatabilityBackward = kNotMeasured;
+  /// One direction of approach: of the means and standard deviations of its runs alone.
+  struct OneWay {
+    double accuracy = kNotMeasured;       // largest of mean + 2 s, minus smallest of mean - 2 s
+    double repeatability = kNotMeasured;  // largest of 4 s
+    double systematic = kNotMeasured;     // range of the means
+  };
+  OneWay forward, backward;        // A, R and E with an arrow up or down
+  double accuracy = kNotMeasured;  // A, bi-directional accuracy of positioning
+  double repeatability =
+      kNotMeasured;                  // R, bi-directional: largest of 2 s + 2 s + |B|, 4 s and 4 s at a target
   double systematic = kNotMeasured;  // E, bi-directional systematic deviation
   double meanRange = kNotMeasured;   // M, range of the mean bi-directional deviation
-  double reversal = kNotMeasured;    // B, largest reversal error (signed as forward minus backward)
-  double meanReversal = kNotMeasured;
+  double reversal = kNotMeasured;    // B, largest |reversal error| of a target
+  double meanReversal = kNotMeasured;  // mean of the reversal errors, with sign: forward minus backward
 };
 
 struct PositioningRun {
@@ -39,16 +47,20 @@ struct PositioningTest {
 /// @param runs deviations of one axis: actual minus target position.
 PositioningTest positioningTest(std::vector<PositioningRun> runs);
 
-/// One axis of a session with an independent instrument, approached from both sides.
+/// One axis of a session with an independent instrument, approached from both sides, nothing else moving;
+/// one a line of the machine's volume and a zero of the instrument.
 struct AxisPositioning {
   std::string axis;
+  std::string name;           // "x", or "x, setup left", "x, at y = 100 mm" where there are several
+  std::string travelAssumed;  // where the direction of approach was not recorded: how it was made up
   bool rotary = false;
   PositioningTest measured;    // as the machine is
   PositioningTest calibrated;  // what the model leaves
   std::vector<PositioningRun> runs, left;
 };
 
-/// Axes with at least three targets that were reached from both directions; empty for other sessions.
+/// Axes with at least three targets that were reached from both directions; empty for other sessions. Every
+/// measured run counts, what a fit calls an outlier too: the standard leaves none out.
 std::vector<AxisPositioning> axisPositioning(const CalibrationResult& fitted);
 
 }  // namespace mm

@@ -16,7 +16,7 @@ namespace mm {
 namespace {
 
 struct ReportCommand {
-  std::string bag, calibration, output = "report.html", plotly;
+  std::string bag, calibration, output = "report.html", plotly, serial, operatorName;
   std::vector<std::string> curves;
   FitOptions fit;
 };
@@ -30,6 +30,8 @@ void runReport(const ReportCommand& c) {
   options.diagnose.cancelled = options.diagnose.calibrate.cancelled;
   options.sessionPath = c.bag;
   options.calibrationPath = c.calibration;
+  options.serial = c.serial;
+  options.operatorName = c.operatorName;
   for (const std::string& curve : c.curves) options.curves.push_back(readConvergenceCurve(curve));
   const Calibration calibration = loadCalibration(c.calibration);
   const Machine machine(calibration.urdf, calibration.machineName);
@@ -56,6 +58,8 @@ void addReportCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("-o,--output", c->output, "the page")->capture_default_str();
   command->add_option("--curve", c->curves, "CSV of mm calibrate --curve; two are drawn beside each other")
       ->expected(1, 2);
+  command->add_option("--serial", c->serial, "serial number of the machine, for the page's head");
+  command->add_option("--operator", c->operatorName, "who measured, for the page's head");
   command->add_option("--plotly", c->plotly, "path of plotly.min.js, if the build could not fetch it");
   c->fit.declare(*command, true);
   command->footer(

@@ -113,6 +113,59 @@ TEST(ReportPositioning, TheModelTakesTheReversalAway) {
   EXPECT_EQ(axes[0].axis, "x");
   EXPECT_NEAR(axes[0].measured.figures.meanReversal, 4.0, 0.1);
   EXPECT_NEAR(axes[0].calibrated.figures.meanReversal, 0.0, 0.1);
+  EXPECT_EQ(axes[0].name, "x");
+}
+
+TEST(ReportPositioning, EachZeroOfTheInstrumentIsATestOfItsOwn) {
+  Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const std::vector<Observation> first = session.observations;
+  session.setups = {"left", "right"};
+  for (Observation& o : session.observations) o.setup = 0;
+  for (Observation o : first) {  // the same axis along another line, the instrument set up anew
+    o.setup = 1;
+    o.time += 2000.0;
+    o.row += 90;
+    o.deviation[0] += 50e-6;
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  const auto axes = axisPositioning(fitOf(session));
+  ASSERT_EQ(axes.size(), 2u);
+  EXPECT_EQ(axes[0].name, "x, setup left");
+  EXPECT_EQ(axes[1].name, "x, setup right");
+  for (const AxisPositioning& axis : axes) EXPECT_LT(axis.measured.figures.repeatability, 6.0) << axis.name;
+}
+
+TEST(ReportPositioning, EachLineIsATestOfItsOwnAndAPathOfTwoAxesIsNone) {
+  Session session = test::interferometerSession(2e-6, 0.1e-6);
+  const std::vector<Observation> first = session.observations;
+  for (Observation o : first) {
+    o.position[1] = 30e-3;
+    o.time += 2000.0;
+    o.row += 90;
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  const auto axes = axisPositioning(fitOf(session));
+  ASSERT_EQ(axes.size(), 2u);
+  EXPECT_EQ(axes[0].name, "x, at y = 0 mm");
+  EXPECT_EQ(axes[1].name, "x, at y = 30 mm");
+  for (Observation& o : session.observations) o.position[1] = 0.7 * o.position[0];
+  EXPECT_TRUE(axisPositioning(fitOf(session)).empty());
+}
+
+TEST(ReportPositioning, NoMeasuredRunIsLeftOut) {
+  Session session = test::interferometerSession(2e-6, 0.1e-6);
+  session.observations[40].deviation[0] += 8e-6;  // a fit leaves it aside, the standard does not
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  const CalibrationResult fit =
+      calibrate(session, modelFor(session, {EffectSpec("backlash").set("axis", "x")}), options);
+  ASSERT_FALSE(fit.outliers.empty());
+  const auto axes = axisPositioning(fit);
+  ASSERT_EQ(axes.size(), 1u);
+  EXPECT_EQ(axes[0].runs.size(), 90u);
+  EXPECT_GT(axes[0].measured.figures.repeatability, 12.0);
 }
 
 }  // namespace
