@@ -10,10 +10,21 @@ const contents = el("ul", {});
 const short = (value) => minus(String(Number(value.toPrecision(4))));
 const fileName = (path) => path.split("/").pop();
 
+const present = (children) => children.flat(9).filter((x) => x !== null && x !== undefined);
 function section(id, title, ...children) {
   contents.append(el("li", {}, el("a", { href: "#" + id }, title)));
-  main.append(el("section", { "aria-labelledby": id }, el("h2", { id }, title), ...children.flat(9).filter((x) => x !== null && x !== undefined)));
+  main.append(el("section", { "aria-labelledby": id }, el("h2", { id }, title), ...present(children)));
 }
+/** A section that explains nothing here, behind its heading; `why` says so in words. */
+function foldedSection(id, title, why, ...children) {
+  const box = el("details", { class: "fold", "aria-labelledby": id }, el("summary", {}, el("h2", { id }, title), el("span", { class: "note" }, why)), ...present(children));
+  const link = el("a", { href: "#" + id }, title);
+  link.addEventListener("click", () => { box.open = true; });
+  contents.append(el("li", { class: "quiet" }, link));
+  main.append(box);
+}
+/** Open where `explains`, else folded. */
+const sectionIf = (explains, id, title, why, ...children) => (explains ? section(id, title, ...children) : foldedSection(id, title, why, ...children));
 const lead = (text) => el("p", { class: "lead" }, text);
 
 function commandLine(lead, command) {
@@ -37,20 +48,44 @@ function commands() {
     commandLine(measure ? "Or, without measuring, add the likeliest:" : several ? "Type next (it adds the first; then diagnose again):" : "Type next:", data.command)];
 }
 
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 const sentences = (text) => text.split(/(?<=\.) (?=[A-Z])/);
 
+/** The one picture: how the error fell, else the deviations of a positioning run. */
+function picture() {
+  const steps = ledgerSteps();
+  if (steps.length > 1) return ledgerFigure(steps, data.noise, diagnosis.repeatability_from === "estimated").node;
+  if (data.circles.length) return circleFigure(data.circles[0], "measured", "Circle in " + data.circles[0].first + data.circles[0].second).node;
+  if (data.positioning.length) return positioningFigure(data.positioning[0], "measured", "Deviation of " + data.positioning[0].name).node;
+  return data.variables.length ? variableFigure(data.variables[0]).node : null;
+}
+
+/** What to do where there is nothing to type. */
+function advice() {
+  const drift = diagnosis.drift.length ? " " + capital(said(diagnosis.drift[0].to_do)) + "." : "";
+  return { insufficient_data: "Measure more, or take effects out of the model.", explained: "Nothing to add: what is left is noise." + drift,
+    scatter: "Touch one point twenty times, then diagnose again with their standard deviation as --repeatability-um." + drift,
+    unknown_effect: "Look for the cause in the figures below.", confusable: "Measure the listed moves." }[diagnosis.verdict] || "";
+}
+
 function header() {
-  const facts = [data.machine, diagnosis.observations ? diagnosis.observations + " measurements" : null,
-    "calibration " + fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : ""),
-    data.method ? "found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : null, "report of " + data.created.replace("T", " ").replace("Z", " UTC")];
+  const facts = [["Machine", fileName(data.machine)], ["Serial number", data.serial], ["Operator", data.operator], ["Measured", data.measured ? data.measured.replace("T", " ").replace("Z", " UTC") : null], ["Measurements", diagnosis.observations],
+    ["Calibration", fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : "") + (data.method ? ", found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : "")],
+    ["Report of", data.created.replace("T", " ").replace("Z", " UTC")]].filter(([, value]) => value);
   const [first, ...rest] = sentences(said(diagnosis.sentence));
-  main.replaceChildren(el("header", {}, el("h1", {}, fileName(data.session)), el("p", { class: "meta" }, facts.filter(Boolean).join(" · ")),
+  const next = present([commands()]);
+  const todo = next.length ? "" : advice();
+  main.replaceChildren(el("header", {}, el("h1", {}, fileName(data.session)),
     el("div", { class: "verdict " + diagnosis.verdict }, el("div", { class: "badge" }, kVerdicts[diagnosis.verdict] || diagnosis.verdict),
-      el("p", { class: "sentence" }, first), rest.map((one) => el("p", {}, one)), commands())));
+      el("p", { class: "sentence" }, first), rest.filter((one) => !todo.startsWith(one)).map((one) => el("p", {}, one)))));
+  const shown = picture();
+  if (shown) main.append(el("div", { class: "lead-picture" }, shown));
+  main.append(el("section", { class: "next", "aria-labelledby": "step" }, el("h2", { id: "step" }, "Next step"), next.length ? next : el("p", {}, todo)));
   const warnings = [data.session_warning ? "The session: " + data.session_warning : null,
     data.same_session === false ? "This session is not the one that the calibration was made from: the row “values held” says whether it still holds." : null,
     data.left_out ? data.left_out + " measurements lack an input of the model and were left out." : null];
   for (const text of warnings.filter(Boolean)) main.append(el("p", { class: "warning" }, text));
+  main.append(el("dl", { class: "facts" }, facts.map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, String(value))))));
   main.append(el("nav", { "aria-label": "Sections" }, contents));
 }
 
@@ -67,8 +102,8 @@ function errors() {
   columns.push(["χ²/ν", "n"], ["outliers", "n"]);
   section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value, std]) =>
     el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : "")),
-      known(std) && std > 0 ? el("div", { class: "label" }, "± " + length(std, 2)) : null))),
-  table("Size of the residuals, outliers left aside (each fit leaves aside its own)", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
+      known(std) && std > 0 ? el("div", { class: "label" }, "± " + digits(2 * std, 2) + " " + kUnit + " (k = 2)") : null))),
+  table("Size of the residuals, outliers left aside (each fit leaves aside its own). Held out: the values fitted again without the block of time that is judged, no drift predicted. ± is the expanded uncertainty, k = 2", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
     ...kinds.flatMap(([, s]) => [bare(f["rms" + s], f["rms_std" + s]), bare(f["held_out_rms" + s], rmsStd(f["held_out_rms" + s], f["count" + s])), bare(f["q95" + s], 0.95 * f["q95" + s] / Math.sqrt(f["count" + s])), num(f["max" + s])]),
     diagnosis.repeatability_from === "estimated" ? "–" : bare(f.chi2_per_dof, f.chi2_per_dof * Math.sqrt(2 / Math.max(1, f.degrees_of_freedom))), known(f.outliers) ? String(f.outliers) : "–"])));
 }
@@ -128,49 +163,86 @@ function left() {
 /** A share of variance, ± the standard error of R². */
 function sharePercent(share) {
   const std = known(share) && data.residuals ? (2 * Math.sqrt(Math.max(0, share)) * (1 - share)) / Math.sqrt(data.residuals) : null;
-  return known(std) && std > 5e-4 ? (100 * share).toFixed(1) + " ± " + (100 * std).toFixed(1) + " %" : percent(share, 1);
+  return known(std) && std > 5e-4 ? (100 * share).toFixed(1) + " ± " + (200 * std).toFixed(1) + " %" : percent(share, 1);
 }
 
 function where() {
   if (!diagnosis.where.length) return;
   const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), sharePercent(w.share)], pValue(w.p_value)], { chosen: w.p_value < 0.01 }));
-  section("where", "Where the model fails", lead("Share of what is left that one variable alone explains, in any direction. p: probability of so much by chance, corrected for the number of variables; bold below 0.01."),
+  sectionIf(diagnosis.where.some((w) => w.p_value < 0.01), "where", "Where the model fails", "no variable explains what is left", lead("Share of what is left that one variable alone explains, in any direction. p: probability of so much by chance, corrected for the number of variables; bold below 0.01."),
     longTable("Variables, largest share first", [["Variable"], ["Share", "nowrap"], ["p", "n"]], rows, 12));
 }
 
 function variables() {
   if (!data.variables.length) return;
   const improved = data.variables.some((v) => v.improved.some(known));
-  section("variables", "Residual against each variable",
-    lead("What would have to be added, along the direction in which the variable explains most: mean ± standard error of the measurements in each bin (blue), single measurements (grey, thinned)" +
-      (improved ? ", and the means with the named effects added (green)" : "") + ". The fit has absorbed a part of what is missing, so an effect is larger than it looks here."),
-    el("div", { class: "grid" }, data.variables.map((v) => variableFigure(v).node)));
+  const figures = (views) => el("div", { class: "grid" }, views.map((v) => variableFigure(v).node));
+  const [explaining, others] = [data.variables.filter((v) => v.p_value < 0.01), data.variables.filter((v) => !(v.p_value < 0.01))];
+  const text = lead("What would have to be added, along the direction in which the variable explains most: mean of the measurements in each bin with its expanded uncertainty (blue), single measurements (grey, thinned)" +
+      (improved ? ", and the means with the named effects added (green)" : "") + ". The fit has absorbed a part of what is missing, so an effect is larger than it looks here.");
+  if (!explaining.length) foldedSection("variables", "Residual against each variable", "none of " + others.length + " explains anything", text, figures(others));
+  else section("variables", "Residual against each variable", text, figures(explaining),
+    others.length ? el("details", {}, el("summary", {}, others.length + (others.length === 1 ? " variable that explains nothing" : " variables that explain nothing")), figures(others)) : null);
 }
 
 function space() {
-  if (data.vectors) section("space", "Residuals in space", spaceSection(data.vectors));
+  if (data.vectors) sectionIf(data.added.length > 0, "space", "Residuals in space", "nothing is named that could be seen in them", spaceSection(data.vectors));
 }
 
 function positioning() {
   if (!data.positioning.length) return;
-  const names = [["A", "Bi-directional accuracy A"], ["E", "Bi-directional systematic deviation E"], ["M", "Range of the mean deviation M"], ["B", "Largest reversal B (forward − backward)"],
-    ["B_mean", "Mean reversal B̄"], ["R", "Bi-directional repeatability R"], ["R_forward", "Repeatability R↑"], ["R_backward", "Repeatability R↓"]];
-  section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) of an independent instrument, by target and direction of approach, as in ISO 230-2; the standard asks for five runs in each direction; ± from the scatter of the runs alone. What the model leaves is the deviation that a corrected machine would still have."),
+  const names = [["A", "Accuracy A, bi-directional"], ["A_forward", "Accuracy A↑"], ["A_backward", "Accuracy A↓"],
+    ["R", "Repeatability R, bi-directional"], ["R_forward", "Repeatability R↑"], ["R_backward", "Repeatability R↓"],
+    ["E", "Systematic deviation E, bi-directional"], ["E_forward", "Systematic deviation E↑"], ["E_backward", "Systematic deviation E↓"],
+    ["M", "Range of the mean bi-directional deviation M"], ["B", "Reversal error B (largest amount)"], ["B_mean", "Mean reversal error B̄ (forward − backward)"]];
+  section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) found by an independent instrument, by target and direction of approach; figures as ISO 230-2:2014 defines them, with its coverage factor of 2 on s. Every run counts. ± is their expanded uncertainty (k = 2) from the scatter of the runs alone, without that of the instrument, its alignment and the temperatures. What the model leaves is the deviation that a corrected machine would still have."),
     data.positioning.map((a) => {
-      const counts = a.measured.runs.flat().filter((n) => n > 0);
-      const before = positioningStd(a.measured), after = positioningStd(a.calibrated);
+      const m = a.measured, unit = unitText(a.unit), counts = m.runs.flat().filter((n) => n > 0);
+      const before = positioningStd(m), after = positioningStd(a.calibrated);
       const most = Math.max(...counts), least = Math.min(...counts);
-      return [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, positioningFigure(a, "measured", "As measured").node, positioningFigure(a, "calibrated", "What the model leaves").node),
-        table("Axis " + a.axis + ", " + a.measured.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + (least < 5 ? "; fewer than the standard asks for" : ""),
-          [["Figure"], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]], names.map(([key, name]) => [name, bare(a.measured.figures[key], before[key]), bare(a.calibrated.figures[key], after[key])]))];
+      const remarks = (least < 5 || m.at.length < 5 ? ". The standard asks for at least five targets and five runs in each direction" : "") + (a.travel_assumed ? ". The direction of approach was not recorded: it was assumed " + a.travel_assumed : "");
+      const place = (x) => minus(x.toFixed(4)), micro = a.unit === "um" ? 1e-3 : 1 / 3600;
+      const cell = (x) => (known(x) ? minus(x.toFixed(2)) : "–");
+      return [el("h3", {}, "Axis " + a.name), el("div", { class: "pair" }, positioningFigure(a, "measured", "As measured").node, positioningFigure(a, "calibrated", "What the model leaves").node),
+        table("Axis " + a.name + ", " + m.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + remarks,
+          [["Figure"], ["as measured, " + unit, "n"], ["left by the model, " + unit, "n"]], names.map(([key, name]) => [name, bare(m.figures[key], before[key]), bare(a.calibrated.figures[key], after[key])])),
+        el("details", {}, el("summary", {}, "Each target: nominal and actual position"), table("Mean actual position, mean deviation x̄, standard deviation s of the runs, reversal error B, as measured",
+          [["Target, " + unitText(a.position_unit), "n"], ["actual ↑", "n"], ["actual ↓", "n"], ["x̄↑, " + unit, "n"], ["x̄↓, " + unit, "n"], ["s↑, " + unit, "n"], ["s↓, " + unit, "n"], ["B, " + unit, "n"], ["runs ↑ / ↓", "n"]],
+          m.at.map((x, i) => [place(x), known(m.forward[i]) ? place(x + micro * m.forward[i]) : "–", known(m.backward[i]) ? place(x + micro * m.backward[i]) : "–", cell(m.forward[i]), cell(m.backward[i]),
+            cell(m.s_forward[i]), cell(m.s_backward[i]), known(m.forward[i]) && known(m.backward[i]) ? cell(m.forward[i] - m.backward[i]) : "–", m.runs[i].join(" / ")])))];
     }));
+}
+
+function circles() {
+  if (!data.circles.length) return;
+  const way = (sense, key) => (f) => (f[sense] ? f[sense][key] : null);
+  const rows = [["Circular deviation G↺", way("counter_clockwise", "G")], ["Circular deviation G↻", way("clockwise", "G")], ["Bi-directional circular deviation G(b)", (f) => f.G_both],
+    ["Radial deviation F↺, largest", way("counter_clockwise", "F_max")], ["Radial deviation F↺, smallest", way("counter_clockwise", "F_min")],
+    ["Radial deviation F↻, largest", way("clockwise", "F_max")], ["Radial deviation F↻, smallest", way("clockwise", "F_min")],
+    ["Mean bi-directional radial deviation D", (f) => f.D], ["Circular hysteresis H", (f) => f.H]];
+  section("circle", "Circles by ISO 230-4", lead("Circular deviation G, radial deviation F and mean bi-directional radial deviation D as ISO 230-4:2005 defines them, about the centre of the least-squares circle; circular hysteresis H as in its first edition. ↺ counter-clockwise, ↻ clockwise, seen so that the second axis is a quarter of a turn counter-clockwise of the first. Extremes of single points, so without an uncertainty of their own."),
+    data.circles.map((c) => [el("h3", {}, "Plane " + c.first + c.second + (c.setup ? ", setup " + c.setup : "")), el("div", { class: "pair" }, circleFigure(c, "measured", "As measured").node, circleFigure(c, "calibrated", "What the model leaves").node),
+      table("Plane " + c.first + c.second + ", nominal radius " + num(c.radius_mm, 6) + " mm", [["Figure"], ["as measured, µm", "n"], ["left by the model, µm", "n"]],
+        rows.map(([name, value]) => [name, num(value(c.measured)), num(value(c.calibrated))]))]));
+}
+
+/** Balls and points: where the artifact's file has them, and where the session found them. */
+function nominalAndActual() {
+  if (!data.features.length) return;
+  const at = (xyz) => (xyz ? xyz.map((x) => minus(x.toFixed(4))) : ["–", "–", "–"]);
+  const columns = ["x", "y", "z"].map((k) => [k + ", mm", "n"]);
+  const rows = data.features.flatMap((f) => [["nominal", at(f.nominal_mm)], ["actual", at(f.actual_mm)],
+    ["U (k = 2), µm", f.std_um.map((s) => (s > 0 ? digits(2 * s, 2) : "–"))]].map(([what, cells], i) => [i ? "" : f.name, what, ...cells,
+    i === 0 ? (known(f.nominal_radius_mm) ? f.nominal_radius_mm.toFixed(4) : "–") : i === 1 ? (known(f.radius_mm) ? f.radius_mm.toFixed(4) : "–") : f.radius_std_um > 0 ? digits(2 * f.radius_std_um, 2) : "–"]));
+  return longTable("Balls and points, nominal and actual (in workpiece; nominal centres are known there only where the artifact's pose is)", [["Name"], [""], ...columns, ["radius, mm", "n"]], rows, 30);
 }
 
 function thermal() {
   const t = data.thermal;
   const ranged = (range) => bare(range, known(data.noise) ? Math.SQRT2 * data.noise : null); // of two readings
   if (!t.axes.length && !data.networks.length) return;
-  section("thermal", "Heat: deviation against time, by ISO 230-3", t.axes.length ? lead("Deviations of an independent instrument at the same positions while the machine warms and cools, as measured and as the model leaves them, beside the temperatures.") : null,
+  const moves = t.axes.some((a) => !known(data.noise) || a.measured_range > 6 * data.noise);
+  sectionIf(moves || data.networks.length > 0, "thermal", "Heat: deviation against time, by ISO 230-3", "no position moves by more than the noise", t.axes.length ? lead("Deviations of an independent instrument at the same positions while the machine warms and cools, as measured and as the model leaves them, beside the temperatures.") : null,
     data.networks.map((n) => el("p", {}, el("b", {}, n.in_words), ": ", said(n.summary))),
     t.axes.map((a) => [el("h3", {}, "Axis " + a.axis), el("div", { class: "pair" }, thermalFigure(a, "measured", "As measured").node, thermalFigure(a, "left", "What the model leaves").node),
       table("Axis " + a.axis + ": range of the deviation over the test", [["Position, " + unitText(a.position_unit)], ["as measured, " + unitText(a.unit), "n"], ["left by the model, " + unitText(a.unit), "n"]],
@@ -187,37 +259,43 @@ function candidates() {
     const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words) : [];
     return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
-  section("candidates", "Candidates, best first", lead("Each cause of the catalogue, everything refitted with it; the bar is the share of the held-out RMS that it removes. Bold: named as missing."),
+  sectionIf(diagnosis.missing.length > 0, "candidates", "Candidates, best first", "none is named", lead("Each cause of the catalogue, everything refitted with it; the bar is the share of the held-out RMS that it removes, worked out for the best. Bold: named as missing."),
     longTable(diagnosis.candidates.length + (diagnosis.candidates.length === 1 ? " cause asked" : " causes asked"), [["Cause"], ["odds", "nowrap"], ["held-out RMS after, " + kUnit, "nowrap"], ["size, " + kUnit, "n"], ["confusable with", "text"]], rows, 12));
+}
+
+const stepName = (e) => (e.action === "calibrate" ? "calibrated" : e.action + " " + said(e.in_words));
+/** Held-out RMS after each step of the ledger, and with what the diagnosis proposes. */
+function ledgerSteps() {
+  if (!data.ledger.length) return [];
+  const key = "held_out_rms" + kSuffix;
+  const steps = [{ name: data.ledger[0].action === "calibrate" ? "nominal machine" : "before", held_out: data.ledger[0][key] && data.ledger[0][key][0] }];
+  for (const e of data.ledger) steps.push({ name: stepName(e), held_out: e[key] && e[key][1] });
+  const proposed = data.figures.find((f) => /named effects/.test(f.name));
+  if (proposed) steps.push({ name: "proposed: " + data.added.map((a) => said(a.in_words)).join(" and "), held_out: proposed[key], proposed: true });
+  return steps.filter((s) => known(s.held_out));
 }
 
 function ledger() {
   if (!data.ledger.length) return;
-  const key = "held_out_rms" + kSuffix, rmsKey = "rms" + kSuffix;
-  const name = (e) => (e.action === "calibrate" ? "calibrated" : e.action + " " + e.in_words);
-  const steps = [{ name: data.ledger[0].action === "calibrate" ? "nominal machine" : "before", held_out: data.ledger[0][key] && data.ledger[0][key][0] }];
-  for (const e of data.ledger) steps.push({ name: name(e), held_out: e[key] && e[key][1] });
-  const proposed = data.figures.find((f) => /named effects/.test(f.name));
-  if (proposed) steps.push({ name: "proposed: " + data.added.map((a) => a.in_words).join(" and "), held_out: proposed[key], proposed: true });
   const fall = (pair) => (pair ? bare(pair[0], rmsStd(pair[0])) + " → " + bare(pair[1], rmsStd(pair[1])) : "–");
-  const shown = steps.filter((s) => known(s.held_out));
-  section("ledger", "Ledger: the error as it fell", shown.length > 1 ? ledgerFigure(shown, data.noise, diagnosis.repeatability_from === "estimated").node : null,
+  sectionIf(data.ledger.length > 1, "ledger", "Ledger: the error as it fell", "nothing was added since the calibration",
     table("Every step, and what it did to the error", [["Step"], ["RMS, " + kUnit, "n"], ["held-out RMS, " + kUnit, "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
-      data.ledger.map((e) => [name(e), fall(e[rmsKey]), fall(e[key]), e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"])),
+      data.ledger.map((e) => [stepName(e), fall(e["rms" + kSuffix]), fall(e["held_out_rms" + kSuffix]), e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"])),
     el("p", { class: "note" }, "Any step can be taken back: mm remove."));
 }
 
 function parameters() {
   const lost = data.identifiability ? data.identifiability.lost : [];
-  const rows = data.parameters.flatMap((e) => e.values.map((v) => [e.in_words, v.name, v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
-  section("parameters", "Parameters", rows.length ? longTable("As in the calibration file, ± one standard uncertainty", [["Effect"], ["Parameter"], ["Value", "n"]], rows, 40) : lead("The model has no effects: the machine as its scales read."),
+  const rows = data.parameters.flatMap((e) => e.values.map((v) => [e.in_words, v.name, known(v.nominal) ? withUnit(short(v.nominal), v.unit) : "–", v.held ? withUnit(num(v.value, 5), v.unit) + " (held)" : plusMinus(v.value, v.std, v.unit)]));
+  sectionIf(rows.length > 0 || lost.length > 0, "parameters", "Parameters, nominal and actual", "the model has none", rows.length ? longTable("As in the calibration file, with the expanded uncertainty (k = 2)", [["Effect"], ["Parameter"], ["nominal", "n"], ["actual", "n"]], rows, 40) : lead("The model has no effects: the machine as its scales read."),
     data.identifiability ? el("p", {}, data.identifiability.rank + " of " + data.identifiability.parameters + " parameters are determined by this session.") : null,
+    nominalAndActual(),
     lost.length ? [el("h3", {}, "Directions that this session does not determine"), el("ul", {}, lost.map((l) => el("li", {}, l.in_words.replace(/\.$/, "") + ". Held: " + l.fixed_by + (l.by_convention ? ", by convention" : "") + (l.would_show ? "; " + l.would_show : "") + ".")))] : null);
 }
 
 function pointSet() {
   const p = data.point_set, range = (a, b, unit) => (known(a) ? (a === b ? short(a) : short(a) + " … " + short(b)) + " " + unitText(unit) : "–");
-  section("points", "The point set", lead(p.contacts + " contacts and " + p.references + " references in " + (p.duration_s > 300 ? num(p.duration_s / 60) + " min" : num(p.duration_s) + " s") + "."),
+  sectionIf(p.weak && p.weak.length > 0, "points", "The point set", p.contacts + " contacts, " + p.references + " references; no parameter is weakly determined", lead(p.contacts + " contacts and " + p.references + " references in " + (p.duration_s > 300 ? num(p.duration_s / 60) + " min" : num(p.duration_s) + " s") + "."),
     p.features.length ? longTable("Balls and points", [["Name"], ["contacts", "n"], ["cone of approach, ± °", "n"], ["centre alone, × noise", "n"]], p.features.map((f) => [f.name, String(f.contacts), num(f.cone_half_angle_deg),
       f.kind !== "ball" ? "–" : known(f.centre_std_per_noise) ? num(f.centre_std_per_noise, 2) : "not determined"]), 20) : null,
     table("Joints", [["Joint"], ["range", "nowrap"], ["positions", "n"], ["travel + / − / unknown", "n"], ["correlation with time", "n"]], p.joints.map((j) => {
@@ -236,7 +314,7 @@ function outliers() {
 }
 
 function curves() {
-  if (data.curves.length) section("convergence", "Convergence of the search", el("div", { class: "pair" }, data.curves.map((c) => curveFigure(c).node)));
+  if (data.curves.length) foldedSection("convergence", "Convergence of the search", "best RMS of each generation", el("div", { class: "pair" }, data.curves.map((c) => curveFigure(c).node)));
 }
 
 function limits() {
@@ -252,7 +330,7 @@ function limits() {
   const named = (g) => g.members.slice(0, 6).join("; ") + (g.members.length > 6 ? "; and " + (g.members.length - 6) + " more" : "");
   const advice = (g) => [...g.moves][0] + (g.moves.size > 1 ? " Likewise for the others." : "");
   const inputs = diagnosis.missing_inputs;
-  section("limits", "What this session cannot show", inputs.length ? table("Inputs that were not recorded", [["Input"], ["in its place", "text"], ["cannot be excluded without it", "text"]],
+  sectionIf(inputs.length > 0, "limits", "What this session cannot show", groups.size ? diagnosis.cannot_show.length + " effects that could be there unseen" : "nothing of the catalogue", inputs.length ? table("Inputs that were not recorded", [["Input"], ["in its place", "text"], ["cannot be excluded without it", "text"]],
     inputs.map((i) => [i.input, i.assumed ? "assumed " + i.assumed : "–", i.assumed ? "–" : i.in_words || "–"])) : null,
     groups.size ? [lead("These effects may be there all the same: this session could not have shown them."),
       longTable("Effects, why they stay hidden, and what would show them", [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], [...groups.values()].map((g) => [named(g), g.why, advice(g)]), 10)] :
@@ -278,10 +356,10 @@ function legend() {
     ["Odds", "that the effect acts, against its rivals and chance; “30 to 1” is a probability of 97 %."],
     ["Repeatability", "standard deviation of one measurement repeated; noise found: the part of the residuals that follows nothing."],
     ["p", "probability of so large a share by chance, corrected for the number of variables."],
-    ["±", "one standard uncertainty, unless k = 2 stands beside it (expanded uncertainty): of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as they were seen."]];
+    ["±", "the expanded uncertainty, k = 2, everywhere on this page: of a parameter from the covariance of the fit; of an RMS, a share or a size as for independent normal residuals, so more where what is left has structure. Largest values and readings are as they were seen."]];
   main.append(el("footer", {}, el("h3", {}, "How to read the figures"), el("dl", {}, terms.map(([a, b]) => [el("dt", {}, a), el("dd", {}, b)])),
     el("p", {}, "measuring_machine " + (data.software || "") + ". Session " + data.session + ", calibration " + data.calibration + ". This page is complete in itself and loads nothing from a network. Figures by Plotly.js (MIT).")));
 }
 
-[header, errors, missing, unexplained, left, where, variables, space, positioning, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
+[header, errors, positioning, circles, missing, unexplained, left, where, variables, space, thermal, candidates, ledger, parameters, pointSet, outliers, curves, limits, nextMeasurement, legend].forEach((part) => part());
 drawAll();

@@ -17,7 +17,7 @@ function el(tag, attributes, ...children) {
 }
 
 const known = (value) => typeof value === "number" && Number.isFinite(value);
-const minus = (text) => text.replace(/^-/, "−").replace(/e-/, "e−");
+const minus = (text) => text.replace(/^-(?=[0.]*$)/, "").replace(/^-/, "−").replace(/e-/, "e−");
 const kSuperscript = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 const power = (exponent) => "10" + [...String(exponent)].map((c) => kSuperscript[c]).join("");
 
@@ -35,18 +35,23 @@ function num(value, digits = 3) {
 const withUnit = (text, unit) => (text === "–" || !unitText(unit) ? text : text + " " + unitText(unit));
 const length = (value, digits = 3) => withUnit(num(value, digits), data.unit);
 
-/** Value ± uncertainty, the uncertainty with two digits. */
+/** A number rounded to so many significant digits, large ones too, without exponent. */
+const digits = (value, count) => { const x = Number(value.toPrecision(count)); return Math.abs(x) >= 10 ** (count - 1) ? minus(x.toFixed(0)) : num(x, count); };
+
+/** Value ± expanded uncertainty (k = 2, twice `std`), this with two digits. */
 function plusMinus(value, std, unit) {
   if (!known(value)) return "–";
   if (!known(std) || std <= 0) return withUnit(num(value, 5), unit);
-  const size = Math.floor(Math.log10(Math.max(Math.abs(value), std)));
+  const wide = 2 * std;
+  const size = Math.floor(Math.log10(Math.max(Math.abs(value), wide)));
   if (size < -4 || size > 6) {
-    const decimals = Math.min(12, Math.max(0, size + 1 - Math.floor(Math.log10(std))));
+    const decimals = Math.min(12, Math.max(0, size + 1 - Math.floor(Math.log10(wide))));
     const scaled = (x) => minus((x / 10 ** size).toFixed(decimals));
-    return withUnit("(" + scaled(value) + " ± " + scaled(std) + ") × " + power(size), unit);
+    return withUnit("(" + scaled(value) + " ± " + scaled(wide) + ") × " + power(size), unit);
   }
-  const decimals = Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(std))));
-  return withUnit(minus(value.toFixed(decimals)) + " ± " + std.toFixed(decimals), unit);
+  const place = Math.floor(Math.log10(wide)) - 1; // of the last digit
+  const rounded = (x) => minus((place > 0 ? Math.round(x / 10 ** place) * 10 ** place : x).toFixed(Math.min(12, Math.max(0, -place))));
+  return withUnit(rounded(value) + " ± " + rounded(wide), unit);
 }
 
 /** Value ± expanded uncertainty, this with one digit, or two where it begins with 1 or 2. */
@@ -57,7 +62,7 @@ function expanded(value, std, unit) {
   let place = Math.floor(Math.log10(wide));
   if (wide / 10 ** place >= 9.5) ++place;
   const decimals = (wide / 10 ** place < 2.95 ? 1 : 0) - place;
-  if (decimals > 6 || Math.abs(value) >= 1e7) return plusMinus(value, wide, unit) + " (k = 2)";
+  if (decimals > 6 || Math.abs(value) >= 1e7) return plusMinus(value, std, unit) + " (k = 2)";
   const rounded = (x) => minus((Math.abs(x) < 0.5 * 10 ** -decimals ? 0 : x).toFixed(Math.max(0, decimals)));
   return withUnit(rounded(value) + " ± " + rounded(wide), unit) + " (k = 2)";
 }
@@ -66,7 +71,7 @@ function pValue(p) {
   if (!known(p)) return "–";
   if (p >= 0.995) return "1";
   if (p >= 0.001) return p.toFixed(p < 0.1 ? 3 : 2);
-  if (p < 1e-300) return "< " + power(-300);
+  if (p < 1e-10) return "< " + power(-10);
   const [mantissa, exponent] = p.toExponential(0).split("e");
   return mantissa + " × " + power(Number(exponent));
 }
@@ -91,7 +96,9 @@ function positioningStd(t) {
   const reversal = (i) => variance(i, 0) + variance(i, 1), middle = (i) => (mean[0][i] + mean[1][i]) / 2;
   const widest = (side) => { const list = all.filter((x) => x[1] === side); return list.length ? 16 * spread(...best(list, ([i]) => s[side][i])) : NaN; };
   const b = both.length ? best(both, (i) => Math.abs(mean[0][i] - mean[1][i])) : null;
-  return { A: extremes(all, edge(1), edge(-1), (x) => variance(...x) + 4 * spread(...x)), E: extremes(all, at, at, (x) => variance(...x)),
+  const one = (side) => all.filter((x) => x[1] === side);
+  const wide = (list) => extremes(list, edge(1), edge(-1), (x) => variance(...x) + 4 * spread(...x)), range = (list) => extremes(list, at, at, (x) => variance(...x));
+  return { A_forward: wide(one(0)), A_backward: wide(one(1)), E_forward: range(one(0)), E_backward: range(one(1)), A: extremes(all, edge(1), edge(-1), (x) => variance(...x) + 4 * spread(...x)), E: extremes(all, at, at, (x) => variance(...x)),
     M: extremes(both, middle, middle, (i) => reversal(i) / 4), B: b === null ? null : root(reversal(b)), B_mean: both.length ? root(both.reduce((sum, i) => sum + reversal(i), 0) / both.length ** 2) : null,
     R: b === null ? root(all.length ? widest(all[0][1]) : NaN) : root((widest(0) + widest(1)) / 4 + reversal(b)), R_forward: root(widest(0)), R_backward: root(widest(1)) };
 }

@@ -22,6 +22,7 @@ function theme() {
 function figure({ name, label, caption, make, kind, modeBar, height }) {
   const plot = el("div", { class: "plot " + (kind || ""), style: height ? "height:" + height + "px" : null, role: "img", "aria-label": label });
   const draw = () => {
+    if (!plot.clientWidth) return null; // folded: drawn when it is opened
     const c = theme();
     const [traces, layout] = make(c);
     const axis = { gridcolor: c.line, zerolinecolor: c.line, linecolor: c.line, automargin: true };
@@ -32,7 +33,11 @@ function figure({ name, label, caption, make, kind, modeBar, height }) {
     return Plotly.react(plot, traces, full, { displaylogo: false, displayModeBar: !!modeBar });
   };
   plots.push(draw);
-  new ResizeObserver(() => { if (plot.data) Plotly.Plots.resize(plot); }).observe(plot);
+  new ResizeObserver(() => {
+    if (!plot.clientWidth) return;
+    if (plot.data) Plotly.Plots.resize(plot);
+    else if (document.body.dataset.drawn) draw();
+  }).observe(plot);
   const head = name ? el("div", { class: "name" }, name) : null;
   return { node: el("figure", {}, head, plot, caption ? el("figcaption", {}, caption) : null), draw };
 }
@@ -52,8 +57,18 @@ function drawAll() {
 }
 
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
-window.addEventListener("beforeprint", () => { printing = true; plots.forEach((draw) => draw()); });
-window.addEventListener("afterprint", () => { printing = false; plots.forEach((draw) => draw()); });
+let folded = []; // what was closed before printing: paper has everything
+window.addEventListener("beforeprint", () => {
+  folded = [...document.querySelectorAll("details:not([open])")];
+  for (const box of folded) box.open = true;
+  printing = true;
+  plots.forEach((draw) => draw());
+});
+window.addEventListener("afterprint", () => {
+  for (const box of folded) box.open = false;
+  printing = false;
+  plots.forEach((draw) => draw());
+});
 
 const titled = (text) => ({ text: plain(text), standoff: 6, font: { size: 12 } });
 
@@ -63,7 +78,7 @@ function variableFigure(v) {
   const most = v.mean.reduce((best, m, i) => (Math.abs(m) > Math.abs(v.mean[best]) ? i : best), 0);
   const where = v.category ? v.labels[most] : num(v.at[most]) + (unit ? " " + unit : "");
   const means = v.mean.concat(v.improved.filter(known));
-  const reach = 1.25 * Math.max(...v.mean.map((m, i) => Math.abs(m) + (v.standard_error[i] || 0)), ...means.map(Math.abs),
+  const reach = 1.25 * Math.max(...v.mean.map((m, i) => Math.abs(m) + 2 * (v.standard_error[i] || 0)), ...means.map(Math.abs),
     quantile(v.y.map(Math.abs), 0.98) || 0, 1e-9);
   const jitter = v.category ? v.x.map((x, i) => x + 0.25 * (((i * 0.618034) % 1) - 0.5)) : v.x;
   return figure({
@@ -75,8 +90,8 @@ function variableFigure(v) {
       v.improved.some(known) ? { x: v.at, y: v.improved, mode: v.category ? "markers" : "lines", type: "scatter", line: { color: c.good, width: 1.5, dash: "dot" },
         marker: { color: c.good, symbol: "diamond-open", size: 9 }, hovertemplate: "with the named effects: %{y:.3g} " + kUnit + "<extra></extra>" } : null,
       { x: v.at, y: v.mean, mode: v.category || v.at.length < 3 ? "markers" : "lines+markers", type: "scatter", line: { color: c.accent, width: 1.5 },
-        marker: { color: c.accent, size: 6 }, error_y: { type: "data", array: v.standard_error, color: c.accent, thickness: 1.5, width: 3 },
-        customdata: v.count.map((n, i) => [n, v.standard_error[i], v.category ? plain(v.labels[i]) : num(v.at[i]) + " " + unit]),
+        marker: { color: c.accent, size: 6 }, error_y: { type: "data", array: v.standard_error.map((e) => 2 * e), color: c.accent, thickness: 1.5, width: 3 },
+        customdata: v.count.map((n, i) => [n, 2 * v.standard_error[i], v.category ? plain(v.labels[i]) : num(v.at[i]) + " " + unit]),
         hovertemplate: "%{customdata[2]}: %{y:.3g} ± %{customdata[1]:.2g} " + kUnit + " (%{customdata[0]} measurements)<extra></extra>" },
     ].filter(Boolean), {
       xaxis: Object.assign({ title: titled(v.category ? v.name : v.name + (unit ? ", " + unit : "")), zeroline: false },
@@ -97,14 +112,14 @@ function ledgerFigure(steps, noise, estimated) {
   const log = Math.min(...values) * 20 < Math.max(...values);
   const from = Math.min(...values) / 3, to = Math.max(...values) * (log ? 6 : 1.35);
   return figure({
-    height: 70 + steps.length * Math.max(46, 12 + 16 * Math.max(...steps.map((s) => wrapped(s.name, 22).split("<br>").length))), label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
+    height: 70 + steps.length * Math.max(46, 12 + 16 * Math.max(...steps.map((s) => wrapped(s.name, innerWidth < 600 ? 22 : 36).split("<br>").length))), label: "Held-out RMS after each step of the ledger: " + steps.map((s) => s.name + " " + length(s.held_out)).join("; "),
     caption: "Held-out RMS after each step" + (log ? ", on a logarithmic scale" : "") + (!line ? "." : ". The dashed line is the " + (estimated ? "noise" : "repeatability") + ", " + length(noise) +
       (estimated ? ", estimated from what this model leaves: a better model may lower it." : ": no model can do better.")),
     make: (c) => [[{ type: "bar", orientation: "h", y: steps.map((s, i) => i), x: steps.map((s) => s.held_out), marker: { color: steps.map((s) => (s.proposed ? c.good : c.accent)), opacity: steps.map((s) => (s.proposed ? 0.6 : 0.9)) },
-      hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + rmsText(s.held_out)), error_x: { type: "data", array: steps.map((s) => rmsStd(s.held_out) || 0), color: c.ink, thickness: 1, width: 4 } },
-      { type: "scatter", mode: "text", x: steps.map((s) => s.held_out + (rmsStd(s.held_out) || 0)), y: steps.map((s, i) => i), text: steps.map((s) => " " + (innerWidth < 600 ? length(s.held_out) : rmsText(s.held_out))), textposition: "middle right", cliponaxis: false, hoverinfo: "skip" }],
+      hovertemplate: "%{customdata}<extra></extra>", customdata: steps.map((s) => plain(s.name) + ": " + rmsText(s.held_out)), error_x: { type: "data", array: steps.map((s) => 2 * rmsStd(s.held_out) || 0), color: c.ink, thickness: 1, width: 4 } },
+      { type: "scatter", mode: "text", x: steps.map((s) => s.held_out + (2 * rmsStd(s.held_out) || 0)), y: steps.map((s, i) => i), text: steps.map((s) => " " + (innerWidth < 600 ? length(s.held_out) : rmsText(s.held_out))), textposition: "middle right", cliponaxis: false, hoverinfo: "skip" }],
     { margin: { l: 20, r: 20, t: 8, b: 44 }, bargap: 0.35,
-      yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, 22) + " "), range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
+      yaxis: { tickvals: steps.map((s, i) => i), ticktext: steps.map((s) => wrapped(s.name, innerWidth < 600 ? 22 : 36) + " "), range: [steps.length - 0.4, -0.6], showgrid: false, zeroline: false },
       xaxis: Object.assign({ title: titled("held-out RMS, " + kUnit), zeroline: false, nticks: 6 }, log ? { type: "log", dtick: 1, exponentformat: "power", range: [Math.log10(from), Math.log10(to)] } : { range: [0, to] }),
       shapes: line ? [{ type: "line", yref: "paper", y0: 0, y1: 1, x0: noise, x1: noise, line: { color: c.warm, width: 1.5, dash: "dash" } }] : [] }],
   });
@@ -177,7 +192,7 @@ function positioningFigure(axis, part, name) {
   const band = (mean, s, c) => ({ x: test.at, y: mean, error_y: { type: "data", array: s.map((v) => (known(v) ? 2 * v : 0)), color: c, thickness: 1, width: 4 } });
   const dots = (up) => runs.map((y, i) => (axis.up[i] === up ? y : null));
   return figure({
-    name, kind: "tall", label: name + ", axis " + axis.axis + ": bi-directional accuracy A " + num(test.figures.A) + " " + unit + ", reversal B " + num(test.figures.B) + " " + unit,
+    name, kind: "tall", label: name + ", axis " + axis.name + ": bi-directional accuracy A " + num(test.figures.A) + " " + unit + ", reversal B " + num(test.figures.B) + " " + unit,
     caption: "Means of the runs; the bars are ± 2 s. Dots: single runs.",
     make: (c) => [[
       { x: axis.x, y: dots(1), mode: "markers", type: "scatter", marker: { size: 4, color: c.accent, opacity: 0.45 }, hoverinfo: "skip", showlegend: false },
@@ -186,6 +201,25 @@ function positioningFigure(axis, part, name) {
       Object.assign(band(test.backward, test.s_backward, c.warm), { name: "backward ↓", mode: "lines+markers", type: "scatter", line: { color: c.warm, dash: "dash" }, marker: { symbol: "triangle-down", size: 8 }, hovertemplate: "↓ %{x:.4g}: %{y:.3g} " + unit + "<extra></extra>" }),
     ], { showlegend: true, legend: { orientation: "h", y: 1.12, x: 0 }, margin: { l: 56, r: 12, t: 28, b: 40 },
       xaxis: { title: titled("position of " + axis.axis + ", " + unitText(axis.position_unit)), zeroline: false }, yaxis: { title: titled("deviation, " + unit) } }],
+  });
+}
+
+/** Both ways round a circle, the radial deviation drawn large about the nominal circle. */
+function circleFigure(circle, part, name) {
+  const paths = [["counter_clockwise", "counter-clockwise ↺", "accent", "solid"], ["clockwise", "clockwise ↻", "warm", "dash"]].filter(([key]) => circle[part][key]);
+  const all = paths.flatMap(([key]) => circle[part][key].F_um).concat([0]);
+  const low = Math.min(...all), high = Math.max(...all), span = high - low || 1;
+  const shown = paths.map(([key, text]) => "G " + num(circle[part][key].G) + " µm " + text);
+  return figure({
+    name, kind: "tall", label: name + ", plane " + circle.first + circle.second + ": " + shown.join(", "),
+    caption: "Radial deviation F in µm; the thin circle is the nominal one (" + num(circle.radius_mm, 4) + " mm). " + circle.first + " to the right.",
+    make: (c) => [paths.map(([key, text, tint, dash]) => {
+      const path = circle[part][key];
+      return { type: "scatterpolar", mode: "lines", name: text, theta: path.angle_deg.concat(path.angle_deg[0]), r: path.F_um.concat(path.F_um[0]), line: { color: c[tint], width: 1.5, dash },
+        hovertemplate: "%{theta:.1f}°: %{r:.3g} µm<extra>" + text + "</extra>" };
+    }).concat([{ type: "scatterpolar", mode: "lines", theta: Array.from({ length: 121 }, (x, i) => 3 * i), r: Array(121).fill(0), line: { color: c.soft, width: 1 }, hoverinfo: "skip", showlegend: false }]),
+    { showlegend: true, legend: { orientation: "h", y: 1.22, x: 0 }, margin: { l: 30, r: 30, t: 56, b: 24 },
+      polar: { bgcolor: "rgba(0,0,0,0)", angularaxis: { gridcolor: c.line, linecolor: c.line, dtick: 45 }, radialaxis: { gridcolor: c.line, linecolor: c.line, range: [low - 0.8 * span, high + 0.1 * span], angle: 22.5, nticks: 5, tickfont: { size: 10 } } } }],
   });
 }
 

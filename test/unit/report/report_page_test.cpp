@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -69,13 +74,64 @@ TEST_F(ReportPage, SaysWhatTheDiagnosisSaysAndWhatToTypeNext) {
   EXPECT_NEAR(data["figures"][0]["rms_um"].get<double>(), 2.0, 0.1);
   EXPECT_NEAR(data["figures"][3]["rms_um"].get<double>(), 0.1, 0.03);
   EXPECT_EQ(data["positioning"][0]["axis"], "x");
-  ASSERT_EQ(data["added"].size(), 1u);  // backlash: -gap / 2 going forward
+  EXPECT_NEAR(data["positioning"][0]["measured"]["figures"]["B"].get<double>(), 4.0, 0.2);
+  EXPECT_NEAR(data["parameters"][0]["values"][0]["nominal"].get<double>(), 0.0, 1e-12);
+  EXPECT_TRUE(data["measured"].is_null());  // the session has no clock
+  ASSERT_EQ(data["added"].size(), 1u);      // backlash: -gap / 2 going forward
   EXPECT_NEAR(data["added"][0]["values"][0]["value"].get<double>(), play ? -4.0 : -2.0, 0.1);
   EXPECT_EQ(data["added"][0]["values"][0]["unit"], play ? "um" : "ms");
   EXPECT_TRUE(data["vectors"].is_null());
   const std::string page = reportPage(report, loadReportFiles(plotly_));
   EXPECT_NE(page.find("mm add &#39;my session.bag&#39;"), std::string::npos);
   EXPECT_EQ(countOf(page, "{{"), 0u);
+}
+
+/// What a browser makes of a page: its elements as text. Empty: there is no Chromium here.
+std::string elementsOf(const std::filesystem::path& page) {
+  if (std::system("command -v chromium >/dev/null 2>&1") != 0) return {};
+  const std::string profile = page.string() + ".profile";
+  const std::string command = "timeout 120 chromium --headless --no-sandbox --disable-gpu --user-data-dir='" +
+                              profile + "' --virtual-time-budget=5000 --dump-dom 'file://" + page.string() +
+                              "' 2>/dev/null";
+  std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+  std::string text;
+  char buffer[65536];
+  while (pipe)
+    if (const std::size_t n = std::fread(buffer, 1, sizeof(buffer), pipe.get()); n > 0)
+      text.append(buffer, n);
+    else
+      break;
+  return text;
+}
+
+TEST_F(ReportPage, LeadsWithVerdictPictureAndNextStepAndFoldsWhatExplainsNothing) {
+  const auto library = folder_.write(
+      "stub.js", "window.Plotly={react(){},Plots:{resize(){}}};/* plotly */" + std::string(200000, ' '));
+  const auto shown = [&](const Session& session, const std::string& name) {
+    return elementsOf(
+        folder_.write(name, reportPage(contents(session, "s.bag", {EffectSpec("scale").set("axis", "x")}),
+                                       loadReportFiles(library))));
+  };
+  const Session faulty = test::interferometerSession(2e-6, 0.1e-6),
+                sound = test::interferometerSession(0.0, 0.1e-6);
+  const std::string found = shown(faulty, "found.html");
+  if (found.empty()) GTEST_SKIP() << "needs chromium";
+  const auto at = [&](const char* what) {
+    const std::size_t place = found.find(what);
+    EXPECT_NE(place, std::string::npos) << what;
+    return place;
+  };
+  const std::vector<std::size_t> order = {at("class=\"verdict "), at("class=\"lead-picture\""),
+                                          at("id=\"step\""), at("id=\"error\""), at("id=\"positioning\"")};
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+  at("data-drawn=\"yes\"");
+  at("Accuracy A↑");
+  EXPECT_EQ(found.find("<details class=\"fold\" aria-labelledby=\"where\""), std::string::npos);
+  const std::string nothing = shown(sound, "nothing.html");
+  for (const char* section : {"where", "candidates", "limits", "points"})
+    EXPECT_NE(nothing.find("<details class=\"fold\" aria-labelledby=\"" + std::string(section) + "\""),
+              std::string::npos)
+        << section;
 }
 
 /// Play and a drift: to predict drift from its neighbours is easier than to correct it.
@@ -112,6 +168,25 @@ TEST_F(ReportPage, HeldOutIsOneFigureInVerdictTableCardsAndLedger) {
   const Diagnosis alone = diagnoseCalibration(session, report.calibration, {});
   EXPECT_LT(alone.heldOut * 1e6, 0.8 * after);
   EXPECT_GT(alone.heldOutBefore, alone.heldOut);
+}
+
+TEST_F(ReportPage, TheHeadSaysWhenWhatAndByWhom) {
+  Session session = test::ballSession("b0", 3e-6, 0.2e-6);
+  session.epoch = 1700000000.5;
+  session.artifact.features[0].known = false;
+  ReportContents report = contents(session, "s.bag");
+  report.serial = "A-17";
+  report.operatorName = "N. N.";
+  const nlohmann::json data = nlohmann::json::parse(reportJson(report));
+  EXPECT_EQ(data["measured"], "2023-11-14T22:13:20Z");
+  EXPECT_EQ(data["serial"], "A-17");
+  EXPECT_EQ(data["operator"], "N. N.");
+  ASSERT_EQ(data["features"].size(), 1u);  // nominal beside actual
+  EXPECT_NEAR(data["features"][0]["nominal_mm"][1].get<double>(), 10.0, 1e-9);
+  EXPECT_NEAR(data["features"][0]["actual_mm"][1].get<double>(), 10.0, 0.01);
+  EXPECT_GT(data["features"][0]["std_um"][1].get<double>(), 0.0);
+  session.epoch = 1000000000.0;  // what an import without a date has
+  EXPECT_TRUE(nlohmann::json::parse(reportJson(report))["measured"].is_null());
 }
 
 TEST_F(ReportPage, LoadsNothing) {
