@@ -150,12 +150,22 @@ std::string asBars(const SensorSelection& selection, const std::vector<std::stri
                 y + 0.1 * step, std::max(1.0, (kWidth - 160) * std::max(0.0, s.information) / most),
                 0.75 * step, taken ? kAccent : "#3b82f6") +
            tooltip(sensors[static_cast<std::size_t>(s.sensor)], s.information) + "</rect>\n";
+    if (step >= 14.0)
+      out += label(kLeft + 163, y + 0.65 * step, text("%.2f", s.information), "start", "#111", 11);
   }
   if (shown.size() < selection.singles.size())
     out += label(kLeft, kTop + kHeight + 18,
                  text("and %zu more with less information", selection.singles.size() - shown.size()), "start",
                  "#666");
   return out;
+}
+
+/// 1, 2 or 5 times a power of ten: four to nine steps to `most`.
+double roundStep(double most) {
+  const double decade = std::pow(10.0, std::floor(std::log10(most / 4.0)));
+  for (const double factor : {5.0, 2.0})
+    if (factor * decade <= most / 4.0) return factor * decade;
+  return decade;
 }
 
 /// Information (left scale) and held-out error (right scale) against m.
@@ -173,18 +183,20 @@ std::string againstSize(const SensorSelection& selection, double micrometres) {
   std::string out = line(kRight, bottom, kRight + kRightWidth, bottom, "#888") +
                     line(kRight, kTop, kRight, bottom, "#1d4ed8") +
                     line(kRight + kRightWidth, kTop, kRight + kRightWidth, bottom, kAccent);
-  for (int tick = 0; tick <= 4; ++tick) {
-    const double y = bottom - kHeight * tick / 4.4;
-    out += label(kRight - 6, y + 4, text("%.2f", most * tick / 4), "end", "#1d4ed8", 11);
-    out += label(kRight + kRightWidth + 6, y + 4, text("%.3g", worst * tick / 4), "start", kAccent, 11);
-  }
+  const double left = roundStep(most), right = roundStep(worst);
+  for (int tick = 0; tick * left <= 1.1 * most; ++tick)
+    out += label(kRight - 6, bottom - kHeight * tick * left / most / 1.1 + 4, text("%g", tick * left), "end",
+                 "#1d4ed8", 11);
+  for (int tick = 0; tick * right <= 1.1 * worst; ++tick)
+    out += label(kRight + kRightWidth + 6, bottom - kHeight * tick * right / worst / 1.1 + 4,
+                 text("%g", tick * right), "start", kAccent, 11);
   for (const bool error : {false, true}) {
     std::string points;
     for (std::size_t i = 0; i < count; ++i) {
       const SensorSet& set = selection.sets[i];
       const double value =
           error ? set.heldOutRms * micrometres / worst : std::max(0.0, set.information) / most;
-      const double y = bottom - kHeight * value * 4 / 4.4;
+      const double y = bottom - kHeight * value / 1.1;
       points += text("%.1f,%.1f ", x(i), y);
       out += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x(i), y,
                   error ? kAccent : "#1d4ed8");
@@ -196,7 +208,7 @@ std::string againstSize(const SensorSelection& selection, double micrometres) {
     out += label(x(i), bottom + 18, text("%zu", i + 1) + (i == selection.recommended ? " (recommended)" : ""),
                  "middle", "#333");
   out += label(kRight, kTop - 12, "information, nat", "start", "#1d4ed8");
-  out += label(kRight + kRightWidth, kTop - 12, "held-out error, um (dashed)", "end", kAccent);
+  out += label(kRight + kRightWidth, kTop - 12, "held-out error, \u00b5m (dashed)", "end", kAccent);
   return out + label(kRight + 0.5 * kRightWidth, bottom + 38, "sensors m", "middle");
 }
 
@@ -248,9 +260,9 @@ std::string sensorsPicture(const SensorSelection& selection, const std::vector<s
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 980 470\" font-family=\"sans-serif\" "
       "role=\"img\">\n"
       "<rect width=\"980\" height=\"470\" fill=\"#fff\"/>\n";
-  out +=
-      label(kLeft, 30, "Measure " + names + text(": held-out error %.3g um", best.heldOutRms * micrometres),
-            "start", "#111", 16);
+  out += label(kLeft, 30,
+               "Measure " + names + text(": held-out error %.3g \u00b5m", best.heldOutRms * micrometres),
+               "start", "#111", 16);
   out += label(kLeft, 52,
                "Information of each sensor with " + target +
                    (positions ? text(": %.2f (pale) to %.2f nat (dark)", leastOf(selection), most) : ", nat"),

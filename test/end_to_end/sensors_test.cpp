@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <iomanip>
 #include <random>
 #include <sstream>
@@ -53,6 +54,12 @@ TEST(Sensors, PictureOfACsv) {
   EXPECT_EQ(picture.find("href"), std::string::npos);  // complete in itself
   for (const char* name : {"useful", "second", "recommended", "held-out error"})
     EXPECT_NE(picture.find(name), std::string::npos) << name;
+  EXPECT_NE(picture.find("held-out error, \u00b5m"), std::string::npos);
+  char bits[32];  // each bar has its value
+  for (const nlohmann::json& one : json["single"]) {
+    std::snprintf(bits, sizeof(bits), ">%.2f</text>", one["mutual_information_nat"].get<double>());
+    EXPECT_NE(picture.find(bits), std::string::npos) << one;
+  }
 
   std::string places = "sensor,x_mm,y_mm,z_mm\nuseful,0,0,0\nsecond,100,0,50\ncopy,10,0,0\nother,200,80,0\n";
   const std::string file = folder.write("places.csv", places + "still,0,80,50\n");
