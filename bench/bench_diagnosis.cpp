@@ -64,7 +64,7 @@ void evidence(benchmark::State& state) {
     const mm::ResidualSpace space(base().fitted);
     const mm::LinearisedRows rows =
         mm::noiseRows(space.problem(), space.used(), base().fitted.sigma, space.target(), space.basis());
-    const mm::Groups groups = mm::makeGroups(space);
+    const mm::Groups groups = mm::QuestionList::causes(space).all();
     mm::NoiseModel noise;
     noise.variance = Eigen::VectorXd::Ones(rows.rows.rows());
     const mm::Evidence all(rows.rows, groups, noise, {});
@@ -76,7 +76,7 @@ void evidence(benchmark::State& state) {
 
 void refitsByCeres(benchmark::State& state) {
   const mm::ResidualSpace space(base().fitted);
-  const mm::Groups groups = mm::makeGroups(space);
+  const mm::Groups groups = mm::QuestionList::causes(space).all();
   measure(state, byRefits, [&] {
     const mm::CalibrationResult& fitted = base().fitted;
     double least = 1e300;
