@@ -47,6 +47,7 @@ HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(searc
 
 Eigen::MatrixXd HeldOut::ownOf(const Fold& fold) const {
   const RowMatrix& base = search_.questions().rows.base;
+  if (base.cols() == 0) return Eigen::MatrixXd(std::count(fold.held.begin(), fold.held.end(), 1), 0);
   std::vector<int> held;
   RowMatrix fitted = base;
   for (std::size_t i = 0; i < fold.held.size(); ++i) {

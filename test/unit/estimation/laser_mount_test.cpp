@@ -171,7 +171,7 @@ TEST(LaserMountDoubts, WrongSignOfAJoint) {
     const int j = m.machine.findJoint(name);
     for (Observation& o : session.observations) o.position[j] = -o.position[j];
     const std::vector<std::string> doubts = fitDoubts(m.fit(session));
-    const bool named = says(doubts, std::string("likely a sign error of ") + name) ||
+    const bool named = says(doubts, std::string("probably a sign error of ") + name) ||
                        says(doubts, std::string("or as well of ") + name);
     EXPECT_TRUE(named) << name << ": " << (doubts.empty() ? "nothing" : doubts[0]);
   }
