@@ -152,7 +152,7 @@ def try_settings():
 
     def help_of(command):
         if command not in helps:
-            helps[command] = subprocess.run([MM, command, "--help"], capture_output=True, text=True).stdout
+            helps[command] = subprocess.run([MM, *command.split(), "--help"], capture_output=True, text=True).stdout
         return helps[command]
 
     wrong = []
@@ -161,11 +161,14 @@ def try_settings():
             words = shlex.split(typed.replace("…", "").replace("'", ""))
             if words[1:2] and words[1].startswith("<"):
                 continue
+            command = words[1]
+            if words[2:] and "SUBCOMMAND" in help_of(command):
+                command += " " + words[2]
             for word in words[1:]:
                 option = re.match(r"\[?(--[a-z-]+)", word)
-                if option and option.group(1) not in help_of(words[1]) + " --version":
+                if option and option.group(1) not in help_of(command) + " --version":
                     wrong.append(f"{document}: {typed}")
-            if "Usage: mm " + words[1] not in help_of(words[1]):
+            if "Usage: mm " + command not in help_of(command):
                 wrong.append(f"{document}: {typed}")
     say(not wrong, "options that the documents name exist", "; ".join(wrong))
 

@@ -11,13 +11,13 @@ class ImportedFormats : public ::testing::Test {
   /// Imports an example and fits one effect. @return its first parameter.
   nlohmann::json parameter(const std::string& file, const std::string& effects,
                            const std::string& machine = "three_axis") {
-    const Answer imported = mmRun(
-        folder_, "import examples/import/" + file + " --machine " + machine + " -o " + folder_ / "s.bag");
+    const Answer imported = mmRun(folder_, "import examples/import/" + file + " --machine " + machine +
+                                               " -o " + folder_ / "s.bag" + " --force");
     EXPECT_EQ(imported.status, 0) << imported.error;
     const std::string model =
         folder_.write("m.yaml", "machine: " + machine + "\neffects: [" + effects + "]\n");
     const Answer fitted = mmRun(folder_, "calibrate " + folder_ / "s.bag" + " --model " + model + " -o " +
-                                             folder_ / "c.yaml" + " --method least_squares --json");
+                                             folder_ / "c.yaml" + " --method least_squares --json --force");
     EXPECT_EQ(fitted.status, 0) << fitted.error;
     return fitted.json()["parameters"];
   }
@@ -31,7 +31,7 @@ TEST_F(ImportedFormats, PlayAndScaleOfAPositioningTest) {
 }
 
 TEST_F(ImportedFormats, SquarenessOfABallBar) {
-  const auto p = parameter("ball_bar_xy.csv", "{type: cross_talk, axis: x, of: y}");
+  const auto p = parameter("ball_bar_xy.csv", "{type: squareness, axis: x, of: y}");
   EXPECT_NEAR(p[0]["value"].get<double>(), 100.0, 2.0) << p;  // urad
 }
 

@@ -23,7 +23,6 @@ class Refusals : public SessionFolder {
     f.write("word.csv", "time_s,x_mm,deviation_x_um\n0,1,2\n1,two,3\n");
     f.write("column.csv", "time_s,x_mm,deviation_w_um\n0,1,2\n");
     f.write("cells.csv", "time_s,x_mm,deviation_x_um\n0,1,2,3\n");
-    f.write("notime.csv", "x_mm,deviation_x_um\n0,1\n");
     f.write("states_word.csv", "time_s,x_mm,y_mm,z_mm\n0,1,2,three\n");
     f.write("states_column.csv", "time_s,x_mm,y_mm,z_mm,b_deg\n0,1,2,3,4\n");
     f.write("broken.urdf", "<robot name=\"r\"><link name=\"workpiece\"/>");
@@ -150,7 +149,6 @@ const std::vector<Row>& rows() {
       {"import word.csv --machine three_axis -o o.bag", {"word.csv", "3", "two"}},
       {"import column.csv --machine three_axis -o o.bag", {"column.csv", "deviation_w_um"}},
       {"import cells.csv --machine three_axis -o o.bag", {"cells.csv", "2"}},
-      {"import notime.csv --machine three_axis -o o.bag", {"notime.csv", "time_s"}},
       {"import s.csv --machine lathe -o o.bag", {"lathe"}},
       {"import s.csv --machine broken.urdf -o o.bag", {"broken.urdf"}},
       {"import s.csv --machine linkless.urdf -o o.bag", {"linkless.urdf", "probe_tip"}},

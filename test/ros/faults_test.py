@@ -118,7 +118,7 @@ class Faults(unittest.TestCase):
         self.use(lagging)
         self.joints.send()
         stamp = self.joints.send(ahead=-3000.0, velocity=(0.0, 0.0, 0.0))
-        self.expect_nothing(stamp, "direction of travel of x is not known (the model has an error that depends on it); move x, either way")
+        self.expect_nothing(stamp, "direction of travel of x is not known (the model has an error that depends on it); move x, in either direction")
         stamp = self.joints.send()
         self.assertTrue(support.wait_until(lambda: stamp in self.frames.of(CORRECTED)))
 
