@@ -46,7 +46,10 @@ TEST(Sensors, PictureOfACsv) {
   EXPECT_NE(answer.error.find("'still' does not vary"), std::string::npos) << answer.error;
   const nlohmann::json json = answer.json();
   ASSERT_EQ(json["recommended"].size(), 2u);
-  EXPECT_EQ(json["recommended"][1], "second");
+  const std::string one = json["recommended"][0], two = json["recommended"][1];
+  EXPECT_TRUE(one == "second" || two == "second") << json["recommended"];
+  // useful and copy know the same of it
+  EXPECT_TRUE(one == "useful" || two == "useful" || one == "copy" || two == "copy") << json["recommended"];
   ASSERT_FALSE(json["equivalent"].empty());  // useful and copy drift together
   const std::string picture = textOf(folder / "bars.svg");
   EXPECT_EQ(picture.compare(0, 4, "<svg"), 0);

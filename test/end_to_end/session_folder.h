@@ -96,7 +96,9 @@ class SessionFolder : public ::testing::Test {
     EXPECT_EQ(std::count(answer.error.begin(), answer.error.end(), '\n'), 1) << answer.error;
     EXPECT_EQ(answer.error.rfind("mm: error: ", 0), 0u) << answer.error;
     // of a file that it refuses an import shows what it understood
-    if (arguments.rfind("import ", 0) != 0) EXPECT_EQ(answer.out, "");
+    if (arguments.rfind("import ", 0) != 0) {
+      EXPECT_EQ(answer.out, "");
+    }
     for (const std::string& word : words)
       EXPECT_NE(answer.error.find(word), std::string::npos) << word << " in: " << answer.error;
     const auto after = files();
