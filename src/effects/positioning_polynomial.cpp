@@ -21,7 +21,10 @@ class PositioningPolynomial : public CatalogueEffect {
 
   std::vector<std::string> shapeKeys() const override { return {"degree"}; }
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
-    return otherValues(spec(), "degree", degree_, 2, 5);
+    std::vector<ShapeFreedom> all = otherValues(spec(), "degree", degree_, 2, 5);
+    // a lead that changes is rarely right on average
+    all.push_back({EffectSpec("scale").set("axis", name_)});
+    return all;
   }
   std::vector<int> mustMove() const override { return {axis_}; }
 
