@@ -7,11 +7,10 @@
 
 #include "base/error.h"
 #include "effects/inputs.h"
+#include "session/session.h"
 
 namespace mm {
 namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation) {
   const Eigen::AngleAxisd turn(rotation);
@@ -82,11 +81,11 @@ State Compensator::blankState() const {
   const Domain& d = model_.domain();
   State state;
   state.position.assign(d.joints.size(), 0.0);
-  state.velocity.assign(d.joints.size(), kUnknown);
+  state.velocity.assign(d.joints.size(), kNotMeasured);
   state.travel.assign(d.joints.size(), 0.0);
-  state.temperature.assign(d.sensors.size(), kUnknown);
-  state.covariate.assign(d.covariates.size(), kUnknown);
-  state.laserReading = kUnknown;
+  state.temperature.assign(d.sensors.size(), kNotMeasured);
+  state.covariate.assign(d.covariates.size(), kNotMeasured);
+  state.laserReading = kNotMeasured;
   return state;
 }
 
@@ -117,7 +116,7 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
     throw InputError("a state must have the joints, sensors and covariates of calibration '" + id_ + "'");
   c.tooOld = !timed_.empty() && (state.time > d.duration || state.time < 0.0);
   const Part& part = c.tooOld ? timeless_ : all_;
-  const double beam = d.laser ? state.laserReading : kUnknown;
+  const double beam = d.laser ? state.laserReading : kNotMeasured;
   c.nominal = model_.machine().nominal(state.position.data(), beam);
   c.corrected = part.model->corrected(state, part.parameters.data(), work.model,
                                       options_.sigma ? &work.byParameter : nullptr);

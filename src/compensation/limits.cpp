@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "base/units.h"
+#include "session/session.h"
 
 namespace mm {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kReadingSlack = 1e-6;  // m or rad: a joint that stood still may stand there again
 
 /// Answers for a probe of the model: one sensor without history, the others at a plausible temperature.
@@ -63,7 +63,7 @@ CalibratedLimits::CalibratedLimits(const Model& model, const double* parameters,
 void CalibratedLimits::findUsed(const Model& model, const double* parameters) {
   const Domain& d = model.domain();
   State complete;
-  complete.laserReading = d.laser ? 0.0 : kUnknown;
+  complete.laserReading = d.laser ? 0.0 : kNotMeasured;
   for (std::size_t j = 0; j < d.joints.size(); ++j)
     complete.position.push_back(middle(d.lower[j], d.upper[j]));
   complete.velocity.assign(d.joints.size(), 0.0);
@@ -83,12 +83,12 @@ void CalibratedLimits::findUsed(const Model& model, const double* parameters) {
   };
   State state = complete;
   for (std::size_t s = 0; s < d.sensors.size(); ++s) {
-    state.temperature[s] = kUnknown;
+    state.temperature[s] = kNotMeasured;
     sensors_[s].used = !answers(state, true);
     state = complete;
   }
   for (std::size_t c = 0; c < d.covariates.size(); ++c) {
-    state.covariate[c] = kUnknown;
+    state.covariate[c] = kNotMeasured;
     covariates_[c].used = !answers(state, true);
     state = complete;
   }
@@ -96,14 +96,14 @@ void CalibratedLimits::findUsed(const Model& model, const double* parameters) {
     state.travel[j] = 0.0;
     usesTravel_.push_back(!answers(state, true));
     state = complete;
-    state.velocity[j] = kUnknown;
+    state.velocity[j] = kNotMeasured;
     usesVelocity_.push_back(!answers(state, true));
     state = complete;
   }
   state.approach.setZero();
   usesApproach_ = !answers(state, true);
   state = complete;
-  state.time = kUnknown;
+  state.time = kNotMeasured;
   usesTime_ = !answers(state, true);
   usesHistory_ = !answers(complete, false);
 }

@@ -26,7 +26,7 @@ struct Candidate {
 };
 
 /// Puts the nominal probe on `target` by the linear joints; false when out of their limits.
-bool reach(const Machine& machine, const Eigen::Vector3d& target, double laser, std::vector<double>& q) {
+bool reachable(const Machine& machine, const Eigen::Vector3d& target, double laser, std::vector<double>& q) {
   std::vector<int> linear;
   for (int j = 0; j < machine.jointCount(); ++j)
     if (machine.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
@@ -100,7 +100,7 @@ std::vector<Candidate> candidatesOf(const Problem& problem, const Eigen::VectorX
           at.position = angles;
           at.laserReading = reading;
           at.approach = std::isfinite(reading) ? Eigen::Vector3d(probe.col(2)) : towards;
-          feasible = reach(machine, centre - distance * towards, reading, at.position);
+          feasible = reachable(machine, centre - distance * towards, reading, at.position);
           if (i == 0) c.posture = {feature.name, at.position, reading};
           c.contacts.push_back(std::move(at));
         }

@@ -69,9 +69,9 @@ struct Test {
 
 /// What is asked: a residual and what may absorb a part of it, of all rows or, of a long session, of some:
 /// with all of them even what does not matter would be significant, and each test would take its time.
-class Questions {
+class ShareTest {
  public:
-  Questions(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found, int most)
+  ShareTest(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found, int most)
       : rows_(space.rows()) {
     Eigen::MatrixXd all(space.length(), space.basis().cols() + found.cols());
     all << space.basis(), found;
@@ -197,7 +197,7 @@ std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const 
                                               const Eigen::MatrixXd& found) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
-  const Questions questions(space, left, found, space.rows());
+  const ShareTest questions(space, left, found, space.rows());
   std::vector<WhereItFails> out;
   for (const Variable& v : variables) {
     // about their means: a constant in some direction is no variable's, and none shall seem to explain it

@@ -7,7 +7,7 @@
 namespace mm {
 namespace {
 
-constexpr int kHighest = 5;
+constexpr int kHighestDegree = 5;
 
 class AngularMotion : public CatalogueEffect {
  public:
@@ -16,7 +16,7 @@ class AngularMotion : public CatalogueEffect {
         axis_(read.joint("axis")),
         scaled_(read.domain(), axis_),
         about_(read.axisOf("about")) {
-    degree_ = read.integer("degree", 1, kHighest, 1);
+    degree_ = read.integer("degree", 1, kHighestDegree, 1);
     name_ = read.canonical().text("axis");
     parameters_ = {parameter("angle", kUnitArcsecond, kArcsecond, 0.02)};
   }
@@ -27,7 +27,7 @@ class AngularMotion : public CatalogueEffect {
 
   std::vector<std::string> shapeKeys() const override { return {"degree"}; }
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
-    return otherValues(spec(), "degree", degree_, 1, kHighest, 1);
+    return otherValues(spec(), "degree", degree_, 1, kHighestDegree, 1);
   }
   std::vector<int> mustMove() const override { return {axis_}; }
 
@@ -59,7 +59,7 @@ EffectType angularMotionType() {
     std::vector<EffectSpec> specs;
     for (const std::string& joint : jointNames(domain, JointKind::kLinear))
       for (int about = 0; about < 3; ++about)
-        for (int degree = 1; degree <= kHighest; ++degree) {
+        for (int degree = 1; degree <= kHighestDegree; ++degree) {
           specs.push_back(EffectSpec("angular_motion").set("axis", joint).set("about", axisName(about)));
           if (degree > 1) specs.back().set("degree", degree);
         }

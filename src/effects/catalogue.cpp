@@ -107,9 +107,9 @@ EffectSpec with(EffectSpec spec, const std::string& key, const EffectSpec::Value
 }
 
 /// Makes one effect of a type, finding out by trial which keys it cannot do without.
-class Trial {
+class Example {
  public:
-  Trial(const EffectType& type, const Domain& domain, JointKind preferred)
+  Example(const EffectType& type, const Domain& domain, JointKind preferred)
       : type_(type), domain_(domain), preferred_(preferred) {
     find(EffectSpec(type.type));
     if (effect) askForTheRest();
@@ -194,7 +194,7 @@ class Trial {
   int trials_ = 0;
 };
 
-std::vector<CatalogueKey> keysOf(const EffectType& type, const Trial& linear, const Trial* rotary) {
+std::vector<CatalogueKey> keysOf(const EffectType& type, const Example& linear, const Example* rotary) {
   std::vector<CatalogueKey> keys;
   for (const std::string& name : type.keys) {
     CatalogueKey key;
@@ -204,14 +204,14 @@ std::vector<CatalogueKey> keysOf(const EffectType& type, const Trial& linear, co
     if (key.known) key.use = at[0] != nullptr ? *at[0] : *at[1];
     if (rotary != nullptr && key.known && (at[0] == nullptr) != (at[1] == nullptr))
       key.onlyAt = at[0] != nullptr ? "linear" : "rotary";
-    const Trial& where = at[0] != nullptr || rotary == nullptr ? linear : *rotary;
+    const Example& where = at[0] != nullptr || rotary == nullptr ? linear : *rotary;
     key.required = where.spec.find(name) != nullptr;
     keys.push_back(key);
   }
   return keys;
 }
 
-std::vector<CatalogueParameter> parametersOf(const Trial& linear, const Trial* rotary) {
+std::vector<CatalogueParameter> parametersOf(const Example& linear, const Example* rotary) {
   std::vector<CatalogueParameter> list;
   for (const Parameter& p : linear.effect->parameters()) list.push_back({p.name, p.unit, {}});
   if (rotary == nullptr) return list;
@@ -244,7 +244,7 @@ CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
   CatalogueEntry entry;
   entry.type = type.type;
   entry.composite = type.composite;
-  const Trial linear(type, domain, JointKind::kLinear);
+  const Example linear(type, domain, JointKind::kLinear);
   if (!linear.effect) {
     for (const std::string& key : type.keys) {
       CatalogueKey unknown;
@@ -254,9 +254,9 @@ CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
     }
     return entry;
   }
-  const Trial atRotary(type, domain, JointKind::kRotary);
+  const Example atRotary(type, domain, JointKind::kRotary);
   const bool both = linear.atPreferred() && atRotary.effect && atRotary.atPreferred();
-  const Trial* rotary = both ? &atRotary : nullptr;
+  const Example* rotary = both ? &atRotary : nullptr;
   entry.example = linear.spec.yaml();
   entry.keys = keysOf(type, linear, rotary);
   entry.parameters = parametersOf(linear, rotary);

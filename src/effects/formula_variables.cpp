@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "base/unit_random.h"
 #include "base/units.h"
 
 namespace mm {
@@ -95,8 +96,7 @@ double FormulaVariables::sample(int index, std::mt19937_64& random) const {
   const Variable& v = variables_[index];
   const double range = v.upper - v.lower;
   const double margin = range > 0.0 ? 0.02 * range : 1e-3;
-  const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;  // the same numbers with every library
-  return (v.lower - margin + (range + 2.0 * margin) * unit) * v.factor;
+  return (v.lower - margin + (range + 2.0 * margin) * unitRandom(random)) * v.factor;
 }
 
 }  // namespace mm

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/unit_random.h"
 #include "base/units.h"
 
 namespace mm {
@@ -129,7 +130,7 @@ class Trial {
     return list;
   }
 
-  double unit() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+  double unit() { return unitRandom(random_); }
   double within(double lower, double upper) { return lower + (upper - lower) * unit(); }
   /// Within a range of the domain; what was not observed or never changed gets a plausible width.
   double drawn(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t i, double low,

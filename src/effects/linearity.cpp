@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/unit_random.h"
+
 namespace mm {
 namespace {
 
@@ -79,8 +81,7 @@ class Trials {
   /// Either sign, six decades around the start.
   double unknown(std::size_t i, std::mt19937_64& random) const {
     const double middle = i < start_.size() && start_[i] != 0.0 ? std::abs(start_[i]) : 1.0;
-    const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
-    return middle * std::pow(10.0, 6.0 * unit - 3.0) * ((random() >> 40) % 2 == 0 ? 1.0 : -1.0);
+    return middle * std::pow(10.0, 6.0 * unitRandom(random) - 3.0) * ((random() >> 40) % 2 == 0 ? 1.0 : -1.0);
   }
 
   const Expression& expression_;

@@ -37,6 +37,8 @@ struct RadialDirections {
   std::array<std::string, 2> names{"u", "w"};
 };
 
+constexpr int kHighestHarmonic = 16;  // of a turn
+
 /// The other harmonics of a bearing: no race is exactly round or exactly an ellipse, and no wave is a pure
 /// sine.
 inline std::vector<ShapeFreedom> otherHarmonics(const EffectSpec& spec, int harmonic, int highest) {

@@ -9,15 +9,13 @@
 namespace mm {
 namespace {
 
-constexpr int kHighest = 16;
-
 class RotaryEccentricity : public CatalogueEffect {
  public:
   explicit RotaryEccentricity(SpecReader& read)
       : CatalogueEffect(read, Stage::kJoint),
         joint_(read.joint("joint", JointKind::kRotary)),
         radial_(read, joint_) {
-    harmonic_ = read.integer("harmonic", 1, kHighest);
+    harmonic_ = read.integer("harmonic", 1, kHighestHarmonic);
     name_ = read.domain().joints[joint_].name;
     turn_ = harmonic_ == 1 ? "turn" : "1/" + std::to_string(harmonic_) + " turn";
     for (const std::string& direction : radial_.names)
@@ -43,7 +41,7 @@ class RotaryEccentricity : public CatalogueEffect {
 
   std::vector<std::string> shapeKeys() const override { return {"harmonic"}; }
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
-    return otherHarmonics(spec(), harmonic_, kHighest);
+    return otherHarmonics(spec(), harmonic_, kHighestHarmonic);
   }
   std::vector<int> mustMove() const override { return {joint_}; }
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "effects/catalogue_effect.h"
 #include "effects/key_recorder.h"
 
 namespace mm {
@@ -18,13 +19,6 @@ std::string shortest(double value) {
 
 const std::vector<std::string>& workpieceAxes() {
   static const std::vector<std::string> names{"x", "y", "z"};
-  return names;
-}
-
-std::vector<std::string> jointNames(const Domain& domain, std::optional<JointKind> kind = {}) {
-  std::vector<std::string> names;
-  for (const Joint& joint : domain.joints)
-    if (!kind || joint.kind == *kind) names.push_back(joint.name);
   return names;
 }
 

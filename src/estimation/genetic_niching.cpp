@@ -9,7 +9,7 @@
 namespace mm {
 namespace {
 
-constexpr const char* kName = "niching";
+constexpr const char* kNiching = "niching";
 
 /// Number of ranked chromosomes whose fitness 1 / (1 + cost) is above the mean; at least the best.
 std::size_t aboveMean(const GeneticRun& run) {
@@ -34,20 +34,20 @@ double separation(const double* a, const double* b, const GeneticRanges& ranges)
 }  // namespace
 
 void NichingSettings::validate() const {
-  checkSettings(kName, *this);
-  checkSetting(kName, "crossover", crossover, 0.0, 1.0);
-  checkSetting(kName, "mutation", mutation, 0.0, 1.0);
-  checkSetting(kName, "precision", precision, 1e-15, 0.1);
-  checkSetting(kName, "threshold", threshold, 0.0, 1.0);
-  checkSetting(kName, "reach", reach, 1e-15, 1.0);
-  checkSetting(kName, "blend", blend, 0.0, 1.0);
+  checkSettings(kNiching, *this);
+  checkSetting(kNiching, "crossover", crossover, 0.0, 1.0);
+  checkSetting(kNiching, "mutation", mutation, 0.0, 1.0);
+  checkSetting(kNiching, "precision", precision, 1e-15, 0.1);
+  checkSetting(kNiching, "threshold", threshold, 0.0, 1.0);
+  checkSetting(kNiching, "reach", reach, 1e-15, 1.0);
+  checkSetting(kNiching, "blend", blend, 0.0, 1.0);
 }
 
 Niching::Niching(NichingSettings settings) : settings_(std::move(settings)) { settings_.validate(); }
 
 GeneticResult Niching::run(GeneticFitness& fitness, const GeneticRanges& ranges,
                            const GeneticControl& control) const {
-  GeneticRun run(kName, fitness, ranges, settings_, control);
+  GeneticRun run(kNiching, fitness, ranges, settings_, control);
   const std::size_t n = run.dimension(), population = run.population();
   const double nearest = settings_.threshold * settings_.threshold;
   std::vector<double> pool(population * n);

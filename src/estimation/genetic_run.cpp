@@ -12,9 +12,9 @@ namespace {
 
 /// Chromosomes that one thread takes at a time: enough to use a contact's data often while it is in the
 /// cache, few enough to keep the threads equally busy. Part of no result.
-constexpr std::size_t kBlock = 64;
+constexpr std::size_t kIndividualsABlock = 64;
 
-std::size_t blocksOf(std::size_t count) { return (count + kBlock - 1) / kBlock; }
+std::size_t blocksOf(std::size_t count) { return (count + kIndividualsABlock - 1) / kIndividualsABlock; }
 
 }  // namespace
 
@@ -80,8 +80,8 @@ void GeneticRun::fillFirst() {
 void GeneticRun::evaluate() {
   const std::size_t count = population();
   threads_.run(blocksOf(count), [&](std::size_t block) {
-    const std::size_t first = block * kBlock;
-    fitness_.evaluate(current_.data() + first * dimension_, std::min(kBlock, count - first),
+    const std::size_t first = block * kIndividualsABlock;
+    fitness_.evaluate(current_.data() + first * dimension_, std::min(kIndividualsABlock, count - first),
                       costs_.data() + first);
   });
   result_.evaluations += count;

@@ -10,7 +10,7 @@
 namespace mm {
 namespace {
 
-constexpr const char* kName = "staged_mutation";
+constexpr const char* kStagedMutation = "staged_mutation";
 
 /// A gene that leaves its range is reflected at the bound; what is still outside takes the bound itself.
 double within(double value, double low, double high) {
@@ -48,16 +48,16 @@ Axes axesOf(const GeneticFitness& fitness, const GeneticRanges& ranges, Mutation
 }  // namespace
 
 void StagedMutationSettings::validate() const {
-  checkSettings(kName, *this);
-  checkSetting(kName, "father_share", fatherShare, 1e-6, 1.0);
-  checkSetting(kName, "survivor_share", survivorShare, 0.0, fatherShare);
-  checkSetting(kName, "gene_share", geneShare, 0.0, 1.0);
-  checkSetting(kName, "reach", reach, 1e-12, 1.0);
+  checkSettings(kStagedMutation, *this);
+  checkSetting(kStagedMutation, "father_share", fatherShare, 1e-6, 1.0);
+  checkSetting(kStagedMutation, "survivor_share", survivorShare, 0.0, fatherShare);
+  checkSetting(kStagedMutation, "gene_share", geneShare, 0.0, 1.0);
+  checkSetting(kStagedMutation, "reach", reach, 1e-12, 1.0);
   if (stages.empty()) throw InputError("staged_mutation: stages is empty; give at least one stage");
   std::size_t last = 0;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const std::string name = "stages[" + std::to_string(i) + "]";
-    checkSetting(kName, (name + ".fraction").c_str(), stages[i].fraction, 0.0, 2.0);
+    checkSetting(kStagedMutation, (name + ".fraction").c_str(), stages[i].fraction, 0.0, 2.0);
     if (stages[i].lastGeneration <= last)
       throw InputError("staged_mutation: " + name +
                        ".last_generation = " + std::to_string(stages[i].lastGeneration) + " is not above " +
@@ -78,7 +78,7 @@ double StagedMutation::fractionOf(std::size_t generation) const {
 
 GeneticResult StagedMutation::run(GeneticFitness& fitness, const GeneticRanges& ranges,
                                   const GeneticControl& control) const {
-  GeneticRun run(kName, fitness, ranges, settings_, control);
+  GeneticRun run(kStagedMutation, fitness, ranges, settings_, control);
   const std::size_t n = run.dimension();
   const Axes axes = axesOf(fitness, ranges, settings_.axes);
   const std::size_t axisCount = axes.most.size();

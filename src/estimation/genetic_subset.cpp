@@ -14,7 +14,7 @@ namespace mm {
 namespace {
 
 using Subset = std::vector<std::size_t>;
-constexpr const char* kName = "subset";
+constexpr const char* kSubset = "subset";
 
 /// Number of subsets, or `most` + 1 when there are more.
 std::size_t countSubsets(std::size_t items, std::size_t choose, std::size_t most) {
@@ -149,17 +149,17 @@ void evolve(std::size_t items, std::size_t choose, Scorer& score, const SubsetSe
 }  // namespace
 
 void SubsetSettings::validate() const {
-  checkSetting(kName, "population", static_cast<double>(population), 2, 1e6);
-  checkSetting(kName, "generations", static_cast<double>(generations), 0, 1e7);
-  checkSetting(kName, "parent_share", parentShare, 1e-6, 1.0);
-  checkSetting(kName, "mutation", mutation, 0.0, 1.0);
-  checkSetting(kName, "enumerate_up_to", static_cast<double>(enumerateUpTo), 0, 1e9);
+  checkSetting(kSubset, "population", static_cast<double>(population), 2, 1e6);
+  checkSetting(kSubset, "generations", static_cast<double>(generations), 0, 1e7);
+  checkSetting(kSubset, "parent_share", parentShare, 1e-6, 1.0);
+  checkSetting(kSubset, "mutation", mutation, 0.0, 1.0);
+  checkSetting(kSubset, "enumerate_up_to", static_cast<double>(enumerateUpTo), 0, 1e9);
 }
 
 SubsetResult bestSubset(std::size_t items, std::size_t choose, const SubsetScore& score,
                         const SubsetSettings& settings, const GeneticControl& control) {
   settings.validate();
-  checkSetting(kName, "number of items to choose", static_cast<double>(choose), 1,
+  checkSetting(kSubset, "number of items to choose", static_cast<double>(choose), 1,
                static_cast<double>(items));
   SubsetResult result;
   result.seed = settings.seed;

@@ -13,7 +13,7 @@ constexpr int kLanes = 4, kAcross = 3 * kLanes;  // columns of b in a tile
 constexpr int kDown = 4;                         // columns of a in a tile
 constexpr int kRows = 256;                       // at a time: both panels stay in the first cache
 
-typedef double Lanes
+typedef double FourLanes
     __attribute__((vector_size(kLanes * sizeof(double)), aligned(alignof(double)), may_alias));
 
 /// Panels of `width` columns each, row after row; the last is filled up with zeros.
@@ -36,12 +36,12 @@ std::vector<double> packed(const Eigen::Ref<const RowMatrix>& m, Eigen::Index fi
 
 /// One tile: kDown x kAcross sums over the rows of two panels.
 __attribute__((always_inline)) inline void addTile(const double* a, const double* b, int rows, double* out) {
-  Lanes sum[kDown][3] = {};
+  FourLanes sum[kDown][3] = {};
   for (int i = 0; i < rows; ++i, a += kDown, b += kAcross) {
-    const Lanes* right = reinterpret_cast<const Lanes*>(b);
+    const FourLanes* right = reinterpret_cast<const FourLanes*>(b);
 #pragma GCC unroll 4
     for (int k = 0; k < kDown; ++k) {
-      const Lanes left = {a[k], a[k], a[k], a[k]};
+      const FourLanes left = {a[k], a[k], a[k], a[k]};
 #pragma GCC unroll 3
       for (int l = 0; l < 3; ++l) sum[k][l] += left * right[l];
     }
@@ -49,7 +49,7 @@ __attribute__((always_inline)) inline void addTile(const double* a, const double
 #pragma GCC unroll 4
   for (int k = 0; k < kDown; ++k)
 #pragma GCC unroll 3
-    for (int l = 0; l < 3; ++l) reinterpret_cast<Lanes*>(out + k * kAcross)[l] = sum[k][l];
+    for (int l = 0; l < 3; ++l) reinterpret_cast<FourLanes*>(out + k * kAcross)[l] = sum[k][l];
 }
 
 #if defined(__x86_64__)

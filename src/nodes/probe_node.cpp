@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNear = 2e-3;  // m between a contact and the surface of the ball that it belongs to
 
-ProbeDebounce::Settings settingsFrom(const ros::NodeHandle& own) {
+ProbeDebounce::Settings debounceFrom(const ros::NodeHandle& own) {
   ProbeDebounce::Settings settings;
   settings.settle = numberParameter(own, "settle", settings.settle, 0.0, 1.0);
   settings.longest = numberParameter(own, "longest", settings.longest, settings.settle, 10.0);
@@ -24,7 +24,7 @@ ProbeDebounce::Settings settingsFrom(const ros::NodeHandle& own) {
 
 ProbeNode::ProbeNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
     : machine_(machine),
-      debounce_(settingsFrom(own)),
+      debounce_(debounceFrom(own)),
       silentMoves_(static_cast<int>(numberParameter(own, "silent_moves", 3, 1, 1000))),
       updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(own, {"settle", "longest", "stuck", "silent_moves"});

@@ -8,16 +8,13 @@
 #include "report/found_features.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
+#include "report/text_parts.h"
 #include "thermal/thermal_network.h"
 
 namespace mm {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-bool angularOnly(const CalibrationResult& r) {
-  return !std::isfinite(r.figures.rms) && std::isfinite(r.figures.rmsAngular);
-}
 
 Json geneticJson(const GeneticSummary& g, bool angular) {
   Json object;

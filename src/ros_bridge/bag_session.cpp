@@ -14,9 +14,6 @@
 namespace mm {
 namespace {
 
-const std::string kTemperature = "/temperature/";
-const std::string kCovariate = "/covariate/";
-
 bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
 
 /// The file under a temporary name; removed unless it was put in place.
@@ -51,8 +48,8 @@ class SessionWriter {
   SessionWriter(const Session& session, const std::vector<MotionSample>& motion, BagWriter& bag)
       : session_(session), motion_(motion), bag_(bag), epoch_(std::llround(session.epoch * 1e9)) {
     if (epoch_ <= 0) epoch_ = 1000000000LL * 1000000000LL;  // a simulated or hand-made session has no date
-    for (const Series& s : session.temperatures) series_.push_back({&s, kTemperature + s.name});
-    for (const Series& s : session.covariates) series_.push_back({&s, kCovariate + s.name});
+    for (const Series& s : session.temperatures) series_.push_back({&s, kTemperatureTopics + s.name});
+    for (const Series& s : session.covariates) series_.push_back({&s, kCovariateTopics + s.name});
   }
 
   void write(const ProgressCallback& progress) {
@@ -95,7 +92,7 @@ class SessionWriter {
       for (; c.next < c.series->time.size() && c.series->time[c.next] <= time; ++c.next) {
         const ros::Time at = stamp(c.series->time[c.next]);
         const double value = c.series->value[c.next];
-        if (startsWith(c.topic, kTemperature)) {
+        if (startsWith(c.topic, kTemperatureTopics)) {
           sensor_msgs::Temperature message;
           message.header.stamp = at;
           message.header.frame_id = c.series->name;

@@ -9,6 +9,9 @@
 
 namespace mm {
 
+/// What the topics of a bag's series begin with.
+inline const std::string kTemperatureTopics = "/temperature/", kCovariateTopics = "/covariate/";
+
 /// Which of several machines in one bag: the namespace that its topics stand in ("" or "/": none).
 struct BagNamespace {
   std::string name;

@@ -15,8 +15,6 @@
 namespace mm {
 namespace {
 
-const std::string kTemperature = "/temperature/", kCovariate = "/covariate/";
-
 /// One message of a bag as `Message`. @throw InputError when the topic holds another type.
 template <typename Message>
 Message decode(const BagMessage& raw, const std::string& source) {
@@ -62,7 +60,7 @@ SessionTopic splitTopic(const std::string& full) {
     if (full.size() >= end.size() && full.compare(full.size() - end.size(), end.size(), end) == 0)
       return {full.substr(0, full.size() - end.size()), end};
   }
-  for (const std::string& start : {kTemperature, kCovariate}) {
+  for (const std::string& start : {kTemperatureTopics, kCovariateTopics}) {
     const std::size_t at = full.find(start);
     if (at != std::string::npos && at + start.size() < full.size())
       return {full.substr(0, at), full.substr(at)};
@@ -135,8 +133,8 @@ class NamespacedSessions {
       session.addRobotDescription(decode<std_msgs::String>(raw, source_).data);
     else if (topic == "/imported_from")
       session.addImportedFrom(decode<std_msgs::String>(raw, source_).data);
-    else if (topic.rfind(kTemperature, 0) == 0)
-      session.addTemperature(topic.substr(kTemperature.size()),
+    else if (topic.rfind(kTemperatureTopics, 0) == 0)
+      session.addTemperature(topic.substr(kTemperatureTopics.size()),
                              decode<sensor_msgs::Temperature>(raw, source_));
     else
       session.addCovariate(decode<measuring_machine::Covariate>(raw, source_));

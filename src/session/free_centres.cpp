@@ -7,7 +7,7 @@ namespace mm {
 namespace {
 
 /// |p|^2 = 2 c.p + d is linear in the centre c; about the mean of the points, so that nothing cancels.
-Eigen::Vector3d sphereCentre(const std::vector<Eigen::Vector3d>& points) {
+Eigen::Vector3d ofAnyRadius(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& p : points) mean += p / static_cast<double>(points.size());
   Eigen::MatrixXd a(points.size(), 4);
@@ -39,7 +39,7 @@ void startFreeFeatures(Session& session) {
     feature.position.setZero();
     if (tips.empty()) continue;
     if (feature.kind == FeatureKind::kBall) {
-      feature.position = sphereCentre(tips);
+      feature.position = ofAnyRadius(tips);
       continue;
     }
     for (const auto& tip : tips) feature.position += tip / static_cast<double>(tips.size());

@@ -7,7 +7,7 @@
 namespace mm {
 namespace {
 
-constexpr std::int64_t kSecond = 1000000000;
+constexpr std::int64_t kNanoseconds = 1000000000;  // of a second
 
 class Scanner {
  public:
@@ -36,7 +36,7 @@ class Scanner {
     ns = 0;
     if (peek() != '.' && peek() != ',') return true;
     ++at_;
-    std::int64_t digit = kSecond / 10;
+    std::int64_t digit = kNanoseconds / 10;
     bool any = false;
     for (; std::isdigit(static_cast<unsigned char>(peek())) != 0; digit /= 10, any = true)
       ns += digit * (text_[at_++] - '0');
@@ -77,7 +77,7 @@ bool clock(Scanner& s, std::int64_t& ns) {
   if ((am || pm) && (hour < 1 || hour > 12)) return false;
   if (am || pm) hour = hour % 12 + (pm ? 12 : 0);
   if (hour > 23 || minute > 59 || second > 60) return false;  // 60: a leap second
-  ns = ((hour * 60LL + minute) * 60 + second) * kSecond + part;
+  ns = ((hour * 60LL + minute) * 60 + second) * kNanoseconds + part;
   return true;
 }
 
@@ -91,7 +91,7 @@ bool zone(Scanner& s, std::int64_t& ns) {
     minutes = hours % 100, hours /= 100;
   else if (hours > 23 || (s.take(':') && !s.number(2, 2, minutes)))
     return false;
-  ns = sign * (hours * 60LL + minutes) * 60 * kSecond;
+  ns = sign * (hours * 60LL + minutes) * 60 * kNanoseconds;
   return true;
 }
 
@@ -105,7 +105,7 @@ std::optional<std::int64_t> afterDay(Scanner& s, std::int64_t days) {
     s.blanks();
   }
   if (!s.end()) return std::nullopt;
-  return days * 86400 * kSecond + ns - off;
+  return days * 86400 * kNanoseconds + ns - off;
 }
 
 }  // namespace

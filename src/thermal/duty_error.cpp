@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/unit_random.h"
 
 namespace mm {
 namespace {
@@ -16,8 +17,6 @@ constexpr int kDuties = 60;
 constexpr double kStopped = 0.25;                    // share of the steps of a duty
 constexpr double kShortest = 0.04, kLongest = 0.25;  // a step, of the series
 constexpr double kWhite = 3.09;                      // normal quantile, 0.1 %
-
-double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 
 /// Von Neumann's ratio of the mean square successive difference to the variance: 2 for white noise, less the
 /// slower a course is.
@@ -35,11 +34,12 @@ Eigen::MatrixXd onDuty(const Eigen::MatrixXd& courses, std::mt19937_64& random) 
   Eigen::MatrixXd result = courses.row(0).replicate(n, 1);
   double power = 0.0;
   for (double begin = 0.0; begin < static_cast<double>(n);) {
-    const double next = uniform(random) < kStopped ? 0.0 : uniform(random);
+    const double next = unitRandom(random) < kStopped ? 0.0 : unitRandom(random);
     const auto at = static_cast<Eigen::Index>(begin);
     result.bottomRows(n - at) += (next - power) * change.topRows(n - at);
     power = next;
-    begin += std::max(1.0, (kShortest + (kLongest - kShortest) * uniform(random)) * static_cast<double>(n));
+    begin +=
+        std::max(1.0, (kShortest + (kLongest - kShortest) * unitRandom(random)) * static_cast<double>(n));
   }
   return result;
 }

@@ -8,8 +8,6 @@
 namespace mm {
 namespace {
 
-bool varies(const Eigen::VectorXd& v) { return v.maxCoeff() > v.minCoeff(); }
-
 Eigen::VectorXd scaled(const Eigen::VectorXd& v) {
   return (v.array() - v.minCoeff()) / (v.maxCoeff() - v.minCoeff());
 }

@@ -3,6 +3,9 @@
 
 namespace mm {
 
+/// Whether a series is anything but one value.
+inline bool varies(const Eigen::VectorXd& series) { return series.maxCoeff() > series.minCoeff(); }
+
 /// Grey relational grade of every input with the outputs, as DFNN chooses its temperatures: each series is
 /// scaled to 0 … 1, Delta_i(k) = |x_0(k) - x_i(k)|, xi_i(k) = (Delta_min + rho Delta_max) / (Delta_i(k) + rho
 /// Delta_max), with the extremes over all inputs and samples; the grade is the mean over k, and over the

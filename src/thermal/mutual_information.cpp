@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/unit_random.h"
 
 namespace mm {
 namespace {
@@ -29,9 +30,6 @@ std::vector<int> binned(const Eigen::VectorXd& v, double low, double high, int b
           std::clamp(static_cast<int>((v(i) - low) / (high - low) * bins), 0, bins - 1);
   return result;
 }
-
-/// Independent of the standard library's distributions, so that a seed gives the same numbers everywhere.
-double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 
 /// Sum over cells of count * log(count), and how many cells are occupied. Sorts its argument.
 std::pair<double, int> cellSum(std::vector<std::uint64_t>& keys) {
@@ -80,9 +78,9 @@ SensorInformation::SensorInformation(const Eigen::MatrixXd& temperatures, const 
   if (settings.estimator == InformationEstimator::kKsg) {
     jittered_ = temperatures_;
     for (Eigen::Index s = 0; s < jittered_.cols(); ++s)
-      for (Eigen::Index i = 0; i < n; ++i) jittered_(i, s) += 1e-10 * (uniform(random) - 0.5);
+      for (Eigen::Index i = 0; i < n; ++i) jittered_(i, s) += 1e-10 * (unitRandom(random) - 0.5);
     Eigen::VectorXd y = displacement_;
-    for (Eigen::Index i = 0; i < n; ++i) y(i) += 1e-10 * (uniform(random) - 0.5);
+    for (Eigen::Index i = 0; i < n; ++i) y(i) += 1e-10 * (unitRandom(random) - 0.5);
     displacementDistance_.resize(n, n);
     for (Eigen::Index i = 0; i < n; ++i) displacementDistance_.col(i) = (y.array() - y(i)).abs();
     digamma_.resize(n + 1);
@@ -108,10 +106,10 @@ SensorInformation::SensorInformation(const Eigen::MatrixXd& temperatures, const 
       std::vector<int> y = displacementBins_.front();
       if (shuffle)
         for (std::size_t i = y.size() - 1; i > 0; --i)
-          std::swap(y[i], y[static_cast<std::size_t>(uniform(random) * static_cast<double>(i + 1))]);
+          std::swap(y[i], y[static_cast<std::size_t>(unitRandom(random) * static_cast<double>(i + 1))]);
       else  // by at least a tenth of the series: a small shift of a slow series is the series itself
         std::rotate(y.begin(),
-                    y.begin() + static_cast<long>((0.1 + 0.8 * uniform(random)) * static_cast<double>(n)),
+                    y.begin() + static_cast<long>((0.1 + 0.8 * unitRandom(random)) * static_cast<double>(n)),
                     y.end());
       displacementBins_.push_back(std::move(y));
     }

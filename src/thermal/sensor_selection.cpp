@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "thermal/blocked_folds.h"
+#include "thermal/grey_relation.h"
 #include "thermal/ridge.h"
 
 namespace mm {
@@ -243,8 +244,6 @@ class Selector {
   double begin_ = 0.0, share_ = 0.0;
   std::size_t tried_ = 0;
 };
-
-bool varies(const Eigen::VectorXd& v) { return v.maxCoeff() > v.minCoeff(); }
 
 }  // namespace
 
