@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "compensation/compensator.h"
+#include "machine/linear_inverse.h"
 
 namespace mm {
 namespace {
@@ -14,19 +15,14 @@ constexpr int kMostIterations = 50;
 constexpr double kReached = 1e-11;  // m: far below any scale, above the rounding of a metre
 constexpr double kMoved = 1e-9;     // m or rad: a smaller move has no direction
 
-/// Columns of the joints that move: the linear ones, or all where these cannot reach every direction.
-std::vector<int> movingJoints(const Machine& machine,
-                              const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) {
-  std::vector<int> linear, all;
-  for (int j = 0; j < machine.jointCount(); ++j) {
-    all.push_back(j);
-    if (machine.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
-  }
-  Eigen::MatrixXd columns(3, static_cast<Eigen::Index>(linear.size()));
-  for (std::size_t i = 0; i < linear.size(); ++i)
-    columns.col(static_cast<Eigen::Index>(i)) = jacobian.col(linear[i]).head<3>();
-  if (linear.size() < 3 || columns.colPivHouseholderQr().rank() < 3) return all;
-  return linear;
+/// Changes of the readings (m, rad) for a displacement of the tip (m): of the linear joints, or of all where
+/// these cannot reach every direction.
+Eigen::VectorXd changesFor(const Machine& machine, const std::vector<double>& position, double beam,
+                           const Eigen::Vector3d& displacement) {
+  const Eigen::Matrix3Xd byJoint = machine.jacobian(position.data(), beam).topRows<3>();
+  const LinearMotion motion = linearMotion(linearJoints(machine.joints()), byJoint, displacement);
+  if (motion.everyDirection) return motion.change;
+  return byJoint.completeOrthogonalDecomposition().solve(displacement);
 }
 
 std::string beyondLimits(const Machine& machine, const std::vector<double>& position) {
@@ -68,19 +64,13 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Stat
                                                        : target.correction.reason;
       return target;
     }
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian = machine.jacobian(start.position.data(), beam);
     // Before the first step an unknown travel may leave the correction unknown: the nominal chain gives the
     // step.
     const Eigen::Vector3d step =
         miss.allFinite() ? miss : Eigen::Vector3d(truePoint - target.correction.nominal.position);
-    const std::vector<int> moving = movingJoints(machine, jacobian);
-    Eigen::MatrixXd columns(3, static_cast<Eigen::Index>(moving.size()));
-    for (std::size_t i = 0; i < moving.size(); ++i)
-      columns.col(static_cast<Eigen::Index>(i)) = jacobian.col(moving[i]).head<3>();
-    const Eigen::VectorXd move = columns.completeOrthogonalDecomposition().solve(step);
-    for (std::size_t i = 0; i < moving.size(); ++i) {
-      const int j = moving[i];
-      start.position[j] += move[static_cast<Eigen::Index>(i)];
+    const Eigen::VectorXd changes = changesFor(machine, start.position, beam, step);
+    for (int j = 0; j < machine.jointCount(); ++j) {
+      start.position[j] += changes[j];
       const double moved = start.position[j] - from[j];
       if (travel[j] == 0.0) start.travel[j] = std::abs(moved) < kMoved ? 0.0 : (moved > 0.0 ? 1.0 : -1.0);
     }

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "effects/linearity.h"
+#include "machine/linear_inverse.h"
 
 namespace mm {
 namespace {
@@ -14,29 +15,6 @@ namespace {
 constexpr int kMoves = 12;
 constexpr double kSame = 1e-3;    // of an effect: what an imitation of it lacks, wherever the machine can go
 constexpr double kWait = 3600.0;  // s: long enough for a small machine to cool
-
-/// Readings at which the tip is at `target`, the rotary joints staying where they are; false when out of the
-/// limits.
-bool reach(const Machine& machine, const Eigen::Vector3d& target, double laser, std::vector<double>& q) {
-  std::vector<int> linear;
-  for (int j = 0; j < machine.jointCount(); ++j)
-    if (machine.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
-  if (linear.size() < 3) return false;
-  for (int i = 0; i < 5; ++i) {
-    const Eigen::Vector3d miss = target - machine.nominal(q.data(), laser).position;
-    const auto full = machine.jacobian(q.data(), laser);
-    Eigen::MatrixXd j(3, linear.size());
-    for (std::size_t k = 0; k < linear.size(); ++k)
-      j.col(static_cast<int>(k)) = full.block<3, 1>(0, linear[k]);
-    const Eigen::VectorXd step = j.colPivHouseholderQr().solve(miss);
-    for (std::size_t k = 0; k < linear.size(); ++k) q[linear[k]] += step[static_cast<int>(k)];
-  }
-  for (int k : linear) {
-    const Joint& joint = machine.joints()[k];
-    if (joint.upper > joint.lower && (q[k] < joint.lower || q[k] > joint.upper)) return false;
-  }
-  return (target - machine.nominal(q.data(), laser).position).norm() < 1e-9;
-}
 
 /// Hypothetical observations after the session: now, and after the machine has cooled.
 Session hypothetical(const ResidualSpace& space) {
@@ -75,7 +53,9 @@ Session hypothetical(const ResidualSpace& space) {
           Observation at = o;
           at.time = time;
           at.approach = -side;
-          if (!reach(session.machine, centre + distance * side, at.laserReading, at.position)) continue;
+          if (!placeTip(session.machine, centre + distance * side, at.laserReading, at.position) ||
+              !withinLimits(session.machine.joints(), at.position))
+            continue;
           const auto jacobian = session.machine.jacobian(at.position.data(), at.laserReading);
           const double fastest = std::max(1e-4, space.problem().model().domain().maxSpeed);
           for (double speed : {fastest, 0.3 * fastest}) {

@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "estimation/identifiability.h"
 #include "estimation/whitened.h"
+#include "machine/linear_inverse.h"
 
 namespace mm {
 namespace {
@@ -24,25 +25,6 @@ struct Candidate {
   ProposedPosture posture;
   std::vector<Observation> contacts;
 };
-
-/// Puts the nominal probe on `target` by the linear joints; false when out of their limits.
-bool reachable(const Machine& machine, const Eigen::Vector3d& target, double laser, std::vector<double>& q) {
-  std::vector<int> linear;
-  for (int j = 0; j < machine.jointCount(); ++j)
-    if (machine.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
-  const auto jacobian = machine.jacobian(q.data(), laser);
-  Eigen::MatrixXd by(3, linear.size());
-  for (std::size_t k = 0; k < linear.size(); ++k)
-    by.col(static_cast<Eigen::Index>(k)) = jacobian.block<3, 1>(0, linear[k]);
-  const Eigen::VectorXd step =
-      by.colPivHouseholderQr().solve(target - machine.nominal(q.data(), laser).position);
-  for (std::size_t k = 0; k < linear.size(); ++k) {
-    const Joint& joint = machine.joints()[linear[k]];
-    q[linear[k]] += step[static_cast<Eigen::Index>(k)];
-    if (joint.upper > joint.lower && (q[linear[k]] < joint.lower || q[linear[k]] > joint.upper)) return false;
-  }
-  return (target - machine.nominal(q.data(), laser).position).norm() < 1e-9;
-}
 
 /// Every combination of angles of the rotary joints, at rest of the others.
 std::vector<std::vector<double>> anglesOf(const Machine& machine, const std::vector<double>& rest) {
@@ -100,7 +82,8 @@ std::vector<Candidate> candidatesOf(const Problem& problem, const Eigen::VectorX
           at.position = angles;
           at.laserReading = reading;
           at.approach = std::isfinite(reading) ? Eigen::Vector3d(probe.col(2)) : towards;
-          feasible = reachable(machine, centre - distance * towards, reading, at.position);
+          feasible = placeTip(machine, centre - distance * towards, reading, at.position) &&
+                   withinLimits(machine.joints(), at.position);
           if (i == 0) c.posture = {feature.name, at.position, reading};
           c.contacts.push_back(std::move(at));
         }

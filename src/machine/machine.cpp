@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/rotation.h"
 
 namespace mm {
 namespace {
@@ -23,12 +24,6 @@ Eigen::Matrix3d matrixOf(const KDL::Rotation& r) {
   Eigen::Matrix3d m;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) m(i, j) = r(i, j);
-  return m;
-}
-
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
   return m;
 }
 
@@ -171,9 +166,7 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
     frames[j] = pose.orientation;
     pose.position += pose.orientation * vector(at.jointTranslation(j, 0));
     const Eigen::Vector3d twist = vector(at.jointRotation(j, 0));
-    const double angle = twist.norm();
-    if (angle > 0.0)
-      pose.orientation = pose.orientation * Eigen::AngleAxisd(angle, twist / angle).toRotationMatrix();
+    if (!twist.isZero(0.0)) pose.orientation = pose.orientation * rotationBy(twist);
     axes[j] = pose.orientation * link.axis;
     const double moved = q[j] + errors[at.axis(j)];
     if (joints_[j].kind == JointKind::kLinear)
@@ -192,9 +185,7 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
   Eigen::Vector3d reach = Eigen::Vector3d::Zero();
   if (laser) reach = tipFrame * beam * reading;
   pose.position += tipFrame * vector(at.probe(0)) + reach + tilt.cross(reach) + vector(at.volume(0));
-  if (tilt.squaredNorm() > 0.0)
-    pose.orientation =
-        Eigen::AngleAxisd(tilt.norm(), tilt.normalized()).toRotationMatrix() * pose.orientation;
+  if (!tilt.isZero(0.0)) pose.orientation = rotationBy(tilt) * pose.orientation;
   if (gradient == nullptr) return pose;
 
   gradient->setZero(6, at.size());
@@ -247,10 +238,8 @@ Eigen::Matrix<double, 1, 6> Machine::seenAsDeviation(int joint, const double* q,
   Eigen::Matrix<double, 3, 2> moves;  // of the line of sight by each joint
   moves << first.cross(sight), second.cross(sight);
   if (moves.col(0).norm() < kSingular) return seen;
-  Eigen::Matrix3d turn;  // of the line of sight by a rotation
-  turn << 0, sight.z(), -sight.y(), -sight.z(), 0, sight.x(), sight.y(), -sight.x(), 0;
   const Eigen::Matrix2d gram = moves.transpose() * moves;
-  seen.tail<3>() = (gram.inverse() * moves.transpose() * turn).row(joint);
+  seen.tail<3>() = (gram.inverse() * moves.transpose() * -skew(sight)).row(joint);
   return seen;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "machine/linear_inverse.h"
 #include "session/geometric_start.h"
 
 namespace mm {
@@ -73,20 +74,13 @@ class TravelMaker {
   /// Speeds of the joints, none above 1, that move the tip along `motion`. Linear joints do it where they
   /// can (rotary ones stand still in an approach), else all of them together.
   Eigen::VectorXd jointSpeeds(const Observation& o, const Eigen::Vector3d& motion) const {
-    const auto& joints = session_.machine.joints();
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian =
-        session_.machine.jacobian(o.position.data(), kNotMeasured);
-    Eigen::MatrixXd linear = jacobian.topRows<3>();
-    for (int j = 0; j < joints_; ++j)
-      if (joints[j].kind == JointKind::kRotary) linear.col(j).setZero();
     constexpr double kReached = 0.02;  // of the motion may be left: the joints are not exactly square
-    Eigen::VectorXd speeds = linear.completeOrthogonalDecomposition().solve(motion);
-    if ((linear * speeds - motion).norm() > kReached) {
-      const Eigen::MatrixXd all = jacobian.topRows<3>();
-      speeds = all.completeOrthogonalDecomposition().solve(motion);
-      if ((all * speeds - motion).norm() > kReached) return Eigen::VectorXd::Zero(joints_);
-      for (int j = 0; j < joints_; ++j) speeds[j] *= all.col(j).norm();  // as the tip sees it
-    }
+    const Eigen::Matrix3Xd byJoint = session_.machine.jacobian(o.position.data(), kNotMeasured).topRows<3>();
+    const LinearMotion linear = linearMotion(linearJoints(session_.machine.joints()), byJoint, motion);
+    if (linear.missed <= kReached) return linear.change;
+    Eigen::VectorXd speeds = byJoint.completeOrthogonalDecomposition().solve(motion);
+    if ((byJoint * speeds - motion).norm() > kReached) return Eigen::VectorXd::Zero(joints_);
+    for (int j = 0; j < joints_; ++j) speeds[j] *= byJoint.col(j).norm();  // as the tip sees it
     return speeds;
   }
 

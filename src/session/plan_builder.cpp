@@ -1,13 +1,13 @@
 #include "session/plan_builder.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "base/error.h"
 #include "base/units.h"
+#include "machine/linear_inverse.h"
 
 namespace mm {
 namespace {
@@ -35,29 +35,14 @@ Eigen::Vector3d PlanBuilder::beam(const std::vector<double>& readings) const {
 }
 
 std::vector<double> PlanBuilder::reach(const Eigen::Vector3d& target, std::vector<double> readings) const {
-  std::vector<int> linear;
-  for (int j = 0; j < machine_.jointCount(); ++j)
-    if (machine_.joints()[j].kind == JointKind::kLinear) linear.push_back(j);
-  const auto jacobian = machine_.jacobian(readings.data(), kNotMeasured);
-  Eigen::MatrixXd motion(3, linear.size());
-  for (std::size_t k = 0; k < linear.size(); ++k) motion.col(k) = jacobian.block<3, 1>(0, linear[k]);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(motion);
-  if (linear.size() < 3 || solver.rank() < 3)
+  if (!placeTip(machine_, target, kNotMeasured, readings))
     fail("machine '" + machine_.name() +
          "' has not three linear joints that reach every direction; give the readings under 'moves'");
-  const Eigen::VectorXd travel = solver.solve(target - tip(readings));
-  for (std::size_t k = 0; k < linear.size(); ++k) readings[linear[k]] += travel(k);
   return readings;
 }
 
 bool PlanBuilder::withinLimits(const std::vector<double>& readings) const {
-  for (int j = 0; j < machine_.jointCount(); ++j) {
-    const Joint& joint = machine_.joints()[j];
-    if (joint.upper > joint.lower &&
-        (readings[j] < joint.lower - kLimitSlack || readings[j] > joint.upper + kLimitSlack))
-      return false;
-  }
-  return true;
+  return mm::withinLimits(machine_.joints(), readings, kLimitSlack);
 }
 
 void PlanBuilder::checkLimits(const std::vector<double>& readings) const {

@@ -1,21 +1,12 @@
 #include "simulation/chain.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <limits>
 
 #include "base/error.h"
+#include "base/rotation.h"
+#include "machine/linear_inverse.h"
 
 namespace mm {
-namespace {
-
-Eigen::Matrix3d rotation(const Eigen::Vector3d& vector) {
-  const double angle = vector.norm();
-  if (angle == 0.0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
-}
-
-}  // namespace
 
 Chain::Chain(const Machine& machine) {
   const std::vector<double> q(machine.joints().size(), 0.0);
@@ -48,17 +39,17 @@ ProbePose Chain::pose(const std::vector<double>& slides, const Distortion& d) co
     const Place& place = joints_[j];
     const double travel = slides[j] + d.travel[j];
     if (!d.tilt[j].isZero(0.0) || !d.shift[j].isZero(0.0))
-      then(rotation(d.tilt[j]), place.origin, d.shift[j]);
+      then(rotationBy(d.tilt[j]), place.origin, d.shift[j]);
     if (place.kind == JointKind::kLinear)
       moved += turned * place.axis * travel;
     else
-      then(rotation(place.axis * travel), place.origin, Eigen::Vector3d::Zero());
+      then(rotationBy(place.axis * travel), place.origin, Eigen::Vector3d::Zero());
   }
   ProbePose pose;
   pose.orientation = turned * zero_.orientation;
   pose.position = turned * zero_.position + moved + pose.orientation * d.probeShift;
   if (!d.tipTilt.isZero(0.0)) {
-    const Eigen::Matrix3d tip = rotation(d.tipTilt);
+    const Eigen::Matrix3d tip = rotationBy(d.tipTilt);
     pose.position = tip * pose.position;
     pose.orientation = tip * pose.orientation;
   }
@@ -75,20 +66,19 @@ std::vector<double> Chain::reach(const Eigen::Vector3d& tip, std::vector<double>
   for (int j = 0; j < jointCount(); ++j)
     if (joints_[j].kind == JointKind::kLinear) linear.push_back(j);
   for (const int j : linear) readings[j] = 0.0;
-  const Eigen::Vector3d missing = tip - nominal(readings).position;
-  Eigen::MatrixXd motion(3, linear.size());
-  for (std::size_t k = 0; k < linear.size(); ++k) {
+  const Eigen::Vector3d start = nominal(readings).position;
+  Eigen::Matrix3Xd byJoint = Eigen::Matrix3Xd::Zero(3, jointCount());
+  for (const int j : linear) {
     std::vector<double> unit = readings;
-    unit[linear[k]] = 1.0;
-    motion.col(k) = nominal(unit).position - nominal(readings).position;
+    unit[j] = 1.0;
+    byJoint.col(j) = nominal(unit).position - start;
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(motion);
-  if (linear.size() < 3 || solver.rank() < 3)
+  const LinearMotion motion = linearMotion(linear, byJoint, tip - start);
+  if (!motion.everyDirection)
     throw InputError(
         "the machine has not three linear joints that reach every direction; give the plan's moves joint by "
         "joint under `moves`");
-  const Eigen::VectorXd travel = solver.solve(missing);
-  for (std::size_t k = 0; k < linear.size(); ++k) readings[linear[k]] = travel(k);
+  for (const int j : linear) readings[j] = motion.change[j];
   return readings;
 }
 

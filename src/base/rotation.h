@@ -1,0 +1,20 @@
+#pragma once
+#include <Eigen/Geometry>
+
+namespace mm {
+
+/// The matrix of v x: skew(v) * w = v x w.
+inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+/// The rotation by a rotation vector: about its direction, by its length in rad.
+inline Eigen::Matrix3d rotationBy(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  if (!(angle > 0.0)) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+}
+
+}  // namespace mm
