@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "simulation/random.h"
+#include "base/random.h"
 #include "thermal/grey_relation.h"
 
 namespace mm {

@@ -1,5 +1,6 @@
 #include "effects/angular_motion.h"
 
+#include "base/legendre.h"
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
 #include "effects/tilt.h"

@@ -69,15 +69,4 @@ ScaledPosition::ScaledPosition(const Domain& domain, int joint) : joint_(joint) 
   inverse_ = 2.0 / range;
 }
 
-double legendre(int n, double u) {
-  double previous = 1.0, current = u;
-  if (n == 0) return previous;
-  for (int k = 1; k < n; ++k) {
-    const double next = ((2 * k + 1) * u * current - k * previous) / (k + 1);
-    previous = current;
-    current = next;
-  }
-  return current;
-}
-
 }  // namespace mm

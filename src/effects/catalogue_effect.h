@@ -87,7 +87,4 @@ class ScaledPosition {
 /// Observed travel of a joint, m or rad; 0 where it was never moved.
 double observedRange(const Domain& domain, int joint);
 
-/// Legendre polynomial of degree n.
-double legendre(int n, double u);
-
 }  // namespace mm

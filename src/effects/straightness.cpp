@@ -1,5 +1,6 @@
 #include "effects/straightness.h"
 
+#include "base/legendre.h"
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
 

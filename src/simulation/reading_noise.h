@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "simulation/instrument_settings.h"
-#include "simulation/random.h"
+#include "base/random.h"
 
 namespace mm {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "simulation/guideway.h"
-#include "simulation/random.h"
+#include "base/random.h"
 #include "simulation/source.h"
 
 namespace mm {

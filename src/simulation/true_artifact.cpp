@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "base/legendre.h"
 #include "base/units.h"
 
 namespace mm {
@@ -11,17 +12,6 @@ namespace {
 Eigen::Vector3d randomVector(Random& random) {
   const double x = random.normal(), y = random.normal(), z = random.normal();
   return {x, y, z};
-}
-
-/// Legendre's polynomial of a degree from 2 on.
-double legendre(int degree, double x) {
-  double before = 1.0, now = x;
-  for (int n = 1; n < degree; ++n) {
-    const double next = ((2 * n + 1) * x * now - n * before) / (n + 1);
-    before = now;
-    now = next;
-  }
-  return now;
 }
 
 /// Directions evenly over the sphere.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "session/session.h"
-#include "simulation/random.h"
+#include "base/random.h"
 
 namespace mm {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "simulation/random.h"
+#include "base/random.h"
 #include "simulation/source.h"
 
 namespace mm {

@@ -38,8 +38,7 @@ Eigen::MatrixXd onDuty(const Eigen::MatrixXd& courses, std::mt19937_64& random) 
     const auto at = static_cast<Eigen::Index>(begin);
     result.bottomRows(n - at) += (next - power) * change.topRows(n - at);
     power = next;
-    begin +=
-        std::max(1.0, (kShortest + (kLongest - kShortest) * unitRandom(random)) * static_cast<double>(n));
+    begin += std::max(1.0, (kShortest + (kLongest - kShortest) * unitRandom(random)) * static_cast<double>(n));
   }
   return result;
 }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/random.h"
+#include "base/random.h"
 #include "tools/benchmark_counts.h"
 #include "tools/benchmark_oracle.h"
 

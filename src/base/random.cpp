@@ -1,7 +1,8 @@
-#include "simulation/random.h"
+#include "base/random.h"
 
 #include <cmath>
 
+#include "base/unit_random.h"
 #include "base/units.h"
 
 namespace mm {
@@ -18,8 +19,7 @@ std::uint64_t mix(std::uint64_t seed, const std::string& name) {  // FNV-1a
 
 Random::Random(std::uint64_t seed, const std::string& stream) : engine_(mix(seed, stream)) {}
 
-// The distributions of the standard library differ between implementations; these do not.
-double Random::uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+double Random::uniform() { return unitRandom(engine_); }
 
 double Random::uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
 
