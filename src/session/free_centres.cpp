@@ -1,29 +1,22 @@
 #include "session/free_centres.h"
 
-#include <Eigen/QR>
+#include <algorithm>
 #include <vector>
+
+#include "session/sphere_centre.h"
 
 namespace mm {
 namespace {
 
-/// |p|^2 = 2 c.p + d is linear in the centre c; about the mean of the points, so that nothing cancels.
-Eigen::Vector3d ofAnyRadius(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& p : points) mean += p / static_cast<double>(points.size());
-  Eigen::MatrixXd a(points.size(), 4);
-  Eigen::VectorXd b(points.size());
+/// A pivot below this part of the largest: contacts on a flat patch say too little about the centre.
+constexpr double kFlatPatch = 1e-3;
+
+/// The sphere through the tips; their mean where they do not determine one.
+Eigen::Vector3d centreOf(const std::vector<Eigen::Vector3d>& tips) {
+  const Eigen::Vector3d mean = meanOf(tips);
   double size = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) size = std::max(size, (points[i] - mean).norm());
-  if (points.size() < 4 || size == 0.0) return mean;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d p = (points[i] - mean) / size;
-    a.row(i) << 2.0 * p.transpose(), 1.0;
-    b[i] = p.squaredNorm();
-  }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
-  qr.setThreshold(1e-3);  // contacts on a flat patch say too little about the centre
-  if (qr.rank() < 4) return mean;
-  return mean + size * qr.solve(b).head<3>();
+  for (const auto& tip : tips) size = std::max(size, (tip - mean).norm());
+  return algebraicSphereCentre(tips, size, kFlatPatch).value_or(mean);
 }
 
 }  // namespace
@@ -36,13 +29,10 @@ void startFreeFeatures(Session& session) {
     for (const Observation& o : session.observations)
       if (o.kind == ObservationKind::kContact && o.feature == static_cast<int>(f))
         tips.push_back(session.machine.nominal(o.position.data(), o.laserReading).position);
-    feature.position.setZero();
-    if (tips.empty()) continue;
-    if (feature.kind == FeatureKind::kBall) {
-      feature.position = ofAnyRadius(tips);
-      continue;
-    }
-    for (const auto& tip : tips) feature.position += tip / static_cast<double>(tips.size());
+    if (tips.empty())
+      feature.position.setZero();
+    else
+      feature.position = feature.kind == FeatureKind::kBall ? centreOf(tips) : meanOf(tips);
   }
 }
 

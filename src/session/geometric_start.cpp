@@ -5,16 +5,23 @@
 #include "session/sphere_centre.h"
 
 namespace mm {
+namespace {
+
+/// Points whose extent across a line is below a thousandth of that along it (squares: 1e-6) do not tell the
+/// rotation about the line.
+constexpr double kOneLine = 1e-6;
+
+}  // namespace
 
 void rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, Eigen::Matrix3d& rotation,
                  Eigen::Vector3d& translation) {
   const Eigen::Vector3d a = from.rowwise().mean(), b = to.rowwise().mean();
-  const Eigen::Matrix3d h = (to.colwise() - b) * (from.colwise() - a).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d extent =
+      Eigen::JacobiSVD<Eigen::Matrix3d>((from.colwise() - a) * (from.colwise() - a).transpose())
+          .singularValues();
   rotation.setIdentity();
-  if (svd.singularValues()[1] > 1e-6 * std::max(svd.singularValues()[0], 1e-12)) {
-    const Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-    rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  if (extent[1] > kOneLine * extent[0]) {
+    rotation = Eigen::umeyama(from, to, false).topLeftCorner<3, 3>();
   } else if (from.cols() > 1) {  // on one line: the shortest rotation
     const Eigen::Vector3d u = from.rightCols<1>() - from.leftCols<1>(),
                           v = to.rightCols<1>() - to.leftCols<1>();
@@ -41,11 +48,8 @@ GeometricStart geometricStart(const Session& session) {
   for (std::size_t f = 0; f < features.size(); ++f) {
     start.features[f] = features[f].position;
     if (touched[f].empty()) continue;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const auto& p : touched[f]) mean += p;
-    mean /= static_cast<double>(touched[f].size());
     if (features[f].kind == FeatureKind::kPoint) {
-      start.features[f] = mean;
+      start.features[f] = meanOf(touched[f]);
       found[f] = 1;
       continue;
     }
