@@ -1,18 +1,18 @@
 #include <charconv>
 
 #include "base/error.h"
+#include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "calibration_file/checksum.h"
-#include "calibration_file/yaml_keys.h"
-#include "effects/registry.h"
+#include "effects/effect_yaml.h"
 
 namespace mm {
 namespace {
 
 template <typename Integer>
-Integer integer(YamlKeys& keys, const std::string& key) {
-  const std::string text = keys.text(key);
+Integer integer(const YamlMapping& keys, const std::string& key) {
+  const std::string text = keys.storedText(key);
   Integer value = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
   if (read.ec != std::errc() || read.ptr != text.data() + text.size())
@@ -20,41 +20,20 @@ Integer integer(YamlKeys& keys, const std::string& key) {
   return value;
 }
 
-EffectSpec effectOf(const YAML::Node& node, const YamlKeys& in, const std::string& where, std::size_t index) {
-  in.item(node, where, index);  // a map without doubled keys
-  EffectSpec spec;
-  for (const auto& pair : node) {
-    const std::string& key = pair.first.Scalar();
-    if (key == "type") {
-      spec.type = presentType(pair.second.Scalar());
-      continue;
-    }
-    EffectSpec::Value value;
-    value.list = pair.second.IsSequence();
-    if (value.list)
-      for (const YAML::Node& item : pair.second) value.items.push_back(item.Scalar());
-    else
-      value.items.push_back(pair.second.Scalar());
-    spec.keys.emplace_back(key, std::move(value));
-  }
-  if (spec.type.empty()) in.refuse(node, "an effect without 'type'");
-  return spec;
-}
-
-void readModel(YamlKeys& root, Calibration& c) {
+void readModel(const YamlMapping& root, Calibration& c) {
   const std::vector<YAML::Node> effects = root.list("effects");
   for (std::size_t e = 0; e < effects.size(); ++e)
-    c.effects.push_back(effectOf(effects[e], root, "effects", e));
+    c.effects.push_back(effectSpecOf(effects[e], root.source()));
   const std::vector<YAML::Node> parameters = root.list("parameters");
   for (std::size_t p = 0; p < parameters.size(); ++p) {
-    YamlKeys keys = root.item(parameters[p], "parameters", p);
+    const YamlMapping keys = root.item(parameters[p], "parameters", p);
     Calibration::Value v;
     v.effect = integer<int>(keys, "effect");
-    v.name = keys.text("name");
-    v.value = keys.number("value_si");
-    v.std = keys.number("std_si");
-    v.unit = keys.text("unit");
-    v.toUnit = keys.number("to_unit");
+    v.name = keys.storedText("name");
+    v.value = keys.stored("value_si");
+    v.std = keys.stored("std_si");
+    v.unit = keys.storedText("unit");
+    v.toUnit = keys.stored("to_unit");
     v.fixed = keys.flag("fixed");
     keys.finish();
     if (v.effect < 0 || v.effect >= static_cast<int>(c.effects.size()))
@@ -64,11 +43,11 @@ void readModel(YamlKeys& root, Calibration& c) {
   }
   const std::vector<YAML::Node> rows = root.list("covariance_si");
   const std::size_t n = c.values.size();
-  if (rows.size() != n) root.refuse(root.take("covariance_si"), "'covariance_si' needs one row a parameter");
+  if (rows.size() != n) root.refuse(root.node("covariance_si"), "'covariance_si' needs one row a parameter");
   c.covariance.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   bool triangle = false;  // as the first row
   for (std::size_t i = 0; i < n; ++i) {
-    const std::vector<double> row = root.numbersOf(rows[i], "covariance_si");
+    const std::vector<double> row = root.storedList(rows[i], "covariance_si");
     if (i == 0) triangle = row.size() == 1;
     if (row.size() != (triangle ? i + 1 : n))
       root.refuse(rows[i], "a row of 'covariance_si' has the wrong length");
@@ -79,143 +58,144 @@ void readModel(YamlKeys& root, Calibration& c) {
   }
 }
 
-void readRanges(YamlKeys& in, const char* key, const std::string& unit, std::vector<std::string>& names,
+void readRanges(const YamlMapping& in, const char* key, const std::string& unit, std::vector<std::string>& names,
                 std::vector<double>& lower, std::vector<double>& upper) {
   const std::vector<YAML::Node> items = in.list(key);
   for (std::size_t i = 0; i < items.size(); ++i) {
-    YamlKeys keys = in.item(items[i], key, i);
-    names.push_back(keys.text("name"));
-    lower.push_back(keys.number("lower" + unit));
-    upper.push_back(keys.number("upper" + unit));
+    const YamlMapping keys = in.item(items[i], key, i);
+    names.push_back(keys.storedText("name"));
+    lower.push_back(keys.stored("lower" + unit));
+    upper.push_back(keys.stored("upper" + unit));
     keys.finish();
   }
 }
 
-Eigen::Vector3d vectorOf(YamlKeys& in, const char* key) {
-  const std::vector<double> v = in.numbers(key);
-  if (v.size() != 3) in.refuse(in.take(key), std::string("'") + key + "' needs three numbers");
+Eigen::Vector3d vectorOf(const YamlMapping& in, const char* key) {
+  const std::vector<double> v = in.storedList(key);
+  if (v.size() != 3) in.refuse(in.node(key), std::string("'") + key + "' needs three numbers");
   return {v[0], v[1], v[2]};
 }
 
-void readNetworks(YamlKeys& in, std::vector<LearnedNetwork>& networks) {
+void readNetworks(const YamlMapping& in, std::vector<LearnedNetwork>& networks) {
   const std::vector<YAML::Node> items = in.list("networks");
   for (std::size_t i = 0; i < items.size(); ++i) {
-    YamlKeys keys = in.item(items[i], "domain.networks", i);
+    const YamlMapping keys = in.item(items[i], "domain.networks", i);
     LearnedNetwork n;
-    n.effect = keys.text("effect");
+    n.effect = keys.storedText("effect");
     n.active = keys.flag("active");
-    n.summary = keys.text("summary");
+    n.summary = keys.storedText("summary");
     for (const YAML::Node& name : keys.list("sensors")) n.sensors.push_back(name.Scalar());
-    n.positions = keys.numbers("positions_si");
-    n.heldOut = keys.number("held_out_si");
-    n.heldOutRidge = keys.number("held_out_ridge_si");
-    n.heldOutNone = keys.number("held_out_none_si");
-    n.numbers = keys.numbers("network");
+    n.positions = keys.storedList("positions_si");
+    n.heldOut = keys.stored("held_out_si");
+    n.heldOutRidge = keys.stored("held_out_ridge_si");
+    n.heldOutNone = keys.stored("held_out_none_si");
+    n.numbers = keys.storedList("network");
     keys.finish();
     networks.push_back(std::move(n));
   }
 }
 
-void readDomain(YamlKeys in, Domain& d) {
+void readDomain(const YamlMapping& in, Domain& d) {
   const std::vector<YAML::Node> joints = in.list("joints");
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    YamlKeys keys = in.item(joints[j], "domain.joints", j);
+    const YamlMapping keys = in.item(joints[j], "domain.joints", j);
     Joint joint;
-    joint.name = keys.text("name");
+    joint.name = keys.storedText("name");
     d.joints.push_back(joint);
-    d.lower.push_back(keys.number("observed_lower_si"));
-    d.upper.push_back(keys.number("observed_upper_si"));
+    d.lower.push_back(keys.stored("observed_lower_si"));
+    d.upper.push_back(keys.stored("observed_upper_si"));
     if (keys.has("velocity_lower_si")) {
-      d.velocityLower.push_back(keys.number("velocity_lower_si"));
-      d.velocityUpper.push_back(keys.number("velocity_upper_si"));
+      d.velocityLower.push_back(keys.stored("velocity_lower_si"));
+      d.velocityUpper.push_back(keys.stored("velocity_upper_si"));
     }
-    d.positions.push_back(keys.numbers("positions_si"));
+    d.positions.push_back(keys.storedList("positions_si"));
     keys.finish();
   }
   readRanges(in, "sensors", "_degC", d.sensors, d.sensorLower, d.sensorUpper);
   readRanges(in, "covariates", "", d.covariates, d.covariateLower, d.covariateUpper);
   for (const YAML::Node& name : in.list("features")) d.features.push_back(name.Scalar());
-  d.featureRadius = in.numbers("feature_radii_m");
-  d.duration = in.number("duration_s");
-  d.maxSpeed = in.number("max_speed_si");
+  d.featureRadius = in.storedList("feature_radii_m");
+  d.duration = in.stored("duration_s");
+  d.maxSpeed = in.stored("max_speed_si");
   d.tipLower = vectorOf(in, "tip_lower_m");
   d.tipUpper = vectorOf(in, "tip_upper_m");
   d.laser = in.flag("laser");
   if (in.has("reading_lower_m")) {
-    d.readingLower = in.number("reading_lower_m");
-    d.readingUpper = in.number("reading_upper_m");
+    d.readingLower = in.stored("reading_lower_m");
+    d.readingUpper = in.stored("reading_upper_m");
   }
-  d.artifactExpansion = in.number("artifact_expansion_per_K");
+  d.artifactExpansion = in.stored("artifact_expansion_per_K");
   if (in.has("networks")) readNetworks(in, d.networks);
   in.finish();
 }
 
-void readDrift(YamlKeys& root, std::vector<Wandering>& drift) {
+void readDrift(const YamlMapping& root, std::vector<Wandering>& drift) {
   if (!root.has("drift")) return;  // none, or written before it was told
   const std::vector<YAML::Node> entries = root.list("drift");
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    YamlKeys keys = root.item(entries[i], "drift", i);
+    const YamlMapping keys = root.item(entries[i], "drift", i);
     Wandering w;
-    w.direction = keys.text("direction");
-    w.std = keys.number("std_si");
-    w.timeConstant = keys.number("time_constant_s");
+    w.direction = keys.storedText("direction");
+    w.std = keys.stored("std_si");
+    w.timeConstant = keys.stored("time_constant_s");
     keys.finish();
     drift.push_back(std::move(w));
   }
 }
 
-void readLedger(YamlKeys& root, std::vector<LedgerEntry>& ledger) {
+void readLedger(const YamlMapping& root, std::vector<LedgerEntry>& ledger) {
   const std::vector<YAML::Node> entries = root.list("ledger");
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    YamlKeys keys = root.item(entries[i], "ledger", i);
+    const YamlMapping keys = root.item(entries[i], "ledger", i);
     LedgerEntry entry;
-    entry.action = keys.text("action");
-    if (keys.has("effect")) entry.effect = effectOf(keys.take("effect"), root, "ledger.effect", i);
-    entry.time = keys.text("time");
-    entry.rmsBefore = keys.number("rms_before_si");
-    entry.rmsAfter = keys.number("rms_after_si");
-    entry.heldOutBefore = keys.number("held_out_before_si");
-    entry.heldOutAfter = keys.number("held_out_after_si");
-    entry.calibration = keys.text("calibration");
+    entry.action = keys.storedText("action");
+    if (keys.has("effect")) entry.effect = effectSpecOf(keys.node("effect"), root.source());
+    entry.time = keys.storedText("time");
+    entry.rmsBefore = keys.stored("rms_before_si");
+    entry.rmsAfter = keys.stored("rms_after_si");
+    entry.heldOutBefore = keys.stored("held_out_before_si");
+    entry.heldOutAfter = keys.stored("held_out_after_si");
+    entry.calibration = keys.storedText("calibration");
     keys.finish();
     ledger.push_back(std::move(entry));
   }
 }
 
 Calibration readAll(const YAML::Node& node, const std::string& source) {
-  YamlKeys root(node, source, "calibration");
-  root.take("checksum");
+  const YamlMapping root =
+      YamlMapping::written(node, source, "calibration", "; calibrate again or take an undamaged copy");
+  root.node("checksum");
   const int schema = integer<int>(root, "schema");
   if (schema != kCalibrationSchema)
     throw InputError(source + ":2: schema " + std::to_string(schema) + ", but this version reads " +
                      std::to_string(kCalibrationSchema) + "; use the version that wrote it");
   Calibration c;
-  c.id = root.text("id");
-  c.created = root.text("created");
-  c.software = root.text("software");
-  c.machineName = root.text("machine");
+  c.id = root.storedText("id");
+  c.created = root.storedText("created");
+  c.software = root.storedText("software");
+  c.machineName = root.storedText("machine");
   readModel(root, c);
   readDomain(root.map("domain"), c.domain);
-  YamlKeys session = root.map("session");
-  c.sessionSource = session.text("source");
-  c.sessionHash = session.text("hash");
-  c.sessionEpoch = session.number("epoch_s");
-  c.method = session.text("method");
+  const YamlMapping session = root.map("session");
+  c.sessionSource = session.storedText("source");
+  c.sessionHash = session.storedText("hash");
+  c.sessionEpoch = session.stored("epoch_s");
+  c.method = session.storedText("method");
   c.seed = integer<std::uint64_t>(session, "seed");
   c.observations = integer<std::int64_t>(session, "observations");
   session.finish();
-  YamlKeys residuals = root.map("residuals");
-  c.rms = residuals.number("rms_m");
-  c.heldOutRms = residuals.number("held_out_rms_m");
-  c.rmsAngular = residuals.number("rms_rad");
-  c.heldOutRmsAngular = residuals.number("held_out_rms_rad");
-  c.chi2PerDof = residuals.number("chi2_per_dof");
-  c.repeatability = residuals.number("repeatability_si");
-  c.repeatabilityFrom = residuals.text("repeatability_from");
+  const YamlMapping residuals = root.map("residuals");
+  c.rms = residuals.stored("rms_m");
+  c.heldOutRms = residuals.stored("held_out_rms_m");
+  c.rmsAngular = residuals.stored("rms_rad");
+  c.heldOutRmsAngular = residuals.stored("held_out_rms_rad");
+  c.chi2PerDof = residuals.stored("chi2_per_dof");
+  c.repeatability = residuals.stored("repeatability_si");
+  c.repeatabilityFrom = residuals.storedText("repeatability_from");
   residuals.finish();
   readDrift(root, c.drift);
   readLedger(root, c.ledger);
-  c.urdf = root.text("urdf");
+  c.urdf = root.storedText("urdf");
   root.finish();
   return c;
 }

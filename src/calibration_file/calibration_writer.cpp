@@ -9,7 +9,7 @@
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "calibration_file/checksum.h"
-#include "calibration_file/number_text.h"
+#include "base/number_text.h"
 
 namespace mm {
 namespace {

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "session/yaml_mapping.h"
+#include "base/yaml_mapping.h"
 
 namespace mm {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "base/number_text.h"
 #include "base/units.h"
-#include "calibration_file/number_text.h"
 #include "diagnosis/wording.h"
 #include "report/quantiles.h"
 
@@ -23,6 +23,8 @@ Json scalar(const std::string& text) {
 }  // namespace
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json rounded(double value, double step) { return number(std::round(value / step) * step); }
 
 Json effectJson(const EffectSpec& effect) {
   Json object;

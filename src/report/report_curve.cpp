@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "calibration_file/atomic_file.h"
-#include "calibration_file/number_text.h"
 
 namespace mm {
 

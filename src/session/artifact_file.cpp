@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
-#include "session/yaml_mapping.h"
+#include "base/yaml_mapping.h"
 
 namespace mm {
 namespace {

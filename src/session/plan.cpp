@@ -12,7 +12,7 @@
 #include "session/artifact_file.h"
 #include "session/plan_builder.h"
 #include "session/plan_generators.h"
-#include "session/yaml_mapping.h"
+#include "base/yaml_mapping.h"
 
 namespace mm {
 namespace {

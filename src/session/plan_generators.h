@@ -1,6 +1,6 @@
 #pragma once
 #include "session/plan_builder.h"
-#include "session/yaml_mapping.h"
+#include "base/yaml_mapping.h"
 
 namespace mm {
 

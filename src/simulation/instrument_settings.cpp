@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "session/yaml_mapping.h"
+#include "base/yaml_mapping.h"
 
 namespace mm {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "session/yaml_mapping.h"
+#include "base/yaml_mapping.h"
 
 namespace mm {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "calibration_file/number_text.h"
+#include "base/number_text.h"
 #include "session/line_reader.h"
 
 namespace mm {

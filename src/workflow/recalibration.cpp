@@ -6,7 +6,7 @@
 #include "base/format.h"
 #include "base/units.h"
 #include "base/utc_now.h"
-#include "calibration_file/number_text.h"
+#include "base/number_text.h"
 #include "effects/registry.h"
 #include "estimation/network_learning.h"
 #include "model/observed_domain.h"

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/checksum.h"
-#include "calibration_file/number_text.h"
+#include "base/number_text.h"
 #include "example_calibration.h"
 
 namespace mm {

@@ -1,4 +1,4 @@
-#include "session/yaml_mapping.h"
+#include "base/yaml_mapping.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/number_text.h"
 
 namespace mm {
 namespace {
@@ -21,19 +22,39 @@ std::string plain(double value) {
 
 YamlMapping::YamlMapping(const YAML::Node& node, std::string source, std::string what,
                          const std::vector<std::string>& known)
-    : node_(node), source_(std::move(source)), what_(std::move(what)) {
-  if (!node_.IsMap()) fail("", "must be a mapping of keys to values");
-  std::set<std::string> seen;
+    : YamlMapping(Unchecked(), node, std::move(source), std::move(what), {}) {
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
-    const std::string place = source_ + ":" + std::to_string(lineOf(entry.first)) + ": " + what_ + ": ";
-    if (std::find(known.begin(), known.end(), key) == known.end()) {
-      std::string list;
-      for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-      throw InputError(place + "unknown key '" + key + "'" + didYouMean(key, known) + " (known are " + list +
-                       ")");
-    }
-    if (!seen.insert(key).second) throw InputError(place + "key '" + key + "' is given twice");
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      refuse(entry.first,
+             "unknown key '" + key + "'" + didYouMean(key, known) + " (known are " + listOf(known) + ")");
+  }
+}
+
+YamlMapping::YamlMapping(Unchecked, const YAML::Node& node, std::string source, std::string what,
+                         std::string remedy)
+    : node_(node), source_(std::move(source)), what_(std::move(what)), remedy_(std::move(remedy)) {
+  if (!node_.IsMap()) fail("", "must be a mapping of keys to values");
+  std::set<std::string> seen;
+  for (const auto& entry : node_)
+    if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second)
+      refuse(entry.first, "key '" + entry.first.Scalar() + "' is given twice");
+}
+
+YamlMapping YamlMapping::written(const YAML::Node& node, std::string source, std::string what,
+                                 std::string remedy) {
+  return {Unchecked(), node, std::move(source), std::move(what), std::move(remedy)};
+}
+
+void YamlMapping::refuse(const YAML::Node& node, const std::string& message) const {
+  throw InputError(source_ + ":" + std::to_string(lineOf(node)) + ": " + what_ + ": " + message + remedy_);
+}
+
+void YamlMapping::finish() const {
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
+    if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
+      refuse(entry.first, "unknown key '" + key + "'");
   }
 }
 
@@ -48,12 +69,27 @@ YAML::Node YamlMapping::load(const std::string& yaml, const std::string& source)
 void YamlMapping::fail(const std::string& key, const std::string& message) const {
   const int line = key.empty() || !has(key) ? lineOf(node_) : lineOf(node_[key]);
   throw InputError(source_ + ":" + std::to_string(line) + ": " + what_ +
-                   (key.empty() ? "" : ": '" + key + "'") + " " + message);
+                   (key.empty() ? "" : ": '" + key + "'") + " " + message + remedy_);
 }
 
 YAML::Node YamlMapping::node(const std::string& key) const {
   if (!has(key)) fail(key, "is missing");
+  asked_.push_back(key);
   return node_[key];
+}
+
+YamlMapping YamlMapping::map(const std::string& key) const {
+  return {Unchecked(), node(key), source_, key, remedy_};
+}
+
+std::vector<YAML::Node> YamlMapping::list(const std::string& key) const {
+  const YAML::Node value = node(key);
+  if (!value.IsSequence()) fail(key, "must be a list");
+  return {value.begin(), value.end()};
+}
+
+YamlMapping YamlMapping::item(const YAML::Node& node, const std::string& key, std::size_t index) const {
+  return {Unchecked(), node, source_, key + "[" + std::to_string(index) + "]", remedy_};
 }
 
 std::vector<std::string> YamlMapping::keys() const {
@@ -104,6 +140,41 @@ int YamlMapping::count(const std::string& key, int lower) const {
   if (value < lower || value != std::floor(value) || value > 1e7)
     fail(key, "is " + plain(value) + ", but must be a whole number of at least " + std::to_string(lower));
   return static_cast<int>(value);
+}
+
+bool YamlMapping::flag(const std::string& key) const {
+  const std::string read = text(key);
+  if (read != "true" && read != "false") fail(key, "is '" + read + "', but must be true or false");
+  return read == "true";
+}
+
+std::string YamlMapping::storedText(const std::string& key) const {
+  const YAML::Node value = node(key);
+  if (!value.IsScalar()) fail(key, "must be text");
+  return value.Scalar();
+}
+
+double YamlMapping::stored(const std::string& key) const {
+  const YAML::Node value = node(key);
+  double read = 0.0;
+  if (!value.IsScalar() || !parseNumber(value.Scalar(), read)) fail(key, "must be a number");
+  return read;
+}
+
+std::vector<double> YamlMapping::storedList(const std::string& key) const {
+  return storedList(node(key), key);
+}
+
+std::vector<double> YamlMapping::storedList(const YAML::Node& list, const std::string& key) const {
+  if (!list.IsSequence()) refuse(list, "'" + key + "' must be a list of numbers");
+  std::vector<double> values;
+  for (const YAML::Node& item : list) {
+    double value = 0.0;
+    if (!item.IsScalar() || !parseNumber(item.Scalar(), value))
+      refuse(item, "'" + key + "' must hold numbers only");
+    values.push_back(value);
+  }
+  return values;
 }
 
 std::vector<double> YamlMapping::numbers(const std::string& key, double factor) const {
