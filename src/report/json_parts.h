@@ -15,6 +15,21 @@ namespace mm {
 
 /// A number, or null where it is NaN or infinite.
 nlohmann::ordered_json number(double value);
+
+// For pictures: no more digits than can be seen.
+constexpr double kPlaceStep = 1e-4;      // mm or deg
+constexpr double kDeviationStep = 1e-3;  // um or arcsec
+constexpr double kFigureStep = 1e-4;     // um or arcsec, of a figure that is printed
+/// A number to a whole number of steps, or null where it is NaN or infinite.
+nlohmann::ordered_json rounded(double value, double step);
+/// Each of a range of numbers, as rounded().
+template <typename Range>
+nlohmann::ordered_json roundedList(const Range& values, double step) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const double v : values) out.push_back(rounded(v, step));
+  return out;
+}
+
 /// `{"type": …, keys…}`: numbers as numbers, true and false as such, lists as lists.
 nlohmann::ordered_json effectJson(const EffectSpec& effect);
 /// Sets `<name>_um`, and `<name>_arcsec` where there are angular figures. @param linear m. @param angular

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "diagnosis/wording.h"
+#include "report/iso_tests_json.h"
 #include "report/json.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
@@ -17,17 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// For pictures: no more digits than can be seen.
-Json rounded(double value, double step) {
-  return std::isfinite(value) ? Json(std::round(value / step) * step) : Json(nullptr);
-}
-
-template <typename Range>
-Json list(const Range& values, double step) {
-  Json out = Json::array();
-  for (const double v : values) out.push_back(rounded(v, step));
-  return out;
-}
+constexpr double kHourStep = 1e-5;         // h: 0.04 s
+constexpr double kTemperatureStep = 1e-4;  // degC: below the noise of any sensor
 
 /// Five digits of the largest value.
 double stepOf(const std::vector<double>& values) {
@@ -105,13 +97,13 @@ Json variablesJson(const std::vector<VariableView>& views) {
       counts.push_back(b.count);
     }
     const double xStep = stepOf(v.x), yStep = stepOf(v.y);
-    one["at"] = list(at, stepOf(at));
-    one["mean"] = list(mean, yStep * 0.1);
-    one["standard_error"] = list(error, yStep * 0.01);
-    one["improved"] = list(improved, yStep * 0.1);
+    one["at"] = roundedList(at, stepOf(at));
+    one["mean"] = roundedList(mean, yStep * 0.1);
+    one["standard_error"] = roundedList(error, yStep * 0.01);
+    one["improved"] = roundedList(improved, yStep * 0.1);
     one["count"] = std::move(counts);
-    one["x"] = list(v.x, xStep);
-    one["y"] = list(v.y, yStep);
+    one["x"] = roundedList(v.x, xStep);
+    one["y"] = roundedList(v.y, yStep);
     out.push_back(std::move(one));
   }
   return out;
@@ -124,7 +116,7 @@ Json vectorsJson(const ResidualVectors& v, const Session& session) {
   out["signed"] = v.signedValues;
   Json at = Json::array(), rows = Json::array(), names = Json::array(), outliers = Json::array();
   for (const ResidualVectors::Place& p : v.places) {
-    at.push_back(list(p.at, 1e-4));
+    at.push_back(roundedList(p.at, kPlaceStep));
     rows.push_back(p.row);
     names.push_back(p.feature >= 0 ? session.artifact.features[static_cast<std::size_t>(p.feature)].name
                                    : std::string());
@@ -137,109 +129,17 @@ Json vectorsJson(const ResidualVectors& v, const Session& session) {
   out["states"] = Json::array();
   for (const ResidualVectors::State& s : v.states) {
     Json state, vectors = Json::array();
-    for (const Eigen::Vector3d& one : s.vectors) vectors.push_back(list(one, 1e-3));
+    for (const Eigen::Vector3d& one : s.vectors) vectors.push_back(roundedList(one, kDeviationStep));
     state["name"] = s.name;
     state["vector_um"] = std::move(vectors);
-    state["value_um"] = list(s.values, 1e-3);
+    state["value_um"] = roundedList(s.values, kDeviationStep);
     out["states"].push_back(std::move(state));
   }
   out["balls"] = Json::array();
   for (const ResidualVectors::Ball& b : v.balls)
-    out["balls"].push_back(
-        Json{{"name", b.name}, {"centre_mm", list(b.centre, 1e-4)}, {"radius_mm", rounded(b.radius, 1e-4)}});
-  return out;
-}
-
-Json positioningTestJson(const PositioningTest& test) {
-  Json out;
-  std::vector<double> at, up, down, sUp, sDown;
-  Json runs = Json::array();
-  for (const PositioningTarget& t : test.targets) {
-    at.push_back(t.at);
-    up.push_back(t.meanForward);
-    down.push_back(t.meanBackward);
-    sUp.push_back(t.sForward);
-    sDown.push_back(t.sBackward);
-    runs.push_back(Json::array({t.forward, t.backward}));
-  }
-  out["at"] = list(at, 1e-4);
-  out["forward"] = list(up, 1e-3);
-  out["backward"] = list(down, 1e-3);
-  out["s_forward"] = list(sUp, 1e-3);
-  out["s_backward"] = list(sDown, 1e-3);
-  out["runs"] = std::move(runs);
-  const PositioningFigures& f = test.figures;
-  const auto figure = [](double value) { return rounded(value, 1e-4); };
-  out["figures"] = Json{{"A", figure(f.accuracy)},
-                        {"A_forward", figure(f.forward.accuracy)},
-                        {"A_backward", figure(f.backward.accuracy)},
-                        {"R", figure(f.repeatability)},
-                        {"R_forward", figure(f.forward.repeatability)},
-                        {"R_backward", figure(f.backward.repeatability)},
-                        {"E", figure(f.systematic)},
-                        {"E_forward", figure(f.forward.systematic)},
-                        {"E_backward", figure(f.backward.systematic)},
-                        {"M", figure(f.meanRange)},
-                        {"B", figure(f.reversal)},
-                        {"B_mean", figure(f.meanReversal)}};
-  return out;
-}
-
-Json positioningJson(const std::vector<AxisPositioning>& axes) {
-  Json out = Json::array();
-  for (const AxisPositioning& a : axes) {
-    Json one;
-    one["axis"] = a.axis;
-    one["name"] = a.name;
-    one["travel_assumed"] = a.travelAssumed;
-    one["unit"] = a.rotary ? "arcsec" : "um";
-    one["position_unit"] = a.rotary ? "deg" : "mm";
-    one["measured"] = positioningTestJson(a.measured);
-    one["calibrated"] = positioningTestJson(a.calibrated);
-    Json x = Json::array(), y = Json::array(), left = Json::array(), up = Json::array();
-    for (std::size_t i = 0; i < a.runs.size(); ++i) {
-      x.push_back(rounded(a.runs[i].at, 1e-4));
-      y.push_back(rounded(a.runs[i].deviation, 1e-3));
-      left.push_back(rounded(a.left[i].deviation, 1e-3));
-      up.push_back(a.runs[i].forward ? 1 : 0);
-    }
-    one["x"] = std::move(x);
-    one["y"] = std::move(y);
-    one["left"] = std::move(left);
-    one["up"] = std::move(up);
-    out.push_back(std::move(one));
-  }
-  return out;
-}
-
-Json circlePathJson(const CirclePath& path) {
-  if (path.angle.empty()) return nullptr;
-  std::vector<double> degrees;
-  for (const double angle : path.angle) degrees.push_back(angle / kDegree);
-  return Json{{"angle_deg", list(degrees, 1e-3)},
-              {"F_um", list(path.radial, 1e-3)},
-              {"G", rounded(path.circular, 1e-4)},
-              {"F_max", rounded(path.largest, 1e-4)},
-              {"F_min", rounded(path.smallest, 1e-4)}};
-}
-
-Json circleFiguresJson(const CircleFigures& f) {
-  return Json{{"counter_clockwise", circlePathJson(f.counterClockwise)},
-              {"clockwise", circlePathJson(f.clockwise)},
-              {"G_both", rounded(f.bidirectional, 1e-4)},
-              {"D", rounded(f.meanRadial, 1e-4)},
-              {"H", rounded(f.hysteresis, 1e-4)}};
-}
-
-Json circlesJson(const std::vector<CircleTest>& tests) {
-  Json out = Json::array();
-  for (const CircleTest& t : tests)
-    out.push_back(Json{{"first", t.first},
-                       {"second", t.second},
-                       {"setup", t.setup},
-                       {"radius_mm", rounded(t.radius, 1e-4)},
-                       {"measured", circleFiguresJson(t.measured)},
-                       {"calibrated", circleFiguresJson(t.calibrated)}});
+    out["balls"].push_back(Json{{"name", b.name},
+                                {"centre_mm", roundedList(b.centre, kPlaceStep)},
+                                {"radius_mm", rounded(b.radius, kPlaceStep)}});
   return out;
 }
 
@@ -286,22 +186,23 @@ Json thermalJson(const ThermalTest& test) {
   for (const AxisThermal& a : test.axes) {
     Json courses = Json::array();
     for (const ThermalCourse& c : a.courses)
-      courses.push_back({{"at", rounded(c.at, 1e-4)},
-                         {"hours", list(c.hours, 1e-5)},
-                         {"measured", list(c.measured, 1e-3)},
-                         {"left", list(c.left, 1e-3)},
-                         {"measured_range", rounded(c.measuredRange, 1e-4)},
-                         {"left_range", rounded(c.leftRange, 1e-4)}});
+      courses.push_back({{"at", rounded(c.at, kPlaceStep)},
+                         {"hours", roundedList(c.hours, kHourStep)},
+                         {"measured", roundedList(c.measured, kDeviationStep)},
+                         {"left", roundedList(c.left, kDeviationStep)},
+                         {"measured_range", rounded(c.measuredRange, kFigureStep)},
+                         {"left_range", rounded(c.leftRange, kFigureStep)}});
     axes.push_back({{"axis", a.axis},
                     {"unit", a.rotary ? "arcsec" : "um"},
                     {"position_unit", a.rotary ? "deg" : "mm"},
-                    {"measured_range", rounded(a.measuredRange, 1e-4)},
-                    {"left_range", rounded(a.leftRange, 1e-4)},
+                    {"measured_range", rounded(a.measuredRange, kFigureStep)},
+                    {"left_range", rounded(a.leftRange, kFigureStep)},
                     {"courses", std::move(courses)}});
   }
   for (const TemperatureCourse& c : test.temperatures)
-    temperatures.push_back(
-        {{"sensor", c.sensor}, {"hours", list(c.hours, 1e-5)}, {"temperature", list(c.temperature, 1e-4)}});
+    temperatures.push_back({{"sensor", c.sensor},
+                            {"hours", roundedList(c.hours, kHourStep)},
+                            {"temperature", roundedList(c.temperature, kTemperatureStep)}});
   return {{"axes", std::move(axes)}, {"temperatures", std::move(temperatures)}};
 }
 

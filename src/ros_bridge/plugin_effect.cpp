@@ -1,64 +1,25 @@
 #include "ros_bridge/plugin_effect.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <limits>
 #include <mutex>
-#include <random>
 #include <set>
 
 #include "base/error.h"
-#include "base/nearest_name.h"
+#include "ros_bridge/plugin_terms.h"
 
 namespace mm {
 namespace {
 
+constexpr int kTrials = 4;           // states at which an effect is tried
+constexpr double kRounding = 1e-9;   // of two sums of the same terms, far below any effect that is not linear
+constexpr double kStep = 2e-3;       // of the parameter: eighth order leaves 1e-16 of it, rounding 1e-13
+constexpr double kLeastStep = 1e-6;  // of its scale, where it stands at a limit
+constexpr double kNearZero = 1e-3;   // of its scale: below it the step does not follow the parameter
+constexpr double kOfTheWay = 0.24;   // to a limit: four steps to either side stay within it
+
 using Shared = std::shared_ptr<const plugin::EffectType>;
-
-plugin::Session sessionOf(const Domain& d) {
-  const auto at = [](const std::vector<double>& v, std::size_t i) { return i < v.size() ? v[i] : 0.0; };
-  plugin::Session session;
-  for (std::size_t j = 0; j < d.joints.size(); ++j)
-    session.joints.push_back(
-        {d.joints[j].name, at(d.lower, j), at(d.upper, j), d.joints[j].kind == JointKind::kRotary});
-  for (std::size_t s = 0; s < d.sensors.size(); ++s)
-    session.sensors.push_back({d.sensors[s], at(d.sensorLower, s), at(d.sensorUpper, s), false});
-  for (std::size_t c = 0; c < d.covariates.size(); ++c)
-    session.covariates.push_back({d.covariates[c], at(d.covariateLower, c), at(d.covariateUpper, c), false});
-  session.features = d.features;
-  session.duration = d.duration;
-  session.maxSpeed = d.maxSpeed;
-  session.laser = d.laser;
-  return session;
-}
-
-plugin::State stateOf(const State& s) {
-  plugin::State state;
-  state.time = s.time;
-  state.position = s.position.data();
-  state.velocity = s.velocity.data();
-  state.travel = s.travel.data();
-  state.temperature = s.temperature.data();
-  state.covariate = s.covariate.data();
-  for (int k = 0; k < 3; ++k) {
-    state.approach[k] = s.approach[k];
-    state.normal[k] = s.surfaceNormal[k];
-    state.tip[k] = s.tip[k];
-    for (int m = 0; m < 3; ++m) state.orientation[3 * k + m] = s.orientation(k, m);
-  }
-  state.laserReading = s.laserReading;
-  state.feature = s.feature;
-  state.featureRadius = s.featureRadius;
-  return state;
-}
-
-/// A number in its shortest form, so that 1 and 1.0 are the same effect; other text as it is.
-std::string shortest(const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return text;
-  return EffectSpec().set("", value).text("");
-}
 
 /// Passes on each line once.
 class Once {
@@ -220,9 +181,10 @@ class PluginEffect final : public Effect {
       }
       constexpr double kWeights[4] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
       std::fill(slope.begin(), slope.end(), 0.0);
-      double h = 2e-3 * std::max(std::abs(p[i]), 1e-3 * parameter.scale);
-      h = std::min({h, 0.24 * std::abs(p[i] - parameter.minimum), 0.24 * std::abs(parameter.maximum - p[i])});
-      if (!(h > 0.0)) h = 1e-6 * parameter.scale;
+      double h = kStep * std::max(std::abs(p[i]), kNearZero * parameter.scale);
+      h = std::min({h, kOfTheWay * std::abs(p[i] - parameter.minimum),
+                    kOfTheWay * std::abs(parameter.maximum - p[i])});
+      if (!(h > 0.0)) h = kLeastStep * parameter.scale;
       for (int step = 1; step <= 4; ++step)
         for (const double side : {1.0, -1.0}) {
           p_[i] = p[i] + side * step * h;
@@ -267,37 +229,12 @@ class PluginEffect final : public Effect {
 
   /// Refuses an effect that is not linear where it says so: it would be fitted wrongly without a word.
   void checkLinear(const Domain& domain) const {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<double> share(0.1, 0.9);
-    std::normal_distribution<double> normal;
-    const auto within = [&](const std::vector<double>& lower, const std::vector<double>& upper,
-                            std::size_t n) {
-      std::vector<double> v(n);
-      for (std::size_t i = 0; i < n; ++i) {
-        const double low = i < lower.size() ? lower[i] : 0.0, high = i < upper.size() ? upper[i] : 1.0;
-        v[i] = low + share(random) * (high - low);
-      }
-      return v;
-    };
-    for (int trial = 0; trial < 4; ++trial) {
-      State state;
-      const std::size_t joints = domain.joints.size();
-      state.time = share(random) * domain.duration;
-      state.position = within(domain.lower, domain.upper, joints);
-      for (std::size_t j = 0; j < joints; ++j) {
-        state.travel.push_back(share(random) < 0.5 ? -1.0 : 1.0);
-        state.velocity.push_back(state.travel[j] * share(random) * std::max(domain.maxSpeed, 1e-4));
-      }
-      state.temperature = within(domain.sensorLower, domain.sensorUpper, domain.sensors.size());
-      state.covariate = within(domain.covariateLower, domain.covariateUpper, domain.covariates.size());
-      state.approach = -Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
-      state.surfaceNormal = -state.approach;
-      state.tip = 0.1 * Eigen::Vector3d(normal(random), normal(random), normal(random));
-      state.feature = domain.features.empty() ? -1 : 0;
-      state.featureRadius = domain.features.empty() ? 0.0 : 0.004;
+    Random random(5, "plugin");
+    for (int trial = 0; trial < kTrials; ++trial) {
+      const State state = stateWithin(domain, random);
       Call call(*this, state);
       std::vector<double> a, sum(static_cast<std::size_t>(layout_.size()), 0.0), slope(sum.size());
-      for (const Parameter& q : parameters_) a.push_back(q.scale * (0.5 + share(random)));
+      for (const Parameter& q : parameters_) a.push_back(q.scale * random.uniform(0.5, 1.5));
       std::size_t k = 0;
       for (const int i : nonlinear_) a[i] = starts_.front()[k++];
       for (int i = 0; i < parameterCount(); ++i) {
@@ -308,12 +245,11 @@ class PluginEffect final : public Effect {
       const std::vector<double>& value = call(a.data());
       for (std::size_t s = 0; s < sum.size(); ++s) {
         if (!std::isfinite(value[s]) ||
-            std::abs(value[s] - sum[s]) <= 1e-9 * (std::abs(value[s]) + std::abs(sum[s])))
+            std::abs(value[s] - sum[s]) <= kRounding * (std::abs(value[s]) + std::abs(sum[s])))
           continue;
         throw InputError(
             "its error is not linear in the parameters that have no `search`; give one to those that it is "
-            "not "
-            "linear in");
+            "not linear in");
       }
     }
   }
@@ -329,47 +265,15 @@ class PluginEffect final : public Effect {
   std::string cause_, remedy_, shownBy_;
 };
 
-/// The keys as the plugin takes them, complete; and the canonical spec, defaults left out.
-plugin::Keys readKeys(const EffectSpec& spec, const std::vector<plugin::Key>& allowed,
-                      EffectSpec& canonical) {
-  std::vector<std::string> names;
-  for (const plugin::Key& key : allowed) names.push_back(key.name);
-  for (const auto& [key, value] : spec.keys) {
-    if (std::find(names.begin(), names.end(), key) == names.end())
-      throw InputError("unknown key '" + key + "'; allowed: " + (names.empty() ? "none" : listOf(names)) +
-                       didYouMean(key, names));
-    if (value.list || value.items.size() != 1)
-      throw InputError("key '" + key + "' must be a single value, not a list or nothing");
-    if (std::count_if(spec.keys.begin(), spec.keys.end(),
-                      [&k = key](const auto& other) { return other.first == k; }) > 1)
-      throw InputError("key '" + key + "' is given twice; keep one");
-  }
-  plugin::Keys keys;
-  for (const plugin::Key& key : allowed) {
-    const bool given = spec.find(key.name) != nullptr;
-    if (!given && key.standard.empty()) throw InputError("key '" + key.name + "' is missing; add it");
-    const std::string text = shortest(given ? spec.text(key.name) : key.standard);
-    if (text != shortest(key.standard)) canonical.set(key.name, text);
-    keys[key.name] = text;
-  }
-  return keys;
-}
-
 EffectPtr create(const Origin& origin, const EffectSpec& spec, const Domain& domain) {
   try {
     EffectSpec canonical(spec.type);
-    const plugin::Keys keys = readKeys(spec, origin.type->keys(), canonical);
+    const plugin::Keys keys = keysOf(spec, origin.type->keys(), canonical);
     return std::make_shared<PluginEffect>(canonical, origin, origin.type->create(keys, sessionOf(domain)),
                                           domain);
   } catch (const std::exception& e) {
     throw InputError("effect " + spec.yaml() + " (" + origin.name + "): " + e.what());
   }
-}
-
-EffectSpec specOf(const std::string& type, const plugin::Keys& keys) {
-  EffectSpec spec(type);
-  for (const auto& [key, value] : keys) spec.set(key, value);
-  return spec;
 }
 
 /// A shape that cannot be made is left out; the cause has its main one.
