@@ -1,9 +1,7 @@
 #include "effects/position_table.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "effects/catalogue_effect.h"
+#include "effects/knots.h"
 #include "effects/quantity.h"
 
 namespace mm {
@@ -15,19 +13,14 @@ class PositionTable : public CatalogueEffect {
     const Domain& domain = read.domain();
     const Joint& joint = domain.joints[axis_];
     name_ = joint.name;
-    if (axis_ < static_cast<int>(domain.positions.size())) positions_ = domain.positions[axis_];
-    if (positions_.size() < 2)
+    std::vector<double> positions;
+    if (axis_ < static_cast<int>(domain.positions.size())) positions = domain.positions[axis_];
+    if (positions.size() < 2)
       read.fail("a table needs 2 to 64 distinct measured positions of " + name_ + ", and there are " +
-                (positions_.empty() ? std::string("more (or none); use positioning_polynomial")
-                                    : std::string("fewer")));
-    const bool linear = joint.kind == JointKind::kLinear;
-    for (const double position : positions_) {
-      EffectSpec text;
-      text.set("at", 1e-4 * std::round(1e4 * position / (linear ? kMillimetre : kDegree)));
-      parameters_.push_back(errorParameter("at_" + text.text("at") + (linear ? "mm" : "deg"), joint.kind));
-    }
-    for (std::size_t i = 1; i < parameters_.size(); ++i)
-      if (parameters_[i].name == parameters_[i - 1].name) parameters_[i].name += "_" + std::to_string(i);
+                (positions.empty() ? std::string("more (or none); use positioning_polynomial")
+                                   : std::string("fewer")));
+    knots_ = Knots(positions, joint.kind);
+    for (const std::string& name : knots_.names()) parameters_.push_back(errorParameter(name, joint.kind));
   }
 
   bool composite() const override { return true; }
@@ -35,15 +28,7 @@ class PositionTable : public CatalogueEffect {
   bool choosesFrame(int) const override { return true; }
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
-    const double q = state.position[axis_];
-    const auto after = std::upper_bound(positions_.begin(), positions_.end(), q);
-    const int i = static_cast<int>(after - positions_.begin());
-    const int last = static_cast<int>(positions_.size()) - 1;
-    if (i == 0) return sink.add(slot, 0, p[0], 1.0);
-    if (i > last) return sink.add(slot, last, p[last], 1.0);
-    const double share = (q - positions_[i - 1]) / (positions_[i] - positions_[i - 1]);
-    sink.add(slot, i - 1, p[i - 1], 1.0 - share);
-    sink.add(slot, i, p[i], share);
+    knots_.at(state.position[axis_], [&](int knot, double share) { sink.add(slot, knot, p[knot], share); });
   }
 
   std::vector<int> mustMove() const override { return {axis_}; }
@@ -62,7 +47,7 @@ class PositionTable : public CatalogueEffect {
  private:
   int axis_;
   std::string name_;
-  std::vector<double> positions_;  // m or rad, ascending
+  Knots knots_;
 };
 
 }  // namespace
