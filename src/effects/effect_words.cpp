@@ -21,6 +21,7 @@ constexpr std::array kPhrases = {
     Phrase{"lead_screw_periodic", "periodic error of {axis}"},
     Phrase{"positioning_polynomial", "positioning error of {axis}"},
     Phrase{"straightness", "straightness of {axis} in {direction}"},
+    Phrase{"straightness_table", "straightness table of {axis} in {direction}"},
     Phrase{"position_table", "position table of {axis}"},
     Phrase{"angular_motion", "angular error of {axis} about {about}"},
     Phrase{"backlash", "backlash of {axis}"},

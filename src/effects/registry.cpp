@@ -32,6 +32,7 @@
 #include "effects/speed_lag.h"
 #include "effects/squareness.h"
 #include "effects/straightness.h"
+#include "effects/straightness_table.h"
 #include "effects/thermal_bending.h"
 #include "effects/thermal_expansion.h"
 #include "effects/thermal_growth.h"
@@ -50,6 +51,7 @@ std::vector<EffectType>& registry() {
       leadScrewPeriodicType(),      //
       positioningPolynomialType(),  //
       straightnessType(),           //
+      straightnessTableType(),      //
       positionTableType(),          //
       angularMotionType(),          //
       backlashType(),               //

@@ -130,6 +130,24 @@ TEST_F(Convention, tableIsLinearBetweenItsPositionsAndConstantBeyond) {
   EXPECT_NEAR(at(-0.05), 1e-6, 1e-18);
 }
 
+TEST_F(Convention, straightnessTableCountsFromTheLineThroughItsEnds) {
+  domain.positions[0] = {-0.01, 0.0, 0.01, 0.02};
+  const auto at = [&](const char* knots, double x) {
+    state.position[0] = x;
+    return values(std::string("{type: straightness_table, axis: x, direction: z") + knots + "}",
+                  {4e-6, -2e-6})[layout.axis(2)];
+  };
+  EXPECT_EQ(at("", -0.01), 0.0);
+  EXPECT_NEAR(at("", -0.0025), 3e-6, 1e-18);
+  EXPECT_NEAR(at("", 0.005), 1e-6, 1e-18);
+  EXPECT_NEAR(at("", 0.015), -1e-6, 1e-18);
+  EXPECT_EQ(at("", 0.05), 0.0);
+  domain.lower[0] = -0.03;
+  domain.upper[0] = 0.03;  // knots: 4 are at -30, -10, 10 and 30 mm
+  EXPECT_NEAR(at(", knots: 4", -0.02), 2e-6, 1e-18);
+  EXPECT_NEAR(at(", knots: 4", 0.0), 1e-6, 1e-18);
+}
+
 TEST_F(Convention, lobesActAlongTheApproach) {
   state.orientation.setIdentity();
   const double phi = 0.3, eps = 0.4;

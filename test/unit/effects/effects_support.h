@@ -208,6 +208,10 @@ inline std::vector<EffectSpec> everySpec(const Domain& domain, int which) {
                 "{type: profile, direction: pan, variables: [tilt, humidity], size_arcsec: 5}"};
   for (const std::string& text : more) specs.push_back(specOf(text));
   specs.push_back(EffectSpec("position_table").set("axis", domain.joints[0].name));
+  specs.push_back(EffectSpec("straightness_table")
+                      .set("axis", domain.joints[0].name)
+                      .set("direction", domain.joints[1].name)
+                      .set("knots", 5));
   specs.push_back(EffectSpec("thermal_network").set("axis", domain.joints[0].name));
   return specs;
 }

@@ -38,6 +38,7 @@ const std::vector<Row> kThreeAxis{
     {"{type: lead_screw_periodic, axis: y, period_mm: 2.5}", "y"},
     {"{type: positioning_polynomial, axis: x, degree: 3}", "x"},
     {"{type: straightness, axis: x, direction: z, degree: 2}", "x"},
+    {"{type: straightness_table, axis: x, direction: z}", "x"},
     {"{type: position_table, axis: x}", "x"},
     {"{type: angular_motion, axis: x, about: x}", "x y z"},
     {"{type: angular_motion, axis: x, about: y}", "x z"},

@@ -96,6 +96,18 @@ TEST_F(Spec, tableNeedsPositions) {
   expect("{type: position_table, axis: " + domain.joints[0].name + "}", {"2 to 64"});
 }
 
+TEST_F(Spec, straightnessTableNeedsKnotsSomewhereAndAnotherDirection) {
+  expect("{type: straightness_table, axis: x, direction: x}", {"must differ", "position_table"});
+  expect("{type: straightness_table, axis: x, direction: z, knots: 2}", {"knots", "3"});
+  domain.positions[0].clear();  // more than 64 of them
+  expect("{type: straightness_table, axis: x, direction: z}", {"3 to 64", "knots: 9"});
+  EXPECT_EQ(createEffect(specOf("{type: straightness_table, axis: x, direction: z, knots: 9}"), domain)
+                ->parameterCount(),
+            7);
+  domain.upper[0] = domain.lower[0];
+  expect("{type: straightness_table, axis: x, direction: z, knots: 9}", {"never moved"});
+}
+
 TEST_F(Spec, ownTypesAreAddedOnce) {
   EffectType own;
   own.type = "test_own_type";

@@ -2,6 +2,7 @@
 // name, a sign and a unit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/units.h"
@@ -57,6 +58,43 @@ TEST(Recovery, TouchProbeOnThePlate) {
        0.5e-6},
       {"covariate_scale:y/humidity=40ppm", "{type: covariate_scale, axis: y, covariate: humidity}", 40e-6}};
   for (const Recovery& r : cases) expectRecovered(r, "three_axis", "nine_ball_plate");
+}
+
+/// A guideway with a kink and a wave, hidden in the readings: what the table says at its knots is its
+/// deviation from the line through the ends, whatever else the artifact's pose takes.
+TEST(Recovery, StraightnessTableFindsAShapeThatNoPolynomialHas) {
+  const Machine machine = Machine::load("three_axis");
+  SimulationRequest request;
+  request.seed = 3;
+  Session session =
+      simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), request).session;
+  const Domain domain = observedDomain(session);
+  constexpr int kKnots = 9;
+  const double range = domain.upper[0] - domain.lower[0];
+  const std::vector<double> hidden = {2e-6, 5e-6, 3e-6, -1e-6, -4e-6, 2e-6, 3e-6, -2e-6, 1e-6};
+  const auto guideway = [&](double x) {
+    const double u = std::clamp((x - domain.lower[0]) / range * (kKnots - 1), 0.0, kKnots - 1.0);
+    const int i = std::min(static_cast<int>(u), kKnots - 2);
+    return hidden[i] + (u - i) * (hidden[i + 1] - hidden[i]);
+  };
+  for (Observation& o : session.observations) o.position[2] -= guideway(o.position[0]);
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  options.rejectOutliers = false;
+  const Model model(
+      machine, observedDomain(session),
+      {parseEffectSpec("{type: straightness_table, axis: x, direction: z, knots: 9}", "effect")});
+  const CalibrationResult found = calibrate(session, model, options);
+  ASSERT_EQ(found.x.size() >= kKnots - 2, true);
+  for (int knot = 1; knot + 1 < kKnots; ++knot) {
+    const double line = hidden.front() + (hidden.back() - hidden.front()) * knot / (kKnots - 1.0);
+    EXPECT_NEAR(found.x(knot - 1), hidden[knot] - line, 4.0 * found.std(knot - 1)) << knot;
+    EXPECT_GT(found.std(knot - 1), 0.0) << knot;
+    EXPECT_LT(found.std(knot - 1), 0.3e-6) << knot;
+    EXPECT_FALSE(found.identifiability.fixed[knot - 1]) << knot;
+  }
+  EXPECT_LT(found.figures.rms, 0.45e-6);
+  EXPECT_GT(found.before.rms, 1.5 * found.figures.rms);
 }
 
 TEST(Recovery, LaserOnTheFiveAxisMachine) {
