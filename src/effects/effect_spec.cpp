@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "base/number_text.h"
+
 namespace mm {
 namespace {
 
@@ -17,7 +19,16 @@ EffectSpec::Value& slot(EffectSpec& spec, const std::string& key) {
   return spec.keys.back().second;
 }
 
+bool sameItem(const std::string& a, const std::string& b) {
+  double x = 0.0, y = 0.0;
+  return a == b || (parseNumber(a, x) && parseNumber(b, y) && x == y);
+}
+
 }  // namespace
+
+bool EffectSpec::Value::operator==(const Value& o) const {
+  return list == o.list && std::equal(items.begin(), items.end(), o.items.begin(), o.items.end(), sameItem);
+}
 
 EffectSpec& EffectSpec::set(const std::string& key, const std::string& value) {
   slot(*this, key) = {{value}, false};

@@ -12,7 +12,8 @@ class EffectSpec {
   struct Value {
     std::vector<std::string> items;
     bool list = false;
-    bool operator==(const Value& o) const { return items == o.items && list == o.list; }
+    /// The same items; numbers by their value: 1 is 1.0.
+    bool operator==(const Value& o) const;
   };
 
   EffectSpec() = default;

@@ -1,6 +1,5 @@
 #include "effects/rotary_axis_offset.h"
 
-#include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
 #include "effects/rotary.h"
 #include "effects/tilt.h"
@@ -8,13 +7,9 @@
 namespace mm {
 namespace {
 
-class RotaryAxisOffset : public CatalogueEffect {
+class RotaryAxisOffset : public RotaryAxisError {
  public:
-  explicit RotaryAxisOffset(SpecReader& read)
-      : CatalogueEffect(read, Stage::kJoint),
-        joint_(read.joint("joint", JointKind::kRotary)),
-        axis_(read.axisOf("direction", "axis of the joint's fixed side")) {
-    name_ = read.domain().joints[joint_].name;
+  explicit RotaryAxisOffset(SpecReader& read) : RotaryAxisError(read, "direction") {
     parameters_ = {parameter("offset", kUnitMicrometre, 1e-5, 1e-2)};
   }
 
@@ -23,8 +18,6 @@ class RotaryAxisOffset : public CatalogueEffect {
     sink.add(layout_.jointTranslation(joint_, axis_), 0, p[0], 1.0);
   }
 
-  std::vector<int> mustMove() const override { return {joint_}; }
-
   std::string cause() const override {
     return "Location error of the axis of " + name_ + " (ISO 230-7): it is displaced along " +
            axisName(axis_) + " of its seat.";
@@ -32,27 +25,13 @@ class RotaryAxisOffset : public CatalogueEffect {
   std::string remedy() const override {
     return "Shim or shift the seat of " + name_ + ", or enter the offset in the URDF.";
   }
-  std::string shownBy() const override {
-    return "Postures that turn " + name_ +
-           " over most of its range, and the other joints with it, at one ball.";
-  }
-
- private:
-  int joint_, axis_;
-  std::string name_;
 };
 
 }  // namespace
 
 EffectType rotaryAxisOffsetType() {
   return effectType<RotaryAxisOffset>("rotary_axis_offset", {"joint", "direction"}, [](const Domain& domain) {
-    std::vector<EffectSpec> specs;
-    for (const Joint& joint : domain.joints)
-      for (int k = 0; k < 3; ++k)
-        if (joint.kind == JointKind::kRotary && !alongAxis(joint, k))
-          specs.push_back(
-              EffectSpec("rotary_axis_offset").set("joint", joint.name).set("direction", axisName(k)));
-    return specs;
+    return acrossRotaryAxes("rotary_axis_offset", "direction", domain);
   });
 }
 

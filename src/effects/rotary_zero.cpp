@@ -1,16 +1,14 @@
 #include "effects/rotary_zero.h"
 
-#include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
+#include "effects/rotary.h"
 
 namespace mm {
 namespace {
 
-class RotaryZero : public CatalogueEffect {
+class RotaryZero : public RotaryEffect {
  public:
-  explicit RotaryZero(SpecReader& read)
-      : CatalogueEffect(read, Stage::kAxis), joint_(read.joint("joint", JointKind::kRotary)) {
-    name_ = read.domain().joints[joint_].name;
+  explicit RotaryZero(SpecReader& read) : RotaryEffect(read, Stage::kAxis) {
     parameters_ = {errorParameter("zero", JointKind::kRotary)};
   }
 
@@ -30,10 +28,6 @@ class RotaryZero : public CatalogueEffect {
     return "Postures with at least two other joints turned, so that the zero of " + name_ +
            " is not equivalent to a rotation of the artifact.";
   }
-
- private:
-  int joint_;
-  std::string name_;
 };
 
 }  // namespace

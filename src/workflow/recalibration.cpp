@@ -32,20 +32,6 @@ LedgerEntry entryOf(const std::string& action, const EffectSpec& effect, const R
   return entry;
 }
 
-bool sameItem(const std::string& a, const std::string& b) {
-  double x = 0.0, y = 0.0;
-  return a == b || (parseNumber(a, x) && parseNumber(b, y) && x == y);
-}
-
-bool sameKeys(const EffectSpec& a, const EffectSpec& b) {
-  if (a.type != b.type || a.keys.size() != b.keys.size()) return false;
-  return std::all_of(a.keys.begin(), a.keys.end(), [&](const auto& pair) {
-    const EffectSpec::Value* other = b.find(pair.first);
-    return other != nullptr && other->items.size() == pair.second.items.size() &&
-           std::equal(other->items.begin(), other->items.end(), pair.second.items.begin(), sameItem);
-  });
-}
-
 std::string listOf(const std::vector<EffectSpec>& effects) {
   if (effects.empty()) return "it has no effects";
   std::string text;
@@ -132,10 +118,10 @@ std::string differenceOf(const Machine& calibrated, const Machine& other) {
 }  // namespace
 
 bool sameEffect(const EffectSpec& a, const EffectSpec& b, const Domain& domain) {
-  if (sameKeys(a, b)) return true;
+  if (a == b) return true;
   if (a.type != b.type) return false;
   try {  // defaults that one of them left out
-    return sameKeys(createEffect(a, domain)->spec(), createEffect(b, domain)->spec());
+    return createEffect(a, domain)->spec() == createEffect(b, domain)->spec();
   } catch (const InputError&) {
     return false;
   }

@@ -73,6 +73,9 @@ TEST_F(Spec, yamlQuotesWhatWouldReadDifferently) {
       .set("formula", "k1*x, {odd: 'text'} # \"no comment\"")
       .setList("start", {"1", "-2.5"});
   EXPECT_TRUE(specOf(spec.yaml()) == spec) << spec.yaml();
+  EXPECT_EQ(EffectSpec("a").set("v", "1.0"), EffectSpec("a").set("v", 1.0));
+  EXPECT_FALSE(EffectSpec("a").set("v", "1.0") == EffectSpec("a").setList("v", {"1"}));
+  EXPECT_FALSE(EffectSpec("a").setList("v", {"1"}) == EffectSpec("a").setList("v", {"1", "2"}));
   EXPECT_EQ(EffectSpec("a").set("v", 0.1).text("v"), "0.1");
   EXPECT_EQ(EffectSpec("a").set("v", 1.0 / 3.0).text("v"), "0.3333333333333333");
 }
