@@ -16,15 +16,7 @@ using Kind = KeyUse::Kind;
 
 /// A machine with every kind of input.
 Domain exampleDomain() {
-  Domain d;
-  d.setMachine(Machine::load("five_axis"));
-  for (const Joint& joint : d.joints) {
-    d.lower.push_back(joint.lower);
-    d.upper.push_back(joint.upper);
-    std::vector<double> positions;
-    for (int i = 0; i <= 4; ++i) positions.push_back(joint.lower + 0.25 * i * (joint.upper - joint.lower));
-    d.positions.push_back(positions);
-  }
+  Domain d = domainOverTravel(Machine::load("five_axis"));
   d.sensors = {"bed", "frame"};
   d.sensorLower = {19.0, 20.0};
   d.sensorUpper = {26.0, 24.0};

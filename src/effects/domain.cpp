@@ -34,4 +34,19 @@ const LearnedNetwork* Domain::findNetwork(const std::string& effect) const {
   return nullptr;
 }
 
+Domain domainOverTravel(const Machine& machine) {
+  constexpr int kPositions = 5;
+  Domain domain;
+  domain.setMachine(machine);
+  for (const Joint& joint : domain.joints) {
+    domain.lower.push_back(joint.lower);
+    domain.upper.push_back(joint.upper);
+    std::vector<double> positions;
+    for (int i = 0; i < kPositions; ++i)
+      positions.push_back(joint.lower + i * (joint.upper - joint.lower) / (kPositions - 1.0));
+    domain.positions.push_back(positions);
+  }
+  return domain;
+}
+
 }  // namespace mm

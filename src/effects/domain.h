@@ -57,4 +57,7 @@ struct Domain {
   const LearnedNetwork* findNetwork(const std::string& effect) const;
 };
 
+/// A domain without inputs but the machine's joints: each covered its travel, at five positions.
+Domain domainOverTravel(const Machine& machine);
+
 }  // namespace mm

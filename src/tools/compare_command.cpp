@@ -13,13 +13,7 @@
 namespace mm {
 namespace {
 
-struct CompareCommand {
-  std::string bag, calibration;
-  bool json = false;
-  FitOptions fit;
-};
-
-void runCompare(const CompareCommand& c) {
+void runCompare(const SessionAndCalibration& c) {
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = loadSession(c.bag, calibration, c.fit.space);
@@ -39,11 +33,9 @@ void runCompare(const CompareCommand& c) {
 }  // namespace
 
 void addCompareCommand(CLI::App& app, int& /*exitStatus*/) {
-  auto c = std::make_shared<CompareCommand>();
+  auto c = std::make_shared<SessionAndCalibration>();
   CLI::App* command = app.add_subcommand("compare", "Where a calibration fails on a session");
-  command->add_option("bag", c->bag, "the session")->required();
-  command->add_option("--calibration", c->calibration, "the calibration file")->required();
-  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  c->declare(*command, "the session");
   c->fit.declare(*command, false);
   command->footer(
       "The values of the calibration are held; only what belongs to the session (pose of the artifact, free\n"

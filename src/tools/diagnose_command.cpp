@@ -15,10 +15,8 @@
 namespace mm {
 namespace {
 
-struct DiagnoseCommand {
-  std::string bag, calibration, moves;
-  bool json = false;
-  FitOptions fit;
+struct DiagnoseCommand : SessionAndCalibration {
+  std::string moves;
   OutputFiles files;
 };
 
@@ -27,10 +25,7 @@ void runDiagnose(DiagnoseCommand& c) {
   c.files.input(c.calibration);
   c.files.output("--moves", c.moves, FileKind::kMoves);
   c.files.check();
-  DiagnoseOptions options;
-  options.calibrate = c.fit.checked();
-  options.seed = c.fit.calibrate.seed;
-  options.cancelled = options.calibrate.cancelled;
+  DiagnoseOptions options = c.fit.checkedForDiagnosis();
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = loadSession(c.bag, calibration, c.fit.space);
   askFirst(session);
@@ -57,9 +52,7 @@ void runDiagnose(DiagnoseCommand& c) {
 void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<DiagnoseCommand>();
   CLI::App* command = app.add_subcommand("diagnose", "Which physical effect the model misses");
-  command->add_option("bag", c->bag, "the session")->required();
-  command->add_option("--calibration", c->calibration, "the calibration file")->required();
-  command->add_flag("--json", c->json, "the result as JSON on standard output");
+  c->declare(*command, "the session");
   command->add_option("--moves", c->moves,
                       "writes the proposed moves as a plan for mm simulate and the node measure");
   c->files.declare(*command);

@@ -30,9 +30,7 @@ void runReport(ReportCommand& c) {
   c.files.check();
   const ReportFiles files = loadReportFiles(c.plotly);
   ReportOptions options;
-  options.diagnose.calibrate = c.fit.checked();
-  options.diagnose.seed = c.fit.calibrate.seed;
-  options.diagnose.cancelled = options.diagnose.calibrate.cancelled;
+  options.diagnose = c.fit.checkedForDiagnosis();
   options.sessionPath = c.bag;
   options.calibrationPath = c.calibration;
   options.serial = c.serial;

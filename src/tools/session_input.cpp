@@ -73,6 +73,20 @@ CalibrateOptions FitOptions::checked() const {
   return options;
 }
 
+DiagnoseOptions FitOptions::checkedForDiagnosis() const {
+  DiagnoseOptions options;
+  options.calibrate = checked();
+  options.seed = calibrate.seed;
+  options.cancelled = options.calibrate.cancelled;
+  return options;
+}
+
+void SessionAndCalibration::declare(CLI::App& command, const std::string& session) {
+  command.add_option("bag", bag, session)->required();
+  command.add_option("--calibration", calibration, "the calibration file")->required();
+  command.add_flag("--json", json, "the result as JSON on standard output");
+}
+
 int verdictOf(const CalibrationResult& result) {
   int status = 0;
   const auto say = [&](const std::string& text) {

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "calibration_file/calibration.h"
+#include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
 #include "session/sense_checks.h"
 #include "session/session.h"
@@ -39,6 +40,18 @@ struct FitOptions {
   void declare(CLI::App& command, bool genetic);
   /// The options checked, with progress on `bar`'s terminal and Ctrl-C as cancel. @throw InputError.
   CalibrateOptions checked() const;
+  /// The same for a diagnosis. @throw InputError.
+  DiagnoseOptions checkedForDiagnosis() const;
+};
+
+/// What commands are asked that judge a session by a calibration.
+struct SessionAndCalibration {
+  std::string bag, calibration;
+  bool json = false;
+  FitOptions fit;
+
+  /// Adds the session, --calibration and --json. @param session in words.
+  void declare(CLI::App& command, const std::string& session);
 };
 
 /// Says what Ctrl-C and doubtful results mean: a line on standard error each. @return exit status: done, the

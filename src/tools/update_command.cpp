@@ -16,10 +16,8 @@
 namespace mm {
 namespace {
 
-struct UpdateOptions {
-  std::string bag, calibration, output;
-  bool json = false;
-  FitOptions fit;
+struct UpdateOptions : SessionAndCalibration {
+  std::string output;
   OutputFiles files;
 };
 
@@ -62,10 +60,8 @@ void addUpdateCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<UpdateOptions>();
   CLI::App* command = app.add_subcommand(
       "update", "Teaches the thermal networks of a calibration a new session; nothing else changes");
-  command->add_option("bag", c->bag, "the new session")->required();
-  command->add_option("--calibration", c->calibration, "the calibration file")->required();
+  c->declare(*command, "the new session");
   command->add_option("-o,--output", c->output, "the new calibration file");
-  command->add_flag("--json", c->json, "the result as JSON on standard output");
   c->files.declare(*command);
   c->fit.declare(*command, false);
   command->footer(

@@ -6,7 +6,6 @@
 #include "base/format.h"
 #include "base/units.h"
 #include "base/utc_now.h"
-#include "base/number_text.h"
 #include "effects/registry.h"
 #include "estimation/network_learning.h"
 #include "model/observed_domain.h"
@@ -195,7 +194,7 @@ Recalibration recalibrate(const Session& session, const ModelSpec& spec, const C
   if (options.repeatability <= 0.0 && spec.repeatability > 0.0) options.repeatability = spec.repeatability;
   for (std::size_t i = 0; i < spec.effects.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (sameKeys(spec.effects[i], spec.effects[j]))
+      if (spec.effects[i] == spec.effects[j])
         throw InputError("the model names " + spec.effects[i].yaml() + " twice; leave one of them out");
   Recalibration done;
   done.result = calibrate(session, modelFor(session, spec.effects), options);

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
+#include "axis_csv.h"
 #include "run_mm.h"
 
 namespace mm {
@@ -14,19 +14,8 @@ namespace {
 class MmAnswers : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string csv = "time_s,x_mm,x_velocity_mm_s,deviation_x_um\n";
-    std::mt19937_64 random(5);
-    std::uniform_real_distribution<double> noise(-0.5, 0.5);
-    int time = 0;
-    for (int cycle = 0; cycle < 3; ++cycle)
-      for (const int way : {1, -1})
-        for (int i = 0; i < 9; ++i) {
-          const double x = way * (-20.0 + 5.0 * i);
-          csv += std::to_string(time++) + "," + std::to_string(x) + "," + std::to_string(way) + "," +
-                 std::to_string(0.4 * x + noise(random)) + "\n";
-        }
-    const Answer imported = mmRun(
-        folder_, "import " + folder_.write("s.csv", csv) + " --machine three_axis -o " + folder_ / "s.bag");
+    const Answer imported = mmRun(folder_, "import " + folder_.write("s.csv", axisCsv(5)) +
+                                               " --machine three_axis -o " + folder_ / "s.bag");
     ASSERT_EQ(imported.status, 0) << imported.error;
   }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "axis_csv.h"
 #include "run_mm.h"
 
 namespace mm {
@@ -37,20 +38,6 @@ class SessionFolder : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete folder_; }
 
-  static std::string axisCsv(unsigned seed) {
-    std::string csv = "time_s,x_mm,x_velocity_mm_s,deviation_x_um\n";
-    std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> noise(-0.5, 0.5);
-    int time = 0;
-    for (int cycle = 0; cycle < 3; ++cycle)
-      for (const int way : {1, -1})
-        for (int i = 0; i < 9; ++i) {
-          const double x = way * (-20.0 + 5.0 * i);
-          csv += std::to_string(time++) + "," + std::to_string(x) + "," + std::to_string(way) + "," +
-                 std::to_string(0.4 * x + noise(random)) + "\n";
-        }
-    return csv;
-  }
   static std::string series() {
     std::string csv = "time_s,bed,frame,nose_um\n";
     std::mt19937_64 random(3);

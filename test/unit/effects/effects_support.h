@@ -89,15 +89,7 @@ inline LearnedNetwork learnedNetwork(const Domain& d, const EffectSpec& effect) 
 
 /// A domain with every kind of input, over the machine's own limits.
 inline Domain domainOf(const Machine& machine, bool laser) {
-  Domain d;
-  d.setMachine(machine);
-  for (const Joint& joint : d.joints) {
-    d.lower.push_back(joint.lower);
-    d.upper.push_back(joint.upper);
-    std::vector<double> positions;
-    for (int i = 0; i <= 4; ++i) positions.push_back(joint.lower + 0.25 * i * (joint.upper - joint.lower));
-    d.positions.push_back(positions);
-  }
+  Domain d = domainOverTravel(machine);
   d.sensors = {"bed", "frame", "spindle"};
   d.sensorLower = {19, 20, 21};
   d.sensorUpper = {28, 29, 45};
