@@ -3,6 +3,9 @@
 
 namespace mm {
 
+/// A direction that is given shorter than this is none: rounding of a zero.
+constexpr double kNoDirection = 1e-9;
+
 /// The matrix of v x: skew(v) * w = v x w.
 inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "base/units.h"
@@ -13,8 +14,11 @@ namespace mm {
 namespace {
 
 constexpr int kMoves = 12;
-constexpr double kSame = 1e-3;    // of an effect: what an imitation of it lacks, wherever the machine can go
-constexpr double kWait = 3600.0;  // s: long enough for a small machine to cool
+constexpr double kSame = 1e-3;  // of an effect: what an imitation of it lacks, wherever the machine can go
+constexpr double kLeastSpeed = 1e-4;  // m/s or rad/s: of a session that did not record its speeds
+constexpr double kRidge = 1e-9;       // of columns of unit length: what nothing determines stays finite
+constexpr double kNothing = 1e-6;     // squares of standard deviations: a move that tells less tells nothing
+constexpr double kWait = 3600.0;      // s: long enough for a small machine to cool
 
 /// Hypothetical observations after the session: now, and after the machine has cooled.
 Session hypothetical(const ResidualSpace& space) {
@@ -57,7 +61,7 @@ Session hypothetical(const ResidualSpace& space) {
               !withinLimits(session.machine.joints(), at.position))
             continue;
           const auto jacobian = session.machine.jacobian(at.position.data(), at.laserReading);
-          const double fastest = std::max(1e-4, space.problem().model().domain().maxSpeed);
+          const double fastest = std::max(kLeastSpeed, space.problem().model().domain().maxSpeed);
           for (double speed : {fastest, 0.3 * fastest}) {
             for (int j = 0; j < session.machine.jointCount(); ++j) {
               const double v = speed * at.approach.dot(jacobian.block<3, 1>(0, j));
@@ -83,7 +87,7 @@ Session hypothetical(const ResidualSpace& space) {
               at.position[j] = domain.lower[j] + (domain.upper[j] - domain.lower[j]) * i / 8.0;
               at.travel[j] = sign;
               const double speed = std::isfinite(first.velocity[j]) ? std::abs(first.velocity[j]) : 0.0;
-              at.velocity[j] = sign * share * std::max(1e-4, speed);
+              at.velocity[j] = sign * share * std::max(kLeastSpeed, speed);
               at.deviation.assign(at.deviation.size(), kNotMeasured);
               if (at.kind == ObservationKind::kDeviation) at.deviation[j] = 0.0;
               next.observations.push_back(at);
@@ -203,7 +207,7 @@ NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& ow
         }
       }
       const Eigen::MatrixXd gram =
-          now.transpose() * now + 1e-9 * Eigen::MatrixXd::Identity(now.cols(), now.cols());
+          now.transpose() * now + kRidge * Eigen::MatrixXd::Identity(now.cols(), now.cols());
       const Eigen::LDLT<Eigen::MatrixXd> solver(gram);
       const Eigen::VectorXd imitation = solver.solve(now.transpose() * (ownNow * size));
       misses.push_back(ownNext * size - later * imitation);
@@ -223,11 +227,11 @@ NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& ow
     const double end = problem.session().observations.back().time;
     std::vector<std::pair<double, Move>> chosen;
     for (int m = 0; m < kMoves; ++m) {
-      double best = 1e-6;
+      double best = kNothing;
       int pick = -1;
       for (std::size_t o = 0; o < next.observations.size(); ++o) {
         if (taken[o]) continue;
-        double worst = 1e300;  // the rival that is told apart least
+        double worst = std::numeric_limits<double>::infinity();  // the rival that is told apart least
         for (std::size_t r = 0; r < rivals.size(); ++r)
           if (!out.rivals[r].same) worst = std::min(worst, told(r, static_cast<int>(o)));
         if (worst > best) best = worst, pick = static_cast<int>(o);

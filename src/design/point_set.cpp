@@ -61,7 +61,8 @@ std::vector<FeatureCoverage> coverFeatures(const Problem& problem) {
       information += approach * approach.transpose();
     }
     cover.coneHalfAngle = approaches.empty() || !cover.ball ? kNotMeasured : 0.0;
-    if (cover.ball && mean.norm() > 1e-6 * static_cast<double>(approaches.size()))
+    constexpr double kAllRound = 1e-6;  // of a unit vector: approaches from all sides cancel up to rounding
+    if (cover.ball && mean.norm() > kAllRound * static_cast<double>(approaches.size()))
       for (const Eigen::Vector3d& a : approaches)
         cover.coneHalfAngle =
             std::max(cover.coneHalfAngle, std::acos(std::clamp(a.dot(mean.normalized()), -1.0, 1.0)));
@@ -69,7 +70,8 @@ std::vector<FeatureCoverage> coverFeatures(const Problem& problem) {
       cover.coneHalfAngle = kPi;  // from all sides
     if (cover.ball && approaches.size() >= 3) {
       const double weakest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues()[0];
-      if (weakest > 1e-9) cover.centrePerNoise = 1.0 / std::sqrt(weakest);
+      constexpr double kFlat = 1e-9;  // of one contact: no approach has a part along this direction
+      if (weakest > kFlat) cover.centrePerNoise = 1.0 / std::sqrt(weakest);
     }
     all.push_back(cover);
   }
@@ -181,9 +183,10 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
         alone = std::max(alone, column.norm());
         seen = std::max(seen, (column - q * (q.transpose() * column)).norm());
       }
+      constexpr double kImitated = 1e-3;  // what others leave of an effect that they imitate
       if (!(alone > 0.0))
         hidden.push_back({spec, "no measurement of this session depends on it", effect->shownBy()});
-      else if (seen < 1e-3 * alone)
+      else if (seen < kImitated * alone)
         hidden.push_back({spec,
                           "in this session it is equivalent to a constant, to the pose of the artifact or to "
                           "effects of the model",

@@ -59,7 +59,7 @@ double observedRange(const Domain& domain, int joint) {
   const auto j = static_cast<std::size_t>(joint);
   if (j >= domain.lower.size() || j >= domain.upper.size()) return 0.0;
   const double range = domain.upper[j] - domain.lower[j];
-  return range > 1e-9 ? range : 0.0;
+  return range > kStoodStill ? range : 0.0;
 }
 
 ScaledPosition::ScaledPosition(const Domain& domain, int joint) : joint_(joint) {

@@ -19,6 +19,10 @@ struct LearnedNetwork {
   double heldOut = 0.0, heldOutRidge = 0.0, heldOutNone = 0.0;
 };
 
+/// A joint or another input whose observed range is not larger (SI) stood still: rounding of what is written
+/// in mm and um.
+constexpr double kStoodStill = 1e-9;
+
 /// The part of a session that the effects need to know: what there is, and over which range it was observed.
 /// It is kept in the calibration file, so that an effect means the same later. SI units.
 struct Domain {

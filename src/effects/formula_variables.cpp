@@ -88,14 +88,18 @@ bool FormulaVariables::observed(int index, double& lower, double& upper) const {
   const Variable& v = variables_[static_cast<std::size_t>(index)];
   lower = v.observedLower * v.factor;
   upper = v.observedUpper * v.factor;
+  constexpr double kRounding = 1e-9;  // of its size: what varies less is constant
+  constexpr double kSmall = 1e-3;     // in the formula's units: below it the size counts as this
   return std::isfinite(lower) && std::isfinite(upper) &&
-         upper - lower > 1e-9 * std::max({1e-3, std::abs(lower), std::abs(upper)});
+         upper - lower > kRounding * std::max({kSmall, std::abs(lower), std::abs(upper)});
 }
 
 double FormulaVariables::sample(int index, std::mt19937_64& random) const {
   const Variable& v = variables_[index];
   const double range = v.upper - v.lower;
-  const double margin = range > 0.0 ? 0.02 * range : 1e-3;
+  constexpr double kBeyond = 0.02;      // of the range: a correction is asked somewhat beyond it
+  constexpr double kNeverMoved = 1e-3;  // SI: about a value that did not change
+  const double margin = range > 0.0 ? kBeyond * range : kNeverMoved;
   return (v.lower - margin + (range + 2.0 * margin) * unitRandom(random)) * v.factor;
 }
 

@@ -137,7 +137,7 @@ class Trial {
                double high) {
     if (i >= lower.size() || i >= upper.size() || !std::isfinite(lower[i]) || !std::isfinite(upper[i]))
       return within(low, high);
-    const double slack = upper[i] - lower[i] > 1e-9 ? 0.0 : 0.5 * (high - low);
+    const double slack = upper[i] - lower[i] > kStoodStill ? 0.0 : 0.5 * (high - low);
     return within(lower[i] - slack, upper[i] + slack);
   }
   double drawPosition(std::size_t j) {
@@ -157,7 +157,8 @@ class Trial {
   double drawTime() { return within(0.0, std::max(domain_.duration, 1.0)); }
   double drawReading() {
     const bool known = std::isfinite(domain_.readingLower) && domain_.readingUpper > domain_.readingLower;
-    return known ? within(domain_.readingLower, domain_.readingUpper) : within(-5e-3, 5e-3);
+    constexpr double kHalfRange = 5e-3;  // m: of a short triangulation probe
+    return known ? within(domain_.readingLower, domain_.readingUpper) : within(-kHalfRange, kHalfRange);
   }
   Eigen::Vector3d drawDirection() {
     for (;;) {

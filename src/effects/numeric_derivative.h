@@ -43,11 +43,16 @@ struct CentralDifference {
 template <class F>
 double numericDerivative(F&& f, double x, double typical) {
   constexpr double kGrowth = 8.0;
-  const double size = x != 0.0 ? std::max(std::abs(x), 1e-3 * typical) : typical;
-  double h = 2e-4 * size;
+  constexpr double kNearZero = 1e-3;   // of the typical size: below it the step does not follow x
+  constexpr double kFirst = 2e-4;      // of x: short against any period of f that a session can show
+  constexpr double kTruncated = 1e-3;  // of the derivative: a step that leaves more out is too long
+  constexpr double kShortest = 1e-9;   // of x: below it rounding is all that is left
+  constexpr double kOneSided = 1e-4;   // of x: fourth order, a balance of truncation and rounding
+  const double size = x != 0.0 ? std::max(std::abs(x), kNearZero * typical) : typical;
+  double h = kFirst * size;
   CentralDifference best(f, x, h);
   for (int smaller = 0;
-       smaller < 8 && !(best.truncation <= 1e-3 * std::abs(best.value) && std::isfinite(best.error));
+       smaller < 8 && !(best.truncation <= kTruncated * std::abs(best.value) && std::isfinite(best.error));
        ++smaller) {
     h /= kGrowth;
     const CentralDifference next(f, x, h);
@@ -56,7 +61,7 @@ double numericDerivative(F&& f, double x, double typical) {
   if (std::isfinite(best.error)) {
     const auto improve = [&](double factor) {
       bool improved = false;
-      for (double step = h * factor; step < 8.0 * size && step > 1e-9 * size; step *= factor) {
+      for (double step = h * factor; step < 8.0 * size && step > kShortest * size; step *= factor) {
         const CentralDifference next(f, x, step);
         if (!(next.error < best.error) || std::abs(next.value - best.value) > 8.0 * (next.error + best.error))
           break;
@@ -70,7 +75,7 @@ double numericDerivative(F&& f, double x, double typical) {
   }
   const double centre = f(x);
   for (const double side : {1.0, -1.0}) {
-    const double s = side * 1e-4 * size;
+    const double s = side * kOneSided * size;
     const double slope =
         (-25.0 * centre + 48.0 * f(x + s) - 36.0 * f(x + 2 * s) + 16.0 * f(x + 3 * s) - 3.0 * f(x + 4 * s)) /
         (12.0 * s);

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/rotation.h"
 
 namespace mm {
 namespace {
@@ -38,7 +39,7 @@ void check(const NewMachine& m) {
         throw InputError("axis '" + a.name + "' is given twice; name them differently");
     if (!(a.upper > a.lower))
       throw InputError("axis '" + a.name + "': its travel must go from a lower to a higher reading");
-    if (!(a.direction.norm() > 1e-9))
+    if (!(a.direction.norm() > kNoDirection))
       throw InputError("axis '" + a.name + "': its direction must not be zero");
   }
 }

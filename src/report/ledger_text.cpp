@@ -36,10 +36,12 @@ std::string curveText(const GeneticSummary& genetic, bool angular) {
   std::vector<double> level;
   for (std::size_t c = 0; c < columns; ++c) {
     const std::size_t i = columns > 1 ? c * (count - 1) / (columns - 1) : 0;
-    level.push_back(std::log10(std::max(genetic.curve[i], 1e-300)));
+    constexpr double kZero = 1e-300;  // of an RMS of zero there is no logarithm
+    level.push_back(std::log10(std::max(genetic.curve[i], kZero)));
   }
   const auto range = std::minmax_element(level.begin(), level.end());
-  const double low = *range.first, high = std::max(*range.second, low + 1e-9);
+  constexpr double kLevel = 1e-9;  // decades: a curve that is level has a height all the same
+  const double low = *range.first, high = std::max(*range.second, low + kLevel);
   std::string text =
       "  best RMS a generation (logarithmic), generation 0 to " + std::to_string(count - 1) + "\n";
   for (int row = kRows; row >= 0; --row) {

@@ -48,7 +48,8 @@ Circle leastSquaresCircle(const Points& points) {
     const Eigen::Vector3d change = a.colPivHouseholderQr().solve(b);
     circle.centre += change.head<2>();
     circle.radius += change[2];
-    if (change.norm() < 1e-12 * std::max(1.0, circle.radius)) break;
+    constexpr double kSettled = 1e-12;  // of the radius, or m: rounding
+    if (change.norm() < kSettled * std::max(1.0, circle.radius)) break;
   }
   circle.centre += mean;
   return circle;
@@ -155,6 +156,7 @@ Eigen::VectorXd residualOf(const CalibrationResult& fitted, int observation, std
 }  // namespace
 
 CircleFigures circleFigures(const std::vector<CirclePoint>& points, double radius) {
+  constexpr double kMillimetresPerUm = 1e-3;
   CircleFigures f;
   Points both, sense[2];
   for (const bool ccw : {true, false}) {
@@ -163,7 +165,8 @@ CircleFigures circleFigures(const std::vector<CirclePoint>& points, double radiu
     for (const CirclePoint& p : points) {
       if (p.counterClockwise != ccw) continue;
       angles.push_back(inTurn(p.angle));
-      path.emplace_back(radius * std::cos(p.angle) + p.u * 1e-3, radius * std::sin(p.angle) + p.v * 1e-3);
+      path.emplace_back(radius * std::cos(p.angle) + p.u * kMillimetresPerUm,
+                        radius * std::sin(p.angle) + p.v * kMillimetresPerUm);
     }
     if (!wholeTurn(angles)) {
       path.clear();

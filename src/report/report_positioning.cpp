@@ -98,8 +98,7 @@ PositioningTest positioningTest(std::vector<PositioningRun> runs) {
   std::stable_sort(runs.begin(), runs.end(),
                    [](const PositioningRun& a, const PositioningRun& b) { return a.at < b.at; });
   if (runs.empty()) return test;
-  const double tolerance =
-      2e-3 * (runs.back().at - runs.front().at);  // a target is reached up to its deviation
+  const double tolerance = kSameTarget * (runs.back().at - runs.front().at);
   for (std::size_t first = 0; first < runs.size();) {
     Sample forward, backward, place;
     std::size_t i = first;

@@ -6,6 +6,9 @@
 
 namespace mm {
 
+/// A target is reached up to its deviation: positions closer than this share of the travel are one target.
+constexpr double kSameTarget = 2e-3;
+
 /// Deviations at one target position of an axis (um, or arcsec for a rotary one); s is NaN for fewer than two
 /// runs.
 struct PositioningTarget {

@@ -36,7 +36,7 @@ std::vector<ThermalCourse> coursesOf(const CalibrationResult& fitted, std::size_
   }
   std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.at < b.at; });
   std::vector<ThermalCourse> courses;
-  const double tolerance = points.empty() ? 0.0 : 2e-3 * (points.back().at - points.front().at);
+  const double tolerance = points.empty() ? 0.0 : kSameTarget * (points.back().at - points.front().at);
   for (std::size_t first = 0; first < points.size();) {
     std::size_t end = first;
     while (end < points.size() && points[end].at - points[first].at <= tolerance) ++end;

@@ -64,7 +64,8 @@ std::vector<std::vector<int>> binsOf(const Eigen::VectorXd& values, const Rows& 
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return value(a) < value(b); });
   std::vector<std::vector<int>> levels;
   for (const int i : order) {
-    if (levels.empty() || value(i) - value(levels.back().front()) > 1e-4) levels.emplace_back();
+    constexpr double kSameLevel = 1e-4;  // of the variable's own unit
+    if (levels.empty() || value(i) - value(levels.back().front()) > kSameLevel) levels.emplace_back();
     levels.back().push_back(i);
   }
   if (levels.size() <= kLevels) return levels;

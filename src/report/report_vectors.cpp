@@ -37,7 +37,8 @@ bool spatial(const std::vector<ResidualVectors::Place>& places) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const auto& p : places) spread += (p.at - mean) * (p.at - mean).transpose();
   const Eigen::Vector3d sizes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
-  return sizes[1] > 1e-4 * sizes[2];  // more than a line
+  constexpr double kOnALine = 1e-4;       // squares: a hundredth of the length aside
+  return sizes[1] > kOnALine * sizes[2];  // more than a line
 }
 
 }  // namespace

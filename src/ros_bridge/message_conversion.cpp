@@ -148,7 +148,8 @@ Observation fromMessage(const measuring_machine::ProbeContact& message, const Ma
   contact.velocity = inMachineOrder(message.velocity, order, "velocity", true);
   const Eigen::Vector3d approach(message.approach.x, message.approach.y, message.approach.z);
   if (!approach.hasNaN() && !approach.isZero(0.0)) {
-    if (std::abs(approach.norm() - 1.0) > 1e-3)
+    constexpr double kUnitLength = 1e-3;  // what is written with three digits is a unit vector
+    if (std::abs(approach.norm() - 1.0) > kUnitLength)
       throw InputError("field 'approach' must be a unit vector, or zero");
     contact.approach = approach;
   }

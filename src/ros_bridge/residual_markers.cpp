@@ -80,9 +80,11 @@ visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result,
   all.markers.push_back(clear);
 
   Marker arrows = marker(frame, "residuals", Marker::LINE_LIST);
-  arrows.scale.x = 0.1e-3;  // m, width
+  constexpr double kShaft = 0.1e-3;  // m, width of an arrow
+  arrows.scale.x = kShaft;           // m, width
   Marker dots = marker(frame, "contacts", Marker::SPHERE_LIST);
-  dots.scale.x = dots.scale.y = dots.scale.z = 0.3e-3;
+  constexpr double kDot = 0.3e-3;  // m, side of a dot
+  dots.scale.x = dots.scale.y = dots.scale.z = kDot;
   const Problem& problem = *result.problem;
   for (int i = 0; i < static_cast<int>(problem.session().observations.size()); ++i) {
     if (!problem.uses(i)) continue;

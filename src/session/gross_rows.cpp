@@ -125,7 +125,8 @@ class GrossRows {
       // Where a machine can go, it may have gone once: its travel is the least that counts as a range.
       const double travel = joints[j].upper - joints[j].lower;
       c.leastRange = std::isfinite(travel) && travel > 0.0 ? travel : 0.0;
-      c.samePlace = 20e-6;
+      constexpr double kSamePlace = 20e-6;  // m or rad: a target is reached up to its deviation
+      c.samePlace = kSamePlace;
       column(c, joints[j].name, linear ? "mm" : "deg", unit);
       if (!(joints[j].maxVelocity > 0.0)) continue;
       Column v;
@@ -262,8 +263,9 @@ class GrossRows {
       const double middle = median(others);
       for (const double q : others) away.push_back(std::abs(q - middle));
       const double unit = joints[j].kind == JointKind::kLinear ? kMillimetre : kDegree;
+      constexpr double kWritten = 1e-3;  // mm or deg: the last digit that a file has
       const double far =
-          std::abs(session_.observations[row].position[j] - middle) / std::max(median(away), 1e-3 * unit);
+          std::abs(session_.observations[row].position[j] - middle) / std::max(median(away), kWritten * unit);
       if (far > worst) worst = far, at = j;
     }
     const bool linear = joints[at].kind == JointKind::kLinear;

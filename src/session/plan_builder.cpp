@@ -6,12 +6,15 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/rotation.h"
 #include "base/units.h"
 #include "machine/linear_inverse.h"
 
 namespace mm {
 namespace {
 
+constexpr double kShortestApproach =
+    0.3e-3;                           // m: below it the play is not taken up and the ball may be missed
 constexpr double kLimitSlack = 1e-9;  // m or rad: rounding of what is written in mm and deg
 constexpr double kClose = 0.2e-3;     // m that the tip keeps from a ball when it passes
 
@@ -134,10 +137,9 @@ void PlanBuilder::touchAt(int feature, const Eigen::Vector3d& contact, const Eig
   double distance = approachDistance, beyond = overtravel;
   move.position = reach(contact - distance * approach, rotary);
   move.target = reach(contact + beyond * approach, rotary);
-  constexpr double kShortest = 0.3e-3;  // m: below it the play is not taken up and the ball may be missed
-  while (!withinLimits(move.position) && distance > kShortest)
+  while (!withinLimits(move.position) && distance > kShortestApproach)
     move.position = reach(contact - (distance *= 0.8) * approach, rotary);
-  while (!withinLimits(move.target) && beyond > kShortest)
+  while (!withinLimits(move.target) && beyond > kShortestApproach)
     move.target = reach(contact + (beyond *= 0.8) * approach, rotary);
   if (!sides.empty()) comeFrom(sides, move.position);
   if (!clearance.empty() && blocked(current_, move.position)) goAround(move.position);
@@ -149,7 +151,7 @@ void PlanBuilder::touchFrom(int feature, const std::vector<double>& start, Eigen
   const double distance = contactDistance(feature);
   const Eigen::Vector3d from = tip(start), to = centre(feature) - from;
   if (approach.isZero(0.0)) approach = to;
-  if (approach.norm() < 1e-9) fail("the approach has no direction; give 'approach' or another start");
+  if (approach.norm() < kNoDirection) fail("the approach has no direction; give 'approach' or another start");
   approach.normalize();
   const double along = to.dot(approach), aside = (to - along * approach).norm();
   if (aside >= distance) {
@@ -161,7 +163,7 @@ void PlanBuilder::touchFrom(int feature, const std::vector<double>& start, Eigen
   const double way = along - std::sqrt(distance * distance - aside * aside);
   const double before = approachDistance;
   // A start as near as the contact itself says where to touch, not where to begin.
-  if (way >= 0.3e-3) approachDistance = way;
+  if (way >= kShortestApproach) approachDistance = way;
   touchAt(feature, from + way * approach, approach, speed, start, sides, wait);
   approachDistance = before;
 }

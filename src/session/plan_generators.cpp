@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/rotation.h"
 #include "base/units.h"
 
 namespace mm {
@@ -57,11 +58,12 @@ TouchPlan readTouch(const YAML::Node& node, PlanBuilder& builder) {
   if (map.has("cone_deg")) t.cone = map.number("cone_deg", kDegree, 1.0, 120.0);
   if (map.has("tilt_deg")) t.tilt = map.number("tilt_deg", kDegree, 0.0, 70.0);
   if (map.has("pole")) t.pole = map.vector("pole", 1.0);
-  if (t.pole.norm() < 1e-9) map.fail("pole", "must not be zero");
+  if (t.pole.norm() < kNoDirection) map.fail("pole", "must not be zero");
   t.pole.normalize();
   if (map.has("approach") && !(map.node("approach").IsScalar() && map.text("approach") == "radial")) {
     t.approach = map.vector("approach", 1.0);
-    if (t.approach.norm() < 1e-9) map.fail("approach", "must be radial or a direction that is not zero");
+    if (t.approach.norm() < kNoDirection)
+      map.fail("approach", "must be radial or a direction that is not zero");
     t.approach.normalize();
   }
   if (map.has("azimuth_deg")) {
@@ -95,7 +97,8 @@ TouchPlan readTouch(const YAML::Node& node, PlanBuilder& builder) {
 /// surface.
 Eigen::Vector3d lean(const Eigen::Vector3d& normal, const Eigen::Vector3d& pole, double tilt, int k) {
   const Eigen::Vector3d about = normal.cross(pole);
-  if (tilt == 0.0 || about.norm() < 1e-6) return -normal;
+  constexpr double kAlong = 1e-6;  // sine: along the normal there is nothing to tilt about
+  if (tilt == 0.0 || about.norm() < kAlong) return -normal;
   return Eigen::AngleAxisd(k % 2 == 0 ? -tilt : 0.3 * tilt, about.normalized()) * -normal;
 }
 

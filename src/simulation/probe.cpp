@@ -40,7 +40,8 @@ void SeatedProbe::setLobing(int seats, double size, double phase) {
 
 double SeatedProbe::preTravel(const Eigen::Vector3d& push) const {
   const double across = std::hypot(push.x(), push.y());  // cosine of the elevation
-  if (seats_ == 0 || across < 1e-12) return 0.0;
+  constexpr double kAxial = 1e-12;                       // cosine: a push along the stylus has no azimuth
+  if (seats_ == 0 || across < kAxial) return 0.0;
   // The force that lifts the carrier off its seats bends the stylus; an axial push lifts it at once.
   const double azimuth = std::atan2(push.y(), push.x()) - phase_;
   double sum = 0.0;

@@ -8,6 +8,8 @@
 namespace mm {
 namespace {
 
+constexpr double kNoTravel = 1e-9;  // m or rad: of a joint that stands still
+
 constexpr int kPoints = 513;
 constexpr int kWaves = 4;
 
@@ -28,7 +30,7 @@ std::vector<double> randomWaves(Random& random) {
 }  // namespace
 
 Profile::Profile(double lower, double upper, std::vector<double> values)
-    : lower_(lower), upper_(upper > lower ? upper : lower + 1e-9), values_(std::move(values)) {}
+    : lower_(lower), upper_(upper > lower ? upper : lower + kNoTravel), values_(std::move(values)) {}
 
 Profile Profile::waves(double lower, double upper, double size, Trend trend, Random& random) {
   Profile profile(lower, upper, randomWaves(random));

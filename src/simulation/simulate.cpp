@@ -28,7 +28,8 @@ void rangesOf(const Plan& plan, const Machine& machine, std::vector<double>& low
       high = std::max(high, move.position[j]);
     }
     const Joint& joint = machine.joints()[j];
-    if (high - low < 1e-6 && joint.upper > joint.lower) low = joint.lower, high = joint.upper;
+    constexpr double kNotMoved = 1e-6;  // m or rad
+    if (high - low < kNotMoved && joint.upper > joint.lower) low = joint.lower, high = joint.upper;
     lower.push_back(low);
     upper.push_back(high);
   }
@@ -136,8 +137,9 @@ class Recorder {
 
   double setupZero(const std::string& setup, int joint) {
     // Where the instrument was set to zero nobody knows.
+    constexpr double kSetting = 5e-6, kSettingAngular = 2e-5;  // m, rad: standard deviation
     const bool linear = machine_.machine().joints()[joint].kind == JointKind::kLinear;
-    return Random(seed_, "setup " + setup).normal() * (linear ? 5e-6 : 2e-5);
+    return Random(seed_, "setup " + setup).normal() * (linear ? kSetting : kSettingAngular);
   }
 
   void reference(const PlanMove& move) {

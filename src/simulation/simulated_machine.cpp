@@ -92,7 +92,8 @@ void SimulatedMachine::log() {
 void SimulatedMachine::pass(double seconds, double activity) {
   const double end = time_ + seconds;
   while (time_ < end) {
-    const double dt = std::min(end, std::max(nextLog_, time_ + 1e-9)) - time_;
+    constexpr double kTick = 1e-9;  // s: time goes on when a record is due just now
+    const double dt = std::min(end, std::max(nextLog_, time_ + kTick)) - time_;
     if (dt <= 0.0) break;
     thermal_.advance(dt, activity);
     for (TemperatureSensor& sensor : sensors_) sensor.advance(dt, thermal_.temperatures()[sensor.body()]);

@@ -54,7 +54,8 @@ void build(const UncataloguedKind& kind, const HiddenSource& source, Workshop& w
   const Quantity shape = kind.shape(Setting(source, w));
   const Spread spread = spreadOf(shape, w.visits());
   // Nearly constant: what little it varies would be blown up to the size asked for.
-  if (!(spread.deviation > 0.05 * std::abs(spread.mean)) || !(spread.deviation > 1e-12))
+  constexpr double kRounding = 1e-12;  // of the shape, which is of order one
+  if (!(spread.deviation > 0.05 * std::abs(spread.mean)) || !(spread.deviation > kRounding))
     throw SourceNotShown("'" + source.text() +
                          "' cannot be hidden: the plan does not vary what it depends on");
   const double factor = source.number("size") / spread.deviation;

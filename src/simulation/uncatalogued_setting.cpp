@@ -59,7 +59,8 @@ Quantity Setting::position(const std::string& key) const {
 
 Quantity Setting::place(const std::string& key) const {
   const int j = joint(key);
-  const double half = std::max(1e-9, 0.5 * (workshop_.upper[j] - workshop_.lower[j]));
+  constexpr double kNotMoved = 1e-9;  // m or rad
+  const double half = std::max(kNotMoved, 0.5 * (workshop_.upper[j] - workshop_.lower[j]));
   return [half, q = position(key)](const Condition& c) { return q(c) / half; };
 }
 
@@ -87,7 +88,8 @@ Quantity Setting::slant() const {
 Quantity Setting::qualified(const Quantity& error) const {
   const std::vector<Eigen::Vector3d> axes = linearAxes(workshop_);
   const auto terms = [axes](const Condition& c) -> Eigen::RowVector4d {
-    const Eigen::Vector3d motion = tipMotion(axes, c), way = motion / std::max(1e-12, motion.norm());
+    constexpr double kNoMotion = 1e-12;  // m: a joint that does not move the tip
+    const Eigen::Vector3d motion = tipMotion(axes, c), way = motion / std::max(kNoMotion, motion.norm());
     return {1.0, way.x(), way.y(), way.z()};
   };
   Eigen::MatrixX4d columns(visits_.size(), 4);

@@ -24,7 +24,8 @@ void normalise(std::vector<double>& path, const std::vector<double>& places) {
   for (const double place : places) mean += between(path, place) / static_cast<double>(places.size());
   for (const double place : places) square += std::pow(between(path, place) - mean, 2);
   const double rms = std::sqrt(square / static_cast<double>(places.size()));
-  for (double& value : path) value = rms > 1e-12 ? (value - mean) / rms : 0.0;
+  constexpr double kStays = 1e-12;  // of a walk with steps of order one
+  for (double& value : path) value = rms > kStays ? (value - mean) / rms : 0.0;
 }
 
 /// A random walk; its pace is drawn anew six times in a session on average.

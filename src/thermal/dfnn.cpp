@@ -26,7 +26,8 @@ DfnnRules spreadRules(const Eigen::MatrixXd& x, int count) {
   const Eigen::MatrixXd centred = x.rowwise() - x.colwise().mean();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred.transpose() * centred);
   const Eigen::VectorXd along = centred * solver.eigenvectors().rightCols(1);
-  const double low = along.minCoeff(), span = std::max(along.maxCoeff() - low, 1e-9);
+  constexpr double kNoSpan = 1e-9;  // K: of inputs that do not vary
+  const double low = along.minCoeff(), span = std::max(along.maxCoeff() - low, kNoSpan);
   DfnnRules rules;
   for (int j = 0; j < count; ++j) {
     Eigen::Index nearest = 0;
@@ -76,8 +77,9 @@ std::vector<Placement> placements(DfnnSettings base, int samples) {
   const double half = std::max(1.0, 0.5 * samples);
   base.distanceDecay =
       std::min(base.distanceDecay, std::pow(base.distanceMin / base.distanceMax, 1.0 / half));
+  constexpr double kLeastError = 1e-6;  // of a standardised output: below it nothing is left to learn
   base.errorDecay =
-      std::min(base.errorDecay, std::pow(std::max(base.errorMin, 1e-6) / base.errorMax, 1.0 / half));
+      std::min(base.errorDecay, std::pow(std::max(base.errorMin, kLeastError) / base.errorMax, 1.0 / half));
   const int most = std::min(base.largestRules > 0 ? base.largestRules : 9, std::max(1, samples / 2));
   std::vector<Placement> result;
   const auto add = [&](int rules, double overlap, bool spread) {

@@ -81,6 +81,9 @@ DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const 
     return residuals(x, y, unpacked(q, start), ridge, departureRidge);
   };
   Eigen::VectorXd r = at(p);
+  constexpr double kUnseen = 1e-9, kZero = 1e-300;  // a width that no sample feels stays where it is
+  constexpr double kLeastDamping = 1e-9;            // Gauss-Newton
+  constexpr double kWorthwhile = 1e-4;  // of the squared error: a step that gains less is the last
   double damping = 1e-2;
   for (int i = 0; i < iterations; ++i) {
     Eigen::MatrixXd jacobian(r.size(), p.size());
@@ -96,7 +99,7 @@ DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const 
     double gain = 0.0;
     for (int tries = 0; tries < 8 && !better; ++tries) {
       Eigen::MatrixXd matrix = normal;
-      matrix.diagonal().array() += damping * (normal.diagonal().array() + 1e-9 * normal.trace() + 1e-300);
+      matrix.diagonal().array() += damping * (normal.diagonal().array() + kUnseen * normal.trace() + kZero);
       const Eigen::VectorXd q = p - matrix.ldlt().solve(gradient);
       if (q.allFinite()) {
         const Eigen::VectorXd s = at(q);
@@ -107,9 +110,9 @@ DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const 
           better = true;
         }
       }
-      damping = better ? std::max(1e-9, damping * 0.3) : damping * 4.0;
+      damping = better ? std::max(kLeastDamping, damping * 0.3) : damping * 4.0;
     }
-    if (!better || gain < 1e-4) break;
+    if (!better || gain < kWorthwhile) break;
   }
   return unpacked(p, start);
 }

@@ -46,7 +46,8 @@ class Consequents {
   void solve() {
     // Without a ridge a trace of one stands for the minimum-norm solution while samples are fewer than
     // columns.
-    const double least = 1e-11 * gram_.trace() / static_cast<double>(gram_.rows());
+    constexpr double kLeastRidge = 1e-11;  // of the mean diagonal, above the rounding of its sums
+    const double least = kLeastRidge * gram_.trace() / static_cast<double>(gram_.rows());
     Eigen::MatrixXd matrix = gram_;
     matrix.diagonal().array() += std::max(ridge_ * samples_, least);
     weights_ = matrix.ldlt().solve(right_);

@@ -38,7 +38,8 @@ Eigen::MatrixXd onDuty(const Eigen::MatrixXd& courses, std::mt19937_64& random) 
     const auto at = static_cast<Eigen::Index>(begin);
     result.bottomRows(n - at) += (next - power) * change.topRows(n - at);
     power = next;
-    begin += std::max(1.0, (kShortest + (kLongest - kShortest) * unitRandom(random)) * static_cast<double>(n));
+    begin +=
+        std::max(1.0, (kShortest + (kLongest - kShortest) * unitRandom(random)) * static_cast<double>(n));
   }
   return result;
 }
@@ -67,7 +68,8 @@ DutyError::DutyError(const Eigen::MatrixXd& temperatures, const Eigen::VectorXd&
     return Eigen::VectorXd(wide ? vector : (t * vector).normalized());
   };
   const Eigen::Index most = std::min(sensors, std::max<Eigen::Index>(1, n / 4));
-  const double rounding = 1e-13 * solver.eigenvalues()(all - 1);
+  constexpr double kRounding = 1e-13;  // of the largest eigenvalue
+  const double rounding = kRounding * solver.eigenvalues()(all - 1);
   std::vector<Eigen::VectorXd> field, first;
   for (Eigen::Index k = 0; k < all && static_cast<Eigen::Index>(field.size()) < most; ++k) {
     if (!(solver.eigenvalues()(all - 1 - k) > rounding)) break;
@@ -102,7 +104,8 @@ double DutyError::of(const std::vector<int>& sensors) const {
     for (Eigen::Index b = 0; b < m; ++b)
       matrix(a, b) = products_(sensors[static_cast<std::size_t>(a)], sensors[static_cast<std::size_t>(b)]);
   }
-  matrix.diagonal() *= 1.0 + 1e-10;  // of sensors that read the same
+  constexpr double kAlike = 1e-10;    // of sensors that read the same
+  matrix.diagonal() *= 1.0 + kAlike;  // of sensors that read the same
   const Eigen::VectorXd slopes = matrix.ldlt().solve(right);
   Eigen::VectorXd left = displacement_;
   double passedOn = 0.0;

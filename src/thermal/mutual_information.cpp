@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -76,16 +77,17 @@ SensorInformation::SensorInformation(const Eigen::MatrixXd& temperatures, const 
   std::mt19937_64 random(settings.seed);
 
   if (settings.estimator == InformationEstimator::kKsg) {
+    constexpr double kJitter = 1e-10;  // of a standard deviation: no two samples tie (Kraskov et al., 2004)
     jittered_ = temperatures_;
     for (Eigen::Index s = 0; s < jittered_.cols(); ++s)
-      for (Eigen::Index i = 0; i < n; ++i) jittered_(i, s) += 1e-10 * (unitRandom(random) - 0.5);
+      for (Eigen::Index i = 0; i < n; ++i) jittered_(i, s) += kJitter * (unitRandom(random) - 0.5);
     Eigen::VectorXd y = displacement_;
-    for (Eigen::Index i = 0; i < n; ++i) y(i) += 1e-10 * (unitRandom(random) - 0.5);
+    for (Eigen::Index i = 0; i < n; ++i) y(i) += kJitter * (unitRandom(random) - 0.5);
     displacementDistance_.resize(n, n);
     for (Eigen::Index i = 0; i < n; ++i) displacementDistance_.col(i) = (y.array() - y(i)).abs();
     digamma_.resize(n + 1);
     digamma_(0) = -std::numeric_limits<double>::infinity();
-    digamma_(1) = -0.57721566490153286061;
+    digamma_(1) = -boost::math::constants::euler<double>();
     for (Eigen::Index i = 2; i <= n; ++i) digamma_(i) = digamma_(i - 1) + 1.0 / static_cast<double>(i - 1);
   }
 
@@ -199,9 +201,11 @@ double SensorInformation::gaussian(const std::vector<int>& sensors) const {
   for (Eigen::Index s = 0; s < m; ++s) t.col(s) = temperatures_.col(sensors[static_cast<std::size_t>(s)]);
   const double n = static_cast<double>(temperatures_.rows());
   const Eigen::VectorXd covariance = t.transpose() * displacement_ / n;
-  const Eigen::MatrixXd matrix = t.transpose() * t / n + 1e-12 * Eigen::MatrixXd::Identity(m, m);
+  constexpr double kAlike = 1e-12;      // of a variance of one: sensors that read the same
+  constexpr double kLeastLeft = 1e-15;  // of a variance of one: a course that is explained to the last bit
+  const Eigen::MatrixXd matrix = t.transpose() * t / n + kAlike * Eigen::MatrixXd::Identity(m, m);
   const double explained = covariance.dot(matrix.ldlt().solve(covariance));
-  return -0.5 * std::log(std::max(1.0 - explained, 1e-15));
+  return -0.5 * std::log(std::max(1.0 - explained, kLeastLeft));
 }
 
 }  // namespace mm

@@ -31,7 +31,8 @@ struct Decomposition {
     RidgeModel m;
     m.lambda = lambda;
     // A direction in which the inputs do not vary beyond rounding says nothing: its slope is 0.
-    const double floor = 1e-13 * std::max(1.0, values.maxCoeff());
+    constexpr double kNotVarying = 1e-13;  // of the largest variance
+    const double floor = kNotVarying * std::max(1.0, values.maxCoeff());
     Eigen::VectorXd inverse(values.size());
     for (Eigen::Index i = 0; i < values.size(); ++i)
       inverse(i) = values(i) > floor ? 1.0 / (values(i) + lambda) : 0.0;

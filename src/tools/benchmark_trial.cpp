@@ -80,7 +80,8 @@ bool resize(const HiddenSource& source, const Machine& machine, const Plan& quie
     left = leftOf(simulate(machine, quiet, alone), options.base);
     if (left.size() == drawn.clean.size()) left -= drawn.clean;
     const double rms = std::sqrt(left.squaredNorm() / std::max<Eigen::Index>(1, left.size()));
-    if (!(rms > 1e-12)) return false;
+    constexpr double kNoError = 1e-12;  // m or rad: the plan does not show it
+    if (!(rms > kNoError)) return false;
     if (pass == 0) factor = options.size * noise / rms;
     if (factor > kLargestFactor) return false;
   }

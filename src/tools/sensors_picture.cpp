@@ -13,6 +13,8 @@
 namespace mm {
 namespace {
 
+constexpr double kNoSpan = 1e-9;  // of what is drawn: sensors at one place, or all of one worth
+
 constexpr double kLeft = 40, kTop = 70, kWidth = 480, kHeight = 340;  // of the left panel, px
 constexpr double kRight = 610, kRightWidth = 300;
 constexpr const char* kAccent = "#c2410c";
@@ -80,7 +82,7 @@ class Scene {
       left = std::min(left, p.x()), right = std::max(right, p.x());
       top = std::min(top, p.y()), bottom = std::max(bottom, p.y());
     }
-    scale_ = std::min(kWidth / std::max(right - left, 1e-9), kHeight / std::max(bottom - top, 1e-9));
+    scale_ = std::min(kWidth / std::max(right - left, kNoSpan), kHeight / std::max(bottom - top, kNoSpan));
     offset_ = {kLeft + 0.5 * (kWidth - scale_ * (left + right)),
                kTop + 0.5 * (kHeight - scale_ * (top + bottom))};
   }
@@ -119,7 +121,7 @@ std::string inSpace(const SensorSelection& selection, const std::vector<std::str
     const Eigen::Vector2d p = scene.at(positions.row(s->sensor).transpose());
     out +=
         text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"6\" fill=\"%s\" stroke=\"#64748b\" stroke-width=\"0.5\">",
-             p.x(), p.y(), shade((s->information - least) / std::max(most - least, 1e-9)).c_str()) +
+             p.x(), p.y(), shade((s->information - least) / std::max(most - least, kNoSpan)).c_str()) +
         tooltip(sensors[static_cast<std::size_t>(s->sensor)], s->information) + "</circle>\n";
   }
   for (const int c : chosen) {
@@ -170,7 +172,7 @@ double roundStep(double most) {
 
 /// Information (left scale) and held-out error (right scale) against m.
 std::string againstSize(const SensorSelection& selection, double micrometres) {
-  double most = 1e-9, worst = 1e-12;
+  double most = kNoSpan, worst = 1e-12;
   for (const SensorSet& set : selection.sets) {
     most = std::max(most, set.information);
     worst = std::max(worst, set.heldOutRms * micrometres);
@@ -251,7 +253,7 @@ std::string sensorsPicture(const SensorSelection& selection, const std::vector<s
                            const std::optional<Eigen::MatrixXd>& positions, const std::string& target,
                            double micrometres) {
   const SensorSet& best = selection.sets[selection.recommended];
-  double most = 1e-9;
+  double most = kNoSpan;
   for (const SensorScore& s : selection.singles) most = std::max(most, s.information);
   std::string names;
   for (const int s : best.sensors)
