@@ -8,8 +8,8 @@
 namespace mm {
 namespace {
 
-constexpr int kHighest = 16;  // harmonic that may be asked for
-constexpr int kUsual = 3;     // and that a diagnosis tries
+constexpr int kHighestHarmonic = 16;  // harmonic that may be asked for
+constexpr int kUsual = 3;             // and that a diagnosis tries
 
 }  // namespace
 
@@ -50,7 +50,7 @@ std::string RotaryAxisError::shownBy() const {
 RotaryWave::RotaryWave(SpecReader& read, JointKind kind)
     : RotaryEffect(read, Stage::kJoint),
       radial_(read, joint_),
-      harmonic_(read.integer("harmonic", 1, kHighest)) {
+      harmonic_(read.integer("harmonic", 1, kHighestHarmonic)) {
   turn_ = harmonic_ == 1 ? "turn" : "1/" + std::to_string(harmonic_) + " turn";
   for (const std::string& direction : radial_.names)
     for (const char* phase : {"cos", "sin"})
@@ -62,7 +62,7 @@ std::vector<ShapeFreedom> RotaryWave::freedom(const Domain&) const {
   others.erase(harmonic_);
   std::vector<ShapeFreedom> freedom;
   for (const int h : others)
-    if (h <= kHighest) freedom.push_back({EffectSpec(spec()).set("harmonic", h)});
+    if (h <= kHighestHarmonic) freedom.push_back({EffectSpec(spec()).set("harmonic", h)});
   return freedom;
 }
 
