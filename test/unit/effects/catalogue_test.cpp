@@ -34,6 +34,15 @@ class Catalogue : public ::testing::TestWithParam<int> {
   std::vector<EffectPtr> effects_;
 };
 
+/// A type that has no candidates is tried only where everySpec names it.
+TEST(EverySpec, hasEveryTypeOfTheRegistry) {
+  std::set<std::string> tried;
+  for (const int which : {0, 1, 2})
+    for (const EffectSpec& spec : everySpec(rigOf(which).domain, which)) tried.insert(spec.type);
+  for (const EffectType& type : effectRegistry())
+    EXPECT_EQ(tried.count(type.type), 1u) << type.type << ": add one to everySpec in effects_support.h";
+}
+
 TEST_P(Catalogue, statesItsParametersAndItsWords) {
   for (const EffectPtr& effect : effects_) {
     SCOPED_TRACE(effect->spec().yaml());
