@@ -20,4 +20,10 @@ inline Eigen::Matrix3d rotationBy(const Eigen::Vector3d& vector) {
   return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }
 
+/// The rotation vector of a rotation, rad, up to half a turn: rotationBy() of it is the rotation.
+inline Eigen::Vector3d rotationVectorOf(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.axis() * turn.angle();
+}
+
 }  // namespace mm

@@ -1,21 +1,18 @@
 #include "compensation/compensator.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
 #include "base/error.h"
+#include "base/rotation.h"
 #include "effects/inputs.h"
 #include "session/session.h"
 
 namespace mm {
 namespace {
 
-Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation) {
-  const Eigen::AngleAxisd turn(rotation);
-  return turn.axis() * turn.angle();
-}
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -122,7 +119,7 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
                                       options_.sigma ? &work.byParameter : nullptr);
   c.displacement = c.corrected.position - c.nominal.position;
   if (c.corrected.orientation != c.nominal.orientation)
-    c.rotation = rotationVector(c.corrected.orientation * c.nominal.orientation.transpose());
+    c.rotation = rotationVectorOf(c.corrected.orientation * c.nominal.orientation.transpose());
   if (options_.sigma) {
     work.weighted.noalias() = work.byParameter.topRows<3>() * part.covariance;
     c.covariance.noalias() = work.weighted * work.byParameter.topRows<3>().transpose();

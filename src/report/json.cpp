@@ -91,13 +91,20 @@ Json artifactJson(const CalibrationResult& result) {
   return object;
 }
 
-Json calibrationJson(const CalibrationResult& result, const std::vector<Doubt>& questions = {}) {
+/// How much was measured, and how well it repeats.
+Json observedJson(const CalibrationResult& result) {
   const bool angular = angularOnly(result);
   Json object;
   object["observations"] = result.problem->session().observations.size();
   object["repeatability_um"] = angular ? Json(nullptr) : number(result.repeatability / kMicrometre);
   if (angular) object["repeatability_arcsec"] = number(result.repeatability / kArcsecond);
   object["repeatability_from"] = result.repeatabilityFrom;
+  return object;
+}
+
+Json calibrationJson(const CalibrationResult& result, const std::vector<Doubt>& questions = {}) {
+  const bool angular = angularOnly(result);
+  Json object = observedJson(result);
   if (result.repeated.dof > 0.0) {
     object["repeatability_dof"] = number(result.repeated.dof);
     object["repeatability_relative_std"] = number(result.repeated.relativeStd());
@@ -152,12 +159,7 @@ std::string changeJson(const CalibrationResult& result, const std::vector<Ledger
 }
 
 std::string compareJson(const CalibrationResult& compared, const std::vector<WhereItFails>& where) {
-  const bool angular = angularOnly(compared);
-  Json object;
-  object["observations"] = compared.problem->session().observations.size();
-  object["repeatability_um"] = angular ? Json(nullptr) : number(compared.repeatability / kMicrometre);
-  if (angular) object["repeatability_arcsec"] = number(compared.repeatability / kArcsecond);
-  object["repeatability_from"] = compared.repeatabilityFrom;
+  Json object = observedJson(compared);
   setFigures(object, compared.figures, false);
   for (const bool arc : {false, true}) {
     const SizeOfResiduals size = sizeOfResiduals(compared, arc);

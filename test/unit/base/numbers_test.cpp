@@ -46,6 +46,9 @@ TEST(Rotation, byAVectorIsTheExponentialOfItsSkewMatrix) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Identity(), term = sum;
   for (int n = 1; n < 12; ++n) sum += term = term * skew(w) / n;
   EXPECT_LT((rotationBy(w) - sum).norm(), 1e-15);
+  for (const double size : {1.0, 1e-6, 1e-12})
+    EXPECT_LT((rotationVectorOf(rotationBy(size * w)) - size * w).norm(), 1e-15 * (1.0 + size)) << size;
+  EXPECT_EQ(rotationVectorOf(Eigen::Matrix3d::Identity()), Eigen::Vector3d::Zero());
   EXPECT_EQ(rotationBy(Eigen::Vector3d::Zero()), Eigen::Matrix3d::Identity());
 }
 

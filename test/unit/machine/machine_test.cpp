@@ -7,17 +7,13 @@
 #include <random>
 
 #include "base/error.h"
+#include "base/rotation.h"
 #include "base/units.h"
 
 namespace mm {
 namespace {
 
 constexpr double kTouch = std::numeric_limits<double>::quiet_NaN();
-
-Eigen::Vector3d rotationVector(const Eigen::Matrix3d& r) {
-  const Eigen::AngleAxisd turn(r);
-  return turn.axis() * turn.angle();
-}
 
 /// LASER eq. (7), written out as printed, in the convention of the table that moves: readings x, y, z in m.
 Eigen::Vector3d laserEquation(const Eigen::Vector3d& reading, double a, double b, double t, double y32,
@@ -125,7 +121,7 @@ TEST_P(Gradient, agreesWithCentralDifferencesInEverySlot) {
     const ProbePose high = machine.measure(q.data(), reading, up.data());
     const ProbePose low = machine.measure(q.data(), reading, down.data());
     const Eigen::Vector3d moved = (high.position - low.position) / (2 * h);
-    const Eigen::Vector3d turned = rotationVector(high.orientation * low.orientation.transpose()) / (2 * h);
+    const Eigen::Vector3d turned = rotationVectorOf(high.orientation * low.orientation.transpose()) / (2 * h);
     EXPECT_LT((gradient.col(slot).head<3>() - moved).norm(), tolerance) << "position, slot " << slot;
     EXPECT_LT((gradient.col(slot).tail<3>() - turned).norm(), tolerance) << "orientation, slot " << slot;
   }
