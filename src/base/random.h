@@ -6,7 +6,8 @@
 namespace mm {
 
 /// Random numbers of one purpose: streams of different names are independent, so that hiding one more source
-/// does not change the noise of the others. The same seed and name give the same bits everywhere.
+/// does not change the noise of the others. The same seed and name give the same bits everywhere, which no
+/// standard promises of the distributions of the C++ library or of Boost.
 class Random {
  public:
   Random(std::uint64_t seed, const std::string& stream);

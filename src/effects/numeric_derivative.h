@@ -39,6 +39,8 @@ struct CentralDifference {
 /// The first step is small, so that no period of f is mistaken for a slow change; it grows while that lessens
 /// the error and the steps agree. Near an edge beyond which f is not finite the step shrinks, at the edge
 /// itself the difference is one-sided; NaN only where f is finite on neither side.
+/// Not Boost.Math's finite_difference_derivative: it takes one step, whose error it does not compare with
+/// those of others, and knows neither periods nor edges.
 /// @param typical a typical size of x, for the first step where x is small.
 template <class F>
 double numericDerivative(F&& f, double x, double typical) {

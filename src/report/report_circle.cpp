@@ -12,7 +12,7 @@
 namespace mm {
 namespace {
 
-constexpr double kTurn = 2.0 * 3.14159265358979323846;
+constexpr double kTurn = 2.0 * kPi;
 constexpr double kLargestGap = kTurn / 12.0;
 constexpr double kRound = 2e-3;  // readings of a circle are on it within this share of the radius
 

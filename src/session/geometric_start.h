@@ -16,7 +16,8 @@ struct GeometricStart {
 GeometricStart geometricStart(const Session& session);
 
 /// The rigid motion that brings `from` closest to `to` (columns, m): translation alone of one point, the
-/// shortest rotation of points on one line.
+/// shortest rotation of points on one line. Otherwise that of Umeyama (IEEE Trans. PAMI 13 (1991) 376), a
+/// rotation also where a reflection fits better.
 void rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, Eigen::Matrix3d& rotation,
                  Eigen::Vector3d& translation);
 

@@ -35,6 +35,9 @@ struct InformationSettings {
 
 /// Mutual information in nat between a displacement and any subset of the sensors of one series.
 /// Const after construction: joint() may be called from several threads.
+/// Neighbours are found by comparing all samples: KSG also counts those within the radius in each projection,
+/// for which every distance is needed, and that of the displacement is kept for all subsets of the sensors; a
+/// tree of neighbours would save neither.
 class SensorInformation {
  public:
   /// `temperatures`: samples x sensors; `displacement`: samples; any units.
