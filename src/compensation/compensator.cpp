@@ -10,11 +10,6 @@
 #include "session/session.h"
 
 namespace mm {
-namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 Compensator::Compensator(const Calibration& calibration, Options options)
     : id_(calibration.id),
