@@ -116,7 +116,7 @@ void readNetworks(YamlKeys& in, std::vector<LearnedNetwork>& networks) {
   }
 }
 
-void readDomain(YamlKeys in, Domain& d) {
+void readDomain(YamlKeys in, Domain& d, std::vector<LearnedNetwork>& networks) {
   const std::vector<YAML::Node> joints = in.list("joints");
   for (std::size_t j = 0; j < joints.size(); ++j) {
     YamlKeys keys = in.item(joints[j], "domain.joints", j);
@@ -146,7 +146,7 @@ void readDomain(YamlKeys in, Domain& d) {
     d.readingUpper = in.number("reading_upper_m");
   }
   d.artifactExpansion = in.number("artifact_expansion_per_K");
-  if (in.has("networks")) readNetworks(in, d.networks);
+  if (in.has("networks")) readNetworks(in, networks);
   in.finish();
 }
 
@@ -195,7 +195,7 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   c.software = root.text("software");
   c.machineName = root.text("machine");
   readModel(root, c);
-  readDomain(root.map("domain"), c.domain);
+  readDomain(root.map("domain"), c.domain, c.networks);
   YamlKeys session = root.map("session");
   c.sessionSource = session.text("source");
   c.sessionHash = session.text("hash");

@@ -22,7 +22,8 @@ Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation) {
 Compensator::Compensator(const Calibration& calibration, Options options)
     : id_(calibration.id),
       options_(options),
-      model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects),
+      model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects,
+             calibration.networks),
       drift_(calibration.drift) {
   if (!(options_.margin >= 0.0))
     throw InputError("margin of the calibrated volume is " + std::to_string(options_.margin) +

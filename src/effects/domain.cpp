@@ -28,10 +28,4 @@ void Domain::setMachine(const Machine& machine) {
   probeRotation = machine.tipRotation();
 }
 
-const LearnedNetwork* Domain::findNetwork(const std::string& effect) const {
-  for (const LearnedNetwork& network : networks)
-    if (network.effect == effect) return &network;
-  return nullptr;
-}
-
 }  // namespace mm
