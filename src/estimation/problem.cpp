@@ -4,23 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
+#include "base/rotation.h"
 #include "base/units.h"
 
 namespace mm {
 namespace {
 
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
+constexpr double kSmallTurn = 1e-4;  // rad: below, the sine of an angle is the angle to rounding
+constexpr double kNoTurn = 1e-12;    // rad: below, the direction of a rotation vector is rounding
 
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& r) {
   const Eigen::AngleAxisd a(r);
   // near the identity AngleAxis loses the axis: the skew part is exact to third order there
   const Eigen::Vector3d half(0.5 * (r(2, 1) - r(1, 2)), 0.5 * (r(0, 2) - r(2, 0)), 0.5 * (r(1, 0) - r(0, 1)));
-  return half.norm() < 1e-4 && a.angle() < 1.0 ? half : Eigen::Vector3d(a.axis() * a.angle());
+  return half.norm() < kSmallTurn && a.angle() < 1.0 ? half : Eigen::Vector3d(a.axis() * a.angle());
 }
 
 }  // namespace
@@ -38,8 +35,8 @@ Eigen::VectorXd Problem::start() const {
 }
 
 int Problem::find(UnknownKind kind, int owner) const {
-  for (int i = 0; i < unknownCount(); ++i)
-    if (unknowns_[i].kind == kind && unknowns_[i].owner == owner) return i;
+  for (const UnknownGroup& group : groups_)
+    if (group.kind == kind && group.owner == owner) return group.first;
   return -1;
 }
 
@@ -56,7 +53,7 @@ Eigen::Matrix3d Problem::poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d*
   if (poseOffset_ < 0) return rotation0_;
   const Eigen::Vector3d w = x.segment<3>(poseOffset_);
   const double angle = w.norm();
-  if (angle < 1e-12) return (Eigen::Matrix3d::Identity() + skew(w)) * rotation0_;
+  if (angle < kNoTurn) return (Eigen::Matrix3d::Identity() + skew(w)) * rotation0_;
   const Eigen::Matrix3d k = skew(w / angle);
   if (leftJacobian != nullptr)
     *leftJacobian = Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / angle * k +
@@ -214,69 +211,6 @@ void Problem::scatter(int observation, const Derivative& d, Eigen::MatrixXd& row
     for (int i = 0; i < n; ++i)
       rows(i, setupOffset_[setupOf_[observation] * width + rows_[first + i].component]) = -1.0;
   }
-}
-
-Eigen::VectorXd Problem::residuals(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const {
-  Eigen::VectorXd r(rowCount());
-  jacobian.resize(rowCount(), unknownCount());
-  Model::Workspace work;
-  Derivative d;
-  Eigen::MatrixXd rows;
-  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
-    const int n = residualsOf(static_cast<int>(o), x, r.data() + firstRow_[o], &d, work);
-    scatter(static_cast<int>(o), d, rows);
-    jacobian.middleRows(firstRow_[o], n) = rows;
-  }
-  return r;
-}
-
-void Problem::linearise(const Eigen::VectorXd& x) {
-  slotGradients_.resize(rowCount(), model_.machine().layout().size());
-  Model::Workspace work;
-  Derivative d;
-  std::vector<double> r(kMaxRows);
-  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
-    const int n = residualsOf(static_cast<int>(o), x, r.data(), &d, work);
-    slotGradients_.middleRows(firstRow_[o], n) = d.slots;
-  }
-}
-
-namespace {
-
-/// Takes the derivatives of one effect at one state to the residuals of one observation.
-class ColumnSink final : public ErrorSink {
- public:
-  ColumnSink(const Eigen::MatrixXd& gradients, Eigen::MatrixXd& columns)
-      : gradients_(gradients), columns_(columns) {}
-  void at(int first, int rows) { first_ = first, rows_ = rows; }
-  void add(int slot, int parameter, double, double basis) override { derivative(slot, parameter, basis); }
-  void value(int, double) override {}
-  void derivative(int slot, int parameter, double derivative) override {
-    for (int i = first_; i < first_ + rows_; ++i) {
-      const double gradient = gradients_(i, slot);
-      if (gradient != 0.0) columns_(i, parameter) += gradient * derivative;
-    }
-  }
-  bool wantsDerivatives() const override { return true; }
-
- private:
-  const Eigen::MatrixXd& gradients_;
-  Eigen::MatrixXd& columns_;
-  int first_ = 0, rows_ = 0;
-};
-
-}  // namespace
-
-Eigen::MatrixXd Problem::effectColumns(const Effect& effect, const std::vector<double>& p,
-                                       const std::vector<char>* asked) const {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rowCount(), effect.parameterCount());
-  ColumnSink sink(slotGradients_, columns);
-  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
-    if (asked != nullptr && !(*asked)[o]) continue;
-    sink.at(firstRow_[o], firstRow_[o + 1] - firstRow_[o]);
-    effect.evaluate(state(static_cast<int>(o)), p.data(), sink);
-  }
-  return columns;
 }
 
 }  // namespace mm
