@@ -5,16 +5,21 @@
 #include <cmath>
 
 #include "base/cancel_scope.h"
-#include "base/two_threads.h"
+#include "base/parallel.h"
+#include "base/tiny.h"
 #include "estimation/row_products.h"
 
 namespace mm {
 namespace {
 
-constexpr double kRidge = 1e-9;  // on orthonormal columns: what a part of the rows does not see
 constexpr int kTimeConstants = 6;
 constexpr int kRoughOnly = 3;    // the shortest of them
 constexpr double kEnough = 0.3;  // nats: what another round must bring
+// Nats that a change must bring to be kept: above the rounding of the evidence, and, where the ratios stay as
+// they are meanwhile, above what fitting them again gives and takes.
+constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
+constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
+constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
 
 double medianSpacing(const std::vector<double>& time) {
   std::vector<double> dt;
@@ -59,7 +64,7 @@ NoiseFit::NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks)
     : rows_(rows), blocks_(std::move(blocks)), base_(static_cast<int>(rows.base.cols())) {
   const double spacing = medianSpacing(rows.time);
   const double length = rows.rows() > 1 ? rows.time.back() - rows.time.front() : 0.0;
-  if (spacing > 0.0 && length > 4.0 * spacing) {
+  if (spacing > 0.0 && length > kShortest * spacing) {
     // from noise that lasts from one row to the next to a walk that never comes back
     const double first = spacing, last = 2.0 * length;
     for (int k = 0; k < kTimeConstants; ++k)
@@ -108,7 +113,7 @@ double NoiseFit::value(const Gram& gram, const std::vector<double>& ratios, doub
   }
   const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> llt(m.selfadjointView<Eigen::Lower>());
   const Eigen::VectorXd explained = llt.matrixL().solve(to);
-  const double left = std::max(1e-300, gram.products(columns, columns) - explained.squaredNorm());
+  const double left = std::max(kTiny, gram.products(columns, columns) - explained.squaredNorm());
   if (rest != nullptr) *rest = left;
   const double freedoms = std::max(1, rows_.length() - base_);
   double logDeterminant = gram.logDeterminant;
@@ -131,7 +136,7 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
         const double kept = ratios[b];
         ratios[b] = ratio;
         const double v = worth();
-        if (v > best + 1e-6) {
+        if (v > best + kBetterRatio) {
           best = v;
           return true;
         }
@@ -150,7 +155,7 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
         for (const double r : {0.1, 0.3, 1.0, 3.0}) attempt(r);
       }
     }
-    if (best - before < 0.05) break;
+    if (best - before < kRatiosSettled) break;
   }
   return best;
 }
@@ -185,7 +190,7 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
     const NoiseFit::Gram gram = gramOf(noise, ratios, false);
     double rest = 0.0;
     const double v = value(gram, ratios, &rest) - prices(noise, ratios, options);
-    if (!(v > best.logEvidence + 1e-3)) return false;
+    if (!(v > best.logEvidence + kBetterDrift)) return false;
     best.noise = std::move(noise);
     best.logEvidence = v;
     best.white = std::sqrt(rest / best.freedoms);
@@ -216,14 +221,11 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
         return more;
       };
       std::vector<double> worth(static_cast<std::size_t>(count), -1e300);
-      inTwo([&](std::size_t half) {
-        for (int k = static_cast<int>(half); k < count; k += 2) {
-          const NoiseModel more = further(k);
-          worth[k] = value(gramOf(more, best.ratios, false), best.ratios, nullptr) -
-                     prices(more, best.ratios, options);
-        }
+      parallelFor(worth.size(), [&](std::size_t k) {
+        const NoiseModel more = further(static_cast<int>(k));
+        worth[k] = value(gramOf(more, best.ratios, false), best.ratios, nullptr) -
+                   prices(more, best.ratios, options);
       });
-      CancelScope::check();
       attempt(further(static_cast<int>(std::max_element(worth.begin(), worth.end()) - worth.begin())));
     }
     if (options.refine) {

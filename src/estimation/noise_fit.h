@@ -26,6 +26,10 @@ struct RandomBlock {
   bool fixed = false;  // the ratio is known
 };
 
+/// On products of orthonormal columns: keeps a direction that a part of the rows does not see from being
+/// divided by rounding.
+constexpr double kRidge = 1e-9;
+
 /// White noise, drift and blocks: everything that scatters. Ratios are in units of the white noise.
 struct NoiseModel {
   std::vector<DriftTerm> drift;
