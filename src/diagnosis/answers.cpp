@@ -113,7 +113,7 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
     q.space->project(all);
     // a trace of a prior: what a profile leaves undetermined stays small
     Eigen::MatrixXd products = all.transpose() * all;
-    products.diagonal().array() += 1e-9 * products.diagonal().maxCoeff();
+    products.diagonal().array() += kRidge * products.diagonal().maxCoeff();
     const Eigen::VectorXd values = products.ldlt().solve(all.transpose() * q.space->target());
     int at = 0;
     for (Answer& a : answers)
@@ -294,12 +294,12 @@ void fillScatter(const Questions& q, const Explanation& found, double unit, Diag
     const std::string size = shortNumber(s.std / kMicrometre) + " um";
     s.inWords = s.what == "centres"
                     ? "the balls' centres scatter by " + size +
-                          " about where the artifact file has them; calibrate the artifact, or state "
+                          " about the positions in the artifact file; calibrate the artifact, or state "
                           "their centre_std_um"
                 : s.what == "radii" ? "the balls' radii scatter by " + size +
-                                          " about what the artifact file says; measure them, or state their "
+                                          " about the values in the artifact file; measure them, or state their "
                                           "radius_std_um"
-                                    : "the balls are out of round by " + size +
+                                    : "the form deviation of the balls is " + size +
                                           "; clean them, turn one and measure it again, or use better ones";
     out.artifactScatter.push_back(std::move(s));
   }
