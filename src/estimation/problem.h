@@ -77,6 +77,7 @@ class Problem {
     Eigen::VectorXd radius;   // rows
     Eigen::Matrix<double, 6, Eigen::Dynamic>
         unused;  // of the pose by parameter: the slots carry all derivatives
+    void clear(int rows, int parameters, int slotCount);  ///< all zero, of this size
   };
 
   /// @param session must outlive the problem. @throw InputError when a session cannot be used with the model
@@ -126,6 +127,16 @@ class Problem {
   void addUnknowns();
   void addRows();
   Eigen::Matrix3d poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d* leftJacobian) const;
+  struct ArtifactPose {
+    Eigen::Matrix3d rotation, leftJacobian;  // artifact -> workpiece; of its rotation vector, where wanted
+    Eigen::Vector3d translation;             // m
+  };
+  ArtifactPose artifactPose(const Eigen::VectorXd& x, bool derivative) const;
+  double growthAt(int observation) const;  // of the artifact, by its temperature
+  struct Seen;
+  void seeDeviation(const Seen& seen) const;
+  void seePosition(const Seen& seen) const;
+  void seeContact(const Seen& seen) const;
 
   const Session* session_;
   Model model_;
