@@ -1,5 +1,6 @@
 #include "base/parallel.h"
 
+#include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -21,7 +22,13 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& work
 }
 
 struct Threads::Arena {
-  explicit Arena(int most) : arena(most) {}
+  explicit Arena(int most) : arena(most) {
+    // more than there are cores: oneTBB has no workers for them unless it is told so
+    if (most > tbb::info::default_concurrency())
+      more = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                   static_cast<std::size_t>(most));
+  }
+  std::unique_ptr<tbb::global_control> more;
   tbb::task_arena arena;
 };
 
