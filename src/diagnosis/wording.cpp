@@ -188,7 +188,8 @@ std::string unknownSentence(const Diagnosis& d) {
     for (std::size_t i = 0; i < on.size(); ++i) text += (i == 0 ? "; it depends on " : ", ") + on[i];
     text += ".";
   }
-  for (const FormulaResult& f : d.formulas) text += " The formula " + inWords(f.effect) + " describes it as well.";
+  for (const FormulaResult& f : d.formulas)
+    text += " The formula " + inWords(f.effect) + " describes it as well.";
   if (!d.missing.empty() && !namedFirst) text += " Found on the way: " + surelyAll(d);
   return text + (d.profiles.empty()       ? " Look for its cause."
                  : d.profiles.size() == 1 ? " Add it as a profile, or look for its cause."
@@ -275,7 +276,7 @@ std::string sentenceOf(const Diagnosis& d) {
 
 std::string movesInWords(double deviations, std::size_t moves) {
   if (moves == 0) return "no move within the machine's limits separates them";
-  constexpr double kEnough = 3.0;               // standard deviations
+  constexpr double kEnough = 3.0;              // standard deviations
   constexpr double kSmallestDeviation = 1e-3;  // of them: nobody measures a million times
   const std::string all = "the " + std::to_string(moves) + " proposed moves differ by " +
                           shortNumber(deviations) + " standard deviations";

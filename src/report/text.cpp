@@ -127,7 +127,8 @@ std::string freerCentres(const CalibrationResult& r) {
   const bool held = std::any_of(features.begin(), features.end(),
                                 [](const Feature& f) { return f.kind == FeatureKind::kBall && f.known; });
   if (!held || !(r.genetic->rms < refined)) return {};
-  return "                  (lower: each ball's centre was free; the refinement keeps them where the artifact "
+  return "                  (lower: each ball's centre was free; the refinement keeps them where the "
+         "artifact "
          "has them)\n";
 }
 
