@@ -9,9 +9,9 @@
 #include <ctime>
 
 #include "diagnosis/evidence.h"
-#include "diagnosis/groups.h"
+#include "diagnosis/question_list.h"
 #include "estimation/noise_rows.h"
-#include "estimation/polish.h"
+#include "estimation/refine.h"
 #include "estimation/row_products.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
@@ -29,9 +29,7 @@ struct Base {
   mm::CalibrationResult fitted = [this] {
     mm::CalibrateOptions options;
     options.method = mm::Method::kLeastSquares;
-    mm::CalibrationResult r = mm::calibrate(simulation.session, model, options);
-    r.problem->linearise(r.x);
-    return r;
+    return mm::calibrate(simulation.session, model, options);
   }();
 };
 
@@ -62,8 +60,8 @@ void measure(benchmark::State& state, Outcome& outcome, Run run) {
 void evidence(benchmark::State& state) {
   measure(state, byEvidence, [] {
     const mm::ResidualSpace space(base().fitted);
-    const mm::LinearisedRows rows =
-        mm::noiseRows(space.problem(), space.used(), base().fitted.sigma, space.target(), space.basis());
+    const mm::LinearisedRows rows = mm::noiseRows(space.linearisation(), space.used(), base().fitted.sigma,
+                                                  space.target(), space.basis());
     const mm::Groups groups = mm::QuestionList::causes(space).all();
     mm::NoiseModel noise;
     noise.variance = Eigen::VectorXd::Ones(rows.rows.rows());
@@ -94,7 +92,7 @@ void refitsByCeres(benchmark::State& state) {
       x.tail(fitted.x.size() - before) = fitted.x.tail(fitted.x.size() - before);
       std::vector<char> fixed = fitted.identifiability.fixed;
       fixed.insert(fixed.begin() + before, static_cast<std::size_t>(more), 0);
-      const mm::PolishResult r = mm::polish(problem, x, fixed, fitted.sigma, fitted.weight, {});
+      const mm::RefineResult r = mm::refine(problem, x, fixed, fitted.sigma, fitted.weight, {});
       const double rss =
           problem.residuals(r.x).cwiseQuotient(fitted.sigma).cwiseAbs2().cwiseProduct(fitted.weight).sum();
       ++byRefits.causes;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "estimation/identifiability.h"
-#include "estimation/polish.h"
+#include "estimation/refine.h"
 #include "mmt_session.h"
 
 namespace {
@@ -105,7 +105,7 @@ void measure(benchmark::State& state, const std::string& name, Run run) {
 void polish(benchmark::State& state) {
   measure(state, "polish", [](Outcome& outcome) {
     const Start& s = start();
-    const mm::PolishResult r = mm::polish(s.problem, s.x, s.fixed, s.sigma, s.weight, {});
+    const mm::RefineResult r = mm::refine(s.problem, s.x, s.fixed, s.sigma, s.weight, {});
     outcome.rms = 1e6 * std::sqrt(s.problem.residuals(r.x).squaredNorm() / s.problem.rowCount());
     outcome.iterations = r.iterations;
   });

@@ -1,7 +1,7 @@
 // The page, section by section.
 
 const kVerdicts = {
-  insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Cannot be told apart yet",
+  insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet",
   missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained",
 };
 const kNoise = { declared: "declared", repeated: "from repeated measurements", estimated: "estimated from the residuals" };
@@ -40,7 +40,7 @@ function commandLine(lead, command) {
   return [el("p", { class: "lead" }, lead), el("div", { class: "command" }, code, button)];
 }
 
-/** What to type next: where effects cannot be told apart, the moves first. */
+/** What to type next: where effects are not separated, the moves first. */
 function commands() {
   const measure = diagnosis.verdict === "confusable" && diagnosis.next_measurement.length > 0;
   const several = diagnosis.missing.length + diagnosis.profiles.length > 1;
@@ -103,7 +103,7 @@ function errors() {
   section("error", "The error, before and after", el("div", { class: "tiles" }, tiles.map(([label, value, std]) =>
     el("div", { class: "tile" }, el("div", { class: "label" }, label), el("div", { class: "value" }, num(value), " ", el("small", {}, known(value) ? kUnit : "")),
       known(std) && std > 0 ? el("div", { class: "label" }, "± " + digits(2 * std, 2) + " " + kUnit + " (k = 2)") : null))),
-  table("Size of the residuals, outliers left aside (each fit leaves aside its own). Held out: the values fitted again without the block of time that is judged, no drift predicted. ± is the expanded uncertainty, k = 2", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
+  table("Size of the residuals, outliers set aside (each fit sets aside its own). Held out: the values fitted again without the block of time that is judged, no drift predicted. ± is the expanded uncertainty, k = 2", columns, data.figures.map((f) => [[f.name, el("div", { class: "note" }, f.note)],
     ...kinds.flatMap(([, s]) => [bare(f["rms" + s], f["rms_std" + s]), bare(f["held_out_rms" + s], rmsStd(f["held_out_rms" + s], f["count" + s])), bare(f["q95" + s], 0.95 * f["q95" + s] / Math.sqrt(f["count" + s])), num(f["max" + s])]),
     diagnosis.repeatability_from === "estimated" ? "–" : bare(f.chi2_per_dof, f.chi2_per_dof * Math.sqrt(2 / Math.max(1, f.degrees_of_freedom))), known(f.outliers) ? String(f.outliers) : "–"])));
 }
@@ -121,7 +121,7 @@ const heldOut = (found) => found["held_out_rms" + kSuffix];
 
 /** Other explanations of what was found, each with its odds and with what would tell. */
 function rivals(m) {
-  const lines = m.confusable_with.map((c) => [el("b", {}, c.in_words), c.same ? ": the same error told in another frame; no measurement on this machine tells them apart" :
+  const lines = m.confusable_with.map((c) => [el("b", {}, c.in_words), c.same ? ": the same error expressed in another frame; no measurement on this machine separates them" :
     c.not_recorded ? ": cannot be excluded, " + c.not_recorded.replace(/^(the )?/, "the ") + " was not recorded" : ", odds " + c.odds_in_words,
     c.moves ? el("div", { class: "note" }, "To tell: " + said(c.moves)) : null]);
   return lines.length ? [el("dt", {}, "Or instead"), el("dd", {}, el("ul", { class: "plain" }, lines.map((line) => el("li", {}, line))))] : [];
@@ -303,13 +303,13 @@ function pointSet() {
       return [j.name, range(j["lower_" + unit], j["upper_" + unit], unit), known(j.positions) ? String(j.positions) : "many", j.travel.up + " / " + j.travel.down + " / " + j.travel.unknown, fixed(j.correlation_with_time)];
     })),
     p.logged.length ? table("Logged", [["Quantity"], ["range", "nowrap"], ["missing", "n"], ["correlation with time", "n"]], p.logged.map((i) => [i.name, range(i.lower, i.upper, i.unit), String(i.missing),
-      fixed(i.correlation_with_time) + (Math.abs(i.correlation_with_time) > 0.95 ? " (drift cannot be told from it)" : "")])) : null,
+      fixed(i.correlation_with_time) + (Math.abs(i.correlation_with_time) > 0.95 ? " (not separable from drift)" : "")])) : null,
     p.weak && p.weak.length ? table("Weakly determined parameters", [["Parameter"], ["only to ±", "n"]], p.weak.map((w) => [w.name, withUnit(num(w.std, 2), w.unit)])) : null);
 }
 
 function outliers() {
   if (!data.outliers.length) return;
-  section("outliers", "Outliers, left aside", longTable(data.outliers.length + (data.outliers.length === 1 ? " measurement that stands apart from its" : " measurements that stand apart from their") + " neighbours", [["Row", "n"], ["feature"], ["time, s", "n"], ["residual", "n"], ["× noise", "n"]],
+  section("outliers", "Outliers, set aside", longTable(data.outliers.length + (data.outliers.length === 1 ? " measurement that stands apart from its" : " measurements that stand apart from their") + " neighbours", [["Row", "n"], ["feature"], ["time, s", "n"], ["residual", "n"], ["× noise", "n"]],
     data.outliers.map((o) => [String(o.row), o.feature || "–", num(o.time_s, 5), withUnit(num(o.residual), o.unit), num(o.sigmas, 2)]), 12));
 }
 
@@ -344,7 +344,7 @@ function nextMeasurement() {
   const head = (k) => k.replace(/_(mm|deg|um|s|degC|mm_s|deg_s)$/, (x, unit) => ", " + unitText(unit.replace("_s", "/s"))).replace(/_/g, " ");
   const text = (v) => (Array.isArray(v) ? "(" + v.map((a) => num(a, 2)).join(", ") + ")" : typeof v === "number" ? short(v) : v === undefined || v === null ? "–" :
     typeof v === "object" ? Object.entries(v).map(([joint, side]) => (side > 0 ? "+" : "−") + joint).join(", ") : v);
-  section("next", "Next measurement", lead(moves.length + " targets that best separate what these data cannot tell apart, most useful first."),
+  section("next", "Next measurement", lead(moves.length + " targets that best separate what these data do not, most useful first."),
     longTable("Targets", [["#", "n"], ...keys.map((k) => [head(k), "n"])], moves.map((m, i) => [String(i + 1), ...keys.map((k) => text(m[k]))]), 12),
     el("p", { class: "lead" }, "As a plan that mm simulate and the node measure run:"), el("div", { class: "command" }, el("code", {}, data.moves_command)));
 }

@@ -15,6 +15,10 @@ CancelScope::CancelScope(std::function<bool()> asked) : asked_(std::move(asked))
 
 CancelScope::~CancelScope() { innermost = outer_; }
 
+CancelScope::Lent::Lent(const CancelScope* scope) : before_(innermost) { innermost = scope; }
+
+CancelScope::Lent::~Lent() { innermost = before_; }
+
 const CancelScope* CancelScope::current() { return innermost; }
 
 void CancelScope::check() {

@@ -14,6 +14,18 @@ class CancelScope {
   CancelScope(const CancelScope&) = delete;
   CancelScope& operator=(const CancelScope&) = delete;
 
+  /// The scope of one thread lent to another that works for it, for as long as this lives; null: none.
+  class Lent {
+   public:
+    explicit Lent(const CancelScope* scope);
+    ~Lent();
+    Lent(const Lent&) = delete;
+    Lent& operator=(const Lent&) = delete;
+
+   private:
+    const CancelScope* before_;
+  };
+
   /// The scope of this thread; null: none.
   static const CancelScope* current();
   bool asked() const { return asked_ && asked_(); }

@@ -7,6 +7,7 @@
 
 #include "effects/domain.h"
 #include "effects/effect_spec.h"
+#include "effects/learned_network.h"
 
 namespace mm {
 
@@ -20,7 +21,7 @@ struct LedgerEntry {
   std::string calibration;  // id of the calibration before the step: what it can be taken back to
 };
 
-/// What the machine wanders along one direction, which no parameter describes.
+/// How the machine drifts along one direction, which no parameter describes.
 struct Wandering {
   std::string direction;      // a joint, or x, y, z of workpiece
   double std = 0.0;           // m (rad for a rotary joint)
@@ -47,8 +48,9 @@ struct Calibration {
   std::string urdf;
   Domain domain;
   std::vector<EffectSpec> effects;
-  std::vector<Value> values;   // in the order of the model's parameters
-  Eigen::MatrixXd covariance;  // SI, of `values`
+  std::vector<LearnedNetwork> networks;  // of those effects whose shape is learned
+  std::vector<Value> values;             // in the order of the model's parameters
+  Eigen::MatrixXd covariance;            // SI, of `values`
 
   std::vector<Wandering>
       drift;  // what the session showed beside white noise; the corrected point may be off by it

@@ -95,7 +95,7 @@ void readNetworks(const YamlMapping& in, std::vector<LearnedNetwork>& networks) 
   }
 }
 
-void readDomain(const YamlMapping& in, Domain& d) {
+void readDomain(const YamlMapping& in, Domain& d, std::vector<LearnedNetwork>& networks) {
   const std::vector<YAML::Node> joints = in.list("joints");
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const YamlMapping keys = in.item(joints[j], "domain.joints", j);
@@ -125,7 +125,7 @@ void readDomain(const YamlMapping& in, Domain& d) {
     d.readingUpper = in.stored("reading_upper_m");
   }
   d.artifactExpansion = in.stored("artifact_expansion_per_K");
-  if (in.has("networks")) readNetworks(in, d.networks);
+  if (in.has("networks")) readNetworks(in, networks);
   in.finish();
 }
 
@@ -175,7 +175,7 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   c.software = root.storedText("software");
   c.machineName = root.storedText("machine");
   readModel(root, c);
-  readDomain(root.map("domain"), c.domain);
+  readDomain(root.map("domain"), c.domain, c.networks);
   const YamlMapping session = root.map("session");
   c.sessionSource = session.storedText("source");
   c.sessionHash = session.storedText("hash");

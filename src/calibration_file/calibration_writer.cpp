@@ -120,7 +120,7 @@ void networks(YAML::Emitter& out, const std::vector<LearnedNetwork>& learned) {
   out << EndSeq;
 }
 
-void domain(YAML::Emitter& out, const Domain& d) {
+void domain(YAML::Emitter& out, const Domain& d, const std::vector<LearnedNetwork>& learned) {
   out << Key << "domain" << Value << BeginMap << Key << "joints" << Value << BeginSeq;
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     out << BeginMap;
@@ -154,7 +154,7 @@ void domain(YAML::Emitter& out, const Domain& d) {
     number(out, "reading_upper_m", d.readingUpper);
   }
   number(out, "artifact_expansion_per_K", d.artifactExpansion);
-  if (!d.networks.empty()) networks(out, d.networks);
+  if (!learned.empty()) networks(out, learned);
   out << EndMap;
 }
 
@@ -204,7 +204,7 @@ std::string content(const Calibration& c) {
   text(out, "software", c.software);
   text(out, "machine", c.machineName);
   model(out, c);
-  domain(out, c.domain);
+  domain(out, c.domain, c.networks);
   out << Key << "session" << Value << BeginMap;
   text(out, "source", c.sessionSource);
   text(out, "hash", c.sessionHash);

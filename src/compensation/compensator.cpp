@@ -14,7 +14,8 @@ namespace mm {
 Compensator::Compensator(const Calibration& calibration, Options options)
     : id_(calibration.id),
       options_(options),
-      model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects),
+      model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects,
+             calibration.networks),
       drift_(calibration.drift) {
   if (!(options_.margin >= 0.0))
     throw InputError("margin of the calibrated volume is " + std::to_string(options_.margin) +

@@ -98,13 +98,11 @@ Session hypothetical(const ResidualSpace& space) {
   return next;
 }
 
-Eigen::MatrixXd linearColumns(const Effect& effect, const Eigen::MatrixXd& all) {
-  const std::vector<int> linear = linearParameters(effect);
-  Eigen::MatrixXd out(all.rows(), linear.size());
-  for (std::size_t k = 0; k < linear.size(); ++k)
-    out.col(static_cast<int>(k)) =
-        all.col(linear[k]).unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
-  return out;
+/// Columns of a hypothesis; 0 in rows that lack an input of it.
+Eigen::MatrixXd columnsOf(const Linearisation& at, const Hypothesis& hypothesis) {
+  const Effect& effect = *hypothesis.effect;
+  return linearColumns(effect, at.effectColumns(effect, startsAt(effect, hypothesis.nonlinear)))
+      .unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
 }
 
 Move moveOf(const Session& session, const Observation& o, double end) {
@@ -154,25 +152,18 @@ NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& ow
   if (next.observations.empty()) return out;
   const Problem& problem = space.problem();
   try {
-    Problem future(next, problem.model(), problem.datum());
+    const Problem future(next, problem.model(), problem.datum());
     if (future.unknownCount() != problem.unknownCount()) return out;
-    future.linearise(space.fitted().x);
-    Eigen::MatrixXd futureJacobian;
-    future.residuals(space.fitted().x, futureJacobian);
+    const Linearisation& atNow = space.linearisation();
+    const Linearisation atNext = linearise(future, space.fitted().x);
 
     const Eigen::VectorXd inverse = space.fitted().weight.cwiseSqrt().cwiseQuotient(space.fitted().sigma);
     const double sigma = 1.0 / inverse.maxCoeff();
-    Eigen::MatrixXd jacobian;
-    problem.residuals(space.fitted().x, jacobian);
     const auto whitened = [&](Eigen::MatrixXd m) {
       for (int i = 0; i < m.rows(); ++i) m.row(i) *= inverse[i];
       return m;
     };
-    const Eigen::MatrixXd ownNow = whitened(
-        linearColumns(*own.effect, problem.effectColumns(*own.effect, startsAt(*own.effect, own.nonlinear))));
-    const Eigen::MatrixXd ownNext =
-        linearColumns(*own.effect, future.effectColumns(*own.effect, startsAt(*own.effect, own.nonlinear))) /
-        sigma;
+    const Eigen::MatrixXd ownNow = whitened(columnsOf(atNow, own)), ownNext = columnsOf(atNext, own) / sigma;
     // the leading hypothesis at its fitted size
     Eigen::MatrixXd left = Eigen::MatrixXd::Zero(space.length(), ownNow.cols());
     for (int i = 0; i < space.rows(); ++i) left.row(i) = ownNow.row(space.used()[i]);
@@ -186,16 +177,12 @@ NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& ow
     std::vector<Eigen::MatrixXd> covariances;    // of each rival's unknowns, by all that is measured so far
     std::vector<Eigen::VectorXd> uncertainties;  // variance of its prediction, a future row
     for (const Hypothesis& rival : rivals) {
-      const Eigen::MatrixXd rivalNow = whitened(linearColumns(
-          *rival.effect, problem.effectColumns(*rival.effect, startsAt(*rival.effect, rival.nonlinear))));
-      const Eigen::MatrixXd rivalNext =
-          linearColumns(*rival.effect,
-                        future.effectColumns(*rival.effect, startsAt(*rival.effect, rival.nonlinear))) /
-          sigma;
-      Eigen::MatrixXd now(jacobian.rows(), free + rivalNow.cols()),
-          later(futureJacobian.rows(), free + rivalNow.cols());
-      now << whitened(jacobian), rivalNow;
-      later << futureJacobian / sigma, rivalNext;
+      const Eigen::MatrixXd rivalNow = whitened(columnsOf(atNow, rival)),
+                            rivalNext = columnsOf(atNext, rival) / sigma;
+      Eigen::MatrixXd now(atNow.jacobian().rows(), free + rivalNow.cols()),
+          later(atNext.jacobian().rows(), free + rivalNow.cols());
+      now << whitened(atNow.jacobian()), rivalNow;
+      later << atNext.jacobian() / sigma, rivalNext;
       for (int c = 0; c < now.cols(); ++c) {  // held unknowns do not imitate
         const double norm = now.col(c).norm();
         if (!(norm > 0.0) || (c < free && space.fitted().identifiability.fixed[c])) {

@@ -123,9 +123,10 @@ void coverInputs(const Session& session, const std::vector<Series>& logged, bool
 
 /// Orthonormal basis of what the free unknowns, and a constant in each measured component, can explain of the
 /// data rows.
-Eigen::MatrixXd explainedBy(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverse,
+Eigen::MatrixXd explainedBy(const Linearisation& at, const Eigen::VectorXd& inverse,
                             const std::vector<char>& fixed) {
-  const WhitenedSystem system(problem, x, inverse, fixed);
+  const Problem& problem = at.problem();
+  const WhitenedSystem system(at, inverse, fixed);
   const int data = problem.rowCount(), free = static_cast<int>(system.free.size());
   std::vector<int> constantOf;
   std::vector<std::pair<ObservationKind, int>> constants;
@@ -147,12 +148,12 @@ Eigen::MatrixXd explainedBy(const Problem& problem, const Eigen::VectorXd& x, co
 
 /// Judges each member of the catalogue by what is left of its columns beside those of the model and the
 /// artifact.
-std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability& identifiability,
+std::vector<CannotBeShown> judgeCatalogue(const Problem& problem, const Identifiability& identifiability,
                                           const Eigen::VectorXd& inverse) {
   const Domain& domain = problem.model().domain();
   const Eigen::VectorXd x = problem.start();
-  problem.linearise(x);
-  const Eigen::MatrixXd q = explainedBy(problem, x, inverse, identifiability.fixed);
+  const Linearisation at = linearise(problem, x);
+  const Eigen::MatrixXd q = explainedBy(at, inverse, identifiability.fixed);
   std::vector<CannotBeShown> hidden;
   for (const EffectType& type : effectRegistry()) {
     if (type.composite || !type.candidates) continue;
@@ -165,7 +166,7 @@ std::vector<CannotBeShown> judgeCatalogue(Problem problem, const Identifiability
       const auto starts = effect->searchStarts();
       const std::vector<double> p =
           startsAt(*effect, starts.empty() ? std::vector<double>() : starts[starts.size() / 2]);
-      Eigen::MatrixXd all = inverse.asDiagonal() * problem.effectColumns(*effect, p);
+      Eigen::MatrixXd all = inverse.asDiagonal() * at.effectColumns(*effect, p);
       int unknown = 0;  // rows that lack an input; a fit leaves them out, as long as they are few
       for (Eigen::Index i = 0; i < all.rows(); ++i) {
         if (all.row(i).allFinite()) continue;

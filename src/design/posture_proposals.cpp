@@ -118,9 +118,8 @@ PostureAdvice proposePostures(const Problem& problem, const Eigen::VectorXd& x,
   const int count = problem.unknownCount();
   const std::vector<char> none(static_cast<std::size_t>(count), 0);
   const WhitenedSystem now(problem, x, inverseSigma, none);
-  Eigen::MatrixXd later;
-  future.residuals(x, later);
-  later = later * now.scale.asDiagonal() * inverseSigma.maxCoeff();
+  const Eigen::MatrixXd later =
+      linearise(future, x).jacobian() * now.scale.asDiagonal() * inverseSigma.maxCoeff();
   // what is not determined is at least within its bound
   Eigen::MatrixXd information = now.jacobian.transpose() * now.jacobian;
   for (int u = 0; u < count; ++u) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "estimation/linearisation.h"
 
 namespace mm {
 
@@ -18,8 +19,7 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
   const int count = static_cast<int>(free.size());
   if (count < 3) return weak;
   // in units of what each parameter alone would show: what is large there is large by collinearity (Belsley)
-  Eigen::MatrixXd jacobian;
-  result.problem->residuals(result.x, jacobian);
+  Eigen::MatrixXd jacobian = linearise(*result.problem, result.x).jacobian();
   for (int i = 0; i < jacobian.rows(); ++i)
     jacobian.row(i) *= result.weight[i] > 0.0 ? std::sqrt(result.weight[i]) / result.sigma[i] : 0.0;
   Eigen::VectorXd shown(count);

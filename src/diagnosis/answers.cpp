@@ -16,7 +16,8 @@ namespace mm {
 namespace {
 
 constexpr std::size_t kMostRivals = 4;
-constexpr double kCounts = 4.5;  // standard deviations: a further shape of a family is told as well
+constexpr double kMostNats = 650.0;  // of which a double holds the exponential and its inverse
+constexpr double kCounts = 4.5;      // standard deviations: a further shape of a family is told as well
 constexpr double kPriorCause =
     0.5;  // that any cause acts, before a session is seen: that is why it is diagnosed
 constexpr std::size_t kMostHeldOut = 12;  // candidates whose held-out figure is worked out: the best
@@ -25,7 +26,7 @@ const Shape& shapeOf(const Questions& q, const Member& m) { return q.groups.grou
 
 /// Weight of a cause against none, by its gain.
 double weightOf(const Questions& q, double gain) {
-  return std::exp(std::min(600.0, gain)) * kPriorCause / std::max(1, q.asked);
+  return std::exp(std::min(kMostNats, gain)) * kPriorCause / std::max(1, q.asked);
 }
 
 /// The first shape of a group that would be added as `spec`; null: none.
@@ -40,6 +41,71 @@ double projectedRms(const ResidualSpace& space, const RowMatrix& columns, const 
   Eigen::MatrixXd one = columns * values;
   space.project(one);
   return std::sqrt(one.topRows(space.rows()).squaredNorm() / std::max(1, space.rows()));
+}
+
+/// The effects that a member stands for: itself, a profile of the size found, or the members of a family.
+/// @param values, covariance of its coefficients. @param size of a profile, m or rad. @param taken what is in
+/// the model already.
+std::vector<EffectSpec> specsOf(const Questions& q, const Member& m, const Eigen::VectorXd& values,
+                                const Eigen::MatrixXd& covariance, double size,
+                                const std::vector<EffectSpec>& taken) {
+  const Shape& shape = shapeOf(q, m);
+  if (q.groups.groups[m.group].profile) {
+    const EffectSpec::Value* two = shape.spec.find("variables");
+    return {profileSpec(shape.spec.text("direction"),
+                        two != nullptr ? two->items : std::vector<std::string>{shape.spec.text("variable")},
+                        size, q.space->problem().model().domain())};
+  }
+  if (shape.mixed.empty()) {
+    const bool there =
+        std::any_of(taken.begin(), taken.end(), [&](const EffectSpec& s) { return s == shape.spec; });
+    return {there ? shape.effect->shapedAs(m.nonlinear) : shape.spec};
+  }
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < shape.mixed.size(); ++k)
+    order.emplace_back(-m.columns->col(static_cast<int>(k)).norm() * std::abs(values[static_cast<int>(k)]),
+                       k);
+  std::sort(order.begin(), order.end());
+  std::vector<EffectSpec> specs;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const int at = static_cast<int>(order[k].second);
+    if (k == 0 || std::abs(values[at]) > kCounts * std::sqrt(covariance(at, at)))
+      specs.push_back(shape.mixed[order[k].second]);
+  }
+  return specs;
+}
+
+/// What else may act in the place of a member, likeliest first.
+/// @param weights sum of the weights of the member, of chance and of all rivals, to which theirs are added.
+std::vector<Confusable> rivalsOf(const Search& search, const Explanation& found, std::size_t member,
+                                 double gain, const std::vector<Member>& others,
+                                 const std::vector<Gain>& gains, double& weights) {
+  const Questions& q = search.questions();
+  const Member& m = found.members[member];
+  std::vector<Confusable> rivals;
+  for (Gain g : gains) {
+    if (g.group < 0) continue;
+    const Group& rival = q.groups.groups[g.group];
+    const auto refitted = std::find_if(found.rivals.begin(), found.rivals.end(), [&](const Rival& r) {
+      return r.member == member && r.group == g.group;
+    });
+    if (refitted != found.rivals.end()) g.value = gain - refitted->behind;
+    if (search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
+    if (gain - g.value >= kIndistinct) continue;
+    if (rival.profile || rival.key == q.groups.groups[m.group].key ||
+        std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))
+      continue;
+    Confusable c;
+    c.effect = shapeOf(q, search.memberOf(g)).spec;
+    c.delta = std::max(0.0, gain - g.value);
+    c.odds = weightOf(q, g.value);
+    weights += c.odds;
+    for (const std::string& input : rival.notRecorded)
+      c.notRecorded += (c.notRecorded.empty() ? "" : ", ") + input;
+    if (rivals.size() < kMostRivals) rivals.push_back(c);
+  }
+  for (Confusable& c : rivals) c.odds /= weights;
+  return rivals;
 }
 
 }  // namespace
@@ -61,32 +127,8 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
   for (const EffectPtr& e : q.space->problem().model().effects()) taken.push_back(e->spec());
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const Member& m = found.members[j];
-    const Shape& shape = shapeOf(q, m);
-    std::vector<EffectSpec> specs;
-    if (q.groups.groups[m.group].profile) {
-      const EffectSpec::Value* two = shape.spec.find("variables");
-      specs.push_back(
-          profileSpec(shape.spec.text("direction"),
-                      two != nullptr ? two->items : std::vector<std::string>{shape.spec.text("variable")},
-                      m.size * found.white * unitOf(*q.space), domain));
-    } else if (!shape.mixed.empty()) {
-      std::vector<std::pair<double, std::size_t>> order;
-      for (std::size_t k = 0; k < shape.mixed.size(); ++k)
-        order.emplace_back(
-            -m.columns->col(static_cast<int>(k)).norm() * std::abs(fit.values[j][static_cast<int>(k)]), k);
-      std::sort(order.begin(), order.end());
-      for (std::size_t k = 0; k < order.size(); ++k) {
-        const int at = static_cast<int>(order[k].second);
-        const double std = std::sqrt(fit.covariance[j](at, at));
-        if (k == 0 || std::abs(fit.values[j][at]) > kCounts * std)
-          specs.push_back(shape.mixed[order[k].second]);
-      }
-    } else {
-      const bool there =
-          std::any_of(taken.begin(), taken.end(), [&](const EffectSpec& s) { return s == shape.spec; });
-      specs.push_back(there ? shape.effect->shapedAs(m.nonlinear) : shape.spec);
-    }
-    for (const EffectSpec& spec : specs) {
+    for (const EffectSpec& spec :
+         specsOf(q, m, fit.values[j], fit.covariance[j], m.size * found.white * unitOf(*q.space), taken)) {
       Answer a;
       a.effect = createEffect(spec, domain);
       a.member = static_cast<int>(j);
@@ -113,7 +155,7 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
     q.space->project(all);
     // a trace of a prior: what a profile leaves undetermined stays small
     Eigen::MatrixXd products = all.transpose() * all;
-    products.diagonal().array() += 1e-9 * products.diagonal().maxCoeff();
+    products.diagonal().array() += kRidge * products.diagonal().maxCoeff();
     const Eigen::VectorXd values = products.ldlt().solve(all.transpose() * q.space->target());
     int at = 0;
     for (Answer& a : answers)
@@ -121,37 +163,6 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
         a.start[k] = values[at++] * a.effect->parameters()[k].scale;
   }
   return answers;
-}
-
-Tails tailsOf(const Search& search, const Explanation& found) {
-  constexpr double kClearly = 5.0;  // nats: as likely by chance as a cause at 100 to 1 and better
-  constexpr int kFewest = 60;       // rows: below, a tail is one row
-  const auto evidence = search.evidenceAt(found);
-  const NoiseRows& rows = search.questions().rows;
-  const int n = rows.rows();
-  Tails tails;
-  if (n < kFewest) return tails;
-  const Eigen::VectorXd e = (rows.target - evidence->fit(found.members).expected).head(n);
-  const double variance = e.squaredNorm() / n;
-  double best = -0.5 * n * (std::log(2.0 * M_PI * variance) + 1.0) + kClearly;
-  for (const double dof : {10.0, 6.0, 4.0, 3.0}) {
-    double s2 = variance;
-    Eigen::VectorXd weight(n);
-    for (int round = 0; round < 30; ++round) {  // expectation and maximisation: Student's t as a mixture
-      for (int i = 0; i < n; ++i) weight[i] = (dof + 1.0) / (dof + e[i] * e[i] / s2);
-      s2 = weight.dot(e.cwiseAbs2()) / n;
-    }
-    double value =
-        n * (std::lgamma(0.5 * (dof + 1.0)) - std::lgamma(0.5 * dof) - 0.5 * std::log(M_PI * dof * s2));
-    for (int i = 0; i < n; ++i) value -= 0.5 * (dof + 1.0) * std::log1p(e[i] * e[i] / (dof * s2));
-    if (value > best) {
-      best = value;
-      tails.dof = dof;
-      tails.variance = weight.cwiseInverse();
-      tails.variance *= n / tails.variance.cwiseInverse().sum();  // weights of 1 on average
-    }
-  }
-  return tails;
 }
 
 void sortByGain(const Search& search, Explanation& found) {
@@ -191,29 +202,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;
     double weights = 1.0 + weightOf(q, gain);
     std::vector<Confusable> rivals;
-    if (!group.profile)
-      for (Gain g : evidence->gains(given)) {
-        if (g.group < 0) continue;
-        const Group& rival = q.groups.groups[g.group];
-        const auto refitted = std::find_if(found.rivals.begin(), found.rivals.end(), [&](const Rival& r) {
-          return r.member == j && r.group == g.group;
-        });
-        if (refitted != found.rivals.end()) g.value = gain - refitted->behind;
-        if (search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
-        if (gain - g.value >= kIndistinct) continue;
-        if (rival.profile || rival.key == group.key ||
-            std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))
-          continue;
-        Confusable c;
-        c.effect = shapeOf(q, search.memberOf(g)).spec;
-        c.delta = std::max(0.0, gain - g.value);
-        c.odds = weightOf(q, g.value);
-        weights += c.odds;
-        for (const std::string& input : rival.notRecorded)
-          c.notRecorded += (c.notRecorded.empty() ? "" : ", ") + input;
-        if (rivals.size() < kMostRivals) rivals.push_back(c);
-      }
-    for (Confusable& c : rivals) c.odds /= weights;
+    if (!group.profile) rivals = rivalsOf(search, found, j, gain, others, evidence->gains(given), weights);
     bool first = true;
     for (const Answer& a : answers) {
       if (a.member != static_cast<int>(j)) continue;
@@ -234,7 +223,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
       r.effect = a.effect->spec();
       r.gain = gain;
       r.odds = weightOf(q, gain) / weights;
-      r.pValue = std::min(1.0, q.asked * std::exp(-std::min(650.0, gain)));
+      r.pValue = std::min(1.0, q.asked * std::exp(-std::min(kMostNats, gain)));
       r.heldOutBefore = first ? before : after;
       r.heldOutAfter = after;
       r.size = projectedRms(*q.space, *m.columns, fit.values[j]) * unit;
@@ -268,7 +257,7 @@ void listCandidates(const Search& search, const Explanation& found, const HeldOu
     r.effect = shape.spec;
     r.gain = g.value;
     r.odds = weightOf(q, g.value) / (1.0 + weightOf(q, g.value));
-    r.pValue = std::min(1.0, q.asked * std::exp(-std::min(650.0, g.value)));
+    r.pValue = std::min(1.0, q.asked * std::exp(-std::min(kMostNats, g.value)));
     r.heldOutBefore = before;
     r.heldOutAfter = count++ < kMostHeldOut && g.size > 0.0 ? held.withGroup(g.group) * unit : before;
     r.cause = shape.effect->cause();
@@ -294,13 +283,14 @@ void fillScatter(const Questions& q, const Explanation& found, double unit, Diag
     const std::string size = shortNumber(s.std / kMicrometre) + " um";
     s.inWords = s.what == "centres"
                     ? "the balls' centres scatter by " + size +
-                          " about where the artifact file has them; calibrate the artifact, or state "
+                          " about the positions in the artifact file; calibrate the artifact, or state "
                           "their centre_std_um"
-                : s.what == "radii" ? "the balls' radii scatter by " + size +
-                                          " about what the artifact file says; measure them, or state their "
-                                          "radius_std_um"
-                                    : "the balls are out of round by " + size +
-                                          "; clean them, turn one and measure it again, or use better ones";
+                : s.what == "radii"
+                    ? "the balls' radii scatter by " + size +
+                          " about the values in the artifact file; measure them, or state their "
+                          "radius_std_um"
+                    : "the form deviation of the balls is " + size +
+                          "; clean them, turn one and measure it again, or use better ones";
     out.artifactScatter.push_back(std::move(s));
   }
 }

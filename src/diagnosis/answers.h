@@ -45,9 +45,9 @@ void fillScatter(const Questions& questions, const Explanation& found, double un
 /// Inputs that the session did not record: what was assumed in their place, and what cannot be excluded
 /// without them.
 void fillMissingInputs(const Questions& questions, Diagnosis& out);
-/// Moves that tell confusable effects apart, and which of them no move tells apart.
+/// Moves that separate confusable effects, and which of them no move separates.
 void separate(const Search& search, const Explanation& found, Diagnosis& out);
-/// A formula of at most three constants, where one says the same as a profile.
+/// A formula of at most three constants, where one is equivalent to a profile.
 void describeProfiles(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                       Diagnosis& out);
 /// The verdict, from everything else.

@@ -8,9 +8,11 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "diagnosis/answers.h"
 #include "diagnosis/drift_report.h"
 #include "diagnosis/held_out.h"
+#include "diagnosis/question_list.h"
 #include "diagnosis/search.h"
 #include "diagnosis/shortlist.h"
 #include "diagnosis/structure.h"
@@ -48,7 +50,6 @@ class Diagnoser {
     fit_.progress = {};
     fit_.cancelled = options_.cancelled;
     out_.base = calibrate(session_, model_, fit_, start);
-    out_.base.problem->linearise(out_.base.x);
     model_ = out_.base.problem->model();  // its networks have learned
     out_.angular = !std::isfinite(out_.base.figures.rms);
     if (out_.base.figures.degreesOfFreedom < kFewestFreedoms)
@@ -78,7 +79,6 @@ class Diagnoser {
       again.rejectOutliers = false;
       again.weights = refitted.weight;
       fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
-      fitted.problem->linearise(fitted.x);
     }
     conclude(look, fitted);
   }
@@ -106,7 +106,7 @@ class Diagnoser {
     look.space = std::make_unique<ResidualSpace>(fitted);
     Questions& q = look.questions;
     q.space = look.space.get();
-    LinearisedRows rows = noiseRows(look.space->problem(), look.space->used(), fitted.sigma,
+    LinearisedRows rows = noiseRows(look.space->linearisation(), look.space->used(), fitted.sigma,
                                     look.space->target(), look.space->basis());
     q.rows = std::move(rows.rows);
     q.directions = std::move(rows.directions);
@@ -304,7 +304,7 @@ Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOpt
   Diagnosis out;
   const CancelScope scope(options.cancelled);
   try {
-    Diagnoser(session, model, options, out).run(start);
+    Threads(options.calibrate.threads).run([&] { Diagnoser(session, model, options, out).run(start); });
   } catch (const NumericalError& error) {
     out.verdict = Verdict::kInsufficientData;
     out.sentence = std::string("The model cannot be fitted to this session: ") + error.what();
@@ -313,7 +313,6 @@ Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOpt
 }
 
 std::vector<WhereItFails> whereItFails(const CalibrationResult& fitted) {
-  fitted.problem->linearise(fitted.x);
   const ResidualSpace space(fitted);
   return explainedByVariable(space, space.target(), Eigen::MatrixXd(space.length(), 0));
 }

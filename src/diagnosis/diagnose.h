@@ -23,17 +23,17 @@ struct NamedValue {
   double value = 0.0, std = 0.0;
 };
 
-/// An explanation that the data cannot tell from the one that is named.
+/// An explanation that the data do not separate from the one that is named.
 struct Confusable {
   EffectSpec effect;
   double delta = 0.0;  // log evidence of the named one minus that of this one, nats; below 3
   double odds = 0.0;   // posterior probability of this one among the named one and all its rivals, 0 … 1
-  /// The two are one error told in two frames: no measurement on this machine tells them apart.
+  /// The two are one error expressed in two frames: no measurement on this machine separates them.
   bool same = false;
   /// Not empty: an input of it that the session did not record, so that it can only be excluded by recording
   /// it.
   std::string notRecorded;
-  std::string moves;  // in words, what the proposed moves would tell; empty where `same`
+  std::string moves;  // in words, how well the proposed moves separate it; empty where `same`
 };
 
 /// One effect of the catalogue, judged on the session.
@@ -62,7 +62,7 @@ struct ProfileResult {
   std::vector<std::vector<double>> curve;
 };
 
-/// A formula of at most three constants that says the same as a profile.
+/// A formula of at most three constants that is equivalent to a profile.
 struct FormulaResult {
   EffectSpec effect;                               // type formula: ready to be added
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // m (rad)
@@ -82,7 +82,7 @@ struct DriftResult {
   std::string inWords;           // one sentence with what to do
 };
 
-/// Scatter that belongs to the artifact: its balls are not where, or not as round as, the file says.
+/// Scatter that belongs to the artifact: deviations of its balls from the file in position, radius or form.
 struct ArtifactScatter {
   std::string what;  // "centres", "radii", "form"
   double std = 0.0;  // m
@@ -113,7 +113,7 @@ struct Diagnosis {
   std::vector<CandidateResult> missing;     // accepted, in the order found
   std::vector<CandidateResult> candidates;  // the causes asked, best first; of a long session the likely ones
   std::vector<ProfileResult> profiles;      // accepted: what no effect of the catalogue explains
-  std::vector<FormulaResult> formulas;      // where one says the same as a profile
+  std::vector<FormulaResult> formulas;      // where one is equivalent to a profile
   std::vector<DriftResult> drift;
   std::vector<ArtifactScatter> artifactScatter;
   std::vector<MissingInput> missingInputs;

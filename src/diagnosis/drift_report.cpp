@@ -95,7 +95,7 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
   }
   if (results.empty()) return results;
 
-  // which causes take it over? Drift that was fitted without a cause has eaten it: so the cause comes in
+  // which causes take it over? Drift that was fitted without a cause has absorbed it: so the cause comes in
   // where there is no drift along that direction, which must then earn its place again
   for (std::size_t r = 0; r < results.size(); ++r) {
     const double before = varianceAlong(found.noise, directions[r], found.white);

@@ -5,14 +5,19 @@
 #include <cmath>
 
 #include "base/cancel_scope.h"
-#include "base/two_threads.h"
+#include "base/parallel.h"
+#include "base/tiny.h"
 #include "estimation/row_products.h"
 
 namespace mm {
 namespace {
 
-constexpr double kRidge = 1e-9;   // as in the fit of the noise
-constexpr double kUnused = 1e10;  // variance of a row that is held out
+constexpr double kNothingLeft = 1e-9;  // of a column of unit mean square: what the others leave is rounding
+constexpr double kSomeNoise = 1e-12;   // share of the squares that no cause explains
+constexpr double kUnused = 1e10;       // variance of a row that is held out
+/// Columns that are whitened together: enough for the products to be worth their packing, few enough to keep
+/// all cores busy. Part of the layout of the work, so that the bits do not depend on the number of threads.
+constexpr std::size_t kColumns = 192;
 
 /// Sizes that are asked: from what nobody sees to a hundred times the noise, in steps of a quarter of e.
 const std::vector<double>& sizes() {
@@ -60,7 +65,7 @@ std::shared_ptr<const Evidence::Fixed> Evidence::fixedOf(const NoiseRows& rows, 
   const Eigen::LLT<Eigen::MatrixXd> llt(m);
   out->factor = llt.matrixL();
   out->byTarget = out->factor.triangularView<Eigen::Lower>().solve(out->columns.transpose() * out->target);
-  out->rest = std::max(1e-300, out->target.squaredNorm() - out->byTarget.squaredNorm());
+  out->rest = std::max(kTiny, out->target.squaredNorm() - out->byTarget.squaredNorm());
   out->logDeterminant = out->whitener->logDeterminant() + 2.0 * out->factor.diagonal().array().log().sum();
   out->freedoms = std::max(1, rows.length() - base - held);
   return out;
@@ -79,10 +84,9 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<
   byBase_.resize(fixed_->columns.cols(), all);
   groupTarget_.resize(all);
   products_.resize(groups.groups.size());
-  const int middle = all / 2;
-  inTwo([&](std::size_t half) {
-    const int first = half == 0 ? 0 : middle, count = half == 0 ? middle : all - middle;
-    if (count == 0) return;
+  parallelFor(partsOf(all, kColumns), [&](std::size_t number) {
+    const Part at = partOf(all, kColumns, number);
+    const int first = static_cast<int>(at.first), count = static_cast<int>(at.end - at.first);
     RowMatrix part = groups.columns.middleCols(first, count);
     fixed_->whitener->whiten(part);
     Eigen::MatrixXd by = rowProducts(fixed_->columns, part);
@@ -92,13 +96,12 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<
     byBase_.middleCols(first, count) = by;
     columns_.middleCols(first, count) = part;
   });
-  inTwo([&](std::size_t half) {
-    for (std::size_t g = half; g < groups.groups.size(); g += 2)
-      for (const Shape& s : groups.groups[g].shapes) {
-        const auto block = columns_.middleCols(s.first, s.count);
-        const auto by = byBase_.middleCols(s.first, s.count);
-        products_[g].push_back(Eigen::MatrixXd(rowProducts(block)) - by.transpose() * by);
-      }
+  parallelFor(groups.groups.size(), [&](std::size_t g) {
+    for (const Shape& s : groups.groups[g].shapes) {
+      const auto block = columns_.middleCols(s.first, s.count);
+      const auto by = byBase_.middleCols(s.first, s.count);
+      products_[g].push_back(Eigen::MatrixXd(rowProducts(block)) - by.transpose() * by);
+    }
   });
 }
 
@@ -170,7 +173,7 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
     at += static_cast<int>(m.columns->cols());
   }
   joint.factor.matrixL().solveInPlace(g.absorbed);
-  g.rest = std::max(1e-300, fixed_->rest - g.explained.squaredNorm());
+  g.rest = std::max(kTiny, fixed_->rest - g.explained.squaredNorm());
   double logDeterminant = fixed_->logDeterminant;
   for (int i = 0; i < joint.columns; ++i) logDeterminant += 2.0 * std::log(joint.factor.matrixLLT()(i, i));
   g.logEvidence = -0.5 * logDeterminant - 0.5 * g.freedoms * std::log(g.rest / g.freedoms);
@@ -185,7 +188,7 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
   const Eigen::VectorXd z2 = (eigen.eigenvectors().transpose() * target).cwiseAbs2();
   double most = 0.0;  // no size explains more than this
   for (int k = 0; k < z2.size(); ++k)
-    if (values[k] > 1e-9) most += z2[k] / values[k];
+    if (values[k] > kNothingLeft) most += z2[k] / values[k];
   gain.value = 0.0;
   if (!(most > given.rest / given.freedoms)) return gain;
   const auto at = [&](double size) {
@@ -196,7 +199,7 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
       logs += std::log(more);
       explained += s2 * z2[k] / more;
     }
-    const double share = std::min(explained / given.rest, 1.0 - 1e-12);
+    const double share = std::min(explained / given.rest, 1.0 - kSomeNoise);
     return -0.5 * logs - 0.5 * given.freedoms * std::log1p(-share);
   };
   for (const double size : sizes()) {
@@ -253,9 +256,7 @@ Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members,
 std::vector<Gain> Evidence::gains(const Given& given) const {
   const std::size_t n = groups_.groups.size();
   std::vector<Gain> all(n);
-  inTwo([&](std::size_t half) {
-    for (std::size_t g = half; g < n; g += 2) all[g] = gainOf(given, static_cast<int>(g));
-  });
+  parallelFor(n, [&](std::size_t g) { all[g] = gainOf(given, static_cast<int>(g)); });
   std::stable_sort(all.begin(), all.end(), [](const Gain& a, const Gain& b) { return a.value > b.value; });
   return all;
 }

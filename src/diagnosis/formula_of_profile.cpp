@@ -1,4 +1,4 @@
-// A formula is said only where it says the same as the curve that the evidence found: an engineer reads it
+// A formula is given only where it is equivalent to the curve that the evidence found: an engineer reads it
 // faster.
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "diagnosis/answers.h"
+#include "diagnosis/shape_maker.h"
 #include "effects/registry.h"
 
 namespace mm {
@@ -112,7 +113,7 @@ void describeProfiles(const Search& search, const Explanation& found, const Held
     if (!best.effect || !(best.gain.value >= own - kIndistinct)) continue;
     Member member = found.members[j];
     member.columns = std::make_shared<RowMatrix>(best.columns);
-    member.size = std::max(1e-3, best.gain.size);
+    member.size = std::max(kSmallestSize, best.gain.size);
     member.id = "formula " + best.spec.yaml();
     std::vector<Member> members = others;
     members.push_back(member);

@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "estimation/noise_fit.h"
-#include "estimation/residual_space.h"
+#include "effects/effect.h"
+#include "estimation/drift.h"
+#include "model/model.h"
 
 namespace mm {
 
@@ -53,66 +54,11 @@ struct Groups {
   int causes = 0;  // groups that are no profiles
 };
 
-/// Questions that may be asked of a session. Their columns are made when they are wanted: all of them are
-/// some thousands, of the length of the session.
-class QuestionList {
- public:
-  /// The causes of the catalogue, as its effects declare them.
-  static QuestionList causes(const ResidualSpace& space);
-  /// A smooth function of one recorded variable along each direction.
-  static QuestionList profiles(const ResidualSpace& space);
-  /// Profiles of two variables, asked only where structure is left.
-  static QuestionList pairs(const ResidualSpace& space);
-
-  std::size_t size() const { return groups_.size(); }  ///< groups
-  /// The end of a part that begins with a group and has about so many shapes.
-  std::size_t endOfPart(std::size_t first, std::size_t shapes) const;
-  /// Some of them, with their columns; those that the session cannot show are left out, and listed.
-  Groups made(std::size_t first, std::size_t count) const;
-  Groups all() const { return made(0, size()); }
-
- private:
-  explicit QuestionList(const ResidualSpace& space) : space_(&space) {}
-  struct ProfileOf;
-  static QuestionList of(const ResidualSpace& space, const std::vector<ProfileOf>& profiles);
-  /// A shape to be made: the effect and values of its nonlinear parameters.
-  struct Wanted {
-    std::size_t group;
-    EffectPtr effect;
-    std::vector<double> nonlinear;
-  };
-  const ResidualSpace* space_;
-  std::vector<Group> groups_;     // without shapes
-  std::vector<EffectPtr> first_;  // a group: the first effect of it
-  std::vector<std::string> why_;  // a group: not empty where it cannot be shown
-  std::vector<Wanted> wanted_;    // in the order of their groups
-};
-
 /// One after the other. @param more is emptied.
 void append(Groups& to, Groups more);
 /// One of the groups, with a copy of its columns. @param shapes of it, ascending.
 Groups oneOf(const Groups& all, std::size_t group, const std::vector<int>& shapes);
 Groups oneOf(const Groups& all, std::size_t group);
-
-/// Makes the columns of a shape at other values of its nonlinear parameters.
-class GroupColumns {
- public:
-  explicit GroupColumns(const ResidualSpace& space) : space_(space) {}  ///< which must outlive it
-  /// @return length x k, weighted; no columns where nothing is seen.
-  RowMatrix operator()(const EffectPtr& effect, const std::vector<double>& nonlinear) const;
-
- private:
-  const ResidualSpace& space_;
-};
-
-/// Shapes that the effects of the model may have beside those they have in it: blocks of known size.
-std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space);
-
-/// How much the size of a cause changes over the travel of a joint along which it is known to change.
-constexpr double kVariation = 0.15;
-/// Columns of an effect (a row for each of `rows`), from minus themselves at one end of a joint's travel to
-/// themselves at the other; zero where it never moved.
-void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns);
 
 /// Whether an effect of this canonical spec is in the model.
 bool inModel(const Model& model, const EffectSpec& spec);

@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/row_products.h"
-#include "estimation/thin_qr.h"
+#include "estimation/folds.h"
 
 namespace mm {
 namespace {
 
 constexpr int kFolds = 5;
 constexpr int kGap = 2;  // observations on either side that are neither fitted nor judged
-/// Of a free column: with a smaller share of its square in the rows that are fitted, those do not determine
-/// it.
-constexpr double kDetermined = 0.01;
 
 }  // namespace
 
@@ -39,27 +35,10 @@ HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(searc
           if (fold.held[j]) fold.unused[i] = 1;
   }
   for (Fold& fold : folds_) {
-    fold.own = ownOf(fold);
+    fold.own = determinedWithin(q.rows.base, fold.held, fold.unused);
     fold.evidence = search.evidenceAt(found, &fold.unused);
     fold.members = search.runHeld(found, *fold.evidence);
   }
-}
-
-Eigen::MatrixXd HeldOut::ownOf(const Fold& fold) const {
-  const RowMatrix& base = search_.questions().rows.base;
-  if (base.cols() == 0) return Eigen::MatrixXd(std::count(fold.held.begin(), fold.held.end(), 1), 0);
-  std::vector<int> held;
-  RowMatrix fitted = base;
-  for (std::size_t i = 0; i < fold.held.size(); ++i) {
-    if (fold.unused[i]) fitted.row(static_cast<long>(i)).setZero();
-    if (fold.held[i]) held.push_back(static_cast<int>(i));
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> shares(Eigen::MatrixXd(rowProducts(fitted)));
-  const long undetermined = (shares.eigenvalues().array() < kDetermined).count();
-  Eigen::MatrixXd own(held.size(), undetermined);
-  for (std::size_t i = 0; i < held.size(); ++i)
-    own.row(static_cast<long>(i)) = base.row(held[i]) * shares.eigenvectors().leftCols(undetermined);
-  return orthonormalBasis(std::move(own));
 }
 
 double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const {

@@ -34,7 +34,6 @@ class HeldOut {
     std::shared_ptr<const Evidence> evidence;
     std::vector<Member> members;
   };
-  Eigen::MatrixXd ownOf(const Fold& fold) const;
   double rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const;
 
   const Search& search_;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/groups.h"
+#include "diagnosis/shape_maker.h"
 #include "effects/linearity.h"
 #include "effects/registry.h"
 
@@ -31,17 +31,11 @@ std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space) {
       if (!(share * size * seen.norm() > kNothing * std::sqrt(static_cast<double>(space.rows())))) return;
       blocks.push_back({RowMatrix(columns), share * size, 0.0, true});
     };
-    const auto linearOf = [](const Effect& other, const Eigen::MatrixXd& all) {
-      const std::vector<int> linear = linearParameters(other);
-      Eigen::MatrixXd columns(all.rows(), linear.size());
-      for (std::size_t k = 0; k < linear.size(); ++k) columns.col(static_cast<int>(k)) = all.col(linear[k]);
-      return columns;
-    };
     for (const ShapeFreedom& f : effect.freedom(domain)) {
       if (inModel(model, f.spec)) continue;
       const EffectPtr other = createEffect(f.spec, domain);
       // in the units of this effect's parameters, so that a share is a share
-      Eigen::MatrixXd columns = linearOf(*other, space.columns(*other, startsAt(*other, {})));
+      Eigen::MatrixXd columns = linearColumns(*other, space.columns(*other, startsAt(*other, {})));
       add(columns, f.share);
     }
     const std::vector<int> nonlinear = effect.nonlinearParameters();
@@ -50,10 +44,10 @@ std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space) {
     for (const Effect::NonlinearFreedom& f : effect.freedomBeside(now)) {
       std::vector<double> at = p;
       for (std::size_t k = 0; k < nonlinear.size(); ++k) at[nonlinear[k]] = f.nonlinear[k];
-      add(linearOf(effect, space.columns(effect, at)), f.share);
+      add(linearColumns(effect, space.columns(effect, at)), f.share);
     }
     for (const int joint : effect.variesAlong(domain)) {
-      RowMatrix columns = linearOf(effect, space.columns(effect, p));
+      RowMatrix columns = linearColumns(effect, space.columns(effect, p));
       varyAlong(space.problem(), space.used(), joint, columns);
       add(columns, kVariation);
     }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/tiny.h"
 #include "base/units.h"
 #include "diagnosis/wording.h"
 
@@ -47,7 +48,7 @@ std::string oddsInWords(double probability) {
   if (!std::isfinite(probability)) return "not known";
   const double p = std::clamp(probability, 0.0, 1.0);
   const bool likely = p >= 0.5;
-  const double ratio = std::max(p, 1.0 - p) / std::max(1e-300, std::min(p, 1.0 - p));
+  const double ratio = std::max(p, 1.0 - p) / std::max(kTiny, std::min(p, 1.0 - p));
   const auto said = [&](const std::string& about, const std::string& more, const std::string& less) {
     return about + (likely ? more + " to " + less : less + " to " + more);
   };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/tiny.h"
 #include "diagnosis/search.h"
 
 namespace mm {
@@ -60,7 +61,7 @@ bool Search::actAlike(int group, int shape, int otherGroup, int otherShape) cons
     if (column.cols() == 1) {
       column = q_.groups.columns.col(of.first);
       q_.space->project(column);
-      column /= std::max(1e-300, column.norm());
+      column /= std::max(kTiny, column.norm());
     }
     return column;
   };

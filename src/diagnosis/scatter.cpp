@@ -6,12 +6,13 @@
 
 #include "base/units.h"
 #include "diagnosis/search.h"
+#include "diagnosis/shape_maker.h"
 
 namespace mm {
 namespace {
 
 constexpr double kPrice = 3.0;  // nats: as for a drift term
-constexpr std::size_t kMostBalls =
+constexpr std::size_t kMostScattering =
     40;                         // more are treated as free of scatter: their columns would be too many
 constexpr int kMostForm = 120;  // columns of form: each costs as much as an unknown
 constexpr int kLowest = 2, kHighest = 6;
@@ -61,9 +62,9 @@ void addScatter(Questions& q) {
   const ResidualSpace& space = *q.space;
   const Problem& problem = space.problem();
   const auto& features = problem.session().artifact.features;
-  if (features.empty() || features.size() > kMostBalls) return;
+  if (features.empty() || features.size() > kMostScattering) return;
   const ErrorLayout layout = problem.model().machine().layout();
-  const Eigen::MatrixXd& g = problem.slotGradients();
+  const Eigen::MatrixXd& g = space.linearisation().slotGradients();
   const int count = static_cast<int>(features.size());
   Eigen::MatrixXd centres = Eigen::MatrixXd::Zero(problem.rowCount(), 3 * count),
                   radii = Eigen::MatrixXd::Zero(problem.rowCount(), count);

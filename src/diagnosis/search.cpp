@@ -4,14 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/shape_maker.h"
+
 namespace mm {
 namespace {
 
 constexpr int kMostMembers = 10;
 /// A free curve imitates whatever has a name: it must be this much more likely, for each of its variables.
 constexpr double kUnnamed = 100.0;
-constexpr int kTrials = 3;            // candidates whose noise is fitted again from none
-constexpr double kWorthTrying = 6.0;  // nats below its price: a candidate is not refitted
+constexpr int kTrials = 3;              // candidates whose noise is fitted again from none
+constexpr double kFiner = 1e-3;         // nats that a step of a nonlinear parameter must bring
+constexpr double kClearlyBetter = 0.5;  // nats by which another cause must be better to take a place
+constexpr double kExchange = 1.0;       // nats that an exchange of one for two must bring
+constexpr double kWorthTrying = 6.0;    // nats below its price: a candidate is not refitted
 
 std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
   std::string id = std::to_string(group) + "/" + std::to_string(shape);
@@ -87,7 +92,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   out.scatter.assign(q_.scatter.size(), 0.0);
   for (std::size_t k = 0; k < scatter; ++k) out.scatter[ofBlock[k]] = fit.ratios[k];
   for (std::size_t k = 0; k < members.size(); ++k)
-    out.members[k].size = std::max(1e-3, fit.ratios[scatter + k]);
+    out.members[k].size = std::max(kSmallestSize, fit.ratios[scatter + k]);
   out.logEvidence = fit.logEvidence;
   out.white = fit.white;
   out.whiteStd = fit.whiteStd;
@@ -129,7 +134,7 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
   const Shape& shape = q_.groups.groups[member.group].shapes[member.shape];
   const Evidence::Given given = evidence.given(others);
   if (member.nonlinear.empty()) {
-    best.size = std::max(1e-3, evidence.gainOf(given, others, *member.columns).size);
+    best.size = std::max(kSmallestSize, evidence.gainOf(given, others, *member.columns).size);
     return best;
   }
   const GroupColumns make(*q_.space);
@@ -143,10 +148,10 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
           RowMatrix columns = make(shape.effect, at);
           if (columns.cols() == 0) break;
           const Gain gain = evidence.gainOf(given, others, columns);
-          if (!(gain.value > most + 1e-3)) break;
+          if (!(gain.value > most + kFiner)) break;
           most = gain.value;
           best.nonlinear = at;
-          best.size = std::max(1e-3, gain.size);
+          best.size = std::max(kSmallestSize, gain.size);
           best.columns = std::make_shared<RowMatrix>(std::move(columns));
           best.id = idOf(best.group, best.shape, best.nonlinear);
         }
@@ -175,7 +180,7 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
                               !q_.groups.groups[best.group].profile;
     // another one must be better, and a profile clearly better than a cause with a name
     const bool named = !q_.groups.groups[members[j].group].profile;
-    double margin = 0.5;
+    double margin = kClearlyBetter;
     if (best.group >= 0 && q_.groups.groups[best.group].profile && named) {
       const auto explained = [&](double gain) { return -std::expm1(-2.0 * gain / given.freedoms); };
       margin = explained(own.value) > kMostOfIt * explained(best.value) ? 1e300 : kIndistinct;
@@ -185,7 +190,7 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
       members[j] = refined(evidence, others, memberOf(best));
       *changed = true;
     } else {
-      members[j].size = std::max(1e-3, own.size);
+      members[j].size = std::max(kSmallestSize, own.size);
     }
   }
   return members;
@@ -222,7 +227,7 @@ Explanation Search::exchanged(Explanation best) const {
           bool again = false;
           const std::vector<Member> settled = exchangedAt(*evidence, others, &again);
           const double gain = worthAt(settled) - now;
-          if (gain > std::max(1.0, mostGain)) mostGain = gain, mostMembers = settled;
+          if (gain > std::max(kExchange, mostGain)) mostGain = gain, mostMembers = settled;
         }
       }
       if (!mostMembers.empty()) members = mostMembers, changed = true;
@@ -240,7 +245,7 @@ Explanation Search::exchanged(Explanation best) const {
 
 Explanation Search::grown(Explanation best) const {
   while (static_cast<int>(best.members.size()) < kMostMembers) {
-    // the drift and the scatter that were fitted without a cause have eaten it: ask from none of them, too
+    // drift and scatter that were fitted without a cause have absorbed it: ask from none of them, too
     std::vector<Explanation> starts = {best};
     Explanation bare = best;
     bare.noise.drift.clear();

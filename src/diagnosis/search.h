@@ -7,6 +7,7 @@
 #include "diagnosis/evidence.h"
 #include "diagnosis/groups.h"
 #include "estimation/noise_fit.h"
+#include "estimation/residual_space.h"
 
 namespace mm {
 
@@ -50,7 +51,10 @@ struct Explanation {
 constexpr double kPriorOdds = 100.0;
 /// A cause with a name that explains this share of what a free curve does is kept: the curve is for the rest.
 constexpr double kMostOfIt = 0.9;
-/// Explanations whose log evidence differs by less cannot be told apart (Kass & Raftery 1995: 20 to 1).
+/// Standard deviation of a coefficient of a member, in units of the white noise, at the least: one that were
+/// nothing could not grow again.
+constexpr double kSmallestSize = 1e-3;
+/// Explanations whose log evidence differs by less are not separated (Kass & Raftery 1995: 20 to 1).
 constexpr double kIndistinct = 3.0;
 
 /// The search for the explanation of greatest worth: forward, exchange and backward, drift always a rival.

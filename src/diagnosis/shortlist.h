@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "diagnosis/question_list.h"
 #include "diagnosis/search.h"
 
 namespace mm {

@@ -2,14 +2,20 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <set>
 
 #include "base/cancel_scope.h"
+#include "base/tiny.h"
 #include "base/units.h"
 
 namespace mm {
 namespace {
+
+constexpr double kRounding = 1e-9;  // of the middle of a range: a variable that varies by less does not vary
+constexpr double kOwnShare = 1e-4;  // of terms of unit length: what the others leave of one that they imitate
+constexpr std::size_t kMostBalls = 40;  // more levels than this are no variable of which to ask
 
 /// Adds a variable when it varies and is known in at least nine of ten rows; unknown values become the mean.
 void addVariable(std::vector<Variable>& to, const std::string& name, const std::string& symbol,
@@ -28,7 +34,7 @@ void addVariable(std::vector<Variable>& to, const std::string& name, const std::
   if (!category) {
     variable.centre = 0.5 * (low + high);
     variable.half = 0.5 * (high - low);
-    if (variable.half < 1e-9 * std::abs(variable.centre)) return;
+    if (variable.half < kRounding * std::abs(variable.centre)) return;
     raw = (raw.array() - variable.centre) / variable.half;
   }
   variable.values = raw;
@@ -55,7 +61,7 @@ Eigen::MatrixXd termsOf(const Variable& v, int order) {
     double before = 1.0, now = v.values[i];
     for (int k = 1; k <= order; ++k) {
       terms(i, k - 1) = now;
-      const double next = ((2 * k + 1) * v.values[i] * now - k * before) / (k + 1);
+      const double next = boost::math::legendre_next(static_cast<unsigned>(k), v.values[i], now, before);
       before = now;
       now = next;
     }
@@ -104,14 +110,14 @@ class ShareTest {
     double drop = 0.0;
     int rank = 0;
     for (int k = 0; k < score.size(); ++k)
-      if (eigen.eigenvalues()[k] > 1e-4) {
+      if (eigen.eigenvalues()[k] > kOwnShare) {
         drop += score[k] * score[k] / eigen.eigenvalues()[k];
         ++rank;
       }
     Test test;
     const double total = left_.squaredNorm(), rest = dof_ - rank;
     if (rank == 0 || rest < 3 || !(total > 0.0)) return test;
-    const double after = std::max(total - drop, 1e-300);
+    const double after = std::max(total - drop, kTiny);
     test.share = std::max(0.0, 1.0 - after / rest / (total / dof_));
     test.logP = logPValueF(drop / rank / (after / rest), rank, rest);
     return test;
@@ -181,7 +187,7 @@ std::vector<Variable> variablesOf(const ResidualSpace& space) {
     addVariable(variables, domain.covariates[k], domain.covariates[k],
                 collect([&](const State& s) { return s.covariate[k]; }), false);
   const auto& features = problem.session().artifact.features;
-  if (features.size() > 1 && features.size() <= 40)
+  if (features.size() > 1 && features.size() <= kMostBalls)
     addVariable(variables, "ball", "",
                 collect([&](const State& s) { return s.feature < 0 ? kNotMeasured : s.feature; }), true);
   if (problem.session().hasLaser())
@@ -191,7 +197,9 @@ std::vector<Variable> variablesOf(const ResidualSpace& space) {
   return variables;
 }
 
-Directions directionsOf(const ResidualSpace& space) { return directionsOf(space.problem(), space.used()); }
+Directions directionsOf(const ResidualSpace& space) {
+  return directionsOf(space.linearisation(), space.used());
+}
 
 std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left,
                                               const Eigen::MatrixXd& found) {

@@ -79,7 +79,7 @@ std::string missingSentence(const Diagnosis& d) {
   std::string text = sure.empty() ? "" : "Missing: " + sure;
   if (open.empty()) return text + (heldOut.empty() ? "" : "; " + heldOut) + ".";
   if (!sure.empty()) text += ". Beside it ";
-  text += (sure.empty() ? capital(open) : open) + ": these data cannot tell which";
+  text += (sure.empty() ? capital(open) : open) + ": these data do not separate them";
   if (!d.nextMeasurement.empty()) text += "; the listed moves would";
   return text + (heldOut.empty() ? "" : ". " + capital(heldOut)) + ".";
 }
@@ -95,9 +95,9 @@ std::string rivalRemarks(const CandidateResult& c) {
     if (!rival.same && !rival.notRecorded.empty() && !told) inputs.push_back(rival.notRecorded);
   }
   if (frames.size() > 1)
-    text += " " + capital(listInWords(frames)) + " are the same error told in " +
+    text += " " + capital(listInWords(frames)) + " are the same error expressed in " +
             (frames.size() == 2 ? "two" : "several") +
-            " frames: no measurement on this machine tells them apart.";
+            " frames: no measurement on this machine separates them.";
   for (const std::string& input : inputs) {
     std::vector<EffectSpec> hidden;
     for (const Confusable& rival : c.confusableWith)
@@ -164,30 +164,32 @@ std::string unknownSentence(const Diagnosis& d) {
   const bool namedFirst =
       !d.missing.empty() && (d.profiles.empty() || d.missing.front().gain > d.profiles.front().gain);
   if (namedFirst) text = "Missing: " + surelyAll(d) + " Beside it ";
-  for (const ProfileResult& p : d.profiles) {
-    if (&p == &d.profiles.front())
+  for (std::size_t i = 0; i < d.profiles.size(); ++i) {
+    const ProfileResult& p = d.profiles[i];
+    if (i == 0)
       text += namedFirst ? "an error " : "An error ";
     else
       text += " And one ";
     text += alongWords(d, p.direction) + " that depends on " + variablesInWords(p);
-    if (&p == &d.profiles.front()) text += ", and that no effect of the catalogue explains";
+    if (i == 0) text += ", and that no effect of the catalogue explains";
     const std::string peak = peakOf(d, p);
     text += ": " + (peak.empty() ? "" : peak + ", ") + "odds " + oddsInWords(p.odds);
-    if (&p == &d.profiles.back())
+    if (i + 1 == d.profiles.size())
       if (const std::string heldOut = heldOutWords(d); !heldOut.empty()) text += "; " + heldOut;
     text += ".";
   }
   if (d.profiles.empty()) {
+    constexpr double kSignificant = 1e-3;  // chance, corrected for the number of variables asked
     std::vector<std::string> on;
     for (const WhereItFails& w : d.where)
-      if (w.pValue < 1e-3 && on.size() < 3) on.push_back(w.variable);
+      if (w.pValue < kSignificant && on.size() < 3) on.push_back(w.variable);
     text += std::string(namedFirst ? "structure" : "Structure") +
             " is left that no effect of the catalogue explains";
-    for (const std::string& variable : on)
-      text += (&variable == &on.front() ? "; it depends on " : ", ") + variable;
+    for (std::size_t i = 0; i < on.size(); ++i) text += (i == 0 ? "; it depends on " : ", ") + on[i];
     text += ".";
   }
-  for (const FormulaResult& f : d.formulas) text += " The formula " + inWords(f.effect) + " says the same.";
+  for (const FormulaResult& f : d.formulas)
+    text += " The formula " + inWords(f.effect) + " describes it as well.";
   if (!d.missing.empty() && !namedFirst) text += " Found on the way: " + surelyAll(d);
   return text + (d.profiles.empty()       ? " Look for its cause."
                  : d.profiles.size() == 1 ? " Add it as a profile, or look for its cause."
@@ -219,8 +221,8 @@ std::string scatterSentence(const Diagnosis& d) {
                                          : std::sqrt(std::max(0.0, d.base.figures.chi2PerDof));
   return "No effect and no structure is left, but " + scatter + " is " + shortNumber(times) +
          " times the repeatability of " + repeatabilityWords(d) +
-         ": this is stated too small, or something acts that follows nothing recorded. " + twenty +
-         " to tell which.";
+         ": either that is stated too small, or an influence acts that follows nothing recorded. " + twenty +
+         " to find out which.";
 }
 
 std::string explainedSentence(const Diagnosis& d) {
@@ -273,26 +275,27 @@ std::string sentenceOf(const Diagnosis& d) {
 }
 
 std::string movesInWords(double deviations, std::size_t moves) {
-  if (moves == 0) return "no move within the machine's limits does";
-  constexpr double kEnough = 3.0;  // standard deviations
+  if (moves == 0) return "no move within the machine's limits separates them";
+  constexpr double kEnough = 3.0;              // standard deviations
+  constexpr double kSmallestDeviation = 1e-3;  // of them: nobody measures a million times
   const std::string all = "the " + std::to_string(moves) + " proposed moves differ by " +
                           shortNumber(deviations) + " standard deviations";
   if (deviations >= kEnough) return all;
-  const double times = std::ceil(std::pow(kEnough / std::max(deviations, 1e-3), 2));
-  return all + (times > 100.0 ? ": no sensible number of repeats does"
+  const double times = std::ceil(std::pow(kEnough / std::max(deviations, kSmallestDeviation), 2));
+  return all + (times > 100.0 ? ": no practicable number of repeats separates them"
                               : ": measure them " + shortNumber(times) + " times");
 }
 
 std::string whyNotApart(const Confusable& rival) {
   if (rival.same)
-    return "the same error told in another frame: no measurement on this machine tells them apart";
+    return "the same error expressed in another frame: no measurement on this machine separates them";
   if (rival.notRecorded.empty()) return {};
   return "cannot be excluded: " + inputInWords(rival.notRecorded) + " was not recorded";
 }
 
 std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {
   std::string text = drift.direction == "approach" ? "the error along the approach" : drift.direction;
-  text += " wanders by " + length(drift.std, isAngular(d, drift.direction)) + " RMS";
+  text += " drifts by " + length(drift.std, isAngular(d, drift.direction)) + " RMS";
   if (positive(drift.timeConstant)) text += " with a time constant of " + durationInWords(drift.timeConstant);
   if (!drift.perhaps.empty()) {
     const DriftResult::Perhaps& first = drift.perhaps.front();

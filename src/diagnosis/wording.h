@@ -35,14 +35,14 @@ std::string variableInWords(const std::string& name, const std::string& unit);
 std::string variablesInWords(const ProfileResult& profile);
 /// "the direction of travel of x"
 std::string inputInWords(const std::string& input);
-/// What the proposed moves would tell of a rival, by how many standard deviations.
+/// By how many standard deviations the proposed moves separate a rival.
 std::string movesInWords(double deviations, std::size_t moves);
-/// Where a rival cannot be told apart, or not excluded, why; empty where measuring more would tell.
+/// Why a rival cannot be separated, or not excluded; empty where measuring more would separate it.
 std::string whyNotApart(const Confusable& rival);
 
 /// Whether errors along a direction are angles.
 bool isAngular(const Diagnosis& diagnosis, const std::string& direction);
-/// What drifts, how far and how slowly: "x wanders by 0.4 um RMS with a time constant of 20 min and follows
+/// What drifts, how far and how slowly: "x drifts by 0.4 um RMS with a time constant of 20 min and follows
 /// no recorded temperature".
 std::string driftInWords(const Diagnosis& diagnosis, const DriftResult& drift);
 /// What to do about it: how often to measure a reference, what to record.

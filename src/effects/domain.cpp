@@ -28,12 +28,6 @@ void Domain::setMachine(const Machine& machine) {
   probeRotation = machine.tipRotation();
 }
 
-const LearnedNetwork* Domain::findNetwork(const std::string& effect) const {
-  for (const LearnedNetwork& network : networks)
-    if (network.effect == effect) return &network;
-  return nullptr;
-}
-
 Domain domainOverTravel(const Machine& machine) {
   constexpr int kPositions = 5;
   Domain domain;

@@ -7,18 +7,6 @@
 
 namespace mm {
 
-/// What a thermal_network learned from the session, complete.
-struct LearnedNetwork {
-  std::string effect;                // its canonical spec, one line of YAML
-  bool active = false;               // false: it was not worth it, and gives nothing
-  std::vector<std::string> sensors;  // its inputs, degC, in this order
-  std::vector<double> positions;     // its outputs: errors of the axis here; ascending, m or rad
-  std::vector<double> numbers;       // of ThermalNetwork::toNumbers(); empty where it is not active
-  std::string summary;               // for people: what was learned, or why it is not active
-  /// Errors on held-out blocks of time, m or rad: of the network, of the ridge-linear one, and without any.
-  double heldOut = 0.0, heldOutRidge = 0.0, heldOutNone = 0.0;
-};
-
 /// A joint or another input whose observed range is not larger (SI) stood still: rounding of what is written
 /// in mm and um.
 constexpr double kStoodStill = 1e-9;
@@ -45,7 +33,6 @@ struct Domain {
   double artifactExpansion = 0.0;
   std::vector<double>
       featureRadius;  // m, a feature; 0: a point. Empty: not known, then every feature may be a ball
-  std::vector<LearnedNetwork> networks;                 // of the thermal_network effects
   Eigen::Vector3d probeZero = Eigen::Vector3d::Zero();  // nominal tip in the frame of the last joint, m
   Eigen::Matrix3d probeRotation = Eigen::Matrix3d::Identity();  // nominal axes of probe_tip in that frame
 
@@ -57,8 +44,6 @@ struct Domain {
   int findSensor(const std::string& name) const;
   int findCovariate(const std::string& name) const;
   int findFeature(const std::string& name) const;
-  /// What the thermal_network with this canonical spec learned; null before it did.
-  const LearnedNetwork* findNetwork(const std::string& effect) const;
 };
 
 /// A domain without inputs but the machine's joints: each covered its travel, at five positions.

@@ -7,6 +7,7 @@
 
 #include "effects/domain.h"
 #include "effects/effect_spec.h"
+#include "effects/learned_network.h"
 #include "effects/state.h"
 
 namespace mm {
@@ -123,6 +124,14 @@ class Effect {
   /// Its shape is learned from the residuals of the model without it (estimation/network_learning); until
   /// then it has no parameters.
   virtual bool learned() const { return false; }
+  /// What it learned; null before it did.
+  virtual const LearnedNetwork* network() const { return nullptr; }
+  /// The same effect with what it learned; null unless learned(). @throw InputError: the network does not fit
+  /// its sensors and positions, or a sensor is not in the domain.
+  virtual std::shared_ptr<const Effect> taught(const LearnedNetwork& /*network*/,
+                                               const Domain& /*domain*/) const {
+    return nullptr;
+  }
   /// A law stated by the user: it may say where deviations without an instrument's zero count from.
   virtual bool statesDatum() const { return false; }
   /// Nobody knows how large its parameters are: a search goes by their start values, not by their bounds.

@@ -100,6 +100,14 @@ std::vector<int> linearParameters(const Effect& effect) {
   return linear;
 }
 
+Eigen::MatrixXd linearColumns(const Effect& effect, const Eigen::MatrixXd& all) {
+  const std::vector<int> linear = linearParameters(effect);
+  Eigen::MatrixXd columns(all.rows(), static_cast<Eigen::Index>(linear.size()));
+  for (std::size_t k = 0; k < linear.size(); ++k)
+    columns.col(static_cast<Eigen::Index>(k)) = all.col(linear[k]);
+  return columns;
+}
+
 std::vector<double> startsAt(const Effect& effect, const std::vector<double>& nonlinear) {
   std::vector<double> p;
   for (const Parameter& parameter : effect.parameters()) p.push_back(parameter.start);

@@ -10,6 +10,9 @@ namespace mm {
 /// Indices of the parameters of an effect that enter linearly: all but its nonlinearParameters().
 std::vector<int> linearParameters(const Effect& effect);
 
+/// Of columns, one a parameter, those of the linear parameters.
+Eigen::MatrixXd linearColumns(const Effect& effect, const Eigen::MatrixXd& all);
+
 /// Start values of the parameters (SI), with those that enter nonlinearly at other values. @param nonlinear
 /// in the order of nonlinearParameters(); those that are left out stay at their start.
 std::vector<double> startsAt(const Effect& effect, const std::vector<double>& nonlinear);

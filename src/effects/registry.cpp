@@ -114,4 +114,14 @@ EffectPtr createEffect(const EffectSpec& given, const Domain& domain) {
                    "; an effect of your own needs its package on ROS_PACKAGE_PATH (source its setup.bash)");
 }
 
+EffectPtr createEffect(const EffectSpec& spec, const Domain& domain,
+                       const std::vector<LearnedNetwork>& networks) {
+  EffectPtr effect = createEffect(spec, domain);
+  if (!effect->learned()) return effect;
+  const std::string own = effect->spec().yaml();
+  for (const LearnedNetwork& network : networks)
+    if (network.effect == own) return effect->taught(network, domain);
+  return effect;
+}
+
 }  // namespace mm

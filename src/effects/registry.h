@@ -31,5 +31,9 @@ std::string presentType(const std::string& type);
 /// Older names of a type are understood. @throw InputError: unknown type (names the nearest known one),
 /// missing or unknown keys.
 EffectPtr createEffect(const EffectSpec& spec, const Domain& domain);
+/// The same, with what it learned where one of the networks is its own. @throw InputError, too, as
+/// Effect::taught.
+EffectPtr createEffect(const EffectSpec& spec, const Domain& domain,
+                       const std::vector<LearnedNetwork>& networks);
 
 }  // namespace mm

@@ -27,8 +27,6 @@ class ThermalNetworkEffect : public CatalogueEffect {
     if (listed.size() > kMostInputs) read.fail("at most 64 sensors");
     if (read.domain().sensors.empty())
       read.fail("the session has no temperatures; log them (columns <sensor>_degC), or leave the effect out");
-    const LearnedNetwork* learned = read.domain().findNetwork(read.canonical().yaml());
-    if (learned != nullptr && learned->active) adoptNetwork(read, *learned);
   }
 
   bool composite() const override { return true; }
@@ -56,6 +54,16 @@ class ThermalNetworkEffect : public CatalogueEffect {
 
   std::vector<std::string> shapeKeys() const override { return {"network"}; }
   bool learned() const override { return true; }
+  const LearnedNetwork* network() const override { return learned_.get(); }
+  EffectPtr taught(const LearnedNetwork& learned, const Domain& domain) const override {
+    auto effect = std::make_shared<ThermalNetworkEffect>(*this);
+    effect->learned_ = std::make_shared<const LearnedNetwork>(learned);
+    effect->network_.reset();
+    effect->parameters_.clear();
+    effect->sensors_.clear();
+    if (learned.active) effect->adoptNetwork(learned, domain);
+    return effect;
+  }
 
   std::string cause() const override {
     return "Thermal deformation of the machine along " + name_ + " that no single thermal effect describes.";
@@ -69,17 +77,21 @@ class ThermalNetworkEffect : public CatalogueEffect {
   }
 
  private:
-  void adoptNetwork(const SpecReader& read, const LearnedNetwork& learned) {
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError("effect " + spec().yaml() + ": " + what);
+  }
+
+  void adoptNetwork(const LearnedNetwork& learned, const Domain& domain) {
     try {
       network_ = networkFromNumbers(learned.numbers);
     } catch (const InputError& e) {
-      read.fail(e.what());
+      fail(e.what());
     }
     for (const std::string& name : learned.sensors) {
-      sensors_.push_back(read.domain().findSensor(name));
+      sensors_.push_back(domain.findSensor(name));
       if (sensors_.back() < 0)
-        read.fail("its sensor '" + name + "' is not among the temperatures; there are: " +
-                  listOfSensors(read.domain()) + "; was it renamed? Calibrate again");
+        fail("its sensor '" + name + "' is not among the temperatures; there are: " + listOfSensors(domain) +
+             "; was it renamed? Calibrate again");
     }
     positions_ = learned.positions;
     const bool fits = network_->inputs() == static_cast<int>(sensors_.size()) && !sensors_.empty() &&
@@ -87,7 +99,7 @@ class ThermalNetworkEffect : public CatalogueEffect {
                       positions_.size() <= kMostOutputs &&
                       network_->outputs() == static_cast<int>(positions_.size()) &&
                       std::is_sorted(positions_.begin(), positions_.end());
-    if (!fits) read.fail("the stored network does not fit its sensors and positions; calibrate again");
+    if (!fits) fail("the stored network does not fit its sensors and positions; calibrate again");
     parameters_ = {parameter("gain", Unit{"1", 1.0}, 1.0, 10.0)};
   }
 
@@ -99,9 +111,10 @@ class ThermalNetworkEffect : public CatalogueEffect {
 
   int axis_;
   std::string name_;
-  std::shared_ptr<const ThermalNetwork> network_;
-  std::vector<int> sensors_;       // of the Domain
-  std::vector<double> positions_;  // m or rad, ascending
+  std::shared_ptr<const LearnedNetwork> learned_;  // null before it learned
+  std::shared_ptr<const ThermalNetwork> network_;  // null where it gives nothing
+  std::vector<int> sensors_;                       // of the Domain
+  std::vector<double> positions_;                  // m or rad, ascending
 };
 
 }  // namespace

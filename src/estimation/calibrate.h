@@ -32,7 +32,7 @@ struct CalibrateOptions {
       false;  // the effects' parameters stay at `start`; only what belongs to the session is fitted
   StagedMutationSettings stagedMutation;  // seed and threads are those above
   NichingSettings niching;                // likewise
-  /// Called with a stage ("genetic", "polish", "uncertainty") and its share done in 0 … 1.
+  /// Called with a stage ("networks", "genetic", "refine", "uncertainty") and its share done in 0 … 1.
   std::function<void(const std::string& stage, double share)> progress;
   std::function<bool()> cancelled;
 };
@@ -59,7 +59,7 @@ struct ResidualFigures {
   int degreesOfFreedom = 0;
 };
 
-/// A wandering along one direction that the residuals show beside their white noise.
+/// A drift along one direction that the residuals show beside their white noise.
 struct Drift {
   std::string direction;      // a joint, x, y, z of workpiece, or approach
   double std = 0.0;           // m (rad)
@@ -68,7 +68,7 @@ struct Drift {
 
 /// What a calibration found. Refers to the session given to `calibrate`.
 struct CalibrationResult {
-  std::shared_ptr<Problem> problem;
+  std::shared_ptr<const Problem> problem;
   Eigen::VectorXd x;  // all unknowns, SI
   Eigen::MatrixXd
       covariance;             // SI, of all unknowns; zero rows where fixed; scaled by the residuals' variance
@@ -84,7 +84,7 @@ struct CalibrationResult {
   ResidualFigures before;  // of the nominal machine (no effects), same rows
   Identifiability identifiability;
   std::optional<GeneticSummary> genetic;
-  int polishIterations = 0;
+  int iterations = 0;
   bool converged = false;
   bool cancelled = false;
   std::string stop;
@@ -95,7 +95,8 @@ struct CalibrationResult {
   double std(int unknown) const;  ///< SI; 0 where it is held
 };
 
-/// Calibrates: gauge by convention, genetic algorithm, polish, outliers, uncertainty.
+/// Calibrates: gauge by convention, genetic algorithm, refinement, outliers, uncertainty: the stages of
+/// calibration_stages.h.
 /// @param session must outlive the result. @param start values of the effects' parameters to begin with
 /// (empty: the effects' own). @throw InputError: the session cannot be used with the model. @throw
 /// NumericalError: nothing left to fit (fewer residuals than unknowns).

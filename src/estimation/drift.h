@@ -7,7 +7,7 @@ namespace mm {
 /// Rows in one piece of memory: one observation after the other, as they come in time.
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A slow wandering along one direction, that forgets with a time constant. Rough: an Ornstein-Uhlenbeck
+/// A drift along one direction, that forgets with a time constant. Rough: an Ornstein-Uhlenbeck
 /// process (Matern 1/2); sums of these stand for a random walk, for settling and for noise that lasts from
 /// contact to contact. Smooth: Matern 3/2, whose slope is continuous, as that of a part that warms and cools.
 struct DriftTerm {

@@ -4,10 +4,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/polish.h"
+#include "base/tiny.h"
+#include "estimation/refine.h"
 #include "estimation/robust.h"
 
 namespace mm {
+namespace {
+
+constexpr int kRounds = 8;  // of noise and outliers in turn: they settle in two or three
+constexpr int kPasses = 3;  // with Huber's weights: each halves what is left of the bend
+// Huber's weights start where 13 % of normal noise lies beyond (k = 1.5), and are asked for where a residual
+// is 8 times the bulk, which no normal noise is.
+constexpr double kHuber = 1.5, kGross = 8.0;
+constexpr double kSameNoise = 1e-3;   // relative change that no longer moves a fit
+constexpr double kFewestLeft = 0.05;  // share of the rows: a fit with hardly more rows than unknowns
+
+Eigen::VectorXd sigmaOf(const FitTask& task, const Noise& noise) {
+  return task.problem.sigmas(noise.linear, noise.angular);
+}
+
+}  // namespace
 
 bool has(const Problem& problem, bool angular) {
   return std::any_of(problem.rows().begin(), problem.rows().end(),
@@ -42,88 +58,94 @@ int freeCount(const std::vector<char>& fixed) {
   return static_cast<int>(std::count(fixed.begin(), fixed.end(), 0));
 }
 
-Fitter::Fitter(const Problem& problem, const CalibrateOptions& options, Noise noise)
-    : problem_(problem), options_(options), noise(std::move(noise)), weight(usableWeight(problem)) {}
-
-void Fitter::run(Eigen::VectorXd start, const std::vector<char>& fixed) {
-  x = std::move(start);
-  fit(fixed);
-  if (options_.rejectOutliers && !cancelled) soften(fixed);
-  for (int round = 0; round < 8 && !cancelled; ++round) {
-    const bool noiseMoved = estimateNoise(fixed);
-    Eigen::VectorXd next = usableWeight(problem_);
-    if (options_.rejectOutliers)
-      next = next.cwiseProduct(outlierWeights(
-          problem_, residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular)), freeCount(fixed)));
-    const bool same = next == weight;
-    weight = next;
-    if (same && !noiseMoved) break;
-    fit(fixed);
-  }
-  if (options_.rejectOutliers && !cancelled) {
-    const Eigen::VectorXd back =
-        reinstated(problem_, x, residuals, problem_.sigmas(noise.linear, noise.angular), weight, fixed);
-    if (back != weight) {
-      weight = back;
-      fit(fixed);
-    }
-  }
-  sigma = problem_.sigmas(noise.linear, noise.angular);
+Fit fitFrom(const FitTask& task, Eigen::VectorXd start, Noise noise) {
+  Fit fit;
+  fit.noise = std::move(noise);
+  fit.x = std::move(start);
+  fit.weight = usableWeight(task.problem);
+  fit.sigma = sigmaOf(task, fit.noise);
+  return fit;
 }
 
-void Fitter::fitOnce(Eigen::VectorXd start, const std::vector<char>& fixed) {
-  x = std::move(start);
-  fit(fixed);
-  sigma = problem_.sigmas(noise.linear, noise.angular);
-}
-
-void Fitter::fit(const std::vector<char>& fixed) {
-  PolishOptions polishing;
-  polishing.progress = [&](int iteration, double) {
-    if (options_.progress) options_.progress("polish", 1.0 - 1.0 / (1.0 + iteration));
-    return !(options_.cancelled && options_.cancelled());
+Fit refined(const FitTask& task, Fit fit) {
+  const CalibrateOptions& options = task.options;
+  RefineOptions refining;
+  refining.progress = [&](int iteration, double) {
+    if (options.progress) options.progress("refine", 1.0 - 1.0 / (1.0 + iteration));
+    return !(options.cancelled && options.cancelled());
   };
-  const PolishResult p =
-      polish(problem_, x, fixed, problem_.sigmas(noise.linear, noise.angular), weight, polishing);
-  x = p.x;
-  iterations += p.iterations;
-  converged = p.converged;
-  cancelled = p.cancelled;
-  stop = p.stop;
-  residuals = problem_.residuals(x);
+  fit.sigma = sigmaOf(task, fit.noise);
+  RefineResult r = refine(task.problem, fit.x, task.fixed, fit.sigma, fit.weight, refining);
+  fit.x = std::move(r.x);
+  fit.iterations += r.iterations;
+  fit.converged = r.converged;
+  fit.cancelled = r.cancelled;
+  fit.stop = std::move(r.stop);
+  fit.residuals = task.problem.residuals(fit.x);
+  return fit;
 }
 
-/// Gross outliers must not bend the fit that is to unmask them: two passes with Huber's weights.
-void Fitter::soften(const std::vector<char>& fixed) {
-  for (int pass = 0; pass < 3 && !cancelled; ++pass) {
-    const Eigen::VectorXd w = residuals.cwiseQuotient(problem_.sigmas(noise.linear, noise.angular));
+Fit softened(const FitTask& task, Fit fit) {
+  for (int pass = 0; pass < kPasses && !fit.cancelled; ++pass) {
+    const Eigen::VectorXd w = fit.residuals.cwiseQuotient(fit.sigma);
     const double bulk = robustSigma(std::vector<double>(w.data(), w.data() + w.size()));
-    if (!(bulk > 0.0) || w.cwiseAbs().maxCoeff() < 8.0 * bulk) return;
-    weight = usableWeight(problem_);
+    if (!(bulk > 0.0) || w.cwiseAbs().maxCoeff() < kGross * bulk) break;
+    fit.weight = usableWeight(task.problem);
     for (int i = 0; i < w.size(); ++i)
-      weight[i] *= std::min(1.0, 1.5 * bulk / std::max(std::abs(w[i]), 1e-300));
-    fit(fixed);
+      fit.weight[i] *= std::min(1.0, kHuber * bulk / std::max(std::abs(w[i]), kTiny));
+    fit = refined(task, std::move(fit));
   }
+  return fit;
 }
 
-/// Rows of two kinds without stated noise are weighed by their own residuals. @return whether a weight
-/// moved.
-bool Fitter::estimateNoise(const std::vector<char>& fixed) {
-  if (!has(problem_, true) || !has(problem_, false)) {
-    return false;
-  }
-  const int total = static_cast<int>((weight.array() > 0.0).count());
-  const double dof = std::max(0.05, 1.0 - static_cast<double>(freeCount(fixed)) / std::max(1, total));
-  bool moved = false;
+Noise estimatedNoise(const FitTask& task, const Fit& fit, bool* moved) {
+  *moved = false;
+  Noise noise = fit.noise;
+  if (!has(task.problem, true) || !has(task.problem, false)) return noise;
+  const int total = static_cast<int>((fit.weight.array() > 0.0).count());
+  const double dof =
+      std::max(kFewestLeft, 1.0 - static_cast<double>(freeCount(task.fixed)) / std::max(1, total));
   const auto update = [&](bool angular, bool stated, double& value) {
-    const double rms = rmsOf(problem_, residuals, weight, angular, nullptr, true) / std::sqrt(dof);
+    const double rms =
+        rmsOf(task.problem, fit.residuals, fit.weight, angular, nullptr, true) / std::sqrt(dof);
     if (stated || !(rms > 0.0)) return;
-    moved |= std::abs(rms / value - 1.0) > 1e-3;
+    *moved |= std::abs(rms / value - 1.0) > kSameNoise;
     value = rms;
   };
   update(false, noise.linearStated, noise.linear);
   update(true, noise.angularStated, noise.angular);
-  return moved;
+  return noise;
+}
+
+Eigen::VectorXd weightsWithoutOutliers(const FitTask& task, const Fit& fit) {
+  return usableWeight(task.problem)
+      .cwiseProduct(
+          outlierWeights(task.problem, fit.residuals.cwiseQuotient(fit.sigma), freeCount(task.fixed)));
+}
+
+Fit fitted(const FitTask& task, Fit fit) {
+  const bool reject = task.options.rejectOutliers;
+  fit = refined(task, std::move(fit));
+  if (reject && !fit.cancelled) fit = softened(task, std::move(fit));
+  for (int round = 0; round < kRounds && !fit.cancelled; ++round) {
+    bool noiseMoved = false;
+    fit.noise = estimatedNoise(task, fit, &noiseMoved);
+    fit.sigma = sigmaOf(task, fit.noise);
+    const Eigen::VectorXd weight = reject ? weightsWithoutOutliers(task, fit) : usableWeight(task.problem);
+    const bool same = weight == fit.weight;
+    fit.weight = weight;
+    if (same && !noiseMoved) break;
+    fit = refined(task, std::move(fit));
+  }
+  if (reject && !fit.cancelled) {
+    const Eigen::VectorXd back =
+        reinstated(task.problem, fit.x, fit.residuals, fit.sigma, fit.weight, task.fixed);
+    if (back != fit.weight) {
+      fit.weight = back;
+      fit = refined(task, std::move(fit));
+    }
+  }
+  return fit;
 }
 
 }  // namespace mm

@@ -27,30 +27,41 @@ Eigen::VectorXd inverseOf(const Eigen::VectorXd& sigma, const Eigen::VectorXd& w
 
 int freeCount(const std::vector<char>& fixed);  ///< number of zeros in it
 
-/// One fit and everything that belongs to it: polish, outliers, noise of each kind of row.
-class Fitter {
- public:
-  Fitter(const Problem& problem, const CalibrateOptions& options, Noise noise);
+/// What is fitted, and how.
+struct FitTask {
+  const Problem& problem;
+  const std::vector<char>& fixed;  // an unknown: held at its start
+  const CalibrateOptions& options;
+};
 
-  /// Fits, looks for outliers and weighs the kinds of rows, until neither changes.
-  void run(Eigen::VectorXd start, const std::vector<char>& fixed);
-  /// Without a search for outliers: the weights stay as they are.
-  void fitOnce(Eigen::VectorXd start, const std::vector<char>& fixed);
-
- private:
-  void fit(const std::vector<char>& fixed);
-  void soften(const std::vector<char>& fixed);
-  bool estimateNoise(const std::vector<char>& fixed);
-
-  const Problem& problem_;
-  const CalibrateOptions& options_;
-
- public:
+/// A fit as it passes through its stages: values, what they leave, and what each row counts for.
+struct Fit {
   Noise noise;
-  Eigen::VectorXd x, residuals, weight, sigma;
+  Eigen::VectorXd x;          // of all unknowns, SI
+  Eigen::VectorXd residuals;  // of the data rows at x, m or rad
+  Eigen::VectorXd weight;     // a data row; 0: not used
+  Eigen::VectorXd sigma;      // a data row, m or rad, by `noise`
   int iterations = 0;
   bool converged = false, cancelled = false;
   std::string stop;
 };
+
+/// Before the first stage: values and noise to begin with, every usable row counts.
+Fit fitFrom(const FitTask& task, Eigen::VectorXd start, Noise noise);
+
+/// Stage "refine": Levenberg-Marquardt from fit.x with the weights and the noise as they are.
+Fit refined(const FitTask& task, Fit fit);
+/// Stage "soften": refines with Huber's weights where residuals stand far out of the bulk, so that gross
+/// outliers do not bend the fit that is to unmask them.
+Fit softened(const FitTask& task, Fit fit);
+/// Stage "noise": rows of two kinds without a stated noise are weighed by their own residuals.
+/// @param moved set to whether a noise changed.
+Noise estimatedNoise(const FitTask& task, const Fit& fit, bool* moved);
+/// Stage "outliers": weight of each data row, 0 for those that stand apart.
+Eigen::VectorXd weightsWithoutOutliers(const FitTask& task, const Fit& fit);
+
+/// The stages in turn until neither noise nor outliers change; then what only seemed to stand apart comes
+/// back. Without a search for outliers (options) all usable rows count.
+Fit fitted(const FitTask& task, Fit fit);
 
 }  // namespace mm

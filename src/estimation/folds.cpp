@@ -3,9 +3,19 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-namespace mm {
+#include "estimation/row_products.h"
+#include "estimation/thin_qr.h"
 
+namespace mm {
 namespace {
+
+constexpr int kFolds = 10, kSmallestBlock = 8, kBlocks = 60;
+/// A direction of which the other rows have a smaller share is fitted to the block itself: they would give it
+/// a value that is rounding.
+constexpr double kOwn = 1e-7;
+/// The same where rows beside the block are left out, too, and drift is predicted across the gap: a share of
+/// a hundredth would blow ten times the noise into the block.
+constexpr double kDetermined = 0.01;
 
 /// First observation behind each stretch that a block must not cut: a free feature that was measured in one
 /// go and is little longer than a block. What a cut leaves of its contacts would have to find its position.
@@ -48,7 +58,6 @@ std::vector<int> blocksOf(const std::vector<int>& ends, int size) {
 }  // namespace
 
 Folds makeFolds(const Problem& problem) {
-  constexpr int kFolds = 10, kSmallestBlock = 8, kBlocks = 60;
   Folds folds;
   const int observations = static_cast<int>(problem.session().observations.size());
   const int size =
@@ -92,7 +101,7 @@ Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd
     for (int k = 0; k < touched; ++k) {
       const double share =
           eigen.eigenvalues()[k];  // of the information on this direction that the fold alone holds
-      gain[k] = share > 1.0 - 1e-7 ? 0.0 : 1.0 / (1.0 - share);
+      gain[k] = share > 1.0 - kOwn ? 0.0 : 1.0 / (1.0 - share);
     }
     const Eigen::VectorXd held =
         rf + qf * (eigen.eigenvectors() *
@@ -100,6 +109,23 @@ Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd
     for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = held[static_cast<int>(i)];
   }
   return out;
+}
+
+Eigen::MatrixXd determinedWithin(const RowMatrix& base, const std::vector<char>& held,
+                                 const std::vector<char>& unused) {
+  if (base.cols() == 0) return Eigen::MatrixXd(std::count(held.begin(), held.end(), 1), 0);
+  std::vector<int> judged;
+  RowMatrix others = base;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    if (unused[i]) others.row(static_cast<long>(i)).setZero();
+    if (held[i]) judged.push_back(static_cast<int>(i));
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> shares(Eigen::MatrixXd(rowProducts(others)));
+  const long undetermined = (shares.eigenvalues().array() < kDetermined).count();
+  Eigen::MatrixXd own(judged.size(), undetermined);
+  for (std::size_t i = 0; i < judged.size(); ++i)
+    own.row(static_cast<long>(i)) = base.row(judged[i]) * shares.eigenvectors().leftCols(undetermined);
+  return orthonormalBasis(std::move(own));
 }
 
 }  // namespace mm

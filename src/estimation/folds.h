@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "estimation/drift.h"
 #include "estimation/problem.h"
 
 namespace mm {
@@ -26,5 +27,12 @@ Folds makeFolds(const Problem& problem);
 /// @return one held-out residual a data row (whitened).
 Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd& residuals,
                                  const Folds& folds);
+
+/// Where rows beside the block are left out as well: what of free columns only the judged rows determine, an
+/// orthonormal basis in these (judged rows x directions).
+/// @param base orthonormal columns, rows of the session and then priors. @param held a row: judged. @param
+/// unused a row: judged, or neither fitted nor judged.
+Eigen::MatrixXd determinedWithin(const RowMatrix& base, const std::vector<char>& held,
+                                 const std::vector<char>& unused);
 
 }  // namespace mm

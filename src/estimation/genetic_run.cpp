@@ -14,8 +14,6 @@ namespace {
 /// cache, few enough to keep the threads equally busy. Part of no result.
 constexpr std::size_t kIndividualsABlock = 64;
 
-std::size_t blocksOf(std::size_t count) { return (count + kIndividualsABlock - 1) / kIndividualsABlock; }
-
 }  // namespace
 
 void checkSetting(const char* algorithm, const char* name, double value, double low, double high) {
@@ -41,7 +39,7 @@ GeneticRun::GeneticRun(const char* algorithm, GeneticFitness& fitness, const Gen
       settings_(settings),
       control_(control),
       dimension_(fitness.dimension()),
-      threads_(settings.threads, blocksOf(settings.population)) {
+      threads_(settings.threads) {
   ranges.validate(dimension_);
   if (!settings.start.empty() && settings.start.size() != dimension_)
     throw InputError(std::string(algorithm) + ": start has " + std::to_string(settings.start.size()) +
@@ -79,10 +77,12 @@ void GeneticRun::fillFirst() {
 
 void GeneticRun::evaluate() {
   const std::size_t count = population();
-  threads_.run(blocksOf(count), [&](std::size_t block) {
-    const std::size_t first = block * kIndividualsABlock;
-    fitness_.evaluate(current_.data() + first * dimension_, std::min(kIndividualsABlock, count - first),
-                      costs_.data() + first);
+  threads_.run([&] {
+    parallelFor(partsOf(count, kIndividualsABlock), [&](std::size_t block) {
+      const Part part = partOf(count, kIndividualsABlock, block);
+      fitness_.evaluate(current_.data() + part.first * dimension_, part.end - part.first,
+                        costs_.data() + part.first);
+    });
   });
   result_.evaluations += count;
 }

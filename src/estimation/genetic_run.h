@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/parallel.h"
 #include "estimation/genetic.h"
 #include "estimation/genetic_random.h"
-#include "estimation/genetic_threads.h"
 
 namespace mm {
 
@@ -56,7 +56,7 @@ class GeneticRun {
   std::size_t generation_ = 0;
   std::vector<double> current_, next_, costs_;
   std::vector<std::size_t> order_;
-  GeneticThreads threads_;
+  Threads threads_;
   GeneticResult result_;
   bool changed_ = false;
 };

@@ -61,11 +61,12 @@ std::vector<double> SphereFitness::principalAxes(const GeneticRanges& ranges) co
                                                              slope);
   const double strongest = eigen.eigenvalues()[n - 1];
   if (!(strongest > 0.0)) return {};
+  constexpr double kNoEffect = 1e-18;  // of the strongest information: rounding, squared
   std::vector<double> axes;
   axes.reserve(dimension_ * dimension_);
   for (Eigen::Index a = 0; a < n; ++a) {
     // An axis without any effect is not longer than its range, like the others in the first stage.
-    const double length = std::sqrt(strongest / std::max(eigen.eigenvalues()[a], 1e-18 * strongest));
+    const double length = std::sqrt(strongest / std::max(eigen.eigenvalues()[a], kNoEffect * strongest));
     for (Eigen::Index j = 0; j < n; ++j) axes.push_back(length * half[j] * eigen.eigenvectors()(j, a));
   }
   return axes;

@@ -8,9 +8,13 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/tiny.h"
 
 namespace mm {
 namespace {
+
+constexpr double kOpen = 1e-9;     // of a ball's information: contacts leave the direction open
+constexpr double kSettled = 1e-9;  // of the radius: a centre that moves by less has been found
 
 /// Contacts handed to the kernel at a time: their rows stay in the first-level cache while all chromosomes
 /// pass.
@@ -186,12 +190,12 @@ void SphereFitness::recomputeCentre(const Group& group) {
       size = std::max(size, distance_[i]);
     }
     // A trace of damping keeps the directions that few contacts leave open where they are.
-    normal.diagonal().array() += 1e-9 * normal.trace() + 1e-300;
+    normal.diagonal().array() += kOpen * normal.trace() + kTiny;
     Eigen::Vector3d step = normal.ldlt().solve(right);
     if (!step.allFinite()) return;
     if (step.norm() > size) step *= size / step.norm();
     centre += step;
-    if (step.norm() < 1e-9 * size) break;
+    if (step.norm() < kSettled * size) break;
   }
   balls_[group.ball].centre = centre;
 }
@@ -226,7 +230,7 @@ void SphereFitness::fillRows(Group& group) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal);
   Eigen::Vector3d inverse = Eigen::Vector3d::Zero();
   for (int i = 0; i < 3; ++i)
-    if (eigen.eigenvalues()[i] > 1e-9 * eigen.eigenvalues()[2]) inverse[i] = 1.0 / eigen.eigenvalues()[i];
+    if (eigen.eigenvalues()[i] > kOpen * eigen.eigenvalues()[2]) inverse[i] = 1.0 / eigen.eigenvalues()[i];
   group.inverse = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

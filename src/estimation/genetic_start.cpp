@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/tiny.h"
 #include "base/units.h"
 #include "estimation/genetic_sphere_fitness.h"
 #include "estimation/whitened.h"
@@ -91,7 +92,7 @@ class ResidualFitness final : public GeneticFitness {
       sum[placeOf_[i]] += w * r[i];
       weight[placeOf_[i]] += w;
     }
-    return sum.cwiseQuotient(weight.cwiseMax(1e-300));
+    return sum.cwiseQuotient(weight.cwiseMax(kTiny));
   }
 
   static constexpr double kPenalty = 1e4;  // M of LASER, residuals in mm
@@ -156,8 +157,9 @@ GeneticSummary geneticStart(const Problem& problem, Eigen::VectorXd& x, const st
     double half = mount    ? std::min(unknowns[u].bound, 10.0 * unknowns[u].scale)
                   : effect ? unknowns[u].bound
                            : std::min(unknowns[u].bound, 10.0 * unknowns[u].scale);
+    constexpr double kOfScale = 1e-3;  // of a parameter whose start is zero: else its range would be empty
     if (effect && problem.model().effects()[unknowns[u].owner]->ofUnknownSize())
-      half = 10.0 * std::max(std::abs(unknowns[u].start), 1e-3 * unknowns[u].scale);
+      half = 10.0 * std::max(std::abs(unknowns[u].start), kOfScale * unknowns[u].scale);
     if (effect && unknowns[u].priorStd > 0.0) half = std::min(half, 5.0 * unknowns[u].priorStd);
     ranges.low.push_back(std::max(x[u] - half, unknowns[u].minimum));
     ranges.high.push_back(std::min(x[u] + half, unknowns[u].maximum));

@@ -10,6 +10,15 @@
 namespace mm {
 namespace {
 
+// Of a lost direction, a unit vector in units of the bounds:
+constexpr double kHolds = 0.05;       // an unknown with this part in it may be held in its place
+constexpr double kHoldsZero = 1e-6;   // a zero of the instrument has no bound to speak of: any part counts
+constexpr double kNoPart = 1e-9;      // rounding: holding it would determine nothing
+constexpr double kTold = 0.02;        // parts that the result keeps
+constexpr double kSaid = 0.15;        // parts that are named to people
+constexpr double kAlike = 0.1;        // two parts that differ by less are a sum or a difference
+constexpr double kOfTheModel = 1e-3;  // square of the effects' parts: less is rounding of the artifact's
+
 /// Effects whose parameters partly only choose the frame in which the machine's errors are told.
 bool choosesFrame(const Problem& problem, int unknown) {
   const Unknown& u = problem.unknowns()[unknown];
@@ -26,18 +35,18 @@ bool zeroByConvention(const Problem& problem, int unknown) {
 std::string inWordsOf(const Problem& problem, const LostDirection& lost) {
   std::vector<std::pair<int, double>> big;
   for (const auto& d : lost.direction)
-    if (std::abs(d.second) > 0.15 && problem.unknowns()[d.first].kind == UnknownKind::kEffect)
+    if (std::abs(d.second) > kSaid && problem.unknowns()[d.first].kind == UnknownKind::kEffect)
       big.push_back(d);
   if (big.empty())
     for (const auto& d : lost.direction)
-      if (std::abs(d.second) > 0.15) big.push_back(d);
+      if (std::abs(d.second) > kSaid) big.push_back(d);
   std::sort(big.begin(), big.end(), [](auto& a, auto& b) { return a.first < b.first; });
   if (big.empty()) return "no single parameter is concerned";
   if (big.size() == 1) return displayName(problem, big[0].first) + " has no influence on these data";
   std::string names;
   for (std::size_t i = 0; i < big.size(); ++i)
     names += (i == 0 ? "" : i + 1 == big.size() ? " and " : ", ") + displayName(problem, big[i].first);
-  if (big.size() == 2 && std::abs(std::abs(big[0].second) - std::abs(big[1].second)) < 0.1)
+  if (big.size() == 2 && std::abs(std::abs(big[0].second) - std::abs(big[1].second)) < kAlike)
     return names + ": only their " + (big[0].second * big[1].second < 0 ? "sum" : "difference") +
            " is determined";
   return names + ": one combination of them is not determined";
@@ -70,6 +79,40 @@ std::string wouldShowOf(const Problem& problem, int unknown, bool byConvention) 
   if (u.kind == UnknownKind::kPose && !measured(problem, ObservationKind::kContact))
     return "positions of three points or more that are not on one line";
   return "contacts spread over more of the ball, or over more balls";
+}
+
+/// Which unknowns are held first, one a lost direction: the instrument's zeros, what a convention names, the
+/// other parameters of the effects from the last to the first, the rest.
+std::vector<int> orderOfHolding(const Problem& problem) {
+  const auto& unknowns = problem.unknowns();
+  const int count = problem.unknownCount();
+  std::vector<int> order;
+  for (int u = count - 1; u >= 0; --u)
+    if (unknowns[u].kind == UnknownKind::kSetup) order.push_back(u);
+  for (const bool named : {true, false})
+    for (int u = count - 1; u >= 0; --u)
+      if (unknowns[u].kind == UnknownKind::kEffect && zeroByConvention(problem, u) == named)
+        order.push_back(u);
+  for (int u = count - 1; u >= 0; --u)
+    if (unknowns[u].kind != UnknownKind::kEffect && unknowns[u].kind != UnknownKind::kSetup)
+      order.push_back(u);
+  return order;
+}
+
+/// @param direction a unit vector of the unknowns, in units of the bounds. @param unknown held in its place.
+LostDirection lostBy(const Problem& problem, int unknown, const Eigen::VectorXd& direction) {
+  LostDirection lost;
+  double ofEffects = 0.0;
+  for (int k = 0; k < problem.unknownCount(); ++k) {
+    if (std::abs(direction[k]) > kTold) lost.direction.emplace_back(k, direction[k]);
+    if (problem.unknowns()[k].kind == UnknownKind::kEffect) ofEffects += direction[k] * direction[k];
+  }
+  lost.ofTheModel = ofEffects > kOfTheModel;
+  lost.fixedUnknown = unknown;
+  lost.byConvention = choosesFrame(problem, unknown);
+  lost.inWords = inWordsOf(problem, lost);
+  lost.wouldShow = wouldShowOf(problem, unknown, lost.byConvention);
+  return lost;
 }
 
 /// Marks what is lost within one effect without a trace in the data, while the data determine the rest of
@@ -166,43 +209,20 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
   for (std::size_t k = 0; k < lostColumns.size(); ++k)
     null.col(static_cast<int>(k)) = svd.matrixV().col(lostColumns[k]);
 
-  // Hold one unknown a direction: the instrument's zeros, what a convention names, the other parameters of
-  // the effects from the last to the first, the rest.
-  std::vector<int> order;
-  for (int u = count - 1; u >= 0; --u)
-    if (unknowns[u].kind == UnknownKind::kSetup) order.push_back(u);
-  for (const bool named : {true, false})
-    for (int u = count - 1; u >= 0; --u)
-      if (unknowns[u].kind == UnknownKind::kEffect && zeroByConvention(problem, u) == named)
-        order.push_back(u);
-  for (int u = count - 1; u >= 0; --u)
-    if (unknowns[u].kind != UnknownKind::kEffect && unknowns[u].kind != UnknownKind::kSetup)
-      order.push_back(u);
+  const std::vector<int> order = orderOfHolding(problem);
   Eigen::MatrixXd rest = null;
   for (int u : order) {
     if (rest.cols() == 0) break;
     const Eigen::RowVectorXd row = rest.row(u);
     const double share = row.norm();
     const bool last = u == order.back();
-    // a zero of the instrument has no bound to speak of: any part in the direction counts
-    if (share < (unknowns[u].kind == UnknownKind::kSetup ? 1e-6 : 0.05) && !last) continue;
-    if (share < 1e-9) continue;
+    if (share < (unknowns[u].kind == UnknownKind::kSetup ? kHoldsZero : kHolds) && !last) continue;
+    if (share < kNoPart) continue;
     if (beforeFit && unknowns[u].kind == UnknownKind::kEffect &&
         !problem.model().effects()[unknowns[u].owner]->startTells())
       continue;
     // the member of the remaining null space that u belongs to
-    LostDirection lost;
-    const Eigen::VectorXd direction = (rest * row.transpose() / share).normalized();
-    for (int k = 0; k < count; ++k)
-      if (std::abs(direction[k]) > 0.02) lost.direction.emplace_back(k, direction[k]);
-    double ofEffects = 0.0;
-    for (int k = 0; k < count; ++k)
-      if (unknowns[k].kind == UnknownKind::kEffect) ofEffects += direction[k] * direction[k];
-    lost.ofTheModel = ofEffects > 1e-3;
-    lost.fixedUnknown = u;
-    lost.byConvention = choosesFrame(problem, u);
-    lost.inWords = inWordsOf(problem, lost);
-    lost.wouldShow = wouldShowOf(problem, u, lost.byConvention);
+    const LostDirection lost = lostBy(problem, u, (rest * row.transpose() / share).normalized());
     result.fixed[u] = 1;
     result.lost.push_back(lost);
     // remove u from the null space: what remains has no component along u

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/polish.h"
+#include "estimation/refine.h"
 #include "estimation/whitened.h"
 
 namespace mm {
@@ -52,19 +52,20 @@ bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<c
   return true;
 }
 
-Eigen::VectorXd bestPolished(const Problem& problem, const std::vector<Eigen::VectorXd>& candidates,
-                             const std::vector<char>& fixed, const Eigen::VectorXd& sigma,
-                             const Eigen::VectorXd& weight, const std::function<bool()>& cancelled) {
+Eigen::VectorXd bestRefined(const Problem& problem, const std::vector<Eigen::VectorXd>& candidates,
+                            const std::vector<char>& fixed, const Eigen::VectorXd& sigma,
+                            const Eigen::VectorXd& weight, const std::function<bool()>& cancelled) {
   const Eigen::VectorXd inverse = weight.cwiseSqrt().cwiseQuotient(sigma);
   Eigen::VectorXd best = candidates.front();
+  constexpr double kEqual = 1e-9;  // of a sum of squares: two ways to one optimum end within rounding of it
   double least = std::numeric_limits<double>::infinity();
-  PolishOptions polishing;
-  polishing.progress = [&](int, double) { return !(cancelled && cancelled()); };
+  RefineOptions refining;
+  refining.progress = [&](int, double) { return !(cancelled && cancelled()); };
   for (const Eigen::VectorXd& candidate : candidates) {
     if (cancelled && cancelled()) break;
-    const Eigen::VectorXd x = polish(problem, candidate, fixed, sigma, weight, polishing).x;
+    const Eigen::VectorXd x = refine(problem, candidate, fixed, sigma, weight, refining).x;
     const double cost = costOf(problem, x, inverse);
-    if (!(cost < (1.0 - 1e-9) * least)) continue;
+    if (!(cost < (1.0 - kEqual) * least)) continue;
     least = cost;
     best = x;
   }

@@ -17,10 +17,10 @@ bool hasNonlinearParameters(const Problem& problem);
 bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
                  const Eigen::VectorXd& inverseSigma);
 
-/// Each candidate polished; the one that ends with the smallest residual. Of equal ones the first.
+/// Each candidate refined; the one that ends with the smallest residual. Of equal ones the first.
 /// @param cancelled ends it with the best so far; may be empty.
-Eigen::VectorXd bestPolished(const Problem& problem, const std::vector<Eigen::VectorXd>& candidates,
-                             const std::vector<char>& fixed, const Eigen::VectorXd& sigma,
-                             const Eigen::VectorXd& weight, const std::function<bool()>& cancelled);
+Eigen::VectorXd bestRefined(const Problem& problem, const std::vector<Eigen::VectorXd>& candidates,
+                            const std::vector<char>& fixed, const Eigen::VectorXd& sigma,
+                            const Eigen::VectorXd& weight, const std::function<bool()>& cancelled);
 
 }  // namespace mm

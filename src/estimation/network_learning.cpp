@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/units.h"
-#include "effects/registry.h"
 #include "estimation/network_samples.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/grey_relation.h"
@@ -23,6 +22,7 @@ namespace {
 constexpr int kSamplesForSets = 30;  // fewer say too little about the information of sets of sensors
 constexpr int kGreySensors = 4;      // as many as DFNN takes
 constexpr int kLargestSensorSet = 3;
+constexpr double kSmallestGain = 0.1;  // of a network that says something of the axis
 
 /// Held-out errors of all that were tried, the chosen one first.
 std::string figuresOf(const NetworkChoice& choice, JointKind joint) {
@@ -33,7 +33,7 @@ std::string figuresOf(const NetworkChoice& choice, JointKind joint) {
   std::snprintf(text, sizeof text, "held out %.3g %s", chosen.heldOutRms / unit, linear ? "um" : "arcsec");
   std::string words = text;
   for (auto trial = choice.trials.rbegin(); trial != choice.trials.rend(); ++trial) {
-    if (&*trial == &chosen) continue;
+    if (trial->name == chosen.name) continue;
     std::snprintf(text, sizeof text, "%s %s %.3g", words.find(';') == std::string::npos ? ";" : ",",
                   trial->name == "ridge" ? "ridge-linear" : trial->name.c_str(), trial->heldOutRms / unit);
     words += text;
@@ -204,9 +204,8 @@ class Learner {
 }  // namespace
 
 bool hasToLearn(const Model& model) {
-  return std::any_of(model.effects().begin(), model.effects().end(), [&](const EffectPtr& e) {
-    return e->learned() && model.domain().findNetwork(e->spec().yaml()) == nullptr;
-  });
+  return std::any_of(model.effects().begin(), model.effects().end(),
+                     [&](const EffectPtr& e) { return e->learned() && e->network() == nullptr; });
 }
 
 LearnedModel learnNetworks(const Session& session, const Model& model, const CalibrateOptions& options,
@@ -231,14 +230,13 @@ LearnedModel learnNetworks(const Session& session, const Model& model, const Cal
     if (options.progress) options.progress("networks", share);
   };
   first.progress = {};
-  Domain domain = model.domain();
-  domain.networks.clear();
+  const Domain& domain = model.domain();
   report(0.0);
   CalibrationResult fitted =
       calibrate(session, Model(model.machine(), domain, physical), first,
                 Eigen::Map<const Eigen::VectorXd>(given.data(), static_cast<Eigen::Index>(given.size())));
   if (fitted.cancelled) throw Cancelled("stopped before the networks had learned");
-  fitted.problem->linearise(fitted.x);
+  const Linearisation at = linearise(*fitted.problem, fitted.x);
 
   const auto& observations = session.observations;
   Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(observations.size()),
@@ -256,19 +254,18 @@ LearnedModel learnNetworks(const Session& session, const Model& model, const Cal
       continue;
     }
     report(static_cast<double>(learnedSoFar++) / static_cast<double>(networks));
-    Learner learner(effect->spec(), fitted.problem->model().domain(),
-                    gatherNetworkSamples(*fitted.problem, residuals, fitted.weight,
-                                         domain.findJoint(effect->spec().text("axis"))),
-                    options);
-    domain.networks.push_back(learner.run());
-    effects.push_back(createEffect(effect->spec(), domain));
-    if (!domain.networks.back().active) continue;
+    Learner learner(
+        effect->spec(), fitted.problem->model().domain(),
+        gatherNetworkSamples(at, residuals, fitted.weight, domain.findJoint(effect->spec().text("axis"))),
+        options);
+    effects.push_back(effect->taught(learner.run(), domain));
+    if (!effects.back()->network()->active) continue;
     values.push_back(1.0);
     for (std::size_t o = 0; o < observations.size(); ++o)
       shift(static_cast<Eigen::Index>(o), learner.axis()) += learner.shift(
           static_cast<int>(o), observations[o].position[static_cast<std::size_t>(learner.axis())]);
     const double one = 1.0;  // the next network learns what this one leaves
-    const Eigen::MatrixXd columns = fitted.problem->effectColumns(*effects.back(), {one});
+    const Eigen::MatrixXd columns = at.effectColumns(*effects.back(), {one});
     for (Eigen::Index i = 0; i < residuals.size(); ++i)
       if (std::isfinite(columns(i, 0))) residuals[i] += columns(i, 0);
   }
@@ -328,24 +325,24 @@ Eigen::MatrixXd heldOutUpdate(const ThermalNetwork& old, NetworkKind kind, const
 }  // namespace
 
 UpdatedNetworks updateNetworks(const CalibrationResult& held) {
-  Problem& problem = *held.problem;
+  const Problem& problem = *held.problem;
   const Model& model = problem.model();
   UpdatedNetworks updated;
   updated.domain = model.domain();
-  problem.linearise(held.x);
+  updated.networks = model.networks();
+  const Linearisation at = linearise(problem, held.x);
   double squares[3] = {0.0, 0.0, 0.0};
   Eigen::Index values = 0;
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const EffectSpec& spec = model.effects()[e]->spec();
-    for (LearnedNetwork& learned : updated.domain.networks) {
+    for (LearnedNetwork& learned : updated.networks) {
       if (learned.effect != spec.yaml() || !learned.active) continue;
       const double gain = held.x[model.offset(static_cast<int>(e))];
-      if (!(std::abs(gain) > 0.1))
+      if (!(std::abs(gain) > kSmallestGain))
         throw InputError("effect " + learned.effect + ": its gain is " + std::to_string(gain) +
                          ", so the network says next to nothing; calibrate again");
-      const NetworkSamples samples =
-          gatherNetworkSamples(problem, held.residuals, held.weight,
-                               model.domain().findJoint(spec.text("axis")), learned.positions);
+      const NetworkSamples samples = gatherNetworkSamples(
+          at, held.residuals, held.weight, model.domain().findJoint(spec.text("axis")), learned.positions);
       Eigen::MatrixXd x(samples.temperatures.rows(), static_cast<Eigen::Index>(learned.sensors.size()));
       for (std::size_t i = 0; i < learned.sensors.size(); ++i)
         x.col(static_cast<Eigen::Index>(i)) =

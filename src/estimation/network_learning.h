@@ -20,8 +20,9 @@ bool hasToLearn(const Model& model);
 
 /// What a new session adds to the networks of a calibrated model.
 struct UpdatedNetworks {
-  Domain domain;  // of the model, with the updated networks, and the temperatures of both sessions in range
-  std::vector<std::string> effects;  // canonical specs of the networks that were updated
+  std::vector<LearnedNetwork> networks;  // of the model, updated
+  Domain domain;                         // of the model, with the temperatures of both sessions in range
+  std::vector<std::string> effects;      // canonical specs of the networks that were updated
   /// RMS over the new sets, m or rad: before, and after; judged on blocks of the new sets that the update did
   /// not see.
   double before = 0.0, after = 0.0, heldOut = 0.0;

@@ -11,9 +11,10 @@ namespace mm {
 namespace {
 
 constexpr std::size_t kMostSets = 300;
-constexpr double kSensitive = 0.3;  // a row tells of the axis from this share of the largest sensitivity on
-constexpr double kAtOnce = 0.25;    // of the usual pause between two sets: what is less is no pause
-constexpr double kNear = 0.75;      // share of an output from which on a reading counts as measured there
+constexpr double kSensitive = 0.3;    // a row tells of the axis from this share of the largest sensitivity on
+constexpr double kAtOnce = 0.25;      // of the usual pause between two sets: what is less is no pause
+constexpr double kSeenByNone = 1e-9;  // of squares of gradients: an output that nothing tells of stays zero
+constexpr double kNear = 0.75;        // share of an output from which on a reading counts as measured there
 
 /// One scalar that tells of the axis: residual + gradient * error = 0.
 struct Evidence {
@@ -23,10 +24,11 @@ struct Evidence {
 
 using Set = std::vector<Evidence>;
 
-std::vector<Evidence> evidenceOf(const Problem& problem, const Eigen::VectorXd& residuals,
+std::vector<Evidence> evidenceOf(const Linearisation& at, const Eigen::VectorXd& residuals,
                                  const Eigen::VectorXd& weight, int axis) {
+  const Problem& problem = at.problem();
   const int slot = problem.model().machine().layout().axis(axis);
-  const auto gradient = problem.slotGradients().col(slot);
+  const auto gradient = at.slotGradients().col(slot);
   double largest = 0.0;
   for (int i = 0; i < problem.rowCount(); ++i)
     if (weight[i] > 0.0) largest = std::max(largest, std::abs(gradient[i]));
@@ -144,12 +146,13 @@ Eigen::VectorXd NetworkSamples::mainError() const {
   return centred * direction * direction[largest];
 }
 
-NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorXd& residuals,
+NetworkSamples gatherNetworkSamples(const Linearisation& at, const Eigen::VectorXd& residuals,
                                     const Eigen::VectorXd& weight, int axis,
                                     const std::vector<double>& wanted) {
+  const Problem& problem = at.problem();
   const Domain& domain = problem.model().domain();
   const std::string name = domain.joints[static_cast<std::size_t>(axis)].name;
-  const std::vector<Evidence> evidence = evidenceOf(problem, residuals, weight, axis);
+  const std::vector<Evidence> evidence = evidenceOf(at, residuals, weight, axis);
   if (evidence.empty())
     throw InputError(problem.session().source + ": thermal_network: nothing in the session tells of axis " +
                      name + "; measure it, or leave the effect out");
@@ -180,7 +183,7 @@ NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorX
   Eigen::VectorXd shares;
   for (Eigen::Index k = 0; k < count; ++k) {
     const Set& set = sets[static_cast<std::size_t>(k)];
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(outputs, outputs) * 1e-9;
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(outputs, outputs) * kSeenByNone;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(outputs);
     for (const Evidence& e : set) {
       sharesAt(samples.positions, e.reading, shares);

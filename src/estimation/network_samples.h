@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "estimation/problem.h"
+#include "estimation/linearisation.h"
 
 namespace mm {
 
@@ -22,11 +22,11 @@ struct NetworkSamples {
 /// Gathers the samples from the residuals at x. The outputs are the positions measured where every set holds
 /// all of them; else the ends of the observed range, else one for the whole range. Sets that
 /// follow each other without a pause are one, and neighbours are averaged where there are more than 300.
-/// @param problem without networks, linearised at x. @param residuals of its data rows, m or rad. @param
+/// @param at the problem without networks. @param residuals of its data rows, m or rad. @param
 /// weight a data row: 0 leaves it out.
 /// @param positions where the outputs must be; empty: as above, and at least kFewestSets sets are needed.
 /// @throw InputError when there are too few sets, or the axis is not measured at all.
-NetworkSamples gatherNetworkSamples(const Problem& problem, const Eigen::VectorXd& residuals,
+NetworkSamples gatherNetworkSamples(const Linearisation& at, const Eigen::VectorXd& residuals,
                                     const Eigen::VectorXd& weight, int axis,
                                     const std::vector<double>& positions = {});
 

@@ -5,16 +5,21 @@
 #include <cmath>
 
 #include "base/cancel_scope.h"
-#include "base/two_threads.h"
+#include "base/parallel.h"
+#include "base/tiny.h"
 #include "estimation/row_products.h"
 
 namespace mm {
 namespace {
 
-constexpr double kRidge = 1e-9;  // on orthonormal columns: what a part of the rows does not see
 constexpr int kTimeConstants = 6;
 constexpr int kRoughOnly = 3;    // the shortest of them
 constexpr double kEnough = 0.3;  // nats: what another round must bring
+// Nats that a change must bring to be kept: above the rounding of the evidence, and, where the ratios stay as
+// they are meanwhile, above what fitting them again gives and takes.
+constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
+constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
+constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
 
 double medianSpacing(const std::vector<double>& time) {
   std::vector<double> dt;
@@ -59,7 +64,7 @@ NoiseFit::NoiseFit(const NoiseRows& rows, std::vector<RandomBlock> blocks)
     : rows_(rows), blocks_(std::move(blocks)), base_(static_cast<int>(rows.base.cols())) {
   const double spacing = medianSpacing(rows.time);
   const double length = rows.rows() > 1 ? rows.time.back() - rows.time.front() : 0.0;
-  if (spacing > 0.0 && length > 4.0 * spacing) {
+  if (spacing > 0.0 && length > kShortest * spacing) {
     // from noise that lasts from one row to the next to a walk that never comes back
     const double first = spacing, last = 2.0 * length;
     for (int k = 0; k < kTimeConstants; ++k)
@@ -108,7 +113,7 @@ double NoiseFit::value(const Gram& gram, const std::vector<double>& ratios, doub
   }
   const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> llt(m.selfadjointView<Eigen::Lower>());
   const Eigen::VectorXd explained = llt.matrixL().solve(to);
-  const double left = std::max(1e-300, gram.products(columns, columns) - explained.squaredNorm());
+  const double left = std::max(kTiny, gram.products(columns, columns) - explained.squaredNorm());
   if (rest != nullptr) *rest = left;
   const double freedoms = std::max(1, rows_.length() - base_);
   double logDeterminant = gram.logDeterminant;
@@ -131,7 +136,7 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
         const double kept = ratios[b];
         ratios[b] = ratio;
         const double v = worth();
-        if (v > best + 1e-6) {
+        if (v > best + kBetterRatio) {
           best = v;
           return true;
         }
@@ -150,7 +155,7 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
         for (const double r : {0.1, 0.3, 1.0, 3.0}) attempt(r);
       }
     }
-    if (best - before < 0.05) break;
+    if (best - before < kRatiosSettled) break;
   }
   return best;
 }
@@ -178,91 +183,98 @@ NoiseFitResult NoiseFit::at(const NoiseModel& noise, const NoiseFitOptions& opti
   return result;
 }
 
+bool NoiseFit::take(NoiseModel noise, const NoiseFitOptions& options, NoiseFitResult& best) const {
+  const Gram gram = gramOf(noise, best.ratios, false);
+  double rest = 0.0;
+  const double v = value(gram, best.ratios, &rest) - prices(noise, best.ratios, options);
+  if (!(v > best.logEvidence + kBetterDrift)) return false;
+  best.noise = std::move(noise);
+  best.logEvidence = v;
+  best.white = std::sqrt(rest / best.freedoms);
+  return true;
+}
+
+void NoiseFit::dropTerms(const NoiseFitOptions& options, NoiseFitResult& best) const {
+  for (std::size_t k = 0; k < best.noise.drift.size();) {
+    NoiseModel without = best.noise;
+    without.drift.erase(without.drift.begin() + static_cast<long>(k));
+    if (!take(std::move(without), options, best)) ++k;
+  }
+}
+
+void NoiseFit::addTerm(const NoiseFitOptions& options, NoiseFitResult& best) const {
+  constexpr double kRatio = 0.6;  // its size is fitted next
+  const int directions = static_cast<int>(rows_.factors.cols());
+  const int along = options.addAlong >= 0 ? 1 : directions;
+  // smooth ones of time constants that are long beside the spacing: a short one is as rough as the noise
+  const int rough = static_cast<int>(timeConstants_.size()), smooth = rough - kRoughOnly;
+  const auto further = [&](std::size_t number) {
+    NoiseModel more = best.noise;
+    const int k = static_cast<int>(number), of = k / along;
+    more.drift.push_back({options.addAlong >= 0 ? options.addAlong : k % directions, kRatio,
+                          timeConstants_[static_cast<std::size_t>(of < rough ? of : of - smooth)],
+                          of >= rough});
+    return more;
+  };
+  std::vector<double> worth(static_cast<std::size_t>(along * (rough + smooth)));
+  if (worth.empty()) return;
+  parallelFor(worth.size(), [&](std::size_t k) {
+    const NoiseModel more = further(k);
+    worth[k] =
+        value(gramOf(more, best.ratios, false), best.ratios, nullptr) - prices(more, best.ratios, options);
+  });
+  const auto most = std::max_element(worth.begin(), worth.end()) - worth.begin();
+  take(further(static_cast<std::size_t>(most)), options, best);
+}
+
+void NoiseFit::refineTerms(int round, const NoiseFitOptions& options, NoiseFitResult& best) const {
+  constexpr double kSteps[] = {1.7, 1.3, 1.15};  // factors of a size; of a time constant their squares
+  constexpr int kMostSteps = 4;
+  const double step = kSteps[std::min(round, 2)];
+  for (std::size_t k = 0; k < best.noise.drift.size(); ++k) {
+    const auto scaled = [&](double ratio, double tau) {
+      NoiseModel other = best.noise;
+      other.drift[k].ratio *= ratio;
+      other.drift[k].tau *= tau;
+      const double longest = timeConstants_.empty() ? other.drift[k].tau : timeConstants_.back();
+      other.drift[k].tau = std::min(other.drift[k].tau, longest);
+      return take(std::move(other), options, best);
+    };
+    const auto walk = [&](double ratio, double tau) {
+      int steps = 0;
+      while (steps < kMostSteps && scaled(ratio, tau)) ++steps;
+      return steps > 0;
+    };
+    for (const double tau : {1.0, 0.3}) {  // as rough as it was, or smooth
+      NoiseModel other = best.noise;
+      other.drift[k].smooth = !other.drift[k].smooth;
+      other.drift[k].tau *= tau;
+      if (take(std::move(other), options, best)) break;
+    }
+    if (!walk(step, 1.0)) walk(1.0 / step, 1.0);
+    if (!walk(1.0, step * step)) walk(1.0, 1.0 / (step * step));
+  }
+}
+
+void NoiseFit::refitRatios(const NoiseFitOptions& options, NoiseFitResult& best) const {
+  NoiseFitResult refitted = best;
+  const Gram gram = gramOf(best.noise, refitted.ratios, true);
+  fitRatios(gram, refitted.ratios);
+  double rest = 0.0;
+  refitted.logEvidence =
+      value(gram, refitted.ratios, &rest) - prices(refitted.noise, refitted.ratios, options);
+  refitted.white = std::sqrt(rest / refitted.freedoms);
+  if (refitted.logEvidence > best.logEvidence) best = std::move(refitted);
+}
+
 NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& options) const {
   NoiseFitResult best = at(start, options);
-  const auto attempt = [&](NoiseModel noise) {
-    const std::vector<double>& ratios = best.ratios;
-    const NoiseFit::Gram gram = gramOf(noise, ratios, false);
-    double rest = 0.0;
-    const double v = value(gram, ratios, &rest) - prices(noise, ratios, options);
-    if (!(v > best.logEvidence + 1e-3)) return false;
-    best.noise = std::move(noise);
-    best.logEvidence = v;
-    best.white = std::sqrt(rest / best.freedoms);
-    return true;
-  };
-  const int directions = static_cast<int>(rows_.factors.cols());
   for (int round = 0; round < options.rounds; ++round) {
     const double before = best.logEvidence;
-    if (options.dropDrift)
-      for (std::size_t k = 0; k < best.noise.drift.size();) {
-        NoiseModel without = best.noise;
-        without.drift.erase(without.drift.begin() + static_cast<long>(k));
-        if (!attempt(std::move(without))) ++k;
-      }
-    if (options.addDrift && !timeConstants_.empty()) {
-      // the best of all further terms; then its size and time constant with the others'
-      constexpr double kRatio = 0.6;  // its size is fitted next
-      const int along = options.addAlong >= 0 ? 1 : directions;
-      // smooth ones of time constants that are long beside the spacing: a short one is as rough as the noise
-      const int rough = static_cast<int>(timeConstants_.size()), smooth = rough - kRoughOnly;
-      const int count = along * (rough + smooth);
-      const auto further = [&](int k) {
-        NoiseModel more = best.noise;
-        const int of = k / along;
-        more.drift.push_back({options.addAlong >= 0 ? options.addAlong : k % directions, kRatio,
-                              timeConstants_[static_cast<std::size_t>(of < rough ? of : of - smooth)],
-                              of >= rough});
-        return more;
-      };
-      std::vector<double> worth(static_cast<std::size_t>(count), -1e300);
-      inTwo([&](std::size_t half) {
-        for (int k = static_cast<int>(half); k < count; k += 2) {
-          const NoiseModel more = further(k);
-          worth[k] = value(gramOf(more, best.ratios, false), best.ratios, nullptr) -
-                     prices(more, best.ratios, options);
-        }
-      });
-      CancelScope::check();
-      attempt(further(static_cast<int>(std::max_element(worth.begin(), worth.end()) - worth.begin())));
-    }
-    if (options.refine) {
-      constexpr double kSteps[] = {1.7, 1.3, 1.15};
-      const double step = kSteps[std::min(round, 2)];
-      for (std::size_t k = 0; k < best.noise.drift.size(); ++k) {
-        const auto scaled = [&](double ratio, double tau) {
-          NoiseModel other = best.noise;
-          other.drift[k].ratio *= ratio;
-          other.drift[k].tau *= tau;
-          const double longest = timeConstants_.empty() ? other.drift[k].tau : timeConstants_.back();
-          other.drift[k].tau = std::min(other.drift[k].tau, longest);
-          return attempt(std::move(other));
-        };
-        const auto walk = [&](double ratio, double tau) {
-          int steps = 0;
-          while (steps < 4 && scaled(ratio, tau)) ++steps;
-          return steps > 0;
-        };
-        for (const double tau : {1.0, 0.3}) {  // as rough as it was, or smooth
-          NoiseModel other = best.noise;
-          other.drift[k].smooth = !other.drift[k].smooth;
-          other.drift[k].tau *= tau;
-          if (attempt(std::move(other))) break;
-        }
-        if (!walk(step, 1.0)) walk(1.0 / step, 1.0);
-        if (!walk(1.0, step * step)) walk(1.0, 1.0 / (step * step));
-      }
-    }
-    NoiseFitResult refitted = [&] {
-      NoiseFitResult r = best;
-      const NoiseFit::Gram gram = gramOf(best.noise, r.ratios, true);
-      fitRatios(gram, r.ratios);
-      double rest = 0.0;
-      r.logEvidence = value(gram, r.ratios, &rest) - prices(r.noise, r.ratios, options);
-      r.white = std::sqrt(rest / r.freedoms);
-      return r;
-    }();
-    if (refitted.logEvidence > best.logEvidence) best = std::move(refitted);
+    if (options.dropDrift) dropTerms(options, best);
+    if (options.addDrift && !timeConstants_.empty()) addTerm(options, best);
+    if (options.refine) refineTerms(round, options, best);
+    refitRatios(options, best);
     if (best.logEvidence - before < kEnough) break;
   }
   best.whiteStd = best.white / std::sqrt(2.0 * best.freedoms);

@@ -26,6 +26,10 @@ struct RandomBlock {
   bool fixed = false;  // the ratio is known
 };
 
+/// On products of orthonormal columns: keeps a direction that a part of the rows does not see from being
+/// divided by rounding.
+constexpr double kRidge = 1e-9;
+
 /// White noise, drift and blocks: everything that scatters. Ratios are in units of the white noise.
 struct NoiseModel {
   std::vector<DriftTerm> drift;
@@ -78,6 +82,13 @@ class NoiseFit {
   double fitRatios(const Gram& gram, std::vector<double>& ratios) const;
   double prices(const NoiseModel& noise, const std::vector<double>& ratios,
                 const NoiseFitOptions& options) const;
+  /// Another noise in the place of the best where it is worth more. @return whether it is.
+  bool take(NoiseModel noise, const NoiseFitOptions& options, NoiseFitResult& best) const;
+  // What a round of `run` consists of: each changes `best` where that makes it worth more.
+  void dropTerms(const NoiseFitOptions& options, NoiseFitResult& best) const;
+  void addTerm(const NoiseFitOptions& options, NoiseFitResult& best) const;  // the best of all further ones
+  void refineTerms(int round, const NoiseFitOptions& options, NoiseFitResult& best) const;
+  void refitRatios(const NoiseFitOptions& options, NoiseFitResult& best) const;
 
   const NoiseRows& rows_;
   std::vector<RandomBlock> blocks_;

@@ -6,7 +6,8 @@
 
 namespace mm {
 
-Directions directionsOf(const Problem& problem, const std::vector<int>& used) {
+Directions directionsOf(const Linearisation& at, const std::vector<int>& used) {
+  const Problem& problem = at.problem();
   const int rows = static_cast<int>(used.size());
   const ErrorLayout layout = problem.model().machine().layout();
   Directions directions;
@@ -19,7 +20,7 @@ Directions directionsOf(const Problem& problem, const std::vector<int>& used) {
     directions.factors.rightCols<1>() = column;
   };
   const auto& joints = problem.model().machine().joints();
-  const auto& g = problem.slotGradients();
+  const auto& g = at.slotGradients();
   std::set<std::string> taken;
   const char* const axes[] = {"x", "y", "z"};
   for (int j = 0; j < static_cast<int>(joints.size()); ++j)
@@ -40,10 +41,11 @@ Directions directionsOf(const Problem& problem, const std::vector<int>& used) {
   return directions;
 }
 
-LinearisedRows noiseRows(const Problem& problem, const std::vector<int>& used, const Eigen::VectorXd& sigma,
+LinearisedRows noiseRows(const Linearisation& at, const std::vector<int>& used, const Eigen::VectorXd& sigma,
                          Eigen::VectorXd target, RowMatrix base) {
   LinearisedRows out;
-  const Directions directions = directionsOf(problem, used);
+  const Problem& problem = at.problem();
+  const Directions directions = directionsOf(at, used);
   const int n = static_cast<int>(used.size()), count = static_cast<int>(directions.names.size());
   double unit = 0.0;  // m or rad of a row of unit noise
   for (const int row : used) unit += sigma[row] / n;

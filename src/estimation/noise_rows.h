@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
+#include "estimation/linearisation.h"
 #include "estimation/noise_fit.h"
-#include "estimation/problem.h"
 
 namespace mm {
 
@@ -13,8 +13,8 @@ struct Directions {
   std::vector<std::string> names;  // as in formula's `direction`
   Eigen::MatrixXd factors;         // a used row x directions, not whitened
 };
-/// @param used the problem's data rows that are asked. The problem must have been linearised.
-Directions directionsOf(const Problem& problem, const std::vector<int>& used);
+/// @param used the problem's data rows that are asked.
+Directions directionsOf(const Linearisation& at, const std::vector<int>& used);
 
 /// The rows of a linearised problem for the model of the noise.
 struct LinearisedRows {
@@ -23,7 +23,7 @@ struct LinearisedRows {
   std::vector<double> directionScale;   // m (rad) of a drift of ratio 1 beside white noise of 1
 };
 /// @param sigma of each data row, m or rad. @param target, base: whitened, the used rows and then the priors.
-LinearisedRows noiseRows(const Problem& problem, const std::vector<int>& used, const Eigen::VectorXd& sigma,
+LinearisedRows noiseRows(const Linearisation& at, const std::vector<int>& used, const Eigen::VectorXd& sigma,
                          Eigen::VectorXd target, RowMatrix base);
 
 }  // namespace mm

@@ -9,7 +9,7 @@
 
 namespace mm {
 
-void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
+void nonlinearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
                     const Eigen::VectorXd& inverseSigma, const std::function<bool()>& cancelled) {
   const Model& model = problem.model();
   for (int e = 0; e < static_cast<int>(model.effects().size()); ++e) {
@@ -29,13 +29,13 @@ void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char
       if (!model.effects()[other]->searchStarts().empty())
         for (int k = 0; k < model.effects()[other]->parameterCount(); ++k)
           without[model.offset(other) + k] = 1;
-    const WhitenedSystem system(problem, x, inverseSigma, without);
+    const Linearisation at = linearise(problem, x);
+    const WhitenedSystem system(at, inverseSigma, without);
     const Eigen::Index rows = system.jacobian.rows();
     const Eigen::MatrixXd q =
         orthonormalBasis(rows > system.jacobian.cols() ? system.jacobian : Eigen::MatrixXd(rows, 0));
     Eigen::VectorXd target = -system.residuals;
     target -= q * (q.transpose() * target);
-    problem.linearise(x);
     double best = -1.0;
     Eigen::VectorXd bestValues;
     for (const std::vector<double>& start : starts) {
@@ -43,7 +43,7 @@ void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char
       std::vector<double> p;
       for (const Parameter& one : effect.parameters()) p.push_back(one.start);
       for (std::size_t k = 0; k < nonlinear.size(); ++k) p[nonlinear[k]] = start[k];
-      const Eigen::MatrixXd all = problem.effectColumns(effect, p);
+      const Eigen::MatrixXd all = at.effectColumns(effect, p);
       std::vector<int> linear;
       for (int k = 0; k < effect.parameterCount(); ++k)
         if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end() && !fixed[offset + k])

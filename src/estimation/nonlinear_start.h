@@ -11,7 +11,7 @@ namespace mm {
 /// are tried with everything else refitted by the linearised problem; the best, with its amplitudes, goes
 /// into x. Effects whose nonlinear parameters have no searchStarts (formulas) are left alone.
 /// @param cancelled ends the search with the best so far; may be empty.
-void nonlinearStart(Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
+void nonlinearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
                     const Eigen::VectorXd& inverseSigma, const std::function<bool()>& cancelled);
 
 }  // namespace mm

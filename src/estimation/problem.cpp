@@ -4,23 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
+#include "base/rotation.h"
 #include "base/units.h"
 
 namespace mm {
 namespace {
 
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
+constexpr double kSmallTurn = 1e-4;  // rad: below, the sine of an angle is the angle to rounding
+constexpr double kNoTurn = 1e-12;    // rad: below, the direction of a rotation vector is rounding
 
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& r) {
   const Eigen::AngleAxisd a(r);
   // near the identity AngleAxis loses the axis: the skew part is exact to third order there
   const Eigen::Vector3d half(0.5 * (r(2, 1) - r(1, 2)), 0.5 * (r(0, 2) - r(2, 0)), 0.5 * (r(1, 0) - r(0, 1)));
-  return half.norm() < 1e-4 && a.angle() < 1.0 ? half : Eigen::Vector3d(a.axis() * a.angle());
+  return half.norm() < kSmallTurn && a.angle() < 1.0 ? half : Eigen::Vector3d(a.axis() * a.angle());
 }
 
 }  // namespace
@@ -38,8 +35,8 @@ Eigen::VectorXd Problem::start() const {
 }
 
 int Problem::find(UnknownKind kind, int owner) const {
-  for (int i = 0; i < unknownCount(); ++i)
-    if (unknowns_[i].kind == kind && unknowns_[i].owner == owner) return i;
+  for (const UnknownGroup& group : groups_)
+    if (group.kind == kind && group.owner == owner) return group.first;
   return -1;
 }
 
@@ -56,7 +53,7 @@ Eigen::Matrix3d Problem::poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d*
   if (poseOffset_ < 0) return rotation0_;
   const Eigen::Vector3d w = x.segment<3>(poseOffset_);
   const double angle = w.norm();
-  if (angle < 1e-12) return (Eigen::Matrix3d::Identity() + skew(w)) * rotation0_;
+  if (angle < kNoTurn) return (Eigen::Matrix3d::Identity() + skew(w)) * rotation0_;
   const Eigen::Matrix3d k = skew(w / angle);
   if (leftJacobian != nullptr)
     *leftJacobian = Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / angle * k +
@@ -72,119 +69,144 @@ Eigen::Vector3d Problem::featureInWorkpiece(int feature, const Eigen::VectorXd& 
   return poseRotation(x, nullptr) * c + t;
 }
 
+void Problem::Derivative::clear(int rows, int parameters, int slotCount) {
+  effects.setZero(rows, parameters);
+  pose.setZero(rows, 6);
+  feature.setZero(rows, 3);
+  slots.setZero(rows, slotCount);
+  radius.setZero(rows);
+}
+
+/// One observation on the way to its residuals.
+struct Problem::Seen {
+  int observation = 0, rows = 0;
+  const Eigen::VectorXd& x;
+  const ProbePose& pose;  // of the probe with the effects applied
+  const Model::Workspace& work;
+  double* r;
+  Derivative* d;  // null: not wanted
+
+  /// Passes a derivative with respect to the pose of the probe (6) on to the small errors.
+  void chain(int row, const Eigen::Matrix<double, 1, 6>& by) const {
+    for (Eigen::Index s = 0; s < d->slots.cols(); ++s) d->slots(row, s) += (by * work.bySlot.col(s)).value();
+  }
+};
+
+void Problem::seeDeviation(const Seen& seen) const {
+  const Observation& o = session_->observations[seen.observation];
+  const ProbePose nominal = model_.machine().nominal(o.position.data(), o.laserReading);
+  const Eigen::Vector3d moved = seen.pose.position - nominal.position;
+  const Eigen::Vector3d turned = rotationVector(seen.pose.orientation * nominal.orientation.transpose());
+  for (int i = 0; i < seen.rows; ++i) {
+    const int joint = rows_[firstRow_[seen.observation] + i].component;
+    const Eigen::Matrix<double, 1, 6> by =
+        model_.machine().seenAsDeviation(joint, o.position.data(), o.laserReading);
+    seen.r[i] = o.deviation[joint] - by.head<3>().dot(moved) - by.tail<3>().dot(turned);
+    if (seen.d != nullptr) seen.chain(i, -by);
+  }
+}
+
+Problem::ArtifactPose Problem::artifactPose(const Eigen::VectorXd& x, bool derivative) const {
+  ArtifactPose pose;
+  pose.rotation = poseRotation(x, derivative ? &pose.leftJacobian : nullptr);
+  pose.translation = translation0_;
+  if (poseOffset_ >= 0) pose.translation += x.segment<3>(poseOffset_ + 3);
+  return pose;
+}
+
+void Problem::seePosition(const Seen& seen) const {
+  // in the artifact's frame, where its components were measured
+  const Observation& o = session_->observations[seen.observation];
+  const ArtifactPose at = artifactPose(seen.x, seen.d != nullptr);
+  const Eigen::Vector3d inArtifact = at.rotation.transpose() * (seen.pose.position - at.translation);
+  for (int i = 0; i < seen.rows; ++i) {
+    const int k = rows_[firstRow_[seen.observation] + i].component;
+    seen.r[i] = o.reference[k] - inArtifact[k];
+    if (seen.d == nullptr) continue;
+    Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
+    by.head<3>() = -at.rotation.col(k).transpose();
+    seen.chain(i, by);
+    // inArtifact = R'(p - t); a left rotation by w turns it by -w
+    seen.d->pose.block<1, 3>(i, 0) =
+        -at.rotation.col(k).transpose() * skew(seen.pose.position - at.translation) * at.leftJacobian;
+    seen.d->pose.block<1, 3>(i, 3) = at.rotation.col(k).transpose();
+  }
+}
+
+double Problem::growthAt(int observation) const {
+  const Artifact& artifact = session_->artifact;
+  if (artifact.expansion == 0.0 || artifact.temperatureSensor.empty()) return 1.0;
+  const int sensor = model_.domain().findSensor(artifact.temperatureSensor);
+  if (sensor < 0) return 1.0;
+  return 1.0 + artifact.expansion * (state(observation).temperature[sensor] - kReferenceTemperature);
+}
+
+void Problem::seeContact(const Seen& seen) const {
+  const Observation& o = session_->observations[seen.observation];
+  const Artifact& artifact = session_->artifact;
+  const Feature& feature = artifact.features[o.feature];
+  const ErrorLayout layout = model_.machine().layout();
+  const ArtifactPose at = artifactPose(seen.x, seen.d != nullptr);
+  const double growth = growthAt(seen.observation);
+  const double* errors = seen.work.errors.data();
+  Eigen::Vector3d inArtifact = featureStart_[o.feature];
+  if (featureOffset_[o.feature] >= 0) inArtifact += seen.x.segment<3>(featureOffset_[o.feature]);
+  inArtifact = growth * inArtifact + Eigen::Map<const Eigen::Vector3d>(errors + layout.feature(0));
+  const Eigen::Vector3d offset = at.rotation * inArtifact;
+  const Eigen::Vector3d away = seen.pose.position - offset - at.translation;
+  const auto geometry = [&](int row, const Eigen::RowVector3d& n) {  // changes by n . (tip - feature)
+    Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
+    by.head<3>() = n;
+    seen.chain(row, by);
+    seen.d->pose.block<1, 3>(row, 0) = n * skew(offset) * at.leftJacobian;
+    seen.d->pose.block<1, 3>(row, 3) = -n;
+    seen.d->feature.row(row) = -growth * n * at.rotation;
+    seen.d->slots.block<1, 3>(row, layout.feature(0)) -= n * at.rotation;
+  };
+  if (feature.kind == FeatureKind::kPoint) {
+    for (int k = 0; k < 3; ++k) {
+      seen.r[k] = away[k];
+      if (seen.d != nullptr) geometry(k, Eigen::RowVector3d::Unit(k));
+    }
+    return;
+  }
+  double distance = growth * feature.radius + (std::isfinite(o.laserReading) ? 0.0 : artifact.tipRadius) +
+                    errors[layout.distance()];
+  if (radiusOffset_[o.feature] >= 0) distance += seen.x[radiusOffset_[o.feature]];
+  const double length = away.norm();
+  seen.r[0] = length - distance;
+  if (seen.d == nullptr) return;
+  geometry(0, (away / length).transpose());
+  seen.d->slots(0, layout.distance()) -= 1.0;
+  seen.d->radius[0] = -1.0;
+}
+
 int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, Derivative* d,
                          Model::Workspace& work) const {
   const Observation& o = session_->observations[observation];
-  const State& at = state(observation);
-  const ErrorLayout layout = model_.machine().layout();
   const int rows = firstRow_[observation + 1] - firstRow_[observation];
-  const int parameters = model_.parameterCount();
+  const auto clear = [&] {
+    if (d != nullptr) d->clear(rows, model_.parameterCount(), model_.machine().layout().size());
+  };
   if (!usable_[observation]) {
     std::fill(r, r + rows, 0.0);
-    if (d == nullptr) return rows;
-    d->effects.setZero(rows, parameters);
-    d->pose.setZero(rows, 6);
-    d->feature.setZero(rows, 3);
-    d->slots.setZero(rows, layout.size());
-    d->radius.setZero(rows);
+    clear();
     return rows;
   }
-  const ProbePose pose = model_.corrected(at, x.data(), work, d != nullptr ? &d->unused : nullptr);
-  if (d != nullptr) {
-    d->effects.setZero(rows, parameters);
-    d->pose.setZero(rows, 6);
-    d->feature.setZero(rows, 3);
-    d->slots.setZero(rows, layout.size());
-    d->radius.setZero(rows);
-  }
-  // by: derivative of a scalar residual with respect to the pose of the probe (6)
-  const auto chain = [&](int row, const Eigen::Matrix<double, 1, 6>& by) {
-    for (int s = 0; s < layout.size(); ++s) d->slots(row, s) += (by * work.bySlot.col(s)).value();
-  };
-
-  if (o.kind == ObservationKind::kDeviation) {
-    const ProbePose nominal = model_.machine().nominal(o.position.data(), o.laserReading);
-    const Eigen::Vector3d moved = pose.position - nominal.position;
-    const Eigen::Vector3d turned = rotationVector(pose.orientation * nominal.orientation.transpose());
-    for (int i = 0; i < rows; ++i) {
-      const int joint = rows_[firstRow_[observation] + i].component;
-      const Eigen::Matrix<double, 1, 6> by =
-          model_.machine().seenAsDeviation(joint, o.position.data(), o.laserReading);
-      r[i] = o.deviation[joint] - by.head<3>().dot(moved) - by.tail<3>().dot(turned);
-      if (d != nullptr) chain(i, -by);
-    }
-  } else {
-    const Artifact& artifact = session_->artifact;
-    Eigen::Matrix3d leftJacobian;
-    const Eigen::Matrix3d rotation = poseRotation(x, d != nullptr ? &leftJacobian : nullptr);
-    Eigen::Vector3d translation = translation0_;
-    if (poseOffset_ >= 0) translation += x.segment<3>(poseOffset_ + 3);
-    double growth = 1.0;
-    if (artifact.expansion != 0.0 && !artifact.temperatureSensor.empty()) {
-      const int sensor = model_.domain().findSensor(artifact.temperatureSensor);
-      if (sensor >= 0) growth += artifact.expansion * (at.temperature[sensor] - kReferenceTemperature);
-    }
-    if (o.kind ==
-        ObservationKind::kPosition) {  // in the artifact's frame, where its components were measured
-      const Eigen::Vector3d inArtifact = rotation.transpose() * (pose.position - translation);
-      for (int i = 0; i < rows; ++i) {
-        const int k = rows_[firstRow_[observation] + i].component;
-        r[i] = o.reference[k] - inArtifact[k];
-        if (d == nullptr) continue;
-        Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
-        by.head<3>() = -rotation.col(k).transpose();
-        chain(i, by);
-        // inArtifact = R'(p - t); a left rotation by w turns it by -w
-        d->pose.block<1, 3>(i, 0) =
-            -rotation.col(k).transpose() * skew(pose.position - translation) * leftJacobian;
-        d->pose.block<1, 3>(i, 3) = rotation.col(k).transpose();
-      }
-    } else {
-      const Feature& feature = artifact.features[o.feature];
-      Eigen::Vector3d inArtifact = featureStart_[o.feature];
-      if (featureOffset_[o.feature] >= 0) inArtifact += x.segment<3>(featureOffset_[o.feature]);
-      const double* errors = work.errors.data();
-      inArtifact = growth * inArtifact + Eigen::Map<const Eigen::Vector3d>(errors + layout.feature(0));
-      const Eigen::Vector3d offset = rotation * inArtifact;
-      const Eigen::Vector3d away = pose.position - offset - translation;
-      const auto geometry = [&](int row,
-                                const Eigen::RowVector3d& n) {  // residual changes by n . (tip - feature)
-        Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
-        by.head<3>() = n;
-        chain(row, by);
-        d->pose.block<1, 3>(row, 0) = n * skew(offset) * leftJacobian;
-        d->pose.block<1, 3>(row, 3) = -n;
-        d->feature.row(row) = -growth * n * rotation;
-        d->slots.block<1, 3>(row, layout.feature(0)) -= n * rotation;
-      };
-      if (feature.kind == FeatureKind::kPoint) {
-        for (int k = 0; k < 3; ++k) {
-          r[k] = away[k];
-          if (d != nullptr) geometry(k, Eigen::RowVector3d::Unit(k));
-        }
-      } else {
-        double distance = growth * feature.radius +
-                          (std::isfinite(o.laserReading) ? 0.0 : artifact.tipRadius) +
-                          errors[layout.distance()];
-        if (radiusOffset_[o.feature] >= 0) distance += x[radiusOffset_[o.feature]];
-        const double length = away.norm();
-        r[0] = length - distance;
-        if (d != nullptr) {
-          geometry(0, (away / length).transpose());
-          d->slots(0, layout.distance()) -= 1.0;
-          d->radius[0] = -1.0;
-        }
-      }
-    }
-  }
-  if (setupOf_[observation] >= 0 && o.kind != ObservationKind::kContact) {
-    const int width = std::max(3, model_.machine().jointCount());
-    for (int i = 0; i < rows; ++i) {
-      const int offset =
-          setupOffset_[setupOf_[observation] * width + rows_[firstRow_[observation] + i].component];
-      r[i] -= x[offset];
-    }
-  }
+  const ProbePose pose =
+      model_.corrected(state(observation), x.data(), work, d != nullptr ? &d->unused : nullptr);
+  clear();
+  const Seen seen{observation, rows, x, pose, work, r, d};
+  if (o.kind == ObservationKind::kDeviation)
+    seeDeviation(seen);
+  else if (o.kind == ObservationKind::kPosition)
+    seePosition(seen);
+  else
+    seeContact(seen);
+  if (setupOf_[observation] >= 0 && o.kind != ObservationKind::kContact)
+    for (int i = 0; i < rows; ++i)
+      r[i] -= x[setupOffset_[setupOf_[observation] * std::max(3, model_.machine().jointCount()) +
+                             rows_[firstRow_[observation] + i].component]];
   if (d != nullptr)
     for (const Model::Derivative& one : work.derivatives)
       d->effects.col(one.parameter) += d->slots.col(one.slot) * one.value;
@@ -214,69 +236,6 @@ void Problem::scatter(int observation, const Derivative& d, Eigen::MatrixXd& row
     for (int i = 0; i < n; ++i)
       rows(i, setupOffset_[setupOf_[observation] * width + rows_[first + i].component]) = -1.0;
   }
-}
-
-Eigen::VectorXd Problem::residuals(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const {
-  Eigen::VectorXd r(rowCount());
-  jacobian.resize(rowCount(), unknownCount());
-  Model::Workspace work;
-  Derivative d;
-  Eigen::MatrixXd rows;
-  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
-    const int n = residualsOf(static_cast<int>(o), x, r.data() + firstRow_[o], &d, work);
-    scatter(static_cast<int>(o), d, rows);
-    jacobian.middleRows(firstRow_[o], n) = rows;
-  }
-  return r;
-}
-
-void Problem::linearise(const Eigen::VectorXd& x) {
-  slotGradients_.resize(rowCount(), model_.machine().layout().size());
-  Model::Workspace work;
-  Derivative d;
-  std::vector<double> r(kMaxRows);
-  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
-    const int n = residualsOf(static_cast<int>(o), x, r.data(), &d, work);
-    slotGradients_.middleRows(firstRow_[o], n) = d.slots;
-  }
-}
-
-namespace {
-
-/// Takes the derivatives of one effect at one state to the residuals of one observation.
-class ColumnSink final : public ErrorSink {
- public:
-  ColumnSink(const Eigen::MatrixXd& gradients, Eigen::MatrixXd& columns)
-      : gradients_(gradients), columns_(columns) {}
-  void at(int first, int rows) { first_ = first, rows_ = rows; }
-  void add(int slot, int parameter, double, double basis) override { derivative(slot, parameter, basis); }
-  void value(int, double) override {}
-  void derivative(int slot, int parameter, double derivative) override {
-    for (int i = first_; i < first_ + rows_; ++i) {
-      const double gradient = gradients_(i, slot);
-      if (gradient != 0.0) columns_(i, parameter) += gradient * derivative;
-    }
-  }
-  bool wantsDerivatives() const override { return true; }
-
- private:
-  const Eigen::MatrixXd& gradients_;
-  Eigen::MatrixXd& columns_;
-  int first_ = 0, rows_ = 0;
-};
-
-}  // namespace
-
-Eigen::MatrixXd Problem::effectColumns(const Effect& effect, const std::vector<double>& p,
-                                       const std::vector<char>* asked) const {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rowCount(), effect.parameterCount());
-  ColumnSink sink(slotGradients_, columns);
-  for (std::size_t o = 0; o < session_->observations.size(); ++o) {
-    if (asked != nullptr && !(*asked)[o]) continue;
-    sink.at(firstRow_[o], firstRow_[o + 1] - firstRow_[o]);
-    effect.evaluate(state(static_cast<int>(o)), p.data(), sink);
-  }
-  return columns;
 }
 
 }  // namespace mm

@@ -29,6 +29,13 @@ struct Unknown {
   double maximum = std::numeric_limits<double>::infinity();
 };
 
+/// Unknowns of one kind and owner, neighbours in x.
+struct UnknownGroup {
+  UnknownKind kind = UnknownKind::kEffect;
+  int owner = 0;  // effect, feature or setup
+  int first = 0, count = 0;
+};
+
 /// Three unknowns (l, m, n) that form a unit vector: h = l^2 + m^2 + n^2 - 1 is kept at 0, LASER (10)-(12).
 struct UnitVector {
   int first = 0;
@@ -57,7 +64,7 @@ struct ResidualRow {
 ///
 /// Residual of a contact on a ball: distance of the corrected probe from the ball's centre minus what it
 /// should be, MMT eq. (16); of a point: three components; of a reference: measured minus model. Whitened by
-/// `sigma`.
+/// `sigma`. Immutable; how it changes with the unknowns says `linearise` (linearisation.h).
 class Problem {
  public:
   /// The derivative of one observation's residuals, by groups of unknowns. Rows: its residuals (at most
@@ -70,6 +77,7 @@ class Problem {
     Eigen::VectorXd radius;   // rows
     Eigen::Matrix<double, 6, Eigen::Dynamic>
         unused;  // of the pose by parameter: the slots carry all derivatives
+    void clear(int rows, int parameters, int slotCount);  ///< all zero, of this size
   };
 
   /// @param session must outlive the problem. @throw InputError when a session cannot be used with the model
@@ -80,6 +88,7 @@ class Problem {
   const Model& model() const { return model_; }                                ///< machine and effects
   Datum datum() const { return datum_; }                                       ///< of deviations
   const std::vector<Unknown>& unknowns() const { return unknowns_; }           ///< in the order of x
+  const std::vector<UnknownGroup>& groups() const { return groups_; }          ///< of the unknowns
   const std::vector<ResidualRow>& rows() const { return rows_; }               ///< one a data row
   int unknownCount() const { return static_cast<int>(unknowns_.size()); }      ///< size of x
   int rowCount() const { return static_cast<int>(rows_.size()); }              ///< data rows
@@ -94,24 +103,14 @@ class Problem {
 
   /// Residuals (m, rad) of the data rows at x.
   Eigen::VectorXd residuals(const Eigen::VectorXd& x) const;
-  /// Residuals and dense Jacobian (rowCount x unknownCount), not whitened, without priors.
-  Eigen::VectorXd residuals(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const;
   /// Residuals of one observation. @param r rows of the observation. @return number of rows.
   int residualsOf(int observation, const Eigen::VectorXd& x, double* r, Derivative* derivative,
                   Model::Workspace& work) const;
   /// Spreads the derivative of one observation over all unknowns. @param rows its residuals x unknownCount.
   void scatter(int observation, const Derivative& derivative, Eigen::MatrixXd& rows) const;
-  /// Columns (rowCount x parameters) by which an effect that is not in the model would change the residuals,
-  /// at x, with the effect's parameters at `p`.
-  /// @param asked an observation: whether its rows are wanted, the others stay zero; null: all.
-  Eigen::MatrixXd effectColumns(const Effect& effect, const std::vector<double>& p,
-                                const std::vector<char>* asked = nullptr) const;
   /// Observations that lack an input of the model: they have no weight. Empty when all are used.
   const std::vector<int>& leftOut() const { return leftOut_; }
   bool uses(int observation) const { return usable_[observation] != 0; }
-  /// Must be called with the x at which effectColumns is wanted.
-  void linearise(const Eigen::VectorXd& x);
-  const Eigen::MatrixXd& slotGradients() const { return slotGradients_; }
 
   /// Index of the first unknown of a kind and owner, -1 when it is not unknown.
   int find(UnknownKind kind, int owner) const;
@@ -128,6 +127,16 @@ class Problem {
   void addUnknowns();
   void addRows();
   Eigen::Matrix3d poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d* leftJacobian) const;
+  struct ArtifactPose {
+    Eigen::Matrix3d rotation, leftJacobian;  // artifact -> workpiece; of its rotation vector, where wanted
+    Eigen::Vector3d translation;             // m
+  };
+  ArtifactPose artifactPose(const Eigen::VectorXd& x, bool derivative) const;
+  double growthAt(int observation) const;  // of the artifact, by its temperature
+  struct Seen;
+  void seeDeviation(const Seen& seen) const;
+  void seePosition(const Seen& seen) const;
+  void seeContact(const Seen& seen) const;
 
   const Session* session_;
   Model model_;
@@ -136,6 +145,7 @@ class Problem {
   Eigen::Matrix3d rotation0_ = Eigen::Matrix3d::Identity();  // start of the artifact's pose
   std::vector<Eigen::Vector3d> featureStart_;                // artifact frame, m
   std::vector<Unknown> unknowns_;
+  std::vector<UnknownGroup> groups_;
   std::vector<UnitVector> unitVectors_;
   std::vector<ResidualRow> rows_;
   std::vector<int> firstRow_, priors_, leftOut_;
@@ -146,7 +156,6 @@ class Problem {
   std::vector<int>
       setupOf_;  // an observation: its setup; the last one is that of rows without a setup; -1: none
   Eigen::Vector3d translation0_ = Eigen::Vector3d::Zero();
-  Eigen::MatrixXd slotGradients_;  // rowCount x slots at the point of linearisation
 };
 
 }  // namespace mm

@@ -30,6 +30,14 @@ std::string missingTemperature(const Model& model, const State& at, const std::v
 
 const char* const kAxisNames[] = {"x", "y", "z"};
 
+// Typical sizes, in which a fit counts, and largest plausible ones of what belongs to the artifact: an
+// artifact that was set down by hand, a ball whose radius is known but for its calibration.
+constexpr double kTurnScale = 1e-3, kTurnBound = 0.5;       // rad
+constexpr double kPlaceScale = 1e-4, kPlaceBound = 1.0;     // m
+constexpr double kRadiusScale = 1e-6, kRadiusBound = 1e-2;  // m
+constexpr double kZeroBound = 1.0;                          // m or rad: of an instrument
+constexpr int kMostUnused = 5;  // one observation in so many may lack an input of the model
+
 }  // namespace
 
 Problem::Problem(const Session& session, Model model, Datum datum)
@@ -65,7 +73,7 @@ void Problem::findUsable() {
       if (!std::isfinite(r[i])) usable_[o] = 0;
     if (!usable_[o]) leftOut_.push_back(o);
   }
-  if (5 * leftOut_.size() <= usable_.size()) return;
+  if (kMostUnused * leftOut_.size() <= usable_.size()) return;
   const int o = leftOut_.front();  // which effect lacks its input?
   const std::string where = session_->source + ": " + session_->rowText(session_->observations[o].row) +
                             " and " + std::to_string(leftOut_.size() - 1) + " more: ";
@@ -116,6 +124,11 @@ void Problem::addRows() {
 void Problem::addUnknowns() {
   const auto add = [&](Unknown u) {
     if (u.priorStd > 0.0) priors_.push_back(static_cast<int>(unknowns_.size()));
+    const bool next = !groups_.empty() && groups_.back().kind == u.kind && groups_.back().owner == u.owner;
+    if (next)
+      ++groups_.back().count;
+    else
+      groups_.push_back({u.kind, u.owner, static_cast<int>(unknowns_.size()), 1});
     unknowns_.push_back(std::move(u));
   };
   for (int e = 0; e < static_cast<int>(model_.effects().size()); ++e) {
@@ -145,7 +158,7 @@ void Problem::addUnknowns() {
       add({UnknownKind::kPose, 0, k,
            std::string(rotation ? "rotation " : "position ") + kAxisNames[k % 3] + " of the artifact",
            rotation ? "arcsec" : "um", rotation ? 1.0 / kArcsecond : 1.0 / kMicrometre,
-           rotation ? 1e-3 : 1e-4, rotation ? 0.5 : 1.0, 0.0, 0.0});
+           rotation ? kTurnScale : kPlaceScale, rotation ? kTurnBound : kPlaceBound, 0.0, 0.0});
     }
   }
   featureOffset_.assign(features.size(), -1);
@@ -156,12 +169,13 @@ void Problem::addUnknowns() {
       featureOffset_[f] = unknownCount();
       for (int k = 0; k < 3; ++k)
         add({UnknownKind::kFeature, static_cast<int>(f), k, features[f].name + " " + kAxisNames[k], "um",
-             1.0 / kMicrometre, 1e-4, 1.0, 0.0, features[f].known ? features[f].positionStd : 0.0});
+             1.0 / kMicrometre, kPlaceScale, kPlaceBound, 0.0,
+             features[f].known ? features[f].positionStd : 0.0});
     }
     if (features[f].kind == FeatureKind::kBall && features[f].radiusStd > 0.0) {
       radiusOffset_[f] = unknownCount();
       add({UnknownKind::kRadius, static_cast<int>(f), 0, "radius of " + features[f].name, "um",
-           1.0 / kMicrometre, 1e-6, 1e-2, 0.0, features[f].radiusStd});
+           1.0 / kMicrometre, kRadiusScale, kRadiusBound, 0.0, features[f].radiusStd});
     }
   }
   // one zero a setup and measured component; rows without a setup share one too
@@ -182,7 +196,7 @@ void Problem::addUnknowns() {
     add({UnknownKind::kSetup, setup, row.component,
          (setup < named ? "zero of setup " + session_->setups[setup] : "zero of the instrument along ") +
              (setup < named ? "" : model_.machine().joints()[row.component].name),
-         row.angular ? "arcsec" : "um", 1.0 / unit, unit, 1.0, 0.0, 0.0});
+         row.angular ? "arcsec" : "um", 1.0 / unit, unit, kZeroBound, 0.0, 0.0});
   }
 }
 

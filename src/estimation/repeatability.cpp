@@ -239,8 +239,7 @@ class Repeats {
         shift[group] = std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(d.size());
         continue;
       }
-      std::sort(d.begin(), d.end());
-      shift[group] = 0.5 * (d[d.size() / 2] + d[(d.size() - 1) / 2]);
+      shift[group] = medianOf(d);
     }
     std::vector<double> left;
     for (const Pair& p : pairs) {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/special_functions/beta.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
 #include "estimation/noise_fit.h"
@@ -11,7 +11,9 @@
 #include "estimation/whitened.h"
 
 namespace mm {
-ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) {
+
+ResidualSpace::ResidualSpace(const CalibrationResult& fitted)
+    : fitted_(fitted), at_(linearise(*fitted.problem, fitted.x)) {
   const Problem& problem = *fitted.problem;
   const Folds all = makeFolds(problem);
   folds_.folds = all.folds;
@@ -27,7 +29,7 @@ ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) 
   inverseSigma_.resize(rows());
   for (int i = 0; i < rows(); ++i) inverseSigma_[i] = 1.0 / fitted.sigma[used_[i]];
 
-  const WhitenedSystem system(problem, fitted.x, fitted.weight.cwiseSqrt().cwiseQuotient(fitted.sigma),
+  const WhitenedSystem system(at_, fitted.weight.cwiseSqrt().cwiseQuotient(fitted.sigma),
                               fitted.identifiability.fixed);
   const int priors = static_cast<int>(system.jacobian.rows()) - problem.rowCount();
   const int columns = static_cast<int>(system.jacobian.cols());
@@ -45,7 +47,7 @@ ResidualSpace::ResidualSpace(const CalibrationResult& fitted) : fitted_(fitted) 
 
 Eigen::MatrixXd ResidualSpace::columns(const Effect& effect, const std::vector<double>& p,
                                        int* missing) const {
-  Eigen::MatrixXd all = fitted_.problem->effectColumns(effect, p, &asked_);
+  Eigen::MatrixXd all = at_.effectColumns(effect, p, &asked_);
   for (int k = 0; k < all.cols(); ++k) all.col(k) *= effect.parameters()[k].scale;
   if (missing != nullptr) {
     *missing = 0;
@@ -79,7 +81,7 @@ Eigen::VectorXd ResidualSpace::leftOf(const RowMatrix& columns) const {
 double logPValueF(double f, double d1, double d2) {
   constexpr double kSmallest = -700.0;  // what a double can hold
   if (!(f > 0.0) || d1 <= 0.0 || d2 <= 0.0) return 0.0;
-  const double p = boost::math::ibeta(0.5 * d2, 0.5 * d1, d2 / (d2 + d1 * f));
+  const double p = boost::math::cdf(boost::math::complement(boost::math::fisher_f(d1, d2), f));
   return p > 0.0 ? std::max(kSmallest, std::log(p)) : kSmallest;
 }
 

@@ -5,6 +5,7 @@
 #include "estimation/calibrate.h"
 #include "estimation/drift.h"
 #include "estimation/folds.h"
+#include "estimation/linearisation.h"
 
 namespace mm {
 
@@ -14,10 +15,12 @@ namespace mm {
 /// refitted together.
 class ResidualSpace {
  public:
+  /// @param fitted must outlive it.
   explicit ResidualSpace(const CalibrationResult& fitted);
 
   const Problem& problem() const { return *fitted_.problem; }   ///< that was fitted
   const CalibrationResult& fitted() const { return fitted_; }   ///< the fit itself
+  const Linearisation& linearisation() const { return at_; }    ///< of the problem at the fit
   int rows() const { return static_cast<int>(used_.size()); }   // data rows in use
   const std::vector<int>& used() const { return used_; }        // a row here: the problem's data row
   int baseRank() const { return static_cast<int>(q_.cols()); }  ///< columns of the base model
@@ -40,6 +43,7 @@ class ResidualSpace {
 
  private:
   const CalibrationResult& fitted_;
+  Linearisation at_;
   std::vector<int> used_;
   std::vector<char> asked_;       // an observation: whether it has a row here
   Eigen::VectorXd inverseSigma_;  // a row here

@@ -2,6 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <boost/math/statistics/univariate_statistics.hpp>
 #include <cmath>
 #include <numeric>
 
@@ -11,13 +14,16 @@
 namespace mm {
 namespace {
 
-double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
-  const std::size_t half = v.size() / 2;
-  std::nth_element(v.begin(), v.begin() + half, v.end());
-  if (v.size() % 2 == 1) return v[half];
-  return 0.5 * (v[half] + *std::max_element(v.begin(), v.begin() + half));
-}
+constexpr double kChance = 1e-9;   // of a residual of normal noise beyond the limit, both sides
+constexpr double kSmallest = 9.0;  // standard deviations: a limit that a long session's noise stays within
+constexpr int kFewestRows = 20;    // rows of a kind: fewer do not say what their bulk is
+constexpr double kApart = 6.0;     // standard deviations between an outlier and the median of its neighbours
+constexpr int kMostApart = 5;      // one row in so many: more that stand apart are structure
+constexpr std::size_t kNeighbours = 7;
+constexpr double kRounding = 1e-11;  // of a column's own length
+// How far apart rows are in a view: opposite approaches are four travels away, other features ten, and a
+// direction of travel weighs less where the approach says much the same.
+constexpr double kByApproach = 2.0, kByTravel = 0.3, kByFeature = 10.0;
 
 /// Rows that can be compared: the same component of the same kind of observation.
 std::vector<std::vector<int>> comparableRows(const Problem& problem) {
@@ -64,11 +70,12 @@ View stateView(const Problem& problem, const std::vector<int>& rows, bool approa
   for (int i : rows) {
     const State& s = problem.state(problem.rows()[i].observation);
     if (approach)
-      for (int k = 0; k < 3; ++k) v.coordinates.push_back(2.0 * s.approach[k]);
+      for (int k = 0; k < 3; ++k) v.coordinates.push_back(kByApproach * s.approach[k]);
     for (int j = 0; j < joints; ++j)
       v.coordinates.push_back(high[j] > low[j] ? (s.position[j] - low[j]) / (high[j] - low[j]) : 0.0);
-    for (int j = 0; j < joints; ++j) v.coordinates.push_back(approach ? 0.3 * s.travel[j] : s.travel[j]);
-    v.coordinates.push_back(approach ? 10.0 * s.feature : 0.0);
+    for (int j = 0; j < joints; ++j)
+      v.coordinates.push_back(approach ? kByTravel * s.travel[j] : s.travel[j]);
+    v.coordinates.push_back(approach ? kByFeature * s.feature : 0.0);
     v.coordinates.push_back(0.0);
     v.coordinates.push_back(0.0);
   }
@@ -79,7 +86,6 @@ View stateView(const Problem& problem, const std::vector<int>& rows, bool approa
 /// neighbours.
 void standsApart(const View& view, const std::vector<double>& r, const std::vector<char>& large, double limit,
                  std::vector<char>& apart) {
-  constexpr std::size_t kNeighbours = 7;
   const std::size_t n = r.size();
   std::vector<std::pair<double, std::size_t>> distance;
   for (std::size_t i = 0; i < n; ++i) {
@@ -98,14 +104,13 @@ void standsApart(const View& view, const std::vector<double>& r, const std::vect
     std::partial_sort(distance.begin(), distance.begin() + static_cast<long>(k), distance.end());
     std::vector<double> near;
     for (std::size_t j = 0; j < k; ++j) near.push_back(r[distance[j].second]);
-    if (std::abs(r[i] - median(near)) < limit) apart[i] = 0;
+    if (std::abs(r[i] - medianOf(near)) < limit) apart[i] = 0;
   }
 }
 
 /// Variance that the fit gives to the value of a row, in units of the residuals' variance. An unknown that
 /// the others leave nothing of has no part in it. @param row of the Jacobian's columns.
 double leverageOf(const ThinQr& qr, const Eigen::RowVectorXd& row) {
-  constexpr double kRounding = 1e-11;  // of a column's own length
   Eigen::VectorXd y = Eigen::VectorXd::Zero(row.size());
   for (Eigen::Index k = 0; k < row.size(); ++k) {
     if (!(std::abs(qr.r(k, k)) > kRounding * qr.r.col(k).head(k + 1).norm())) continue;
@@ -116,26 +121,28 @@ double leverageOf(const ThinQr& qr, const Eigen::RowVectorXd& row) {
 
 }  // namespace
 
+double medianOf(std::vector<double> values) {
+  return values.empty() ? 0.0 : boost::math::statistics::median(values);
+}
+
 double robustSigma(std::vector<double> values) {
+  // the median of the absolute values of normal noise is its quantile of 75 %
+  static const double kOfNormal = 1.0 / boost::math::quantile(boost::math::normal(), 0.75);
   for (double& v : values) v = std::abs(v);
-  return 1.4826 * median(std::move(values));
+  return kOfNormal * medianOf(std::move(values));
 }
 
 double outlyingLimit(int degreesOfFreedom) {
-  constexpr double kSmallest = 9.0, kNormal = 6.1;  // 6.1: 1e-9 of a normal distribution lies beyond
-  const double dof = std::max(1, degreesOfFreedom);
-  const double z = kNormal * (8.0 * dof + 3.0) / (8.0 * dof + 1.0);
-  return std::max(kSmallest, std::sqrt(dof * std::expm1(z * z / dof)));
+  const boost::math::students_t t(std::max(1, degreesOfFreedom));
+  return std::max(kSmallest, boost::math::quantile(boost::math::complement(t, 0.5 * kChance)));
 }
 
 Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& whitened, int freeUnknowns) {
-  constexpr int kFewest = 20;
-  constexpr double kApart = 6.0;
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(problem.rowCount());
   std::vector<char> outlying(problem.session().observations.size(), 0);
   for (const std::vector<int>& rows : comparableRows(problem)) {
     const int n = static_cast<int>(rows.size());
-    if (n < kFewest || n < 2 * freeUnknowns) continue;
+    if (n < kFewestRows || n < 2 * freeUnknowns) continue;
     std::vector<double> r;
     for (int i : rows) r.push_back(whitened[i]);
     double sigma = robustSigma(r) * std::sqrt(static_cast<double>(n) / std::max(1, n - freeUnknowns));
@@ -150,7 +157,7 @@ Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& wh
     standsApart(stateView(problem, rows, false), r, large, kApart * sigma, apart);
     standsApart(stateView(problem, rows, true), r, large, kApart * sigma, apart);
     int count = static_cast<int>(std::count(apart.begin(), apart.end(), 1));
-    if (5 * count > n) continue;
+    if (kMostApart * count > n) continue;
     for (std::size_t i = 0; i < rows.size(); ++i)
       if (apart[i]) outlying[problem.rows()[rows[i]].observation] = 1;
   }
@@ -167,10 +174,11 @@ Eigen::VectorXd reinstated(const Problem& problem, const Eigen::VectorXd& x, con
   for (int i = 0; i < weight.size(); ++i)
     if (weight[i] == 0.0 && problem.uses(problem.rows()[i].observation)) out.push_back(i);
   if (out.empty()) return result;
-  const WhitenedSystem system(problem, x, weight.cwiseSqrt().cwiseQuotient(sigma), fixed);
+  const Linearisation at = linearise(problem, x);
+  const WhitenedSystem system(at, weight.cwiseSqrt().cwiseQuotient(sigma), fixed);
   Eigen::VectorXd only = Eigen::VectorXd::Zero(weight.size());
   for (int i : out) only[i] = 1.0 / sigma[i];
-  const WhitenedSystem left(problem, x, only, fixed);
+  const WhitenedSystem left(at, only, fixed);
   const int columns = static_cast<int>(system.free.size()), rows = static_cast<int>(system.jacobian.rows());
   const int used = static_cast<int>((weight.array() > 0.0).count());
   if (columns == 0 || rows < columns || used <= columns) return result;

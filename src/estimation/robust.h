@@ -6,11 +6,14 @@
 
 namespace mm {
 
+/// 0 for an empty list.
+double medianOf(std::vector<double> values);
+
 /// 1.4826 times the median absolute value: standard deviation of the bulk. 0 for an empty list.
 double robustSigma(std::vector<double> values);
 
 /// From how many standard deviations of the bulk on a residual can be an outlier: 9, and more where few
-/// degrees of freedom say how large the bulk is (Student's t at 1e-9, by Wallace's approximation).
+/// degrees of freedom say how large the bulk is (Student's t at 1e-9).
 double outlyingLimit(int degreesOfFreedom);
 
 /// Finds outliers: residuals that are large against the bulk AND stand apart from their neighbours in time,

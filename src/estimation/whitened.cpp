@@ -3,15 +3,20 @@
 namespace mm {
 
 WhitenedSystem::WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x,
-                               const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed) {
+                               const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed)
+    : WhitenedSystem(linearise(problem, x), inverseSigma, fixed) {}
+
+WhitenedSystem::WhitenedSystem(const Linearisation& at, const Eigen::VectorXd& inverseSigma,
+                               const std::vector<char>& fixed) {
+  const Problem& problem = at.problem();
+  const Eigen::VectorXd &x = at.x(), &r = at.residuals();
+  const Eigen::MatrixXd& full = at.jacobian();
   for (int u = 0; u < problem.unknownCount(); ++u)
     if (!fixed[u]) free.push_back(u);
   const int data = problem.rowCount();
   std::vector<int> priors;
   for (int u : problem.priors())
     if (!fixed[u]) priors.push_back(u);
-  Eigen::MatrixXd full;
-  const Eigen::VectorXd r = problem.residuals(x, full);
   std::vector<UnitVector> units;
   for (const UnitVector& v : problem.unitVectors())
     if (!fixed[v.first] || !fixed[v.first + 1] || !fixed[v.first + 2]) units.push_back(v);

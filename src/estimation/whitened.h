@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "estimation/problem.h"
+#include "estimation/linearisation.h"
 
 namespace mm {
 
@@ -11,6 +11,9 @@ namespace mm {
 /// last rows.
 struct WhitenedSystem {
   /// @param inverseSigma a data row: sqrt(weight) / sigma, in 1/m or 1/rad; 0 leaves the row out.
+  WhitenedSystem(const Linearisation& at, const Eigen::VectorXd& inverseSigma,
+                 const std::vector<char>& fixed);
+  /// The same, linearised at x.
   WhitenedSystem(const Problem& problem, const Eigen::VectorXd& x, const Eigen::VectorXd& inverseSigma,
                  const std::vector<char>& fixed);
 

@@ -39,10 +39,11 @@ Domain withMachine(Domain domain, const Machine& machine) {
   return domain;
 }
 
-std::vector<EffectPtr> create(const std::vector<EffectSpec>& specs, const Domain& domain) {
+std::vector<EffectPtr> create(const std::vector<EffectSpec>& specs, const Domain& domain,
+                              const std::vector<LearnedNetwork>& networks) {
   std::vector<EffectPtr> effects;
   effects.reserve(specs.size());
-  for (const EffectSpec& spec : specs) effects.push_back(createEffect(spec, domain));
+  for (const EffectSpec& spec : specs) effects.push_back(createEffect(spec, domain, networks));
   return effects;
 }
 
@@ -59,8 +60,16 @@ Model::Model(Machine machine, Domain domain, std::vector<EffectPtr> effects)
   }
 }
 
-Model::Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs)
-    : Model(machine, domain, create(specs, withMachine(domain, machine))) {}
+Model::Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs,
+             const std::vector<LearnedNetwork>& networks)
+    : Model(machine, domain, create(specs, withMachine(domain, machine), networks)) {}
+
+std::vector<LearnedNetwork> Model::networks() const {
+  std::vector<LearnedNetwork> learned;
+  for (const EffectPtr& effect : effects_)
+    if (effect->network() != nullptr) learned.push_back(*effect->network());
+  return learned;
+}
 
 Eigen::VectorXd Model::start() const {
   Eigen::VectorXd start(parameterCount_);

@@ -29,14 +29,17 @@ class Model {
   };
 
   Model(Machine machine, Domain domain, std::vector<EffectPtr> effects);
-  /// The effects named by `specs`, made by the registry. @throw InputError as createEffect.
-  Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs);
+  /// The effects named by `specs`, made by the registry, those whose shape is learned with their networks.
+  /// @throw InputError as createEffect.
+  Model(Machine machine, Domain domain, const std::vector<EffectSpec>& specs,
+        const std::vector<LearnedNetwork>& networks = {});
 
   const Machine& machine() const { return machine_; }                 ///< as given
   const Domain& domain() const { return domain_; }                    ///< as given
   const std::vector<EffectPtr>& effects() const { return effects_; }  ///< in the order of the spec
-  int parameterCount() const { return parameterCount_; }              ///< of all effects
-  int offset(int effect) const { return offsets_[effect]; }           ///< its first parameter
+  std::vector<LearnedNetwork> networks() const;              ///< what its effects learned, in their order
+  int parameterCount() const { return parameterCount_; }     ///< of all effects
+  int offset(int effect) const { return offsets_[effect]; }  ///< its first parameter
   /// Of the whole vector of parameters. @param index 0 to parameterCount() - 1.
   const Parameter& parameter(int index) const {
     return effects_[effectOf_[index]]->parameters()[index - offsets_[effectOf_[index]]];

@@ -48,7 +48,7 @@ Json networksJson(const CalibrationResult& result) {
   const Model& model = result.problem->model();
   Json list = Json::array();
   for (const EffectPtr& effect : model.effects()) {
-    const LearnedNetwork* n = model.domain().findNetwork(effect->spec().yaml());
+    const LearnedNetwork* n = effect->network();
     if (n == nullptr) continue;
     const int axis = model.domain().findJoint(effect->spec().text("axis"));
     const bool angular = model.domain().joints[static_cast<std::size_t>(axis)].kind == JointKind::kRotary;
@@ -127,9 +127,9 @@ Json calibrationJson(const CalibrationResult& result, const std::vector<Doubt>& 
   object["genetic"] = result.genetic ? geneticJson(*result.genetic, angular) : Json(nullptr);
   object["polish"] = Json::object();
   setFigures(object["polish"], result.figures, false);
-  object["polish"]["iterations"] = result.polishIterations;
+  object["polish"]["iterations"] = result.iterations;
   object["parameters"] = parametersJson(result);
-  if (!result.problem->model().domain().networks.empty()) object["networks"] = networksJson(result);
+  if (!result.problem->model().networks().empty()) object["networks"] = networksJson(result);
   object["identifiability"] = identifiabilityJson(*result.problem, result.identifiability, result.x);
   object["weak"] = Json::array();
   for (const WeakDirection& w : weakDirections(result)) {

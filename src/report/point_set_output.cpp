@@ -52,7 +52,7 @@ std::string inputsText(const PointSet& set) {
             padded(format("%.4g … %.4g %s", i.lower, i.upper, i.unit.c_str()), 27) +
             padded(std::to_string(i.missing), 12) +
             format("%5.2f%s\n", i.withTime,
-                   std::abs(i.withTime) > 0.95 ? "  drift in time cannot be told from it" : "");
+                   std::abs(i.withTime) > 0.95 ? "  not separable from a drift in time" : "");
   return text;
 }
 

@@ -7,7 +7,7 @@
 
 namespace mm {
 
-/// How large the residuals are, outliers left aside.
+/// How large the residuals are, outliers set aside.
 struct SizeOfResiduals {
   int count = 0;
   double max = kNotMeasured;                      // m or rad

@@ -210,7 +210,7 @@ Json thermalJson(const ThermalTest& test) {
 Json networkSummaries(const Model& model) {
   Json out = Json::array();
   for (const EffectPtr& effect : model.effects())
-    if (const LearnedNetwork* learned = model.domain().findNetwork(effect->spec().yaml()))
+    if (const LearnedNetwork* learned = effect->network())
       out.push_back({{"in_words", inWords(effect->spec())}, {"summary", learned->summary}});
   return out;
 }

@@ -61,9 +61,9 @@ std::vector<ThermalCourse> coursesOf(const CalibrationResult& fitted, std::size_
 }
 
 /// Every sensor whose temperature changed, those of the networks first.
-std::vector<TemperatureCourse> temperatureCourses(const Session& session, const Domain& domain) {
+std::vector<TemperatureCourse> temperatureCourses(const Session& session, const Model& model) {
   std::vector<std::string> first;
-  for (const LearnedNetwork& network : domain.networks)
+  for (const LearnedNetwork& network : model.networks())
     first.insert(first.end(), network.sensors.begin(), network.sensors.end());
   std::vector<TemperatureCourse> all;
   for (const Series& series : session.temperatures) {
@@ -100,7 +100,7 @@ std::vector<TemperatureCourse> temperatureCourses(const Session& session, const 
 ThermalTest thermalTest(const CalibrationResult& fitted) {
   ThermalTest test;
   const Problem& problem = *fitted.problem;
-  test.temperatures = temperatureCourses(problem.session(), problem.model().domain());
+  test.temperatures = temperatureCourses(problem.session(), problem.model());
   if (test.temperatures.empty()) return test;
   const std::vector<Joint>& joints = problem.model().machine().joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {

@@ -219,7 +219,6 @@ VariableView viewOf(const Variable& variable, const Directions& directions, cons
 std::vector<VariableView> residualsByVariable(const CalibrationResult& fitted,
                                               const CalibrationResult* improved,
                                               const std::vector<WhereItFails>& where) {
-  fitted.problem->linearise(fitted.x);
   const ResidualSpace space(fitted);
   const bool angular = !std::isfinite(fitted.figures.rms);
   const double unit = angular ? kArcsecond : kMicrometre;

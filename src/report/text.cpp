@@ -37,8 +37,7 @@ std::string parametersText(const CalibrationResult& r) {
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const Effect& effect = *model.effects()[e];
     text += "  " + inWords(effect.spec()) + "\n";
-    if (const LearnedNetwork* learned = model.domain().findNetwork(effect.spec().yaml()))
-      text += "    " + learned->summary + "\n";
+    if (const LearnedNetwork* learned = effect.network()) text += "    " + learned->summary + "\n";
     for (int k = 0; k < effect.parameterCount(); ++k) {
       const int i = model.offset(static_cast<int>(e)) + k;
       const Parameter& p = model.parameter(i);
@@ -71,7 +70,7 @@ std::string lostText(const CalibrationResult& r) {
 std::string outliersText(const CalibrationResult& r) {
   if (r.outliers.empty()) return {};
   constexpr std::size_t kShown = 12;
-  std::string text = format("Outliers, left aside: %zu\n", r.outliers.size());
+  std::string text = format("Outliers, set aside: %zu\n", r.outliers.size());
   for (std::size_t i = 0; i < std::min(kShown, r.outliers.size()); ++i) {
     const ResidualRow& row = r.problem->rows()[static_cast<std::size_t>(r.outliers[i].row)];
     const Session& session = r.problem->session();
@@ -96,7 +95,7 @@ std::string noiseText(const CalibrationResult& r) {
     const bool turns =
         joint >= 0 &&
         r.problem->model().domain().joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
-    text += "  Drift          " + d.direction + " wanders by " + length(d.std, turns) +
+    text += "  Drift          " + d.direction + " drifts by " + length(d.std, turns) +
             " RMS with a time constant of " + durationInWords(d.timeConstant) +
             "; the uncertainties allow for it\n";
   }
@@ -120,15 +119,16 @@ std::string featuresText(const CalibrationResult& r) {
   return "Found in workpiece (centres of balls, points)\n" + text;
 }
 
-/// Why a genetic algorithm may be better than what was polished: it fits every ball's centre for itself.
+/// Why a genetic algorithm may be better than what was refined: it fits every ball's centre for itself.
 std::string freerCentres(const CalibrationResult& r) {
   if (!r.genetic || r.genetic->evaluations == 0) return {};
-  const double polished = angularOnly(r) ? r.figures.rmsAngular : r.figures.rms;
+  const double refined = angularOnly(r) ? r.figures.rmsAngular : r.figures.rms;
   const auto& features = r.problem->session().artifact.features;
   const bool held = std::any_of(features.begin(), features.end(),
                                 [](const Feature& f) { return f.kind == FeatureKind::kBall && f.known; });
-  if (!held || !(r.genetic->rms < polished)) return {};
-  return "                  (lower: each ball's centre was free; the polish keeps them where the artifact "
+  if (!held || !(r.genetic->rms < refined)) return {};
+  return "                  (lower: each ball's centre was free; the refinement keeps them where the "
+         "artifact "
          "has them)\n";
 }
 
@@ -162,8 +162,8 @@ std::string calibrateText(const CalibrationResult& r) {
                               static_cast<unsigned long long>(r.genetic->seed), r.genetic->stop.c_str())) +
             "\n";
   text += freerCentres(r);
-  text += "  polished        RMS " + length(angular ? r.figures.rmsAngular : r.figures.rms, angular) +
-          format(", %d iterations, %s\n", r.polishIterations, r.stop.c_str());
+  text += "  refined         RMS " + length(angular ? r.figures.rmsAngular : r.figures.rms, angular) +
+          format(", %d iterations, %s\n", r.iterations, r.stop.c_str());
   if (r.genetic && r.genetic->curve.size() > 1) text += curveText(*r.genetic, angular);
   if (r.cancelled) text += "Stopped early: these are the best values found so far.\n";
   return text;

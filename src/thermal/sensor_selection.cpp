@@ -1,12 +1,12 @@
 #include "thermal/sensor_selection.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <thread>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/grey_relation.h"
 #include "thermal/ridge.h"
@@ -38,30 +38,19 @@ std::vector<Subset> allSubsets(int n, int size) {
   }
 }
 
-/// Runs work(0) … work(count - 1) on all cores, in blocks; `tick` is called from the caller's thread.
+/// Runs work(0) … work(count - 1), in blocks; `tick` is called from the caller's thread.
 void parallel(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& work,
               const std::function<void(double)>& tick) {
   constexpr std::size_t kBlock = 16;
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  std::atomic<std::size_t> next{0};
-  std::atomic<bool> stop{false};
-  const auto loop = [&](bool first) {
-    for (std::size_t begin; !stop && (begin = next.fetch_add(kBlock)) < count;) {
-      for (std::size_t i = begin; i < std::min(count, begin + kBlock); ++i) work(i);
-      if (first) tick(static_cast<double>(begin) / static_cast<double>(count));
-    }
-  };
-  std::vector<std::thread> others;
-  struct Join {
-    std::vector<std::thread>& threads;
-    std::atomic<bool>& stop;
-    ~Join() {
-      stop = stop || std::uncaught_exceptions() > 0;
-      for (std::thread& t : threads) t.join();
-    }
-  } join{others, stop};
-  for (unsigned t = 1; t < threads; ++t) others.emplace_back(loop, false);
-  loop(true);
+  const std::thread::id caller = std::this_thread::get_id();
+  Threads(threads).run([&] {
+    parallelFor(partsOf(count, kBlock), [&](std::size_t block) {
+      const Part part = partOf(count, kBlock, block);
+      for (std::size_t i = part.first; i < part.end; ++i) work(i);
+      if (std::this_thread::get_id() == caller)
+        tick(static_cast<double>(part.first) / static_cast<double>(count));
+    });
+  });
 }
 
 /// One selection under way: the series without constant sensors.

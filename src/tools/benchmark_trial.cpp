@@ -19,9 +19,7 @@ namespace {
 
 /// The base model fitted to a session, and the view in which residuals are compared.
 struct Fitted {
-  Fitted(const Session& session, const std::vector<EffectSpec>& base) : result(fit(session, base)) {
-    result.problem->linearise(result.x);
-  }
+  Fitted(const Session& session, const std::vector<EffectSpec>& base) : result(fit(session, base)) {}
   static CalibrationResult fit(const Session& session, const std::vector<EffectSpec>& base) {
     CalibrateOptions options;
     options.method = Method::kLeastSquares;

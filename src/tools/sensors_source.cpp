@@ -80,10 +80,10 @@ SensorCandidates fromBag(const std::string& file, const std::string& target, con
     throw InputError(file +
                      ": no temperature was logged; record /temperature/<sensor>, or import columns "
                      "<sensor>_degC");
-  Problem problem(session, Model(session.machine, domain, std::vector<EffectPtr>{}));
-  problem.linearise(problem.start());
-  const NetworkSamples samples = gatherNetworkSamples(problem, problem.residuals(problem.start()),
-                                                      Eigen::VectorXd::Ones(problem.rowCount()), joint);
+  const Problem problem(session, Model(session.machine, domain, std::vector<EffectPtr>{}));
+  const Linearisation at = linearise(problem, problem.start());
+  const NetworkSamples samples =
+      gatherNetworkSamples(at, at.residuals(), Eigen::VectorXd::Ones(problem.rowCount()), joint);
   SensorCandidates candidates;
   candidates.displacement = samples.mainError();
   candidates.micrometres = domain.joints[static_cast<std::size_t>(joint)].kind == JointKind::kLinear

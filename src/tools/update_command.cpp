@@ -49,7 +49,7 @@ int runUpdate(UpdateOptions& c) {
     return 0;
   }
   std::cout << ledgerText(done->calibration.ledger, !std::isfinite(done->result.figures.rms));
-  for (const LearnedNetwork& n : done->calibration.domain.networks) std::cout << "  " << n.summary << '\n';
+  for (const LearnedNetwork& n : done->calibration.networks) std::cout << "  " << n.summary << '\n';
   if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
   return 0;
 }

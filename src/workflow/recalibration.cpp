@@ -131,7 +131,8 @@ Model modelFor(const Session& session, const std::vector<EffectSpec>& effects) {
 }
 
 Model modelOf(const Calibration& calibration) {
-  return Model(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects);
+  return Model(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects,
+               calibration.networks);
 }
 
 Eigen::VectorXd valuesOf(const Calibration& calibration) {
@@ -162,6 +163,7 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
   c.machineName = machineName.empty() ? model.machine().name() : machineName;
   c.urdf = model.machine().urdf();
   c.domain = model.domain();
+  c.networks = model.networks();
   for (const EffectPtr& e : model.effects()) c.effects.push_back(e->spec());
   const int count = model.parameterCount();
   for (int i = 0; i < count; ++i) {
@@ -237,6 +239,7 @@ Recalibration updateNetworks(const Session& session, const Calibration& calibrat
   done.calibration.created.clear();
   done.calibration.software.clear();
   done.calibration.domain = std::move(updated.domain);
+  done.calibration.networks = std::move(updated.networks);
   LedgerEntry entry;
   entry.action = "update";
   for (const EffectSpec& effect : calibration.effects)

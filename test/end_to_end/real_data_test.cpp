@@ -155,7 +155,7 @@ TEST(RealData, LaserTable2) {
   EXPECT_NEAR(y32["std"].get<double>() * micrometres, 77, 1);
 }
 
-/// LASER's own algorithm stops at some 0.01 to 0.2 mm; polished it ends at the optimum from wherever it
+/// LASER's own algorithm stops at some 0.01 to 0.2 mm; refined it ends at the optimum from wherever it
 /// stopped.
 TEST(RealData, LaserTable2FromEverySeed) {
   MM_NEEDS_SHARED_DATA(folder, "laser_table2");

@@ -50,7 +50,7 @@ inline ProfileResult bump() {
   return p;
 }
 
-/// x wanders by 0.4 um in 20 minutes.
+/// x drifts by 0.4 um in 20 minutes.
 inline DriftResult wander() { return {"x", 0.4e-6, 1200.0, {}, ""}; }
 
 /// A verdict with noise of 0.31 um beside a declared repeatability of 0.3 um; it has its sentence by `told`.

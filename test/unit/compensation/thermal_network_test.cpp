@@ -26,7 +26,7 @@ Calibration learned() {
   entry.sensors = {"bed"};
   entry.positions = {-0.02, 0.02};
   entry.numbers = network->toNumbers();
-  c.domain.networks = {entry};
+  c.networks = {entry};
   c.effects = {effect};
   c.values = {{0, "gain", "1", 1.0, 1.0, 0.01, false}};
   c.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);

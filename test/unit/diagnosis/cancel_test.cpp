@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
@@ -45,7 +46,7 @@ class Clock {
  private:
   const pthread_t thread_ = pthread_self();
   const int yesFrom_;
-  int count_ = 0;
+  std::atomic<int> count_{0};
   double last_, longest_ = 0.0;
 };
 

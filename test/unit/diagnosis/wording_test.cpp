@@ -142,13 +142,14 @@ TEST(Sentence, ConfusableNamesTheRivalsWithTheirOdds) {
   d.missing = {play()};
   d.missing[0].odds = 0.6;
   d.missing[0].confusableWith = {rival(EffectSpec("speed_lag"), 0.3, "touch x at two speeds")};
-  EXPECT_EQ(sentenceOf(d),
-            "Either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or speed lag (1 to 2): these data "
-            "cannot tell "
-            "which. Held-out RMS 0.93 -> 0.32 um.");
+  EXPECT_EQ(
+      sentenceOf(d),
+      "Either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or speed lag (1 to 2): these data do not "
+      "separate them. Held-out RMS 0.93 -> 0.32 um.");
   d.nextMeasurement.resize(1);
-  EXPECT_NE(sentenceOf(d).find("speed lag (1 to 2): these data cannot tell which; the listed moves would."),
-            std::string::npos);
+  EXPECT_NE(
+      sentenceOf(d).find("speed lag (1 to 2): these data do not separate them; the listed moves would."),
+      std::string::npos);
 }
 
 TEST(Sentence, ConfusableBesideWhatIsSure) {
@@ -187,8 +188,8 @@ TEST(Sentence, OneErrorInTwoFramesIsNoMatterForMoves) {
   d.nextMeasurement.resize(1);
   const std::string text = sentenceOf(d);
   EXPECT_NE(
-      text.find("Zero of pan and tilt of the axis of pan about z are the same error told in two frames: no "
-                "measurement on this machine tells them apart."),
+      text.find("Zero of pan and tilt of the axis of pan about z are the same error expressed in two frames: "
+                "no measurement on this machine separates them."),
       std::string::npos)
       << text;
   EXPECT_EQ(text.find("moves"), std::string::npos) << text;
@@ -202,7 +203,7 @@ TEST(Sentence, AnUnknownEffectIsACurveAndAFormulaOnlyWhereThereIsOne) {
             "0.91 ± 0.20 um (k = 2) at x = -16 mm, odds more than 1000 to 1; held-out RMS 0.93 -> 0.32 um. "
             "Add it as a profile, or look for its cause.");
   d.formulas = {{EffectSpec("formula").set("direction", "z").set("formula", "k1*x^2"), 0.93e-6, 0.33e-6}};
-  EXPECT_NE(sentenceOf(d).find("The formula k1*x^2 along z says the same."), std::string::npos);
+  EXPECT_NE(sentenceOf(d).find("The formula k1*x^2 along z describes it as well."), std::string::npos);
   d.missing = {play()};
   d.missing[0].gain = d.profiles[0].gain - 1.0;
   EXPECT_NE(sentenceOf(d).find("Found on the way: backlash of x, 2.06"), std::string::npos);
@@ -225,9 +226,8 @@ TEST(Sentence, ScatterIsSaidAgainstTheRepeatability) {
   d.noiseStd = 0.02e-6;
   EXPECT_EQ(sentenceOf(d),
             "No effect and no structure is left, but the scatter of 0.93 ± 0.04 um (k = 2) is 3.1 "
-            "times the repeatability of 0.3 um (declared): this is stated too small, or something acts that "
-            "follows "
-            "nothing recorded. Touch one point twenty times to tell which.");
+            "times the repeatability of 0.3 um (declared): either that is stated too small, or an influence "
+            "acts that follows nothing recorded. Touch one point twenty times to find out which.");
   d.base.repeatabilityFrom = "estimated";
   EXPECT_EQ(
       sentenceOf(d),
@@ -245,7 +245,7 @@ TEST(Sentence, ExplainedSaysWhatIsLeftAndHowItDrifts) {
   d.drift = {wander()};
   EXPECT_NE(
       sentenceOf(d).find(
-          " Drift: x wanders by 0.4 um RMS with a time constant of 20 min and follows nothing recorded."),
+          " Drift: x drifts by 0.4 um RMS with a time constant of 20 min and follows nothing recorded."),
       std::string::npos)
       << sentenceOf(d);
   d.drift[0].perhaps = {{growth("x"), 0.3, 0.7}};
@@ -264,7 +264,7 @@ TEST(Sentence, AnglesAreInArcseconds) {
   d.drift = {{"pan", 5.0 * kArcsecond, 7200.0, {}, ""}};
   const std::string text = sentenceOf(d);
   EXPECT_NE(text.find("noise of 2.20 ± 0.10 arcsec"), std::string::npos) << text;
-  EXPECT_NE(text.find("pan wanders by 5 arcsec RMS with a time constant of 2 h"), std::string::npos) << text;
+  EXPECT_NE(text.find("pan drifts by 5 arcsec RMS with a time constant of 2 h"), std::string::npos) << text;
 }
 
 TEST(Sentence, InsufficientDataSaysWhatToDo) {

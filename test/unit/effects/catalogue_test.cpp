@@ -13,7 +13,7 @@ class Catalogue : public ::testing::TestWithParam<int> {
  protected:
   Catalogue() : rig_(rigOf(GetParam())), random_(3) {
     for (const EffectSpec& spec : everySpec(rig_.domain, GetParam()))
-      effects_.push_back(createEffect(spec, rig_.domain));
+      effects_.push_back(createEffect(spec, rig_.domain, networksOf(rig_.domain)));
   }
   const Machine& machine() const { return rig_.machine; }
   const Domain& domain() const { return rig_.domain; }

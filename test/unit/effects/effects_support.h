@@ -107,8 +107,12 @@ inline Domain domainOf(const Machine& machine, bool laser) {
     d.readingLower = -0.5e-3;
     d.readingUpper = 0.5e-3;
   }
-  d.networks = {learnedNetwork(d, EffectSpec("thermal_network").set("axis", d.joints[0].name))};
   return d;
+}
+
+/// What the thermal_network of its first joint learned.
+inline std::vector<LearnedNetwork> networksOf(const Domain& d) {
+  return {learnedNetwork(d, EffectSpec("thermal_network").set("axis", d.joints[0].name))};
 }
 
 /// A state with every input known, inside the domain.

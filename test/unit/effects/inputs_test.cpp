@@ -89,7 +89,7 @@ const std::vector<Row> kFiveAxis{
 void check(const std::vector<Row>& rows, const Domain& domain) {
   for (const Row& row : rows) {
     SCOPED_TRACE(row.yaml);
-    const EffectPtr effect = createEffect(specOf(row.yaml), domain);
+    const EffectPtr effect = createEffect(specOf(row.yaml), domain, networksOf(domain));
     EXPECT_EQ(wordsOf(inputsOf(*effect, domain), domain), row.inputs);
   }
 }

@@ -15,7 +15,7 @@ class Traits : public ::testing::TestWithParam<int> {
  protected:
   Traits() : rig_(rigOf(GetParam())) {
     for (const EffectSpec& spec : everySpec(rig_.domain, GetParam()))
-      effects_.push_back(createEffect(spec, rig_.domain));
+      effects_.push_back(createEffect(spec, rig_.domain, networksOf(rig_.domain)));
   }
   const Domain& domain() const { return rig_.domain; }
   static const EffectType& typeOf(const Effect& effect) {

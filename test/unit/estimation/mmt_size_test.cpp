@@ -148,7 +148,7 @@ TEST(MmtSize, TheGeneticAlgorithmComesNearTheOptimum) {
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const CalibrationResult& result = calibrated(Method::kStagedMutation, seed).result;
     ASSERT_TRUE(result.genetic);
-    std::printf("seed %d: genetic %.4f um in %.2f s, polished %.4f um\n", static_cast<int>(seed),
+    std::printf("seed %d: genetic %.4f um in %.2f s, refined %.4f um\n", static_cast<int>(seed),
                 1e6 * result.genetic->rms, result.genetic->seconds, 1e6 * result.figures.rms);
     EXPECT_EQ(result.genetic->method, "staged_mutation");
     EXPECT_EQ(result.genetic->generations, 100u);
@@ -174,28 +174,28 @@ TEST(MmtSize, NichingIsWhatTheMethodSays) {
   EXPECT_NEAR(result.figures.rms, other.figures.rms, 1e-6 * other.figures.rms);
 }
 
-TEST(MmtSize, PolishedIsTheOptimum) {
-  const CalibrationResult& polished = calibrated(Method::kStagedMutation, 1).result;
-  const double free = polished.problem->unknownCount() - 3, rows = polished.problem->rowCount();
+TEST(MmtSize, RefinedIsTheOptimum) {
+  const CalibrationResult& refined = calibrated(Method::kStagedMutation, 1).result;
+  const double free = refined.problem->unknownCount() - 3, rows = refined.problem->rowCount();
   // what is left of the noise, within four of its standard deviations
-  EXPECT_NEAR(polished.figures.rms, kNoise * std::sqrt(1.0 - free / rows),
+  EXPECT_NEAR(refined.figures.rms, kNoise * std::sqrt(1.0 - free / rows),
               4.0 * kNoise / std::sqrt(2.0 * rows));
-  EXPECT_NEAR(polished.figures.chi2PerDof, 1.0, 4.0 * std::sqrt(2.0 / rows));
-  EXPECT_NEAR(polished.figures.heldOutRms, kNoise, 0.02 * kNoise);
-  EXPECT_TRUE(polished.outliers.empty());
+  EXPECT_NEAR(refined.figures.chi2PerDof, 1.0, 4.0 * std::sqrt(2.0 / rows));
+  EXPECT_NEAR(refined.figures.heldOutRms, kNoise, 0.02 * kNoise);
+  EXPECT_TRUE(refined.outliers.empty());
   // no small step in any unknown goes further down
-  const Eigen::VectorXd& r = polished.residuals;
-  for (int u = 0; u < polished.problem->unknownCount(); u += 7) {
-    if (polished.identifiability.fixed[static_cast<std::size_t>(u)] != 0) continue;
+  const Eigen::VectorXd& r = refined.residuals;
+  for (int u = 0; u < refined.problem->unknownCount(); u += 7) {
+    if (refined.identifiability.fixed[static_cast<std::size_t>(u)] != 0) continue;
     for (const double side : {-0.3, 0.3}) {
-      Eigen::VectorXd x = polished.x;
-      x[u] += side * polished.std(u);
-      EXPECT_GT(polished.problem->residuals(x).squaredNorm(), r.squaredNorm()) << u;
+      Eigen::VectorXd x = refined.x;
+      x[u] += side * refined.std(u);
+      EXPECT_GT(refined.problem->residuals(x).squaredNorm(), r.squaredNorm()) << u;
     }
   }
   const CalibrationResult& direct = calibrated(Method::kLeastSquares, 1).result;
   for (int u = 0; u < 21; ++u)
-    EXPECT_NEAR(direct.x[u], polished.x[u], 1e-3 * std::max(polished.std(u), 1e-15)) << u;
+    EXPECT_NEAR(direct.x[u], refined.x[u], 1e-3 * std::max(refined.std(u), 1e-15)) << u;
 }
 
 TEST(MmtSize, TheFieldIsFoundToAFifthOfAMicrometre) {
@@ -222,7 +222,7 @@ Figures figuresOf(const CalibrationResult& r) {
           {"genetic", {r.genetic->rms, static_cast<double>(r.genetic->evaluations)}},
           {"figures", {r.repeatability, r.figures.rms, r.figures.heldOutRms, r.figures.chi2PerDof}},
           {"before", {r.before.rms, r.before.heldOutRms, r.before.chi2PerDof}},
-          {"polish", {static_cast<double>(r.polishIterations), static_cast<double>(r.outliers.size())}}};
+          {"polish", {static_cast<double>(r.iterations), static_cast<double>(r.outliers.size())}}};
 }
 
 void expectSameBits(const Figures& a, const Figures& b, const std::string& what) {

@@ -80,7 +80,7 @@ std::string refusal(const Session& session, const EffectSpec& effect) {
 TEST(NetworkLearning, PhysicalEffectsComeFirstAndLeaveNothing) {
   const Session session = warmUp(40, 0.0);
   const CalibrationResult result = fit(session, {network("dfnn", {"spindle", "bed"}), kGrowth});
-  const LearnedNetwork& learned = result.problem->model().domain().networks.at(0);
+  const LearnedNetwork learned = result.problem->model().networks().at(0);
   EXPECT_FALSE(learned.active);
   EXPECT_NE(learned.summary.find("not activated"), std::string::npos) << learned.summary;
   ASSERT_EQ(result.problem->model().parameterCount(), 1);
@@ -92,7 +92,7 @@ TEST(NetworkLearning, TakesWhatThePhysicalEffectsLeave) {
   const Session session = warmUp(60, 0.5);
   const CalibrationResult alone = fit(session, {kGrowth});
   const CalibrationResult result = fit(session, {kGrowth, network("dfnn", {"spindle", "bed"})});
-  const LearnedNetwork& learned = result.problem->model().domain().networks.at(0);
+  const LearnedNetwork learned = result.problem->model().networks().at(0);
   ASSERT_TRUE(learned.active) << learned.summary;
   EXPECT_EQ(learned.positions.size(), 3u);
   EXPECT_LT(learned.heldOut, 0.6 * learned.heldOutRidge);
@@ -103,15 +103,13 @@ TEST(NetworkLearning, TakesWhatThePhysicalEffectsLeave) {
   EXPECT_GT(result.figures.heldOutRms, 1.1 * result.figures.rms);
 }
 
-const LearnedNetwork& learnedBy(const CalibrationResult& result) {
-  return result.problem->model().domain().networks.at(0);
-}
+LearnedNetwork learnedBy(const CalibrationResult& result) { return result.problem->model().networks().at(0); }
 
 TEST(NetworkLearning, ALineWorksWhereTheNetworkAskedForIsWorse) {
   const Session session = warmUp(60, 0.0), fresh = warmUp(25, 0.0);
   const CalibrationResult line = fit(session, {network("ridge", {"spindle", "bed"})}),
                           result = fit(session, {network("rbf", {"spindle", "bed"})});
-  const LearnedNetwork& learned = learnedBy(result);
+  const LearnedNetwork learned = learnedBy(result);
   ASSERT_TRUE(learned.active) << learned.summary;
   EXPECT_EQ(networkFromNumbers(learned.numbers)->kind(), NetworkKind::kRidge);
   EXPECT_EQ(learned.summary.find("ridge active, instead of rbf, which is significantly worse"), 0u)
@@ -147,7 +145,7 @@ TEST(NetworkLearning, AnUpdateChoosesAgainFromAllSets) {
     const Model& model = learned.problem->model();
     const UpdatedNetworks updated =
         updateNetworks(calibrate(second, model, held, learned.x.head(model.parameterCount())));
-    const LearnedNetwork& now = updated.domain.networks.at(0);
+    const LearnedNetwork& now = updated.networks.at(0);
     const auto network = networkFromNumbers(now.numbers);
     EXPECT_EQ(network->samples(), 69);
     EXPECT_EQ(network->kind() == NetworkKind::kRidge, kind == "ridge") << now.summary;
@@ -165,13 +163,12 @@ TEST(NetworkLearning, TheSameBitsWhateverTheThreads) {
   const Session session = warmUp(40, 0.5);
   const CalibrationResult one = fit(session, {network("auto")}, 1), two = fit(session, {network("auto")}, 2);
   EXPECT_EQ(one.x, two.x);
-  EXPECT_EQ(one.problem->model().domain().networks[0].numbers,
-            two.problem->model().domain().networks[0].numbers);
+  EXPECT_EQ(one.problem->model().networks()[0].numbers, two.problem->model().networks()[0].numbers);
 }
 
 TEST(NetworkLearning, ChoosesSensorsThatVary) {
   const CalibrationResult result = fit(warmUp(60, 0.5), {network("ridge")});
-  const LearnedNetwork& learned = result.problem->model().domain().networks.at(0);
+  const LearnedNetwork learned = result.problem->model().networks().at(0);
   EXPECT_EQ(learned.sensors, (std::vector<std::string>{"bed", "spindle"}));
 }
 
@@ -182,8 +179,7 @@ TEST(NetworkLearning, WhatIsHeldDoesNotLearnAgain) {
   held.holdEffects = true;
   const CalibrationResult compared = calibrate(test, learned.problem->model(), held,
                                                learned.x.head(learned.problem->model().parameterCount()));
-  EXPECT_EQ(compared.problem->model().domain().networks[0].numbers,
-            learned.problem->model().domain().networks[0].numbers);
+  EXPECT_EQ(compared.problem->model().networks()[0].numbers, learned.problem->model().networks()[0].numbers);
   EXPECT_LT(compared.figures.rms, 2.0 * kNoise);
 }
 

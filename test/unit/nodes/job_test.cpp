@@ -12,12 +12,12 @@ namespace {
 TEST(Job, ASecondOneIsRefusedWithTheNameAndStageOfTheFirst) {
   Job job({});
   job.run("calibrate", [&] {
-    job.step("polish", 0.4);
+    job.step("refine", 0.4);
     try {
       job.run("diagnose", [] { FAIL() << "must not run"; });
       FAIL() << "must throw";
     } catch (const InputError& e) {
-      EXPECT_NE(std::string(e.what()).find("'calibrate' has been running for 0 s (polish, 40 %)"),
+      EXPECT_NE(std::string(e.what()).find("'calibrate' has been running for 0 s (refine, 40 %)"),
                 std::string::npos)
           << e.what();
     }
@@ -28,7 +28,7 @@ TEST(Job, ASecondOneIsRefusedWithTheNameAndStageOfTheFirst) {
 }
 
 TEST(Job, CancelIsHeardAtTheNextStepOfEveryStage) {
-  for (const std::string stage : {"reading the bag", "genetic", "polish", "uncertainty"}) {
+  for (const std::string stage : {"reading the bag", "genetic", "refine", "uncertainty"}) {
     Job job({});
     std::promise<void> there;
     std::promise<void> go;

@@ -1,4 +1,4 @@
-#include "estimation/polish.h"
+#include "estimation/refine.h"
 
 #include <ceres/ceres.h>
 
@@ -133,14 +133,14 @@ class UnitVectorCost final : public ceres::CostFunction {
 
 class Watcher final : public ceres::IterationCallback {
  public:
-  explicit Watcher(const PolishOptions& options) : options_(options) {}
+  explicit Watcher(const RefineOptions& options) : options_(options) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
     return options_.progress && !options_.progress(s.iteration, s.cost) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                                                                         : ceres::SOLVER_CONTINUE;
   }
 
  private:
-  const PolishOptions& options_;
+  const RefineOptions& options_;
 };
 
 bool nearlyLinear(const Problem& problem) {
@@ -167,9 +167,11 @@ bool withinLimits(const Problem& problem, const Eigen::VectorXd& x) {
 /// Gauss-Newton steps by QR, halved until they shorten the residual: the last digits, for small problems.
 /// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the
 /// relative offset), or when no step shortens it any more.
-bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed,
-            Eigen::VectorXd& x) {
+bool lastDigits(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed,
+                Eigen::VectorXd& x) {
   constexpr int kSteps = 100, kHalvings = 12;
+  // of the residual's length: below the first nothing is left to gain, above the second a step that shortens
+  // nothing means that the linear model does not hold there
   constexpr double kOffset = 1e-9, kFlat = 1e-4;
   WhitenedSystem system(problem, x, inverseSigma, fixed);
   for (int step = 0; step < kSteps; ++step) {
@@ -197,124 +199,184 @@ bool refine(const Problem& problem, const Eigen::VectorXd& inverseSigma, const s
   return false;
 }
 
+/// The problem as Ceres sees it: one block of the unknowns that all share, and a block for each feature whose
+/// position is wholly free.
+class CeresFit {
+ public:
+  CeresFit(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
+           const Eigen::VectorXd& inverseSigma)
+      : problem_(problem), start_(start), fixed_(fixed), inverseSigma_(inverseSigma) {
+    makeBlocks();
+    if (empty()) return;
+    placeValues();
+    addObservations();
+    addPriors();
+    addUnitVectors();
+    addLimits();
+  }
+  CeresFit(const CeresFit&) = delete;
+  CeresFit& operator=(const CeresFit&) = delete;
+
+  bool empty() const { return global_.unknowns.empty() && local_.empty(); }
+
+  ceres::Solver::Summary solve(const RefineOptions& options) {
+    ceres::Solver::Options solver = solverOptions(options);
+    Watcher watcher(options);
+    solver.callbacks.push_back(&watcher);
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &ceres_, &summary);
+    return summary;
+  }
+
+  /// All unknowns, SI, as they are now.
+  Eigen::VectorXd x() const {
+    Eigen::VectorXd x = start_;
+    const auto read = [&](const Block& block) {
+      for (std::size_t i = 0; i < block.unknowns.size(); ++i)
+        x[block.unknowns[i]] = block.values[i] * block.scales[i];
+    };
+    read(global_);
+    for (const auto& [feature, block] : local_) read(block);
+    return x;
+  }
+
+ private:
+  void makeBlocks() {
+    const auto& unknowns = problem_.unknowns();
+    for (int u = 0; u < problem_.unknownCount(); ++u) {
+      if (fixed_[u]) continue;
+      const int first = u - unknowns[u].component;
+      const bool isLocal = unknowns[u].kind == UnknownKind::kFeature && !fixed_[first] &&
+                           !fixed_[first + 1] && !fixed_[first + 2];
+      Block& block = isLocal ? local_[unknowns[u].owner] : global_;
+      block.unknowns.push_back(u);
+      block.scales.push_back(unknowns[u].scale);
+    }
+  }
+
+  void placeValues() {
+    // Ceres orders the blocks of a group by their addresses: in one array, the same in every run
+    values_.reserve(static_cast<std::size_t>(problem_.unknownCount()));
+    const auto place = [&](Block& block) {
+      block.values = values_.data() + values_.size();
+      for (std::size_t i = 0; i < block.unknowns.size(); ++i) {
+        values_.push_back(start_[block.unknowns[i]] / block.scales[i]);
+        placeOf_[block.unknowns[i]] = {&block, static_cast<int>(i)};
+      }
+    };
+    place(global_);
+    for (auto& [feature, block] : local_) place(block);
+  }
+
+  void addObservations() {
+    constexpr int kSlice = 256;  // observations of a block without a free feature: part of no result
+    std::map<int, std::vector<int>> groups;  // feature, or a negative slice of the rest
+    const auto& observations = problem_.session().observations;
+    for (int o = 0; o < static_cast<int>(observations.size()); ++o) {
+      const bool has =
+          observations[o].kind == ObservationKind::kContact && local_.count(observations[o].feature) > 0;
+      if (has || !global_.unknowns.empty())
+        groups[has ? observations[o].feature : -1 - o / kSlice].push_back(o);
+    }
+    for (auto& [key, members] : groups) {
+      std::vector<const Block*> blocks;
+      std::vector<double*> values;
+      if (!global_.unknowns.empty()) blocks.push_back(&global_), values.push_back(global_.values);
+      if (key >= 0) blocks.push_back(&local_[key]), values.push_back(local_[key].values);
+      ceres_.AddResidualBlock(new GroupCost(problem_, start_, inverseSigma_, members, blocks), nullptr,
+                              values);
+    }
+  }
+
+  void addPriors() {
+    for (const int u : problem_.priors()) {
+      if (fixed_[u]) continue;
+      const auto [block, index] = placeOf_[u];
+      const Unknown& unknown = problem_.unknowns()[u];
+      ceres_.AddResidualBlock(
+          new PriorCost(index, static_cast<int>(block->unknowns.size()), unknown.scale / unknown.priorStd),
+          nullptr, block->values);
+    }
+  }
+
+  void addUnitVectors() {
+    for (const UnitVector& v : problem_.unitVectors()) {
+      std::array<int, 3> places{-1, -1, -1};
+      for (int k = 0; k < 3; ++k)
+        if (placeOf_.count(v.first + k) > 0) places[k] = placeOf_[v.first + k].second;
+      if (places[0] < 0 && places[1] < 0 && places[2] < 0) continue;
+      ceres_.AddResidualBlock(new UnitVectorCost(v, v.penalty > 0.0 ? v.weight(inverseSigma_) : kSoft,
+                                                 global_.scales, places, start_.segment<3>(v.first)),
+                              nullptr, global_.values);
+    }
+  }
+
+  void addLimits() {
+    for (std::size_t i = 0; i < global_.unknowns.size(); ++i) {
+      const Unknown& u = problem_.unknowns()[global_.unknowns[i]];
+      const double scale = global_.scales[i];
+      global_.values[i] = std::clamp(start_[global_.unknowns[i]], u.minimum, u.maximum) / scale;
+      if (std::isfinite(u.minimum))
+        ceres_.SetParameterLowerBound(global_.values, static_cast<int>(i), u.minimum / scale);
+      if (std::isfinite(u.maximum))
+        ceres_.SetParameterUpperBound(global_.values, static_cast<int>(i), u.maximum / scale);
+    }
+  }
+
+  ceres::Solver::Options solverOptions(const RefineOptions& options) {
+    // rounding is what ends the iterations: what is left is for lastDigits()
+    constexpr double kFunction = 1e-15, kParameter = 1e-13, kGradient = 1e-16;
+    // damping only holds back the weak directions of a problem that is linear but for the geometry
+    constexpr double kNoDamping = 1e9;
+    ceres::Solver::Options solver;
+    solver.num_threads = 1;
+    solver.max_num_iterations = options.maxIterations;
+    solver.function_tolerance = kFunction;
+    solver.parameter_tolerance = kParameter;
+    solver.gradient_tolerance = kGradient;
+    if (nearlyLinear(problem_)) solver.initial_trust_region_radius = kNoDamping;
+    solver.logging_type = ceres::SILENT;
+    solver.max_num_consecutive_invalid_steps = 20;
+    if (local_.empty() || global_.unknowns.empty()) {
+      solver.linear_solver_type = local_.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
+      return solver;
+    }
+    solver.linear_solver_type = ceres::DENSE_SCHUR;
+    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (auto& [feature, block] : local_) ordering->AddElementToGroup(block.values, 0);
+    ordering->AddElementToGroup(global_.values, 1);
+    solver.linear_solver_ordering = ordering;
+    return solver;
+  }
+
+  const Problem& problem_;
+  const Eigen::VectorXd& start_;
+  const std::vector<char>& fixed_;
+  const Eigen::VectorXd& inverseSigma_;
+  Block global_;
+  std::map<int, Block> local_;                      // a feature
+  std::vector<double> values_;                      // of all blocks
+  std::map<int, std::pair<Block*, int>> placeOf_;  // an unknown: its block, its index in it
+  ceres::Problem ceres_;
+};
+
 }  // namespace
 
-PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
+RefineResult refine(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
                     const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
-                    const PolishOptions& options) {
-  PolishResult result;
+                    const RefineOptions& options) {
+  constexpr double kSmall = 5e7;  // rows times unknowns squared: a dense QR of it takes less than a second
+  RefineResult result;
   result.x = start;
   const Eigen::VectorXd inverseSigma = weight.cwiseSqrt().cwiseQuotient(sigma);
-  const auto& unknowns = problem.unknowns();
-
-  // one global block, and a local one for each feature whose position is wholly free
-  Block global;
-  std::map<int, Block> local;
-  for (int u = 0; u < problem.unknownCount(); ++u) {
-    if (fixed[u]) continue;
-    const int first = u - unknowns[u].component;
-    const bool isLocal =
-        unknowns[u].kind == UnknownKind::kFeature && !fixed[first] && !fixed[first + 1] && !fixed[first + 2];
-    Block& block = isLocal ? local[unknowns[u].owner] : global;
-    block.unknowns.push_back(u);
-    block.scales.push_back(unknowns[u].scale);
-  }
-  if (global.unknowns.empty() && local.empty()) {
+  CeresFit fit(problem, start, fixed, inverseSigma);
+  if (fit.empty()) {
     result.converged = true;
     result.stop = "nothing to estimate";
     return result;
   }
-
-  // Ceres orders the blocks of a group by their addresses: in one array, the same in every run
-  std::vector<double> all;
-  all.reserve(static_cast<std::size_t>(problem.unknownCount()));
-  const auto place = [&](Block& block) {
-    block.values = all.data() + all.size();
-    for (std::size_t i = 0; i < block.unknowns.size(); ++i)
-      all.push_back(start[block.unknowns[i]] / block.scales[i]);
-  };
-  place(global);
-  for (auto& [feature, block] : local) place(block);
-
-  std::map<int, std::vector<int>> groups;  // feature, or a negative slice of the rest
-  const auto& observations = problem.session().observations;
-  for (int o = 0; o < static_cast<int>(observations.size()); ++o) {
-    const bool has =
-        observations[o].kind == ObservationKind::kContact && local.count(observations[o].feature) > 0;
-    if (has || !global.unknowns.empty()) groups[has ? observations[o].feature : -1 - o / 256].push_back(o);
-  }
-  const Eigen::VectorXd base = start;
-  ceres::Problem ceresProblem;
-  std::map<int, std::pair<Block*, int>> placeOf;  // unknown -> block, index
-  for (std::size_t i = 0; i < global.unknowns.size(); ++i)
-    placeOf[global.unknowns[i]] = {&global, static_cast<int>(i)};
-  for (auto& [feature, block] : local)
-    for (std::size_t i = 0; i < block.unknowns.size(); ++i)
-      placeOf[block.unknowns[i]] = {&block, static_cast<int>(i)};
-  for (auto& [key, members] : groups) {
-    std::vector<const Block*> blocks;
-    std::vector<double*> values;
-    if (!global.unknowns.empty()) blocks.push_back(&global), values.push_back(global.values);
-    if (key >= 0) blocks.push_back(&local[key]), values.push_back(local[key].values);
-    ceresProblem.AddResidualBlock(new GroupCost(problem, base, inverseSigma, members, blocks), nullptr,
-                                  values);
-  }
-  for (int u : problem.priors()) {
-    if (fixed[u]) continue;
-    auto [block, index] = placeOf[u];
-    ceresProblem.AddResidualBlock(new PriorCost(index, static_cast<int>(block->unknowns.size()),
-                                                unknowns[u].scale / unknowns[u].priorStd),
-                                  nullptr, block->values);
-  }
-
-  for (const UnitVector& v : problem.unitVectors()) {
-    std::array<int, 3> places{-1, -1, -1};
-    for (int k = 0; k < 3; ++k)
-      if (placeOf.count(v.first + k) > 0) places[k] = placeOf[v.first + k].second;
-    if (places[0] < 0 && places[1] < 0 && places[2] < 0) continue;
-    ceresProblem.AddResidualBlock(new UnitVectorCost(v, v.penalty > 0.0 ? v.weight(inverseSigma) : kSoft,
-                                                     global.scales, places, start.segment<3>(v.first)),
-                                  nullptr, global.values);
-  }
-  for (std::size_t i = 0; i < global.unknowns.size(); ++i) {
-    const Unknown& u = unknowns[global.unknowns[i]];
-    global.values[i] = std::clamp(start[global.unknowns[i]], u.minimum, u.maximum) / global.scales[i];
-    if (std::isfinite(u.minimum))
-      ceresProblem.SetParameterLowerBound(global.values, static_cast<int>(i), u.minimum / global.scales[i]);
-    if (std::isfinite(u.maximum))
-      ceresProblem.SetParameterUpperBound(global.values, static_cast<int>(i), u.maximum / global.scales[i]);
-  }
-
-  ceres::Solver::Options solver;
-  solver.num_threads = 1;
-  solver.max_num_iterations = options.maxIterations;
-  solver.function_tolerance = 1e-15;
-  solver.parameter_tolerance = 1e-13;
-  solver.gradient_tolerance = 1e-16;
-  // damping only holds back the weak directions of a problem that is linear but for the geometry
-  if (nearlyLinear(problem)) solver.initial_trust_region_radius = 1e9;
-  solver.logging_type = ceres::SILENT;
-  solver.max_num_consecutive_invalid_steps = 20;
-  if (local.empty() || global.unknowns.empty()) {
-    solver.linear_solver_type = local.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
-  } else {
-    solver.linear_solver_type = ceres::DENSE_SCHUR;
-    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (auto& [feature, block] : local) ordering->AddElementToGroup(block.values, 0);
-    ordering->AddElementToGroup(global.values, 1);
-    solver.linear_solver_ordering = ordering;
-  }
-  Watcher watcher(options);
-  solver.callbacks.push_back(&watcher);
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &ceresProblem, &summary);
-
-  const auto read = [&](const Block& block) {
-    for (std::size_t i = 0; i < block.unknowns.size(); ++i)
-      result.x[block.unknowns[i]] = block.values[i] * block.scales[i];
-  };
-  read(global);
-  for (const auto& [feature, block] : local) read(block);
+  const ceres::Solver::Summary summary = fit.solve(options);
+  result.x = fit.x();
   normalise(problem, fixed, result.x);
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cancelled = summary.termination_type == ceres::USER_SUCCESS;
@@ -325,8 +387,8 @@ PolishResult polish(const Problem& problem, const Eigen::VectorXd& start, const 
                                                                     : "the residual cannot be evaluated";
   const double size =
       static_cast<double>(problem.rowCount()) * problem.unknownCount() * problem.unknownCount();
-  if (!result.cancelled && summary.termination_type != ceres::FAILURE && size < 5e7) {
-    result.converged |= refine(problem, inverseSigma, fixed, result.x);
+  if (!result.cancelled && summary.termination_type != ceres::FAILURE && size < kSmall) {
+    result.converged |= lastDigits(problem, inverseSigma, fixed, result.x);
     if (result.converged) result.stop = "converged";
   }
   return result;

@@ -8,13 +8,13 @@
 
 namespace mm {
 
-struct PolishOptions {
+struct RefineOptions {
   int maxIterations = 500;
   /// Called after each iteration with its number and the cost; return false to stop with the best so far.
   std::function<bool(int iteration, double cost)> progress;
 };
 
-struct PolishResult {
+struct RefineResult {
   Eigen::VectorXd x;
   int iterations = 0;
   bool converged = false;
@@ -25,8 +25,8 @@ struct PolishResult {
 /// Levenberg-Marquardt (Ceres) from `x` over the unknowns that are not fixed. Runs on one thread, so that
 /// bits do not depend on threads. Free positions of features are eliminated first (Schur).
 /// @param sigma standard deviation a data row (m, rad). @param weight a data row: 1, or 0 to leave it out.
-PolishResult polish(const Problem& problem, const Eigen::VectorXd& x, const std::vector<char>& fixed,
+RefineResult refine(const Problem& problem, const Eigen::VectorXd& x, const std::vector<char>& fixed,
                     const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
-                    const PolishOptions& options);
+                    const RefineOptions& options);
 
 }  // namespace mm

@@ -1,0 +1,237 @@
+#include "diagnosis/question_list.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/cancel_scope.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "diagnosis/structure.h"
+#include "effects/inputs.h"
+#include "effects/profile.h"
+#include "effects/registry.h"
+
+namespace mm {
+namespace {
+
+/// Weights of the members of a family that act together: the lowest two alike, the further ones less.
+constexpr double kMixed[] = {1.0, 1.0, 0.7, 0.5, 0.4};
+constexpr std::size_t kFewestMixed = 3;  // two are hardly more than each alone
+/// Shapes whose projection is one product: enough columns for it to be worth its packing, few enough to keep
+/// all cores busy. Part of the layout of the work, so that the bits do not depend on the number of threads.
+constexpr std::size_t kDraftsTogether = 24;
+
+/// Names that a formula may use for what varied in this session.
+std::vector<std::string> variablesThatVary(const ResidualSpace& space) {
+  std::vector<std::string> names;
+  for (const Variable& v : variablesOf(space))
+    if (!v.category && !v.symbol.empty()) names.push_back(v.symbol);
+  return names;
+}
+
+}  // namespace
+
+QuestionList QuestionList::causes(const ResidualSpace& space) {
+  QuestionList out(space);
+  const ShapeMaker maker(space);
+  const Domain& domain = maker.domain();
+  const Model& model = maker.problem().model();
+  std::map<std::string, std::size_t> byKey;
+  std::vector<Wanted> wanted;
+  for (const EffectType& type : effectRegistry()) {
+    if (type.composite || !type.candidates) continue;
+    for (const EffectSpec& spec : type.candidates(domain)) {
+      const EffectPtr effect = type.create(spec, domain);
+      std::vector<std::vector<double>> starts = effect->searchStarts();
+      const bool again = inModel(model, effect->spec());
+      if (again && starts.empty()) continue;
+      const std::string reason = maker.notTried(*effect);
+      const std::string key = causeOf(*effect);
+      auto [at, fresh] = byKey.try_emplace(key, out.groups_.size());
+      if (fresh) {
+        Group group;
+        group.key = key;
+        group.dependsOnTime = inputsOf(*effect, domain).dependsOnTime();
+        out.groups_.push_back(group);
+        out.why_.push_back(reason);
+        out.first_.push_back(effect);
+      }
+      if (!reason.empty()) continue;
+      if (starts.empty()) starts.push_back({});
+      for (std::vector<double>& start : starts) {
+        // what is in the model already may be there once more with another shape, if a key can say it
+        if (again && effect->shapedAs(start) == effect->spec()) continue;
+        if (!start.empty() && !effect->mayBeClaimed(start)) continue;
+        wanted.push_back({at->second, effect, std::move(start)});
+      }
+    }
+  }
+  std::stable_sort(wanted.begin(), wanted.end(),
+                   [](const Wanted& a, const Wanted& b) { return a.group < b.group; });
+  out.wanted_ = std::move(wanted);
+  return out;
+}
+
+std::vector<QuestionList::Wanted> QuestionList::wantedOf(std::size_t first, std::size_t count) const {
+  const auto before = [](const Wanted& w, std::size_t group) { return w.group < group; };
+  const auto begin = std::lower_bound(wanted_.begin(), wanted_.end(), first, before);
+  return {begin, std::lower_bound(begin, wanted_.end(), first + count, before)};
+}
+
+std::vector<MadeShape> QuestionList::shapesOf(const std::vector<Wanted>& wanted) const {
+  const ShapeMaker maker(*space_);
+  std::vector<MadeShape> made(wanted.size());
+  parallelFor(partsOf(wanted.size(), kDraftsTogether), [&](std::size_t number) {
+    const Part part = partOf(wanted.size(), kDraftsTogether, number);
+    std::vector<DraftShape> drafts;
+    for (std::size_t i = part.first; i < part.end; ++i) {
+      CancelScope::check();
+      drafts.push_back(maker.draft(wanted[i].effect, wanted[i].nonlinear));
+    }
+    std::vector<MadeShape> finished = maker.finished(drafts);
+    std::move(finished.begin(), finished.end(), made.begin() + static_cast<long>(part.first));
+  });
+  return made;
+}
+
+std::vector<QuestionList::Mixed> QuestionList::mixedOf(const Groups& groups, std::size_t first,
+                                                       const std::vector<Wanted>& wanted,
+                                                       const std::vector<MadeShape>& made) {
+  std::vector<Mixed> mixed;
+  for (std::size_t g = 0; g < groups.groups.size(); ++g) {
+    Mixed m{g, {}};
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      if (wanted[i].group == first + g && made[i].why.empty() && made[i].shape.main == 1 &&
+          wanted[i].nonlinear.empty())
+        m.members.push_back(i);
+    if (!groups.groups[g].profile && m.members.size() >= kFewestMixed &&
+        m.members.size() <= std::size(kMixed))
+      mixed.push_back(m);
+  }
+  return mixed;
+}
+
+Groups QuestionList::made(std::size_t first, std::size_t count) const {
+  Groups out;
+  std::vector<std::string> why(why_.begin() + static_cast<long>(first),
+                               why_.begin() + static_cast<long>(first + count));
+  for (std::size_t g = first; g < first + count; ++g) out.groups.push_back(groups_[g]);
+  const std::vector<Wanted> wanted = wantedOf(first, count);
+  std::vector<MadeShape> made = shapesOf(wanted);
+  const std::vector<Mixed> mixed = mixedOf(out, first, wanted, made);
+
+  // side by side: each shape alone, then those of several members
+  int total = 0;
+  for (const MadeShape& m : made) total += m.why.empty() ? m.shape.count : 0;
+  for (const Mixed& m : mixed) total += static_cast<int>(m.members.size());
+  out.columns.resize(space_->length(), total);
+  int at = 0;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (!made[i].why.empty()) {
+      why[wanted[i].group - first] = made[i].why;
+      continue;
+    }
+    made[i].shape.first = at;
+    out.columns.middleCols(at, made[i].shape.count) = made[i].columns;
+    at += made[i].shape.count;
+    out.groups[wanted[i].group - first].shapes.push_back(made[i].shape);
+  }
+  for (const Mixed& m : mixed) {
+    Shape shape = made[m.members[0]].shape;
+    shape.first = at;
+    shape.count = shape.main = static_cast<int>(m.members.size());
+    for (std::size_t k = 0; k < m.members.size(); ++k) {
+      out.columns.col(at++) = kMixed[k] * made[m.members[k]].columns.col(0);
+      shape.mixed.push_back(made[m.members[k]].shape.spec);
+    }
+    out.groups[m.group].shapes.push_back(shape);
+  }
+  dropEmpty(out, first, why);
+  return out;
+}
+
+void QuestionList::dropEmpty(Groups& out, std::size_t first, const std::vector<std::string>& why) const {
+  std::vector<Group> kept;
+  for (std::size_t g = 0; g < out.groups.size(); ++g) {
+    const EffectPtr& effect = first_[first + g];
+    out.groups[g].shapesAsked = static_cast<int>(out.groups[g].shapes.size());
+    if (out.groups[g].shapesAsked > 0)
+      kept.push_back(std::move(out.groups[g]));
+    else if (!out.groups[g].profile && !why[g].empty())
+      out.notShown.push_back({effect->spec(), effect, why[g]});
+  }
+  out.groups = std::move(kept);
+  for (const Group& g : out.groups) out.causes += !g.profile;
+}
+
+std::size_t QuestionList::endOfPart(std::size_t first, std::size_t shapes) const {
+  const auto after = [](std::size_t group, const Wanted& w) { return group < w.group; };
+  const auto begin = std::upper_bound(wanted_.begin(), wanted_.end(), first, after);
+  if (wanted_.end() - begin <= static_cast<long>(shapes)) return size();
+  return std::max(first + 1, begin[static_cast<long>(shapes)].group);
+}
+
+/// What a profile is of: a direction and one or two variables.
+struct QuestionList::ProfileOf {
+  std::string direction;
+  std::vector<std::string> variables;
+};
+
+QuestionList QuestionList::of(const ResidualSpace& space, const std::vector<ProfileOf>& profiles) {
+  QuestionList out(space);
+  const ShapeMaker maker(space);
+  std::map<std::string, bool> ofTime;  // a variable: it changes while the machine stands still
+  for (const auto& [direction, variables] : profiles) {
+    const auto make = [&, &along = direction](const std::vector<std::string>& of) {
+      return createEffect(profileSpec(along, of, 0.0, maker.domain()), maker.domain());
+    };
+    const auto dependsOnTime = [&](const std::string& variable) {
+      const auto known = ofTime.find(variable);
+      if (known != ofTime.end()) return known->second;
+      return ofTime[variable] = inputsOf(*make({variable}), maker.domain()).dependsOnTime();
+    };
+    EffectPtr effect;
+    try {
+      // two that change with time alone trace one line through their plane: what depends on both is a
+      // function of time, and that is drift
+      if (variables.size() == 2 && dependsOnTime(variables[0]) && dependsOnTime(variables[1])) continue;
+      effect = make(variables);
+    } catch (const InputError&) {
+      continue;  // a variable that varied, but not enough for a curve
+    }
+    const auto same = [&](const EffectPtr& e) { return causeOf(*e) == causeOf(*effect); };
+    const auto& model = maker.problem().model().effects();
+    if (std::any_of(model.begin(), model.end(), same)) continue;  // it is there, whatever its size
+    Group group;
+    group.key = causeOf(*effect);
+    group.profile = true;
+    group.variables = static_cast<int>(variables.size());
+    group.dependsOnTime = std::any_of(variables.begin(), variables.end(), dependsOnTime);
+    out.wanted_.push_back({out.groups_.size(), effect, {}});
+    out.groups_.push_back(std::move(group));
+    out.first_.push_back(effect);
+    out.why_.emplace_back();
+  }
+  return out;
+}
+
+QuestionList QuestionList::profiles(const ResidualSpace& space) {
+  std::vector<ProfileOf> profiles;
+  for (const std::string& direction : directionsOf(space).names)
+    for (const std::string& variable : variablesThatVary(space)) profiles.push_back({direction, {variable}});
+  return of(space, profiles);
+}
+
+QuestionList QuestionList::pairs(const ResidualSpace& space) {
+  std::vector<ProfileOf> profiles;
+  const std::vector<std::string> names = variablesThatVary(space);
+  for (const std::string& direction : directionsOf(space).names)
+    for (std::size_t a = 0; a < names.size(); ++a)
+      for (std::size_t b = a + 1; b < names.size(); ++b)
+        profiles.push_back({direction, {names[a], names[b]}});
+  return of(space, profiles);
+}
+
+}  // namespace mm

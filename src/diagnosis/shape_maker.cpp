@@ -1,0 +1,194 @@
+#include "diagnosis/shape_maker.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "effects/linearity.h"
+#include "effects/registry.h"
+
+namespace mm {
+namespace {
+
+/// Less than this share of a column is left by the model's unknowns: it is rounding, or would have to be
+/// enormous.
+constexpr double kSeen = 1e-3;
+constexpr double kMoved = 1e-9;     // m or rad: less is the rounding of a reading
+constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apart are two
+constexpr int kMostMissing = 10;    // an input may be unknown in one of so many rows
+
+int distinctPositions(const Problem& problem, int joint) {
+  std::vector<double> q;
+  for (std::size_t o = 0; o < problem.session().observations.size(); ++o)
+    q.push_back(problem.state(static_cast<int>(o)).position[joint]);
+  std::sort(q.begin(), q.end());
+  const double apart = kDistinct * std::max(q.back() - q.front(), kMoved);
+  int count = 1;
+  for (std::size_t i = 1; i < q.size(); ++i) count += q[i] - q[i - 1] > apart;
+  return count;
+}
+
+}  // namespace
+
+std::string ShapeMaker::notTried(const Effect& effect) const {
+  for (const int joint : effect.mustMove())
+    if (!(domain_.upper[joint] - domain_.lower[joint] > kMoved))
+      return domain_.joints[joint].name + " never moved";
+  if (effect.positionsNeeded() > 0)
+    for (const int joint : effect.mustMove())
+      if (distinctPositions(problem_, joint) < effect.positionsNeeded())
+        return "too few distinct positions of " + domain_.joints[joint].name + " to tell a period";
+  return "";
+}
+
+DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>& nonlinear) const {
+  DraftShape d;
+  d.shape.spec = effect->spec();
+  d.shape.effect = effect;
+  d.shape.nonlinear = nonlinear;
+  std::vector<RowMatrix> columns;
+  int count = 0;
+  const auto take = [&](RowMatrix part, double share) {
+    d.parts.push_back({count, static_cast<int>(part.cols()), share});
+    count += static_cast<int>(part.cols());
+    columns.push_back(std::move(part));
+  };
+  take(columnsOf(*effect, nonlinear, d.why), 1.0);
+  if (!d.why.empty()) return d;
+  const auto beside = [&](const Effect& other, const std::vector<double>& at, double share) {
+    std::string why;
+    RowMatrix part = columnsOf(other, at, why);
+    if (why.empty()) take(std::move(part), share);
+  };
+  for (const ShapeFreedom& f : effect->freedom(domain_)) beside(*createEffect(f.spec, domain_), {}, f.share);
+  for (const Effect::NonlinearFreedom& f : effect->freedomBeside(nonlinear))
+    beside(*effect, f.nonlinear, f.share);
+  for (const int joint : effect->variesAlong(domain_)) {
+    RowMatrix varied = columns.front();
+    varyAlong(problem_, space_.used(), joint, varied);
+    take(std::move(varied), kVariation);
+  }
+  d.raw.resize(space_.length(), count);
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    d.raw.middleCols(d.parts[k].first, d.parts[k].count) = columns[k];
+  return d;
+}
+
+/// @param left norm of what the model's unknowns leave, a column of the draft.
+MadeShape ShapeMaker::finish(const DraftShape& draft, const Eigen::VectorXd& left) const {
+  MadeShape made;
+  made.shape = draft.shape;
+  made.columns.resize(space_.length(), draft.raw.cols());
+  Eigen::VectorXd after(draft.raw.cols());  // left of the columns as they are kept
+  int at = 0;
+  for (const DraftShape::Part& part : draft.parts) {
+    const auto raw = draft.raw.middleCols(part.first, part.count);
+    const Eigen::VectorXd rest = left.segment(part.first, part.count);
+    const double scale = scaleOf(raw, rest, made.why);
+    if (!made.why.empty()) {
+      if (at == 0) return made;
+      made.why.clear();
+      continue;
+    }
+    made.columns.middleCols(at, part.count) = part.share * scale * raw;
+    after.segment(at, part.count) = part.share * scale * rest;
+    at += part.count;
+  }
+  made.columns.conservativeResize(Eigen::NoChange, at);
+  made.shape.count = at;
+  made.shape.main = draft.parts.front().count;
+  weightByPriors(*draft.shape.effect, after.head(at), made);
+  return made;
+}
+
+std::vector<MadeShape> ShapeMaker::finished(const std::vector<DraftShape>& drafts) const {
+  int columns = 0;
+  for (const DraftShape& d : drafts) columns += static_cast<int>(d.raw.cols());
+  RowMatrix together(space_.length(), columns);
+  int at = 0;
+  for (const DraftShape& d : drafts) {
+    if (d.raw.cols() > 0) together.middleCols(at, d.raw.cols()) = d.raw;
+    at += static_cast<int>(d.raw.cols());
+  }
+  const Eigen::VectorXd left = space_.leftOf(together);
+  std::vector<MadeShape> made(drafts.size());
+  at = 0;
+  for (std::size_t i = 0; i < drafts.size(); ++i) {
+    const int count = static_cast<int>(drafts[i].raw.cols());
+    if (drafts[i].why.empty())
+      made[i] = finish(drafts[i], left.segment(at, count));
+    else
+      made[i].why = drafts[i].why;
+    at += count;
+  }
+  return made;
+}
+
+/// Columns of the linear parameters, whitened. @param why not empty on return: an input is missing.
+RowMatrix ShapeMaker::columnsOf(const Effect& effect, const std::vector<double>& nonlinear,
+                                std::string& why) const {
+  int missing = 0;
+  const Eigen::MatrixXd all = space_.columns(effect, startsAt(effect, nonlinear), &missing);
+  if (kMostMissing * missing > space_.rows()) {
+    why = "an input is not known for " + std::to_string(missing) + " of " + std::to_string(space_.rows()) +
+          " residuals";
+    return {};
+  }
+  return linearColumns(effect, all);
+}
+
+/// What gives the largest column a unit root mean square after projection; the others keep their
+/// proportion: two phases of a wave have one size. @param why not empty on return: nothing of it is seen.
+double ShapeMaker::scaleOf(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& raw,
+                           const Eigen::VectorXd& left, std::string& why) const {
+  const Eigen::VectorXd norms = raw.colwise().norm();
+  if (!(norms.norm() > 0.0)) {
+    why = "nothing in this session excites it";
+    return 0.0;
+  }
+  double largest = 0.0;
+  for (int k = 0; k < norms.size(); ++k)
+    if (left[k] > kSeen * norms[k]) largest = std::max(largest, left[k]);
+  if (!(largest > 0.0)) {
+    why = "the model's other unknowns absorb it completely";
+    return 0.0;
+  }
+  return std::sqrt(static_cast<double>(std::max(1, space_.rows()))) / largest;
+}
+
+/// What is drawn with a prior (a profile's coefficients) has weights of its own.
+void ShapeMaker::weightByPriors(const Effect& effect, Eigen::VectorXd left, MadeShape& made) const {
+  const std::vector<int> linear = linearParameters(effect);
+  const auto weightOf = [&](int k) {
+    const Parameter& p = effect.parameters()[linear[static_cast<std::size_t>(k)]];
+    return p.priorStd / p.scale;
+  };
+  double widest = 0.0;
+  for (int k = 0; k < static_cast<int>(linear.size()); ++k) widest = std::max(widest, weightOf(k));
+  if (!(widest > 0.0)) return;
+  for (int k = 0; k < static_cast<int>(linear.size()); ++k) {
+    made.columns.col(k) *= weightOf(k) / widest;
+    left[k] *= weightOf(k) / widest;
+  }
+  if (left.norm() > 0.0)
+    made.columns *= std::sqrt(static_cast<double>(space_.rows())) / left.norm();
+  else
+    made.why = "the model's other unknowns absorb it completely";
+}
+
+RowMatrix GroupColumns::operator()(const EffectPtr& effect, const std::vector<double>& nonlinear) const {
+  std::vector<MadeShape> made = maker_.finished({maker_.draft(effect, nonlinear)});
+  return made.front().why.empty() ? std::move(made.front().columns) : RowMatrix(space_.length(), 0);
+}
+
+void varyAlong(const Problem& problem, const std::vector<int>& rows, int joint, RowMatrix& columns) {
+  const Domain& domain = problem.model().domain();
+  const double range = domain.upper[joint] - domain.lower[joint];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double q = problem.state(problem.rows()[rows[i]].observation).position[joint];
+    columns.row(static_cast<int>(i)) *=
+        range > 0.0 ? (2.0 * q - domain.upper[joint] - domain.lower[joint]) / range : 0.0;
+  }
+}
+
+}  // namespace mm

@@ -1,0 +1,44 @@
+// Heavy tails of the noise: whether Student's t describes it better than a normal distribution does.
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "diagnosis/answers.h"
+
+namespace mm {
+namespace {
+
+constexpr double kClearly = 5.0;    // nats: as likely by chance as a cause at 100 to 1 and better
+constexpr int kFewestOfATail = 60;  // rows: below, a tail is one row
+
+}  // namespace
+
+Tails tailsOf(const Search& search, const Explanation& found) {
+  const auto evidence = search.evidenceAt(found);
+  const NoiseRows& rows = search.questions().rows;
+  const int n = rows.rows();
+  Tails tails;
+  if (n < kFewestOfATail) return tails;
+  const Eigen::VectorXd e = (rows.target - evidence->fit(found.members).expected).head(n);
+  const double variance = e.squaredNorm() / n;
+  double best = -0.5 * n * (std::log(2.0 * M_PI * variance) + 1.0) + kClearly;
+  for (const double dof : {10.0, 6.0, 4.0, 3.0}) {
+    double s2 = variance;
+    Eigen::VectorXd weight(n);
+    for (int round = 0; round < 30; ++round) {  // expectation and maximisation: Student's t as a mixture
+      for (int i = 0; i < n; ++i) weight[i] = (dof + 1.0) / (dof + e[i] * e[i] / s2);
+      s2 = weight.dot(e.cwiseAbs2()) / n;
+    }
+    double value =
+        n * (std::lgamma(0.5 * (dof + 1.0)) - std::lgamma(0.5 * dof) - 0.5 * std::log(M_PI * dof * s2));
+    for (int i = 0; i < n; ++i) value -= 0.5 * (dof + 1.0) * std::log1p(e[i] * e[i] / (dof * s2));
+    if (value > best) {
+      best = value;
+      tails.dof = dof;
+      tails.variance = weight.cwiseInverse();
+      tails.variance *= n / tails.variance.cwiseInverse().sum();  // weights of 1 on average
+    }
+  }
+  return tails;
+}
+
+}  // namespace mm
