@@ -2,6 +2,7 @@
 
 #include <cctype>
 
+#include "base/text.h"
 #include "import/text_file.h"
 #include "import/unit.h"
 

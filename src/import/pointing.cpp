@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
 
@@ -59,7 +60,7 @@ class TPointReader {
                             "a star has 4 numbers (azimuth and elevation of the star, of the "
                             "telescope, in deg) or 14 (right ascension and declination of both, sidereal "
                             "time), this line has " +
-                            std::to_string(v.size()) + "; mend it, or leave it out");
+                            std::to_string(v.size()) + "; correct it, or leave it out");
         continue;
       }
       if (v.size() == 4)

@@ -6,7 +6,9 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "base/units.h"
+#include "import/meaning.h"
 #include "import/unit.h"
 
 namespace mm {
@@ -129,12 +131,11 @@ std::string RecordTable::text(const Row& row, int column) const {
 int RecordTable::joint(const std::string& name, const std::string& key) {
   const int j = jointOf(context_.machine, name);
   if (j >= 0) return j;
-  std::vector<std::string> names;
-  for (const Joint& joint : context_.machine.joints()) names.push_back(joint.name);
   context_.faults.add(
       context_.file.path().string() + ": " + key + " " +
       (name.empty() ? std::string("is not said") : "'" + name + "' is no joint of this machine") + " (" +
-      listOf(names) + "); write into the mapping (--columns): " + key + ": " + names.front());
+      jointNames(context_.machine) + "); write into the mapping (--columns): " + key + ": " +
+      context_.machine.joints().front().name);
   return -1;
 }
 
@@ -195,12 +196,6 @@ Observation blankRow(const ImportContext& context, ObservationKind kind, std::si
     if (j >= 0 && unit) o.position[static_cast<std::size_t>(j)] = value * unit->factor;
   }
   return o;
-}
-
-int jointOf(const Machine& machine, const std::string& name) {
-  for (int j = 0; j < machine.jointCount(); ++j)
-    if (lower(machine.joints()[j].name) == lower(name)) return j;
-  return -1;
 }
 
 }  // namespace mm

@@ -1,11 +1,11 @@
 #include "import/table_layout.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "import/unit.h"
 #include "session/time_stamp.h"
 
@@ -246,21 +246,6 @@ class LayoutFinder {
 };
 
 }  // namespace
-
-bool parseNumber(std::string_view cell, bool decimalComma, double& value) {
-  std::string text(trim(cell));
-  constexpr std::string_view kMinus = "\xE2\x88\x92";
-  if (text.rfind(kMinus, 0) == 0) text.replace(0, kMinus.size(), "-");
-  if (decimalComma) {
-    const std::size_t comma = text.find(',');
-    if (comma != std::string::npos && text.find('.') != std::string::npos) return false;
-    if (comma != std::string::npos) text[comma] = '.';
-  }
-  const char* begin = text.data();
-  if (text.size() > 1 && *begin == '+' && text[1] != '-') ++begin;
-  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
-  return !text.empty() && error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
-}
 
 bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit) {
   cell = trim(cell);

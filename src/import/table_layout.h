@@ -7,6 +7,7 @@
 
 #include "import/column_mapping.h"
 #include "import/text_file.h"
+#include "session/csv_cells.h"
 
 namespace mm {
 
@@ -43,9 +44,6 @@ struct ColumnSample {
 };
 
 std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout);
-
-/// A number with the table's decimal mark.
-bool parseNumber(std::string_view cell, bool decimalComma, double& value);
 
 /// A number and the unit behind it: `12.5 mm`. False where there is no unit.
 bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
@@ -67,8 +68,6 @@ std::string fromLatin1(const std::string& bytes) {
   for (const char b : bytes) append(text, static_cast<unsigned char>(b));
   return text;
 }
-
-bool startsWith(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
 
 }  // namespace
 
@@ -141,27 +140,6 @@ bool TextLines::next(std::string_view& line) {
 
 double TextLines::fraction() const {
   return file_.lines().empty() ? 1.0 : static_cast<double>(next_) / static_cast<double>(file_.lines().size());
-}
-
-std::string_view trim(std::string_view text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = static_cast<char>(std::tolower(static_cast<unsigned char>(result[i])));
-    // the capital umlauts of UTF-8 are 0x20 below the small ones
-    if (result[i] == '\xC3' && i + 1 < result.size()) {
-      ++i;
-      const auto c = static_cast<unsigned char>(result[i]);
-      if (c >= 0x80 && c <= 0x9E) result[i] = static_cast<char>(c + 0x20);
-    }
-  }
-  return result;
 }
 
 }  // namespace mm

@@ -44,8 +44,4 @@ class TextLines : public LineSource {
   std::size_t next_ = 0;
 };
 
-std::string_view trim(std::string_view text);
-/// ASCII letters and the German umlauts in lower case.
-std::string lower(std::string_view text);
-
 }  // namespace mm

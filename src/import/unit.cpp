@@ -3,6 +3,7 @@
 #include <cctype>
 #include <vector>
 
+#include "base/text.h"
 #include "base/units.h"
 #include "import/text_file.h"
 

@@ -1,18 +1,17 @@
 #include "session/contacts_csv.h"
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
-#include <set>
 #include <unordered_map>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "session/assumed_travel.h"
+#include "session/csv_cells.h"
 #include "session/input_faults.h"
+#include "session/row_clock.h"
 #include "session/session_time.h"
-#include "session/time_stamp.h"
 #include "session/travel.h"
 
 namespace mm {
@@ -27,38 +26,7 @@ struct RowKinds {
   int measured() const { return feature + reference + deviation; }
 };
 
-struct Logged {
-  std::int64_t stamp;  // ns, the file's own clock
-  double value;
-};
-
 constexpr std::int64_t kSecond = 1000000000;  // ns
-constexpr std::int64_t kDay = 86400 * kSecond;
-
-std::string lowerCase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
-
-/// How loggers and spreadsheets write that there is no value.
-bool meansNothing(std::string_view cell) {
-  static const std::set<std::string> kWords = {"nan", "n/a", "na", "#n/a", "-", "--", "---", "null", "none"};
-  return cell.size() <= 4 && kWords.count(lowerCase(cell)) > 0;
-}
-
-/// -1 or +1; 0: no direction.
-double directionOf(std::string_view cell) {
-  static const std::set<std::string> kUp = {"+",       "+1",       "1",        "up",       "fwd",
-                                            "forward", "forwards", "pos",      "positive", "→",
-                                            "↑",       "vor",      "vorwärts", "hin",      "+ve"};
-  static const std::set<std::string> kDown = {"-",         "-1",  "down",    "bwd",  "back",     "backward",
-                                              "backwards", "rev", "reverse", "neg",  "negative", "←",
-                                              "↓",         "−",   "zurück",  "rück", "-ve"};
-  const std::string lower = lowerCase(cell);
-  return kUp.count(lower) > 0 ? 1.0 : kDown.count(lower) > 0 ? -1.0 : 0.0;
-}
-
 /// Turns the rows of one file into observations and series.
 class CsvReader {
  public:
@@ -119,7 +87,7 @@ class CsvReader {
     for (std::size_t i = 0; i < session.artifact.features.size(); ++i) {
       const std::string& name = session.artifact.features[i].name;
       featureIndex_[name] = static_cast<int>(i);
-      if (foreign_) featureIndex_.emplace(lowerCase(name), static_cast<int>(i));
+      if (foreign_) featureIndex_.emplace(lower(name), static_cast<int>(i));
     }
   }
 
@@ -172,40 +140,18 @@ class CsvReader {
   /// The cell times the column's factor. @param index of the column.
   double number(std::string_view cell, std::size_t index) {
     const CsvColumn& column = columns_[index];
-    const std::string_view written = cell;
-    if (foreign_) cell = plainNumber(withoutUnit(cell, column.suffix));
-    const char* begin = cell.data();
-    if (cell.size() > 1 && *begin == '+' && cell[1] != '-') ++begin;
     double value = 0.0;
-    const auto [end, error] = std::from_chars(begin, cell.data() + cell.size(), value);
-    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-      fail("column '" + column.header + "': '" + std::string(written) + "' is not a finite number" +
+    const bool read = foreign_ ? parseNumber(withoutUnit(cell, column.suffix), form_.decimalComma, value)
+                               : parsePlainNumber(cell, value);
+    if (!read)
+      fail("column '" + column.header + "': '" + std::string(cell) + "' is not a finite number" +
            (form_.decimalComma ? " (with a decimal comma)" : "") +
            "; leave the cell empty where nothing was measured");
     ColumnRange& range = ranges_[index];
-    if (range.count++ == 0) range.first = std::string(written), range.lower = range.upper = value;
+    if (range.count++ == 0) range.first = std::string(cell), range.lower = range.upper = value;
     range.lower = std::min(range.lower, value);
     range.upper = std::max(range.upper, value);
     return value * column.factor + column.offset;
-  }
-
-  /// Without the unit that stands in each cell of a column.
-  static std::string_view withoutUnit(std::string_view cell, const std::string& suffix) {
-    if (suffix.empty() || cell.size() <= suffix.size() || cell.substr(cell.size() - suffix.size()) != suffix)
-      return cell;
-    cell.remove_suffix(suffix.size());
-    return cell.substr(0, cell.find_last_not_of(' ') + 1);
-  }
-
-  /// With a decimal point and a plain minus.
-  std::string_view plainNumber(std::string_view cell) {
-    constexpr std::string_view kMinus = "\xE2\x88\x92";
-    const bool comma = form_.decimalComma && cell.find(',') != std::string_view::npos;
-    if (!comma && cell.substr(0, kMinus.size()) != kMinus) return cell;
-    plain_ = cell.substr(0, kMinus.size()) == kMinus ? "-" + std::string(cell.substr(kMinus.size()))
-                                                     : std::string(cell);
-    if (comma && plain_.find('.') == std::string::npos) plain_[plain_.find(',')] = '.';
-    return plain_;
   }
 
   void note(std::size_t index, std::string_view cell) {
@@ -268,7 +214,7 @@ class CsvReader {
     session.observations.push_back(std::move(o));
   }
 
-  /// What was indicated minus the target is the deviation (ISO 230-2).
+  /// What was measured minus the target is the deviation (ISO 230-2).
   void finishMeasured(Observation& o) const {
     for (const CsvColumn& c : columns_)
       if (c.role == CsvRole::kMeasured) o.deviation[c.index] -= o.position[c.index];
@@ -292,38 +238,19 @@ class CsvReader {
         stamp += std::llround(time * 1e9);
         continue;
       }
-      const auto read = timeIn(column.timeForm, cells_[i]);
+      const auto read = RowClock::read(column.timeForm, cells_[i]);
       if (!read)
         fail("column '" + column.header + "': '" + std::string(cells_[i]) + "' is not a " +
              (column.timeForm == TimeForm::kClock
                   ? "time of day (10:15:03)"
                   : "calendar time (2026-11-21T10:15:03, 21.11.2026 10:15:03)") +
-             " as in the rows before; mend it, or leave the row out");
+             " as in the rows before; correct it, or leave the row out");
       note(i, cells_[i]);
       stamp += *read;
-      if (column.timeForm == TimeForm::kClock && !hasDate_) stamp = afterMidnight(stamp);
+      if (column.timeForm == TimeForm::kClock && !hasDate_) stamp = clock_.afterMidnight(stamp);
     }
-    earliest_ = any_ ? std::min(earliest_, stamp) : stamp;
-    any_ = true;
+    clock_.saw(stamp);
     return stamp;
-  }
-
-  static std::optional<std::int64_t> timeIn(TimeForm form, std::string_view cell) {
-    switch (form) {
-      case TimeForm::kClock:
-        return parseClock(cell);
-      case TimeForm::kMonthFirst:
-      case TimeForm::kDayFirst:
-        return parseSlashed(cell, form == TimeForm::kMonthFirst);
-      default:
-        return parseCalendar(cell);
-    }
-  }
-
-  /// A clock that jumps back by more than half a day has passed midnight.
-  std::int64_t afterMidnight(std::int64_t clock) {
-    if (any_ && clock + midnights_ * kDay < last_ - kDay / 2) ++midnights_;
-    return last_ = clock + midnights_ * kDay;
   }
 
   void readCell(std::string_view cell, std::size_t index, std::int64_t stamp, Observation& o,
@@ -368,7 +295,7 @@ class CsvReader {
         if (const auto renamed = form_.features.find(key_); renamed != form_.features.end())
           key_ = renamed->second;
         auto found = featureIndex_.find(key_);
-        if (found == featureIndex_.end() && foreign_) found = featureIndex_.find(lowerCase(key_));
+        if (found == featureIndex_.end() && foreign_) found = featureIndex_.find(lower(key_));
         if (found != featureIndex_.end())
           o.feature = found->second;
         else if (!statesOnly_)
@@ -398,11 +325,11 @@ class CsvReader {
       }
       case CsvRole::kTemperature:
         kinds.logged = true;
-        temperatures_[column.index].push_back({stamp, number(cell, index)});
+        temperatures_.add(column.index, stamp, number(cell, index));
         break;
       case CsvRole::kCovariate:
         kinds.logged = true;
-        covariates_[column.index].push_back({stamp, number(cell, index)});
+        covariates_.add(column.index, stamp, number(cell, index));
         break;
     }
   }
@@ -444,24 +371,11 @@ class CsvReader {
   void countTimeFromStart() {
     Session& session = states_.session;
     const std::int64_t zero = form_.absoluteTime ? 0 : kImportEpoch;
-    session.epoch = static_cast<double>(zero) + secondsBetween(0, earliest_);
+    session.epoch = static_cast<double>(zero) + secondsBetween(0, clock_.earliest());
     for (std::size_t i = 0; i < stamps_.size(); ++i)
-      session.observations[i].time = secondsBetween(earliest_, stamps_[i]);
-    fillSeries(temperatures_, session.temperatures);
-    fillSeries(covariates_, session.covariates);
-  }
-
-  void fillSeries(std::vector<std::vector<Logged>>& logged, std::vector<Series>& series) const {
-    const auto earlier = [](const Logged& a, const Logged& b) { return a.stamp < b.stamp; };
-    for (std::size_t i = 0; i < series.size(); ++i) {
-      if (!std::is_sorted(logged[i].begin(), logged[i].end(), earlier))
-        std::stable_sort(logged[i].begin(), logged[i].end(), earlier);
-      for (const Logged& l : logged[i]) {
-        series[i].time.push_back(secondsBetween(earliest_, l.stamp));
-        series[i].value.push_back(l.value);
-      }
-      std::vector<Logged>().swap(logged[i]);
-    }
+      session.observations[i].time = secondsBetween(clock_.earliest(), stamps_[i]);
+    temperatures_.fill(session.temperatures, clock_.earliest());
+    covariates_.fill(session.covariates, clock_.earliest());
   }
 
   LineSource& lines_;
@@ -471,10 +385,8 @@ class CsvReader {
   FaultList faults_;
   std::vector<ColumnRange> ranges_;
   std::vector<std::string> notes_;
-  std::string plain_;
-  std::int64_t rows_ = 0, last_ = 0, midnights_ = 0;
-  bool hasDate_ = false;
-  bool hasTime_ = false, hasDeviation_ = false, any_ = false;
+  std::int64_t rows_ = 0;
+  bool hasDate_ = false, hasTime_ = false, hasDeviation_ = false;
   std::vector<CsvColumn> columns_;
   std::vector<std::string_view> cells_;
   std::string key_;
@@ -482,8 +394,8 @@ class CsvReader {
       zeroUnlessColumn_;  // readings of a row before its cells: a joint without a column stays at 0
   std::unordered_map<std::string, int> featureIndex_, setupIndex_;
   std::vector<std::int64_t> stamps_;  // of the observations, ns on the file's own clock
-  std::int64_t earliest_ = 0;
-  std::vector<std::vector<Logged>> temperatures_, covariates_;
+  RowClock clock_;
+  LoggedSeries temperatures_, covariates_;
 };
 
 /// Whatever it was written in: a session must hold a measurement, and each laser contact its reading.

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "base/units.h"
 
 namespace mm {
@@ -47,12 +48,6 @@ Known knownColumns(const Machine& machine) {
   return known;
 }
 
-bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /// The known column that differs from `header` in its unit only, or null.
 const CsvColumn* otherUnit(const Known& known, const std::string& header) {
   const CsvColumn* found = nullptr;
@@ -81,11 +76,9 @@ bool resemblesKnown(const Known& known, const std::string& header) {
 }
 
 bool isTemperatureUnit(const std::string& unit) {
-  std::string lower = unit;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   static const std::set<std::string> kUnits = {"c",      "degc", "celsius", "k",         "degk",
                                                "kelvin", "f",    "degf",    "fahrenheit"};
-  return kUnits.count(lower) > 0;
+  return kUnits.count(lower(unit)) > 0;
 }
 
 /// Names of sensors and covariates become topics.

@@ -51,7 +51,7 @@ void FitOptions::declare(CLI::App& command, bool genetic) {
       .add_option("--repeatability-um", repeatability,
                   "noise of one measurement (else the model's, the artifact's, or found from repetitions)")
       ->check(numberWithin(1e-6, 1e6, "um"));
-  command.add_flag("--keep-outliers", keepOutliers, "nothing is left aside");
+  command.add_flag("--keep-outliers", keepOutliers, "nothing is set aside");
   command.add_flag("--white-noise", whiteNoise,
                    "uncertainties as if no row knew of its neighbours, whatever the residuals show");
   declareNamespace(command, space);
