@@ -15,6 +15,7 @@
 #include "import/name_reader.h"
 #include "import/table_remarks.h"
 #include "import/time_column.h"
+#include "import/whole_table.h"
 
 namespace mm {
 namespace {
@@ -44,9 +45,11 @@ class TableUnderstander {
     lookAhead();
     if (layout_.headerLine == 0 && mapping_.columns.empty())
       nameless();
+    else if (mapping_.columns.empty() && coordinateEachRow())
+      return std::move(table_);
     else
       for (std::size_t i = 0; i < layout_.names.size(); ++i) column(i);
-    if (!table_.columns.empty()) whole();
+    if (!table_.columns.empty()) completeTable(file_, layout_, machine_, artifact_, table_, faults_);
     return std::move(table_);
   }
 
@@ -93,11 +96,13 @@ class TableUnderstander {
 
   /// Which other columns there are decides what "measured" and "date" mean.
   void lookAhead() {
+    std::set<int> named;  // joints
     for (std::size_t i = 0; i < layout_.names.size(); ++i) {
-      const auto classes = names_.classesOf(wordsOf(splitUnit(layout_.names[i]).stem)).first;
+      const auto [classes, joint] = names_.classesOf(wordsOf(splitUnit(layout_.names[i]).stem));
       context_.hasTarget |= classes.count(WordClass::kTarget) > 0;
       hasFeature_ |= classes.count(WordClass::kFeature) > 0;
       hasTime_ |= classes.count(WordClass::kTime) + classes.count(WordClass::kDate) > 0;
+      if (joint >= 0 && classes.count(WordClass::kTemperature) == 0) named.insert(joint);
       context_.timeColumns +=
           classes.count(WordClass::kTime) > 0 && samples_[i].clocks + samples_[i].numbers > 0;
     }
@@ -106,14 +111,36 @@ class TableUnderstander {
       hasFeature_ |= as == "feature";
       hasTime_ |= as.rfind("time", 0) == 0;
     }
+    if (context_.axis < 0 && named.size() == 1) {
+      context_.axis = *named.begin();
+      onlyNamed_ = true;
+    }
+  }
+
+  /// A report in long form, as coordinate measuring machines print it: a row a coordinate, its joint in a
+  /// column.
+  bool coordinateEachRow() {
+    for (std::size_t i = 0; i < layout_.names.size(); ++i) {
+      const ColumnSample& s = samples_[i];
+      const bool joints = s.numbers == 0 && s.words.size() > 1 &&
+                          std::all_of(s.words.begin(), s.words.end(),
+                                      [&](const std::string& word) { return jointOf(machine_, word) >= 0; });
+      if (!joints || isLabels(i)) continue;
+      faults_.add(
+          i, "holds " + joined({s.words.begin(), s.words.end()}, ", ") +
+                 ": each row is one coordinate; write a row a point, with a column a coordinate (x_mm, y_mm, "
+                 "z_mm and feature, or reference_x_mm …), or a file an axis");
+      return true;
+    }
+    return false;
   }
 
   /// A table without names: one line says them all.
   void nameless() {
     std::string all;
     for (std::size_t i = 0; i < layout_.names.size(); ++i) {
-      const bool constant = samples_[i].lower == samples_[i].upper && samples_[i].numbers > 0;
-      const std::string joint = constant || samples_[i].numbers == 0 ? "" : freeJoint(UnitKind::kLength);
+      const bool zero = samples_[i].lower == 0.0 && samples_[i].upper == 0.0;
+      const std::string joint = zero || samples_[i].numbers == 0 ? "" : freeJoint(UnitKind::kLength);
       all += (i > 0 ? ", " : "") + std::to_string(i + 1) + ": " + (joint.empty() ? "ignore" : joint + "_mm");
     }
     faults_.add(faults_.place() + "no line names the " + std::to_string(layout_.names.size()) +
@@ -127,7 +154,7 @@ class TableUnderstander {
     seen.name = layout_.headerLine > 0 && !layout_.names[i].empty() ? layout_.names[i]
                                                                     : "column " + std::to_string(i + 1);
     seen.first = sample.first;
-    if (sample.numbers > 0) seen.range = format("%.6g … %.6g", sample.lower, sample.upper);
+    if (sample.numbers > 0) seen.lower = sample.lower, seen.upper = sample.upper;
     std::string as;
     for (const auto& [name, value] : mapping_.columns)
       if (faults_.mapped(i, name)) as = value;
@@ -175,13 +202,15 @@ class TableUnderstander {
                                                                                            : "arcsec";
       faults_.add(
           i,
-          "is an error, and whether it is indicated minus true (VIM) or actual minus target (ISO 230-2) is "
-          "not "
-          "said; " +
+          "is an error or a difference, and whether it is indicated minus true (VIM) or actual minus target "
+          "(ISO 230-2) is not said; " +
               faults_.remedy(i, "error_" + joint + "_" + u) + " for the first, deviation_" + joint + "_" + u +
               " for the second" + (meaning->needsAxis ? " (joints: " + joints() + ")" : ""));
       return;
     }
+    if (onlyNamed_ && meaning->axisOfTable)
+      table_.notes.push_back("column " + faults_.called(i) + " is taken as of " +
+                             machine_.joints()[context_.axis].name + ", the only joint that the file names");
     if (meaning->needsAxis) {
       faults_.add(i, "does not say of which joint it is (" + joints() +
                          "); write into the mapping (--columns): axis: " + machine_.joints().front().name +
@@ -202,14 +231,7 @@ class TableUnderstander {
   }
 
   void unknown(std::size_t i, const std::string& name, bool said, const std::optional<Unit>& unit) {
-    std::vector<std::string> own = {"time_s", "feature", "setup", "reading_mm"};
-    for (const Joint& j : machine_.joints()) {
-      const bool linear = j.kind == JointKind::kLinear;
-      own.push_back(j.name + (linear ? "_mm" : "_deg"));
-      own.push_back(j.name + (linear ? "_velocity_mm_s" : "_velocity_deg_s"));
-      own.push_back("deviation_" + j.name + (linear ? "_um" : "_arcsec"));
-    }
-    for (const char* r : {"reference_x_mm", "reference_y_mm", "reference_z_mm"}) own.emplace_back(r);
+    const std::vector<std::string> own = fixedColumns(machine_);
     const std::string near = nearestName(name, own);
     if (said) {
       faults_.add(
@@ -221,12 +243,15 @@ class TableUnderstander {
     }
     if (layout_.headerLine == 0) {
       faults_.add(
-          i, "is not in the mapping" +
-                 (samples_[i].numbers > 0 ? format(" (%.6g … %.6g)", samples_[i].lower, samples_[i].upper)
-                                          : " ('" + samples_[i].first + "')") +
-                 "; " +
-                 faults_.remedy(
-                     i, i < static_cast<std::size_t>(machine_.jointCount()) ? own[4 + 3 * i] : "ignore"));
+          i,
+          "is not in the mapping" +
+              (samples_[i].numbers > 0 ? format(" (%.6g … %.6g)", samples_[i].lower, samples_[i].upper)
+                                       : " ('" + samples_[i].first + "')") +
+              "; " +
+              faults_.remedy(
+                  i, i < static_cast<std::size_t>(machine_.jointCount())
+                         ? exampleOf(meaningOf(CsvRole::kPosition, static_cast<int>(i), machine_), machine_)
+                         : "ignore"));
       return;
     }
     const std::string plain = joined(wordsOf(splitUnit(name).stem), "_");
@@ -346,39 +371,6 @@ class TableUnderstander {
     if (m.role == CsvRole::kCovariate) c.index = covariates_++;
   }
 
-  /// What the columns are together.
-  void whole() {
-    const auto has = [&](std::initializer_list<CsvRole> roles) {
-      return std::any_of(table_.form.columns.begin(), table_.form.columns.end(), [&](const CsvColumn& c) {
-        return std::find(roles.begin(), roles.end(), c.role) != roles.end();
-      });
-    };
-    if (!faults_.empty()) return;
-    if (has({CsvRole::kFeature}) && artifact_ == nullptr)
-      faults_.add(
-          faults_.place() +
-          "the file names what was touched; give an artifact that says what these are, with --artifact");
-    if (!has({CsvRole::kFeature, CsvRole::kReference, CsvRole::kDeviation, CsvRole::kMeasured})) {
-      if (artifact_ != nullptr && artifact_->features.size() == 1) {
-        table_.form.onlyFeature = 0;
-        table_.notes.push_back("no column says what was touched: '" + artifact_->features.front().name +
-                               "', the only one of the artifact");
-      } else {
-        faults_.add(faults_.place() +
-                    "no column says what was measured: a ball (feature), a true position (reference_x_mm) or "
-                    "a deviation (deviation_x_um); name it in the mapping (--columns), e.g. columns: {" +
-                    faults_.key(layout_.names.size() - 1) + ": feature}" +
-                    (artifact_ == nullptr ? ", or give an --artifact of one ball" : ""));
-      }
-    }
-    if (!has({CsvRole::kPosition}) && faults_.empty() && table_.form.fixed.empty())
-      faults_.add(faults_.place() + "no column is a reading of a joint of this machine (" + joints() +
-                  "); name one in the mapping (--columns): columns: {" + faults_.key(0) + ": " +
-                  machine_.joints().front().name + "_mm}");
-    if (!has({CsvRole::kTime, CsvRole::kDate}))
-      table_.notes.push_back("no column of times: rows are taken in their order, a second apart");
-  }
-
   const TextFile& file_;
   const TableLayout& layout_;
   const ColumnMapping& mapping_;
@@ -391,7 +383,7 @@ class TableUnderstander {
   TableRemarks remarks_;
   NameContext context_;
   int temperatures_ = 0, covariates_ = 0;
-  bool hasFeature_ = false, hasTime_ = false;
+  bool hasFeature_ = false, hasTime_ = false, onlyNamed_ = false;
   std::set<int> suggested_;
   std::map<std::string, std::size_t> taken_;
 };

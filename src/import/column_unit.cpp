@@ -15,30 +15,28 @@ std::optional<Unit> temperatureByRange(const ColumnSample& s) {
   return std::nullopt;
 }
 
-/// Whether readings in this unit are within the travel, and fill a part of it.
-bool fitsTravel(const ColumnSample& s, const Unit& unit, const Joint& joint) {
+}  // namespace
+
+bool fitsTravel(const ColumnSample& s, double factor, const Joint& joint) {
   constexpr double kBeyond = 0.05, kLeast = 0.02;  // of the travel
   const double travel = joint.upper - joint.lower;
-  const double low = s.lower * unit.factor, high = s.upper * unit.factor;
+  if (!std::isfinite(travel) || travel <= 0.0) return false;
+  const double low = s.lower * factor, high = s.upper * factor;
   if (low < joint.lower - kBeyond * travel || high > joint.upper + kBeyond * travel) return false;
   return std::max(high - low, std::max(std::abs(low), std::abs(high))) >= kLeast * travel;
 }
-
-}  // namespace
 
 std::optional<Unit> unitByRange(const ColumnSample& sample, const Meaning& m, const Machine& machine) {
   if (sample.numbers == 0) return std::nullopt;
   if (m.role == CsvRole::kTemperature) return temperatureByRange(sample);
   if (m.role != CsvRole::kPosition && m.role != CsvRole::kMeasured) return std::nullopt;
   const Joint& joint = machine.joints()[m.index];
-  const double travel = joint.upper - joint.lower;
-  if (!std::isfinite(travel) || travel <= 0.0) return std::nullopt;
   const bool linear = joint.kind == JointKind::kLinear;
   std::optional<Unit> only;
   for (const char* name :
        linear ? std::vector<const char*>{"mm", "um", "m", "inch"} : std::vector<const char*>{"deg", "rad"}) {
     const auto unit = parseUnit(name, *m.kind);
-    if (!fitsTravel(sample, *unit, joint)) continue;
+    if (!fitsTravel(sample, unit->factor, joint)) continue;
     if (only) return std::nullopt;
     only = unit;
   }

@@ -11,6 +11,9 @@ namespace mm {
 /// within a fiftieth of its travel; a workshop has 5 to 45 degC, or a kelvin scale begins above 200.
 std::optional<Unit> unitByRange(const ColumnSample& sample, const Meaning& meaning, const Machine& machine);
 
+/// Whether readings are within a joint's travel, and fill a part of it. @param factor to SI.
+bool fitsTravel(const ColumnSample& sample, double factor, const Joint& joint);
+
 /// How the times of a column are counted.
 struct TimeUnit {
   Unit unit;

@@ -64,7 +64,8 @@ void readOwn(const ImportRequest& request, const Machine& machine, const Artifac
     seen.unit = ownUnit(columns[i]);
     seen.from = seen.unit.empty() ? "" : "header";
     seen.first = r.first;
-    if (!std::isnan(r.lower)) seen.range = format("%.6g … %.6g", r.lower, r.upper);
+    seen.lower = r.lower;
+    seen.upper = r.upper;
     imported.columns.push_back(std::move(seen));
   }
   imported.session = std::move(reading.session);
@@ -77,6 +78,10 @@ const ImportFormat& formatNamed(const std::string& name) {
     names.emplace_back(f.name);
   }
   throw InputError("--format: '" + name + "' is not known (" + listOf(names) + ")" + didYouMean(name, names));
+}
+
+std::string rangeText(const UnderstoodColumn& c) {
+  return std::isnan(c.lower) ? "" : format("%.6g … %.6g", c.lower, c.upper);
 }
 
 /// A character of several bytes is one column on the screen.
@@ -119,7 +124,7 @@ std::string understoodText(const Imported& imported) {
   std::vector<std::vector<std::string>> rows = {{"column", "is", "unit", "range", "first"}};
   for (const UnderstoodColumn& c : imported.columns)
     rows.push_back({c.name, c.meaning,
-                    c.unit + (c.from.empty() || c.from == "header" ? "" : " (" + c.from + ")"), c.range,
+                    c.unit + (c.from.empty() || c.from == "header" ? "" : " (" + c.from + ")"), rangeText(c),
                     c.first});
   if (rows.size() > 1) {
     std::vector<std::size_t> widths(rows[0].size(), 0);

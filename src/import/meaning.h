@@ -17,6 +17,7 @@ struct Meaning {
   std::string why;               // of a column that is left out
   bool reversed = false;         // an error (indicated minus true) is a deviation with its sign changed
   std::optional<UnitKind> kind;  // what its unit must be
+  bool axisOfTable = false;      // its joint is that of the table, not of its name
   bool needsAxis = false;        // which joint is not said
   bool unclearSign = false;      // "error"
 };

@@ -33,7 +33,7 @@ std::pair<std::set<WordClass>, int> NameReader::classesOf(const std::vector<std:
   return {classes, joint};
 }
 
-/// `xref`, `posx`: a joint and a word in one.
+/// `xref`, `posx`, `vx`, `dx`: a joint and a word in one.
 bool NameReader::splitWord(const std::string& word, std::set<WordClass>& classes, int& joint) const {
   for (int j = 0; j < machine_.jointCount(); ++j) {
     const std::string name = lower(machine_.joints()[j].name);
@@ -42,11 +42,11 @@ bool NameReader::splitWord(const std::string& word, std::set<WordClass>& classes
       const std::string other = before ? word.substr(name.size()) : word.substr(0, word.size() - name.size());
       if ((before ? word.substr(0, name.size()) : word.substr(other.size())) != name) continue;
       const auto known = wordClasses().find(other);
-      const bool v = !before && other == "v";
-      if (!v && (known == wordClasses().end() || other.size() < 3)) continue;
+      const bool v = !before && other == "v", d = !before && (other == "d" || other == "δ");
+      if (!v && !d && (known == wordClasses().end() || other.size() < 3)) continue;
       if (joint >= 0 && joint != j) continue;
       joint = j;
-      classes.insert(v ? WordClass::kVelocity : known->second);
+      classes.insert(v ? WordClass::kVelocity : d ? WordClass::kError : known->second);
       return true;
     }
   }
@@ -65,8 +65,10 @@ std::optional<Meaning> NameReader::ownFormat(const std::string& name) const {
 
 /// A quantity of one joint; without one, of the axis that the file or the mapping tells.
 Meaning NameReader::ofJoint(CsvRole role, int joint, const NameContext& context) const {
-  if (joint < 0) joint = context.axis;
+  const bool own = joint >= 0;
+  if (!own) joint = context.axis;
   Meaning m = meaningOf(role, std::max(0, joint), machine_);
+  m.axisOfTable = !own && joint >= 0;
   m.needsAxis = joint < 0;
   return m;
 }

@@ -186,7 +186,8 @@ class TPointReader {
       c.meaning =
           "reading of joint " + context_.machine.joints()[k].name + (sign_[k] < 0.0 ? ", sign changed" : "");
       c.unit = "deg";
-      c.range = format("%.6g … %.6g", range_[k].first, range_[k].second);
+      c.lower = range_[k].first;
+      c.upper = range_[k].second;
       context_.imported.columns.push_back(std::move(c));
     }
     context_.imported.notes.push_back(

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/format.h"
 #include "base/nearest_name.h"
 #include "base/text.h"
 #include "base/units.h"
@@ -15,6 +14,8 @@ namespace mm {
 
 RecordTable::RecordTable(ImportContext& context)
     : context_(context), layout_(tableLayout(context.file, context.mapping)) {
+  for (const UnclearNumber& u : layout_.marks.unclear)
+    refuseUnclear(context.file, layout_, u, context.faults);
   context.imported.how = context.file.encoding() + ", " + layout_.inWords();
   for (const auto& [line, text] : layout_.remarks) {
     std::string key, value;
@@ -99,7 +100,8 @@ bool RecordTable::number(const std::vector<std::string>& keys, const std::string
 
 double RecordTable::value(const Row& row, int column, UnitKind kind, const std::string& fallback) {
   const auto at = static_cast<std::size_t>(column);
-  if (column < 0 || at >= row.cells.size() || row.cells[at].empty()) return kNotMeasured;
+  if (column < 0 || at >= row.cells.size() || row.cells[at].empty() || meansNothing(row.cells[at]))
+    return kNotMeasured;
   const std::string name = at < layout_.names.size() ? layout_.names[at] : std::to_string(column + 1);
   double value = 0.0;
   if (!parseNumber(row.cells[at], layout_.decimalComma, value)) {
@@ -155,7 +157,7 @@ void RecordTable::show(int column, const std::string& meaning, const std::string
     low = std::min(low, v);
     high = std::max(high, v);
   }
-  if (low <= high) seen.range = format("%.6g … %.6g", low, high);
+  if (low <= high) seen.lower = low, seen.upper = high;
   if (!rows_.empty() && at < rows_.front().cells.size()) seen.first = rows_.front().cells[at];
   context_.imported.columns.push_back(std::move(seen));
 }

@@ -5,10 +5,11 @@
 #include <unordered_map>
 
 #include "base/error.h"
-#include "base/nearest_name.h"
 #include "base/text.h"
 #include "session/assumed_travel.h"
 #include "session/csv_cells.h"
+#include "session/csv_row.h"
+#include "session/feature_names.h"
 #include "session/input_faults.h"
 #include "session/row_clock.h"
 #include "session/session_time.h"
@@ -19,12 +20,6 @@ namespace {
 
 constexpr double kLargestTime = 3e9;    // s; with the epoch it still fits a ROS stamp
 constexpr double kSmallestTime = -9e8;  // s
-
-/// What was written in one row, beside the observation itself.
-struct RowKinds {
-  bool feature = false, reference = false, deviation = false, logged = false, setup = false;
-  int measured() const { return feature + reference + deviation; }
-};
 
 constexpr std::int64_t kSecond = 1000000000;  // ns
 /// Turns the rows of one file into observations and series.
@@ -60,7 +55,7 @@ class CsvReader {
     constexpr std::size_t kHopeless = 1000;  // faults
     std::string_view line;
     while (faults_.count() < kHopeless && lines_.next(line)) {
-      if (line.find_first_not_of(" \t") == std::string_view::npos || isComment(line)) continue;
+      if (trim(line).empty() || (foreign_ && isRemark(line))) continue;
       try {
         readRow(line);
       } catch (const InputError& e) {
@@ -84,17 +79,7 @@ class CsvReader {
     session.source = file.string();
     session.rowFile = file.filename().string();
     if (artifact != nullptr) session.artifact = *artifact;
-    for (std::size_t i = 0; i < session.artifact.features.size(); ++i) {
-      const std::string& name = session.artifact.features[i].name;
-      featureIndex_[name] = static_cast<int>(i);
-      if (foreign_) featureIndex_.emplace(lower(name), static_cast<int>(i));
-    }
-  }
-
-  bool isComment(std::string_view line) const {
-    if (!foreign_) return false;
-    line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t")));
-    return line.front() == '#' || line.front() == '%' || line.substr(0, 2) == "//";
+    features_.take(session.artifact, foreign_, form_.features);
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -147,25 +132,18 @@ class CsvReader {
       fail("column '" + column.header + "': '" + std::string(cell) + "' is not a finite number" +
            (form_.decimalComma ? " (with a decimal comma)" : "") +
            "; leave the cell empty where nothing was measured");
-    ColumnRange& range = ranges_[index];
-    if (range.count++ == 0) range.first = std::string(cell), range.lower = range.upper = value;
-    range.lower = std::min(range.lower, value);
-    range.upper = std::max(range.upper, value);
+    ranges_[index].add(cell, value);
     return value * column.factor + column.offset;
-  }
-
-  void note(std::size_t index, std::string_view cell) {
-    ColumnRange& range = ranges_[index];
-    if (range.count++ == 0) range.first = std::string(cell);
   }
 
   /// Of a foreign table: empty cells at the end do not count; a line of words between the rows is none.
   bool fitCells(std::string_view line) {
     while (cells_.size() > columns_.size() && cells_.back().empty()) cells_.pop_back();
-    const bool empty = std::all_of(cells_.begin(), cells_.end(), [](auto c) { return c.empty(); });
-    if (empty) return false;
-    if (cells_.size() < columns_.size() && cells_.size() <= 2 &&
-        line.find_first_of("0123456789") == std::string_view::npos) {
+    const auto first = std::find_if(cells_.begin(), cells_.end(), [](auto c) { return !c.empty(); });
+    if (first == cells_.end()) return false;
+    const bool words = cells_.size() < columns_.size() && cells_.size() <= 2 &&
+                       line.find_first_of("0123456789") == std::string_view::npos;
+    if (words || (sumsUp(cells_) && !features_.has(*first))) {
       notes_.push_back("line " + std::to_string(lines_.number()) + " is no row and was left out: '" +
                        std::string(line.substr(0, 60)) + "'");
       return false;
@@ -206,10 +184,12 @@ class CsvReader {
     if (form_.onlyFeature >= 0) o.feature = form_.onlyFeature, kinds.feature = true;
     if (statesOnly_) {
       states_.lines.emplace_back(line);
-    } else if (!checkRow(o, kinds)) {
+    } else if (kinds.logsOnly()) {
       return;
+    } else if (const std::string fault = rowFault(o, kinds, session.machine); !fault.empty()) {
+      fail(fault);
     }
-    finishKind(o, kinds);
+    setKind(o, kinds);
     stamps_.push_back(stamp);
     session.observations.push_back(std::move(o));
   }
@@ -245,7 +225,7 @@ class CsvReader {
                   ? "time of day (10:15:03)"
                   : "calendar time (2026-11-21T10:15:03, 21.11.2026 10:15:03)") +
              " as in the rows before; correct it, or leave the row out");
-      note(i, cells_[i]);
+      ranges_[i].add(cells_[i]);
       stamp += *read;
       if (column.timeForm == TimeForm::kClock && !hasDate_) stamp = clock_.afterMidnight(stamp);
     }
@@ -262,14 +242,10 @@ class CsvReader {
       case CsvRole::kDate:
         break;
       case CsvRole::kIgnored:
-        note(index, cell);
-        break;
-      case CsvRole::kMeasured:
-        kinds.deviation = true;
-        o.deviation[column.index] = number(cell, index);
+        ranges_[index].add(cell);
         break;
       case CsvRole::kDirection: {
-        note(index, cell);
+        ranges_[index].add(cell);
         const double direction = directionOf(cell);
         if (direction == 0.0)
           fail("column '" + column.header + "': '" + std::string(cell) +
@@ -290,22 +266,16 @@ class CsvReader {
         break;
       case CsvRole::kFeature: {
         kinds.feature = true;
-        note(index, cell);
-        key_.assign(cell);
-        if (const auto renamed = form_.features.find(key_); renamed != form_.features.end())
-          key_ = renamed->second;
-        auto found = featureIndex_.find(key_);
-        if (found == featureIndex_.end() && foreign_) found = featureIndex_.find(lower(key_));
-        if (found != featureIndex_.end())
-          o.feature = found->second;
-        else if (!statesOnly_)
-          failFeature();
+        ranges_[index].add(cell);
+        o.feature = features_.find(cell);
+        if (o.feature < 0 && !statesOnly_) fail(features_.fault(cell, session.artifact));
         break;
       }
       case CsvRole::kReference:
         kinds.reference = true;
         o.reference[column.index] = number(cell, index);
         break;
+      case CsvRole::kMeasured:  // finishMeasured takes the target off
       case CsvRole::kDeviation:
         kinds.deviation = true;
         o.deviation[column.index] = number(cell, index);
@@ -317,7 +287,7 @@ class CsvReader {
         break;
       case CsvRole::kSetup: {
         kinds.setup = true;
-        note(index, cell);
+        ranges_[index].add(cell);
         const auto entry = setupIndex_.emplace(std::string(cell), static_cast<int>(session.setups.size()));
         if (entry.second) session.setups.emplace_back(cell);
         o.setup = entry.first->second;
@@ -332,40 +302,6 @@ class CsvReader {
         covariates_.add(column.index, stamp, number(cell, index));
         break;
     }
-  }
-
-  [[noreturn]] void failFeature() const {
-    std::vector<std::string> names;
-    for (const Feature& f : states_.session.artifact.features) names.push_back(f.name);
-    fail("feature '" + key_ + "' is not in artifact '" + states_.session.artifact.name + "'" +
-         didYouMean(key_, names) +
-         (foreign_ ? "; if it is one of them, write into the mapping: features: {" + key_ + ": " +
-                         (names.empty() ? "ball" : names.front()) + "}"
-                   : ""));
-  }
-
-  /// False for a row that only logs temperatures or covariates.
-  bool checkRow(const Observation& o, const RowKinds& kinds) const {
-    if (kinds.measured() > 1)
-      fail("a row holds one of feature, reference_*_mm and deviation_*; leave the others empty");
-    if (kinds.measured() == 0) {
-      if (kinds.logged) return false;
-      fail("nothing was measured: feature, reference and deviation are all empty or have no column");
-    }
-    if (kinds.feature && kinds.setup) fail("'setup' belongs to rows with a reference or a deviation");
-    for (std::size_t j = 0; j < o.position.size(); ++j)
-      if (std::isnan(o.position[j]))
-        fail("the reading of joint '" + states_.session.machine.joints()[j].name + "' is empty");
-    return true;
-  }
-
-  void finishKind(Observation& o, const RowKinds& kinds) const {
-    o.kind = kinds.deviation   ? ObservationKind::kDeviation
-             : kinds.reference ? ObservationKind::kPosition
-                               : ObservationKind::kContact;
-    if (o.kind == ObservationKind::kDeviation) return;
-    o.deviation.clear();
-    o.deviationStd.clear();
   }
 
   void countTimeFromStart() {
@@ -389,10 +325,10 @@ class CsvReader {
   bool hasDate_ = false, hasTime_ = false, hasDeviation_ = false;
   std::vector<CsvColumn> columns_;
   std::vector<std::string_view> cells_;
-  std::string key_;
   std::vector<double>
       zeroUnlessColumn_;  // readings of a row before its cells: a joint without a column stays at 0
-  std::unordered_map<std::string, int> featureIndex_, setupIndex_;
+  FeatureNames features_;
+  std::unordered_map<std::string, int> setupIndex_;
   std::vector<std::int64_t> stamps_;  // of the observations, ns on the file's own clock
   RowClock clock_;
   LoggedSeries temperatures_, covariates_;
@@ -414,6 +350,16 @@ void finish(Session& session, const std::filesystem::path& file, const Artifact*
 }
 
 }  // namespace
+
+void ColumnRange::add(std::string_view cell) {
+  if (count++ == 0) first = std::string(cell);
+}
+
+void ColumnRange::add(std::string_view cell, double value) {
+  lower = std::min(count == 0 ? value : lower, value);
+  upper = std::max(count == 0 ? value : upper, value);
+  add(cell);
+}
 
 Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
                         const ProgressCallback& progress) {

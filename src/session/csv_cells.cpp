@@ -48,7 +48,7 @@ bool ungrouped(std::string_view whole, char decimal, std::string& plain) {
 std::string takeSign(std::string_view& text) {
   for (const std::string_view minus : {"-", "\xE2\x88\x92", "\xE2\x80\x93"})
     if (startsWith(text, minus)) {
-      text.remove_prefix(minus.size());
+      text = trim(text.substr(minus.size()));
       return "-";
     }
   if (startsWith(text, "+")) text.remove_prefix(1);
@@ -72,6 +72,55 @@ bool meansNothing(std::string_view cell) {
     return text.empty();
   };
   return !cell.empty() && (dashes(cell) || kWords.count(lower(cell)) > 0);
+}
+
+bool isRemark(std::string_view line) {
+  line = trim(line);
+  return startsWith(line, "#") || startsWith(line, "%") || startsWith(line, "//");
+}
+
+bool sumsUp(const std::vector<std::string_view>& cells) {
+  static const std::set<std::string> kWords = {"average",
+                                               "avg",
+                                               "mean",
+                                               "mean value",
+                                               "mittelwert",
+                                               "mittel",
+                                               "moyenne",
+                                               "media",
+                                               "std",
+                                               "std dev",
+                                               "std. dev.",
+                                               "stdev",
+                                               "stddev",
+                                               "std.dev.",
+                                               "standard deviation",
+                                               "standardabweichung",
+                                               "stdabw",
+                                               "sigma",
+                                               "écart type",
+                                               "écart-type",
+                                               "min",
+                                               "minimum",
+                                               "max",
+                                               "maximum",
+                                               "range",
+                                               "spannweite",
+                                               "span",
+                                               "sum",
+                                               "summe",
+                                               "somme",
+                                               "total",
+                                               "gesamt",
+                                               "median",
+                                               "médiane",
+                                               "count",
+                                               "anzahl",
+                                               "rms",
+                                               "minimum value",
+                                               "maximum value"};
+  const auto first = std::find_if(cells.begin(), cells.end(), [](std::string_view c) { return !c.empty(); });
+  return first != cells.end() && kWords.count(lower(trim(*first, " :=\t"))) > 0;
 }
 
 double directionOf(std::string_view cell) {
@@ -99,14 +148,16 @@ bool parseNumber(std::string_view cell, bool decimalComma, double& value) {
   const std::string sign = takeSign(cell);
   if (cell.empty() || (!isDigit(cell[0]) && cell[0] != decimal)) return false;
   const std::size_t cut = std::min(cell.size(), cell.find(decimal));
-  const std::string_view whole = cell.substr(0, cut);
-  std::string plain(whole);
-  // 12e3 has an exponent in its whole part, and no groups
-  if (!allDigits(whole) && ungrouped(whole, decimal, plain) &&
-      !allDigits(cell.substr(std::min(cell.size(), cut + 1))))
+  const std::string_view whole = cell.substr(0, cut), part = cell.substr(std::min(cell.size(), cut + 1));
+  std::string plain(whole), digits;
+  if (ungrouped(whole, decimal, digits)) {
+    if (!allDigits(part)) return false;  // no exponent behind groups
+    plain = digits;
+  } else if (decimalComma && cell.find('.') != std::string_view::npos) {
     return false;
+  }
   plain.insert(0, sign);
-  if (cut < cell.size()) plain += "." + std::string(cell.substr(cut + 1));
+  if (cut < cell.size()) plain.append(1, '.').append(part);
   return parsePlainNumber(plain, value);
 }
 

@@ -1,11 +1,18 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mm {
 
 /// How loggers and spreadsheets write that there is no value: nan, n/a, #N/A, ---, ….
 bool meansNothing(std::string_view cell);
+
+/// Whether a line of somebody else's file is a remark: #, % or // at its beginning.
+bool isRemark(std::string_view line);
+
+/// Whether a row is none of measurements but sums them up: its first cell is Average, Std Dev, Summe, Max ….
+bool sumsUp(const std::vector<std::string_view>& cells);
 
 /// -1 or +1 of a direction of travel (+, up, forward, →, vor …); 0: it is none.
 double directionOf(std::string_view cell);

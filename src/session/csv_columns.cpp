@@ -48,6 +48,12 @@ Known knownColumns(const Machine& machine) {
   return known;
 }
 
+std::vector<std::string> namesOf(const Known& known) {
+  std::vector<std::string> names;
+  for (const auto& entry : known) names.push_back(entry.first);
+  return names;
+}
+
 /// The known column that differs from `header` in its unit only, or null.
 const CsvColumn* otherUnit(const Known& known, const std::string& header) {
   const CsvColumn* found = nullptr;
@@ -94,8 +100,7 @@ CsvColumn openColumn(const std::string& header, const Known& known, const std::s
   const auto refuse = [&](const std::string& why) {
     throw InputError(place + ": column '" + header + "' " + why);
   };
-  std::vector<std::string> names;
-  for (const auto& entry : known) names.push_back(entry.first);
+  const std::vector<std::string> names = namesOf(known);
   const std::size_t cut = header.rfind('_');
   CsvColumn column;
   column.header = header;
@@ -116,6 +121,8 @@ CsvColumn openColumn(const std::string& header, const Known& known, const std::s
 }
 
 }  // namespace
+
+std::vector<std::string> fixedColumns(const Machine& machine) { return namesOf(knownColumns(machine)); }
 
 std::vector<CsvColumn> parseCsvHeader(const std::vector<std::string>& names, const Machine& machine,
                                       const std::string& place) {
