@@ -46,7 +46,7 @@ RecordTable::RecordTable(ImportContext& context)
     if (row.cells.size() < layout_.names.size() && keyValue(line, key, value) &&
         key.find_first_not_of("+-.0123456789") != std::string::npos)
       between_[n] = {key, value};
-    else if (!numbers)
+    else if (!numbers || sumsUp(cells))
       context.imported.notes.push_back("line " + std::to_string(n) + " is no row and was left out: '" +
                                        std::string(trim(line).substr(0, 60)) + "'");
     else

@@ -28,18 +28,19 @@ class Comparison {
 
   void look(std::size_t line, const std::vector<std::string_view>& cells) {
     double t = 0.0, m = 0.0, d = 0.0;
-    if (!read(cells, target_, t, stepT_) || !read(cells, measured_, m, stepM_) ||
+    double stepT = 0.0;
+    if (!read(cells, target_, t, stepT) || !read(cells, measured_, m, stepM_) ||
         !read(cells, deviation_, d, stepD_))
       return;
     const double same = std::abs(d - (m - t)), opposite = std::abs(d + (m - t));
     if (same > same_) same_ = same, line_ = line, says_ = d, is_ = m - t;
     opposite_ = std::max(opposite_, opposite);
   }
-  /// Half a step of each, as they are rounded; a hundredth of a step for the arithmetic.
-  double tolerance() const { return 0.51 * (stepT_ + stepM_ + stepD_); }
+  /// Half a step of what is rounded, and a little for the arithmetic. Targets are what was commanded.
+  double tolerance() const { return 0.51 * (2.0 * stepM_ + stepD_); }
   bool same() const { return same_ <= tolerance(); }
   bool opposite() const { return opposite_ <= tolerance(); }
-  bool deviationIsFiner() const { return stepD_ < std::max(stepT_, stepM_); }
+  bool deviationIsFiner() const { return stepD_ < stepM_; }
   std::size_t line() const { return line_; }
   double says() const { return says_; }
   double is() const { return is_; }
@@ -63,7 +64,7 @@ class Comparison {
   const UnderstoodTable& table_;
   std::size_t target_, measured_, deviation_, line_ = 0;
   double same_ = 0.0, opposite_ = 0.0, says_ = 0.0, is_ = 0.0;
-  double stepT_ = 0.0, stepM_ = 0.0, stepD_ = 0.0;
+  double stepM_ = 0.0, stepD_ = 0.0;
 };
 
 void setAside(UnderstoodTable& table, std::size_t i, const std::string& why) {
@@ -86,7 +87,7 @@ void settleRedundant(const TextFile& file, const TableLayout& layout, Understood
       if (splitCells(file.lines()[n - 1], cells, layout.separator) && !sumsUp(cells))
         comparison.look(n, cells);
     const std::string joint = machine.joints()[j].name;
-    if (comparison.same() && comparison.deviationIsFiner()) {
+    if (comparison.same() && !comparison.opposite() && comparison.deviationIsFiner()) {
       setAside(table, measured, "target plus deviation, which is finer");
     } else if (comparison.same()) {
       setAside(table, deviation, "measured minus target");

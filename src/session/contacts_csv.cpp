@@ -21,7 +21,6 @@ namespace {
 constexpr double kLargestTime = 3e9;    // s; with the epoch it still fits a ROS stamp
 constexpr double kSmallestTime = -9e8;  // s
 
-constexpr std::int64_t kSecond = 1000000000;  // ns
 /// Turns the rows of one file into observations and series.
 class CsvReader {
  public:
@@ -203,7 +202,7 @@ class CsvReader {
   /// Nanoseconds on the file's own clock.
   std::int64_t timeOf() {
     std::int64_t stamp = static_cast<std::int64_t>(stamps_.size());  // keeps the order of rows without a time
-    if (foreign_ && !hasTime_ && !hasDate_) stamp = rows_ * kSecond;
+    if (foreign_ && !hasTime_ && !hasDate_) stamp = rows_ * 1000000000;  // a second apart
     ++rows_;
     if (hasTime_ || hasDate_) stamp = 0;
     for (std::size_t i = 0; i < columns_.size(); ++i) {

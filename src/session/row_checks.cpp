@@ -11,7 +11,7 @@
 namespace mm {
 namespace {
 
-struct Range {
+struct Extent {
   double lower = INFINITY, upper = -INFINITY;
   void add(double v) {
     if (std::isnan(v)) return;
@@ -47,7 +47,7 @@ class RowAsker {
   const std::string& name(std::size_t j) const { return session_.machine.joints()[j].name; }
 
   /// Whether a range, times `factor`, is within the travel and so much beyond (in travels).
-  bool within(std::size_t j, const Range& range, double factor, double beyond) const {
+  bool within(std::size_t j, const Extent& range, double factor, double beyond) const {
     const Joint& joint = session_.machine.joints()[j];
     const double more = beyond * (joint.upper - joint.lower);
     return range.lower * factor >= joint.lower - more && range.upper * factor <= joint.upper + more;
@@ -120,7 +120,7 @@ class RowAsker {
 
   void deviations() {
     for (std::size_t j = 0; j < positions_.size(); ++j) {
-      Range range, std;
+      Extent range, std;
       for (const Observation& o : session_.observations)
         if (o.kind == ObservationKind::kDeviation) range.add(o.deviation[j]);
       if (!range.any() || range.largest() == 0.0) continue;
@@ -248,7 +248,7 @@ class RowAsker {
   }
 
   const Session& session_;
-  std::vector<Range> positions_;
+  std::vector<Extent> positions_;
   std::vector<Doubt> doubts_;
 };
 
