@@ -49,15 +49,15 @@ class RowAsker {
   /// Whether a range, times `factor`, is within the travel and so much beyond (in travels).
   bool within(std::size_t j, const Extent& range, double factor, double beyond) const {
     const Joint& joint = session_.machine.joints()[j];
-    const double more = beyond * (joint.upper - joint.lower);
+    const double more = beyond * travel(j);
     return range.lower * factor >= joint.lower - more && range.upper * factor <= joint.upper + more;
   }
 
-  bool limited(std::size_t j) const {
+  double travel(std::size_t j) const {
     const Joint& joint = session_.machine.joints()[j];
-    const double travel = joint.upper - joint.lower;
-    return std::isfinite(travel) && travel > 0.0;
+    return joint.upper - joint.lower;
   }
+  bool limited(std::size_t j) const { return std::isfinite(travel(j)) && travel(j) > 0.0; }
 
   /// "x is -16000 … 16000 mm, but the machine goes from -20 to 20 mm (16 of 18 rows are beyond): ".
   std::string beyondText(std::size_t j) const {
@@ -108,36 +108,44 @@ class RowAsker {
       const char* what;
       bool linear;
     };
+    constexpr double kLeast = 0.02;  // of the travel: what is shrunk to nothing is within any
     for (const Unit& u :
-         {Unit{1e-3, "divided by 1000 it is within; is it in um instead of mm, or in mm instead of m?", true},
-          Unit{1.0 / 25.4, "divided by 25.4 it is within; is it in mm instead of inches?", true},
+         {Unit{1.0 / 25.4, "divided by 25.4 it is within; is it in mm instead of inches?", true},
+          Unit{1e-3, "divided by 1000 it is within; is it in um instead of mm, or in mm instead of m?", true},
           Unit{kDegree, "it is within if it is in degrees instead of radians; is it?", false},
           Unit{1.0 / 60.0, "divided by 60 it is within; is it in minutes of arc?", false},
           Unit{1.0 / 3600.0, "divided by 3600 it is within; is it in seconds of arc?", false}})
-      if (u.linear == linear(j) && within(j, positions_[j], u.factor, 0.0)) return u.what;
+      if (u.linear == linear(j) && within(j, positions_[j], u.factor, 0.0) &&
+          positions_[j].size() * u.factor >= kLeast * travel(j))
+        return u.what;
     return "are its unit and zero right, and is this the machine?";
   }
 
   void deviations() {
+    constexpr double kRounding = 1e-12;  // m or rad: what is left of sums is no measurement
     for (std::size_t j = 0; j < positions_.size(); ++j) {
-      Extent range, std;
+      Extent range, sum;
       for (const Observation& o : session_.observations)
-        if (o.kind == ObservationKind::kDeviation) range.add(o.deviation[j]);
+        if (o.kind == ObservationKind::kDeviation) {
+          range.add(o.deviation[j]);
+          sum.add(o.deviation[j] + o.position[j]);
+        }
       if (!range.any() || range.largest() == 0.0) continue;
+      // a surface of one height that was touched: the deviation is the reading with its sign changed
+      if (sum.size() < kRounding) continue;
       const double unit = linear(j) ? kMicrometre : kArcsecond;
       const char* symbol = linear(j) ? "um" : "arcsec";
       // a joint that hardly moves (a bed that is touched) says nothing
       constexpr double kHardly = 0.05, kLittle = 1e-3;  // of the travel; m or rad
-      const Joint& joint = session_.machine.joints()[j];
       double moved = positions_[j].any() ? positions_[j].size() : 0.0;
-      if (moved < (limited(j) ? kHardly * (joint.upper - joint.lower) : kLittle)) moved = 0.0;
+      if (moved < (limited(j) ? kHardly * travel(j) : kLittle)) moved = 0.0;
+      if (limited(j)) moved = std::min(moved, travel(j));   // beyond it has a question of its own
       constexpr double kTooMuch = 0.02, kTooLittle = 1e-7;  // of the motion; a nanometre in a centimetre
       const std::string text =
           format("deviations of %s are %.4g … %.4g %s, while %s moves over %.4g %s: ", name(j).c_str(),
                  range.lower / unit, range.upper / unit, symbol, name(j).c_str(),
                  moved / (linear(j) ? kMillimetre : kDegree), linear(j) ? "mm" : "deg");
-      // an unknown zero is no deviation: their spread counts. What is left of sums is no measurement
-      constexpr double kRounding = 1e-12;  // m or rad
+      // an unknown zero is no deviation: their spread counts
       if (range.largest() < kRounding) continue;
       if (moved > 0.0 && range.size() > kTooMuch * moved)
         doubt(text + "no machine is so far off; are they measured positions, or in another unit?");

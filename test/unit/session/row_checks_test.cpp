@@ -41,7 +41,7 @@ TEST_F(RowChecks, ReadingsInMicrometres) {
   const auto asked = questions(run(1000.0));
   ASSERT_EQ(asked.size(), 1u);
   EXPECT_THAT(asked[0], AllOf(HasSubstr("x is -16000 … 16000 mm"), HasSubstr("from -20 to 20 mm"),
-                              HasSubstr("16 of 18 rows"), HasSubstr("divided by 1000 it is within")));
+                              HasSubstr("17 of 18 rows"), HasSubstr("divided by 1000 it is within")));
 }
 
 TEST_F(RowChecks, BeyondTheTravelByATravelIsNoQuestion) {
@@ -116,7 +116,7 @@ TEST_F(RowChecks, AnHourlyLogOfTwoMonthsIsNoQuestion) {
 TEST_F(RowChecks, TimesInMilliseconds) {
   const auto asked = questions(run(1.0, 1.0, 1e7));
   ASSERT_EQ(asked.size(), 1u);
-  EXPECT_THAT(asked[0], HasSubstr("are the times in milliseconds?"));
+  EXPECT_THAT(asked[0], HasSubstr("are the times in milliseconds"));
 }
 
 TEST_F(RowChecks, ARunThatIsThereTwice) {
