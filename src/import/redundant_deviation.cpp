@@ -40,7 +40,7 @@ class Comparison {
   double tolerance() const { return 0.51 * (2.0 * stepM_ + stepD_); }
   bool same() const { return same_ <= tolerance(); }
   bool opposite() const { return opposite_ <= tolerance(); }
-  bool deviationIsFiner() const { return stepD_ < stepM_; }
+  bool deviationIsFiner() const { return stepD_ < 0.9 * stepM_; }
   std::size_t line() const { return line_; }
   double says() const { return says_; }
   double is() const { return is_; }
