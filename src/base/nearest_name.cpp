@@ -1,18 +1,10 @@
 #include "base/nearest_name.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "base/text.h"
 
 namespace mm {
-namespace {
-
-std::string lowerCase(std::string name) {
-  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
-}
-
-}  // namespace
-
 int editDistance(const std::string& a, const std::string& b) {
   const int n = static_cast<int>(a.size()), m = static_cast<int>(b.size());
   std::vector<int> beforeLast(m + 1), last(m + 1), row(m + 1);
@@ -34,7 +26,7 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
   std::string nearest;
   int best = std::max<int>(2, static_cast<int>(name.size()) / 3) + 1;
   for (const std::string& candidate : known) {
-    const int distance = editDistance(lowerCase(name), lowerCase(candidate));
+    const int distance = editDistance(lower(name), lower(candidate));
     // as many changes as there are letters: nothing in common
     if (distance < best && (distance == 0 || distance < static_cast<int>(name.size()))) {
       best = distance;
@@ -45,9 +37,7 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 }
 
 std::string listOf(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out.empty() ? "none" : out;
+  return names.empty() ? "none" : joined(names, ", ");
 }
 
 std::string didYouMean(const std::string& name, const std::vector<std::string>& known) {

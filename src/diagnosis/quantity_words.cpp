@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/text.h"
 #include "base/tiny.h"
 #include "base/units.h"
 #include "diagnosis/wording.h"
@@ -16,10 +17,6 @@ std::string printed(const char* pattern, int digits, double value) {
   const std::string number = text;
   return number.find_first_of("123456789") == std::string::npos && number.front() == '-' ? number.substr(1)
                                                                                          : number;
-}
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 }  // namespace

@@ -18,9 +18,10 @@ struct UnderstoodColumn {
   std::string name;     // in the file
   std::string meaning;  // "reading of joint x", "temperature bed", "left out: row number"
   std::string unit;     // of the file; empty: none
-  std::string range;    // of its numbers, in the unit of the file
-  std::string first;    // first value, as written
-  std::string from;     // where the unit is known from: "header", "units line", "line 2", "mapping", "range"
+  double lower = kNotMeasured,
+         upper = kNotMeasured;  // of its numbers, in the unit of the file; NaN: it has none
+  std::string first;            // first value, as written
+  std::string from;  // where the unit is known from: "header", "units line", "line 2", "mapping", "range"
 };
 
 struct UnderstoodTable {

@@ -1,7 +1,9 @@
 #include "import/column_words.h"
 
+#include <algorithm>
 #include <cctype>
 
+#include "base/text.h"
 #include "import/text_file.h"
 #include "import/unit.h"
 
@@ -15,27 +17,34 @@ const std::map<std::string, WordClass>& wordClasses() {
       for (const char* w : words) all[w] = c;
     };
     add(W::kTime, {"time", "timestamp", "t", "zeit", "uhrzeit", "zeitstempel", "epoch", "elapsed", "datetime",
-                   "clock", "stamp", "unixtime"});
-    add(W::kDate, {"date", "datum", "day"});
-    add(W::kFeature, {"feature", "ball", "balls", "sphere", "kugel", "merkmal", "artefact", "artifact"});
-    add(W::kDeviation, {"deviation", "dev", "abweichung", "abw", "deviations"});
-    add(W::kError, {"error", "err", "fehler", "messabweichung"});
+                   "clock", "stamp", "unixtime", "temps", "heure", "horodatage", "tempo", "tiempo", "hora"});
+    add(W::kDate, {"date", "datum", "day", "fecha"});
+    add(W::kFeature, {"feature", "ball", "balls", "sphere", "kugel", "merkmal", "artefact", "artifact",
+                      "bille", "sfera", "esfera"});
+    add(W::kDeviation, {"deviation", "dev", "abweichung", "abw", "deviations", "écart", "ecart", "scarto",
+                        "scostamento", "desviación", "desviacion"});
+    add(W::kError, {"error", "err", "fehler", "messabweichung", "erreur", "errore", "difference", "diff",
+                    "differenz", "delta", "δ"});
     add(W::kReference, {"reference", "ref", "true", "referenz", "tracker"});
     add(W::kStd, {"std", "sigma", "stddev", "stdev", "sd"});
-    add(W::kVelocity, {"velocity", "vel", "speed", "geschwindigkeit", "feedrate"});
-    add(W::kTemperature, {"temp", "temperature", "temperatur", "thermocouple", "pt100"});
+    add(W::kVelocity, {"velocity", "vel", "speed", "geschwindigkeit", "feedrate", "vorschub", "vitesse",
+                       "velocità", "velocidad"});
+    add(W::kTemperature,
+        {"temp", "temperature", "temperatur", "thermocouple", "pt100", "température", "temperatura"});
     add(W::kSetup, {"setup", "aufstellung", "fixturing"});
     add(W::kRun, {"run", "cycle", "lauf", "zyklus", "pass"});
     add(W::kDirection, {"direction", "dir", "richtung"});
     add(W::kReading, {"reading", "laser"});
-    add(W::kTarget, {"target", "nominal", "soll", "sollwert", "commanded", "command", "cmd", "set",
-                     "setpoint", "sollposition", "zielposition"});
-    add(W::kMeasured, {"measured", "meas", "ist", "istwert", "istposition", "actual", "act", "indicated",
-                       "gemessen", "messwert"});
+    add(W::kTarget,
+        {"target", "nominal", "soll", "sollwert", "commanded", "command", "cmd", "set", "setpoint",
+         "sollposition", "zielposition", "cible", "consigne", "théorique", "nominale", "objetivo"});
+    add(W::kMeasured,
+        {"measured", "meas", "ist", "istwert", "istposition", "actual", "act", "indicated", "gemessen",
+         "messwert", "mesure", "mesuré", "mesurée", "misurato", "misurata", "medido", "medida"});
     add(W::kIndex, {"n", "no", "nr", "index", "idx", "number", "id", "row", "pt", "point", "punkt", "seq",
-                    "i", "num", "lfd", "sample"});
+                    "i", "num", "lfd", "sample", "unnamed", "zeile", "ligne"});
     add(W::kNote, {"note", "notes", "comment", "comments", "remark", "remarks", "operator", "bemerkung",
-                   "kommentar", "status", "prüfer"});
+                   "kommentar", "status", "prüfer", "commentaire", "opérateur", "operatore", "operador"});
     add(W::kFiller, {"pos", "position", "axis", "achse", "coord", "coordinate", "machine", "mcs", "joint",
                      "value", "encoder", "scale", "in", "of", "the", "is", "at"});
     return all;
@@ -51,6 +60,14 @@ std::size_t unitCut(const std::string& name) {
        at = at == 0 ? std::string::npos : name.rfind('_', at - 1), ++parts)
     if (parts == 1 && parseUnit(name.substr(at + 1))) return at;
   return name.rfind('_');
+}
+
+bool saysTime(const std::string& name) {
+  const std::vector<std::string> words = wordsOf(name);
+  return std::any_of(words.begin(), words.end(), [](const std::string& word) {
+    const auto known = wordClasses().find(word);
+    return known != wordClasses().end() && known->second == WordClass::kTime;
+  });
 }
 
 }  // namespace
@@ -70,8 +87,9 @@ NameAndUnit splitUnit(const std::string& written) {
     const std::string unit(trim(name.substr(at + 1)));
     const auto parsed = parseUnit(unit);
     // a word that may be a unit is one only where nothing else ends so: "ball s" has none
-    const bool single =
-        unit.size() == 1 && mark == ' ' && (!parsed || parsed->kind != UnitKind::kTemperature);
+    const bool single = unit.size() == 1 && mark == ' ' &&
+                        (!parsed || (parsed->kind != UnitKind::kTemperature &&
+                                     !(parsed->kind == UnitKind::kTime && saysTime(name.substr(0, at)))));
     if (parsed && !single) return {std::string(trim(name.substr(0, at))), unit};
   }
   const std::size_t cut = unitCut(name);

@@ -6,7 +6,9 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "import/import_format.h"
+#include "import/meaning.h"
 #include "session/assumed_travel.h"
 #include "session/time_stamp.h"
 
@@ -42,34 +44,6 @@ bool isOwnFormat(const std::filesystem::path& file, const Machine& machine) {
   return !columns.empty();
 }
 
-std::string ownMeaning(const CsvColumn& c, const Machine& machine) {
-  const std::string joint = c.index < machine.jointCount() ? machine.joints()[c.index].name : "";
-  switch (c.role) {
-    case CsvRole::kTime:
-      return "time";
-    case CsvRole::kPosition:
-      return "reading of joint " + joint;
-    case CsvRole::kVelocity:
-      return "velocity of joint " + joint;
-    case CsvRole::kReading:
-      return "laser's reading";
-    case CsvRole::kFeature:
-      return "ball or point touched";
-    case CsvRole::kReference:
-      return std::string("true position ") + "xyz"[c.index];
-    case CsvRole::kDeviation:
-      return "deviation of " + joint;
-    case CsvRole::kDeviationStd:
-      return "std of the deviation of " + joint;
-    case CsvRole::kSetup:
-      return "setup";
-    case CsvRole::kTemperature:
-      return "temperature " + c.name;
-    default:
-      return "covariate " + c.name;
-  }
-}
-
 std::string ownUnit(const CsvColumn& c) {
   if (c.role == CsvRole::kFeature || c.role == CsvRole::kSetup) return "";
   if (c.role == CsvRole::kTemperature || c.role == CsvRole::kCovariate) return c.unit;
@@ -86,11 +60,12 @@ void readOwn(const ImportRequest& request, const Machine& machine, const Artifac
     const ColumnRange& r = reading.ranges[i];
     UnderstoodColumn seen;
     seen.name = columns[i].header;
-    seen.meaning = ownMeaning(columns[i], machine);
+    seen.meaning = meaningText(meaningOf(columns[i], machine), machine);
     seen.unit = ownUnit(columns[i]);
     seen.from = seen.unit.empty() ? "" : "header";
     seen.first = r.first;
-    if (!std::isnan(r.lower)) seen.range = format("%.6g … %.6g", r.lower, r.upper);
+    seen.lower = r.lower;
+    seen.upper = r.upper;
     imported.columns.push_back(std::move(seen));
   }
   imported.session = std::move(reading.session);
@@ -105,16 +80,19 @@ const ImportFormat& formatNamed(const std::string& name) {
   throw InputError("--format: '" + name + "' is not known (" + listOf(names) + ")" + didYouMean(name, names));
 }
 
-std::string padded(const std::string& text, std::size_t width) {
-  // a character of several bytes is one column on the screen
-  const auto shown = static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-  return text + std::string(shown < width ? width - shown : 0, ' ');
+std::string rangeText(const UnderstoodColumn& c) {
+  return std::isnan(c.lower) ? "" : format("%.6g … %.6g", c.lower, c.upper);
 }
 
+/// A character of several bytes is one column on the screen.
 std::size_t shownWidth(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+std::string padded(const std::string& text, std::size_t width) {
+  const std::size_t shown = shownWidth(text);
+  return text + std::string(shown < width ? width - shown : 0, ' ');
 }
 
 }  // namespace
@@ -146,7 +124,7 @@ std::string understoodText(const Imported& imported) {
   std::vector<std::vector<std::string>> rows = {{"column", "is", "unit", "range", "first"}};
   for (const UnderstoodColumn& c : imported.columns)
     rows.push_back({c.name, c.meaning,
-                    c.unit + (c.from.empty() || c.from == "header" ? "" : " (" + c.from + ")"), c.range,
+                    c.unit + (c.from.empty() || c.from == "header" ? "" : " (" + c.from + ")"), rangeText(c),
                     c.first});
   if (rows.size() > 1) {
     std::vector<std::size_t> widths(rows[0].size(), 0);

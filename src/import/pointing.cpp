@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
 
@@ -59,7 +60,7 @@ class TPointReader {
                             "a star has 4 numbers (azimuth and elevation of the star, of the "
                             "telescope, in deg) or 14 (right ascension and declination of both, sidereal "
                             "time), this line has " +
-                            std::to_string(v.size()) + "; mend it, or leave it out");
+                            std::to_string(v.size()) + "; correct it, or leave it out");
         continue;
       }
       if (v.size() == 4)
@@ -185,7 +186,8 @@ class TPointReader {
       c.meaning =
           "reading of joint " + context_.machine.joints()[k].name + (sign_[k] < 0.0 ? ", sign changed" : "");
       c.unit = "deg";
-      c.range = format("%.6g … %.6g", range_[k].first, range_[k].second);
+      c.lower = range_[k].first;
+      c.upper = range_[k].second;
       context_.imported.columns.push_back(std::move(c));
     }
     context_.imported.notes.push_back(

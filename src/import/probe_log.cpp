@@ -9,8 +9,10 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
+#include "session/row_clock.h"
 #include "session/session_time.h"
 #include "session/time_stamp.h"
 
@@ -21,17 +23,23 @@ struct Touch {
   std::size_t line = 0;
   double x = 0.0, y = 0.0, z = 0.0;   // mm
   double speed = kNotMeasured;        // mm/s, of the probing move downwards
-  std::optional<std::int64_t> stamp;  // ns since 1970
+  std::optional<std::int64_t> stamp;  // ns since 1970, or of the day
+  bool calendar = true;               // stamp has a date
 };
 
-/// The time at the beginning of a line of a log, as OctoPrint writes it.
-std::optional<std::int64_t> stampOf(std::string_view line) {
+/// The time at the beginning of a line of a log, as OctoPrint and other hosts write it: with the date, or of
+/// the day alone.
+void stamp(std::string_view line, Touch& t) {
   line = trim(line);
   if (!line.empty() && line.front() == '[') line.remove_prefix(1);
   for (const std::size_t length : {26u, 23u, 19u})
     if (line.size() > length)
-      if (const auto stamp = parseCalendar(line.substr(0, length))) return stamp;
-  return std::nullopt;
+      if (const auto found = parseCalendar(line.substr(0, length))) {
+        t.stamp = found;
+        return;
+      }
+  t.calendar = false;
+  t.stamp = parseClock(line.substr(0, line.find_first_of(" ]\t")));
 }
 
 /// The number behind `name` in a line (`X:12.5`, `X 12.5`, `X12.5`).
@@ -60,7 +68,7 @@ std::vector<Touch> klipperTouches(const TextFile& file) {
       continue;
     t.line = n;
     t.speed = speed;
-    t.stamp = stampOf(line);
+    stamp(line, t);
     touches.push_back(t);
   }
   return touches;
@@ -132,7 +140,7 @@ std::vector<Touch> marlinTouches(const TextFile& file, bool& placeUnknown) {
     const std::string line(file.lines()[n - 1]);
     Touch t;
     t.line = n;
-    t.stamp = stampOf(line);
+    stamp(line, t);
     if (const std::size_t at = line.find("M48 ");
         at != std::string::npos && line.find("Repeatability") == std::string::npos) {
       x = y = kNotMeasured;
@@ -220,11 +228,21 @@ class BedSession {
     return false;
   }
 
+  /// Whether all touches have times of one kind; times of the day are made to go on after midnight.
+  bool clocked() {
+    RowClock clock;
+    for (Touch& t : touches_) {
+      if (!t.stamp || t.calendar != touches_.front().calendar) return false;
+      if (!t.calendar) t.stamp = clock.afterMidnight(*t.stamp);
+      clock.saw(*t.stamp);
+    }
+    return true;
+  }
+
   void session(bool flat) {
     Session session = emptySession(context_);
-    const bool stamped =
-        std::all_of(touches_.begin(), touches_.end(), [](const Touch& t) { return t.stamp.has_value(); });
-    if (stamped) session.epoch = secondsBetween(0, *touches_.front().stamp);
+    const bool stamped = clocked();
+    if (stamped && touches_.front().calendar) session.epoch = secondsBetween(0, *touches_.front().stamp);
     double low = INFINITY, high = -INFINITY;
     for (std::size_t i = 0; i < touches_.size(); ++i) {
       const Touch& t = touches_[i];
@@ -248,7 +266,8 @@ class BedSession {
     c.name = "z at the trigger";
     c.meaning = "reading of joint z, and with its sign changed its deviation from the bed";
     c.unit = "mm";
-    c.range = format("%.6g … %.6g", low, high);
+    c.lower = low;
+    c.upper = high;
     c.first = format("%.6g", touches_.front().z);
     context_.imported.columns.push_back(std::move(c));
     auto& notes = context_.imported.notes;

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
 #include "import/unit.h"

@@ -4,15 +4,18 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/format.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "base/units.h"
+#include "import/meaning.h"
 #include "import/unit.h"
 
 namespace mm {
 
 RecordTable::RecordTable(ImportContext& context)
     : context_(context), layout_(tableLayout(context.file, context.mapping)) {
+  for (const UnclearNumber& u : layout_.marks.unclear)
+    refuseUnclear(context.file, layout_, u, context.faults);
   context.imported.how = context.file.encoding() + ", " + layout_.inWords();
   for (const auto& [line, text] : layout_.remarks) {
     std::string key, value;
@@ -43,7 +46,7 @@ RecordTable::RecordTable(ImportContext& context)
     if (row.cells.size() < layout_.names.size() && keyValue(line, key, value) &&
         key.find_first_not_of("+-.0123456789") != std::string::npos)
       between_[n] = {key, value};
-    else if (!numbers)
+    else if (!numbers || sumsUp(cells))
       context.imported.notes.push_back("line " + std::to_string(n) + " is no row and was left out: '" +
                                        std::string(trim(line).substr(0, 60)) + "'");
     else
@@ -97,7 +100,8 @@ bool RecordTable::number(const std::vector<std::string>& keys, const std::string
 
 double RecordTable::value(const Row& row, int column, UnitKind kind, const std::string& fallback) {
   const auto at = static_cast<std::size_t>(column);
-  if (column < 0 || at >= row.cells.size() || row.cells[at].empty()) return kNotMeasured;
+  if (column < 0 || at >= row.cells.size() || row.cells[at].empty() || meansNothing(row.cells[at]))
+    return kNotMeasured;
   const std::string name = at < layout_.names.size() ? layout_.names[at] : std::to_string(column + 1);
   double value = 0.0;
   if (!parseNumber(row.cells[at], layout_.decimalComma, value)) {
@@ -129,12 +133,11 @@ std::string RecordTable::text(const Row& row, int column) const {
 int RecordTable::joint(const std::string& name, const std::string& key) {
   const int j = jointOf(context_.machine, name);
   if (j >= 0) return j;
-  std::vector<std::string> names;
-  for (const Joint& joint : context_.machine.joints()) names.push_back(joint.name);
   context_.faults.add(
       context_.file.path().string() + ": " + key + " " +
       (name.empty() ? std::string("is not said") : "'" + name + "' is no joint of this machine") + " (" +
-      listOf(names) + "); write into the mapping (--columns): " + key + ": " + names.front());
+      jointNames(context_.machine) + "); write into the mapping (--columns): " + key + ": " +
+      context_.machine.joints().front().name);
   return -1;
 }
 
@@ -154,7 +157,7 @@ void RecordTable::show(int column, const std::string& meaning, const std::string
     low = std::min(low, v);
     high = std::max(high, v);
   }
-  if (low <= high) seen.range = format("%.6g … %.6g", low, high);
+  if (low <= high) seen.lower = low, seen.upper = high;
   if (!rows_.empty() && at < rows_.front().cells.size()) seen.first = rows_.front().cells[at];
   context_.imported.columns.push_back(std::move(seen));
 }
@@ -195,12 +198,6 @@ Observation blankRow(const ImportContext& context, ObservationKind kind, std::si
     if (j >= 0 && unit) o.position[static_cast<std::size_t>(j)] = value * unit->factor;
   }
   return o;
-}
-
-int jointOf(const Machine& machine, const std::string& name) {
-  for (int j = 0; j < machine.jointCount(); ++j)
-    if (lower(machine.joints()[j].name) == lower(name)) return j;
-  return -1;
 }
 
 }  // namespace mm

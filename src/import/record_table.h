@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "import/import_format.h"
+#include "import/meaning.h"
 #include "import/table_layout.h"
 
 namespace mm {
@@ -57,8 +58,5 @@ int setupIndex(Session& session, const std::string& name);
 
 /// A row of this machine with nothing measured yet: joints at the mapping's `fixed` or 0.
 Observation blankRow(const ImportContext& context, ObservationKind kind, std::size_t line, double time);
-
-/// The joint of that name in any case, or -1.
-int jointOf(const Machine& machine, const std::string& name);
 
 }  // namespace mm

@@ -1,15 +1,61 @@
 #include "import/table_format.h"
 
+#include <optional>
+
+#include "import/column_unit.h"
+
 namespace mm {
+namespace {
+
+/// Whether readings of joints in which the decimal mark is not seen fit the travels with this mark.
+bool fitsTravels(const ImportContext& context, TableLayout layout, bool comma) {
+  layout.decimalComma = comma;
+  FaultList faults;
+  const UnderstoodTable table =
+      understandTable(context.file, layout, context.mapping, context.machine, context.artifact, faults);
+  const std::vector<ColumnSample> samples = columnSamples(context.file, layout);
+  bool any = false;
+  for (const UnclearNumber& u : layout.marks.unclear) {
+    if (u.column >= table.form.columns.size()) continue;
+    const CsvColumn& c = table.form.columns[u.column];
+    if (c.role != CsvRole::kPosition && c.role != CsvRole::kMeasured) continue;
+    if (!fitsTravel(samples[u.column], c.factor, context.machine.joints()[c.index])) return false;
+    any = true;
+  }
+  return any;
+}
+
+/// A mark that no number shows may be shown by the travels: -16,000 mm is no reading of a machine of 40 mm
+/// with thousands set apart.
+void seeMarkByTravels(ImportContext& context, TableLayout& layout) {
+  if (layout.marks.unclear.empty() || layout.marks.proven) return;
+  const bool comma = fitsTravels(context, layout, true), point = fitsTravels(context, layout, false);
+  if (comma == point) return;
+  layout.decimalComma = comma;
+  const UnclearNumber u = layout.marks.unclear.front();
+  layout.marks.unclear.clear();
+  context.imported.notes.push_back("line " + std::to_string(u.line) + ": '" + u.cell + "' is taken with " +
+                                   (comma ? "a decimal comma" : "thousands set apart by a comma") +
+                                   ", as only so the readings are within the travels; if that is wrong, "
+                                   "write into the mapping (--columns): "
+                                   "decimal: " +
+                                   (comma ? "point" : "comma"));
+}
+
+}  // namespace
 
 void readAnyTable(ImportContext& context) {
-  const TableLayout layout = tableLayout(context.file, context.mapping);
+  TableLayout layout = tableLayout(context.file, context.mapping);
+  seeMarkByTravels(context, layout);
   Imported& imported = context.imported;
   imported.how = context.file.encoding() + ", " + layout.inWords();
   UnderstoodTable table = understandTable(context.file, layout, context.mapping, context.machine,
                                           context.artifact, context.faults);
   imported.columns = std::move(table.columns);
-  imported.notes = std::move(table.notes);
+  imported.notes.insert(imported.notes.end(), table.notes.begin(), table.notes.end());
+  for (const UnclearNumber& u : layout.marks.unclear)
+    if (u.column < table.form.columns.size() && table.form.columns[u.column].role != CsvRole::kIgnored)
+      refuseUnclear(context.file, layout, u, context.faults);
   if (!context.faults.empty()) return;
   TextLines lines(context.file);
   TableReading reading = readTable(lines, table.form, context.file.path(), context.machine, context.artifact);

@@ -1,11 +1,12 @@
 #include "import/table_layout.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/text.h"
 #include "import/unit.h"
 #include "session/time_stamp.h"
 
@@ -76,7 +77,7 @@ class LayoutFinder {
     findDecimalMark();
     for (const Line& line : lines_)
       if (line.number < layout_.lastHead() + 1 && line.number != layout_.headerLine &&
-          line.number != layout_.unitsLine)
+          line.number != layout_.unitsLine && line.number != groupLine_)
         layout_.remarks.emplace_back(line.number, std::string(trim(line.text)));
     std::sort(layout_.remarks.begin(), layout_.remarks.end());
     return std::move(layout_);
@@ -182,6 +183,7 @@ class LayoutFinder {
       const std::string_view line = file_.lines()[layout_.headerLine - 1];
       takeNames(takeRemark(line, text) ? std::string_view(text) : line);
     }
+    if (!mapping_.headerLine) groupNames();
     if (layout_.headerLine == 0)
       for (std::size_t i = 0; i < columns_; ++i) layout_.names.push_back(std::to_string(i + 1));
     if (layout_.unitsLine > 0)
@@ -189,6 +191,26 @@ class LayoutFinder {
         layout_.units.emplace_back(unbracketed(trim(cell)));
     dropEmptyEnd();
     layout_.units.resize(layout_.names.size());
+  }
+
+  /// A line of groups above the names: `Time;Position;;;Deviation;;` over `;X;Y;Z;X;Y;Z`.
+  void groupNames() {
+    const std::set<std::string> different(layout_.names.begin(), layout_.names.end());
+    if (layout_.headerLine == 0 || different.size() == layout_.names.size()) return;
+    const auto header = std::find_if(lines_.begin(), lines_.end(),
+                                     [&](const Line& l) { return l.number == layout_.headerLine; });
+    if (header == lines_.begin() || header == lines_.end()) return;
+    const auto cells = cellsOf(std::prev(header)->text, layout_.separator);
+    const auto filled = std::count_if(cells.begin(), cells.end(), [](auto c) { return !c.empty(); });
+    if (cells.size() != layout_.names.size() || filled < 2 ||
+        std::any_of(cells.begin(), cells.end(), isValue))
+      return;
+    std::string group;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (!cells[i].empty() || layout_.names[i].empty()) group = std::string(trim(cells[i]));
+      layout_.names[i] = trim(group + " " + layout_.names[i]);
+    }
+    groupLine_ = std::prev(header)->number;
   }
 
   bool isUnits(const Line& line) const {
@@ -225,42 +247,22 @@ class LayoutFinder {
       layout_.decimalComma = *mapping_.decimalComma;
       return;
     }
-    if (layout_.separator == ',' || layout_.firstRow == 0) return;
-    bool comma = false;
-    for (const Line& line : lines_) {
-      if (line.number < layout_.firstRow) continue;
-      for (const auto cell : cellsOf(line.text, layout_.separator)) {
-        double value = 0.0;
-        if (cell.find('.') != std::string_view::npos && parseNumber(cell, false, value)) return;
-        comma |= cell.find(',') != std::string_view::npos && parseNumber(cell, true, value);
-      }
-    }
-    layout_.decimalComma = comma;
+    if (layout_.firstRow == 0) return;
+    DecimalMarkFinder finder(layout_.names.size());
+    for (const Line& line : lines_)
+      if (line.number >= layout_.firstRow) finder.look(line.number, cellsOf(line.text, layout_.separator));
+    layout_.marks = finder.decide();
+    layout_.decimalComma = layout_.marks.comma;
   }
 
   const TextFile& file_;
   const ColumnMapping& mapping_;
   std::vector<Line> lines_;  // neither blank nor remarks
-  std::size_t columns_ = 0;
+  std::size_t columns_ = 0, groupLine_ = 0;
   TableLayout layout_;
 };
 
 }  // namespace
-
-bool parseNumber(std::string_view cell, bool decimalComma, double& value) {
-  std::string text(trim(cell));
-  constexpr std::string_view kMinus = "\xE2\x88\x92";
-  if (text.rfind(kMinus, 0) == 0) text.replace(0, kMinus.size(), "-");
-  if (decimalComma) {
-    const std::size_t comma = text.find(',');
-    if (comma != std::string::npos && text.find('.') != std::string::npos) return false;
-    if (comma != std::string::npos) text[comma] = '.';
-  }
-  const char* begin = text.data();
-  if (text.size() > 1 && *begin == '+' && text[1] != '-') ++begin;
-  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
-  return !text.empty() && error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
-}
 
 bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit) {
   cell = trim(cell);
@@ -273,12 +275,10 @@ bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std:
 }
 
 bool takeRemark(std::string_view line, std::string& text) {
+  if (!isRemark(line)) return false;
   line = trim(line);
-  std::size_t mark = 0;
-  while (mark < line.size() && (line[mark] == '#' || line[mark] == '%')) ++mark;
-  if (mark == 0 && line.substr(0, 2) == "//") mark = 2;
-  if (mark == 0) return false;
-  text = std::string(trim(line.substr(mark)));
+  text = std::string(
+      trim(line.substr(startsWith(line, "//") ? 2 : std::min(line.size(), line.find_first_not_of("#%")))));
   return true;
 }
 
@@ -291,6 +291,24 @@ bool keyValue(std::string_view text, std::string& key, std::string& value) {
     rest = trim(rest.substr(0, rest.size() - 1));
   value = std::string(rest);
   return !value.empty();
+}
+
+void refuseUnclear(const TextFile& file, const TableLayout& layout, const UnclearNumber& u,
+                   FaultList& faults) {
+  double decimal = 0.0, grouped = 0.0;
+  const bool comma = u.cell.find(',') != std::string::npos;
+  std::string unit;
+  if (!parseNumber(u.cell, comma, decimal)) parseWithUnit(u.cell, comma, decimal, unit);
+  if (!parseNumber(u.cell, !comma, grouped)) parseWithUnit(u.cell, !comma, grouped, unit);
+  const std::string is = layout.decimalComma ? "comma" : "point";
+  const std::string other = layout.decimalComma ? "point" : "comma";
+  const std::string write = "write into the mapping (--columns): decimal: " + is;
+  faults.add(file.place(u.line) + "column '" + layout.names[u.column] + "': whether '" + u.cell + "' is " +
+             format("%.6g or %.6g", decimal, grouped) + " cannot be seen" +
+             (layout.marks.proven
+                  ? ", as other columns have a decimal " + is + "; if it has thousands set apart, " + write +
+                        ", else correct the file"
+                  : "; " + write + " (or " + other + ")"));
 }
 
 TableLayout tableLayout(const TextFile& file, const ColumnMapping& mapping) {
@@ -316,6 +334,7 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
     const std::string_view line = file.lines()[n - 1];
     if (trim(line).empty() || takeRemark(line, remark)) continue;
     const auto cells = cellsOf(line, layout.separator);
+    if (sumsUp(cells)) continue;
     for (std::size_t i = 0; i < std::min(cells.size(), samples.size()); ++i) {
       if (cells[i].empty()) continue;
       ColumnSample& s = samples[i];
@@ -345,6 +364,8 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
         ++s.clocks;
       } else {
         ++s.texts;
+        constexpr std::size_t kFew = 8;
+        if (s.words.size() < kFew) s.words.emplace(cells[i]);
       }
     }
   }

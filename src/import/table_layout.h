@@ -1,12 +1,16 @@
 #pragma once
 #include <cstddef>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "import/column_mapping.h"
+#include "import/decimal_mark.h"
 #include "import/text_file.h"
+#include "session/csv_cells.h"
+#include "session/input_faults.h"
 
 namespace mm {
 
@@ -14,6 +18,7 @@ namespace mm {
 struct TableLayout {
   char separator = ',';
   bool decimalComma = false;
+  DecimalMarks marks;                                        // why, unless the mapping said it
   std::size_t headerLine = 0;                                // 0: none
   std::size_t unitsLine = 0;                                 // 0: none
   std::size_t firstRow = 0;                                  // 0: there is no row
@@ -36,6 +41,7 @@ struct ColumnSample {
   bool whole = true;                // all numbers are integers
   bool rising = true;               // each above the one before it
   std::string first;
+  std::set<std::string> words;              // some of its different texts
   std::string suffix;                       // the unit behind each number, where all have the same: `12.5 mm`
   std::size_t slashed = 0;                  // calendars with slashes
   bool monthFirst = true, dayFirst = true;  // what all of these may be
@@ -44,8 +50,9 @@ struct ColumnSample {
 
 std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout);
 
-/// A number with the table's decimal mark.
-bool parseNumber(std::string_view cell, bool decimalComma, double& value);
+/// A fault: the decimal mark cannot be seen, with the line for the mapping.
+void refuseUnclear(const TextFile& file, const TableLayout& layout, const UnclearNumber& number,
+                   FaultList& faults);
 
 /// A number and the unit behind it: `12.5 mm`. False where there is no unit.
 bool parseWithUnit(std::string_view cell, bool decimalComma, double& value, std::string& unit);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
@@ -62,13 +63,19 @@ bool isUtf8(const std::string& bytes) {
   return more == 0;
 }
 
+/// Latin-1, and where it has control characters those of Windows-1252 (dashes, quotes, per mille, euro).
 std::string fromLatin1(const std::string& bytes) {
+  static constexpr char16_t kWindows[32] = {0x20AC, 0x0081, 0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
+                                            0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0x008D, 0x017D, 0x008F,
+                                            0x0090, 0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
+                                            0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0x009D, 0x017E, 0x0178};
   std::string text;
-  for (const char b : bytes) append(text, static_cast<unsigned char>(b));
+  for (const char b : bytes) {
+    const auto c = static_cast<unsigned char>(b);
+    append(text, c >= 0x80 && c < 0xA0 ? kWindows[c - 0x80] : c);
+  }
   return text;
 }
-
-bool startsWith(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
 
 }  // namespace
 
@@ -112,7 +119,8 @@ void TextFile::decode(std::string bytes) {
   if (isUtf8(bytes)) {
     text_ = mark ? bytes.substr(3) : std::move(bytes);
   } else {
-    encoding_ = "Latin-1";
+    const bool windows = std::any_of(bytes.begin(), bytes.end(), [](char b) { return (b & 0xE0) == 0x80; });
+    encoding_ = windows ? "Windows-1252" : "Latin-1";
     text_ = fromLatin1(bytes);
   }
 }
@@ -141,27 +149,6 @@ bool TextLines::next(std::string_view& line) {
 
 double TextLines::fraction() const {
   return file_.lines().empty() ? 1.0 : static_cast<double>(next_) / static_cast<double>(file_.lines().size());
-}
-
-std::string_view trim(std::string_view text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = static_cast<char>(std::tolower(static_cast<unsigned char>(result[i])));
-    // the capital umlauts of UTF-8 are 0x20 below the small ones
-    if (result[i] == '\xC3' && i + 1 < result.size()) {
-      ++i;
-      const auto c = static_cast<unsigned char>(result[i]);
-      if (c >= 0x80 && c <= 0x9E) result[i] = static_cast<char>(c + 0x20);
-    }
-  }
-  return result;
 }
 
 }  // namespace mm

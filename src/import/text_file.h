@@ -8,8 +8,8 @@
 
 namespace mm {
 
-/// A text file of somebody else as UTF-8 lines: UTF-8 or UTF-16 with or without its mark, else Latin-1; line
-/// breaks of Unix, Windows and old Macs.
+/// A text file of somebody else as UTF-8 lines: UTF-8 or UTF-16 with or without its mark, else Latin-1
+/// (Windows-1252); line breaks of Unix, Windows and old Macs.
 class TextFile {
  public:
   /// @throw InputError when it cannot be read, is empty, or is no text (a workbook, a bag, binary).
@@ -18,7 +18,7 @@ class TextFile {
   TextFile& operator=(const TextFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  const std::string& encoding() const { return encoding_; }              ///< "UTF-8", "UTF-16", "Latin-1"
+  const std::string& encoding() const { return encoding_; }  ///< "UTF-8", "UTF-16", "Latin-1", "Windows-1252"
   const std::vector<std::string_view>& lines() const { return lines_; }  ///< line n is lines()[n - 1]
   /// "file:line: " for messages.
   std::string place(std::size_t line) const;
@@ -43,9 +43,5 @@ class TextLines : public LineSource {
   const TextFile& file_;
   std::size_t next_ = 0;
 };
-
-std::string_view trim(std::string_view text);
-/// ASCII letters and the German umlauts in lower case.
-std::string lower(std::string_view text);
 
 }  // namespace mm

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <vector>
 
+#include "base/text.h"
 #include "base/units.h"
 #include "import/text_file.h"
 
@@ -29,6 +30,7 @@ const std::vector<Named>& units() {
       {u(UnitKind::kLength, 1e-2, "cm"), {"cm"}},
       {u(UnitKind::kLength, 1.0, "m"), {"m", "metre", "metres", "meter", "meters"}},
       {u(UnitKind::kLength, kInch, "inch"), {"inch", "in", "inches", "zoll", "\""}},
+      {u(UnitKind::kLength, kInch * 1e-6, "uin"), {"uin", "uinch", "microinch", "microinches", "mikrozoll"}},
       {u(UnitKind::kLength, kInch * 1e-3, "mil"), {"mil", "mils", "thou"}},
       {u(UnitKind::kAngle, kDegree, "deg"), {"deg", "degs", "degree", "degrees"}},
       {u(UnitKind::kAngle, 1.0, "rad"), {"rad", "radian", "radians"}},

@@ -7,14 +7,13 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "ros_bridge/bag_writer.h"
 #include "ros_bridge/message_conversion.h"
 #include "session/gross_rows.h"
 
 namespace mm {
 namespace {
-
-bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
 
 /// The file under a temporary name; removed unless it was put in place.
 class TemporaryFile {

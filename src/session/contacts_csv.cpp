@@ -1,18 +1,18 @@
 #include "session/contacts_csv.h"
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
-#include <set>
 #include <unordered_map>
 
 #include "base/error.h"
-#include "base/nearest_name.h"
+#include "base/text.h"
 #include "session/assumed_travel.h"
+#include "session/csv_cells.h"
+#include "session/csv_row.h"
+#include "session/feature_names.h"
 #include "session/input_faults.h"
+#include "session/row_clock.h"
 #include "session/session_time.h"
-#include "session/time_stamp.h"
 #include "session/travel.h"
 
 namespace mm {
@@ -20,44 +20,6 @@ namespace {
 
 constexpr double kLargestTime = 3e9;    // s; with the epoch it still fits a ROS stamp
 constexpr double kSmallestTime = -9e8;  // s
-
-/// What was written in one row, beside the observation itself.
-struct RowKinds {
-  bool feature = false, reference = false, deviation = false, logged = false, setup = false;
-  int measured() const { return feature + reference + deviation; }
-};
-
-struct Logged {
-  std::int64_t stamp;  // ns, the file's own clock
-  double value;
-};
-
-constexpr std::int64_t kSecond = 1000000000;  // ns
-constexpr std::int64_t kDay = 86400 * kSecond;
-
-std::string lowerCase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
-
-/// How loggers and spreadsheets write that there is no value.
-bool meansNothing(std::string_view cell) {
-  static const std::set<std::string> kWords = {"nan", "n/a", "na", "#n/a", "-", "--", "---", "null", "none"};
-  return cell.size() <= 4 && kWords.count(lowerCase(cell)) > 0;
-}
-
-/// -1 or +1; 0: no direction.
-double directionOf(std::string_view cell) {
-  static const std::set<std::string> kUp = {"+",       "+1",       "1",        "up",       "fwd",
-                                            "forward", "forwards", "pos",      "positive", "→",
-                                            "↑",       "vor",      "vorwärts", "hin",      "+ve"};
-  static const std::set<std::string> kDown = {"-",         "-1",  "down",    "bwd",  "back",     "backward",
-                                              "backwards", "rev", "reverse", "neg",  "negative", "←",
-                                              "↓",         "−",   "zurück",  "rück", "-ve"};
-  const std::string lower = lowerCase(cell);
-  return kUp.count(lower) > 0 ? 1.0 : kDown.count(lower) > 0 ? -1.0 : 0.0;
-}
 
 /// Turns the rows of one file into observations and series.
 class CsvReader {
@@ -92,7 +54,7 @@ class CsvReader {
     constexpr std::size_t kHopeless = 1000;  // faults
     std::string_view line;
     while (faults_.count() < kHopeless && lines_.next(line)) {
-      if (line.find_first_not_of(" \t") == std::string_view::npos || isComment(line)) continue;
+      if (trim(line).empty() || (foreign_ && isRemark(line))) continue;
       try {
         readRow(line);
       } catch (const InputError& e) {
@@ -116,17 +78,7 @@ class CsvReader {
     session.source = file.string();
     session.rowFile = file.filename().string();
     if (artifact != nullptr) session.artifact = *artifact;
-    for (std::size_t i = 0; i < session.artifact.features.size(); ++i) {
-      const std::string& name = session.artifact.features[i].name;
-      featureIndex_[name] = static_cast<int>(i);
-      if (foreign_) featureIndex_.emplace(lowerCase(name), static_cast<int>(i));
-    }
-  }
-
-  bool isComment(std::string_view line) const {
-    if (!foreign_) return false;
-    line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t")));
-    return line.front() == '#' || line.front() == '%' || line.substr(0, 2) == "//";
+    features_.take(session.artifact, foreign_, form_.features);
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -172,54 +124,25 @@ class CsvReader {
   /// The cell times the column's factor. @param index of the column.
   double number(std::string_view cell, std::size_t index) {
     const CsvColumn& column = columns_[index];
-    const std::string_view written = cell;
-    if (foreign_) cell = plainNumber(withoutUnit(cell, column.suffix));
-    const char* begin = cell.data();
-    if (cell.size() > 1 && *begin == '+' && cell[1] != '-') ++begin;
     double value = 0.0;
-    const auto [end, error] = std::from_chars(begin, cell.data() + cell.size(), value);
-    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
-      fail("column '" + column.header + "': '" + std::string(written) + "' is not a finite number" +
+    const bool read = foreign_ ? parseNumber(withoutUnit(cell, column.suffix), form_.decimalComma, value)
+                               : parsePlainNumber(cell, value);
+    if (!read)
+      fail("column '" + column.header + "': '" + std::string(cell) + "' is not a finite number" +
            (form_.decimalComma ? " (with a decimal comma)" : "") +
            "; leave the cell empty where nothing was measured");
-    ColumnRange& range = ranges_[index];
-    if (range.count++ == 0) range.first = std::string(written), range.lower = range.upper = value;
-    range.lower = std::min(range.lower, value);
-    range.upper = std::max(range.upper, value);
+    ranges_[index].add(cell, value);
     return value * column.factor + column.offset;
-  }
-
-  /// Without the unit that stands in each cell of a column.
-  static std::string_view withoutUnit(std::string_view cell, const std::string& suffix) {
-    if (suffix.empty() || cell.size() <= suffix.size() || cell.substr(cell.size() - suffix.size()) != suffix)
-      return cell;
-    cell.remove_suffix(suffix.size());
-    return cell.substr(0, cell.find_last_not_of(' ') + 1);
-  }
-
-  /// With a decimal point and a plain minus.
-  std::string_view plainNumber(std::string_view cell) {
-    constexpr std::string_view kMinus = "\xE2\x88\x92";
-    const bool comma = form_.decimalComma && cell.find(',') != std::string_view::npos;
-    if (!comma && cell.substr(0, kMinus.size()) != kMinus) return cell;
-    plain_ = cell.substr(0, kMinus.size()) == kMinus ? "-" + std::string(cell.substr(kMinus.size()))
-                                                     : std::string(cell);
-    if (comma && plain_.find('.') == std::string::npos) plain_[plain_.find(',')] = '.';
-    return plain_;
-  }
-
-  void note(std::size_t index, std::string_view cell) {
-    ColumnRange& range = ranges_[index];
-    if (range.count++ == 0) range.first = std::string(cell);
   }
 
   /// Of a foreign table: empty cells at the end do not count; a line of words between the rows is none.
   bool fitCells(std::string_view line) {
     while (cells_.size() > columns_.size() && cells_.back().empty()) cells_.pop_back();
-    const bool empty = std::all_of(cells_.begin(), cells_.end(), [](auto c) { return c.empty(); });
-    if (empty) return false;
-    if (cells_.size() < columns_.size() && cells_.size() <= 2 &&
-        line.find_first_of("0123456789") == std::string_view::npos) {
+    const auto first = std::find_if(cells_.begin(), cells_.end(), [](auto c) { return !c.empty(); });
+    if (first == cells_.end()) return false;
+    const bool words = cells_.size() < columns_.size() && cells_.size() <= 2 &&
+                       line.find_first_of("0123456789") == std::string_view::npos;
+    if (words || (sumsUp(cells_) && !features_.has(*first))) {
       notes_.push_back("line " + std::to_string(lines_.number()) + " is no row and was left out: '" +
                        std::string(line.substr(0, 60)) + "'");
       return false;
@@ -260,15 +183,17 @@ class CsvReader {
     if (form_.onlyFeature >= 0) o.feature = form_.onlyFeature, kinds.feature = true;
     if (statesOnly_) {
       states_.lines.emplace_back(line);
-    } else if (!checkRow(o, kinds)) {
+    } else if (kinds.logsOnly()) {
       return;
+    } else if (const std::string fault = rowFault(o, kinds, session.machine); !fault.empty()) {
+      fail(fault);
     }
-    finishKind(o, kinds);
+    setKind(o, kinds);
     stamps_.push_back(stamp);
     session.observations.push_back(std::move(o));
   }
 
-  /// What was indicated minus the target is the deviation (ISO 230-2).
+  /// What was measured minus the target is the deviation (ISO 230-2).
   void finishMeasured(Observation& o) const {
     for (const CsvColumn& c : columns_)
       if (c.role == CsvRole::kMeasured) o.deviation[c.index] -= o.position[c.index];
@@ -277,7 +202,7 @@ class CsvReader {
   /// Nanoseconds on the file's own clock.
   std::int64_t timeOf() {
     std::int64_t stamp = static_cast<std::int64_t>(stamps_.size());  // keeps the order of rows without a time
-    if (foreign_ && !hasTime_ && !hasDate_) stamp = rows_ * kSecond;
+    if (foreign_ && !hasTime_ && !hasDate_) stamp = rows_ * 1000000000;  // a second apart
     ++rows_;
     if (hasTime_ || hasDate_) stamp = 0;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
@@ -292,38 +217,19 @@ class CsvReader {
         stamp += std::llround(time * 1e9);
         continue;
       }
-      const auto read = timeIn(column.timeForm, cells_[i]);
+      const auto read = RowClock::read(column.timeForm, cells_[i]);
       if (!read)
         fail("column '" + column.header + "': '" + std::string(cells_[i]) + "' is not a " +
              (column.timeForm == TimeForm::kClock
                   ? "time of day (10:15:03)"
                   : "calendar time (2026-11-21T10:15:03, 21.11.2026 10:15:03)") +
-             " as in the rows before; mend it, or leave the row out");
-      note(i, cells_[i]);
+             " as in the rows before; correct it, or leave the row out");
+      ranges_[i].add(cells_[i]);
       stamp += *read;
-      if (column.timeForm == TimeForm::kClock && !hasDate_) stamp = afterMidnight(stamp);
+      if (column.timeForm == TimeForm::kClock && !hasDate_) stamp = clock_.afterMidnight(stamp);
     }
-    earliest_ = any_ ? std::min(earliest_, stamp) : stamp;
-    any_ = true;
+    clock_.saw(stamp);
     return stamp;
-  }
-
-  static std::optional<std::int64_t> timeIn(TimeForm form, std::string_view cell) {
-    switch (form) {
-      case TimeForm::kClock:
-        return parseClock(cell);
-      case TimeForm::kMonthFirst:
-      case TimeForm::kDayFirst:
-        return parseSlashed(cell, form == TimeForm::kMonthFirst);
-      default:
-        return parseCalendar(cell);
-    }
-  }
-
-  /// A clock that jumps back by more than half a day has passed midnight.
-  std::int64_t afterMidnight(std::int64_t clock) {
-    if (any_ && clock + midnights_ * kDay < last_ - kDay / 2) ++midnights_;
-    return last_ = clock + midnights_ * kDay;
   }
 
   void readCell(std::string_view cell, std::size_t index, std::int64_t stamp, Observation& o,
@@ -335,14 +241,10 @@ class CsvReader {
       case CsvRole::kDate:
         break;
       case CsvRole::kIgnored:
-        note(index, cell);
-        break;
-      case CsvRole::kMeasured:
-        kinds.deviation = true;
-        o.deviation[column.index] = number(cell, index);
+        ranges_[index].add(cell);
         break;
       case CsvRole::kDirection: {
-        note(index, cell);
+        ranges_[index].add(cell);
         const double direction = directionOf(cell);
         if (direction == 0.0)
           fail("column '" + column.header + "': '" + std::string(cell) +
@@ -363,22 +265,16 @@ class CsvReader {
         break;
       case CsvRole::kFeature: {
         kinds.feature = true;
-        note(index, cell);
-        key_.assign(cell);
-        if (const auto renamed = form_.features.find(key_); renamed != form_.features.end())
-          key_ = renamed->second;
-        auto found = featureIndex_.find(key_);
-        if (found == featureIndex_.end() && foreign_) found = featureIndex_.find(lowerCase(key_));
-        if (found != featureIndex_.end())
-          o.feature = found->second;
-        else if (!statesOnly_)
-          failFeature();
+        ranges_[index].add(cell);
+        o.feature = features_.find(cell);
+        if (o.feature < 0 && !statesOnly_) fail(features_.fault(cell, session.artifact));
         break;
       }
       case CsvRole::kReference:
         kinds.reference = true;
         o.reference[column.index] = number(cell, index);
         break;
+      case CsvRole::kMeasured:  // finishMeasured takes the target off
       case CsvRole::kDeviation:
         kinds.deviation = true;
         o.deviation[column.index] = number(cell, index);
@@ -390,7 +286,7 @@ class CsvReader {
         break;
       case CsvRole::kSetup: {
         kinds.setup = true;
-        note(index, cell);
+        ranges_[index].add(cell);
         const auto entry = setupIndex_.emplace(std::string(cell), static_cast<int>(session.setups.size()));
         if (entry.second) session.setups.emplace_back(cell);
         o.setup = entry.first->second;
@@ -398,70 +294,23 @@ class CsvReader {
       }
       case CsvRole::kTemperature:
         kinds.logged = true;
-        temperatures_[column.index].push_back({stamp, number(cell, index)});
+        temperatures_.add(column.index, stamp, number(cell, index));
         break;
       case CsvRole::kCovariate:
         kinds.logged = true;
-        covariates_[column.index].push_back({stamp, number(cell, index)});
+        covariates_.add(column.index, stamp, number(cell, index));
         break;
     }
-  }
-
-  [[noreturn]] void failFeature() const {
-    std::vector<std::string> names;
-    for (const Feature& f : states_.session.artifact.features) names.push_back(f.name);
-    fail("feature '" + key_ + "' is not in artifact '" + states_.session.artifact.name + "'" +
-         didYouMean(key_, names) +
-         (foreign_ ? "; if it is one of them, write into the mapping: features: {" + key_ + ": " +
-                         (names.empty() ? "ball" : names.front()) + "}"
-                   : ""));
-  }
-
-  /// False for a row that only logs temperatures or covariates.
-  bool checkRow(const Observation& o, const RowKinds& kinds) const {
-    if (kinds.measured() > 1)
-      fail("a row holds one of feature, reference_*_mm and deviation_*; leave the others empty");
-    if (kinds.measured() == 0) {
-      if (kinds.logged) return false;
-      fail("nothing was measured: feature, reference and deviation are all empty or have no column");
-    }
-    if (kinds.feature && kinds.setup) fail("'setup' belongs to rows with a reference or a deviation");
-    for (std::size_t j = 0; j < o.position.size(); ++j)
-      if (std::isnan(o.position[j]))
-        fail("the reading of joint '" + states_.session.machine.joints()[j].name + "' is empty");
-    return true;
-  }
-
-  void finishKind(Observation& o, const RowKinds& kinds) const {
-    o.kind = kinds.deviation   ? ObservationKind::kDeviation
-             : kinds.reference ? ObservationKind::kPosition
-                               : ObservationKind::kContact;
-    if (o.kind == ObservationKind::kDeviation) return;
-    o.deviation.clear();
-    o.deviationStd.clear();
   }
 
   void countTimeFromStart() {
     Session& session = states_.session;
     const std::int64_t zero = form_.absoluteTime ? 0 : kImportEpoch;
-    session.epoch = static_cast<double>(zero) + secondsBetween(0, earliest_);
+    session.epoch = static_cast<double>(zero) + secondsBetween(0, clock_.earliest());
     for (std::size_t i = 0; i < stamps_.size(); ++i)
-      session.observations[i].time = secondsBetween(earliest_, stamps_[i]);
-    fillSeries(temperatures_, session.temperatures);
-    fillSeries(covariates_, session.covariates);
-  }
-
-  void fillSeries(std::vector<std::vector<Logged>>& logged, std::vector<Series>& series) const {
-    const auto earlier = [](const Logged& a, const Logged& b) { return a.stamp < b.stamp; };
-    for (std::size_t i = 0; i < series.size(); ++i) {
-      if (!std::is_sorted(logged[i].begin(), logged[i].end(), earlier))
-        std::stable_sort(logged[i].begin(), logged[i].end(), earlier);
-      for (const Logged& l : logged[i]) {
-        series[i].time.push_back(secondsBetween(earliest_, l.stamp));
-        series[i].value.push_back(l.value);
-      }
-      std::vector<Logged>().swap(logged[i]);
-    }
+      session.observations[i].time = secondsBetween(clock_.earliest(), stamps_[i]);
+    temperatures_.fill(session.temperatures, clock_.earliest());
+    covariates_.fill(session.covariates, clock_.earliest());
   }
 
   LineSource& lines_;
@@ -471,19 +320,17 @@ class CsvReader {
   FaultList faults_;
   std::vector<ColumnRange> ranges_;
   std::vector<std::string> notes_;
-  std::string plain_;
-  std::int64_t rows_ = 0, last_ = 0, midnights_ = 0;
-  bool hasDate_ = false;
-  bool hasTime_ = false, hasDeviation_ = false, any_ = false;
+  std::int64_t rows_ = 0;
+  bool hasDate_ = false, hasTime_ = false, hasDeviation_ = false;
   std::vector<CsvColumn> columns_;
   std::vector<std::string_view> cells_;
-  std::string key_;
   std::vector<double>
       zeroUnlessColumn_;  // readings of a row before its cells: a joint without a column stays at 0
-  std::unordered_map<std::string, int> featureIndex_, setupIndex_;
+  FeatureNames features_;
+  std::unordered_map<std::string, int> setupIndex_;
   std::vector<std::int64_t> stamps_;  // of the observations, ns on the file's own clock
-  std::int64_t earliest_ = 0;
-  std::vector<std::vector<Logged>> temperatures_, covariates_;
+  RowClock clock_;
+  LoggedSeries temperatures_, covariates_;
 };
 
 /// Whatever it was written in: a session must hold a measurement, and each laser contact its reading.
@@ -502,6 +349,16 @@ void finish(Session& session, const std::filesystem::path& file, const Artifact*
 }
 
 }  // namespace
+
+void ColumnRange::add(std::string_view cell) {
+  if (count++ == 0) first = std::string(cell);
+}
+
+void ColumnRange::add(std::string_view cell, double value) {
+  lower = std::min(count == 0 ? value : lower, value);
+  upper = std::max(count == 0 ? value : upper, value);
+  add(cell);
+}
 
 Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
                         const ProgressCallback& progress) {

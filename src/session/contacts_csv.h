@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,9 @@ struct ColumnRange {
   std::string first;  // as written
   double lower = kNotMeasured, upper = kNotMeasured;
   std::size_t count = 0;
+
+  void add(std::string_view cell);  ///< a text
+  void add(std::string_view cell, double value);
 };
 
 struct TableReading {

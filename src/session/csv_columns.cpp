@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/text.h"
 #include "base/units.h"
 
 namespace mm {
@@ -47,10 +48,10 @@ Known knownColumns(const Machine& machine) {
   return known;
 }
 
-bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+std::vector<std::string> namesOf(const Known& known) {
+  std::vector<std::string> names;
+  for (const auto& entry : known) names.push_back(entry.first);
+  return names;
 }
 
 /// The known column that differs from `header` in its unit only, or null.
@@ -81,11 +82,9 @@ bool resemblesKnown(const Known& known, const std::string& header) {
 }
 
 bool isTemperatureUnit(const std::string& unit) {
-  std::string lower = unit;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   static const std::set<std::string> kUnits = {"c",      "degc", "celsius", "k",         "degk",
                                                "kelvin", "f",    "degf",    "fahrenheit"};
-  return kUnits.count(lower) > 0;
+  return kUnits.count(lower(unit)) > 0;
 }
 
 /// Names of sensors and covariates become topics.
@@ -101,8 +100,7 @@ CsvColumn openColumn(const std::string& header, const Known& known, const std::s
   const auto refuse = [&](const std::string& why) {
     throw InputError(place + ": column '" + header + "' " + why);
   };
-  std::vector<std::string> names;
-  for (const auto& entry : known) names.push_back(entry.first);
+  const std::vector<std::string> names = namesOf(known);
   const std::size_t cut = header.rfind('_');
   CsvColumn column;
   column.header = header;
@@ -123,6 +121,8 @@ CsvColumn openColumn(const std::string& header, const Known& known, const std::s
 }
 
 }  // namespace
+
+std::vector<std::string> fixedColumns(const Machine& machine) { return namesOf(knownColumns(machine)); }
 
 std::vector<CsvColumn> parseCsvHeader(const std::vector<std::string>& names, const Machine& machine,
                                       const std::string& place) {

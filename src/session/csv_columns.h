@@ -48,6 +48,9 @@ struct CsvColumn {
   std::string suffix;  // behind the number in each cell: "mm"
 };
 
+/// The columns whose names are fixed by the machine: `time_s`, `x_mm`, `deviation_x_um`, ….
+std::vector<std::string> fixedColumns(const Machine& machine);
+
 /// Understands the header of a CSV in the import format. @param place `file:line` for messages.
 /// @throw InputError for a column that is unknown, doubled, without a name or in another unit than the
 /// format's.

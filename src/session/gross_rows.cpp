@@ -99,7 +99,7 @@ class GrossRows {
       name(
           i, field, format("%.6g %s", column.values[i] / toUnit, unit),
           format("all others are within %.6g … %.6g %s", column.lower / toUnit, column.upper / toUnit, unit) +
-              "; mend the value, or leave the row out");
+              "; correct the value, or leave the row out");
   }
 
   void times() {
@@ -110,9 +110,9 @@ class GrossRows {
     c.samePlace = 60;
     for (const std::size_t i : standAlone(c))
       name(i, "time", format("%.6g s", c.values[i] - c.lower),
-           format(
-               "counted from the first of the others, which last %.6g s; mend the time, or leave the row out",
-               c.upper - c.lower));
+           format("counted from the first of the others, which last %.6g s; correct the time, or leave the "
+                  "row out",
+                  c.upper - c.lower));
   }
 
   void joints() {
@@ -237,7 +237,7 @@ class GrossRows {
         why += ", and on '" + features[static_cast<std::size_t>(other)].name + "'; is the name wrong?";
       else
         std::tie(field, value) = suspect(rows, rows[i]);
-      name(rows[i], field, value, why + (other >= 0 ? "" : "; mend the row, or leave it out"));
+      name(rows[i], field, value, why + (other >= 0 ? "" : "; correct the row, or leave it out"));
     }
   }
 

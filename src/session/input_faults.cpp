@@ -2,19 +2,11 @@
 
 #include <algorithm>
 
+#include "base/text.h"
+
 namespace mm {
-namespace {
-
-std::string joined(const std::vector<std::string>& faults) {
-  std::string text;
-  for (const std::string& f : faults) text += (text.empty() ? "" : "\n") + f;
-  return text;
-}
-
-}  // namespace
-
 InputFaults::InputFaults(std::vector<std::string> faults)
-    : InputError(joined(faults)), faults_(std::move(faults)) {}
+    : InputError(joined(faults, "\n")), faults_(std::move(faults)) {}
 
 void FaultList::add(const std::string& fault) {
   if (std::find(faults_.begin(), faults_.end(), fault) != faults_.end()) return;
@@ -29,7 +21,7 @@ void FaultList::throwIfAny() const {
   if (faults_.size() == 1) throw InputError(faults_.front());
   std::vector<std::string> all = faults_;
   if (more_ > 0)
-    all.push_back("and " + std::to_string(more_) + " faults more of that file; mend these first");
+    all.push_back("and " + std::to_string(more_) + " faults more of that file; correct these first");
   throw InputFaults(std::move(all));
 }
 

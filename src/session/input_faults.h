@@ -7,7 +7,7 @@
 
 namespace mm {
 
-/// Several faults of one input, so that they can be mended at once. `what()` has them one after the other.
+/// Several faults of one input, so that they can be corrected at once. `what()` has them one after the other.
 class InputFaults : public InputError {
  public:
   explicit InputFaults(std::vector<std::string> faults);

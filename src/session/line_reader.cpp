@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
@@ -59,14 +60,8 @@ bool LineReader::next(std::string_view& line) {
 
 namespace {
 
-std::string_view trimmed(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
-
 bool splitAtBlanks(std::string_view line, std::vector<std::string_view>& cells) {
-  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+  for (line = trim(line); !line.empty(); line = trim(line)) {
     const bool quoted = line.front() == '"';
     const std::size_t end = quoted ? line.find('"', 1) : line.find_first_of(" \t");
     if (quoted && end == std::string_view::npos) return false;
@@ -89,7 +84,7 @@ bool splitCells(std::string_view line, std::vector<std::string_view>& cells, cha
       const std::size_t close = line.find('"', start + 1);
       if (close == std::string_view::npos) return false;
       const std::size_t next = line.find(separator, close);
-      if (!trimmed(line.substr(close + 1, next == std::string_view::npos ? next : next - close - 1)).empty())
+      if (!trim(line.substr(close + 1, next == std::string_view::npos ? next : next - close - 1)).empty())
         return false;
       cells.push_back(line.substr(start + 1, close - start - 1));
       if (next == std::string_view::npos) return true;
@@ -98,10 +93,10 @@ bool splitCells(std::string_view line, std::vector<std::string_view>& cells, cha
     }
     const std::size_t next = line.find(separator, begin);
     if (next == std::string_view::npos) {
-      cells.push_back(trimmed(line.substr(begin)));
+      cells.push_back(trim(line.substr(begin)));
       return true;
     }
-    cells.push_back(trimmed(line.substr(begin, next - begin)));
+    cells.push_back(trim(line.substr(begin, next - begin)));
     begin = next + 1;
   }
 }

@@ -1,16 +1,13 @@
 #include "session/sense_checks.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <functional>
-#include <numeric>
 
 #include "base/format.h"
 #include "base/units.h"
-#include "session/geometric_start.h"
-#include "session/sphere_centre.h"
+#include "session/agreement.h"
+#include "session/row_checks.h"
 
 namespace mm {
 namespace {
@@ -26,154 +23,6 @@ std::string length(double metres) {
   return metres >= kMillimetre ? format("%.3g mm", metres / kMillimetre)
                                : format("%.3g um", metres / kMicrometre);
 }
-
-/// How the geometry agrees with the artifact, or with what the instrument found.
-struct Agreement {
-  double misfit = kNotMeasured;  // m; NaN: nothing to judge by
-  double turn = 0.0;             // rad: rotation of the artifact that it takes
-  double aligned =
-      kNotMeasured;       // mean cosine between recorded approach and the direction to the ball's centre
-  double cap = INFINITY;  // least extent of the tips on a ball, in radii; without a layout that says the size
-  std::vector<Eigen::Vector3d> centres;
-};
-
-using Readings = std::function<void(std::vector<double>&)>;
-
-class Geometry {
- public:
-  explicit Geometry(const Session& session) : session_(session), of_(session.artifact.features.size()) {
-    for (std::size_t i = 0; i < session.observations.size(); ++i) {
-      const Observation& o = session.observations[i];
-      if (o.kind == ObservationKind::kContact) of_[o.feature].push_back(&o);
-      if (o.kind == ObservationKind::kPosition && o.reference.allFinite()) positions_.push_back(&o);
-    }
-    constexpr std::size_t kEnough = 200;  // of one ball: more would say the same
-    for (auto* rows : lists()) {
-      if (rows->size() <= kEnough) continue;
-      std::vector<const Observation*> some;
-      for (std::size_t k = 0; k < kEnough; ++k) some.push_back((*rows)[k * rows->size() / kEnough]);
-      *rows = std::move(some);
-    }
-  }
-
-  /// @param change what is done to the readings of each row; may be empty.
-  Agreement judge(const Readings& change) const {
-    Agreement a;
-    a.centres.assign(of_.size(), Eigen::Vector3d::Constant(kNotMeasured));
-    std::vector<double> within;
-    double aligned = 0.0;
-    int approaches = 0;
-    for (std::size_t f = 0; f < of_.size(); ++f) {
-      if (of_[f].empty()) continue;
-      const Feature& feature = session_.artifact.features[f];
-      std::vector<Eigen::Vector3d> tips;
-      for (const Observation* o : of_[f]) tips.push_back(tipOf(*o, change));
-      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-      for (const auto& t : tips) centre += t / static_cast<double>(tips.size());
-      double extent = 0.0;
-      for (const auto& t : tips) extent = std::max(extent, (t - centre).norm());
-      const bool ball = feature.kind == FeatureKind::kBall;
-      double distance = 0.0;
-      if (ball) {
-        distance =
-            feature.radius + (std::isnan(of_[f].front()->laserReading) ? session_.artifact.tipRadius : 0.0);
-        constexpr std::size_t kDetermining = 5;
-        if (tips.size() < kDetermining || !sphereCentre(tips, distance, centre)) continue;
-        a.cap = std::min(a.cap, extent / distance);
-      }
-      for (const auto& t : tips) within.push_back(std::abs((t - centre).norm() - distance));
-      a.centres[f] = centre;
-      for (std::size_t i = 0; ball && i < tips.size(); ++i) {
-        const Eigen::Vector3d& approach = of_[f][i]->approach;
-        if (!approach.allFinite() || approach.norm() < 0.5 || !std::isnan(of_[f][i]->laserReading)) continue;
-        aligned += approach.normalized().dot((centre - tips[i]).normalized());
-        ++approaches;
-      }
-    }
-    if (approaches > 0) a.aligned = aligned / approaches;
-    a.misfit = std::hypot(trimmed(within), layout(a.centres, names(), a));
-    const double instrument = positions(change);
-    if (std::isfinite(instrument)) a.misfit = within.empty() ? instrument : std::hypot(a.misfit, instrument);
-    if (within.empty() && !std::isfinite(instrument)) a.misfit = kNotMeasured;
-    return a;
-  }
-
-  /// @param names of the feature at each centre. @return m, RMS of a component; 0 where the layout says
-  /// nothing. @param turned gets the rotation that it takes.
-  double layout(const std::vector<Eigen::Vector3d>& centres, const std::vector<int>& names,
-                Agreement& turned) const {
-    Eigen::Matrix3Xd from(3, 0), to(3, 0);
-    for (std::size_t f = 0; f < centres.size(); ++f) {
-      const Feature& feature = session_.artifact.features[static_cast<std::size_t>(names[f])];
-      if (!feature.known || !centres[f].allFinite()) continue;
-      from.conservativeResize(3, from.cols() + 1);
-      to.conservativeResize(3, to.cols() + 1);
-      from.rightCols<1>() = feature.position;
-      to.rightCols<1>() = centres[f];
-    }
-    const bool free = !session_.artifact.poseKnown;
-    constexpr Eigen::Index kLayout = 3;
-    if (from.cols() < (free ? kLayout : 1)) return 0.0;
-    turned.cap = INFINITY;  // the layout says how large everything is
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-    Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-    if (free) rigidMotion(from, to, rotation, translation);
-    turned.turn = Eigen::AngleAxisd(rotation).angle();
-    const Eigen::Matrix3Xd off = to - ((rotation * from).colwise() + translation);
-    return std::sqrt(off.squaredNorm() / static_cast<double>(off.size()));
-  }
-
-  std::vector<int> names() const {
-    std::vector<int> own(of_.size());
-    std::iota(own.begin(), own.end(), 0);
-    return own;
-  }
-
- private:
-  std::vector<std::vector<const Observation*>*> lists() {
-    std::vector<std::vector<const Observation*>*> all = {&positions_};
-    for (auto& rows : of_) all.push_back(&rows);
-    return all;
-  }
-
-  Eigen::Vector3d tipOf(const Observation& o, const Readings& change) const {
-    std::vector<double> q = o.position;
-    if (change) change(q);
-    return session_.machine.nominal(q.data(), o.laserReading).position;
-  }
-
-  /// RMS without the largest twentieth: a few outliers do not hide that the rest agrees.
-  static double trimmed(std::vector<double> values) {
-    if (values.empty()) return 0.0;
-    std::sort(values.begin(), values.end());
-    const std::size_t kept = std::max<std::size_t>(1, values.size() - values.size() / 20);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < kept; ++i) sum += values[i] * values[i];
-    return std::sqrt(sum / static_cast<double>(kept));
-  }
-
-  /// What an independent instrument found of the tip's position, NaN without.
-  double positions(const Readings& change) const {
-    constexpr std::size_t kFew = 5;
-    if (positions_.size() < kFew) return kNotMeasured;
-    Eigen::Matrix3Xd from(3, positions_.size()), to(3, positions_.size());
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
-      from.col(static_cast<Eigen::Index>(i)) = positions_[i]->reference;
-      to.col(static_cast<Eigen::Index>(i)) = tipOf(*positions_[i], change);
-    }
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-    Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-    if (!session_.artifact.poseKnown) rigidMotion(from, to, rotation, translation);
-    const Eigen::Matrix3Xd off = to - ((rotation * from).colwise() + translation);
-    std::vector<double> distances;
-    for (Eigen::Index i = 0; i < off.cols(); ++i) distances.push_back(off.col(i).norm());
-    return trimmed(std::move(distances)) / std::sqrt(3.0);
-  }
-
-  const Session& session_;
-  std::vector<std::vector<const Observation*>> of_;
-  std::vector<const Observation*> positions_;
-};
 
 /// Something that may have been meant, and how well it agrees.
 struct Hypothesis {
@@ -407,6 +256,12 @@ class Asker {
 
 }  // namespace
 
-std::vector<Doubt> sensibleDoubts(const Session& session) { return Asker(session).ask(); }
+std::vector<Doubt> sensibleDoubts(const Session& session) {
+  std::vector<Doubt> doubts = Asker(session).ask();
+  const bool judged =
+      std::any_of(doubts.begin(), doubts.end(), [](const Doubt& d) { return std::isfinite(d.before); });
+  for (Doubt& doubt : rowDoubts(session, !judged)) doubts.push_back(std::move(doubt));
+  return doubts;
+}
 
 }  // namespace mm

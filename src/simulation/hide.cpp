@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "simulation/catalogue.h"
 #include "simulation/quantity.h"
@@ -29,11 +30,6 @@ std::vector<std::string> split(const std::string& text, char at) {
   std::stringstream stream(text);
   for (std::string part; std::getline(stream, part, at);) parts.push_back(part);
   return parts;
-}
-
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
 Written readMapping(const std::string& text, const std::string& where) {
@@ -64,18 +60,19 @@ Written readShort(const std::string& text, const std::string& where) {
   std::string head = parts.empty() ? "" : parts[0];
   const std::size_t equals = head.find('=');
   if (equals != std::string::npos) {
-    written.size = trimmed(head.substr(equals + 1));
+    written.size = trim(head.substr(equals + 1));
     head = head.substr(0, equals);
   }
   const std::size_t colon = head.find(':');
-  written.type = trimmed(head.substr(0, colon));
+  written.type = trim(head.substr(0, colon));
   if (colon != std::string::npos)
     for (const std::string& place : split(head.substr(colon + 1), '/'))
-      written.places.push_back(trimmed(place));
+      written.places.emplace_back(trim(place));
   for (std::size_t i = 1; i < parts.size(); ++i) {
     const std::size_t at = parts[i].find('=');
     if (at == std::string::npos) throw InputError(where + ": '" + parts[i] + "' must be key=value");
-    written.named[trimmed(parts[i].substr(0, at))] = trimmed(parts[i].substr(at + 1));
+    const std::string_view part = parts[i];
+    written.named[std::string(trim(part.substr(0, at)))] = trim(part.substr(at + 1));
   }
   return written;
 }
@@ -128,12 +125,6 @@ bool alsoAllowed(Key kind, const std::string& value, const HiddenSource& source,
   return false;
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 void fillKeys(const SourceKind& rule, const Written& written, const std::string& where, Random& random,
               const Workshop& w, HiddenSource& source) {
   if (written.places.size() > rule.keys.size())
@@ -154,7 +145,7 @@ void fillKeys(const SourceKind& rule, const Written& written, const std::string&
     } else if (std::find(names.begin(), names.end(), value) == names.end() &&
                !alsoAllowed(key.kind, value, source, rule, w)) {
       throw InputError(where + ": '" + rule.type + "' has no " + key.name + " '" + value +
-                       "'; possible are " + joined(names));
+                       "'; possible are " + joined(names, ", "));
     }
     source.keys.emplace_back(key.name, value);
   }
@@ -188,7 +179,8 @@ void refuseUnknown(const SourceKind& rule, const Written& written, const std::st
     for (const SourceKind::KeyRule& key : rule.keys) known.push_back(key.name);
     for (const SourceKind::NumberRule& number : rule.numbers) known.push_back(number.name);
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw InputError(where + ": '" + rule.type + "' has no key '" + name + "'; known are " + joined(known));
+      throw InputError(where + ": '" + rule.type + "' has no key '" + name + "'; known are " +
+                       joined(known, ", "));
   }
   if (!written.size.empty() && written.named.count("size") > 0)
     throw InputError(where + ": the size is given twice");
@@ -243,7 +235,7 @@ const SourceKind& kindOf(const std::string& type, const std::string& where, Rand
   if ((name == "random" || name == "random_uncatalogued") && !fitting.empty())
     return *fitting[static_cast<std::size_t>(draw * fitting.size())];
   throw InputError(where + ": nothing called '" + type +
-                   "' can be hidden; possible are random, random_uncatalogued, " + joined(known));
+                   "' can be hidden; possible are random, random_uncatalogued, " + joined(known, ", "));
 }
 
 }  // namespace
@@ -276,7 +268,7 @@ std::string HiddenSource::text() const {
 HiddenSource hideSource(const std::string& text, const std::string& where, std::uint64_t seed,
                         const std::string& stream, Workshop& workshop) {
   Random random(seed, stream);
-  const std::string plain = trimmed(text);
+  const std::string plain(trim(text));
   const Written written =
       !plain.empty() && plain[0] == '{' ? readMapping(plain, where) : readShort(plain, where);
   const SourceKind& kind = kindOf(written.type, where, random, workshop);

@@ -6,29 +6,22 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r\"");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
-}
 
 std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> result;
   std::size_t begin = 0;
   for (;;) {
     const std::size_t end = line.find(',', begin);
-    result.push_back(trimmed(line.substr(begin, end == std::string::npos ? end : end - begin)));
+    const std::string_view cell =
+        std::string_view(line).substr(begin, end == std::string::npos ? end : end - begin);
+    result.emplace_back(trim(cell, " \t\r\""));
     if (end == std::string::npos) return result;
     begin = end + 1;
   }
-}
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
 }  // namespace
@@ -53,7 +46,7 @@ SampledSeries readSeries(const std::string& path) {
   while (std::getline(file, line)) {
     ++lineNumber;
     if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
-    const std::string content = trimmed(line);
+    const std::string_view content = trim(line);
     if (content.empty() || content[0] == '#') continue;
     const std::string where = path + ":" + std::to_string(lineNumber) + ": ";
     const std::vector<std::string> row = cells(line);

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
+#include "base/text.h"
+
 namespace mm {
 namespace {
 
@@ -51,12 +53,6 @@ void collect(const CLI::App& app, const std::string& before, std::vector<Command
     }
     all.push_back(command);
   }
-}
-
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
 }
 
 std::string namesOf(const std::vector<CommandOption>& options) {

@@ -6,6 +6,8 @@
 #include <set>
 #include <sstream>
 
+#include "base/text.h"
+
 namespace mm {
 namespace {
 
@@ -20,7 +22,6 @@ std::string beginningOf(const fs::path& file) {
   return text;
 }
 
-bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// The keys at the outermost level of a YAML text, found without its parser: the text may be cut.

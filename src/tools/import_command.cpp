@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -9,12 +10,13 @@
 #include "import/import_format.h"
 #include "session/artifact_file.h"
 #include "session/input_faults.h"
+#include "session/sense_checks.h"
 #include "session/session_summary.h"
 #include "tools/commands.h"
+#include "tools/json_output.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
-#include "tools/session_input.h"
 
 namespace mm {
 namespace {
@@ -22,24 +24,72 @@ namespace {
 struct ImportOptions {
   ImportRequest request;
   std::string artifact, machine, output;
+  bool json = false;
   OutputFiles files;
 };
 
-/// Reads the file; what was understood of it is said also when it is refused, each of its faults on a line.
+/// What was understood as an object: the same that is printed for people, with the faults of a file that is
+/// refused.
+nlohmann::ordered_json importJson(const ImportOptions& options, const Imported& imported,
+                                  const std::vector<std::string>& faults,
+                                  const std::vector<Doubt>& questions) {
+  using Json = nlohmann::ordered_json;
+  const auto orNull = [](const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); };
+  Json object;
+  object["file"] = options.request.file.string();
+  object["format"] = orNull(imported.format);
+  object["how"] = imported.how;
+  object["columns"] = Json::array();
+  for (const UnderstoodColumn& c : imported.columns) {
+    const bool numbers = !std::isnan(c.lower);
+    object["columns"].push_back(Json{{"name", c.name},
+                                     {"meaning", orNull(c.meaning)},
+                                     {"unit", orNull(c.unit)},
+                                     {"unit_from", orNull(c.unit.empty() ? "" : c.from)},
+                                     {"range", numbers ? Json{c.lower, c.upper} : Json(nullptr)},
+                                     {"first", orNull(c.first)}});
+  }
+  object["remarks"] = imported.notes;
+  object["faults"] = faults;
+  object["questions"] = Json::array();
+  for (const Doubt& d : questions)
+    object["questions"].push_back(Json{{"question", d.question},
+                                       {"before_um", jsonMicrometres(d.before)},
+                                       {"after_um", jsonMicrometres(d.after)}});
+  object["observations"] = imported.session ? Json(imported.session->observations.size()) : Json(nullptr);
+  object["assumed"] = imported.session ? orNull(assumedText(*imported.session)) : Json(nullptr);
+  object["set_aside"] = Json::array();
+  if (imported.session)
+    for (const SetAside& a : imported.session->setAside)
+      object["set_aside"].push_back(setAsideText(*imported.session, a));
+  object["written"] = faults.empty() ? Json(options.output) : Json(nullptr);
+  return object;
+}
+
+/// What was understood of a file that is refused, and each of its faults on a line. @throw InputError: the
+/// last.
+[[noreturn]] void refuse(const ImportOptions& options, const Imported& imported,
+                         const std::vector<std::string>& faults) {
+  if (options.json)
+    printJson(std::cout, importJson(options, imported, faults, {}));
+  else if (!imported.columns.empty())
+    std::cout << understoodText(imported);
+  std::cout << std::flush;
+  for (std::size_t i = 0; i + 1 < faults.size(); ++i)
+    std::cerr << "mm: error: " << oneLine(faults[i]) << std::endl;
+  throw InputError(faults.back());
+}
+
 void readFile(const ImportOptions& options, const Machine& machine, const Artifact* artifact,
               Imported& imported) {
   try {
     ProgressBar bar("reading");
     importFile(options.request, machine, artifact, imported, bar.callback());
+    return;
   } catch (const InputFaults& e) {
-    if (!imported.columns.empty()) std::cout << understoodText(imported) << std::flush;
-    const std::vector<std::string>& faults = e.faults();
-    for (std::size_t i = 0; i + 1 < faults.size(); ++i)
-      std::cerr << "mm: error: " << oneLine(faults[i]) << std::endl;
-    throw InputError(faults.back());
-  } catch (const InputError&) {
-    if (!imported.columns.empty()) std::cout << understoodText(imported) << std::flush;
-    throw;
+    refuse(options, imported, e.faults());
+  } catch (const InputError& e) {
+    refuse(options, imported, {e.what()});
   }
 }
 
@@ -60,8 +110,14 @@ void runImport(ImportOptions& options) {
     ProgressBar bar("writing");
     options.files.write(options.output, *imported.session, bar.callback(), imported.motion);
   }
-  std::cout << understoodText(imported) << summarize(*imported.session) << "written to " << options.output
-            << '\n';
+  const std::vector<Doubt> questions = sensibleDoubts(*imported.session);
+  if (options.json) {
+    printJson(std::cout, importJson(options, imported, {}, questions));
+    return;
+  }
+  std::cout << understoodText(imported) << summarize(*imported.session);
+  for (const Doubt& d : questions) std::cout << "question: " << oneLine(d.question) << '\n';
+  std::cout << "written to " << options.output << '\n';
 }
 
 std::string formatLines() {
@@ -89,6 +145,7 @@ void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
                       "YAML: what the file does not say of itself (docs/import.md)");
   command->add_option("--format", options->request.format, "where it is not recognised by itself");
   command->add_option("-o,--output", options->output, "the session's bag")->required();
+  command->add_flag("--json", options->json, "what was understood, as JSON on standard output");
   options->files.declare(*command);
   command->footer(
       "The package's own columns (any order, empty cells are not measured):\n"

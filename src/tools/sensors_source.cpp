@@ -1,6 +1,7 @@
 #include "tools/sensors_source.h"
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "estimation/network_samples.h"
 #include "model/observed_domain.h"
@@ -10,10 +11,6 @@
 
 namespace mm {
 namespace {
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
 
 SensorCandidates fromCsv(const std::string& file, const std::string& targetName) {
   const SampledSeries series = readSeries(file);

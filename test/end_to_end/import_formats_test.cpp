@@ -46,5 +46,45 @@ TEST_F(ImportedFormats, ScalesOfAStepGaugeAndOfLengthBars) {
   EXPECT_NEAR(parameter("length_bars_y.csv", "{type: scale, axis: y}")[0]["value"].get<double>(), 40.0, 5.0);
 }
 
+TEST_F(ImportedFormats, SummaryAsJson) {
+  const std::string csv = folder_.write(
+      "r.csv", "Zeit;X [mm];Abweichung X [µm]\n0;-16000;1,5\n10;0;2,5\n20;16000;3,5\nMittelwert;;2,5\n");
+  const std::string to = " --machine three_axis -o " + folder_ / "r.bag" + " --json --force";
+  const Answer read = mmRun(folder_, "import " + csv + to);
+  ASSERT_EQ(read.status, 0) << read.error;
+  const nlohmann::json object = read.json();
+  EXPECT_EQ(object["format"], "table");
+  ASSERT_EQ(object["columns"].size(), 3u);
+  const nlohmann::json x = {{"name", "X [mm]"},      {"meaning", "reading of joint x"}, {"unit", "mm"},
+                            {"unit_from", "header"}, {"range", {-16000., 16000.}},      {"first", "-16000"}};
+  EXPECT_EQ(object["columns"][1], x);
+  EXPECT_EQ(object["columns"][0]["unit_from"], "assumed");
+  EXPECT_EQ(object["remarks"].size(), 2u) << object["remarks"];
+  EXPECT_TRUE(object["faults"].empty());
+  ASSERT_EQ(object["questions"].size(), 1u);
+  EXPECT_NE(object["questions"][0]["question"].get<std::string>().find("divided by 1000"), std::string::npos);
+  EXPECT_EQ(object["observations"], 3);
+  EXPECT_EQ(object["written"], folder_ / "r.bag");
+
+  const std::string bad = folder_.write("b.csv", "time_s;X [mm];Error X [um]\n0;1;1\n");
+  const Answer refused = mmRun(folder_, "import " + bad + to);
+  EXPECT_EQ(refused.status, 2);
+  const nlohmann::json why = refused.json();
+  ASSERT_EQ(why["faults"].size(), 1u);
+  EXPECT_NE(refused.error.find(why["faults"][0].get<std::string>()), std::string::npos);
+  EXPECT_TRUE(why["written"].is_null());
+  EXPECT_TRUE(why["observations"].is_null());
+}
+
+TEST_F(ImportedFormats, QuestionsAreInTheSummary) {
+  const std::string csv =
+      folder_.write("r.csv", "time_s,x_mm,deviation_x_um\n0,-16000,1.5\n10,0,2.5\n20,16000,3.5\n");
+  const Answer read = mmRun(folder_, "import " + csv + " --machine three_axis -o " + folder_ / "r.bag");
+  ASSERT_EQ(read.status, 0) << read.error;
+  EXPECT_NE(read.out.find("question: x is -16000 … 16000 mm, but the machine goes from -20 to 20 mm"),
+            std::string::npos)
+      << read.out;
+}
+
 }  // namespace
 }  // namespace mm

@@ -166,5 +166,79 @@ TEST_F(ForeignTables, NamesOfTheirOwnAndATimeOfDay) {
   EXPECT_THAT(i.notes[0], HasSubstr("--- end of log ---"));
 }
 
+/// Twelve targets from -16 mm on, 3 mm apart.
+static void expectTargets(const Imported& i) {
+  ASSERT_TRUE(i.session);
+  ASSERT_EQ(i.session->observations.size(), 12u);
+  for (int k = 0; k < 12; ++k)
+    EXPECT_NEAR(i.session->observations[k].position[0], (-16 + 3 * k) * 1e-3, 1e-12) << k;
+}
+
+TEST_F(ForeignTables, TargetMeasuredAndDeviationOfTheOnlyJointThatIsNamed) {
+  const Imported i = import("13_excel_german_windows.csv", "", false);
+  expectTargets(i);
+  EXPECT_NEAR(i.session->observations[0].deviation[0], 2.0e-6, 1e-12)
+      << "'Abweichung [µm]', which names no joint";
+  EXPECT_THAT(columnNamed(i, "Abweichung [µm]")->meaning, HasSubstr("left out: measured minus target"));
+  EXPECT_THAT(i.notes, ::testing::Contains(HasSubstr("the only joint that the file names")));
+}
+
+TEST_F(ForeignTables, AFooterOfAveragesIsNoMeasurement) {
+  const Imported i = import("14_quoted_footer.csv", "", false);
+  expectTargets(i);
+  EXPECT_THAT(i.notes, ::testing::Contains(HasSubstr("line 14 is no row")));
+  EXPECT_THAT(i.notes, ::testing::Contains(HasSubstr("line 15 is no row")));
+}
+
+TEST_F(ForeignTables, ALineOfGroupsAboveTheNames) {
+  const Imported i = import("15_two_line_header.csv", "", false);
+  expectTargets(i);
+  EXPECT_EQ(columnNamed(i, "Deviation Y")->meaning, "deviation of y");
+  EXPECT_EQ(columnNamed(i, "Position X")->unit, "mm");
+  EXPECT_DOUBLE_EQ(i.session->observations[1].time, 10.0);
+  EXPECT_EQ(i.session->temperatures[0].name, "bed");
+}
+
+TEST_F(ForeignTables, ManyWordsForNotMeasured) {
+  const std::string name = "16_missing_values.tsv";
+  EXPECT_THAT(refusal(name), AllOf(HasSubstr("an error or a difference"), HasSubstr("{dX_um: error_x_um}")));
+  const Imported i = import(name, "columns: {dX_um: deviation_x_um}\n", false);
+  EXPECT_EQ(i.session->observations.size(), 11u) << "---, n/a and NaN are no deviations";
+  ASSERT_EQ(i.session->temperatures.size(), 2u);
+  EXPECT_EQ(i.session->temperatures[1].value.size(), 11u) << "n.d., #N/A and <NA> are no temperatures";
+}
+
+TEST_F(ForeignTables, MicroinchesAndTwelveHourClocks) {
+  const Imported i = import("17_us_timestamps.csv", "columns: {Error X (µin): error_x_uin}\n", false);
+  ASSERT_EQ(i.session->observations.size(), 12u);
+  EXPECT_NEAR(i.session->observations[0].deviation[0], -46 * 25.4e-9, 1e-15);
+  EXPECT_DOUBLE_EQ(i.session->epoch, 1767193440.0) << "2025-12-31 15:04";
+}
+
+TEST_F(ForeignTables, AReportOfARowACoordinateIsRefusedInOneLine) {
+  const std::string message = refusal("18_cmm_report.txt");
+  EXPECT_THAT(message, AllOf(HasSubstr("column 'Axis' holds X, Y, Z"), HasSubstr("a row a point")));
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST_F(ForeignTables, ThousandsSetApart) {
+  expectTargets(import("19_thousands_german.csv", "", false));
+  const Imported french = import("20_thousands_french.csv", "", false);
+  ASSERT_EQ(french.session->observations.size(), 12u);
+  EXPECT_NEAR(french.session->observations[0].position[0], -16000.25e-6, 1e-12);
+  EXPECT_NEAR(french.session->observations[0].deviation[0], 1.03e-6, 1e-12);
+  expectTargets(import("21_thousands_swiss.csv", "", false));
+  const Imported quoted = import("22_thousands_quoted.csv", "", false);
+  EXPECT_NEAR(quoted.session->observations[5].position[0], -1000.5e-6, 1e-12);
+}
+
+TEST_F(ForeignTables, APrintersLogWithTimesOfDay) {
+  const Imported i = import("23_klipper_clock.log", "", false);
+  ASSERT_EQ(i.session->observations.size(), 18u);
+  EXPECT_EQ(i.session->observations[0].time, 0.0);
+  EXPECT_NEAR(i.session->observations[17].time, 17 * 1.5, 1e-9);
+  EXPECT_THAT(i.notes, ::testing::Not(::testing::Contains(HasSubstr("no times"))));
+}
+
 }  // namespace
 }  // namespace mm

@@ -10,6 +10,7 @@
 #include "import/import_format.h"
 #include "import_support.h"
 #include "pan_tilt_session.h"
+#include "session/sense_checks.h"
 
 namespace mm {
 namespace {
@@ -296,6 +297,20 @@ TEST_F(Formats, MarlinG30AndM48) {
   EXPECT_THAT(importer_.refusal(unplaced), HasSubstr("position_mm: [100, 100]"));
   EXPECT_DOUBLE_EQ(importer_.text(unplaced, "position_mm: [3, 4]\n").session->observations[1].position[1],
                    4e-3);
+}
+
+/// What is shipped as an example of a format is as it should be: no question is raised by it.
+TEST_F(Formats, ExamplesRaiseNoQuestion) {
+  const auto expectNone = [](const std::string& name, const Imported& i) {
+    ASSERT_TRUE(i.session) << name;
+    for (const Doubt& d : sensibleDoubts(*i.session)) ADD_FAILURE() << name << ": " << d.question;
+  };
+  for (const char* name : {"iso230_2_x.csv", "iso230_2_z_by_runs.txt", "ball_bar_xy.csv", "length_bars_y.csv",
+                           "step_gauge_x.txt", "klipper_probe_accuracy.txt", "marlin_m48.txt"})
+    expectNone(name, example(name));
+  for (const char* name : {"klipper_bed_mesh_octoprint.log", "klipper_printer.cfg", "marlin_g30.txt"})
+    expectNone(name, example(name, "surface: flat\n"));
+  expectNone("r_test_ba.csv", test::Importer("five_axis").file("examples/import/r_test_ba.csv"));
 }
 
 }  // namespace

@@ -201,5 +201,71 @@ TEST_F(Understanding, TheTableOfColumnsIsShown) {
       AllOf(HasSubstr("the package's own columns"), HasSubstr("deviation of x"), Not(HasSubstr("note"))));
 }
 
+TEST_F(Understanding, AMarkThatMayBeDecimalOrNot) {
+  // ±16.000 mm is within ±20 mm, ±16000 mm is not; of um it is the other way round
+  const std::string rows = ";deviation_x_um\n-16,000;1\n12,000;2\n16,000;3\n";
+  const Imported mm = importer_.text("X [mm]" + rows), um = importer_.text("X [um]" + rows);
+  EXPECT_DOUBLE_EQ(mm.session->observations[0].position[0], -16e-3);
+  EXPECT_DOUBLE_EQ(um.session->observations[0].position[0], -16e-3);
+  EXPECT_THAT(mm.notes, ::testing::Contains(HasSubstr("'-16,000' is taken with a decimal comma")));
+  EXPECT_THAT(um.notes, ::testing::Contains(HasSubstr("thousands set apart")));
+  // without a unit both are possible
+  EXPECT_THAT(importer_.refusal("X" + rows),
+              AllOf(HasSubstr("f.txt:2: column 'X': whether '-16,000' is -16 or -16000"),
+                    HasSubstr("decimal: comma (or point)")));
+  EXPECT_DOUBLE_EQ(importer_.text("X [mm]" + rows, "decimal: comma\n").session->observations[1].position[0],
+                   12e-3);
+}
+
+TEST_F(Understanding, ANumberThatShowsTheMarkShowsItForTheTable) {
+  // the zero in front of 0,100 is never that of thousands
+  EXPECT_DOUBLE_EQ(
+      importer_.text("x_mm;deviation_x_um\n0,100;1\n12,345;2\n").session->observations[1].position[0],
+      12.345e-3);
+  // 1.234 among decimal commas: not without a number of its own column that says so
+  const std::string csv = "x_mm;deviation_x_um\n0,5;1.234\n12,345;2.500\n";
+  EXPECT_THAT(importer_.refusal(csv),
+              AllOf(HasSubstr("'1.234' is 1.234 or 1234"), HasSubstr("decimal: comma")));
+  EXPECT_DOUBLE_EQ(importer_.text(csv, "decimal: comma\n").session->observations[0].deviation[0], 1234e-6);
+  EXPECT_DOUBLE_EQ(
+      importer_.text("x_mm;deviation_x_um\n0,5;1.234\n12,345;998,5\n").session->observations[0].deviation[0],
+      1234e-6);
+  // a column that is set aside does not matter
+  EXPECT_TRUE(importer_.text("note;x_mm;deviation_x_um\n1.234;0,5;1\n2.345;1,5;2\n").session);
+}
+
+TEST_F(Understanding, ThreeDecimalsWithAPointAreNoQuestion) {
+  EXPECT_DOUBLE_EQ(
+      importer_.text("x_mm;deviation_x_um\n1.234;1\n12.345;2\n").session->observations[1].position[0],
+      12.345e-3);
+}
+
+TEST_F(Understanding, DeviationsThatDoNotAgreeWithTheMeasuredPositions) {
+  const std::string head = "Target X [mm];Measured X [mm];Deviation X [um]\n";
+  EXPECT_THAT(importer_.refusal(head + "0;0.002;2\n5;5.003;30\n"),
+              AllOf(HasSubstr("f.txt:3: column 'Deviation X [um]' says 30 um"), HasSubstr("is 3 um"),
+                    HasSubstr("ignore")));
+  // rounding is no disagreement, and the finer one is kept
+  const Imported fine = importer_.text(head + "0;0.002;2.4\n5;5.003;2.6\n");
+  EXPECT_DOUBLE_EQ(fine.session->observations[1].deviation[0], 2.6e-6);
+  const Imported opposite = importer_.text(head + "0;0.002;-2\n5;5.003;-3\n");
+  EXPECT_NEAR(opposite.session->observations[1].deviation[0], 3e-6, 1e-12);
+  EXPECT_THAT(columnNamed(opposite, "Deviation X [um]")->meaning, HasSubstr("sign changed"));
+}
+
+TEST_F(Understanding, AUnitBehindANameOfTime) {
+  EXPECT_DOUBLE_EQ(importer_.text("Zeit s;x_mm;deviation_x_um\n0;0;1\n7;1;2\n").session->observations[1].time,
+                   7.0);
+}
+
+TEST_F(Understanding, DashesOfWindowsAreNotMeasured) {
+  const Imported i = importer_.text(
+      "x_mm;deviation_x_um;T [\xB0"
+      "C]\n0;1;20,5\n1;2;\x96\n2;\x96 3;20,7\n");
+  EXPECT_THAT(i.how, HasSubstr("Windows-1252"));
+  EXPECT_EQ(i.session->temperatures[0].value.size(), 2u);
+  EXPECT_DOUBLE_EQ(i.session->observations[2].deviation[0], -3e-6);
+}
+
 }  // namespace
 }  // namespace mm

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstddef>
+#include <string>
+
+#include "import/column_mapping.h"
+#include "import/table_layout.h"
+#include "import/text_file.h"
+#include "session/input_faults.h"
+
+namespace mm {
+
+/// Says what is not understood of the columns of a table, each with the line for the mapping that helps.
+class ColumnFaults {
+ public:
+  ColumnFaults(const TextFile& file, const TableLayout& layout, FaultList& faults)
+      : file_(file), layout_(layout), faults_(faults) {}
+
+  /// "file:line: " of the names.
+  std::string place() const;
+  /// A column for messages: its name in quotes, or its number.
+  std::string called(std::size_t column) const;
+  /// The key of a column in the mapping.
+  std::string key(std::size_t column) const;
+  /// "write into the mapping (--columns): columns: {key: as}".
+  std::string remedy(std::size_t column, const std::string& as) const;
+  /// Whether a key of the mapping means this column: by its name in any case, or by its number.
+  bool mapped(std::size_t column, const std::string& key) const;
+  void add(const std::string& fault) { faults_.add(fault); }
+  /// @param what follows "file:line: column 'name' ".
+  void add(std::size_t column, const std::string& what);
+  bool empty() const { return faults_.empty(); }
+
+ private:
+  bool twice(std::size_t column) const;
+  const TextFile& file_;
+  const TableLayout& layout_;
+  FaultList& faults_;
+};
+
+}  // namespace mm

@@ -1,0 +1,55 @@
+#include "import/decimal_mark.h"
+
+#include <algorithm>
+
+#include "session/csv_cells.h"
+
+namespace mm {
+
+void DecimalMarkFinder::look(std::size_t line, const std::vector<std::string_view>& cells) {
+  for (std::size_t i = 0; i < std::min(cells.size(), columns_.size()); ++i) {
+    Column& c = columns_[i];
+    const auto first = [&](UnclearNumber& unclear) {
+      if (unclear.line == 0) unclear = {line, i, std::string(cells[i])};
+    };
+    switch (decimalMarkOf(cells[i])) {
+      case DecimalMark::kPoint:
+        ++c.point;
+        break;
+      case DecimalMark::kComma:
+        ++c.comma;
+        break;
+      case DecimalMark::kPointOrNot:
+        first(c.pointOrNot);
+        break;
+      case DecimalMark::kCommaOrNot:
+        first(c.commaOrNot);
+        break;
+      case DecimalMark::kNone:
+        break;
+    }
+  }
+}
+
+DecimalMarks DecimalMarkFinder::decide() const {
+  std::size_t points = 0, commas = 0;
+  bool pointOrNot = false, commaOrNot = false;
+  for (const Column& c : columns_) {
+    points += c.point;
+    commas += c.comma;
+    pointOrNot |= c.pointOrNot.line > 0;
+    commaOrNot |= c.commaOrNot.line > 0;
+  }
+  DecimalMarks marks;
+  marks.proven = points + commas > 0;
+  marks.comma = points == 0 && (commas > 0 || (commaOrNot && !pointOrNot));
+  for (const Column& c : columns_) {
+    if (!marks.proven && commaOrNot && c.commaOrNot.line > 0) marks.unclear.push_back(c.commaOrNot);
+    if (!marks.proven) continue;
+    if (marks.comma && c.pointOrNot.line > 0 && c.comma == 0) marks.unclear.push_back(c.pointOrNot);
+    if (!marks.comma && c.commaOrNot.line > 0 && c.point == 0) marks.unclear.push_back(c.commaOrNot);
+  }
+  return marks;
+}
+
+}  // namespace mm

@@ -1,0 +1,53 @@
+#include "import/table_remarks.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "base/text.h"
+#include "import/column_words.h"
+#include "import/meaning.h"
+#include "import/unit.h"
+
+namespace mm {
+namespace {
+
+bool beginsWithAny(const std::string& word, std::initializer_list<const char*> starts) {
+  return std::any_of(starts.begin(), starts.end(), [&](const char* s) { return startsWith(word, s); });
+}
+
+void readUnits(const std::string& text, std::size_t line, TableRemarks& remarks) {
+  const std::vector<std::string> words = wordsOf(text);
+  constexpr std::size_t kNear = 4;  // words
+  for (std::size_t w = 0; w < words.size(); ++w) {
+    const bool length = beginsWithAny(words[w], {"length", "position", "unit", "dimension"});
+    const bool angle = beginsWithAny(words[w], {"angle", "rotar"});
+    if (!length && !angle) continue;
+    for (std::size_t k = w + 1; k < std::min(words.size(), w + kNear); ++k) {
+      const auto unit = words[k] == "in" ? std::nullopt : parseUnit(words[k]);
+      const bool inInch = k + 1 == words.size() && words[k] == "in" && words[k - 1] == "in";
+      if (length && (inInch || (unit && unit->kind == UnitKind::kLength)))
+        remarks.length = {inInch ? "inch" : words[k], line};
+      else if (unit && unit->kind == UnitKind::kAngle)
+        remarks.angle = {words[k], line};
+      else
+        continue;
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+TableRemarks tableRemarks(const TableLayout& layout, const Machine& machine) {
+  TableRemarks remarks;
+  for (const auto& [line, text] : layout.remarks) {
+    readUnits(text, line, remarks);
+    std::string name, value;
+    if (!keyValue(text, name, value) || (name != "axis" && name != "achse" && name != "axe")) continue;
+    if (const int j = jointOf(machine, value); j >= 0) remarks.axis = j;
+  }
+  return remarks;
+}
+
+}  // namespace mm

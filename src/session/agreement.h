@@ -1,0 +1,51 @@
+#pragma once
+#include <Eigen/Core>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "session/session.h"
+
+namespace mm {
+
+/// How the geometry agrees with the artifact, or with what the instrument found.
+struct Agreement {
+  double misfit = kNotMeasured;  // m; NaN: nothing to judge by
+  double turn = 0.0;             // rad: rotation of the artifact that it takes
+  double aligned =
+      kNotMeasured;       // mean cosine between recorded approach and the direction to the ball's centre
+  double cap = INFINITY;  // least extent of the tips on a ball, in radii; without a layout that says the size
+  std::vector<Eigen::Vector3d> centres;
+};
+
+/// What is done to the readings of each row: another unit, a sign, an exchange.
+using Readings = std::function<void(std::vector<double>&)>;
+
+/// Judges how well the tips of a session lie on the artifact's balls, their centres in its layout, and the
+/// readings where an instrument found them. A few hundred rows of each are enough.
+class Geometry {
+ public:
+  /// @param session prepared; it must outlive this.
+  explicit Geometry(const Session& session);
+  /// @param change of the readings; may be empty.
+  Agreement judge(const Readings& change) const;
+  /// @param names of the feature at each centre. @return m, RMS of a component; 0 where the layout says
+  /// nothing. @param turned gets the rotation that it takes.
+  double layout(const std::vector<Eigen::Vector3d>& centres, const std::vector<int>& names,
+                Agreement& turned) const;
+  /// Each feature under its own name.
+  std::vector<int> names() const;
+
+ private:
+  std::vector<std::vector<const Observation*>*> lists();
+  void judgeFeature(std::size_t feature, const Readings& change, Agreement& a, std::vector<double>& within,
+                    double& aligned, int& approaches) const;
+  Eigen::Vector3d tipOf(const Observation& o, const Readings& change) const;
+  double positions(const Readings& change) const;
+
+  const Session& session_;
+  std::vector<std::vector<const Observation*>> of_;
+  std::vector<const Observation*> positions_;
+};
+
+}  // namespace mm

@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mm {
+
+/// How loggers and spreadsheets write that there is no value: nan, n/a, #N/A, ---, ….
+bool meansNothing(std::string_view cell);
+
+/// Whether a line of somebody else's file is a remark: #, % or // at its beginning.
+bool isRemark(std::string_view line);
+
+/// Whether a row is none of measurements but sums them up: its first cell is Average, Std Dev, Summe, Max ….
+bool sumsUp(const std::vector<std::string_view>& cells);
+
+/// -1 or +1 of a direction of travel (+, up, forward, →, vor …); 0: it is none.
+double directionOf(std::string_view cell);
+
+/// A finite number with a decimal point and nothing else, as the import format wants it.
+bool parsePlainNumber(std::string_view cell, double& value);
+
+/// A finite number as people write it: with a decimal point or comma, a minus of typesetters, thousands set
+/// apart by the other mark, by blanks or by apostrophes (1,234.567; 1.234,567; 1 234,567; 1'234.567). Groups
+/// have three digits, the first one to three and no zero in front.
+bool parseNumber(std::string_view cell, bool decimalComma, double& value);
+
+/// What the marks of one number say about the decimal mark of its table.
+enum class DecimalMark {
+  kNone,        // no number, or one without marks
+  kPoint,       // 12.5, 1,234.5, 1,234,567
+  kComma,       // 12,5, 1.234,5, 1.234.567
+  kPointOrNot,  // 1.234 with a decimal point, or 1234 where commas are decimal
+  kCommaOrNot   // 1,234 likewise
+};
+DecimalMark decimalMarkOf(std::string_view cell);
+
+/// Without the unit that stands behind the number in each cell of a column.
+std::string_view withoutUnit(std::string_view cell, std::string_view unit);
+
+}  // namespace mm

@@ -1,0 +1,22 @@
+#pragma once
+#include <string>
+
+#include "machine/machine.h"
+#include "session/session.h"
+
+namespace mm {
+
+/// What was written in one row of a CSV, beside the observation itself.
+struct RowKinds {
+  bool feature = false, reference = false, deviation = false, logged = false, setup = false;
+  int measured() const { return feature + reference + deviation; }
+  bool logsOnly() const { return measured() == 0 && logged; }
+};
+
+/// Why a row holds no observation; empty: it does.
+std::string rowFault(const Observation& o, const RowKinds& kinds, const Machine& machine);
+
+/// Sets the kind of an observation, and takes from it what belongs to deviations only.
+void setKind(Observation& o, const RowKinds& kinds);
+
+}  // namespace mm
