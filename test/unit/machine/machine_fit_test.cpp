@@ -48,7 +48,7 @@ TEST_F(MachineFit, whatTheChainDependsOnIsNamed) {
 TEST_F(MachineFit, aJointMountedTurnedAboutItsOwnAxisIsAnother) {
   EXPECT_EQ(
       differenceWith("<parent link=\"workpiece\"/>", "<parent link=\"workpiece\"/><origin rpy=\"0.5 0 0\"/>"),
-      "joint x is mounted turned otherwise than here");
+      "joint y is mounted turned otherwise than here");
 }
 
 TEST_F(MachineFit, serialsCountWhereBothStateOne) {
