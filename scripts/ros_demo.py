@@ -129,12 +129,14 @@ class Demo:
         goal = MoveGoal(kind=MoveGoal.GO, name=names, position=list(position), linear_speed=0.02, rotary_speed=0.35)
         self.axes.send_goal(goal)
         self.axes.wait_for_result()
+        self.go_on()
         rospy.rostime.wallsleep(0.02)  # its last status may still be on the way
         if self.axes.get_state() != actionlib.GoalStatus.SUCCEEDED:
             raise RuntimeError("a check position was not reached: " + self.axes.get_goal_status_text())
 
     def error_now(self, frame):
         for _ in range(500):
+            self.go_on()
             with self.lock:
                 both = []
                 for stamp in sorted(self.truth):
@@ -146,10 +148,17 @@ class Demo:
             rospy.rostime.wallsleep(0.02)
         raise RuntimeError("no frame '%s' arrives with the stamps of the joint states" % frame)
 
+    @staticmethod
+    def go_on():
+        """After each wait: what ends the node ends its waits, too."""
+        if rospy.is_shutdown():
+            raise rospy.ROSInterruptException("stopped")
+
     def record(self, bag):
         recorder = subprocess.Popen(["rosbag", "record", "-q", "-O", bag, "-e", rospy.get_namespace() + TOPICS, "__name:=record"])
         contacts = rospy.Publisher("reference", ReferenceMeasurement, queue_size=1)  # heard by whoever records a session
         for _ in range(500):
+            self.go_on()
             if contacts.get_num_connections() >= 2:
                 return recorder
             rospy.rostime.wallsleep(0.02)
@@ -168,11 +177,13 @@ class Demo:
             self.measure.wait_for_server()
             self.measure.send_goal(MeasureGoal(plan=self.plan), feedback_cb=self.tell)
             self.measure.wait_for_result()
+            self.go_on()
             result = self.measure.get_result()
             if self.measure.get_state() != actionlib.GoalStatus.SUCCEEDED:
                 raise RuntimeError("measurement: " + result.message)
         finally:
-            recorder.send_signal(signal.SIGINT)
+            if recorder.poll() is None:
+                recorder.send_signal(signal.SIGINT)
             recorder.wait(30)
         print("measured: %d contacts, %d missed; recorded as %s" % (result.contacts, result.missed, bag), flush=True)
         before = self.errors_at_checks("probe_tip")
@@ -212,8 +223,12 @@ def main():
             os.remove(result)
         Demo(*arguments).run()
         said, status = "passed", 0
+    except (KeyboardInterrupt, rospy.ROSInterruptException):
+        said, status = "stopped", 130
     except (RuntimeError, rospy.ROSException, rospy.ServiceException, OSError) as error:
         said, status = "FAILED: %s" % " ".join(str(error).split()), 1
+        if rospy.is_shutdown():  # Ctrl-C, in the middle of a call
+            said, status = "stopped", 130
     print("demo: " + said, file=sys.stderr if status else sys.stdout, flush=True)
     os.makedirs(arguments[0], exist_ok=True)
     with open(result, "w") as out:

@@ -57,6 +57,9 @@ struct Calibration {
 
   std::string sessionSource;
   std::string sessionHash;
+  /// Namespace of the nodes that measured ("/m1"); empty: not measured by nodes (imported, simulated).
+  std::string sessionSpace;
+  bool toldSpace = true;  // false: a file that was written before this was told
   /// Stamp of the session's start, s: what `t = 0` is on the clock of its source. NaN: not known.
   double sessionEpoch = std::numeric_limits<double>::quiet_NaN();
   std::string method;

@@ -180,6 +180,8 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   c.sessionSource = session.storedText("source");
   c.sessionHash = session.storedText("hash");
   c.sessionEpoch = session.stored("epoch_s");
+  c.toldSpace = session.has("namespace");
+  if (c.toldSpace) c.sessionSpace = session.storedText("namespace");
   c.method = session.storedText("method");
   c.seed = integer<std::uint64_t>(session, "seed");
   c.observations = integer<std::int64_t>(session, "observations");

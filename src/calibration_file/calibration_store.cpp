@@ -91,7 +91,30 @@ fs::path CalibrationStore::fileOf(const std::string& id) const {
 std::string CalibrationStore::linked(const char* link) const {
   std::error_code failed;
   const fs::path target = fs::read_symlink(folder_ / link, failed);
-  return failed ? std::string() : target.stem().string();
+  if (failed) {
+    if (fs::exists(folder_ / link, failed))
+      throw InputError((folder_ / link).string() +
+                       ": is no link, but must be one to a calibration of its folder; "
+                       "remove it, then promote an id of mm history");
+    return {};
+  }
+  // A path would lead to a calibration of another folder, or to none; its name alone may be one of this
+  // folder's.
+  const fs::path inside = fs::weakly_canonical(folder_, failed) / target.filename();
+  if (target != target.filename() && fs::weakly_canonical(folder_ / target, failed) != inside)
+    throw InputError(
+        (folder_ / link).string() + ": leads to " + target.string() +
+        ", which is not in that folder; promote an id of mm history, or 'mm promote <file>' to keep "
+        "a copy here");
+  return target.stem().string();
+}
+
+std::string CalibrationStore::linkedHere(const char* link) const {
+  try {
+    return linked(link);
+  } catch (const InputError&) {
+    return {};  // whoever replaces it mends it
+  }
 }
 
 Calibration CalibrationStore::load(const std::string& id) const {
@@ -149,16 +172,17 @@ void CalibrationStore::makeActive(const std::string& id, const std::string& acti
   linkAtomically(folder_ / kActive, id + kSuffix);
 }
 
-std::string CalibrationStore::promote(const std::string& id) {
+std::string CalibrationStore::promote(const std::string& id, const Check& check) {
   const std::string chosen = id.empty() ? linked(kCandidate) : id;
   if (chosen.empty())
     throw InputError("no candidate in " + folder_.string() +
                      "; calibrate with --store, or name an id of mm history");
-  load(chosen);  // refuses what is damaged before it is active
+  const Calibration wanted = load(chosen);  // refuses what is damaged before it is active
+  if (check) check(wanted);
   const FolderLock lock(folder_);
   removeLeftovers(folder_);
-  if (linked(kActive) != chosen) makeActive(chosen, "promote");
-  if (linked(kCandidate) == chosen) {
+  if (linkedHere(kActive) != chosen) makeActive(chosen, "promote");
+  if (linkedHere(kCandidate) == chosen) {
     std::error_code ignored;
     fs::remove(folder_ / kCandidate, ignored);
   }
@@ -177,8 +201,8 @@ std::string CalibrationStore::fallBack(const std::string& from, std::string& pas
   return {};
 }
 
-std::string CalibrationStore::rollback(const std::string& id) {
-  const std::string now = linked(kActive);
+std::string CalibrationStore::rollback(const std::string& id, const Check& check) {
+  const std::string now = id.empty() ? linked(kActive) : std::string();
   std::string chosen = id, passedOver;
   if (chosen.empty()) {
     if (now.empty())
@@ -188,7 +212,8 @@ std::string CalibrationStore::rollback(const std::string& id) {
       throw InputError("nothing undamaged was active before '" + now + "' in " + folder_.string() +
                        (passedOver.empty() ? "" : " (" + passedOver + ")") + "; promote an id of mm history");
   }
-  load(chosen);
+  const Calibration wanted = load(chosen);
+  if (check) check(wanted);
   const FolderLock lock(folder_);
   removeLeftovers(folder_);
   makeActive(chosen, "rollback");
@@ -224,7 +249,7 @@ CalibrationStore::Active CalibrationStore::active() const {
 
 CalibrationStore::Active CalibrationStore::candidate() const {
   const std::string id = linked(kCandidate);
-  if (id.empty() || id == linked(kActive)) return {};
+  if (id.empty() || id == linkedHere(kActive)) return {};
   Active found;
   try {
     found.calibration = load(id);
@@ -237,13 +262,12 @@ CalibrationStore::Active CalibrationStore::candidate() const {
 std::vector<CalibrationStore::Entry> CalibrationStore::history() const {
   std::vector<Entry> entries;
   if (!fs::exists(folder_)) return entries;
-  const std::string active = linked(kActive), candidate = linked(kCandidate);
+  const std::string active = linkedHere(kActive), candidate = linkedHere(kCandidate);
   const std::vector<Promotion> made = promotions();
   for (const fs::directory_entry& item : fs::directory_iterator(folder_)) {
     const std::string name = item.path().filename().string();
-    if (item.is_symlink() || !item.is_regular_file() || name.front() == '.' ||
-        item.path().extension() != kSuffix)
-      continue;
+    if (name.front() == '.' || item.path().extension() != kSuffix) continue;
+    if (!item.is_symlink() && !item.is_regular_file()) continue;
     Entry entry;
     entry.file = item.path();
     entry.id = item.path().stem().string();

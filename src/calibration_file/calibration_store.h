@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,13 +42,21 @@ class CalibrationStore {
   /// calibration has it). @return its id. @throw InputError: full disk, no permission.
   std::string add(Calibration& calibration);
 
-  /// @param id empty: the candidate. @return the id made active. @throw InputError: none such, or damaged.
-  std::string promote(const std::string& id = {});
+  /// Refuses a calibration by throwing an InputError.
+  using Check = std::function<void(const Calibration&)>;
+
+  /// @param id empty: the candidate. @param check asked before it becomes active. @return the id made active.
+  /// @throw InputError: none such, damaged, or refused by `check`.
+  std::string promote(const std::string& id = {}, const Check& check = {});
 
   /// Makes active again what was active before (the last that is undamaged), or the one named. @return its
   /// id.
   /// @throw InputError: nothing before, none such, or damaged.
-  std::string rollback(const std::string& id = {});
+  std::string rollback(const std::string& id = {}, const Check& check = {});
+
+  /// Id to which a link of the folder ("active", "candidate") leads; empty: there is no such link.
+  /// @throw InputError: it leads out of the folder, or is no link.
+  std::string linked(const char* link) const;
 
   /// The active calibration. When its file is damaged, the one that was active before it becomes active (as
   /// by rollback) and the warning says so. @throw InputError when no undamaged one was ever active.
@@ -66,7 +75,7 @@ class CalibrationStore {
     std::string time, action, id;
   };
   std::filesystem::path fileOf(const std::string& id) const;
-  std::string linked(const char* link) const;  // id, or empty
+  std::string linkedHere(const char* link) const;  // as linked; empty where that refuses
   std::vector<Promotion> promotions() const;
   /// What was active before `id`, latest first.
   std::vector<std::string> before(const std::string& id) const;

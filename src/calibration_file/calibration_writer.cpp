@@ -209,6 +209,7 @@ std::string content(const Calibration& c) {
   text(out, "source", c.sessionSource);
   text(out, "hash", c.sessionHash);
   number(out, "epoch_s", c.sessionEpoch);
+  if (c.toldSpace) text(out, "namespace", c.sessionSpace);
   text(out, "method", c.method);
   out << Key << "seed" << Value << std::to_string(c.seed);
   out << Key << "observations" << Value << std::to_string(c.observations) << EndMap;

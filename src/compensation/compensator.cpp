@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/rotation.h"
+#include "base/units.h"
 #include "effects/inputs.h"
 #include "session/session.h"
 
@@ -100,7 +102,29 @@ void Compensator::judge(const State& state, const Part& part, Correction& c) con
   if (c.valid) c.note = limits_->unusual(state);
 }
 
-Correction Compensator::apply(const State& state, Workspace& work) const {
+/// Between a reversal and the end of the play the slide has not followed yet: the model, which knows the two
+/// ends alone, may be off by what is left of the difference between them. Taken as its standard deviation.
+void Compensator::addPlay(const State& state, const std::vector<double>& sinceReversal, const Part& part,
+                          Workspace& work, Correction& c) const {
+  if (!c.corrected.position.allFinite()) return;
+  for (std::size_t j = 0; j < sinceReversal.size(); ++j) {
+    if (!limits_->usesTravel(j) || state.travel[j] == 0.0 || std::isnan(sinceReversal[j])) continue;
+    State other = state;
+    other.travel[j] = -state.travel[j];
+    const Eigen::Vector3d play =
+        part.model->corrected(other, part.parameters.data(), work.model).position - c.corrected.position;
+    const double left = play.norm() - sinceReversal[j];
+    if (!(left > 0.0)) continue;
+    const Eigen::Vector3d off = play * (left / play.norm());
+    c.covariance += off * off.transpose();
+    c.note += (c.note.empty() ? "" : "; ") + format("play of %s is being taken up: %.3g of %.3g um are left",
+                                                    model_.machine().joints()[j].name.c_str(),
+                                                    left / kMicrometre, play.norm() / kMicrometre);
+  }
+}
+
+Correction Compensator::apply(const State& state, const std::vector<double>& sinceReversal,
+                              Workspace& work) const {
   Correction c;
   const Domain& d = model_.domain();
   if (state.position.size() != d.joints.size() || state.velocity.size() != d.joints.size() ||
@@ -132,21 +156,35 @@ Correction Compensator::apply(const State& state, Workspace& work) const {
         c.covariance += w.std * w.std * along * along.transpose();
       }
     }
+    addPlay(state, sinceReversal, part, work, c);
     c.sigma = std::sqrt(std::max(0.0, c.covariance.trace() / 3.0));
   }
+  const std::string play = c.note;
+  c.note.clear();
   judge(state, part, c);
+  const auto note = [&](const std::string& more) {
+    if (!more.empty()) c.note += (c.note.empty() ? "" : "; ") + more;
+  };
+  if (c.valid) note(play);
   if (c.tooOld) {
     char age[160];
     std::snprintf(age, sizeof age,
                   "time %.6g s is outside the calibrated 0 to %.6g s: not applied: ", state.time, d.duration);
-    c.note = age + timed_;
+    c.note.clear();
+    note(age + timed_);
+    if (c.valid) note(play);
   }
   return c;
 }
 
 Correction Compensator::apply(const State& state) const {
   Workspace work;
-  return apply(state, work);
+  return apply(state, {}, work);
+}
+
+Correction Compensator::apply(const MovingState& state) const {
+  Workspace work;
+  return apply(state, state.sinceReversal, work);
 }
 
 }  // namespace mm

@@ -24,6 +24,15 @@ struct Correction {
   std::string note;            // what to know although it is valid
 };
 
+/// A state with what its joints did before it.
+struct MovingState : State {
+  /// A joint; m or rad that it has travelled since its last reversal: below the play, the play is still being
+  /// taken up. Empty or NaN: not known, and taken as far enough.
+  std::vector<double> sinceReversal;
+  MovingState() = default;
+  MovingState(State state) : State(std::move(state)) {}
+};
+
 /// Readings that bring the probe to a true point.
 struct TargetReadings {
   bool reached = false;
@@ -35,8 +44,9 @@ struct TargetReadings {
 };
 
 /// Applies one calibration to the present state, within its limits. The standard deviation is that of the
-/// calibration's parameters; the repeatability of a single contact is not in it. Immutable: several threads
-/// may use one, with a workspace each.
+/// calibration's parameters, of what the machine wanders, and of play that is still being taken up after a
+/// reversal (MovingState); the repeatability of a single contact is not in it. Immutable: several
+/// threads may use one, with a workspace each.
 class Compensator {
  public:
   struct Options {
@@ -64,14 +74,19 @@ class Compensator {
   State blankState() const;
 
   /// @param state in the order of the calibration's domain; tip and orientation as by Model::place.
-  Correction apply(const State& state, Workspace& work) const;
+  Correction apply(const State& state, Workspace& work) const { return apply(state, {}, work); }
   Correction apply(const State& state) const;
+  Correction apply(const MovingState& state) const;
 
   /// Solves for the readings at which the corrected position is `truePoint` (Newton's method on the nominal
   /// chain's Jacobian). The linear joints move; rotary joints keep their readings unless the linear ones
-  /// cannot reach every direction. @param start present state; an unknown direction of travel (0) is taken
-  /// from the move itself.
-  TargetReadings correctTarget(const Eigen::Vector3d& truePoint, State start) const;
+  /// cannot reach every direction. The direction of travel at the target is that of the move that leads
+  /// there; a joint that stays keeps the one it has. Where the target is nearer than the play, so that
+  /// neither direction leads to it by a move of its own, it is approached upwards, and the note says so.
+  /// @param start present state. @param arrival a joint: +1 or -1 where the direction at the target is told,
+  /// 0: by the move; empty: none is told.
+  TargetReadings correctTarget(const Eigen::Vector3d& truePoint, MovingState start,
+                               const std::vector<double>& arrival = {}) const;
 
  private:
   /// The effects that are applied at some time, with their parameters.
@@ -82,6 +97,9 @@ class Compensator {
   };
   Part partOf(const Calibration& calibration, bool timed) const;
   void judge(const State& state, const Part& part, Correction& c) const;
+  Correction apply(const State& state, const std::vector<double>& sinceReversal, Workspace& work) const;
+  void addPlay(const State& state, const std::vector<double>& sinceReversal, const Part& part,
+               Workspace& work, Correction& c) const;
 
   std::string id_;
   Options options_;

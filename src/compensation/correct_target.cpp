@@ -1,4 +1,5 @@
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -14,6 +15,7 @@ namespace {
 constexpr int kMostIterations = 50;
 constexpr double kReached = 1e-11;  // m: far below any scale, above the rounding of a metre
 constexpr double kMoved = 1e-9;     // m or rad: a smaller move has no direction
+constexpr int kTurns = 4;           // as often may the direction of a joint change while it is looked for
 
 /// Changes of the readings (m, rad) for a displacement of the tip (m): of the linear joints, or of all where
 /// these cannot reach every direction.
@@ -41,7 +43,8 @@ std::string beyondLimits(const Machine& machine, const std::vector<double>& posi
 
 }  // namespace
 
-TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, State start) const {
+TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, MovingState start,
+                                          const std::vector<double>& arrival) const {
   TargetReadings target;
   target.position = start.position;
   if (!truePoint.allFinite()) {
@@ -49,12 +52,38 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Stat
     return target;
   }
   const Machine& machine = model_.machine();
+  const std::size_t joints = start.position.size();
   const double beam = model_.domain().laser ? start.laserReading : std::numeric_limits<double>::quiet_NaN();
-  const std::vector<double> from = start.position, travel = start.travel;
+  const MovingState now = start;
+  std::vector<int> turns(joints, 0);
+  std::string upwards;
   Workspace work;
+  start.sinceReversal.assign(joints, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t j = 0; j < std::min(joints, arrival.size()); ++j)
+    if (arrival[j] != 0.0) start.travel[j] = arrival[j];
+  // Of a joint that the move brings from another place, the direction of its last motion says nothing.
+  const auto travelOfMove = [&](std::size_t j) {
+    const double moved = start.position[j] - now.position[j];
+    const bool told = j < arrival.size() && arrival[j] != 0.0;
+    if (!told && std::abs(moved) >= kMoved && turns[j] < kTurns) {
+      const double direction = moved > 0.0 ? 1.0 : -1.0;
+      if (start.travel[j] == -direction && limits_->usesTravel(j)) ++turns[j];
+      start.travel[j] = direction;
+      if (turns[j] == kTurns) {  // it is nearer than the play: from either side the readings lie behind
+        start.travel[j] = 1.0;
+        upwards += (upwards.empty() ? "" : ", ") + machine.joints()[j].name;
+      }
+    }
+    if (turns[j] == kTurns || told) return;  // whoever is told approaches it from far enough
+    const bool goesOn = now.travel[j] != 0.0 && start.travel[j] == now.travel[j];
+    start.sinceReversal[j] =
+        goesOn ? (now.sinceReversal.size() == joints ? now.sinceReversal[j] + std::abs(moved)
+                                                     : std::numeric_limits<double>::quiet_NaN())
+               : (now.travel[j] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : std::abs(moved));
+  };
   model_.place(start);
   for (target.iterations = 0;; ++target.iterations) {
-    target.correction = apply(start, work);
+    target.correction = apply(start, start.sinceReversal, work);
     const Eigen::Vector3d miss = truePoint - target.correction.corrected.position;
     target.position = start.position;
     target.sigma = target.correction.sigma;
@@ -71,13 +100,16 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Stat
     const Eigen::VectorXd changes = changesFor(machine, start.position, beam, step);
     for (int j = 0; j < machine.jointCount(); ++j) {
       start.position[j] += changes[j];
-      const double moved = start.position[j] - from[j];
-      if (travel[j] == 0.0) start.travel[j] = std::abs(moved) < kMoved ? 0.0 : (moved > 0.0 ? 1.0 : -1.0);
+      travelOfMove(static_cast<std::size_t>(j));
     }
     model_.place(start);
   }
   target.reason = target.correction.valid ? beyondLimits(machine, target.position) : target.correction.reason;
   target.reached = target.reason.empty();
+  if (!upwards.empty())
+    target.correction.note += (target.correction.note.empty() ? "" : "; ") +
+                              ("the target is nearer than the play of " + upwards +
+                               ": approach it upwards in " + upwards + ", from further below than the play");
   return target;
 }
 

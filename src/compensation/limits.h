@@ -22,6 +22,8 @@ class CalibratedLimits {
   std::string unusual(const State& state) const;
   /// An input that the model needs and that is not known.
   std::string missing(const State& state) const;
+  /// True when the correction depends on the direction in which that joint travels.
+  bool usesTravel(std::size_t joint) const { return usesTravel_[joint]; }
   /// True when that input is a temperature or a covariate.
   bool lost(const State& state) const;
 

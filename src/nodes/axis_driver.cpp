@@ -33,6 +33,7 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
     joints_.push_back(machine_.joints()[joint]);
   }
   travel_.assign(joints_.size(), 0);
+  for (const Joint& joint : joints_) trackers_.emplace_back(travelDeadband(joint.kind));
   jointsOut_ = node.advertise<sensor_msgs::JointState>("joint_states", 1000);
   statusOut_ = own.advertise<measuring_machine::AxisStatus>("status", 100, true);
   latchOut_ = own.advertise<measuring_machine::ProbeLatch>("latch", 1000);
@@ -96,9 +97,12 @@ void AxisDriver::cycle(double elapsed) {
       const ros::Time stamp = clock_ ? clockStart_ + ros::Duration(state_.time) : ros::Time::now();
       if (state_.homed && !homed) homedAt_ = stamp;
       if (!state_.homed) homedAt_ = ros::Time();
-      for (std::size_t j = 0; j < travel_.size() && j < state_.velocity.size(); ++j)
-        if (state_.velocity[j] != 0.0 && !std::isnan(state_.velocity[j]))
-          travel_[j] = state_.velocity[j] > 0.0 ? 1 : -1;
+      const auto ns = static_cast<std::int64_t>(stamp.toNSec());
+      for (std::size_t j = 0; j < travel_.size() && j < state_.position.size(); ++j) {
+        const double velocity = j < state_.velocity.size() ? state_.velocity[j] : std::nan("");
+        trackers_[j].take(ns, state_.position[j], velocity);
+        travel_[j] = static_cast<std::int8_t>(trackers_[j].direction());
+      }
       if (clock_) {
         rosgraph_msgs::Clock clock;
         clock.clock = stamp;
@@ -122,7 +126,7 @@ void AxisDriver::cycle(double elapsed) {
 }
 
 void AxisDriver::publishJoints(const AxesState& state, const ros::Time& stamp) {
-  jointsOut_.publish(toJointState(controller_->axes(), state, stamp));
+  jointsOut_.publish(toJointState(controller_->axes(), state, stamp, homedAt_));
   if (!truthOut_) return;
   geometry_msgs::PointStamped truth;
   truth.header.stamp = stamp;

@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "drivers/axis_controller.h"
+#include "session/travel_tracker.h"
 
 namespace mm {
 
@@ -69,7 +70,8 @@ class AxisDriver {
   AxesState state_;
   std::string feature_, lost_;  // lost_: why the controller does not answer
   ros::Time homedAt_;
-  std::vector<std::int8_t> travel_;  // of each axis: direction of its last motion; 0: none yet
+  std::vector<TravelTracker> trackers_;  // of each axis
+  std::vector<std::int8_t> travel_;      // of each axis: direction of its last motion; 0: none yet
   bool homing_ = false, probing_ = false, tripped_ = false, stopAsked_ = false;
   std::uint32_t unsuccessful_ = 0;
   std::uint64_t cycles_ = 0, late_ = 0;

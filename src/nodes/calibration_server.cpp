@@ -8,6 +8,7 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
+#include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
 #include "report/text.h"
@@ -20,6 +21,8 @@
 namespace mm {
 namespace {
 
+constexpr std::uintmax_t kLargestModel = 1 << 20;  // bytes
+
 /// What is doubtful about a result although there is one; empty: nothing.
 std::string doubtsOf(const CalibrationResult& result) {
   if (result.cancelled) return "cancelled; what is kept is the best found so far";
@@ -29,18 +32,30 @@ std::string doubtsOf(const CalibrationResult& result) {
   return {};
 }
 
+/// Whether a text names a file: a text of many letters or lines is none, whatever the file system says to it.
+bool namesFile(const std::string& text) {
+  std::error_code failed;
+  return text.find('\n') == std::string::npos && text.size() < 4096 &&
+         std::filesystem::is_regular_file(text, failed) && !failed;
+}
+
+void add(std::string& message, const std::string& more) {
+  if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
+}
+
 }  // namespace
 
 CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
     : node_(node),
       own_(own),
       machine_(machine),
-      store_(storeFolder(own)),
+      store_(storeFolder(own, machine)),
       threads_(static_cast<unsigned>(numberParameter(own, "threads", 0, 0, 1024))),
       residualScale_(numberParameter(own, "residual_scale", 0.0, 0.0, 1e9)),
       prefix_(textParameter(own, "frame_prefix", "")),
       live_(node),
-      job_([this](const Job::State& state) { publishProgress(state); }) {
+      job_([this](const Job::State& state) { publishProgress(state); }),
+      updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(own, {"store", "threads", "residual_scale", "frame_prefix"});
   progressOut_ = own.advertise<measuring_machine::Progress>("progress", 100, true);
   ledgerOut_ = own.advertise<std_msgs::String>("ledger", 10, true);
@@ -55,6 +70,22 @@ CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, 
   offer<measuring_machine::Rollback>("rollback", &CalibrationServer::rollback);
   offer<measuring_machine::Cancel>("cancel", &CalibrationServer::cancel);
   publishProgress(Job::State());
+  updater_.setHardwareID("calibration_server");
+  updater_.add("session", this, &CalibrationServer::diagnoseNode);
+  timer_ =
+      node.createWallTimer(ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { updater_.update(); });
+}
+
+void CalibrationServer::diagnoseNode(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const Job::State running = job_.state();
+  const std::string wrong = live_.complaint();
+  status.summary(wrong.empty() ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+                 !wrong.empty() ? wrong : (running.task.empty() ? "ready" : "busy: " + running.task));
+  status.add("observations of the live session", live_.observations());
+  status.add("task", running.task);
+  status.add("stage", running.stage);
+  status.add("store", store_.folder().string());
 }
 
 template <typename Service>
@@ -87,10 +118,12 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
                                                              const Machine& fallback) {
   if (bag.empty()) {
     job_.step("collecting the live session", 0.0);
+    lastSpace_ = machineSpace();
     return last_ = std::make_shared<const Session>(live_.session(fallback));
   }
   Session session = readSessionBag(bag, [this](double share) { job_.step("reading the bag", share); },
                                    &fallback, {node_.getNamespace(), false});
+  lastSpace_ = bagSpace(bag, node_.getNamespace());
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
   for (const SetAside& aside : session.setAside)
     ROS_WARN("%s: %s", bag.c_str(), setAsideText(session, aside).c_str());
@@ -101,8 +134,7 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
 CalibrationServer::SessionPtr CalibrationServer::sessionOf(const Calibration& calibration) {
   if (last_ && sessionHash(*last_) == calibration.sessionHash) return last_;
   const Machine machine(calibration.urdf, calibration.machineName);
-  if (std::filesystem::is_regular_file(calibration.sessionSource))
-    return openSession(calibration.sessionSource, machine);
+  if (namesFile(calibration.sessionSource)) return openSession(calibration.sessionSource, machine);
   if (live_.observations() > 0) return openSession({}, machine);
   throw InputError("the session of calibration '" + calibration.id + "' (" + calibration.sessionSource +
                    ") no longer exists; calibrate again first");
@@ -118,14 +150,18 @@ ModelSpec CalibrationServer::modelFrom(const std::string& model, const Session& 
     spec.effects = active.calibration->effects;
     return spec;
   }
-  if (std::filesystem::is_regular_file(model)) {
+  if (namesFile(model)) {
+    // A file of another kind is not read: what stands in it is not for whoever may call a service.
+    const std::string kind = std::filesystem::path(model).extension();
+    if ((kind != ".yaml" && kind != ".yml") || std::filesystem::file_size(model) > kLargestModel)
+      throw InputError("model '" + model + "' is no model file: its name ends in .yaml, and it is short");
     spec = loadModelSpec(model);
     checkMachine(spec, std::filesystem::path(model).parent_path(), session);
   } else if (model.find(':') != std::string::npos) {
     spec = parseModelSpec(model, "model of the request");
     checkMachine(spec, {}, session);
   } else {
-    throw InputError("model '" + model + "' is neither a file (seen from " +
+    throw InputError("model '" + model.substr(0, 200) + "' is neither a file (seen from " +
                      std::filesystem::current_path().string() +
                      ") nor YAML; give a whole path, or e.g. 'effects: [{type: scale, axis: x}]'");
   }
@@ -133,8 +169,7 @@ ModelSpec CalibrationServer::modelFrom(const std::string& model, const Session& 
 }
 
 Calibration CalibrationServer::calibrationFrom(const std::string& idOrPath) const {
-  if (!idOrPath.empty())
-    return std::filesystem::is_regular_file(idOrPath) ? loadCalibration(idOrPath) : store_.load(idOrPath);
+  if (!idOrPath.empty()) return namesFile(idOrPath) ? loadCalibration(idOrPath) : store_.load(idOrPath);
   const CalibrationStore::Active candidate = store_.candidate();
   if (candidate.calibration) return *candidate.calibration;
   const CalibrationStore::Active active = store_.active();
@@ -142,11 +177,16 @@ Calibration CalibrationServer::calibrationFrom(const std::string& idOrPath) cons
   throw InputError("there is no calibration yet in " + store_.folder().string() + "; call calibrate first");
 }
 
-std::string CalibrationServer::keep(Recalibration& done, std::uint8_t& success, std::string& message) {
+std::string CalibrationServer::keep(Recalibration& done, const Session& session, std::uint8_t& success,
+                                    std::string& message) {
+  done.calibration.sessionSpace = lastSpace_;
   const std::string id = store_.add(done.calibration);
   const std::string doubts = doubtsOf(done.result);
   success = doubts.empty();
   message = doubts.empty() ? "candidate " + id : doubts + " (candidate " + id + ")";
+  const std::string misfit = misfitOf(done.calibration, machine_, machineSpace());
+  if (!misfit.empty()) add(message, "it cannot be promoted here: " + misfit);
+  add(message, lossText(session));
   std_msgs::String ledger;
   ledger.data = ledgerText(done.calibration.ledger, !std::isfinite(done.result.figures.rms));
   ledgerOut_.publish(ledger);
@@ -163,7 +203,7 @@ bool CalibrationServer::calibrate(measuring_machine::Calibrate::Request& request
       fit.seed = request.seed != 0 ? request.seed : fit.seed;
       const SessionPtr session = openSession(request.bag, machine_);
       Recalibration done = recalibrate(*session, modelFrom(request.model, *session), fit);
-      response.calibration_id = keep(done, response.success, response.message);
+      response.calibration_id = keep(done, *session, response.success, response.message);
       response.json = calibrateJson(done.result);
     });
   });
@@ -182,6 +222,7 @@ bool CalibrationServer::compare(measuring_machine::Compare::Request& request,
       response.json = compareJson(compared, whereItFails(compared));
       residualsOut_.publish(residualMarkers(compared, residualScale_, prefix_ + "workpiece"));
       response.message = "compared with calibration " + calibration.id;
+      add(response.message, lossText(*session));
     });
   });
   return true;
@@ -201,6 +242,7 @@ bool CalibrationServer::diagnose(measuring_machine::Diagnose::Request& request,
       job_.step("answering", 1.0);  // a search that was cut short is no verdict
       response.json = diagnoseJson(diagnosis);
       response.message = diagnosis.sentence;
+      add(response.message, lossText(*session));
     });
   });
   return true;
@@ -215,7 +257,7 @@ void CalibrationServer::change(const std::string& task, const std::string& effec
       const Calibration before = calibrationFrom({});
       const SessionPtr session = sessionOf(before);
       Recalibration done = change(*session, before, spec, options());
-      keep(done, response.success, response.message);
+      keep(done, *session, response.success, response.message);
       response.json = changeJson(done.result, done.calibration.ledger);
     });
   });
@@ -233,11 +275,16 @@ bool CalibrationServer::removeEffect(measuring_machine::RemoveEffect::Request& r
   return true;
 }
 
+void CalibrationServer::checkFit(const Calibration& calibration) const {
+  const std::string misfit = misfitOf(calibration, machine_, machineSpace());
+  if (!misfit.empty()) throw InputError(misfit);
+}
+
 bool CalibrationServer::promote(measuring_machine::Promote::Request& request,
                                 measuring_machine::Promote::Response& response) {
   answer(response, [&] {
     std_msgs::String id;
-    id.data = store_.promote(request.calibration_id);
+    id.data = store_.promote(request.calibration_id, [this](const Calibration& c) { checkFit(c); });
     response.message = id.data + " is active";
     changedOut_.publish(id);
   });
@@ -248,7 +295,7 @@ bool CalibrationServer::rollback(measuring_machine::Rollback::Request& request,
                                  measuring_machine::Rollback::Response& response) {
   answer(response, [&] {
     std_msgs::String id;
-    id.data = store_.rollback(request.calibration_id);
+    id.data = store_.rollback(request.calibration_id, [this](const Calibration& c) { checkFit(c); });
     response.message = id.data + " is active again";
     changedOut_.publish(id);
   });

@@ -1,4 +1,5 @@
 #pragma once
+#include <diagnostic_updater/diagnostic_updater.h>
 #include <measuring_machine/AddEffect.h>
 #include <measuring_machine/Calibrate.h>
 #include <measuring_machine/Cancel.h>
@@ -23,8 +24,9 @@ namespace mm {
 /// The loop measure, calibrate, compare, diagnose, add, as services with the JSON of `mm`. One long call at a
 /// time, each in the thread of its caller; everything else goes on. Services under `~` and, with the same
 /// names, in the node's namespace; topics `~progress`, `~ledger`, `~residuals`, `~changed` (id made active).
-/// Parameters: `store`, `threads`, `residual_scale` (of the arrows; 0: by their size), `frame_prefix`. Needs
-/// several threads.
+/// An answer's message says what of the session was lost or set aside. Calibrations of other machines are not
+/// promoted. Parameters: `store`, `threads`, `residual_scale` (of the arrows; 0: by their size),
+/// `frame_prefix`. Needs several threads.
 class CalibrationServer {
  public:
   CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
@@ -60,7 +62,9 @@ class CalibrationServer {
   CalibrateOptions options();
   /// Keeps the result as candidate and shows it. @return its id; `success` and `message` say what it is
   /// worth.
-  std::string keep(Recalibration& done, std::uint8_t& success, std::string& message);
+  std::string keep(Recalibration& done, const Session& session, std::uint8_t& success, std::string& message);
+  void checkFit(const Calibration& calibration) const;  ///< @throw InputError: of another machine
+  void diagnoseNode(diagnostic_updater::DiagnosticStatusWrapper& status);
   void publishProgress(const Job::State& state);
 
   ros::NodeHandle node_, own_;
@@ -71,9 +75,12 @@ class CalibrationServer {
   std::string prefix_;
   LiveSession live_;
   Job job_;
-  SessionPtr last_;  // of the last long call; only the running job touches it
+  SessionPtr last_;        // of the last long call; only the running job touches it
+  std::string lastSpace_;  // the namespace that it was measured in
   ros::Publisher progressOut_, ledgerOut_, residualsOut_, changedOut_;
   std::vector<ros::ServiceServer> services_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
 };
 
 }  // namespace mm

@@ -1,6 +1,7 @@
 #include "nodes/calibration_watch.h"
 
 #include "base/error.h"
+#include "calibration_file/calibration_fit.h"
 
 namespace mm {
 
@@ -10,23 +11,35 @@ LoadedCalibration::LoadedCalibration(Calibration c, double margin)
       frames(calibration, {margin, false}),
       contacts(calibration, {margin, true}) {}
 
-CalibrationWatch::CalibrationWatch(CalibrationStore store, const Machine& machine, double margin)
-    : store_(std::move(store)), margin_(margin) {
-  for (const Joint& joint : machine.joints()) joints_.push_back(joint.name);
-}
+CalibrationWatch::CalibrationWatch(CalibrationStore store, const Machine& machine, std::string space,
+                                   double margin)
+    : store_(std::move(store)), machine_(machine), space_(std::move(space)), margin_(margin) {}
 
 CalibrationWatch::Link CalibrationWatch::look(const char* name) const {
   namespace fs = std::filesystem;
-  std::error_code failed;
-  const fs::path target = fs::read_symlink(store_.folder() / name, failed);
-  if (failed) return {};
   Link link;
-  link.id = target.stem().string();
-  link.changed = fs::last_write_time(store_.folder() / target, failed);
+  try {
+    link.id = store_.linked(name);
+  } catch (const InputError& e) {
+    link.wrong = e.what();
+  }
+  if (link.id.empty()) return link;
+  const fs::path target = store_.folder() / (link.id + ".yaml");
+  std::error_code failed;
+  link.changed = fs::last_write_time(target, failed);
   if (failed) link.changed = {};
-  link.size = fs::file_size(store_.folder() / target, failed);
+  link.size = fs::file_size(target, failed);
   if (failed) link.size = 0;
   return link;
+}
+
+std::shared_ptr<const LoadedCalibration> CalibrationWatch::fitting(Calibration calibration,
+                                                                   std::string& warning) const {
+  const std::string misfit = misfitOf(calibration, machine_, space_);
+  if (!misfit.empty()) throw InputError(misfit);
+  const std::string unchecked = uncheckedFit(calibration, machine_);
+  if (!unchecked.empty()) warning += (warning.empty() ? "" : "; ") + unchecked;
+  return std::make_shared<const LoadedCalibration>(std::move(calibration), margin_);
 }
 
 void CalibrationWatch::load(const Link& link, const char* what,
@@ -34,19 +47,13 @@ void CalibrationWatch::load(const Link& link, const char* what,
   warning.clear();
   const bool kept = loaded != nullptr;
   try {
+    if (!link.wrong.empty()) throw InputError(link.wrong);
     if (link.id.empty()) {
       if (kept)
         throw InputError(std::string("the link '") + what + "' is gone from " + store_.folder().string());
       return;
     }
-    Calibration calibration = store_.load(link.id);
-    std::string names, own;
-    for (const Joint& joint : calibration.domain.joints) names += " " + joint.name;
-    for (const std::string& joint : joints_) own += " " + joint;
-    if (names != own)
-      throw InputError("calibration '" + link.id + "' is of a machine with the joints" + names +
-                       ", this one has" + own + "; promote a calibration of this machine");
-    loaded = std::make_shared<const LoadedCalibration>(std::move(calibration), margin_);
+    loaded = fitting(store_.load(link.id), warning);
   } catch (const std::exception& e) {
     warning = e.what();
     if (kept) warning += "; '" + loaded->id + "', read before, stays in use";
@@ -58,8 +65,7 @@ void CalibrationWatch::loadFirst() {
   try {
     CalibrationStore::Active active = store_.active();
     now_.warning = active.warning;
-    if (active.calibration)
-      now_.active = std::make_shared<const LoadedCalibration>(std::move(*active.calibration), margin_);
+    if (active.calibration) now_.active = fitting(std::move(*active.calibration), now_.warning);
   } catch (const std::exception& e) {
     now_.warning = e.what();
   }
@@ -72,12 +78,6 @@ std::shared_ptr<const CalibrationPair> CalibrationWatch::refresh() {
     loadFirst();
     activeLink_ = look("active");
     if (now_.active && now_.active->id != activeLink_.id) activeLink_ = {};
-    if (now_.active) {  // of this machine?
-      std::shared_ptr<const LoadedCalibration> checked;
-      std::string warning;
-      load(activeLink_, "active", checked, warning);
-      if (!checked) now_.active = nullptr, now_.warning = warning;
-    }
     first_ = false;
   } else if (!(active == activeLink_)) {
     load(active, "active", now_.active, now_.warning);
@@ -86,7 +86,7 @@ std::shared_ptr<const CalibrationPair> CalibrationWatch::refresh() {
   }
   const Link candidate = look("candidate");
   if (changed || !(candidate == candidateLink_)) {
-    const bool none = candidate.id.empty() || candidate.id == activeLink_.id;
+    const bool none = candidate.wrong.empty() && (candidate.id.empty() || candidate.id == activeLink_.id);
     if (none || (now_.candidate && now_.candidate->id != candidate.id)) now_.candidate = nullptr;
     now_.candidateWarning.clear();
     if (!none && !(candidate == candidateLink_ && now_.candidate))

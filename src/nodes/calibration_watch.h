@@ -27,8 +27,9 @@ struct CalibrationPair {
 /// a file that is damaged or gone while it is active changes nothing but the warning.
 class CalibrationWatch {
  public:
-  /// @param machine whose joints a calibration must have. @param margin as Compensator::Options.
-  CalibrationWatch(CalibrationStore store, const Machine& machine, double margin);
+  /// @param machine and @param space that a calibration must fit (misfitOf): another one's is refused.
+  /// @param margin as Compensator::Options.
+  CalibrationWatch(CalibrationStore store, const Machine& machine, std::string space, double margin);
 
   /// Looks whether links or files changed, and loads what did. @return a new pair, or null when nothing
   /// changed. Does not throw: what is wrong is in the warnings.
@@ -36,18 +37,23 @@ class CalibrationWatch {
 
  private:
   struct Link {
-    std::string id;  // empty: no link
+    std::string id;     // empty: no link
+    std::string wrong;  // why it leads nowhere
     std::filesystem::file_time_type changed{};
     std::uintmax_t size = 0;
-    bool operator==(const Link& o) const { return id == o.id && changed == o.changed && size == o.size; }
+    bool operator==(const Link& o) const {
+      return id == o.id && wrong == o.wrong && changed == o.changed && size == o.size;
+    }
   };
   Link look(const char* name) const;
+  std::shared_ptr<const LoadedCalibration> fitting(Calibration calibration, std::string& warning) const;
   void load(const Link& link, const char* what, std::shared_ptr<const LoadedCalibration>& loaded,
             std::string& warning) const;
   void loadFirst();
 
   CalibrationStore store_;
-  std::vector<std::string> joints_;
+  Machine machine_;
+  std::string space_;
   double margin_;
   bool first_ = true;
   Link activeLink_, candidateLink_;

@@ -14,13 +14,17 @@
 namespace mm {
 namespace {
 
-constexpr double kSilent = 1.0;   // s without a joint state, on the wall clock
+constexpr double kSilent = 1.0;  // s without a joint state, on the wall clock
+const char* const kUnhomed = "the axes are not homed, so their readings have no zero; call axis_driver/home";
 constexpr int kSensorWait = 100;  // times 20 ms, for the first readings of a new calibration's sensors
 
 LiveInputs::Settings settingsFrom(const ros::NodeHandle& own) {
   LiveInputs::Settings settings;
   settings.jointAge = numberParameter(own, "joint_timeout", settings.jointAge, 1e-6, 1e3);
   settings.sensorAge = numberParameter(own, "sensor_timeout", settings.sensorAge, 1e-3, 1e6);
+  settings.deadband = numberParameter(own, "travel_deadband", settings.deadband, 0.0, 1e-3);
+  settings.rotaryDeadband =
+      numberParameter(own, "travel_deadband_rotary", settings.rotaryDeadband, 0.0, 1e-2);
   return settings;
 }
 
@@ -36,10 +40,12 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
     : node_(node),
       machine_(machine),
       prefix_(textParameter(own, "frame_prefix", "")),
-      watch_(CalibrationStore(storeFolder(own)), machine, numberParameter(own, "margin", 0.1, 0.0, 10.0)),
+      watch_(CalibrationStore(storeFolder(own, machine)), machine, machineSpace(),
+             numberParameter(own, "margin", 0.1, 0.0, 10.0)),
       inputs_(machine, settingsFrom(own)),
       updater_(node, own, ros::this_node::getName()) {
-  refuseUnknownParameters(own, {"store", "margin", "frame_prefix", "joint_timeout", "sensor_timeout"});
+  refuseUnknownParameters(own, {"store", "margin", "frame_prefix", "joint_timeout", "sensor_timeout",
+                                "travel_deadband", "travel_deadband_rotary"});
   framesOut_ = node.advertise<tf2_msgs::TFMessage>("/tf", 5000);
   contactsOut_ = node.advertise<measuring_machine::CorrectedContact>("probe/contact_corrected", 1000);
   statusOut_ = own.advertise<measuring_machine::CompensationStatus>("status", 100, true);
@@ -60,10 +66,7 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
   axesIn_ = node.subscribe<measuring_machine::AxisStatus>(
       "axis_driver/status", 10, [this](const measuring_machine::AxisStatusConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
-        homedKnown_ = !message->homed_at.isZero();
-        notHomed_ = !message->homed;
-        inputs_.setTimeZero(nanoseconds(message->homed_at));
-        inputs_.takeTravel(message->name, message->travel);
+        takeStatus(*message);
       });
   artifactIn_ = node.subscribe<measuring_machine::Artifact>(
       "artifact", 10, [this](const measuring_machine::ArtifactConstPtr& message) {
@@ -115,14 +118,16 @@ void CompensationNode::subscribeSensors() {
   for (const std::string& name : inputs_.sensors())
     if (temperaturesIn_.count(name) == 0)
       temperaturesIn_[name] = node_.subscribe<sensor_msgs::Temperature>(
-          "temperature/" + name, 100, [this, name](const sensor_msgs::TemperatureConstPtr& m) {
+          "temperature/" + topicOf(name), 100, [this, name](const sensor_msgs::TemperatureConstPtr& m) {
+            if (sensorOf(topicOf(name), m->header.frame_id) != name) return;  // another one on the same topic
             const std::lock_guard<std::mutex> lock(mutex_);
             inputs_.takeTemperature(name, nanoseconds(m->header.stamp), m->temperature);
           });
   for (const std::string& name : inputs_.covariates())
     if (covariatesIn_.count(name) == 0)
       covariatesIn_[name] = node_.subscribe<measuring_machine::Covariate>(
-          "covariate/" + name, 100, [this, name](const measuring_machine::CovariateConstPtr& m) {
+          "covariate/" + topicOf(name), 100, [this, name](const measuring_machine::CovariateConstPtr& m) {
+            if (m->name != name) return;
             const std::lock_guard<std::mutex> lock(mutex_);
             inputs_.takeCovariate(name, nanoseconds(m->header.stamp), m->value);
           });
@@ -134,14 +139,43 @@ void CompensationNode::withhold(const std::string& reason) {
   withheldSince_ = reason;
 }
 
+/// A homing gives the readings another zero, and another driver does not know how the last one moved.
+void CompensationNode::takeHoming(const sensor_msgs::JointState& message) {
+  const Homing homing = homingOf(message);
+  if (homing.told && (!homing_.told || homing.at != homing_.at)) {
+    inputs_.forgetTravel();
+    inputs_.setTimeZero(nanoseconds(homing.at));
+    homing_ = homing;
+    takeStatus(axes_);  // it may have come before
+  }
+  homing_ = homing;
+  if (!homing.told) return;
+  homedKnown_ = homing.homed;
+  notHomed_ = !homing.homed;
+}
+
+void CompensationNode::takeStatus(const measuring_machine::AxisStatus& message) {
+  axes_ = message;
+  if (homing_.told) {
+    if (message.homed && message.homed_at == homing_.at) inputs_.takeTravel(message.name, message.travel);
+    return;
+  }
+  if (message.header.stamp.isZero()) return;  // none was heard yet
+  homedKnown_ = !message.homed_at.isZero();
+  notHomed_ = !message.homed;
+  inputs_.setTimeZero(nanoseconds(message.homed_at));
+  inputs_.takeTravel(message.name, message.travel);
+}
+
 void CompensationNode::takeJoints(const sensor_msgs::JointStateConstPtr& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!inputs_.concerns(message->name)) return;  // a gripper's
   heard_ = ros::WallTime::now();
+  takeHoming(*message);
   std::string reason;
   const bool ready = inputs_.takeJoints(nanoseconds(message->header.stamp), message->name, message->position,
                                         message->velocity, reason);
-  if (ready && notHomed_)
-    reason = "the axes are not homed, so their readings have no zero; call axis_driver/home";
+  if (ready && notHomed_) reason = kUnhomed;
   if (!reason.empty() || !ready) {
     if (!reason.empty()) {
       withhold(reason);
@@ -187,9 +221,10 @@ void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!active_.loaded) return;
   try {
+    if (notHomed_) throw InputError(kUnhomed);
     const Observation contact = fromMessage(*message, machine_);
     const Compensator& compensator = active_.loaded->contacts;
-    State state = compensator.blankState();
+    MovingState state = compensator.blankState();
     inputs_.fill(active_.view, nanoseconds(message->header.stamp), contact.position, contact.velocity, state);
     state.laserReading = contact.laserReading;
     compensator.model().place(state);
@@ -228,7 +263,7 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
   add(status.candidate_message, candidate_.reason);
   add(status.candidate_message, pair_->candidateWarning);
   if (status.publishing) {
-    State state = active_.state;
+    MovingState state = active_.state;
     status.sigma = active_.loaded->contacts.apply(state).sigma;
   }
   withheldSince_.clear();
@@ -261,7 +296,17 @@ bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& 
   answer(response, [&] {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!active_.loaded) throw InputError("no calibration is active; calibrate and promote one");
-    State state = active_.state;
+    if (notHomed_ && request.name.empty()) throw InputError(kUnhomed);
+    MovingState state = active_.state;
+    std::vector<double> arrival(machine_.joints().size(), 0.0);
+    const std::size_t named = request.name.empty() ? arrival.size() : request.name.size();
+    if (!request.travel.empty() && request.travel.size() != named)
+      throw InputError("field 'travel' has " + std::to_string(request.travel.size()) + " directions for " +
+                       std::to_string(named) + " joints");
+    for (std::size_t i = 0; i < request.travel.size(); ++i) {
+      const int joint = request.name.empty() ? static_cast<int>(i) : machine_.findJoint(request.name[i]);
+      if (joint >= 0) arrival[joint] = request.travel[i] > 0 ? 1.0 : (request.travel[i] < 0 ? -1.0 : 0.0);
+    }
     if (request.name.empty()) {
       if (!inputs_.complete())
         throw InputError("the present readings are not known; name joints and positions to start from");
@@ -274,10 +319,11 @@ bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& 
       inputs_.fill(active_.view, state);
       state.position = position;
       std::fill(state.travel.begin(), state.travel.end(), 0.0);
+      state.sinceReversal.clear();
     }
     std::fill(state.velocity.begin(), state.velocity.end(), 0.0);
     const Eigen::Vector3d target(request.target.x, request.target.y, request.target.z);
-    const TargetReadings found = active_.loaded->contacts.correctTarget(target, state);
+    const TargetReadings found = active_.loaded->contacts.correctTarget(target, state, arrival);
     response.calibration_id = active_.loaded->id;
     for (const Joint& joint : machine_.joints()) response.name.push_back(joint.name);
     response.position = found.position;

@@ -17,6 +17,7 @@
 
 #include "nodes/calibration_watch.h"
 #include "nodes/live_inputs.h"
+#include "ros_bridge/axis_messages.h"
 
 namespace mm {
 
@@ -24,8 +25,10 @@ namespace mm {
 /// with the joint state's stamp, made from one immutable CalibrationPair. What cannot be trusted is not
 /// published;
 /// `~status` and diagnostics say why. Joint states, contacts and sensors come on the node's own queue (one
-/// thread); files are read and services answered by another. Parameters: `store`, `margin`, `frame_prefix`,
-/// `joint_timeout` (s), `sensor_timeout` (s).
+/// thread); files are read and services answered by another. A calibration of another machine is refused.
+/// Whether the axes are homed is what the joint state itself says; of a driver that does not say it, what its
+/// status says. Parameters: `store`, `margin`, `frame_prefix`, `joint_timeout` (s), `sensor_timeout` (s),
+/// `travel_deadband` (m) and `travel_deadband_rotary` (rad): a shorter way back is no reversal.
 class CompensationNode {
  public:
   CompensationNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
@@ -35,7 +38,7 @@ class CompensationNode {
   struct Applied {
     std::shared_ptr<const LoadedCalibration> loaded;
     LiveInputs::View view;
-    State state;
+    MovingState state;
     Compensator::Workspace work;
     std::string reason, note;  // why the last frame was withheld; what to know although it was not
   };
@@ -44,6 +47,8 @@ class CompensationNode {
   void addFrame(Applied& applied, const ros::Time& stamp, const std::string& child, bool isActive);
   void takeContact(const measuring_machine::ProbeContactConstPtr& message);
   void withhold(const std::string& reason);
+  void takeHoming(const sensor_msgs::JointState& message);
+  void takeStatus(const measuring_machine::AxisStatus& message);
   void install(const std::shared_ptr<const CalibrationPair>& pair);
   void apply(Applied& applied, const std::shared_ptr<const LoadedCalibration>& loaded);
   void subscribeSensors();
@@ -67,6 +72,8 @@ class CompensationNode {
   std::string withheldSince_;                   // the reason of a frame withheld since the last status
   ros::WallTime heard_;                         // the last joint state
   bool homedKnown_ = false, notHomed_ = false;  // as the axis driver says
+  Homing homing_;                               // of the last joint state
+  measuring_machine::AxisStatus axes_;          // the last one
   std::map<std::string, ros::Subscriber> temperaturesIn_, covariatesIn_;
 
   measuring_machine::CompensationStatus shown_;

@@ -45,11 +45,13 @@ class LiveInputs::History final : public TemperatureHistory {
 };
 
 LiveInputs::LiveInputs(const Machine& machine, Settings settings) : settings_(settings) {
-  for (const Joint& joint : machine.joints()) joints_.push_back(joint.name);
+  for (const Joint& joint : machine.joints()) {
+    joints_.push_back(joint.name);
+    travel_.emplace_back(joint.kind == JointKind::kLinear ? settings.deadband : settings.rotaryDeadband);
+  }
   seen_.assign(joints_.size(), 0);
   position_.assign(joints_.size(), kNotMeasured);
   velocity_ = position_;
-  travel_.assign(joints_.size(), 0.0);
 }
 
 void LiveInputs::orderFor(const std::vector<std::string>& names) {
@@ -59,9 +61,18 @@ void LiveInputs::orderFor(const std::vector<std::string>& names) {
   for (const std::string& name : names) order_.push_back(indexOf(joints_, name));
 }
 
+bool LiveInputs::concerns(const std::vector<std::string>& names) const {
+  return std::any_of(names.begin(), names.end(),
+                     [this](const std::string& name) { return indexOf(joints_, name) >= 0; });
+}
+
+void LiveInputs::forgetTravel() {
+  for (TravelTracker& tracker : travel_) tracker.forget();
+}
+
 void LiveInputs::forget() {
   std::fill(seen_.begin(), seen_.end(), 0);
-  std::fill(travel_.begin(), travel_.end(), 0.0);
+  forgetTravel();
   for (Logged& logged : sensors_) logged = Logged();
   for (Logged& logged : covariates_) logged = Logged();
   ++revision_;
@@ -72,6 +83,7 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
                             const std::vector<double>& position, const std::vector<double>& velocity,
                             std::string& reason) {
   reason.clear();
+  if (!concerns(names)) return false;
   if (stamp == 0) reason = "a joint state has no stamp";
   if (position.size() != names.size() || (!velocity.empty() && velocity.size() != names.size()))
     reason = "a joint state has " + std::to_string(names.size()) + " names, " +
@@ -91,9 +103,9 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
     position_[j] = position[i];
     velocity_[j] = velocity.empty() ? kNotMeasured : velocity[i];
     if (std::isnan(velocity_[j]))
-      travel_[j] = 0.0;
-    else if (velocity_[j] != 0.0)
-      travel_[j] = velocity_[j] > 0.0 ? 1.0 : -1.0;
+      travel_[j].forget();  // a driver that tells no velocity: nothing is guessed
+    else
+      travel_[j].take(stamp, position_[j], velocity_[j]);
   }
   complete_ = false;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -111,7 +123,8 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
 void LiveInputs::takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel) {
   for (std::size_t i = 0; i < std::min(names.size(), travel.size()); ++i) {
     const int j = indexOf(joints_, names[i]);
-    if (j >= 0 && travel_[j] == 0.0) travel_[j] = travel[i] > 0 ? 1.0 : (travel[i] < 0 ? -1.0 : 0.0);
+    if (j >= 0 && travel[i] != 0 && travel_[j].direction() == 0.0)
+      travel_[j].tell(travel[i] > 0 ? 1.0 : -1.0);
   }
 }
 
@@ -181,7 +194,7 @@ double LiveInputs::at(const Logged& logged, std::int64_t stamp) const {
   return age > settings_.sensorAge ? kNotMeasured : logged.value;
 }
 
-void LiveInputs::fillLogged(const View& view, std::int64_t stamp, State& state) const {
+void LiveInputs::fillLogged(const View& view, std::int64_t stamp, MovingState& state) const {
   state.time = zero_ == 0 ? kNotMeasured : static_cast<double>(stamp - zero_) * kNanosecond;
   state.temperature.resize(view.sensors.size());
   for (std::size_t s = 0; s < view.sensors.size(); ++s)
@@ -190,23 +203,31 @@ void LiveInputs::fillLogged(const View& view, std::int64_t stamp, State& state) 
   for (std::size_t c = 0; c < view.covariates.size(); ++c)
     state.covariate[c] = at(covariates_[view.covariates[c]], stamp);
   state.history = view.history.get();
+  state.travel.resize(travel_.size());
+  state.sinceReversal.resize(travel_.size());
+  for (std::size_t j = 0; j < travel_.size(); ++j) {
+    state.travel[j] = travel_[j].direction();
+    state.sinceReversal[j] = travel_[j].sinceReversal();
+  }
 }
 
-void LiveInputs::fill(const View& view, State& state) const {
+void LiveInputs::fill(const View& view, MovingState& state) const {
   fillLogged(view, last_, state);
   state.position = position_;
   state.velocity = velocity_;
-  state.travel = travel_;
 }
 
 void LiveInputs::fill(const View& view, std::int64_t stamp, const std::vector<double>& position,
-                      const std::vector<double>& velocity, State& state) const {
+                      const std::vector<double>& velocity, MovingState& state) const {
   fillLogged(view, stamp, state);
   state.position = position;
   state.velocity = velocity;
-  state.travel = travel_;
-  for (std::size_t j = 0; j < velocity.size(); ++j)
-    if (velocity[j] != 0.0 && !std::isnan(velocity[j])) state.travel[j] = velocity[j] > 0.0 ? 1.0 : -1.0;
+  for (std::size_t j = 0; j < velocity.size(); ++j) {
+    const double direction = directionOf(velocity[j]);
+    if (direction == 0.0 || direction == state.travel[j]) continue;
+    state.travel[j] = direction;
+    state.sinceReversal[j] = kNotMeasured;
+  }
 }
 
 }  // namespace mm

@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "compensation/compensator.h"
 #include "effects/domain.h"
-#include "effects/state.h"
 #include "machine/machine.h"
 #include "model/series_history.h"
+#include "session/travel_tracker.h"
 
 namespace mm {
 
@@ -18,6 +19,8 @@ class LiveInputs {
   struct Settings {
     double jointAge = 0.05;   // s by which the readings of one frame may differ
     double sensorAge = 30.0;  // s after which a temperature or covariate counts as lost
+    double deadband = travelDeadband(JointKind::kLinear);        // m: a shorter way back is no reversal
+    double rotaryDeadband = travelDeadband(JointKind::kRotary);  // rad
   };
   /// What one calibration sees of it. Lives no longer than the inputs.
   struct View {
@@ -28,17 +31,21 @@ class LiveInputs {
   LiveInputs(const Machine& machine, Settings settings);
 
   /// @return false when no frame can be made of the message: `reason` says why; it is empty where the stamp
-  /// is the one before, which adds nothing. A stamp that goes back by more than a blink begins everything
-  /// anew.
+  /// is the one before, and where the message has no joint of this machine: neither its joints nor its clock
+  /// say anything here. A stamp that goes back by more than a blink begins everything anew.
   bool takeJoints(std::int64_t stamp, const std::vector<std::string>& names,
                   const std::vector<double>& position, const std::vector<double>& velocity,
                   std::string& reason);
   /// @param name of a sensor that is watched; others are left alone. @param value degC.
   void takeTemperature(const std::string& name, std::int64_t stamp, double value);
   void takeCovariate(const std::string& name, std::int64_t stamp, double value);
+  /// Whether a message has a joint of this machine.
+  bool concerns(const std::vector<std::string>& names) const;
   /// Directions of the last motions as the driver tells them, -1, 0 or 1: they count for a joint that has not
   /// been seen to move, as when the driver homed before this began to listen.
   void takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel);
+  /// The driver of the axes is another one: how its joints moved before is not known.
+  void forgetTravel();
   /// What `t = 0` is: the last homing, or the session's start. 0: not known.
   void setTimeZero(std::int64_t stamp) { zero_ = stamp; }
 
@@ -48,11 +55,11 @@ class LiveInputs {
   const std::vector<std::string>& covariates() const { return covariateNames_; }
 
   /// The state at the last joint state, in the order of a domain, without what is touched.
-  void fill(const View& view, State& state) const;
+  void fill(const View& view, MovingState& state) const;
   /// The same with other readings of the same moment or shortly before, as a contact brings them. NaN
-  /// velocity: not known.
+  /// velocity: not known. The direction of a joint that moves is that of its velocity.
   void fill(const View& view, std::int64_t stamp, const std::vector<double>& position,
-            const std::vector<double>& velocity, State& state) const;
+            const std::vector<double>& velocity, MovingState& state) const;
   /// Whether every sensor and covariate of the view has been heard.
   bool heard(const View& view) const;
   std::int64_t stamp() const { return last_; }
@@ -67,14 +74,15 @@ class LiveInputs {
   };
   void take(Logged& logged, std::int64_t stamp, double value);
   double at(const Logged& logged, std::int64_t stamp) const;
-  void fillLogged(const View& view, std::int64_t stamp, State& state) const;
+  void fillLogged(const View& view, std::int64_t stamp, MovingState& state) const;
   void forget();
   void orderFor(const std::vector<std::string>& names);
 
   Settings settings_;
   std::vector<std::string> joints_;
   std::vector<std::int64_t> seen_;  // a joint; 0: never
-  std::vector<double> position_, velocity_, travel_;
+  std::vector<double> position_, velocity_;
+  std::vector<TravelTracker> travel_;  // a joint
   std::vector<std::string> namesBefore_, sensorNames_, covariateNames_;
   std::vector<int> order_;  // an entry of the message: joint, or -1
   std::vector<Logged> sensors_, covariates_;

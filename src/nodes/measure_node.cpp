@@ -20,6 +20,7 @@ const char* const kDriverGone = "the axis driver has gone; home again, then go o
 
 MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
     : machine_(machine),
+      updater_(node, own, ros::this_node::getName()),
       axes_("axis_driver/move", true),
       server_(
           own, "run", [this](const measuring_machine::MeasureGoalConstPtr& goal) { execute(goal); }, false) {
@@ -28,6 +29,7 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
   giveUp_ = static_cast<int>(numberParameter(own, "give_up", 3, 1, 1000));
   contactTimeout_ = numberParameter(own, "contact_timeout", 1.0, 0.01, 100.0);
   artifactOut_ = node.advertise<measuring_machine::Artifact>("artifact", 10, true);
+  measuredOut_ = own.advertise<measuring_machine::Measured>("measured", 10, true);
   descriptionOut_ = node.advertise<std_msgs::String>("robot_description", 10, true);
   contactIn_ = node.subscribe<measuring_machine::ProbeContact>(
       "probe/contact", 1000, [this](const measuring_machine::ProbeContactConstPtr&) {
@@ -44,7 +46,23 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
         response.message = paused_ ? "pauses after the move that is under way" : "continues";
         return true;
       });
+  updater_.setHardwareID("measure");
+  updater_.add("plan", this, &MeasureNode::diagnose);
+  timer_ =
+      node.createWallTimer(ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { updater_.update(); });
   server_.start();
+}
+
+void MeasureNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const std::lock_guard<std::mutex> lock(saidMutex_);
+  if (running_)
+    status.summary(DiagnosticStatus::OK, paused_ ? "paused" : "measuring");
+  else
+    status.summary(failed_ ? DiagnosticStatus::ERROR : DiagnosticStatus::OK,
+                   said_.empty() ? "ready" : "the last plan: " + said_);
+  status.add("move", move_);
+  status.add("moves", moves_);
 }
 
 Plan MeasureNode::loadPlan(const std::string& plan) const {
@@ -54,13 +72,27 @@ Plan MeasureNode::loadPlan(const std::string& plan) const {
   return Plan::load(plan, machine_);
 }
 
-void MeasureNode::announce(const Plan& plan) {
+void MeasureNode::announce(const Plan& plan, bool again) {
   std_msgs::String urdf;
   urdf.data = machine_.urdf();
   descriptionOut_.publish(urdf);
   measuring_machine::Artifact artifact = toMessage(plan.artifact);
-  artifact.header.stamp = ros::Time::now();
+  // A plan that goes on belongs to the session that it began, by this node or by the one before it.
+  if (!again || plan.text != announcedPlan_) {
+    announced_ = again ? ros::Time() : ros::Time::now();
+    measured_ = 0;
+  }
+  announcedPlan_ = plan.text;
+  artifact.header.stamp = announced_;
   artifactOut_.publish(artifact);
+  tellMeasured();
+}
+
+void MeasureNode::tellMeasured() {
+  measuring_machine::Measured measured;
+  measured.header.stamp = announced_;
+  measured.contacts = measured_;
+  measuredOut_.publish(measured);
 }
 
 void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
@@ -72,7 +104,16 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     result.missed = feedback_.missed;
     result.next = feedback_.move;
     result.message = message;
+    const std::lock_guard<std::mutex> lock(saidMutex_);
+    said_ = message;
+    running_ = false;
   };
+  const auto begin = [&] {
+    const std::lock_guard<std::mutex> lock(saidMutex_);
+    running_ = true;
+    failed_ = false;
+  };
+  begin();
   try {
     const Plan plan = loadPlan(goal->plan);
     for (const PlanMove& move : plan.moves)
@@ -86,7 +127,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
                        std::to_string(plan.moves.size() - 1));
     if (!axes_.waitForServer(ros::Duration(5.0)))
       throw Error("the axis driver does not answer; is the node axis_driver running?");
-    if (goal->first == 0) announce(plan);
+    announce(plan, goal->first > 0);
     runFrom(plan, goal->first);
     fill("done");
     server_.setSucceeded(result);
@@ -96,6 +137,10 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
   } catch (const std::exception& e) {
     ROS_ERROR("measurement ended: %s", e.what());
     fill(e.what());
+    {
+      const std::lock_guard<std::mutex> lock(saidMutex_);
+      failed_ = true;
+    }
     server_.setAborted(result, result.message);
   }
 }
@@ -113,6 +158,8 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
     }
     if (measure(plan, move)) {
       ++feedback_.contacts;
+      ++measured_;
+      tellMeasured();
       inARow = 0;
       continue;
     }
@@ -222,6 +269,9 @@ void MeasureNode::tell(const Plan& plan, std::size_t move) {
   feedback_.feature = feature >= 0 ? plan.artifact.features[feature].name : std::string();
   feedback_.progress = static_cast<double>(move) / static_cast<double>(plan.moves.size());
   server_.publishFeedback(feedback_);
+  const std::lock_guard<std::mutex> lock(saidMutex_);
+  move_ = feedback_.move;
+  moves_ = feedback_.moves;
 }
 
 std::uint64_t MeasureNode::contactsSeen() {

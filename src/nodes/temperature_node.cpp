@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 
 namespace mm {
@@ -29,7 +30,8 @@ void TemperatureNode::take(const measuring_machine::SensorReadings& readings) {
     const std::string& name = readings.name[i];
     const double value = readings.temperature[i];
     Sensor& sensor = sensors_[name];
-    if (!sensor.out) sensor.out = node_.advertise<sensor_msgs::Temperature>("temperature/" + name, 100);
+    if (!sensor.out)
+      sensor.out = node_.advertise<sensor_msgs::Temperature>("temperature/" + topicOf(name), 100);
     const std::string before = sensor.wrong;
     sensor.wrong.clear();
     if (sensor.seen.isZero() || back || value != sensor.value) sensor.changed = now;

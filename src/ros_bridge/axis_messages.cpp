@@ -2,19 +2,43 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace mm {
+namespace {
+
+const char* const kNotHomed = "not homed";
+const char* const kHomedAt = "homed at ";
+
+}  // namespace
 
 sensor_msgs::JointState toJointState(const std::vector<std::string>& axes, const AxesState& state,
-                                     const ros::Time& stamp) {
+                                     const ros::Time& stamp, const ros::Time& homedAt) {
   sensor_msgs::JointState message;
   message.header.stamp = stamp;
+  message.header.frame_id =
+      state.homed && !homedAt.isZero() ? format("%s%u.%09u", kHomedAt, homedAt.sec, homedAt.nsec) : kNotHomed;
   message.name = axes;
   message.position = state.position;
   message.velocity = state.velocity;
   return message;
+}
+
+Homing homingOf(const sensor_msgs::JointState& message) {
+  const std::string& text = message.header.frame_id;
+  Homing homing;
+  unsigned seconds = 0, nanoseconds = 0;
+  if (std::sscanf(text.c_str(), "homed at %10u.%9u", &seconds, &nanoseconds) == 2 &&
+      nanoseconds < 1000000000U) {
+    homing.told = homing.homed = true;
+    homing.at = ros::Time(seconds, nanoseconds);
+  } else {
+    homing.told = text == kNotHomed;
+  }
+  return homing;
 }
 
 measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::vector<std::string>& axes,

@@ -12,9 +12,19 @@ namespace mm {
 
 // Between the messages of the nodes and the structures of the drivers. Both sides are SI.
 
-/// Readings and velocities in m, rad and s, stamped `stamp`.
+/// What a joint state says of the homing of its axes: of that very moment and of that very driver, so that no
+/// message of another topic, and of a driver that has ended, can say otherwise.
+struct Homing {
+  bool told = false;   // false: not by a driver of this package
+  bool homed = false;  // the readings have a zero
+  ros::Time at;        // of the homing; zero: not homed
+};
+
+/// Readings and velocities in m, rad and s, stamped `stamp`. `header.frame_id` tells the homing: "homed at
+/// 1795316193.267980268" or "not homed". @param homedAt stamp of the homing; zero: not homed.
 sensor_msgs::JointState toJointState(const std::vector<std::string>& axes, const AxesState& state,
-                                     const ros::Time& stamp);
+                                     const ros::Time& stamp, const ros::Time& homedAt);
+Homing homingOf(const sensor_msgs::JointState& message);
 
 /// What the controller latched at an edge of the probe, m and rad.
 measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::vector<std::string>& axes,

@@ -15,6 +15,7 @@ namespace mm {
 namespace {
 
 constexpr std::uint32_t kLongestHeader = 1 << 24;  // bytes; a longer one is damage
+constexpr std::size_t kVersionLine = 64;           // bytes; that of a bag has 13
 constexpr std::uint32_t kLargestChunk = 1U << 31;
 
 template <typename T>
@@ -61,11 +62,13 @@ BagReader::BagReader(const std::filesystem::path& file) : path_(file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error))
     throw InputError(file.string() + ": is a folder, not a bag");
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+    throw InputError(file.string() + ": is no file (a device or a pipe), but a bag is one");
   in_.open(file, std::ios::binary);
   if (!in_) throw InputError(file.string() + ": the bag cannot be read; does it exist?");
   size_ = std::filesystem::file_size(file, error);
   std::string version;
-  std::getline(in_, version);
+  for (char c = 0; version.size() < kVersionLine && in_.get(c) && c != '\n';) version += c;
   if (version.rfind("#ROSBAG V", 0) != 0)
     throw InputError(file.string() + ": is not a bag (its first line says so)");
   if (version != "#ROSBAG V2.0")

@@ -27,7 +27,7 @@ struct BagMessage {
 /// recording was killed or whose end is lost. Compressed chunks are unpacked by rosbag.
 class BagReader {
  public:
-  /// @throw InputError when the file cannot be opened or is not a bag of format 2.0.
+  /// @throw InputError when the file cannot be opened, is no file (a device), or not a bag of format 2.0.
   explicit BagReader(const std::filesystem::path& file);
 
   /// Gives every message to `take`, in the order of the file, up to the end or the damage.

@@ -47,8 +47,9 @@ class SessionWriter {
   SessionWriter(const Session& session, const std::vector<MotionSample>& motion, BagWriter& bag)
       : session_(session), motion_(motion), bag_(bag), epoch_(std::llround(session.epoch * 1e9)) {
     if (epoch_ <= 0) epoch_ = 1000000000LL * 1000000000LL;  // a simulated or hand-made session has no date
-    for (const Series& s : session.temperatures) series_.push_back({&s, kTemperatureTopics + s.name});
-    for (const Series& s : session.covariates) series_.push_back({&s, kCovariateTopics + s.name});
+    for (const Series& s : session.temperatures)
+      series_.push_back({&s, kTemperatureTopics + topicOf(s.name)});
+    for (const Series& s : session.covariates) series_.push_back({&s, kCovariateTopics + topicOf(s.name)});
   }
 
   void write(const ProgressCallback& progress) {

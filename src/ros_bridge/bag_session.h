@@ -27,10 +27,15 @@ struct BagNamespace {
 /// machine of a bag without /robot_description; may be null.
 /// All topics may stand in one namespace (/machine1/probe/contact); where several hold a session, `where`
 /// chooses.
-/// @throw InputError when it is no bag, holds no session (names the topics found), holds several and none is
-/// chosen, or a message is wrong.
+/// A contact, reference or logged value that is wrong is set aside by its topic and number, and the session
+/// is the rest. @throw InputError when it is no bag, holds no session (names the topics found), holds several
+/// and none is chosen, or a topic has another type.
 Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress = {},
                        const Machine* fallback = nullptr, const BagNamespace& where = {});
+
+/// Namespace of the nodes that measured a bag's session, "/" or "/m1"; empty: no node did (mm imported or
+/// simulated it), or the bag is cut short and nobody knows. @param wanted where there are several.
+std::string bagSpace(const std::filesystem::path& file, const std::string& wanted = {});
 
 /// Writes a prepared session, with what was set aside in it, as a bag that gives the same session back to the
 /// bit (times to 1 ns). Written under a temporary name, then renamed: the final name never holds half a bag.

@@ -1,4 +1,6 @@
 #include <ros/serialization.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
 #include <std_msgs/String.h>
 
 #include <algorithm>
@@ -9,6 +11,7 @@
 #include "base/error.h"
 #include "ros_bridge/bag_reader.h"
 #include "ros_bridge/bag_session.h"
+#include "ros_bridge/bag_writer.h"
 #include "ros_bridge/session_collector.h"
 #include "session/assumed_travel.h"
 
@@ -179,6 +182,26 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
   if (!bag.damage().empty())
     session.warning = bag.damage() + (session.warning.empty() ? "" : "; " + session.warning);
   return session;
+}
+
+std::string bagSpace(const std::filesystem::path& file, const std::string& wanted) {
+  std::string found;
+  try {
+    rosbag::Bag bag(file.string(), rosbag::bagmode::Read);
+    rosbag::View all(bag);
+    for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
+      const SessionTopic split = splitTopic(connection->topic);
+      if (split.topic != "/probe/contact" && split.topic != "/reference") continue;
+      if (!connection->header) continue;
+      const auto by = connection->header->find("callerid");
+      if (by == connection->header->end() || by->second.empty() || by->second == kBagWriterName) continue;
+      if (!wanted.empty() && normalised(wanted) == split.space) return shown(split.space);
+      if (found.empty()) found = shown(split.space);
+    }
+  } catch (const rosbag::BagException&) {
+    return {};  // cut short, or no bag
+  }
+  return found;
 }
 
 }  // namespace mm

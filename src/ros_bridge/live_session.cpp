@@ -4,6 +4,8 @@
 #include <ros/master.h>
 #include <std_msgs/String.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 
 namespace mm {
@@ -30,6 +32,8 @@ LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) 
         beginAgainIfBack(stamp);
         take([&](SessionCollector& collector) { collector.addContact(*m); });
       });
+  subscribers_["measure/measured"] = node_.subscribe<measuring_machine::Measured>(
+      "measure/measured", 100, [this](const measuring_machine::MeasuredConstPtr& m) { takeMeasured(*m); });
   timer_ = node_.createWallTimer(ros::WallDuration(0.2), &LiveSession::findTopics, this);
 }
 
@@ -43,12 +47,21 @@ void LiveSession::subscribe(const std::string& topic, void (SessionCollector::*a
 
 void LiveSession::take(const std::function<void(SessionCollector&)>& add) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  const std::size_t before = collector_.refusedCount();
   try {
     add(collector_);
   } catch (const std::exception& e) {
     if (wrong_.empty()) wrong_ = e.what();
     ROS_WARN_THROTTLE(10.0, "%s", e.what());
   }
+  if (collector_.refusedCount() > before)
+    ROS_WARN_THROTTLE(10.0, "set aside: %s", collector_.refused().back().c_str());
+}
+
+void LiveSession::takeMeasured(const measuring_machine::Measured& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!message.header.stamp.isZero() && message.header.stamp < artifact_) return;  // of the session before
+  measured_[message.header.stamp] = message.contacts;
 }
 
 void LiveSession::beginAgainIfBack(std::int64_t stamp) {
@@ -57,6 +70,7 @@ void LiveSession::beginAgainIfBack(std::int64_t stamp) {
   ROS_WARN("the clock went back: the live session begins anew");
   collector_.dropAfter(stamp);
   wrong_.clear();
+  measured_.clear();
 }
 
 void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
@@ -67,9 +81,10 @@ void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
     if (stamp < artifact_) collector_.dropAfter(nanoseconds(stamp));
     collector_.dropBefore(nanoseconds(stamp));
     wrong_.clear();
+    while (!measured_.empty() && measured_.begin()->first < stamp) measured_.erase(measured_.begin());
     if (before > 0) ROS_INFO("a new session begins; the %zu contacts before it are forgotten", before);
   }
-  artifact_ = stamp;
+  if (!stamp.isZero()) artifact_ = stamp;
   take([&](SessionCollector& collector) { collector.addArtifact(message); });
 }
 
@@ -94,13 +109,29 @@ void LiveSession::findTopics(const ros::WallTimerEvent&) {
 
 Session LiveSession::session(const Machine& fallback) const {
   SessionCollector copy(kName);
+  std::size_t measured = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    for (const auto& [session, contacts] : measured_) measured += contacts;
     if (!wrong_.empty()) throw InputError(wrong_ + "; begin a new session (measure a plan)");
     copy = collector_;
   }
   if (!copy.hasMachine()) copy.setMachine(fallback);
-  return copy.build();
+  const std::size_t heard = copy.observationCount() + copy.refusedCount();
+  Session session = copy.build();
+  if (heard < measured)
+    session.warning += (session.warning.empty() ? "" : "; ") + std::to_string(heard) + " of " +
+                       std::to_string(measured) +
+                       " contacts that were measured are here: the others came before this node listened; "
+                       "measure those again, or use the recorded bag";
+  return session;
+}
+
+std::string LiveSession::complaint() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!wrong_.empty()) return wrong_;
+  if (collector_.refusedCount() == 0) return {};
+  return std::to_string(collector_.refusedCount()) + " set aside, the last: " + collector_.refused().back();
 }
 
 std::size_t LiveSession::observations() const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <measuring_machine/Measured.h>
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
 #include <ros/timer.h>
@@ -21,9 +22,13 @@ class LiveSession {
   explicit LiveSession(ros::NodeHandle node);  ///< subscribes
 
   /// What was collected so far. @param fallback the machine unless /robot_description was heard.
-  /// @throw InputError when there is nothing, or a message was wrong (the first such is named).
+  /// Its warning says how many of the contacts that were measured were not heard: this began to listen, or
+  /// was started again, in the middle of a plan. @throw InputError when there is nothing, or the machine or
+  /// the artifact that was announced cannot be read.
   Session session(const Machine& fallback) const;
   std::size_t observations() const;
+  /// Why the live session is not what was measured, so far; empty: nothing is known to be wrong.
+  std::string complaint() const;
 
  private:
   template <typename Message>
@@ -31,13 +36,15 @@ class LiveSession {
   void takeArtifact(const measuring_machine::Artifact& message);
   void take(const std::function<void(SessionCollector&)>& add);
   void beginAgainIfBack(std::int64_t stamp);
+  void takeMeasured(const measuring_machine::Measured& message);
   void findTopics(const ros::WallTimerEvent& event);
 
   ros::NodeHandle node_;
   mutable std::mutex mutex_;
   SessionCollector collector_;
-  std::string wrong_;  // the first message that could not be taken
+  std::string wrong_;  // why the machine or the artifact could not be taken
   ros::Time artifact_;
+  std::map<ros::Time, std::uint32_t> measured_;  // contacts in this session, as each measure node says
   std::map<std::string, ros::Subscriber> subscribers_;
   ros::WallTimer timer_;
 };

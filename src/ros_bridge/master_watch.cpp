@@ -17,8 +17,10 @@ namespace mm {
 namespace {
 
 constexpr auto kTick = std::chrono::milliseconds(100);
-constexpr int kLook = 10;     // ticks between two looks at the master
-constexpr int kRemember = 5;  // looks between two of the services: they are made one after the other
+constexpr int kLook = 10;  // ticks between two looks at the master
+constexpr int kSettle =
+    20;  // looks after the first in which services are looked at each time: they come one by one
+constexpr int kRemember = 5;  // looks between two of the services later
 
 /// Topics and services of other nodes would be found as well, but only what this one has is its to register.
 bool has(const XmlRpc::XmlRpcValue& names, const std::string& node) {
@@ -78,15 +80,10 @@ bool MasterWatch::call(const std::string& method, const std::string& a, const st
 void MasterWatch::look() {
   const std::string self = ros::this_node::getName(), uri = ros::master::getURI();
   XmlRpc::XmlRpcValue answer;
-  if (call("lookupNode", self, "", "", answer)) {
-    if (away_) ROS_WARN("the ROS master at %s answers again", uri.c_str());
-    away_ = false;
-    if (!known_ || turns_++ % kRemember == 0) remember();
-    known_ = true;
-    return;
-  }
-  if (!known_) return;  // not registered yet
+  // A new master knows the node as soon as this asks it for a parameter (every line of the log does), though
+  // no topic of it: so the master itself is told from the one before, and one of the services must be found.
   if (!call("getPid", "", "", "", answer)) {
+    if (!known_) return;
     if (!away_)
       ROS_ERROR(
           "the ROS master at %s does not answer: what is connected continues, nothing new can connect; start "
@@ -96,8 +93,23 @@ void MasterWatch::look() {
     away_ = true;
     return;
   }
+  const int pid = static_cast<int>(answer);
+  if (!known_) {
+    if (!call("lookupNode", self, "", "", answer)) return;  // not registered yet
+    master_ = pid;
+  }
+  const bool same = pid == master_ && call("lookupNode", self, "", "", answer) &&
+                    (services_.empty() || call("lookupService", *services_.begin(), "", "", answer));
+  if (!same) {
+    away_ = false;
+    if (registerAgain()) master_ = pid;
+    return;
+  }
+  if (away_) ROS_WARN("the ROS master at %s answers again", uri.c_str());
   away_ = false;
-  registerAgain();
+  if (turns_ < kSettle || turns_ % kRemember == 0) remember();
+  ++turns_;
+  known_ = true;
 }
 
 /// What must be told again: services (roscpp does not list them) and parameters.
@@ -108,7 +120,7 @@ void MasterWatch::remember() {
     std::set<std::string> services;
     for (int i = 0; i < state[2].size(); ++i)
       if (has(state[2][i][1], self)) services.insert(static_cast<std::string>(state[2][i][0]));
-    services_ = services;
+    services_.insert(services.begin(), services.end());
   }
   if (known_) return;
   ros::NodeHandle node;
@@ -121,7 +133,7 @@ void MasterWatch::remember() {
       ros::param::get(name, parameters_[name]);
 }
 
-void MasterWatch::registerAgain() {
+bool MasterWatch::registerAgain() {
   const std::string node = ros::XMLRPCManager::instance()->getServerURI();
   const std::string services = "rosrpc://" + ros::network::getHost() + ":" +
                                std::to_string(ros::ConnectionManager::instance()->getTCPPort());
@@ -145,6 +157,7 @@ void MasterWatch::registerAgain() {
     ROS_WARN(
         "the ROS master at %s is a new one: this node is registered again, with %zu topics and %zu services",
         ros::master::getURI().c_str(), topics.size(), services_.size());
+  return done;
 }
 
 }  // namespace mm

@@ -24,13 +24,14 @@ class MasterWatch {
   void run();
   void look();
   void remember();
-  void registerAgain();
+  bool registerAgain();  ///< false: not all could be told; tried again at the next look
   bool call(const std::string& method, const std::string& a, const std::string& b, const std::string& c,
             XmlRpc::XmlRpcValue& answer) const;
 
   bool known_ = false;  // the master knew this node once
   bool away_ = false;   // the master does not answer
   int turns_ = 0;
+  int master_ = 0;  // its process
   std::set<std::string> services_;
   std::map<std::string, XmlRpc::XmlRpcValue> parameters_;
   std::atomic<bool> ending_{false};

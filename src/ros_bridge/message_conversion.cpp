@@ -1,6 +1,7 @@
 #include "ros_bridge/message_conversion.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "base/error.h"
@@ -52,6 +53,17 @@ std::vector<double> unlessAllNaN(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::string topicOf(const std::string& name) {
+  std::string topic = name;
+  for (char& c : topic)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '/') c = '_';
+  return topic;
+}
+
+std::string sensorOf(const std::string& topicEnd, const std::string& frameId) {
+  return !frameId.empty() && frameId != topicEnd && topicOf(frameId) == topicEnd ? frameId : topicEnd;
+}
 
 std::int64_t nanoseconds(const ros::Time& stamp) { return static_cast<std::int64_t>(stamp.toNSec()); }
 

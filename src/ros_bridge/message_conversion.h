@@ -17,6 +17,12 @@ namespace mm {
 // rounded.
 // @throw InputError: the text says what is wrong with the message; the caller adds where it came from.
 
+/// The end of a topic's name for a sensor or covariate: what a graph name must not have ("motor left") is
+/// `_`.
+std::string topicOf(const std::string& name);
+/// The sensor of a temperature: its `frame_id` where the topic is named after that, else the topic's end.
+std::string sensorOf(const std::string& topicEnd, const std::string& frameId);
+
 /// Of a stamp, since the epoch.
 std::int64_t nanoseconds(const ros::Time& stamp);
 /// @throw InputError for a stamp that a ROS time cannot hold.

@@ -2,12 +2,16 @@
 
 #include <ros/console.h>
 #include <ros/init.h>
+#include <ros/this_node.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "base/nearest_name.h"
+#include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
+#include "machine/machine_fit.h"
 #include "ros_bridge/master_watch.h"
 
 namespace mm {
@@ -25,8 +29,27 @@ Machine machineFromParameter(const ros::NodeHandle& node) {
     throw InputError(
         "parameter 'robot_description' is missing; launch the node with instrument.launch, or "
         "load the machine's URDF there");
+  std::string serialKey;
+  const std::string serial =
+      node.searchParam("serial", serialKey) ? textParameter(node, serialKey, "") : std::string();
+  if (serial.empty()) return Machine(urdf, "robot_description");
+  const Machine machine(urdf, "robot_description");
+  if (!serialOf(machine).empty() && serialOf(machine) != serial)
+    throw InputError("parameter '" + serialKey + "' is '" + serial + "', but the URDF says '" +
+                     serialOf(machine) + "'; one of them must go");
+  const bool plain = std::all_of(serial.begin(), serial.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == ' ' || c == '/';
+  });
+  if (!plain)
+    throw InputError("parameter '" + serialKey + "' is '" + serial +
+                     "'; letters, digits and -_./ make a serial");
+  const std::size_t end = urdf.rfind("</robot>");
+  if (serialOf(machine).empty() && end != std::string::npos)
+    urdf.insert(end, "<serial>" + serial + "</serial>\n");
   return Machine(urdf, "robot_description");
 }
+
+std::string machineSpace() { return ros::this_node::getNamespace(); }
 
 std::string textParameter(const ros::NodeHandle& node, const std::string& name, const std::string& standard) {
   XmlRpc::XmlRpcValue value;
@@ -69,9 +92,11 @@ bool flagParameter(const ros::NodeHandle& node, const std::string& name, bool st
   return static_cast<bool>(value);
 }
 
-std::filesystem::path storeFolder(const ros::NodeHandle& node) {
-  const std::string folder = textParameter(node, "store", "");
-  return folder.empty() ? CalibrationStore::defaultFolder() : std::filesystem::path(folder);
+std::filesystem::path storeFolder(const ros::NodeHandle& own, const Machine& machine) {
+  const std::string folder = textParameter(own, "store", "");
+  if (!folder.empty()) return folder;
+  const std::string part = folderOf(machine, machineSpace());
+  return part.empty() ? CalibrationStore::defaultFolder() : CalibrationStore::defaultFolder() / part;
 }
 
 void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std::string>& known) {

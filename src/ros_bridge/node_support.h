@@ -13,7 +13,8 @@
 namespace mm {
 
 /// The URDF on the parameter server (`robot_description`, looked for upwards from the node's namespace) as a
-/// machine. @throw InputError when it is missing or no machine.
+/// machine, with the serial that the parameter `serial` states beside it, if any: it is then part of the URDF
+/// that is recorded. @throw InputError when it is missing, no machine, or has another serial already.
 Machine machineFromParameter(const ros::NodeHandle& node);
 
 /// A private parameter, or `standard` where it is not set. @throw InputError when it has another type.
@@ -22,8 +23,12 @@ std::string textParameter(const ros::NodeHandle& node, const std::string& name, 
 double numberParameter(const ros::NodeHandle& node, const std::string& name, double standard, double lower,
                        double upper);
 bool flagParameter(const ros::NodeHandle& node, const std::string& name, bool standard);
-/// Folder of the calibrations: parameter `store`, else the one that `mm` uses.
-std::filesystem::path storeFolder(const ros::NodeHandle& node);
+/// Folder of the calibrations: parameter `store`, else in the one that `mm` uses the folder of this machine
+/// (by its serial, else by its namespace; the only machine has the whole).
+/// @param own the node's private handle.
+std::filesystem::path storeFolder(const ros::NodeHandle& own, const Machine& machine);
+/// Namespace that the node stands in, "/" or "/m1".
+std::string machineSpace();
 /// @throw InputError naming a private parameter that the node does not know. Those with a `/` belong to
 /// others.
 void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std::string>& known);

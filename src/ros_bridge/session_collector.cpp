@@ -40,12 +40,8 @@ int indexOf(const std::string& name, std::map<std::string, int>& index, std::vec
 
 }  // namespace
 
-void SessionCollector::fail(const std::string& topic, std::size_t number, const std::string& what) const {
-  throw InputError(source_ + ": " + topic + " message " + std::to_string(number) + ": " + what);
-}
-
-std::int64_t SessionCollector::stampOf(const ros::Time& stamp, const std::string& topic, std::size_t number) {
-  if (stamp.isZero()) fail(topic, number, "its header has no stamp; the time of the reading is needed");
+std::int64_t SessionCollector::stampOf(const ros::Time& stamp) {
+  if (stamp.isZero()) throw InputError("its header has no stamp; the time of the reading is needed");
   const std::int64_t ns = nanoseconds(stamp);
   earliest_ = earliest_ ? std::min(*earliest_, ns) : ns;
   return ns;
@@ -73,8 +69,7 @@ void SessionCollector::addArtifact(const measuring_machine::Artifact& message) {
   } catch (const InputError& e) {
     throw InputError(source_ + ": /artifact: " + e.what());
   }
-  artifactStamp_.reset();
-  if (!message.header.stamp.isZero()) artifactStamp_ = stampOf(message.header.stamp, "/artifact", 1);
+  if (!message.header.stamp.isZero()) artifactStamp_ = stampOf(message.header.stamp);
 }
 
 void SessionCollector::addContact(const measuring_machine::ProbeContact& message) {
@@ -91,40 +86,67 @@ void SessionCollector::addReference(const measuring_machine::ReferenceMeasuremen
     waiting_.emplace_back(message);
 }
 
-void SessionCollector::convert(const measuring_machine::ProbeContact& message) {
-  const std::int64_t number = ++contactCount_;
+template <typename Message>
+void SessionCollector::convertOrRefuse(const Message& message, const char* topic, std::int64_t number) {
   try {
     Observation o = fromMessage(message, *machine_);
+    for (std::size_t j = 0; j < o.position.size(); ++j)
+      if (!std::isfinite(o.position[j]))
+        throw InputError("the reading of joint '" + machine_->joints()[j].name + "' is not a number");
+    for (const double v : o.velocity)
+      if (std::isinf(v)) throw InputError("a velocity is infinite");
+    for (const double v : o.deviation)
+      if (std::isinf(v)) throw InputError("a deviation is infinite");
+    for (const double v : o.deviationStd)
+      if (std::isinf(v) || v <= 0.0) throw InputError("a deviation's standard deviation must be above 0");
+    if (std::isinf(o.laserReading)) throw InputError("the laser's reading is infinite");
+    if (o.reference.array().isInf().any()) throw InputError("a reference position is infinite");
     o.row = number;
-    o.feature = indexOf(message.feature, featureIndex_, features_);
-    if (o.feature < 0) throw InputError("no feature is assigned; name the ball or point that was touched");
-    rows_.push_back({stampOf(message.header.stamp, kContactTopic, number), std::move(o), message.header.seq});
+    const std::int64_t stamp = stampOf(message.header.stamp);
+    if constexpr (std::is_same_v<Message, measuring_machine::ProbeContact>) {
+      if (message.feature.empty())
+        throw InputError("no feature is assigned; name the ball or point that was touched");
+      o.feature = indexOf(message.feature, featureIndex_, features_);
+    } else {
+      o.setup = indexOf(message.setup, setupIndex_, setups_);
+    }
+    rows_.push_back({stamp, std::move(o), message.header.seq});
   } catch (const InputError& e) {
-    const std::string what = e.what();
-    if (what.rfind(source_, 0) == 0) throw;
-    fail(kContactTopic, number, what);
+    refused_.push_back(
+        {topic, static_cast<std::size_t>(number), e.what(), nanoseconds(message.header.stamp)});
   }
 }
 
+void SessionCollector::convert(const measuring_machine::ProbeContact& message) {
+  convertOrRefuse(message, kContactTopic, ++contactCount_);
+}
+
 void SessionCollector::convert(const measuring_machine::ReferenceMeasurement& message) {
-  const std::int64_t number = ++referenceCount_;
-  try {
-    Observation o = fromMessage(message, *machine_);
-    o.row = number;
-    o.setup = indexOf(message.setup, setupIndex_, setups_);
-    rows_.push_back(
-        {stampOf(message.header.stamp, kReferenceTopic, number), std::move(o), message.header.seq});
-  } catch (const InputError& e) {
-    const std::string what = e.what();
-    if (what.rfind(source_, 0) == 0) throw;
-    fail(kReferenceTopic, number, what);
-  }
+  convertOrRefuse(message, kReferenceTopic, ++referenceCount_);
+}
+
+std::size_t SessionCollector::reversals() const {
+  std::size_t count = 0;
+  for (const auto& [joint, track] : tracks_) count += track.motions.size();
+  return count;
+}
+
+std::vector<std::string> SessionCollector::refused() const {
+  std::vector<std::string> all;
+  for (const Refused& r : refused_)
+    all.push_back(r.topic + " message " + std::to_string(r.number) + ": " + r.why);
+  return all;
 }
 
 void SessionCollector::addValue(Logged& logged, const std::string& topic, const ros::Time& stamp,
                                 double value) {
   ++logged.messages;
-  const std::int64_t ns = stampOf(stamp, topic, logged.messages);
+  if (stamp.isZero()) {
+    refused_.push_back(
+        {topic, logged.messages, "its header has no stamp; the time of the reading is needed", 0});
+    return;
+  }
+  const std::int64_t ns = stampOf(stamp);
   if (std::isfinite(value))
     logged.values.emplace_back(ns, value);
   else
@@ -132,30 +154,42 @@ void SessionCollector::addValue(Logged& logged, const std::string& topic, const 
 }
 
 void SessionCollector::addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message) {
-  Logged& logged = temperatures_[sensor];
+  const std::string name = sensorOf(sensor, message.header.frame_id);
+  Logged& logged = temperatures_[name];
   logged.unit = "degC";
   addValue(logged, "/temperature/" + sensor, message.header.stamp, message.temperature);
 }
 
 void SessionCollector::addCovariate(const measuring_machine::Covariate& message) {
-  const std::string topic = "/covariate/" + message.name;
+  const std::string topic = "/covariate/" + topicOf(message.name);
   Logged& logged = covariates_[message.name];
-  if (logged.messages > 0 && logged.unit != message.unit)
-    fail(topic, logged.messages + 1, "its unit '" + message.unit + "' was '" + logged.unit + "' before");
+  if (logged.messages > 0 && logged.unit != message.unit) {
+    ++logged.messages;
+    refused_.push_back({topic, logged.messages,
+                        "its unit '" + message.unit + "' was '" + logged.unit + "' before",
+                        nanoseconds(message.header.stamp)});
+    return;
+  }
   logged.unit = message.unit;
   addValue(logged, topic, message.header.stamp, message.value);
 }
 
 void SessionCollector::addJointState(const sensor_msgs::JointState& message) {
   if (message.header.stamp.isZero()) return;  // says nothing about when
-  const std::int64_t ns = stampOf(message.header.stamp, "/joint_states", 0);
-  for (std::size_t i = 0; i < std::min(message.name.size(), message.velocity.size()); ++i) {
-    const double v = message.velocity[i];
-    if (v == 0.0 || std::isnan(v)) continue;
-    std::vector<Motion>& motions = motions_[message.name[i]];
-    const double direction = v > 0.0 ? 1.0 : -1.0;
-    if (motions.empty() || motions.back().direction != direction || ns < motions.back().stamp)
-      motions.push_back({ns, direction});
+  const std::int64_t ns = nanoseconds(message.header.stamp);
+  for (std::size_t i = 0; i < std::min(message.name.size(), message.position.size()); ++i) {
+    auto found = tracks_.find(message.name[i]);
+    if (found == tracks_.end()) {
+      const int joint = machine_ ? machine_->findJoint(message.name[i]) : -1;
+      if (machine_ && joint < 0) continue;  // another machine's, or a gripper: its clock says nothing either
+      const JointKind kind = joint < 0 ? JointKind::kLinear : machine_->joints()[joint].kind;
+      found = tracks_.emplace(message.name[i], Track{TravelTracker(travelDeadband(kind)), {}, ns}).first;
+    }
+    Track& track = found->second;
+    track.earliest = std::min(track.earliest, ns);
+    if (i >= message.velocity.size() || std::isnan(message.velocity[i])) continue;  // nothing is guessed
+    if (track.travel.take(ns, message.position[i], message.velocity[i]))
+      track.motions.push_back({ns, track.travel.direction()});
   }
 }
 
@@ -163,9 +197,9 @@ void SessionCollector::addJointState(const sensor_msgs::JointState& message) {
 /// or before one whose velocity was not latched.
 void SessionCollector::fillTravel(std::vector<Row>& rows) const {
   for (std::size_t j = 0; j < machine_->joints().size(); ++j) {
-    const auto found = motions_.find(machine_->joints()[j].name);
-    if (found == motions_.end()) continue;
-    std::vector<Motion> motions = found->second;
+    const auto found = tracks_.find(machine_->joints()[j].name);
+    if (found == tracks_.end()) continue;
+    std::vector<Motion> motions = found->second.motions;
     sortByStamp(motions);
     auto next = motions.begin();
     Motion last{0, 0.0};
@@ -173,11 +207,11 @@ void SessionCollector::fillTravel(std::vector<Row>& rows) const {
       Observation& o = row.observation;
       while (next != motions.end() && next->stamp <= row.stamp) last = *next++;
       o.travel.resize(machine_->joints().size(), 0.0);
-      const double v = o.velocity[j];
-      if (v == 0.0 || std::isnan(v))
+      const double direction = directionOf(o.velocity[j]);
+      if (direction == 0.0)
         o.travel[j] = last.direction;
       else
-        last = {row.stamp, v > 0.0 ? 1.0 : -1.0};
+        last = {row.stamp, direction};
     }
   }
 }
@@ -191,7 +225,12 @@ std::vector<SessionCollector::Row> SessionCollector::sortedRows() const {
 
 std::int64_t SessionCollector::startOf(const std::vector<Row>& rows) const {
   const bool announced = artifactStamp_ && *artifactStamp_ <= rows.front().stamp;
-  return announced ? *artifactStamp_ : *earliest_;
+  if (announced) return *artifactStamp_;
+  std::int64_t earliest = *earliest_;
+  for (const Joint& joint : machine_->joints())
+    if (const auto track = tracks_.find(joint.name); track != tracks_.end())
+      earliest = std::min(earliest, track->second.earliest);
+  return earliest;
 }
 
 std::int64_t SessionCollector::newest() const {
@@ -220,7 +259,12 @@ void SessionCollector::dropAfter(std::int64_t stamp) {
   renumber();
   for (std::map<std::string, Logged>* all : {&temperatures_, &covariates_})
     for (auto& [name, logged] : *all) erase(logged.values, [&](const auto& v) { return v.first >= stamp; });
-  for (auto& [joint, motions] : motions_) erase(motions, [&](const Motion& m) { return m.stamp >= stamp; });
+  erase(refused_, [&](const Refused& r) { return r.stamp == 0 || r.stamp >= stamp; });
+  for (auto& [joint, track] : tracks_) {
+    erase(track.motions, [&](const Motion& m) { return m.stamp >= stamp; });
+    track.travel.forget();
+    track.earliest = std::min(track.earliest, stamp);
+  }
 }
 
 void SessionCollector::dropBefore(std::int64_t stamp) {
@@ -242,12 +286,15 @@ void SessionCollector::dropBefore(std::int64_t stamp) {
       logged.messages = logged.values.size();
       logged.lost = 0;
     }
-  for (auto& [joint, motions] : motions_)
-    if (motions.size() > 1) {
-      auto keep = motions.begin();
-      while (keep + 1 != motions.end() && (keep + 1)->stamp <= stamp) ++keep;
-      motions.erase(motions.begin(), keep);
-    }
+  erase(refused_, [&](const Refused& r) { return r.stamp < stamp; });
+  for (auto& [joint, track] : tracks_) {
+    track.earliest = std::max(track.earliest, stamp);
+    std::vector<Motion>& motions = track.motions;
+    if (motions.size() < 2) continue;
+    auto keep = motions.begin();
+    while (keep + 1 != motions.end() && (keep + 1)->stamp <= stamp) ++keep;
+    motions.erase(motions.begin(), keep);
+  }
   earliest_ = stamp;
 }
 
@@ -273,9 +320,26 @@ std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>
   return result;
 }
 
+void SessionCollector::setRefusedAside(const std::vector<Refused>& refused, Session& session) const {
+  for (const Refused& r : refused) {
+    SetAside aside;
+    aside.field = r.topic + " message " + std::to_string(r.number);
+    aside.why = r.why;
+    session.setAside.push_back(std::move(aside));
+  }
+}
+
 Session SessionCollector::build() const {
-  if (observationCount() == 0)
-    throw InputError(source_ + ": the session is empty: no message on /probe/contact or /reference");
+  std::vector<Refused> refused = refused_;
+  const auto empty = [&] {
+    const std::string first =
+        refused.empty() ? std::string()
+                        : "; of " + std::to_string(refused.size()) +
+                              " that cannot be used the first: " + refused.front().topic + " message " +
+                              std::to_string(refused.front().number) + ": " + refused.front().why;
+    return InputError(source_ + ": the session is empty: no message on /probe/contact or /reference" + first);
+  };
+  if (observationCount() == 0) throw empty();
   if (!machine_)
     throw InputError(source_ + ": topic /robot_description is missing; it says what the machine is");
   if (contactCount_ > 0 && !artifact_)
@@ -288,6 +352,18 @@ Session SessionCollector::build() const {
   for (const Feature& f : session.artifact.features) names.push_back(f.name);
   for (const std::string& name : features_) features.push_back(session.artifact.findFeature(name));
   std::vector<Row> rows = sortedRows();
+  const auto unknown = [&](const Row& row) {
+    const Observation& o = row.observation;
+    if (o.kind != ObservationKind::kContact || features[o.feature] >= 0) return false;
+    const std::string& name = features_[o.feature];
+    refused.push_back({kContactTopic, static_cast<std::size_t>(o.row),
+                       "feature '" + name + "' is not in artifact '" + session.artifact.name + "'" +
+                           didYouMean(name, names),
+                       row.stamp});
+    return true;
+  };
+  rows.erase(std::remove_if(rows.begin(), rows.end(), unknown), rows.end());
+  if (rows.empty()) throw empty();
   const std::int64_t start = startOf(rows);
   const bool lines = !importedFrom_.empty() &&
                      std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.line > 0; });
@@ -295,14 +371,7 @@ Session SessionCollector::build() const {
   for (Row& row : rows) {
     Observation& o = row.observation;
     o.time = secondsBetween(start, row.stamp);
-    if (o.kind == ObservationKind::kContact) {
-      const std::string& name = features_[o.feature];
-      o.feature = features[o.feature];
-      if (o.feature < 0)
-        fail(kContactTopic, o.row,
-             "feature '" + name + "' is not in artifact '" + session.artifact.name + "'" +
-                 didYouMean(name, names));
-    }
+    if (o.kind == ObservationKind::kContact) o.feature = features[o.feature];
     if (lines) o.row = row.line;
     session.observations.push_back(std::move(o));
   }
@@ -310,6 +379,7 @@ Session SessionCollector::build() const {
   session.temperatures = series(temperatures_, start, session.warning);
   session.covariates = series(covariates_, start, session.warning);
   session.epoch = secondsBetween(0, start);
+  setRefusedAside(refused, session);
   session.prepare();
   return session;
 }

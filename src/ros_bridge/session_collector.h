@@ -10,21 +10,24 @@
 
 #include "ros_bridge/message_conversion.h"
 #include "session/session.h"
+#include "session/travel_tracker.h"
 
 namespace mm {
 
 /// Gathers the messages of a session, from a bag or live, and makes the session of them: the same messages
-/// give the same session to the bit, in whatever order the topics arrived. Not thread-safe.
+/// give the same session to the bit, in whatever order the topics arrived. A contact, reference or logged
+/// value that is wrong is set aside by its topic and number; the rest is the session. Not thread-safe.
 class SessionCollector {
  public:
   /// @param source what messages for people call the session.
   explicit SessionCollector(std::string source) : source_(std::move(source)) {}
 
-  // @throw InputError naming source, topic and number of the message.
+  // @throw InputError naming source and topic: a machine or artifact that cannot be read.
   void addRobotDescription(const std::string& urdf);
   /// The file that the session was imported from: the headers' `seq` are its lines.
   void addImportedFrom(const std::string& file) { importedFrom_ = file; }
-  void addArtifact(const measuring_machine::Artifact& message);  ///< the last one counts
+  /// The last one counts; without a stamp it is announced once more, and the session began when it began.
+  void addArtifact(const measuring_machine::Artifact& message);
   void addContact(const measuring_machine::ProbeContact& message);
   void addReference(const measuring_machine::ReferenceMeasurement& message);
   void addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message);
@@ -38,6 +41,10 @@ class SessionCollector {
   /// Stamp of the newest observation, ns; 0: none yet.
   std::int64_t newest() const;
 
+  /// What was set aside so far, "/probe/contact message 3: why".
+  std::vector<std::string> refused() const;
+  std::size_t refusedCount() const { return refused_.size(); }
+  std::size_t reversals() const;                                                   ///< kept of all joints
   std::size_t observationCount() const { return rows_.size() + waiting_.size(); }  ///< so far
   bool hasMachine() const { return machine_.has_value(); }                         ///< a URDF was heard
   /// Used when there is no robot description. @throw InputError when messages do not fit it.
@@ -64,11 +71,24 @@ class SessionCollector {
     std::int64_t stamp;
     double direction;  // -1 or +1
   };
+  struct Track {  // of one joint in /joint_states
+    TravelTracker travel;
+    std::vector<Motion> motions;  // where the direction of travel changed
+    std::int64_t earliest;        // ns
+  };
+  struct Refused {
+    std::string topic;
+    std::size_t number;
+    std::string why;
+    std::int64_t stamp;  // ns; 0: it has none
+  };
 
-  [[noreturn]] void fail(const std::string& topic, std::size_t number, const std::string& what) const;
-  std::int64_t stampOf(const ros::Time& stamp, const std::string& topic, std::size_t number);
+  std::int64_t stampOf(const ros::Time& stamp);
+  template <typename Message>
+  void convertOrRefuse(const Message& message, const char* topic, std::int64_t number);
   void convert(const measuring_machine::ProbeContact& message);
   void convert(const measuring_machine::ReferenceMeasurement& message);
+  void setRefusedAside(const std::vector<Refused>& refused, Session& session) const;
   void addValue(Logged& logged, const std::string& topic, const ros::Time& stamp, double value);
   std::vector<Row> sortedRows() const;
   void renumber();
@@ -86,8 +106,8 @@ class SessionCollector {
   std::vector<std::string> features_, setups_;
   std::map<std::string, int> featureIndex_, setupIndex_;
   std::map<std::string, Logged> temperatures_, covariates_;
-  std::map<std::string, std::vector<Motion>>
-      motions_;  // of each joint: where the direction of travel changed
+  std::map<std::string, Track> tracks_;
+  std::vector<Refused> refused_;
   std::int64_t contactCount_ = 0, referenceCount_ = 0;
   std::optional<std::int64_t> earliest_, artifactStamp_;
 };

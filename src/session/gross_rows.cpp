@@ -365,7 +365,9 @@ class GrossRows {
 void setGrossRowsAside(Session& session) { GrossRows(session).setAside(); }
 
 void takeBackGrossRows(Session& session) {
+  std::vector<SetAside> unread;  // the reader's: nothing of these could be kept
   for (SetAside& a : session.setAside) {
+    if (!a.observation && !a.logged) unread.push_back(a);
     if (a.observation) {
       const auto behind = [&](const Observation& o) {
         return o.time > a.observation->time ||
@@ -382,7 +384,7 @@ void takeBackGrossRows(Session& session) {
       s.value.insert(s.value.begin() + at, a.logged->value);
     }
   }
-  session.setAside.clear();
+  session.setAside = std::move(unread);
 }
 
 }  // namespace mm

@@ -8,7 +8,7 @@ namespace mm {
 /// alone, far beyond everything else, and among many: a place that was measured twice is a place.
 void setGrossRowsAside(Session& session);
 
-/// Everything back where it was.
+/// Everything back where it was; what the reader could not make a row or a value of stays set aside.
 void takeBackGrossRows(Session& session);
 
 }  // namespace mm

@@ -126,7 +126,17 @@ std::string assumedText(const Session& session) {
   return text.empty() ? text : text + " of the observations";
 }
 
+std::string lossText(const Session& session) {
+  std::string text = session.warning;
+  if (!session.setAside.empty())
+    text += (text.empty() ? "" : "; ") + std::to_string(session.setAside.size()) +
+            (session.setAside.size() == 1 ? " is set aside: " : " are set aside, first: ") +
+            setAsideText(session, session.setAside.front());
+  return text;
+}
+
 std::string setAsideText(const Session& session, const SetAside& aside) {
+  if (!aside.observation && !aside.logged) return aside.field + " is set aside: " + aside.why;
   return (aside.row > 0 ? session.rowText(aside.row) + ": " : "") +
          (aside.observation ? "the row is set aside: " : "a value is set aside: ") + aside.field + " = " +
          aside.value + ": " + aside.why;

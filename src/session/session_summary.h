@@ -12,6 +12,10 @@ std::string summarize(const Session& session);
 /// What was assumed where nothing was recorded, in one sentence; empty: nothing.
 std::string assumedText(const Session& session);
 
+/// What of the session is lost or left aside, in one line: its warning, and how much is set aside with the
+/// first of it; empty: nothing.
+std::string lossText(const Session& session);
+
 /// "line 17 of plate.csv is set aside: x = -1236.4 mm; all others are within …".
 std::string setAsideText(const Session& session, const SetAside& aside);
 

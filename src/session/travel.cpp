@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "session/travel_tracker.h"
+
 namespace mm {
 
 void deriveTravel(std::vector<Observation>& observations, int joints) {
@@ -20,9 +22,9 @@ void deriveTravel(std::vector<Observation>& observations, int joints) {
     o.travel.resize(joints, 0.0);
     for (int j = 0; j < joints; ++j) {
       const double v = o.velocity[j];
-      if (v != 0.0 && !std::isnan(v))
-        o.travel[j] = v > 0.0 ? 1.0 : -1.0;
-      else if (v == 0.0 && o.travel[j] == 0.0)
+      if (directionOf(v) != 0.0)
+        o.travel[j] = directionOf(v);
+      else if (!std::isnan(v) && o.travel[j] == 0.0)
         o.travel[j] = last[j];
       if (o.travel[j] != 0.0) last[j] = o.travel[j];
     }

@@ -12,6 +12,7 @@
 #include "estimation/ball_centres.h"
 #include "report/json.h"
 #include "report/text.h"
+#include "ros_bridge/bag_session.h"
 #include "session/session_hash.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
@@ -133,6 +134,7 @@ int runCalibrate(CalibrateCommand& c) {
     for (const std::string& doubt : fitDoubts(done->result)) doubts.push_back(doubt);
   for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
   const int status = verdictOf(done->result);
+  done->calibration.sessionSpace = bagSpace(c.bag, c.fit.space);
   if (!c.output.empty()) c.files.write(c.output, done->calibration);
   const bool angular = !std::isfinite(done->result.figures.rms);
   if (!c.curve.empty())

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "tools/commands.h"
@@ -27,9 +28,10 @@ CalibrationStore storeOf(const StoreOptions& options) {
 }
 
 void addStoreOption(CLI::App* command, StoreOptions& options) {
-  command->add_option(
-      "--store", options.folder,
-      "folder of calibrations (default: $MM_CALIBRATIONS, else ~/.measuring_machine/calibrations)");
+  command->add_option("--store", options.folder,
+                      "folder of calibrations (default: $MM_CALIBRATIONS, else "
+                      "~/.measuring_machine/calibrations; a machine with "
+                      "a serial or a namespace has a folder of that name in it)");
 }
 
 std::string micrometres(double metres) {
@@ -81,12 +83,21 @@ void printHistory(const StoreOptions& options) {
   printJson(std::cout, {{"store", store.folder().string()}, {"calibrations", list}});
 }
 
+/// Where the nodes of the calibration's machine look: its own folder in the default one, where it has one.
+CalibrationStore storeFor(const Calibration& calibration, const StoreOptions& options) {
+  const std::string part =
+      folderOf(Machine(calibration.urdf, calibration.machineName), calibration.sessionSpace);
+  if (!options.folder.empty() || part.empty()) return storeOf(options);
+  return CalibrationStore(CalibrationStore::defaultFolder() / part);
+}
+
 void promote(const StoreOptions& options) {
   CalibrationStore store = storeOf(options);
   std::string id = options.id;
   const bool file = id.find('/') != std::string::npos || fs::path(id).extension() == ".yaml";
   if (file) {  // one that `mm calibrate -o` wrote: it is kept first
     Calibration calibration = loadCalibration(id);
+    store = storeFor(calibration, options);
     id = store.add(calibration);
   }
   id = store.promote(id);

@@ -3,11 +3,10 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/format.h"
-#include "base/units.h"
 #include "base/utc_now.h"
 #include "effects/registry.h"
 #include "estimation/network_learning.h"
+#include "machine/machine_fit.h"
 #include "model/observed_domain.h"
 #include "session/session_hash.h"
 
@@ -70,6 +69,8 @@ Recalibration refit(const Session& session, const Calibration& calibration,
   Recalibration done;
   done.result = calibrate(session, std::move(after), options, start);
   done.calibration = toCalibration(done.result, calibration.machineName);
+  done.calibration.sessionSpace = calibration.sessionSpace;
+  done.calibration.toldSpace = calibration.toldSpace;
   done.calibration.ledger = calibration.ledger;
   done.calibration.ledger.push_back(
       entryOf(action, effect, base.figures, done.result.figures, calibration.id));
@@ -80,38 +81,6 @@ std::string namesOf(const std::vector<Joint>& joints) {
   std::string text;
   for (const Joint& j : joints) text += (text.empty() ? "" : ", ") + j.name;
   return text;
-}
-
-std::string inMillimetres(const Eigen::Vector3d& v) {
-  return format("(%.6g, %.6g, %.6g) mm", v.x() / kMillimetre, v.y() / kMillimetre, v.z() / kMillimetre);
-}
-
-/// What the calibrated machine has, and what the session's has instead; empty: they are the same.
-std::string differenceOf(const Machine& calibrated, const Machine& other) {
-  constexpr double kSameDirection = 1e-9, kSamePlace = 1e-9;  // 1, m
-  const std::vector<Joint>&a = calibrated.joints(), &b = other.joints();
-  if (namesOf(a) != namesOf(b))
-    return "the calibrated one has the joints " + namesOf(a) + ", the session's " + namesOf(b);
-  for (std::size_t j = 0; j < a.size(); ++j) {
-    const std::string joint = "joint " + a[j].name + " ";
-    const auto kind = [](const Joint& one) { return one.kind == JointKind::kLinear ? "linear" : "rotary"; };
-    if (a[j].kind != b[j].kind) return joint + "is " + kind(a[j]) + ", in the session " + kind(b[j]);
-    if ((a[j].axis - b[j].axis).norm() > kSameDirection) {
-      const auto along = [](const Eigen::Vector3d& v) {
-        return format("(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
-      };
-      return joint + "moves along " + along(a[j].axis) + ", in the session along " + along(b[j].axis);
-    }
-    if ((a[j].origin - b[j].origin).norm() > kSamePlace)
-      return joint + "stands at " + inMillimetres(a[j].origin) + ", in the session at " +
-             inMillimetres(b[j].origin);
-  }
-  if ((calibrated.tipTranslation() - other.tipTranslation()).norm() > kSamePlace)
-    return "its probe's tip stands at " + inMillimetres(calibrated.tipTranslation()) +
-           ", in the session at " + inMillimetres(other.tipTranslation());
-  if ((calibrated.tipRotation() - other.tipRotation()).norm() > kSameDirection)
-    return "its probe points otherwise than in the session";
-  return {};
 }
 
 }  // namespace
@@ -272,7 +241,7 @@ Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibra
 
 void checkMachine(const Calibration& calibration, const Session& session) {
   const std::string difference =
-      differenceOf(Machine(calibration.urdf, calibration.machineName), session.machine);
+      differenceOf(Machine(calibration.urdf, calibration.machineName), session.machine, "in the session");
   if (!difference.empty())
     throw InputError(
         session.source + ": was measured on another machine than the one that was calibrated ('" +

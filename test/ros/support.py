@@ -1,7 +1,10 @@
 """What the rostests share: mm, sessions, logs of frames and statuses."""
 import json
 import os
+import random
+import re
 import shutil
+import signal
 import socket
 import subprocess
 import tempfile
@@ -34,8 +37,8 @@ def mm(*arguments):
     return done.stdout
 
 
-def simulate(bag, plan="config/demo_plan.yaml", hide=(), seed=1):
-    arguments = ["simulate", "--machine", "three_axis", "--plan", os.path.join(PACKAGE, plan), "--seed", str(seed)]
+def simulate(bag, plan="config/demo_plan.yaml", hide=(), seed=1, machine="three_axis"):
+    arguments = ["simulate", "--machine", machine, "--plan", os.path.join(PACKAGE, plan), "--seed", str(seed)]
     for source in hide:
         arguments += ["--hide", source]
     mm(*arguments, "-o", bag)
@@ -53,6 +56,88 @@ def wait_until(true, seconds=10.0):
             return True
         time.sleep(0.02)
     return bool(true())
+
+
+def long_tests():
+    """Whether the environment asks for the tests at their full length."""
+    return os.environ.get("MM_LONG_TESTS", "0") not in ("", "0")
+
+
+def environment(port):
+    return dict(os.environ, ROS_MASTER_URI="http://localhost:%d" % port)
+
+
+def launch(port, *arguments, namespace="/"):
+    """A launch file of the package under a master of its own, as a user starts it."""
+    return subprocess.Popen([REAPER, "roslaunch", "-p", str(port), "measuring_machine"] + list(arguments),
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            env=dict(environment(port), ROS_NAMESPACE=namespace))
+
+
+def stop(process):
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+        process.wait(40)  # the reaper itself kills what does not end
+
+
+class Output:
+    """What a process prints, read as it comes: a line can be waited for, with an end."""
+
+    def __init__(self, process):
+        self.process, self.lines = process, []
+        self.reader = threading.Thread(target=lambda: self.lines.extend(process.stdout), daemon=True)
+        self.reader.start()
+
+    def __str__(self):
+        return "".join(self.lines)
+
+    def count(self, words):
+        return sum(words in line for line in list(self.lines))
+
+    def says(self, words, seconds, times=1):
+        """False when the process ends, or the time, before it has said so."""
+        wait_until(lambda: self.count(words) >= times or not self.reader.is_alive(), seconds)
+        return self.count(words) >= times
+
+    def ends(self, seconds):
+        self.reader.join(seconds)
+        return not self.reader.is_alive() and self.process.wait(10) is not None
+
+
+def figures(text):
+    """Parameters and residual figures of a calibration's JSON: all but the seconds that it took."""
+    found = json.loads(text)
+    if found.get("genetic"):
+        found["genetic"].pop("seconds")
+    return found
+
+
+def errors(output):
+    """RMS before and after that the demo printed, um."""
+    found = [re.search(r"%s +RMS +([0-9.]+) um" % frame, output) for frame in (r"\(probe_tip\)", r"\(probe_tip_corrected\)")]
+    assert all(found), output
+    return [float(f.group(1)) for f in found]
+
+
+def shorter_plan(target, points, source="config/demo_plan.yaml"):
+    """The plan of the demo with fewer contacts a ball."""
+    with open(os.path.join(PACKAGE, source)) as f:
+        text, changed = re.subn(r"points: [0-9]+", "points: %d" % points, f.read())
+    assert changed, source
+    with open(target, "w") as f:
+        f.write(text)
+    return target
+
+
+def calibrate_live(port, model_file, namespace="/"):
+    """What the calibration server under that master says of its live session: (JSON, message)."""
+    script = ("import sys; import rospy; from measuring_machine.srv import Calibrate;"
+              "rospy.wait_for_service('calibration_server/calibrate', 20);"
+              "a = rospy.ServiceProxy('calibration_server/calibrate', Calibrate)(model=sys.argv[1], seed=1);"
+              "sys.stderr.write(a.message); print(a.json)")
+    done = subprocess.run(["python3", "-c", script, model_file], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          env=dict(environment(port), ROS_NAMESPACE=namespace), timeout=60)
+    return done.stdout or "{}", done.stderr
 
 
 def folder():
@@ -146,9 +231,15 @@ def kill(name):
 
 
 def free_port():
-    with socket.socket() as s:
-        s.bind(("", 0))
-        return s.getsockname()[1]
+    """Below the ports that the kernel gives to connections: one of those may be taken before it is used."""
+    while True:
+        port = random.randint(12000, 32000)
+        with socket.socket() as s:
+            try:
+                s.bind(("", port))
+                return port
+            except OSError:
+                pass
 
 
 def remove(path):

@@ -172,5 +172,43 @@ TEST_F(Store, losesNothingWhenKilledAtAnyMoment) {
     EXPECT_EQ(item.path().string().find(kTemporaryMark), std::string::npos) << item.path();
 }
 
+TEST_F(Store, linksLeadToItsOwnCalibrationsAlone) {
+  const std::string own = add(1e-6);
+  store_.promote(own);
+  const fs::path elsewhere = folder_ / "elsewhere";
+  fs::create_directories(elsewhere);
+  fs::copy_file(folder_ / (own + ".yaml"), elsewhere / "foreign.yaml");
+  // By its whole path it is a calibration of the folder all the same.
+  fs::remove(folder_ / "active");
+  fs::create_symlink(fs::canonical(folder_) / (own + ".yaml"), folder_ / "active");
+  EXPECT_EQ(activeRms(), 1e-6);
+  // Elsewhere it is not, even where one of that name is here, too.
+  fs::rename(elsewhere / "foreign.yaml", elsewhere / (own + ".yaml"));
+  fs::remove(folder_ / "active");
+  fs::create_symlink("elsewhere/" + own + ".yaml", folder_ / "active");
+  EXPECT_THROW(store_.active(), InputError);
+  EXPECT_FALSE(store_.history().front().active);
+  // A calibration that is a link is kept, and listed.
+  fs::create_symlink("elsewhere/" + own + ".yaml", folder_ / "linked.yaml");
+  EXPECT_EQ(store_.history().size(), 2u);
+  fs::create_symlink("nowhere.yaml", folder_ / "dangling.yaml");
+  int damaged = 0;
+  for (const auto& entry : store_.history()) damaged += !entry.damaged.empty();
+  EXPECT_EQ(damaged, 1);
+  EXPECT_EQ(store_.promote(own), own) << "mends the link";
+  EXPECT_EQ(activeRms(), 1e-6);
+}
+
+TEST_F(Store, whoPromotesMayRefuse) {
+  const std::string first = add(1e-6), second = add(2e-6);
+  store_.promote(first);
+  const auto refuse = [](const Calibration&) { throw InputError("of another machine"); };
+  EXPECT_THROW(store_.promote(second, refuse), InputError);
+  EXPECT_EQ(activeRms(), 1e-6);
+  store_.promote(second);
+  EXPECT_THROW(store_.rollback({}, refuse), InputError);
+  EXPECT_EQ(activeRms(), 2e-6);
+}
+
 }  // namespace
 }  // namespace mm

@@ -191,5 +191,23 @@ TEST(Compensator, refusesACalibrationOfOtherParameters) {
   EXPECT_THROW(Compensator{c}, InputError);
 }
 
+TEST(Compensator, sigmaSaysThatPlayIsBeingTakenUp) {
+  Calibration c = test::calibrationOf(Machine::load("three_axis"), {EffectSpec("backlash").set("axis", "x")});
+  c.values[0].value = 4e-6;
+  const Compensator compensator(c);
+  MovingState state = test::stateAt(compensator, {0.001, 0, 0});
+  state.travel = {1, 1, 1};
+  const double settled = compensator.apply(state).sigma;
+  for (const auto& [since, left] : {std::pair{0.0, 4e-6}, {1e-6, 3e-6}, {3.9e-6, 0.1e-6}, {5e-6, 0.0}}) {
+    state.sinceReversal = {since, 0, 0};  // y and z have no play
+    const Correction now = compensator.apply(state);
+    ASSERT_TRUE(now.valid) << now.reason;
+    EXPECT_NEAR(now.sigma, std::sqrt(settled * settled + left * left / 3.0), 1e-12) << since;
+    EXPECT_EQ(now.note.find("play of x is being taken up") != std::string::npos, left > 0.0) << now.note;
+  }
+  state.sinceReversal = {test::kUnknown, 0, 0};
+  EXPECT_EQ(compensator.apply(state).sigma, settled);
+}
+
 }  // namespace
 }  // namespace mm

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "compensation_support.h"
@@ -74,8 +75,62 @@ TEST(CorrectTarget, knowsTheTravelFromTheMove) {
   const TargetReadings down = compensator.correctTarget({-0.010, 0, 0}, stateAt(compensator, {0, 0, 0}));
   EXPECT_NEAR(down.position[0], -0.010 - 2e-6, 1e-12);
   State fromAbove = stateAt(compensator, {0, 0, 0});
-  fromAbove.travel[0] = -1;  // stated: kept
-  EXPECT_NEAR(compensator.correctTarget({0.010, 0, 0}, fromAbove).position[0], 0.010 - 2e-6, 1e-12);
+  fromAbove.travel[0] = -1;  // of the last motion: the coming one goes up
+  EXPECT_NEAR(compensator.correctTarget({0.010, 0, 0}, fromAbove).position[0], 0.010 + 2e-6, 1e-12);
+  EXPECT_NEAR(compensator.correctTarget({0.010, 0, 0}, fromAbove, {-1, 0, 0}).position[0], 0.010 - 2e-6,
+              1e-12)
+      << "told";
+}
+
+/// Twelve targets, one after the other, each from where the machine is then, with the direction of its last
+/// motion: none may be missed by the play.
+TEST(CorrectTarget, plansForTheComingMoveWhateverTheLastOneWas) {
+  Calibration c = calibrationOf(Machine::load("three_axis"), {EffectSpec("backlash").set("axis", "x")});
+  c.values[0].value = 4.03e-6;
+  const Compensator compensator(c);
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> u(-0.014, 0.014);
+  double reading = 0.0, slide = -0.5 * 4.03e-6, last = 1.0;  // a play operator of its own
+  for (int i = 0; i < 12; ++i) {
+    MovingState now = stateAt(compensator, {reading, 0, 0});
+    now.travel[0] = last;
+    now.sinceReversal = {1e-3, kUnknown, kUnknown};
+    const double target = u(random);
+    const TargetReadings found = compensator.correctTarget({target, 0, 0}, now);
+    ASSERT_TRUE(found.reached) << found.reason;
+    last = found.position[0] > reading ? 1.0 : -1.0;
+    reading = found.position[0];
+    slide = std::clamp(slide, reading - 0.5 * 4.03e-6, reading + 0.5 * 4.03e-6);
+    EXPECT_NEAR(slide, target, 1e-11) << "target " << i;
+  }
+}
+
+/// A controller that takes up more than there is: the gap is negative, and a target near the present place
+/// lies behind the machine whichever way it goes.
+TEST(CorrectTarget, aTargetNearerThanANegativePlayIsApproachedUpwardsAndSaysSo) {
+  Calibration c = calibrationOf(Machine::load("three_axis"), {EffectSpec("backlash").set("axis", "x")});
+  c.values[0].value = -4e-6;
+  const Compensator compensator(c);
+  const TargetReadings found = compensator.correctTarget({1e-6, 0, 0}, stateAt(compensator, {0, 0, 0}));
+  ASSERT_TRUE(found.reached) << found.reason;
+  EXPECT_NE(found.correction.note.find("nearer than the play of x"), std::string::npos)
+      << found.correction.note;
+  EXPECT_NEAR(found.position[0], -1e-6, 1e-11);
+}
+
+TEST(CorrectTarget, itsSigmaSaysWhenTheMoveIsTooShortToTakeUpThePlay) {
+  Calibration c = calibrationOf(Machine::load("three_axis"), {EffectSpec("backlash").set("axis", "x")});
+  c.values[0].value = 4e-6;
+  const Compensator compensator(c);
+  MovingState now = stateAt(compensator, {0, 0, 0});
+  now.travel[0] = -1;
+  now.sinceReversal = {1e-6, kUnknown, kUnknown};
+  EXPECT_LT(compensator.correctTarget({1e-3, 0, 0}, now).sigma, 1e-7);
+  EXPECT_LT(compensator.correctTarget({-1e-3, 0, 0}, now).sigma, 1e-7);
+  const TargetReadings within = compensator.correctTarget({1.5e-6, 0, 0}, now);  // half a micrometre further
+  ASSERT_TRUE(within.reached) << within.reason;
+  EXPECT_NEAR(within.sigma, 2.5e-6 / std::sqrt(3.0), 1e-8);
+  EXPECT_NE(within.correction.note.find("play of x is being taken up"), std::string::npos);
 }
 
 TEST(CorrectTarget, saysWhyATargetIsNotReached) {

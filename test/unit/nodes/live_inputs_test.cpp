@@ -17,11 +17,11 @@ class LiveInputsTest : public ::testing::Test {
     domain_.sensors = {"motor", "bed"};
     view_ = inputs_.watch(domain_);
   }
-  bool joints(std::int64_t stamp, double vx = 0.0) {
-    return inputs_.takeJoints(stamp, {"x", "y", "z"}, {1.0, 2.0, 3.0}, {vx, 0.0, 0.0}, reason_);
+  bool joints(std::int64_t stamp, double vx = 0.0, double x = 1.0) {
+    return inputs_.takeJoints(stamp, {"x", "y", "z"}, {x, 2.0, 3.0}, {vx, 0.0, 0.0}, reason_);
   }
-  State state() {
-    State s;
+  MovingState state() {
+    MovingState s;
     inputs_.fill(view_, s);
     return s;
   }
@@ -96,10 +96,52 @@ TEST_F(LiveInputsTest, ALagRemembersAStep) {
 
 TEST_F(LiveInputsTest, AContactKeepsItsOwnReadings) {
   joints(kStart, 1e-3);
-  State s;
+  MovingState s;
   inputs_.fill(view_, kStart, {7.0, 8.0, 9.0}, {-2e-3, 0.0, std::nan("")}, s);
   EXPECT_EQ(s.position, (std::vector<double>{7.0, 8.0, 9.0}));
   EXPECT_EQ(s.travel[0], -1.0);
+}
+
+/// 80 s of joint states at 10 Hz beside a gripper whose clock is three seconds behind: every one gives a
+/// frame.
+TEST_F(LiveInputsTest, AForeignPublisherCostsNothing) {
+  int frames = 0;
+  for (int i = 0; i < 800; ++i) {
+    frames += joints(kStart + i * kSecond / 10, 1e-3, 1.0 + 1e-4 * i);
+    EXPECT_FALSE(
+        inputs_.takeJoints(kStart + i * kSecond / 10 - 3 * kSecond, {"gripper"}, {0.01}, {}, reason_));
+    EXPECT_EQ(reason_, "");
+    EXPECT_FALSE(
+        inputs_.takeJoints(kStart + i * kSecond / 10 + 60 * kSecond, {"gripper"}, {0.01}, {}, reason_));
+    EXPECT_FALSE(inputs_.takeJoints(0, {"gripper", "finger"}, {0.01}, {}, reason_)) << "wrong in itself";
+    EXPECT_EQ(reason_, "");
+  }
+  EXPECT_EQ(frames, 800);
+  EXPECT_EQ(state().travel[0], 1.0);
+}
+
+/// An encoder at rest after a motion, with a nanometre a second of noise: the direction stays.
+TEST_F(LiveInputsTest, NoiseAtRestIsNoTravel) {
+  std::int64_t t = kStart;
+  for (int i = 0; i <= 100; ++i) joints(t += kSecond / 100, -1e-3, 1.0 - 1e-5 * i);
+  for (int i = 0; i < 1000; ++i) {
+    joints(t += kSecond / 100, i % 2 ? 1e-9 : -1e-9, 0.999 + (i % 2 ? 1e-9 : -1e-9));
+    ASSERT_EQ(state().travel[0], -1.0) << i;
+  }
+  MovingState s;
+  inputs_.fill(view_, t, {0.999, 2.0, 3.0}, {1e-9, 0.0, -2e-3}, s);
+  EXPECT_EQ(s.travel, (std::vector<double>{-1.0, 0.0, -1.0})) << "a contact while z moves and x rests";
+}
+
+TEST_F(LiveInputsTest, TravelSinceTheReversalIsTold) {
+  std::int64_t t = kStart;
+  for (int i = 0; i <= 100; ++i) joints(t += kSecond / 100, 1e-3, 1.0 + 1e-5 * i);
+  joints(t += kSecond / 100, -1e-4, 1.001 - 3e-6);
+  EXPECT_EQ(state().travel[0], -1.0);
+  EXPECT_NEAR(state().sinceReversal[0], 3e-6, 1e-12);
+  inputs_.forgetTravel();
+  joints(t += kSecond / 100, 0.0, 1.001 - 3e-6);
+  EXPECT_EQ(state().travel[0], 0.0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/JointState.h>
+#include <sensor_msgs/Temperature.h>
 #include <std_msgs/String.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -446,6 +447,51 @@ TEST_F(BagSession, RealFilesKeepEveryBit) {
     writeSessionBag(csv, folder_.path("s.bag"));
     EXPECT_EQ(sessionHash(readSessionBag(folder_.path("s.bag"))), sessionHash(csv)) << csv.source;
   }
+}
+
+TEST_F(BagSession, ADeviceIsNoBag) {
+  EXPECT_THAT(errorOf("/dev/zero"), HasSubstr("/dev/zero: is no file"));
+  EXPECT_THAT(errorOf(folder_.write("long.bag", std::string(10000000, 'x'))), HasSubstr("is not a bag"));
+}
+
+/// Of a bag whose contacts are well but for one, the others are the session; nodes tell their namespace.
+TEST_F(BagSession, OneBadContactIsSetAsideByName) {
+  writeSessionBag(large(30), folder_.path("s.bag"));
+  {
+    rosbag::Bag in(folder_.path("s.bag").string()),
+        out(folder_.path("b.bag").string(), rosbag::bagmode::Write);
+    int contacts = 0;
+    boost::shared_ptr<ros::M_string> header = boost::make_shared<ros::M_string>();
+    for (const rosbag::MessageInstance& m : rosbag::View(in)) {
+      const auto contact = m.instantiate<measuring_machine::ProbeContact>();
+      *header = *m.getConnectionHeader();
+      (*header)["callerid"] = "/m1/probe";
+      (*header)["topic"] = "/m1" + m.getTopic();
+      if (contact && ++contacts == 17) contact->position[0] = NAN;
+      if (contact)
+        out.write("/m1" + m.getTopic(), m.getTime(), *contact, header);
+      else
+        out.write("/m1" + m.getTopic(), m.getTime(), m, header);
+    }
+  }
+  const Session s = readSessionBag(folder_.path("b.bag"));
+  EXPECT_EQ(s.observations.size(), 29u);
+  ASSERT_EQ(s.setAside.size(), 1u);
+  EXPECT_EQ(s.setAside[0].field, "/probe/contact message 17");
+  EXPECT_EQ(bagSpace(folder_.path("b.bag")), "/m1");
+  EXPECT_EQ(bagSpace(folder_.path("s.bag")), "") << "written by mm: nobody knows";
+}
+
+TEST_F(BagSession, SensorsWithSpacesKeepTheirNames) {
+  Session s = large(30);
+  s.temperatures[0].name = "motor left";
+  writeSessionBag(s, folder_.path("s.bag"));
+  EXPECT_EQ(readSessionBag(folder_.path("s.bag")).temperatures.at(0).name, "motor left");
+  rosbag::Bag bag(folder_.path("s.bag").string());
+  std::size_t messages = 0;
+  for (const rosbag::MessageInstance& m : rosbag::View(bag, rosbag::TopicQuery("/temperature/motor_left")))
+    messages += m.instantiate<sensor_msgs::Temperature>()->header.frame_id == "motor left";
+  EXPECT_EQ(messages, 30u) << "a name that a replay can publish";
 }
 
 }  // namespace

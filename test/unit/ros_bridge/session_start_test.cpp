@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/error.h"
 #include "ros_bridge/axis_messages.h"
 #include "ros_bridge/session_collector.h"
+#include "session/session_summary.h"
 
 namespace mm {
 namespace {
@@ -107,6 +110,133 @@ TEST(ToContactMessage, ApproachIsThatOfTheTipsMotion) {
   EXPECT_NEAR(message.approach.z, -0.8, 1e-12);
   latch.position.pop_back();
   EXPECT_THROW(toContactMessage(latch, machine), InputError);
+}
+
+sensor_msgs::JointState joints(double t, std::vector<std::string> names, double position, double velocity) {
+  sensor_msgs::JointState message;
+  message.header.stamp = at(t);
+  message.position.assign(names.size(), position);
+  message.velocity.assign(names.size(), velocity);
+  message.name = std::move(names);
+  return message;
+}
+
+/// One contact after the other is wrong in another way; one temperature has no stamp. The rest is the
+/// session.
+TEST(SetAside, OneBadMessageDoesNotCondemnTheRest) {
+  SessionCollector c = collectorWith({-1.0, 2.0});
+  measuring_machine::ProbeContact bad = contact(5.0, 1e-3);
+  bad.position[1] = std::nan("");
+  c.addContact(bad);
+  bad = contact(5.0, 1e-3);
+  bad.name[2] = "w";
+  c.addContact(bad);
+  bad = contact(5.0, 1e-3);
+  bad.header.stamp = ros::Time();
+  c.addContact(bad);
+  bad = contact(5.0, 1e-3);
+  bad.feature = "b1";
+  c.addContact(bad);
+  sensor_msgs::Temperature unstamped;
+  unstamped.temperature = 20.0;
+  c.addTemperature("bed", unstamped);
+  c.addContact(contact(6.0, 3e-3));
+  EXPECT_EQ(c.refusedCount(), 4u);
+  Session session = c.build();
+  ASSERT_EQ(session.observations.size(), 3u);
+  EXPECT_EQ(session.temperatures[0].value.size(), 2u);
+  ASSERT_EQ(session.setAside.size(), 5u);
+  std::string all;
+  for (const SetAside& aside : session.setAside) all += setAsideText(session, aside) + "\n";
+  for (const char* words :
+       {"/probe/contact message 3 is set aside: the reading of joint 'y' is not a number",
+        "/probe/contact message 4 is set aside: joint 'w' is not a joint of machine",
+        "/probe/contact message 5 is set aside: its header has no stamp",
+        "/probe/contact message 6 is set aside: feature 'b1' is not in artifact 'ball'; did you mean 'b0'?",
+        "/temperature/bed message 3 is set aside: its header has no stamp"})
+    EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
+  EXPECT_NE(lossText(session).find("5 are set aside, first: /probe/contact message 3"), std::string::npos);
+  session.prepare();
+  EXPECT_EQ(session.setAside.size(), 5u) << "a second call changes nothing";
+}
+
+TEST(SetAside, WhereNothingIsLeftTheFirstIsNamed) {
+  SessionCollector c("test");
+  c.setMachine(Machine::load("three_axis"));
+  c.addArtifact(artifact(at(0.0)));
+  measuring_machine::ProbeContact bad = contact(5.0, 1e-3);
+  bad.position[1] = std::nan("");
+  c.addContact(bad);
+  try {
+    c.build();
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("/probe/contact message 1: the reading of joint 'y'"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+/// A gripper with a clock of its own moves neither the session's start nor anything else.
+TEST(JointStates, AForeignPublisherSaysNothing) {
+  const Session alone = collectorWith({-1.0}).build();
+  SessionCollector c("test");
+  for (int i = 0; i < 20; ++i) c.addJointState(joints(-4000.0 + i, {"gripper"}, 0.01 * (i % 2), 0.1));
+  c.setMachine(Machine::load("three_axis"));
+  for (int i = 0; i < 20; ++i) c.addJointState(joints(-3000.0 + i, {"gripper"}, 0.01 * (i % 2), 0.1));
+  c.addContact(contact(3.0, 5e-3));
+  c.addContact(contact(4.0, -5e-3));
+  measuring_machine::Artifact plate = artifact(ros::Time());
+  c.addArtifact(plate);
+  const Session session = c.build();
+  EXPECT_EQ(session.observations[0].time, 0.0);
+  EXPECT_EQ(session.epoch, alone.epoch + 3.0);
+}
+
+/// An encoder at rest that says a nanometre a second, up and down, for an hour at 100 Hz: none of it is kept.
+TEST(JointStates, NoiseAtRestIsNeitherKeptNorTravel) {
+  SessionCollector c("test");
+  c.setMachine(Machine::load("three_axis"));
+  c.addArtifact(artifact(at(0.0)));
+  for (int i = 0; i < 200; ++i) c.addJointState(joints(0.01 * i, {"x", "y", "z"}, 1e-5 * i, 1e-3));
+  for (int i = 200; i < 360000; ++i)
+    c.addJointState(joints(0.01 * i, {"x", "y", "z"}, 2e-3 + (i % 2 ? 1e-9 : -1e-9), i % 2 ? 1e-9 : -1e-9));
+  EXPECT_EQ(c.reversals(), 3u) << "the first direction of each joint";
+  measuring_machine::ProbeContact touch = contact(3000.0, 5e-3);
+  touch.velocity = {-1e-9, 1e-9, -2e-3};
+  c.addContact(touch);
+  EXPECT_EQ(c.build().observations[0].travel, (std::vector<double>{1.0, 1.0, -1.0}));
+}
+
+TEST(Names, OfSensorsMayHaveSpaces) {
+  EXPECT_EQ(topicOf("motor left (1)"), "motor_left__1_");
+  EXPECT_EQ(sensorOf("motor_left", "motor left"), "motor left");
+  EXPECT_EQ(sensorOf("bed", "table"), "bed");
+  EXPECT_EQ(sensorOf("bed", ""), "bed");
+  SessionCollector c = collectorWith({-1.0, 2.0});
+  sensor_msgs::Temperature warm = bed(2.0, 21.0);
+  warm.header.frame_id = "motor left";
+  c.addTemperature("motor_left", warm);
+  const Session session = c.build();
+  ASSERT_EQ(session.temperatures.size(), 2u);
+  EXPECT_EQ(session.temperatures[1].name, "motor left");
+}
+
+TEST(Homing, IsToldByTheJointStateItself) {
+  AxesState state;
+  state.position = {0.0};
+  state.velocity = {0.0};
+  state.homed = true;
+  const ros::Time homedAt(1795316193, 7);
+  Homing homing = homingOf(toJointState({"x"}, state, at(1.0), homedAt));
+  EXPECT_TRUE(homing.told && homing.homed);
+  EXPECT_EQ(homing.at, homedAt);
+  state.homed = false;
+  homing = homingOf(toJointState({"x"}, state, at(1.0), homedAt));
+  EXPECT_TRUE(homing.told);
+  EXPECT_FALSE(homing.homed);
+  EXPECT_TRUE(homing.at.isZero());
+  EXPECT_FALSE(homingOf(sensor_msgs::JointState()).told) << "a driver of others";
 }
 
 }  // namespace

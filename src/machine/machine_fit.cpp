@@ -1,0 +1,81 @@
+#include "machine/machine_fit.h"
+
+#include <tinyxml2.h>
+
+#include <vector>
+
+#include "base/format.h"
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+constexpr double kSameDirection = 1e-9, kSamePlace = 1e-9;  // 1, m
+
+std::string jointsOf(const Machine& machine) {
+  std::string text;
+  for (const Joint& j : machine.joints()) text += (text.empty() ? "" : ", ") + j.name;
+  return text;
+}
+
+std::string placeText(const Eigen::Vector3d& v) {
+  return format("(%.6g, %.6g, %.6g) mm", v.x() / kMillimetre, v.y() / kMillimetre, v.z() / kMillimetre);
+}
+
+std::string directionText(const Eigen::Vector3d& v) {
+  return format("(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
+}
+
+const char* kindText(const Joint& joint) { return joint.kind == JointKind::kLinear ? "linear" : "rotary"; }
+
+/// Axes of the fixed side of each joint in `workpiece`, at zero readings: those of its errors.
+std::vector<Eigen::Matrix3d> fixedSides(const Machine& machine) {
+  const std::vector<double> q(static_cast<std::size_t>(machine.jointCount()), 0.0);
+  const ErrorLayout at = machine.layout();
+  const std::vector<double> errors(static_cast<std::size_t>(at.size()), 0.0);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> gradient;
+  machine.measure(q.data(), 0.0, errors.data(), &gradient);
+  std::vector<Eigen::Matrix3d> sides;
+  for (int j = 0; j < machine.jointCount(); ++j)
+    sides.emplace_back(gradient.block<3, 3>(0, at.jointTranslation(j, 0)));
+  return sides;
+}
+
+}  // namespace
+
+std::string serialOf(const Machine& machine) {
+  tinyxml2::XMLDocument document;
+  if (document.Parse(machine.urdf().c_str(), machine.urdf().size()) != tinyxml2::XML_SUCCESS) return {};
+  const tinyxml2::XMLElement* robot = document.FirstChildElement("robot");
+  const tinyxml2::XMLElement* serial = robot != nullptr ? robot->FirstChildElement("serial") : nullptr;
+  return serial != nullptr && serial->GetText() != nullptr ? serial->GetText() : "";
+}
+
+std::string differenceOf(const Machine& calibrated, const Machine& other, const std::string& there) {
+  const std::string serial = serialOf(calibrated), otherSerial = serialOf(other);
+  if (!serial.empty() && !otherSerial.empty() && serial != otherSerial)
+    return "its serial is '" + serial + "', " + there + " '" + otherSerial + "'";
+  if (jointsOf(calibrated) != jointsOf(other))
+    return "it has the joints " + jointsOf(calibrated) + ", " + there + " there are " + jointsOf(other);
+  const std::vector<Eigen::Matrix3d> sides = fixedSides(calibrated), otherSides = fixedSides(other);
+  for (int j = 0; j < calibrated.jointCount(); ++j) {
+    const Joint &a = calibrated.joints()[j], &b = other.joints()[j];
+    const std::string joint = "joint " + a.name + " ";
+    if (a.kind != b.kind) return joint + "is " + kindText(a) + ", " + there + " " + kindText(b);
+    if ((sides[j] - otherSides[j]).norm() > kSameDirection)
+      return joint + "is mounted turned otherwise than " + there;
+    if ((a.axis - b.axis).norm() > kSameDirection)
+      return joint + "moves along " + directionText(a.axis) + ", " + there + " along " +
+             directionText(b.axis);
+    if ((a.origin - b.origin).norm() > kSamePlace)
+      return joint + "stands at " + placeText(a.origin) + ", " + there + " at " + placeText(b.origin);
+  }
+  if ((calibrated.tipTranslation() - other.tipTranslation()).norm() > kSamePlace)
+    return "its probe's tip stands at " + placeText(calibrated.tipTranslation()) + ", " + there + " at " +
+           placeText(other.tipTranslation());
+  if ((calibrated.tipRotation() - other.tipRotation()).norm() > kSameDirection)
+    return "its probe points otherwise than " + there;
+  return {};
+}
+
+}  // namespace mm

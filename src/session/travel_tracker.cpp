@@ -1,0 +1,69 @@
+#include "session/travel_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mm {
+namespace {
+
+constexpr std::int64_t kSparse =
+    200000000;  // ns: readings further apart may have a whole motion between them
+
+}  // namespace
+
+double directionOf(double velocity) {
+  if (!(std::abs(velocity) > kStandstill)) return 0.0;
+  return velocity > 0.0 ? 1.0 : -1.0;
+}
+
+double travelDeadband(JointKind kind) { return kind == JointKind::kLinear ? 1e-6 : 1e-5; }
+
+bool TravelTracker::turn(double direction, double from) {
+  const bool changed = direction != direction_;
+  if (changed) {
+    turnKnown_ = true;
+    turn_ = from;
+  }
+  direction_ = direction;
+  farthest_ = position_;
+  return changed;
+}
+
+bool TravelTracker::take(std::int64_t stamp, double position, double velocity) {
+  if (!std::isfinite(position)) return false;
+  const bool sparse = started_ && stamp - last_ > kSparse;
+  last_ = stamp;
+  position_ = position;
+  if (!started_) farthest_ = low_ = high_ = position;
+  const bool first = !started_;
+  started_ = true;
+  if ((first || sparse) && directionOf(velocity) != 0.0) {
+    const double before = direction_;
+    const bool changed = turn(directionOf(velocity), position);
+    if (changed && before == 0.0) turnKnown_ = false;  // it was under way when this began to look
+    return changed;
+  }
+  if (direction_ != 0.0) {
+    if ((position - farthest_) * direction_ > 0.0) farthest_ = position;
+    if ((farthest_ - position) * direction_ > deadband_) return turn(-direction_, farthest_);
+    return false;
+  }
+  low_ = std::min(low_, position);
+  high_ = std::max(high_, position);
+  if (position - low_ > deadband_) return turn(1.0, low_);
+  if (high_ - position > deadband_) return turn(-1.0, high_);
+  return false;
+}
+
+void TravelTracker::tell(double direction) {
+  direction_ = direction;
+  farthest_ = position_;
+  turnKnown_ = false;
+}
+
+double TravelTracker::sinceReversal() const {
+  return turnKnown_ ? std::abs(position_ - turn_) : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace mm

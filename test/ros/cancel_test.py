@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""A long call is refused beside another, hears cancel in every stage that it has, and the node lives on."""
+import os
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from measuring_machine.msg import Progress
+from measuring_machine.srv import Calibrate, Cancel, Compare, Diagnose
+
+import support
+
+
+def service(name, kind, **request):
+    rospy.wait_for_service("calibration_server/" + name, 20)
+    return rospy.ServiceProxy("calibration_server/" + name, kind)(**request)
+
+
+class CancelTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = support.folder()
+        cls.bag = support.simulate(os.path.join(cls.folder, "s.bag"))
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(cls.folder)
+        support.remove(rospy.get_param("/calibration_server/store"))
+
+    def test_one_at_a_time_and_cancel_in_every_stage(self):
+        """A run on a large session: refused beside it, cancelled in each stage it has, and the node lives on."""
+        big = support.simulate(os.path.join(self.folder, "big.bag"), "config/plans/micro_machine_tool.yaml")
+        effects = support.model("{type: mmt_deviation, axis: x, lead_mm: 0.5}", "{type: mmt_deviation, axis: y, lead_mm: 0.5}", "{type: mmt_deviation, axis: z, lead_mm: 0.5}")
+        # Without cancel first: the stages there are.
+        seen = []
+        watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: seen.append(m.stage), queue_size=None)
+        began = time.time()
+        done = service("calibrate", Calibrate, bag=big, model=effects)
+        whole = time.time() - began
+        self.assertTrue(done.calibration_id, done.message)
+        watch.unregister()
+        stages = [s for i, s in enumerate(seen) if s and s not in seen[:i]]
+        self.assertIn("reading the bag", stages)
+        self.assertIn("genetic", stages)
+        self.assertGreater(len(stages), 2, stages)
+        refused = 0
+        for stage in stages:
+            now, answers = [""], []
+            watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: now.__setitem__(0, m.stage), queue_size=None)
+            call = threading.Thread(target=lambda: answers.append(service("calibrate", Calibrate, bag=big, model=effects)))
+            call.start()
+            self.assertTrue(support.wait_until(lambda: now[0] == stage or answers, 30.0))
+            if not answers:
+                second = service("compare", Compare, bag=self.bag)
+                refused += "'calibrate' has been running for" in second.message and not second.success
+                service("cancel", Cancel)
+            began = time.time()
+            call.join(60.0)
+            self.assertFalse(call.is_alive(), "cancel in stage '%s' was not heard" % stage)
+            self.assertLess(time.time() - began, max(5.0, whole), "as slow as without cancel, in stage '%s'" % stage)
+            print("cancelled in '%s': answered after %.2f s" % (stage, time.time() - began))
+            if stage in ("reading the bag", "genetic"):
+                self.assertFalse(answers[0].success, stage)
+                self.assertIn("cancelled", answers[0].message)
+            watch.unregister()
+        self.assertGreater(refused, 0)
+        small = service("calibrate", Calibrate, bag=self.bag, model=support.model("{type: scale, axis: x}"), method="least_squares")
+        for part in range(3):
+            begun, answers = [], []
+            watch = rospy.Subscriber("calibration_server/progress", Progress, lambda m: m.stage in begun or begun.append(m.stage),
+                                     queue_size=None)
+            call = threading.Thread(target=lambda: answers.append(
+                service("diagnose", Diagnose, bag=big, calibration=small.calibration_id)))
+            call.start()
+            # In its first, second and third stage, beside what was there before it began.
+            self.assertTrue(support.wait_until(lambda: len([s for s in begun if s]) > part or answers, 60.0), begun)
+            if answers:
+                break  # it was faster
+            service("cancel", Cancel)
+            began = time.time()
+            call.join(60.0)
+            self.assertFalse(call.is_alive(), "the diagnosis did not hear cancel")
+            print("diagnosis cancelled in '%s': answered after %.2f s" % (begun[-1], time.time() - began))
+            self.assertFalse(answers[0].success)
+            self.assertIn("cancelled", answers[0].message)
+            self.assertLess(time.time() - began, 10.0)
+            watch.unregister()
+        self.assertTrue(service("compare", Compare, bag=self.bag, calibration=small.calibration_id).success)
+
+
+if __name__ == "__main__":
+    rospy.init_node("cancel_test")
+    rostest.rosrun("measuring_machine", "cancel", CancelTest)

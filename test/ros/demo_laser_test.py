@@ -1,0 +1,29 @@
+#!/usr/bin/env python3
+"""Five axes and a laser: its place in the head is found, and the corrected frame is right."""
+import unittest
+
+import rospy
+import rostest
+
+import support
+
+FAST = [] if support.long_tests() else ["time_factor:=25"]
+
+
+class DemoLaser(unittest.TestCase):
+    def test_five_axes_and_a_laser(self):
+        folder = support.folder()
+        self.addCleanup(support.remove, folder)
+        demo = support.launch(support.free_port(), "demo.launch", "machine:=five_axis", "probe:=laser", "folder:=" + folder, *FAST)
+        self.addCleanup(support.stop, demo)
+        output, _ = demo.communicate(timeout=110)
+        self.assertIn("demo: passed", output)
+        self.assertIn("measured: 360 contacts", output)
+        before, after = support.errors(output)
+        self.assertGreater(before, 100.0)  # the laser stands 150 um beside its place
+        self.assertLess(after, 1.0)
+
+
+if __name__ == "__main__":
+    rospy.init_node("demo_laser_test")
+    rostest.rosrun("measuring_machine", "demo_laser", DemoLaser)

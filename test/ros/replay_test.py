@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""A session that was recorded, played again through the nodes: the same calibration as by mm, to the bit; in a loop."""
+import os
+import re
+import subprocess
+import unittest
+
+import rospy
+import rostest
+
+import support
+
+MODEL = os.path.join(support.PACKAGE, "config/demo_model.yaml")
+
+
+class Replay(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = support.folder()
+        cls.bag = support.simulate(os.path.join(cls.folder, "session.bag"),
+                                   support.shorter_plan(os.path.join(cls.folder, "plan.yaml"), 8))
+        cls.by_mm = support.mm("calibrate", cls.bag, "--model", MODEL, "--seed", "1", "--json",
+                               "-o", os.path.join(cls.folder, "c.yaml"))
+        support.mm("promote", os.path.join(cls.folder, "c.yaml"), "--store", os.path.join(cls.folder, "calibrations"))
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(cls.folder)
+
+    def start(self, *arguments):
+        port = support.free_port()
+        replay = support.launch(port, "replay.launch", "bag:=" + self.bag, "store:=" + os.path.join(self.folder, "calibrations"),
+                                *arguments)
+        self.addCleanup(support.stop, replay)
+        return port, support.Output(replay)
+
+    def test_1_replay_and_mm_agree_to_the_bit(self):
+        port, said = self.start("rate:=25")
+        self.assertTrue(said.says("finished cleanly", 60), str(said))
+        found, message = support.calibrate_live(port, MODEL)
+        self.assertEqual(support.figures(found), support.figures(self.by_mm), message)
+
+    def test_2_a_replay_in_a_loop(self):
+        """The clock goes back at every turn: the live session begins anew, frames go on."""
+        port, said = self.start("rate:=60", "loop:=true")
+        self.assertTrue(said.says("the clock went back: the live session begins anew", 60, times=2), str(said))
+        answer = subprocess.run(["rosservice", "call", "/calibration_server/calibrate", "{model: 'effects: []', method: least_squares}"],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=support.environment(port), timeout=60).stdout
+        observations = re.search(r'observations\\": (\d+)', answer.replace("\n", ""))
+        self.assertTrue(observations, answer)
+        self.assertLessEqual(int(observations.group(1)), 40)
+        frames = subprocess.run(["rostopic", "echo", "-n1", "/compensation/status/frames"], stdout=subprocess.PIPE, text=True,
+                                env=support.environment(port), timeout=20).stdout
+        self.assertGreater(int(frames.split()[0]), 100)
+
+
+if __name__ == "__main__":
+    rospy.init_node("replay_test")
+    rostest.rosrun("measuring_machine", "replay", Replay)
