@@ -29,6 +29,8 @@ measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::v
   message.velocity = edge.velocity;
   message.laser_reading = edge.laserReading;
   message.feature = feature;
+  message.time_uncertainty = edge.timeUncertainty;
+  message.actual = edge.actual;
   return message;
 }
 
@@ -40,6 +42,8 @@ ProbeEdge fromMessage(const measuring_machine::ProbeLatch& message) {
   edge.position = message.position;
   edge.velocity = message.velocity;
   edge.laserReading = message.laser_reading;
+  edge.timeUncertainty = message.time_uncertainty;
+  edge.actual = message.actual != 0;
   return edge;
 }
 
