@@ -324,6 +324,11 @@ void GrblController::takeReport(const GrblReport& report, double time) {
   const bool rests = report.state == "Idle" && sent > taskBegan_;
   if (task_ == Task::kJog && answered_ && rests && (begun_ || sent - taskBegan_ > 0.2))
     finish(Outcome::kReached);
+  if (task_ == Task::kHoming && answered_ && rests) {
+    for (const std::size_t j : homing_) homed_[j] = true;
+    state_.alarm = {};
+    finish(Outcome::kReached);
+  }
   if (task_ == Task::kPlain && answered_ && rests) finish(Outcome::kReached);
   if ((task_ == Task::kGuarded || task_ == Task::kProbing) && answered_ && rests)
     finish(tripped_.value_or(false) ? Outcome::kTripped : Outcome::kReached);
@@ -365,11 +370,9 @@ void GrblController::takeAnswer(int code) {
   }
   if (!last || task_ == Task::kNone) return;
   answered_ = true;
-  if (task_ != Task::kHoming) return;
-  for (const std::size_t j : homing_) homed_[j] = true;
-  state_.alarm = {};
-  finish(Outcome::kReached);
-  asked_ = 0.0;
+  taskBegan_ =
+      task_ == Task::kHoming ? steadySeconds() : taskBegan_;  // a report from now on has the new zero
+  asked_ = task_ == Task::kHoming ? 0.0 : asked_;
 }
 
 void GrblController::takeAlarm(int code) {

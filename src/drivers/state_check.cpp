@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kJumpSlack = 0.1e-3;      // m: what no axis jumps by without having lost its zero
 constexpr double kJumpSlackTurn = 1.7e-3;  // rad, 0.1 deg
+constexpr double kJitter = 0.05;           // s between a reading and its time stamp, in a busy controller
 constexpr double kFaster = 1.5;            // times the highest speed: a controller may look ahead
 
 }  // namespace
@@ -54,9 +55,9 @@ std::string StateCheck::complaint(const AxesState& state) {
       if (!(joints_[j].maxVelocity > 0.0)) continue;
       const bool turns = joints_[j].kind == JointKind::kRotary;
       const double resolution = j < capabilities_.size() ? capabilities_[j].resolution : 0.0;
-      const double reach =
-          kFaster * joints_[j].maxVelocity * (gone + state.timeUncertainty + last_->timeUncertainty) +
-          2.0 * resolution + (turns ? kJumpSlackTurn : kJumpSlack);
+      const double reach = kFaster * joints_[j].maxVelocity *
+                               (gone + kJitter + state.timeUncertainty + last_->timeUncertainty) +
+                           2.0 * resolution + (turns ? kJumpSlackTurn : kJumpSlack);
       const double way = state.position[j] - last_->position[j];
       if (std::abs(way) <= reach) continue;
       const double unit = turns ? kDegree : kMillimetre;

@@ -251,11 +251,12 @@ TEST_F(GrblTest, EmergencyStopReachesTheControlWhateverItDoes) {
     double_->tell(std::string("fault ") + fault);
     if (std::string(fault) != "ok") std::this_thread::sleep_for(std::chrono::milliseconds(300));
     const double asked = steadySeconds();
-    control_->emergencyStop("/panel");
+    EXPECT_EQ(control_->emergencyStop("/panel"), "") << fault;
     ASSERT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); })) << fault;
     report.get();
     double heard = 0.0;
-    for (const auto& told : double_->tell("machine")["told"])
+    const auto machine = double_->tell("machine");
+    for (const auto& told : machine["told"])
       if (told[0] == "reset" && told[1].get<double>() >= asked && heard == 0.0)
         heard = told[1].get<double>() - asked;
     EXPECT_GT(heard, 0.0) << fault;
