@@ -6,6 +6,9 @@
 
 namespace mm {
 
+/// Axes of a numerical control, in the order of its positions.
+inline constexpr char kControlLetters[] = "XYZABC";
+
 /// Between the joints of the URDF and the lettered axes of a numerical control: letter, sign and zero.
 /// Parameters: `axes` (`x:X y:Y b:B`; left out: joints of one letter by their own), `sign` (`y:-1`), `zero`
 /// (`x:-10.5`: what the control shows, mm or deg, where the joint reads 0).

@@ -8,6 +8,10 @@
 
 namespace mm {
 
+inline constexpr double kLinkConnect = 3.0;  // s for a connection, and for the first answers
+inline constexpr double kLinkSilence = 0.6;  // s without an answer: lost
+inline constexpr int kLinkDamaged = 20;      // lines in a row that are not the control's language: lost
+
 /// s on the host's steady clock: the one on which lines are stamped.
 double steadySeconds();
 

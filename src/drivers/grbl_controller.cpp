@@ -11,12 +11,8 @@
 namespace mm {
 namespace {
 
-const char* const kLetters = "XYZABC";
 constexpr char kSoftReset = '\x18';
-constexpr double kConnect = 2.0;      // s for a connection, and for the first answers
-constexpr double kSilence = 0.6;      // s without a status report: lost
 constexpr double kAgain = 0.3;        // s until a question is asked once more
-constexpr int kDamaged = 20;          // lines in a row that are not grbl's
 constexpr double kStepSlack = 0.002;  // mm or deg: reports have three decimals
 
 }  // namespace
@@ -28,7 +24,7 @@ void GrblController::open(const ControllerSetup& setup) {
   refuseUnknownParametersOf(
       setup, "grbl",
       {"address", "axes", "sign", "zero", "report_rate", "guard", "homing_timeout", "off_limit_mm"});
-  map_ = std::make_unique<AxisMap>(setup, kLetters);
+  map_ = std::make_unique<AxisMap>(setup, kControlLetters);
   reportPeriod_ = 1.0 / numberParameterOf(setup, "report_rate", 20.0, 1.0, 200.0);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
   offLimit_ = numberParameterOf(setup, "off_limit_mm", offLimit_, 0.01, 100.0);
@@ -60,13 +56,13 @@ void GrblController::begin() {
     offset_.clear();
     resetAsked_ = false;
   }
-  link_->connect(kConnect);
+  link_->connect(kLinkConnect);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     send("");  // ends whatever half a line it has
     ask();
   }
-  awaitReady(kConnect);
+  awaitReady(kLinkConnect);
 }
 
 // Asks until the control has reported, with the offset of its work coordinates, and said its settings.
@@ -233,7 +229,7 @@ void GrblController::take(const std::string& line, double time) {
       return;
     }
     if (line.front() == '$' || line.front() == '>') return;  // echoes of start-up blocks
-    if (++damaged_ >= kDamaged) {
+    if (++damaged_ >= kLinkDamaged) {
       trouble_ = "what arrives is no language of grbl (last: '" + line.substr(0, 40) + "')";
       for (char& c : trouble_)
         if (static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) > '~') c = '.';
@@ -433,13 +429,13 @@ AxesState GrblController::poll(double) {
   const bool quiet = task_ == Task::kHoming;  // grbl 1.1 does not report while it homes
   if (quiet && now - taskBegan_ > homingTimeout_) {
     finish(Outcome::kAlarm, "homing has not ended within its time");
-  } else if (!quiet && now - std::max(lastReport_, resetAt_.load()) > kSilence) {
+  } else if (!quiet && now - std::max(lastReport_, resetAt_.load()) > kLinkSilence) {
     char text[120];
     std::snprintf(text, sizeof text, ": no status report for %.1f s; look at its power and its cable",
                   now - lastReport_);
     throw Error(link_->address() + text);
   }
-  if (quiet || now - resetAt_ < kSilence) state_.time = std::max(state_.time, now);
+  if (quiet || now - resetAt_ < kLinkSilence) state_.time = std::max(state_.time, now);
   AxesState state = state_;
   state.moving = task_ != Task::kNone || stopAsked_;
   state.axisHomed = homed_;

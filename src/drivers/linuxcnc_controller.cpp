@@ -12,13 +12,9 @@
 namespace mm {
 namespace {
 
-const char* const kLetters = "XYZABC";
-constexpr double kConnect = 3.0;    // s for connections and the first answers
-constexpr double kSilence = 0.6;    // s without an answer: lost
 constexpr double kStill = 0.06;     // s without a change of position: at rest
 constexpr double kUnsaid = 1.0;     // s at rest after which a motion has ended without a word
 constexpr double kSmallest = 1e-6;  // mm or deg, the last decimal of linuxcncrsh
-constexpr int kDamaged = 20;        // lines in a row that are not its language
 constexpr int kParts = 9;           // answers of a round that are needed
 const char* const kQuestions =
     "get estop\r\nget machine\r\nget joint_homed\r\nget joint_limit\r\nget abs_act_pos\r\nget rel_act_pos\r\n"
@@ -58,7 +54,7 @@ void LinuxCncController::open(const ControllerSetup& setup) {
   refuseUnknownParametersOf(setup, "linuxcnc",
                             {"address", "axes", "sign", "zero", "coordinates", "connect_password",
                              "enable_password", "poll_rate", "servo_period", "homing_timeout"});
-  map_ = std::make_unique<AxisMap>(setup, kLetters);
+  map_ = std::make_unique<AxisMap>(setup, kControlLetters);
   pollPeriod_ = 1.0 / numberParameterOf(setup, "poll_rate", 50.0, 1.0, 500.0);
   servoPeriod_ = numberParameterOf(setup, "servo_period", servoPeriod_, 1e-6, 0.1);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
@@ -97,12 +93,12 @@ void LinuxCncController::begin() {
     trouble_.clear();
     damaged_ = 0;
   }
-  link_->connect(kConnect);
-  stopLink_->connect(kConnect);
+  link_->connect(kLinkConnect);
+  stopLink_->connect(kLinkConnect);
   const std::string hello = "hello " + hello_ + " measuring_machine 1.0\r\nset echo off\r\n";
   stopLink_->write(hello);
   link_->write(hello + "set enable " + enable_ + "\r\n");
-  const double end = steadySeconds() + kConnect;
+  const double end = steadySeconds() + kLinkConnect;
   while (steadySeconds() < end) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -190,7 +186,7 @@ void LinuxCncController::take(const std::string& line, double time) {
     trouble_ = e.what();
     return;
   }
-  if (++damaged_ >= kDamaged) trouble_ = "what arrives is no language of linuxcncrsh";
+  if (++damaged_ >= kLinkDamaged) trouble_ = "what arrives is no language of linuxcncrsh";
 }
 
 void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
@@ -251,7 +247,7 @@ void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
     }
   } else if (word == "set" || word == "get" || word == "hello") {
     damaged_ = 0;  // an echo
-  } else if (++damaged_ >= kDamaged) {
+  } else if (++damaged_ >= kLinkDamaged) {
     trouble_ = "what arrives is no language of linuxcncrsh (last: '" + word.substr(0, 40) + "')";
   }
 }
@@ -383,7 +379,7 @@ AxesState LinuxCncController::poll(double) {
   for (const DeviceLink* link : {link_.get(), stopLink_.get()})
     if (!link->connected()) throw Error(link->lost().empty() ? "not connected" : link->lost());
   if (!trouble_.empty()) throw Error(link_->address() + ": " + trouble_);
-  if (now - last_.came > kSilence) {
+  if (now - last_.came > kLinkSilence) {
     char text[120];
     std::snprintf(text, sizeof text, ": LinuxCNC has given no state for %.1f s; does it still run?",
                   now - last_.came);

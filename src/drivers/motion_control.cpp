@@ -9,7 +9,7 @@
 namespace mm {
 namespace {
 
-constexpr double kStill = 1e-9;  // m/s or rad/s
+constexpr double kNoSpeed = 1e-9;  // m/s or rad/s
 
 std::vector<Joint> jointsOf(const AxisController& controller, const Machine& machine) {
   std::vector<Joint> joints;
@@ -22,7 +22,7 @@ std::vector<Joint> jointsOf(const AxisController& controller, const Machine& mac
   return joints;
 }
 
-std::string seconds(double value) {
+std::string inSeconds(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g s", value);
   return text;
@@ -65,7 +65,7 @@ void MotionControl::withDevice(const Call& call) const {
   const std::unique_lock<std::timed_mutex> lock(
       device_, std::chrono::duration_cast<Wall::duration>(std::chrono::duration<double>(settings_.silence)));
   if (!lock.owns_lock())
-    throw Error("the controller has not answered for " + seconds(settings_.silence) +
+    throw Error("the controller has not answered for " + inSeconds(settings_.silence) +
                 "; only stop and emergency stop reach it now");
   call();
 }
@@ -174,7 +174,7 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
       lose(wrong, check_.jumped());
     } else if (elapsed > 0.0 && age > settings_.silence) {
       stop = current_.has_value();
-      lose("its state is " + seconds(age) + " old", false);
+      lose("its state is " + inSeconds(age) + " old", false);
     } else {
       lost_.clear();
       take(state, host);
@@ -182,7 +182,7 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
         watchProbe(state, seen.edges);
         const double behind = clock_.late() + state.timeUncertainty;
         if (!settings_.simulatedTime && !current_->homing && behind > settings_.late)
-          force(Outcome::kLost, "the controller's states arrive " + seconds(behind) +
+          force(Outcome::kLost, "the controller's states arrive " + inSeconds(behind) +
                                     " late, so that the motion cannot be watched");
         stop = current_->forced != Outcome::kUnderWay;
       }
@@ -260,7 +260,7 @@ void MotionControl::watchProbe(const AxesState& state, const std::vector<ProbeEd
 bool MotionControl::atRest() const {
   if (state_.moving) return false;
   return std::all_of(state_.velocity.begin(), state_.velocity.end(),
-                     [](double v) { return std::isnan(v) || std::abs(v) < kStill; });
+                     [](double v) { return std::isnan(v) || std::abs(v) < kNoSpeed; });
 }
 
 // At rest by a state that was made after the call: the one that comes next may be older.
@@ -320,14 +320,14 @@ MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover,
     if (current_->forced != Outcome::kUnderWay) break;
     const double age = std::chrono::duration<double>(Wall::now() - fresh_).count();
     if (age > settings_.silence) {
-      force(Outcome::kLost, "the controller has not answered for " + seconds(age) + "; stop was sent");
+      force(Outcome::kLost, "the controller has not answered for " + inSeconds(age) + "; stop was sent");
       break;
     }
     if (state_.held && !current_->heldSince) current_->heldSince = Wall::now();
     if (!state_.held) current_->heldSince.reset();
     if (current_->heldSince &&
         Wall::now() - *current_->heldSince > std::chrono::duration<double>(settings_.holdLimit)) {
-      force(Outcome::kHeld, "in feed hold for longer than " + seconds(settings_.holdLimit));
+      force(Outcome::kHeld, "in feed hold for longer than " + inSeconds(settings_.holdLimit));
       break;
     }
     if (state_.motion == motion.id && state_.outcome != Outcome::kUnderWay && !state_.moving) break;
@@ -488,7 +488,7 @@ void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint
     else if (current_->forced != Outcome::kUnderWay)
       why = current_->why;
     else if (age > settings_.silence)
-      why = "the controller has not answered for " + seconds(age);
+      why = "the controller has not answered for " + inSeconds(age);
     else if (states_ > first && !state_.moving)
       break;
   }

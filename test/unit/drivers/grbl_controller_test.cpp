@@ -15,10 +15,9 @@
 namespace mm {
 namespace {
 
-// A ball at x 20, y 30, z 10 mm of the joints; the control's zero lies 200 mm above theirs.
-const std::vector<std::string> kDouble = {
-    "test/doubles/grbl_double.py", "--ball", "-180", "-170", "-190", "5"};
-const char* const kZero = "x:-200 y:-200 z:-200 a:-200 b:-200 c:-200";
+// A ball at x 20, y 30, z 10 mm of the joints; the control's zero lies 40 mm above theirs.
+const std::vector<std::string> kDouble = {"test/doubles/grbl_double.py", "--ball", "-20", "-10", "-30", "5"};
+const char* const kZero = "x:-40 y:-40 z:-40 a:-40 b:-40 c:-40";
 
 TEST(GrblProtocol, ReadsWhatIsDocumented) {
   const auto report =
@@ -136,14 +135,14 @@ TEST_F(GrblTest, SixAxesHomeGoAndProbe) {
   begin();
   const Capabilities can = control_->capabilities();
   EXPECT_NEAR(can.axes[0].acceleration, 0.5, 1e-9);
-  EXPECT_NEAR(can.axes[3].upper, 200.0 * 3.14159265 / 180.0, 1e-6);
+  EXPECT_NEAR(can.axes[3].upper, 40.0 * 3.14159265 / 180.0, 1e-6);
   EXPECT_TRUE(can.homingByAxis);
   expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
   home();
-  for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(shown(j), 199.0, 1e-6) << "1 mm off its switch";
-  MotionControl::Report report = go({20, 30, 40, 10, -20, 30});
+  for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(shown(j), 39.0, 1e-6) << "1 mm off its switch";
+  MotionControl::Report report = go({20, 30, 38, 10, -20, 30});
   ASSERT_EQ(report.outcome, Outcome::kReached) << report.message;
-  EXPECT_NEAR(shown(2), 40.0, 1e-6);
+  EXPECT_NEAR(shown(2), 38.0, 1e-6);
   EXPECT_NEAR(control_->view().state.position[4], -20.0 * 3.14159265358979 / 180.0, 1e-9);
   report = go({20, 30, 17, 10, -20, 30});
   ASSERT_EQ(report.outcome, Outcome::kReached) << report.message;
@@ -162,7 +161,7 @@ TEST_F(GrblTest, SixAxesHomeGoAndProbe) {
   EXPECT_TRUE(control_->view().state.probeClosed);
   EXPECT_EQ(go({20, 30, 25, 10, -20, 30}).outcome, Outcome::kReached) << "away from it";
   // Nothing there: reached, and no alarm.
-  report = go({60, 30, 14, 10, -20, 30}, 0.04, true);
+  report = go({-20, 30, 14, 10, -20, 30}, 0.04, true);
   EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
   EXPECT_FALSE(control_->view().state.alarm.present());
 }
@@ -170,7 +169,7 @@ TEST_F(GrblTest, SixAxesHomeGoAndProbe) {
 TEST_F(GrblTest, TheControlItselfStopsWherePositioningMeetsTheBall) {
   begin();
   home();
-  ASSERT_EQ(go({20, 30, 40}).outcome, Outcome::kReached);
+  ASSERT_EQ(go({20, 30, 38}).outcome, Outcome::kReached);
   const MotionControl::Report report = go({20, 30, 0}, 0.04);
   EXPECT_EQ(report.outcome, Outcome::kTripped);
   expectWords(report.message, "the probe tripped while positioning");
@@ -181,17 +180,17 @@ TEST_F(GrblTest, TheControlItselfStopsWherePositioningMeetsTheBall) {
 TEST_F(GrblTest, StopRestsKeepsThePositionAndHoming) {
   begin();
   home();
-  ASSERT_EQ(go({0, 0, 60}).outcome, Outcome::kReached);
-  auto report = start({100, 0, 60}, 0.02);
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
+  auto report = start({-60, 0, 38}, 0.02);
   control_->stop("/panel");
   EXPECT_EQ(report.get().outcome, Outcome::kStopped);
   const auto there = double_->tell("machine");
   EXPECT_FALSE(there["moving"]);
-  EXPECT_NEAR(shown(0), there["position"][0].get<double>() + 200.0, 2e-3);
-  const auto after = go({0, 0, 60});
+  EXPECT_NEAR(shown(0), there["position"][0].get<double>() + 40.0, 2e-3);
+  const auto after = go({0, 0, 38});
   EXPECT_EQ(after.outcome, Outcome::kReached) << after.message << ": still homed";
   for (int i = 0; i < 5; ++i) control_->stop("/panel");  // at rest, again and again
-  EXPECT_EQ(go({1, 0, 60}).outcome, Outcome::kReached);
+  EXPECT_EQ(go({1, 0, 38}).outcome, Outcome::kReached);
   std::thread homing([&] { expectWords(refusal([&] { home(); }), "stopped by /panel"); });
   ASSERT_TRUE(
       await([&] { return control_->view().homing && double_->tell("machine")["moving"].get<bool>(); }));
@@ -204,9 +203,9 @@ TEST_F(GrblTest, StopRestsKeepsThePositionAndHoming) {
 TEST_F(GrblTest, HoldResumeOverride) {
   begin();
   home();
-  ASSERT_EQ(go({0, 0, 60}).outcome, Outcome::kReached);
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
   control_->setOverride(0.5);
-  auto report = start({10, 0, 60}, 0.02);
+  auto report = start({10, 0, 38}, 0.02);
   control_->hold(true);
   ASSERT_TRUE(await([&] { return control_->view().state.held; }));
   const double there = shown(0);
@@ -220,12 +219,12 @@ TEST_F(GrblTest, HoldResumeOverride) {
 TEST_F(GrblTest, AlarmsLimitsAndTheWayOut) {
   begin();
   home();
-  ASSERT_EQ(go({0, 0, 60}).outcome, Outcome::kReached);
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
   double_->tell("limit 0 1");
-  const MotionControl::Report report = go({50, 0, 60});
+  const MotionControl::Report report = go({35, 0, 38});
   EXPECT_EQ(report.outcome, Outcome::kLimit);
   expectWords(report.message, "alarm 1: a limit switch closed");
-  expectWords(refusal([&] { go({0, 0, 60}); }), "alarm 1");
+  expectWords(refusal([&] { go({0, 0, 38}); }), "alarm 1");
   control_->clearAlarm();
   auto off = std::async(std::launch::async, [&] {
     return refusal([&] { control_->moveOffLimit({"test", 0}); });
@@ -235,19 +234,19 @@ TEST_F(GrblTest, AlarmsLimitsAndTheWayOut) {
   EXPECT_EQ(off.get(), "");
   EXPECT_FALSE(control_->view().state.homed);
   home();
-  EXPECT_EQ(go({0, 0, 60}).outcome, Outcome::kReached);
+  EXPECT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
   double_->tell("alarm 3");
   ASSERT_TRUE(await([&] { return control_->view().state.alarm.code == 3; }));
   control_->clearAlarm();
-  expectWords(refusal([&] { go({0, 0, 60}); }), "not homed");
+  expectWords(refusal([&] { go({0, 0, 38}); }), "not homed");
 }
 
 TEST_F(GrblTest, EmergencyStopReachesTheControlWhateverItDoes) {
   begin();
   home();
-  ASSERT_EQ(go({0, 0, 60}).outcome, Outcome::kReached);
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
   for (const char* fault : {"ok", "stuck", "garbage", "slow", "intermittent"}) {
-    auto report = start({100, 0, 60}, 0.02);
+    auto report = start({-60, 0, 38}, 0.02);
     double_->tell(std::string("fault ") + fault);
     if (std::string(fault) != "ok") std::this_thread::sleep_for(std::chrono::milliseconds(300));
     const double asked = steadySeconds();
@@ -265,9 +264,9 @@ TEST_F(GrblTest, EmergencyStopReachesTheControlWhateverItDoes) {
     double_->tell("fault ok");
     ASSERT_TRUE(await([&] { return control_->view().lost.empty(); }, 8.0)) << fault << control_->view().lost;
     control_->resetEmergencyStop();
-    expectWords(refusal([&] { go({0, 0, 60}); }), "not homed");
+    expectWords(refusal([&] { go({0, 0, 38}); }), "not homed");
     ASSERT_TRUE(await([&] { return refusal([&] { home(); }).empty(); })) << fault;
-    ASSERT_EQ(go({0, 0, 60}).outcome, Outcome::kReached) << fault;
+    ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached) << fault;
   }
 }
 
@@ -281,8 +280,8 @@ TEST_F(GrblTest, EveryFaultOfTheLineIsSaidAndNothingMovesThatShouldNot) {
   begin();
   for (const auto& [fault, words] : faults) {
     home();
-    ASSERT_EQ(go({0, 0, 60}).outcome, Outcome::kReached) << fault;
-    auto report = start({190, 0, 60}, 0.01);
+    ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached) << fault;
+    auto report = start({-95, 0, 38}, 0.01);
     double_->tell("fault " + fault);
     const MotionControl::Report ended = report.get();
     std::printf("grbl %s: %s, %s\n", fault.c_str(), outcomeName(ended.outcome).c_str(),
@@ -295,7 +294,7 @@ TEST_F(GrblTest, EveryFaultOfTheLineIsSaidAndNothingMovesThatShouldNot) {
     double_->tell("fault ok");
     ASSERT_TRUE(await([&] { return control_->view().lost.empty(); }, 8.0))
         << fault << ": " << control_->view().lost;
-    expectWords(refusal([&] { go({1, 0, 60}); }), "homed");
+    expectWords(refusal([&] { go({1, 0, 38}); }), "homed");
   }
 }
 
@@ -303,7 +302,7 @@ TEST_F(GrblTest, APtyIsASerialLine) {
   begin({"--pty", "--no-hal"});
   EXPECT_FALSE(control_->capabilities().homingByAxis);
   home();
-  EXPECT_EQ(go({0, 0, 150}).outcome, Outcome::kReached);
+  EXPECT_EQ(go({0, 0, 20}).outcome, Outcome::kReached);
 }
 
 TEST(GrblController, SaysWhatIsWrongWithItsParameters) {
