@@ -100,7 +100,7 @@ class Double:
             self.open_pty()
         else:
             self.listen()
-        self.control = socket.create_server(("127.0.0.1", 0))
+        self.control = socket.create_server(("127.0.0.1", arguments.control))
         self.controllers = {}
         print(json.dumps({"address": self.address(), "control": self.control.getsockname()[1]}), flush=True)
 
@@ -259,6 +259,7 @@ class Double:
 def arguments(axes):
     parser = argparse.ArgumentParser()
     parser.add_argument("--port", type=int, default=0)
+    parser.add_argument("--control", type=int, default=0, help="port of the control line; 0: any")
     parser.add_argument("--pty", action="store_true")
     parser.add_argument("--axes", type=int, default=axes)
     parser.add_argument("--ball", type=float, nargs=4, default=None, help="centre and radius, mm")
@@ -266,4 +267,4 @@ def arguments(axes):
     parser.add_argument("--scale", type=float, nargs=3, default=[1.0, 1.0, 1.0], help="true / shown of X Y Z")
     parser.add_argument("--acceleration", type=float, default=500.0, help="mm/s^2")
     parser.add_argument("--no-hal", action="store_true", help="grbl 1.1, not grblHAL")
-    return parser.parse_args()
+    return parser.parse_known_args()[0]  # roslaunch adds arguments of its own

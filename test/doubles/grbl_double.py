@@ -35,8 +35,8 @@ class Grbl(device_double.Double):
             self.homed = False
 
     def power(self, on):
+        self.fresh(position_lost=on)
         if on:
-            self.fresh(position_lost=True)
             self.welcome()
 
     def welcome(self):
