@@ -1,5 +1,7 @@
 #include "drivers/device_link.h"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -107,6 +109,7 @@ void DeviceLink::connect(double timeout) {
     line_.clear();
     connected_ = true;
   }
+  answerAtOnce();
   readOn();
   thread_ = std::thread([this] { open_->context.run(); });
 }
@@ -140,12 +143,20 @@ void DeviceLink::readOn() {
   const auto handle = [this](const boost::system::error_code& failed, std::size_t bytes) {
     if (failed) return lose("the connection ended: " + failed.message());
     take(bytes, steadySeconds());
+    answerAtOnce();
     readOn();
   };
   if (open_->socket)
     open_->socket->async_read_some(asio::buffer(open_->buffer), handle);
   else
     open_->serial->async_read_some(asio::buffer(open_->buffer), handle);
+}
+
+// A peer that sends small packets waits for the acknowledgement of each: 40 ms, unless it comes at once.
+void DeviceLink::answerAtOnce() {
+  if (!open_->socket) return;
+  const int on = 1;
+  ::setsockopt(open_->socket->native_handle(), IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
 }
 
 void DeviceLink::take(std::size_t bytes, double time) {

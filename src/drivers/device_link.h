@@ -42,6 +42,7 @@ class DeviceLink {
  private:
   struct Port;
   void readOn();
+  void answerAtOnce();
   void take(std::size_t bytes, double time);
   void lose(const std::string& why);
 

@@ -13,12 +13,14 @@ namespace mm {
 namespace {
 
 constexpr double kStill = 0.06;     // s without a change of position: at rest
-constexpr double kUnsaid = 1.0;     // s at rest after which a motion has ended without a word
+constexpr double kUntaken = 5.0;    // s for a command to be taken
+constexpr double kUnsaid = 1.0;     // s at rest after which nothing more is said of a motion
 constexpr double kSmallest = 1e-6;  // mm or deg, the last decimal of linuxcncrsh
-constexpr int kParts = 9;           // answers of a round that are needed
+constexpr int kParts = 10;          // answers of a round that are needed
 const char* const kQuestions =
     "get estop\r\nget machine\r\nget joint_homed\r\nget joint_limit\r\nget abs_act_pos\r\nget rel_act_pos\r\n"
-    "get probe_value\r\nget feed_override\r\nget error\r\nget operator_display\r\nget program_status\r\n";
+    "get probe_value\r\nget mode\r\nget feed_override\r\nget error\r\nget operator_display\r\nget "
+    "program_status\r\n";
 
 }  // namespace
 
@@ -80,6 +82,8 @@ void LinuxCncController::open(const ControllerSetup& setup) {
   state_.actual = true;
   link_ = std::make_unique<DeviceLink>(address,
                                        [this](const std::string& line, double time) { take(line, time); });
+  commandLink_ = std::make_unique<DeviceLink>(
+      address, [this](const std::string& line, double time) { take(line, time); });
   stopLink_ = std::make_unique<DeviceLink>(address, [](const std::string&, double) {});
   begin();
 }
@@ -93,11 +97,9 @@ void LinuxCncController::begin() {
     trouble_.clear();
     damaged_ = 0;
   }
-  link_->connect(kLinkConnect);
-  stopLink_->connect(kLinkConnect);
+  for (DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()}) link->connect(kLinkConnect);
   const std::string hello = "hello " + hello_ + " measuring_machine 1.0\r\nset echo off\r\n";
-  stopLink_->write(hello);
-  link_->write(hello + "set enable " + enable_ + "\r\n");
+  for (DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()}) link->write(hello);
   const double end = steadySeconds() + kLinkConnect;
   while (steadySeconds() < end) {
     {
@@ -108,7 +110,8 @@ void LinuxCncController::begin() {
                            " axes, " + std::to_string(map_->needed()) + " are needed");
         return;
       }
-      if (welcomed_ && steadySeconds() - lastAsked_ > pollPeriod_) ask();
+      if (welcomed_ && next_.asked == 0.0)
+        ask();  // one round at a time: answers do not say to which they belong
       if (!trouble_.empty()) break;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -121,8 +124,7 @@ void LinuxCncController::begin() {
 }
 
 void LinuxCncController::reconnect() {
-  link_->close();
-  stopLink_->close();
+  for (DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()}) link->close();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     finish(Outcome::kLost);
@@ -137,8 +139,7 @@ void LinuxCncController::close() {
   } catch (const std::exception&) {
     // Gone already.
   }
-  link_->close();
-  stopLink_->close();
+  for (DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()}) link->close();
 }
 
 Capabilities LinuxCncController::capabilities() const {
@@ -162,7 +163,7 @@ std::size_t LinuxCncController::jointOf(std::size_t axis) const {
 
 // Control belongs to the connection that took it last, so each command takes it again.
 void LinuxCncController::send(const std::string& commands) {
-  link_->write("set enable " + enable_ + "\r\n" + commands);
+  commandLink_->write("set enable " + enable_ + "\r\n" + commands + "get echo\r\n");
 }
 
 void LinuxCncController::urgent(const std::string& command) {
@@ -222,6 +223,12 @@ void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
   } else if (word == "REL_ACT_POS") {
     next_.relative = parseLinuxCncNumbers(rest);
     if (!next_.relative.empty()) part();
+  } else if (word == "MODE") {
+    next_.mdi = rest == "MDI";
+    part();
+  } else if (word == "ECHO") {
+    damaged_ = 0;
+    if (taken_ == 0.0) taken_ = steadySeconds();  // asked behind the commands, on their connection
   } else if (word == "PROBE_VALUE") {
     next_.probe = rest != "0";
     part();
@@ -252,12 +259,11 @@ void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
   }
 }
 
-// `mm 17` at the end of motion 17; of a probing one with success and place behind it.
+// `mm 17 1.0 …` behind the probing motion 17: success and place.
 void LinuxCncController::takeMessage(const std::string& text) {
   if (text.rfind("mm ", 0) != 0) return;
   const std::vector<double> values = parseLinuxCncNumbers(text.substr(3));
   if (values.empty() || task_ == Task::kNone || values[0] != static_cast<double>(motion_.id)) return;
-  ended_ = true;
   if (values.size() == 8) latched_ = std::vector<double>(values.begin() + 1, values.end());
 }
 
@@ -270,7 +276,7 @@ void LinuxCncController::takeError(const std::string& text) {
 }
 
 void LinuxCncController::takeSnapshot() {
-  const Snapshot& now = next_;
+  const Snapshot now = next_;
   if (now.absolute.size() < map_->needed() || now.relative.size() != now.absolute.size()) return;
   const double at = 0.5 * (now.asked + now.came), gone = at - state_.time;
   const std::size_t axes = map_->size();
@@ -328,17 +334,21 @@ void LinuxCncController::takeSnapshot() {
   if (now.emergency || !last_.on) return finish(Outcome::kStopped, "LinuxCNC was switched off");
   if (!rests || state_.held) return;
   if (failed_) return finish(*failed_, note_);
+  if (taken_ == 0.0 || last_.asked <= taken_) {
+    if (last_.asked - taskBegan_ > kUntaken) finish(Outcome::kLost, "LinuxCNC does not take commands");
+    return;
+  }
   if (task_ == Task::kHoming) {
     bool homed = true;
     for (const std::size_t j : homing_) homed = homed && state_.axisHomed[j];
-    if (homed && last_.asked - taskBegan_ > 0.1) return finish(Outcome::kReached);
+    if (homed && last_.asked - taken_ > kStill) return finish(Outcome::kReached);
     if (last_.asked - taskBegan_ > homingTimeout_)
       finish(Outcome::kAlarm, "homing has not ended within its time");
     return;
   }
-  const bool unsaid = last_.idle && last_.came - std::max(still_, taskBegan_) > kUnsaid;
-  if (!ended_ && !unsaid) return;
+  if (!last_.idle) return;
   if (task_ == Task::kGo) return finish(Outcome::kReached);
+  if (!latched_ && last_.asked - std::max(still_, taken_) < kUnsaid) return;  // it is on its way
   if (!latched_)
     return finish(Outcome::kAlarm,
                   "LinuxCNC did not say what it latched; does another program read its messages?");
@@ -376,7 +386,7 @@ void LinuxCncController::finish(Outcome outcome, const std::string& note) {
 AxesState LinuxCncController::poll(double) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const double now = steadySeconds();
-  for (const DeviceLink* link : {link_.get(), stopLink_.get()})
+  for (const DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()})
     if (!link->connected()) throw Error(link->lost().empty() ? "not connected" : link->lost());
   if (!trouble_.empty()) throw Error(link_->address() + ": " + trouble_);
   if (now - last_.came > kLinkSilence) {
@@ -423,7 +433,7 @@ void LinuxCncController::move(const AxesMotion& motion) {
   state_.outcome = Outcome::kUnderWay;
   state_.note.clear();
   stopAsked_ = false;
-  ended_ = false;
+  taken_ = 0.0;
   latched_.reset();
   failed_.reset();
   note_.clear();
@@ -434,16 +444,11 @@ void LinuxCncController::move(const AxesMotion& motion) {
   char feed[64], said[64];
   std::snprintf(feed, sizeof feed, " F%.6f", 60.0 * std::sqrt(linear > 0.0 ? linear : turning) / seconds);
   const auto id = static_cast<unsigned long long>(motion.id);
-  const std::string mdi = "set mdi ";
-  std::string commands = "set mode mdi\r\n";
-  if (motion.probing) {
-    std::snprintf(said, sizeof said, "(DEBUG,mm %llu #5070 #5061 #5062 #5063", id);
-    commands += mdi + "G21 G90 G94 G38.3" + words + feed + "\r\n" + mdi + said + " #5064 #5065 #5066)\r\n";
-  } else {
-    std::snprintf(said, sizeof said, "(DEBUG,mm %llu)", id);
-    commands +=
-        mdi + "G21 G90 G94 G53 G1" + words + feed + "\r\n" + mdi + "G4 P0.001\r\n" + mdi + said + "\r\n";
-  }
+  std::string commands = last_.mdi ? "" : "set mode mdi\r\n";
+  commands +=
+      std::string("set mdi G21 G90 G94 ") + (motion.probing ? "G38.3" : "G53 G1") + words + feed + "\r\n";
+  std::snprintf(said, sizeof said, "(DEBUG,mm %llu #5070 #5061 #5062 #5063", id);
+  if (motion.probing) commands += std::string("set mdi ") + said + " #5064 #5065 #5066)\r\n";
   send(commands);
 }
 
@@ -454,6 +459,7 @@ void LinuxCncController::home(const std::vector<std::size_t>& axes) {
   homing_ = axes;
   state_.outcome = Outcome::kUnderWay;
   stopAsked_ = false;
+  taken_ = 0.0;
   failed_.reset();
   note_.clear();
   taskBegan_ = steadySeconds();

@@ -19,12 +19,12 @@ std::optional<LinuxCncLine> parseLinuxCncLine(const std::string& line);
 std::vector<double> parseLinuxCncNumbers(const std::string& text);
 
 /// LinuxCNC through its own server linuxcncrsh, on TCP. Motions are MDI: G1 in machine coordinates, G38.3 for
-/// probing; what was latched (#5061 to #5066, feedback positions of the servo period of the trip) and the end
-/// of each motion come back as `(DEBUG, …)`. LinuxCNC stops by itself where the probe trips outside of
-/// probing. Stop and emergency stop have a connection of their own.
-/// Parameters: `address`, `axes`, `sign`, `zero` (as AxisMap), `coordinates` (letters in the order of its
-/// joints), `connect_password`, `enable_password`, `poll_rate` (Hz), `servo_period` (s), `homing_timeout`
-/// (s).
+/// probing; what was latched (#5061 to #5066, feedback positions of the servo period of the trip) comes back
+/// as `(DEBUG, …)`. A motion has ended when LinuxCNC has taken it, is idle, and nothing moves. LinuxCNC stops
+/// by itself where the probe trips outside of probing. linuxcncrsh answers nothing on a connection while it
+/// waits for what was commanded there, so questions, commands and stops have a connection each. Parameters:
+/// `address`, `axes`, `sign`, `zero` (as AxisMap), `coordinates` (letters in the order of its joints),
+/// `connect_password`, `enable_password`, `poll_rate` (Hz), `servo_period` (s), `homing_timeout` (s).
 class LinuxCncController final : public AxisController {
  public:
   LinuxCncController();
@@ -50,7 +50,7 @@ class LinuxCncController final : public AxisController {
   enum class Task { kNone, kGo, kProbing, kHoming };
   struct Snapshot {                  // answers to one round of questions
     double asked = 0.0, came = 0.0;  // s
-    bool emergency = false, on = false, probe = false, idle = true;
+    bool emergency = false, on = false, probe = false, idle = true, mdi = false;
     std::vector<bool> homed;
     std::vector<int> limits;
     std::vector<double> absolute, relative;  // mm or deg, X Y Z A B C
@@ -73,7 +73,7 @@ class LinuxCncController final : public AxisController {
   std::size_t jointOf(std::size_t axis) const;  // LinuxCNC's number of the joint
 
   std::unique_ptr<AxisMap> map_;
-  std::unique_ptr<DeviceLink> link_, stopLink_;
+  std::unique_ptr<DeviceLink> link_, commandLink_, stopLink_;  // the first for questions alone
   std::string coordinates_ = "XYZABC", hello_ = "EMC", enable_ = "EMCTOO";
   double pollPeriod_ = 0.02, servoPeriod_ = 1e-3, homingTimeout_ = 120.0;
 
@@ -87,7 +87,7 @@ class LinuxCncController final : public AxisController {
   AxesMotion motion_;
   std::vector<std::size_t> homing_;
   double taskBegan_ = 0.0, still_ = 0.0, tripSeen_ = 0.0;  // s; still_: since when nothing moves
-  bool ended_ = false;                                     // LinuxCNC said so
+  double taken_ = 0.0;  // s: when LinuxCNC had taken all commands of the task; 0: not yet
   std::optional<std::vector<double>> latched_;
   std::optional<Outcome> failed_;
   std::string note_, trouble_;
