@@ -78,7 +78,7 @@ class Machine:
         self.now = min(max(wanted, self.now - change), self.now + change)
         if self.hold and self.now <= 0.0:
             return "held"
-        reach = max(self.now, self.acceleration * seconds if not self.hold else 0.0) * seconds
+        reach = max(self.now, self.acceleration * seconds if not self.hold and self.share > 0.0 else 0.0) * seconds
         if left <= reach:
             self.position, self.target, self.now = list(self.target), None, 0.0
             return "arrived"
