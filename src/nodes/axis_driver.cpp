@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <sstream>
 
 #include "base/error.h"
 #include "ros_bridge/axis_messages.h"
@@ -12,59 +13,80 @@ namespace mm {
 namespace {
 
 constexpr double kLongestGap = 0.1;  // s: after a longer pause of the process the motion does not jump
+constexpr int kStopThreads = 4;      // each stop waits in one until the axes rest
+
+std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
+  std::vector<std::vector<std::string>> stages;
+  std::istringstream all(text);
+  for (std::string stage; std::getline(all, stage, ';');) {
+    stages.emplace_back();
+    std::istringstream names(stage);
+    for (std::string name; names >> name;) stages.back().push_back(name);
+  }
+  return stages;
+}
 
 }  // namespace
 
+MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool clock) {
+  refuseUnknownParameters(
+      own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor", "clock", "hardware",
+            "tolerance", "rotary_tolerance", "silence", "hold_limit", "homing_order"});
+  MotionControl::Settings settings;
+  settings.tolerance = numberParameter(own, "tolerance", settings.tolerance, 1e-9, 1e-2);
+  settings.rotaryTolerance = numberParameter(own, "rotary_tolerance", settings.rotaryTolerance, 1e-9, 0.1);
+  settings.silence = numberParameter(own, "silence", settings.silence, 0.05, 60.0);
+  settings.holdLimit = numberParameter(own, "hold_limit", settings.holdLimit, 0.1, 86400.0);
+  settings.homingOrder = stagesOf(textParameter(own, "homing_order", ""));
+  settings.simulatedTime = clock;
+  return settings;
+}
+
 AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_ptr<AxisController> controller,
                        const Machine& machine)
-    : controller_(std::move(controller)), machine_(machine), updater_(node, own, ros::this_node::getName()) {
-  refuseUnknownParameters(
-      own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor", "clock", "hardware"});
+    : machine_(machine),
+      clock_(flagParameter(own, "clock", false)),
+      controller_(std::move(controller)),
+      control_(controller_, machine_, settings(own, clock_)),
+      stopSpinner_(kStopThreads, &stopQueue_),
+      emergencySpinner_(2, &emergencyQueue_),
+      updater_(node, own, ros::this_node::getName()) {
   rate_ = numberParameter(own, "rate", 100.0, 1.0, 1000.0);
   linearSpeed_ = numberParameter(own, "linear_speed", 0.01, 1e-6, 10.0);
   rotarySpeed_ = numberParameter(own, "rotary_speed", 0.35, 1e-6, 100.0);
   temperatureRate_ = numberParameter(own, "temperature_rate", 1.0, 1e-3, 100.0);
   timeFactor_ = numberParameter(own, "time_factor", 1.0, 1e-3, 1000.0);
-  clock_ = flagParameter(own, "clock", false);
-  for (const std::string& axis : controller_->axes()) {
-    const int joint = machine_.findJoint(axis);
-    if (joint < 0)
-      throw InputError("the controller moves joint '" + axis + "', which the machine does not have");
-    joints_.push_back(machine_.joints()[joint]);
-  }
-  travel_.assign(joints_.size(), 0);
-  for (const Joint& joint : joints_) trackers_.emplace_back(travelDeadband(joint.kind));
+  travel_.assign(control_.axes().size(), 0);
+  for (const Joint& joint : control_.joints()) trackers_.emplace_back(travelDeadband(joint.kind));
   jointsOut_ = node.advertise<sensor_msgs::JointState>("joint_states", 1000);
   statusOut_ = own.advertise<measuring_machine::AxisStatus>("status", 100, true);
+  motionOut_ = own.advertise<measuring_machine::MotionStatus>("motion", 100, true);
   latchOut_ = own.advertise<measuring_machine::ProbeLatch>("latch", 1000);
   temperaturesOut_ = own.advertise<measuring_machine::SensorReadings>("temperatures", 100);
   if (controller_->trueTip()) truthOut_ = own.advertise<geometry_msgs::PointStamped>("truth", 1000);
   if (clock_) clockOut_ = node.advertise<rosgraph_msgs::Clock>("/clock", 1000);
   const ros::WallTime now = ros::WallTime::now();
   clockStart_ = ros::Time(now.sec, now.nsec);
-  state_ = controller_->poll(0.0);
-  home_ = own.advertiseService("home", &AxisDriver::home, this);
-  stop_ = own.advertiseService("stop", &AxisDriver::stop, this);
-  emergencyStop_ = own.advertiseService("emergency_stop", &AxisDriver::emergencyStop, this);
+  advertise(own);
   updater_.setHardwareID(textParameter(own, "hardware", "simulated"));
   updater_.add("motion", this, &AxisDriver::diagnose);
   moveServer_ = std::make_unique<MoveServer>(
-      own, "move", [this](const measuring_machine::MoveGoalConstPtr& goal) { executeMove(goal); }, false);
+      own, "move", [this](Goal goal) { takeGoal(goal); }, [this](Goal goal) { cancelGoal(goal); }, false);
   moveServer_->start();
   thread_ = std::thread([this] { run(); });
+  mover_ = std::thread([this] { moveAll(); });
+  stopSpinner_.start();
+  emergencySpinner_.start();
 }
 
 AxisDriver::~AxisDriver() {
   ending_ = true;
-  cycled_.notify_all();
+  control_.end();
+  asked_.notify_all();
+  stopSpinner_.stop();
+  emergencySpinner_.stop();
+  mover_.join();
   thread_.join();
-  moveServer_->shutdown();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  try {
-    controller_->stop();
-  } catch (const std::exception& e) {
-    ROS_ERROR("while ending: %s", e.what());
-  }
 }
 
 void AxisDriver::run() {
@@ -83,73 +105,86 @@ void AxisDriver::run() {
     }
     const double gone = std::chrono::duration<double>(now - last).count();
     last = now;
+    if (gone > kLongestGap) control_.paused();
     cycle(clock_ ? period : std::min(gone, kLongestGap));
   }
 }
 
+ros::Time AxisDriver::stampOf(double controllerTime, double host) const {
+  return clock_ ? clockStart_ + ros::Duration(controllerTime) : ros::Time(host);
+}
+
 void AxisDriver::cycle(double elapsed) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    try {
-      const bool homed = state_.homed;
-      state_ = controller_->poll(elapsed);
-      lost_.clear();
-      const ros::Time stamp = clock_ ? clockStart_ + ros::Duration(state_.time) : ros::Time::now();
-      if (state_.homed && !homed) homedAt_ = stamp;
-      if (!state_.homed) homedAt_ = ros::Time();
-      const auto ns = static_cast<std::int64_t>(stamp.toNSec());
-      for (std::size_t j = 0; j < travel_.size() && j < state_.position.size(); ++j) {
-        const double velocity = j < state_.velocity.size() ? state_.velocity[j] : std::nan("");
-        trackers_[j].take(ns, state_.position[j], velocity);
-        travel_[j] = static_cast<std::int8_t>(trackers_[j].direction());
-      }
+  try {
+    const std::optional<MotionControl::Observation> seen =
+        control_.cycle(elapsed, clock_ ? 0.0 : ros::Time::now().toSec());
+    const MotionControl::View view = control_.view();
+    if (view.lost != lostSaid_ && !view.lost.empty()) ROS_ERROR("controller: %s", view.lost.c_str());
+    if (view.lost.empty() && !lostSaid_.empty()) ROS_INFO("controller: answers again");
+    lostSaid_ = view.lost;
+    ros::Time stamp = clock_ ? lastStamp_ : ros::Time::now();
+    if (seen) stamp = stampOf(seen->state.time, seen->host);
+    const bool homed = !homedAt_.isZero();
+    if (view.state.homed && !homed) homedAt_ = stamp;
+    if (!view.state.homed) homedAt_ = ros::Time();
+    if (seen) {
       if (clock_) {
         rosgraph_msgs::Clock clock;
         clock.clock = stamp;
         clockOut_.publish(clock);
       }
-      publishJoints(state_, stamp);
-      publishEdges(state_, stamp);
+      const auto ns = static_cast<std::int64_t>(stamp.toNSec());
+      for (std::size_t j = 0; j < travel_.size(); ++j) {
+        trackers_[j].take(ns, seen->state.position[j], seen->state.velocity[j]);
+        travel_[j] = static_cast<std::int8_t>(trackers_[j].direction());
+      }
+      publishEdges(*seen, stamp);
+      if (stamp > lastStamp_) publishJoints(*seen, stamp);
       publishTemperatures(stamp);
-      publishStatus(state_, stamp);
-    } catch (const std::exception& e) {
-      if (lost_ != e.what()) ROS_ERROR("controller: %s", e.what());
-      lost_ = e.what();
+      lastStamp_ = std::max(stamp, lastStamp_);
     }
-    ++cycles_;
+    publishStatus(view, stamp);
+    publishMotion(view, stamp);
+  } catch (const std::exception& e) {
+    ROS_ERROR_THROTTLE(1.0, "axis driver: %s", e.what());
   }
-  cycled_.notify_all();
+  ++cycles_;
   const ros::WallTime now = ros::WallTime::now();
   if (now < nextDiagnostics_) return;
   nextDiagnostics_ = now + ros::WallDuration(1.0);
   updater_.force_update();
 }
 
-void AxisDriver::publishJoints(const AxesState& state, const ros::Time& stamp) {
-  jointsOut_.publish(toJointState(controller_->axes(), state, stamp, homedAt_));
+void AxisDriver::publishJoints(const MotionControl::Observation& seen, const ros::Time& stamp) {
+  jointsOut_.publish(toJointState(control_.axes(), seen.state, stamp, homedAt_));
   if (!truthOut_) return;
   geometry_msgs::PointStamped truth;
   truth.header.stamp = stamp;
   truth.header.frame_id = "workpiece";
-  const Eigen::Vector3d tip = controller_->trueTip().value_or(Eigen::Vector3d::Constant(std::nan("")));
-  truth.point.x = tip.x();
-  truth.point.y = tip.y();
-  truth.point.z = tip.z();
+  const std::array<double, 3> tip =
+      controller_->trueTip().value_or(std::array<double, 3>{std::nan(""), std::nan(""), std::nan("")});
+  truth.point.x = tip[0];
+  truth.point.y = tip[1];
+  truth.point.z = tip[2];
   truthOut_.publish(truth);
 }
 
-void AxisDriver::publishEdges(const AxesState& state, const ros::Time& stamp) {
-  for (const ProbeEdge& edge : controller_->takeProbeEdges()) {
-    if (edge.closed && edge.probing) tripped_ = true;
-    const ros::Time at = stamp - ros::Duration(state.time - edge.time);
-    latchOut_.publish(toLatchMessage(edge, controller_->axes(), at, edge.probing ? feature_ : std::string()));
+void AxisDriver::publishEdges(const MotionControl::Observation& seen, const ros::Time& stamp) {
+  std::string feature;
+  {
+    const std::lock_guard<std::mutex> lock(goals_);
+    feature = feature_;
+  }
+  for (const ProbeEdge& edge : seen.edges) {
+    const ros::Time at = stamp - ros::Duration(seen.state.time - edge.time);
+    latchOut_.publish(toLatchMessage(edge, control_.axes(), at, edge.probing ? feature : std::string()));
   }
 }
 
 void AxisDriver::publishTemperatures(const ros::Time& stamp) {
   if (stamp < nextTemperature_ && nextTemperature_ - stamp < ros::Duration(2.0 / temperatureRate_)) return;
   nextTemperature_ = stamp + ros::Duration(1.0 / temperatureRate_);
-  const auto readings = controller_->temperatures();
+  const auto readings = control_.temperatures();
   if (readings.empty()) return;
   measuring_machine::SensorReadings message;
   message.header.stamp = stamp;
@@ -160,22 +195,22 @@ void AxisDriver::publishTemperatures(const ros::Time& stamp) {
   temperaturesOut_.publish(message);
 }
 
-void AxisDriver::publishStatus(const AxesState& state, const ros::Time& stamp) {
+void AxisDriver::publishStatus(const MotionControl::View& view, const ros::Time& stamp) {
   measuring_machine::AxisStatus status;
   status.header.stamp = stamp;
-  status.homed = state.homed;
+  status.homed = view.state.homed;
   status.homed_at = homedAt_;
-  status.moving = state.moving;
-  status.probing = probing_;
-  status.emergency_stop = state.emergencyStop;
-  status.probe_closed = state.probeClosed;
-  status.unsuccessful = unsuccessful_;
-  status.fault = state.fault;
-  status.name = controller_->axes();
+  status.moving = view.state.moving;
+  status.probing = view.probing;
+  status.emergency_stop = view.state.emergencyStop;
+  status.probe_closed = view.state.probeClosed;
+  status.unsuccessful = view.unsuccessful;
+  status.fault = view.fault;
+  status.name = control_.axes();
   status.travel = travel_;
-  std::string text = std::to_string(state.homed + 2 * state.moving + 4 * probing_ + 8 * state.emergencyStop +
-                                    16 * state.probeClosed) +
-                     " " + std::to_string(unsuccessful_) + " " + state.fault;
+  std::string text = std::to_string(status.homed + 2 * status.moving + 4 * status.probing +
+                                    8 * status.emergency_stop + 16 * status.probe_closed) +
+                     " " + std::to_string(view.unsuccessful) + " " + view.fault;
   for (const std::int8_t direction : travel_) text += " " + std::to_string(direction);
   if (text == shown_ && stamp < nextStatus_ && nextStatus_ - stamp < ros::Duration(2.0)) return;
   shown_ = text;
@@ -183,23 +218,52 @@ void AxisDriver::publishStatus(const AxesState& state, const ros::Time& stamp) {
   statusOut_.publish(status);
 }
 
+void AxisDriver::publishMotion(const MotionControl::View& view, const ros::Time& stamp) {
+  measuring_machine::MotionStatus status;
+  status.header.stamp = stamp;
+  status.owner = control_.owner().owner();
+  status.stops = view.stops;
+  status.stopped_by = view.stoppedBy;
+  status.homing = view.homing;
+  status.held = view.state.held;
+  status.feed_override = view.state.feedOverride;
+  status.lost = !view.lost.empty();
+  status.resets = view.state.resets;
+  status.alarm_code = view.state.alarm.code;
+  status.alarm = view.state.alarm.text;
+  status.remedy = view.state.alarm.remedy;
+  status.late = view.late;
+  const std::string text = status.owner + "|" + std::to_string(status.stops) + "|" + status.stopped_by + "|" +
+                           std::to_string(status.homing + 2 * status.held + 4 * status.lost) + "|" +
+                           std::to_string(status.feed_override) + "|" + std::to_string(status.resets) + "|" +
+                           std::to_string(status.alarm_code) + status.alarm;
+  if (text == shownMotion_ && stamp < nextMotion_ && nextMotion_ - stamp < ros::Duration(2.0)) return;
+  shownMotion_ = text;
+  nextMotion_ = stamp + ros::Duration(1.0);
+  motionOut_.publish(status);
+}
+
 void AxisDriver::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!lost_.empty())
-    status.summary(DiagnosticStatus::ERROR, lost_);
-  else if (!state_.fault.empty())
-    status.summary(DiagnosticStatus::ERROR, state_.fault);
-  else if (!state_.homed)
+  const MotionControl::View view = control_.view();
+  if (!view.fault.empty())
+    status.summary(DiagnosticStatus::ERROR, view.lost.empty() ? view.fault : view.lost);
+  else if (!view.state.homed)
     status.summary(DiagnosticStatus::WARN, "not homed; call ~home");
+  else if (view.late > 0.1)
+    status.summary(DiagnosticStatus::WARN, "the controller's states arrive late");
   else
-    status.summary(DiagnosticStatus::OK, state_.moving ? "moving" : "at rest");
-  status.add("homed", state_.homed);
-  status.add("cycles", cycles_);
-  status.add("late cycles", late_);
-  for (std::size_t j = 0; j < joints_.size(); ++j)
-    if (state_.limitSwitch.size() > j && state_.limitSwitch[j] != 0)
-      status.add("limit switch", joints_[j].name + (state_.limitSwitch[j] > 0 ? " upper" : " lower"));
+    status.summary(DiagnosticStatus::OK, view.state.moving ? "moving" : "at rest");
+  status.add("homed", view.state.homed);
+  status.add("owner", control_.owner().owner());
+  status.add("cycles", cycles_.load());
+  status.add("late cycles", late_.load());
+  status.add("states late by (s)", view.late);
+  for (std::size_t j = 0; j < control_.joints().size(); ++j)
+    if (view.state.limitSwitch.size() > j && view.state.limitSwitch[j] != 0)
+      status.add("limit switch",
+                 control_.joints()[j].name + (view.state.limitSwitch[j] > 0 ? " upper" : " lower"));
+  for (const std::string& note : control_.capabilities().notes) status.add("note", note);
 }
 
 }  // namespace mm

@@ -1,10 +1,16 @@
 #pragma once
-#include <actionlib/server/simple_action_server.h>
+#include <actionlib/server/action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/PointStamped.h>
 #include <measuring_machine/AxisStatus.h>
+#include <measuring_machine/BreakDevice.h>
+#include <measuring_machine/HomeAxes.h>
+#include <measuring_machine/MotionStatus.h>
 #include <measuring_machine/MoveAction.h>
 #include <measuring_machine/SensorReadings.h>
+#include <measuring_machine/SetOverride.h>
+#include <measuring_machine/TakeMotion.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/JointState.h>
@@ -17,16 +23,21 @@
 #include <mutex>
 #include <thread>
 
-#include "drivers/axis_controller.h"
+#include "drivers/motion_control.h"
 #include "session/travel_tracker.h"
 
 namespace mm {
 
 /// One motion controller under ROS: publishes its state, takes goals, keeps the limits of the URDF.
-/// Topics: `joint_states`, `~status`, `~latch`, `~temperatures`, of a simulation also `~truth` (and `/clock`
-/// with the parameter `clock`). Action `~move`; services `~home`, `~stop`, `~emergency_stop`.
+/// Topics: `joint_states`, `~status`, `~motion`, `~latch`, `~temperatures`, of a simulation also `~truth`
+/// (and
+/// `/clock` with the parameter `clock`). Action `~move`; services `~home`, `~home_axes`, `~stop`,
+/// `~emergency_stop`, `~hold`, `~resume`, `~override`, `~clear_alarm`, `~move_off_limit`, `~take`,
+/// `~break_device`. Stop and emergency stop have threads of their own that nothing else may occupy.
 /// Parameters: `rate` (Hz), `linear_speed` (m/s), `rotary_speed` (rad/s), `temperature_rate` (Hz), `clock`
-/// (the simulation makes the time), `time_factor` (simulated seconds a second, with `clock`).
+/// (the simulation makes the time), `time_factor` (simulated seconds a second, with `clock`), `tolerance` (m)
+/// and `rotary_tolerance` (rad) of an arrival, `silence` (s until a controller without a new state is lost),
+/// `hold_limit` (s of feed hold), `homing_order` (`z; x y`: stages, one after the other).
 class AxisDriver {
  public:
   /// @param controller opened; belongs to this node from here on.
@@ -35,56 +46,80 @@ class AxisDriver {
   ~AxisDriver();
 
  private:
-  using MoveServer = actionlib::SimpleActionServer<measuring_machine::MoveAction>;
-  using Trigger = std_srvs::Trigger;
+  using MoveServer = actionlib::ActionServer<measuring_machine::MoveAction>;
+  using Goal = MoveServer::GoalHandle;
+  using TriggerCall = ros::ServiceEvent<std_srvs::TriggerRequest, std_srvs::TriggerResponse>;
+  using SwitchCall = ros::ServiceEvent<std_srvs::SetBoolRequest, std_srvs::SetBoolResponse>;
+  using HomeCall = ros::ServiceEvent<measuring_machine::HomeAxesRequest, measuring_machine::HomeAxesResponse>;
+  using Take = measuring_machine::TakeMotion;
+  struct Asked {  // a goal, and the stops there had been when it came
+    Goal goal;
+    std::uint32_t stops = 0;
+    std::string sender;
+  };
+
+  static MotionControl::Settings settings(const ros::NodeHandle& own, bool clock);
+  void advertise(ros::NodeHandle own);
 
   // The loop's thread.
   void run();
   void cycle(double elapsed);
-  void publishJoints(const AxesState& state, const ros::Time& stamp);
-  void publishStatus(const AxesState& state, const ros::Time& stamp);
-  void publishEdges(const AxesState& state, const ros::Time& stamp);
+  void publishJoints(const MotionControl::Observation& seen, const ros::Time& stamp);
+  void publishStatus(const MotionControl::View& view, const ros::Time& stamp);
+  void publishMotion(const MotionControl::View& view, const ros::Time& stamp);
+  void publishEdges(const MotionControl::Observation& seen, const ros::Time& stamp);
   void publishTemperatures(const ros::Time& stamp);
+  ros::Time stampOf(double controllerTime, double host) const;
+
+  // The thread that moves.
+  void moveAll();
+  void execute(const Asked& asked);
+  AxesMotion motionOf(const measuring_machine::MoveGoal& goal) const;
+  void latchLaser(const std::string& feature, measuring_machine::MoveResult& result);
 
   // Threads of actions and services.
-  void executeMove(const measuring_machine::MoveGoalConstPtr& goal);
-  AxesMotion motionOf(const measuring_machine::MoveGoal& goal) const;
-  bool waitForMove(const AxesMotion& motion, bool probing, measuring_machine::MoveResult& result);
-  bool home(Trigger::Request& request, Trigger::Response& response);
-  bool stop(Trigger::Request& request, Trigger::Response& response);
-  bool emergencyStop(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
+  void takeGoal(Goal goal);
+  void cancelGoal(Goal goal);
+  bool home(TriggerCall& call);
+  bool homeAxes(HomeCall& call);
+  bool stop(TriggerCall& call);
+  bool emergencyStop(SwitchCall& call);
+  bool hold(TriggerCall& call, bool on);
+  bool take(Take::Request& request, Take::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
-  /// Waits for the next cycles until `done` says so. @return false when the node ends.
-  template <typename Done>
-  bool waitUntil(std::unique_lock<std::mutex>& lock, Done done);
 
-  std::shared_ptr<AxisController> controller_;
   Machine machine_;
-  std::vector<Joint> joints_;  // of the controller's axes
   double rate_, linearSpeed_, rotarySpeed_, temperatureRate_, timeFactor_;
   bool clock_;
   ros::Time clockStart_;
+  std::shared_ptr<AxisController> controller_;
+  MotionControl control_;
 
-  std::mutex mutex_;  // the controller and everything below
-  std::condition_variable cycled_;
-  AxesState state_;
-  std::string feature_, lost_;  // lost_: why the controller does not answer
-  ros::Time homedAt_;
-  std::vector<TravelTracker> trackers_;  // of each axis
-  std::vector<std::int8_t> travel_;      // of each axis: direction of its last motion; 0: none yet
-  bool homing_ = false, probing_ = false, tripped_ = false, stopAsked_ = false;
-  std::uint32_t unsuccessful_ = 0;
-  std::uint64_t cycles_ = 0, late_ = 0;
-  std::string shown_;  // the status as last published
-  ros::Time nextStatus_, nextTemperature_;
+  // Of the loop's thread.
+  MotionControl::Observation last_;
+  ros::Time homedAt_, lastStamp_;
+  std::vector<TravelTracker> trackers_;         // of each axis
+  std::vector<std::int8_t> travel_;             // of each axis: direction of its last motion; 0: none yet
+  std::string shown_, shownMotion_, lostSaid_;  // as last published
+  ros::Time nextStatus_, nextMotion_, nextTemperature_;
   ros::WallTime nextDiagnostics_;
+  std::atomic<std::uint64_t> cycles_{0}, late_{0};
 
-  ros::Publisher jointsOut_, statusOut_, latchOut_, temperaturesOut_, truthOut_, clockOut_;
-  ros::ServiceServer home_, stop_, emergencyStop_;
+  std::mutex reset_;
+  std::mutex goals_;  // the goals and the feature
+  std::condition_variable asked_;
+  std::unique_ptr<Asked> next_, now_;
+  bool cancelled_ = false;  // the goal that is under way
+  std::string feature_;
+
+  ros::Publisher jointsOut_, statusOut_, motionOut_, latchOut_, temperaturesOut_, truthOut_, clockOut_;
+  std::vector<ros::ServiceServer> services_;
+  ros::CallbackQueue stopQueue_, emergencyQueue_;
+  ros::AsyncSpinner stopSpinner_, emergencySpinner_;
   diagnostic_updater::Updater updater_;
   std::unique_ptr<MoveServer> moveServer_;
   std::atomic<bool> ending_{false};
-  std::thread thread_;
+  std::thread thread_, mover_;
 };
 
 }  // namespace mm

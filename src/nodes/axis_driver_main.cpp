@@ -28,7 +28,11 @@ int main(int argc, char** argv) {
       throw mm::InputError("no controller is called '" + hardware + "' (parameter ~hardware)");
     const boost::shared_ptr<mm::AxisController> plugin = loader.createInstance(hardware);
     std::shared_ptr<mm::AxisController> controller(plugin.get(), [plugin](mm::AxisController*) {});
-    controller->open(machine, controllerParameters(own));
+    if (controller->interface() != mm::kControllerInterface)
+      throw mm::InputError("controller '" + hardware + "' was built with version " +
+                           std::to_string(controller->interface()) + " of axis_controller.h, this is " +
+                           std::to_string(mm::kControllerInterface) + "; build it again");
+    controller->open(mm::controllerSetup(machine, controllerParameters(own)));
     ros::AsyncSpinner spinner(4);
     mm::AxisDriver driver(node, own, controller, machine);
     spinner.start();

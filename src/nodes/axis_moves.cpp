@@ -2,165 +2,304 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "nodes/axis_driver.h"
 #include "ros_bridge/axis_messages.h"
 #include "ros_bridge/node_support.h"
 
 namespace mm {
+namespace {
 
-template <typename Done>
-bool AxisDriver::waitUntil(std::unique_lock<std::mutex>& lock, Done done) {
-  while (!ending_ && ros::ok()) {
-    if (!lost_.empty()) throw Error("the controller does not answer: " + lost_);
-    if (done()) return true;
-    cycled_.wait_for(lock, std::chrono::milliseconds(200));
-  }
-  return false;
+using MoveResult = measuring_machine::MoveResult;
+
+constexpr double kFeedbackPeriod = 0.05;  // s
+
+// The name of the node that made a goal is the beginning of the goal's id, in roscpp and in rospy.
+std::string senderOf(const std::string& goalId) {
+  const std::size_t dash = goalId.find('-');
+  return dash == std::string::npos || dash == 0 ? "somebody" : goalId.substr(0, dash);
+}
+
+}  // namespace
+
+void AxisDriver::advertise(ros::NodeHandle own) {
+  ros::NodeHandle stopping(own), emergency(own);
+  stopping.setCallbackQueue(&stopQueue_);
+  emergency.setCallbackQueue(&emergencyQueue_);
+  services_.push_back(emergency.advertiseService("emergency_stop", &AxisDriver::emergencyStop, this));
+  services_.push_back(stopping.advertiseService("stop", &AxisDriver::stop, this));
+  services_.push_back(stopping.advertiseService<TriggerCall>(
+      "hold", boost::function<bool(TriggerCall&)>([this](TriggerCall& call) { return hold(call, true); })));
+  services_.push_back(stopping.advertiseService<TriggerCall>(
+      "resume",
+      boost::function<bool(TriggerCall&)>([this](TriggerCall& call) { return hold(call, false); })));
+  services_.push_back(own.advertiseService("home", &AxisDriver::home, this));
+  services_.push_back(own.advertiseService("home_axes", &AxisDriver::homeAxes, this));
+  services_.push_back(own.advertiseService("take", &AxisDriver::take, this));
+  services_.push_back(
+      own.advertiseService<measuring_machine::SetOverrideRequest, measuring_machine::SetOverrideResponse>(
+          "override", [this](measuring_machine::SetOverrideRequest& request,
+                             measuring_machine::SetOverrideResponse& response) {
+            answer(response, [&] { control_.setOverride(request.share); });
+            return true;
+          }));
+  services_.push_back(own.advertiseService<std_srvs::TriggerRequest, std_srvs::TriggerResponse>(
+      "clear_alarm", [this](std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
+        answer(response, [&] {
+          control_.clearAlarm();
+          response.message = control_.view().state.homed ? "cleared" : "cleared; home again";
+        });
+        return true;
+      }));
+  services_.push_back(own.advertiseService<std_srvs::TriggerRequest, std_srvs::TriggerResponse>(
+      "move_off_limit", [this](std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
+        answer(response, [&] {
+          control_.moveOffLimit({"~move_off_limit", 0});
+          response.message = "off the limit";
+        });
+        return true;
+      }));
+  services_.push_back(
+      own.advertiseService<measuring_machine::BreakDeviceRequest, measuring_machine::BreakDeviceResponse>(
+          "break_device", [this](measuring_machine::BreakDeviceRequest& request,
+                                 measuring_machine::BreakDeviceResponse& response) {
+            answer(response, [&] { control_.breakDevice(request.fault); });
+            return true;
+          }));
 }
 
 AxesMotion AxisDriver::motionOf(const measuring_machine::MoveGoal& goal) const {
+  if (goal.kind > measuring_machine::MoveGoal::LASER)
+    throw InputError("the goal's kind is " + std::to_string(goal.kind) +
+                     "; possible are 0 (GO), 1 (PROBE) and 2 (LASER)");
   if (goal.name.size() != goal.position.size())
     throw InputError("the goal names " + std::to_string(goal.name.size()) + " joints and has " +
                      std::to_string(goal.position.size()) + " positions");
-  std::vector<double> target = state_.position;
+  const std::vector<double> here = control_.view().state.position;
+  if (here.size() != control_.axes().size()) throw Error("the controller has not said where its axes are");
+  std::vector<double> target = here;
   for (std::size_t i = 0; i < goal.name.size(); ++i) {
-    const auto& axes = controller_->axes();
+    const auto& axes = control_.axes();
     const auto found = std::find(axes.begin(), axes.end(), goal.name[i]);
     if (found == axes.end()) throw InputError("joint '" + goal.name[i] + "' is not moved by this driver");
+    if (std::count(goal.name.begin(), goal.name.end(), goal.name[i]) > 1)
+      throw InputError("joint '" + goal.name[i] + "' stands in the goal twice; give it once");
     target[found - axes.begin()] = goal.position[i];
   }
-  checkTarget(joints_, target);
+  checkTarget(control_.joints(), target);
+  for (const double speed : {goal.linear_speed, goal.rotary_speed})
+    if (!std::isfinite(speed) || speed < 0.0)
+      throw InputError("a speed of the goal is " + std::to_string(speed) +
+                       "; it must be above 0, or 0 for the driver's own");
   const double linear = goal.linear_speed > 0.0 ? goal.linear_speed : linearSpeed_;
   const double rotary = goal.rotary_speed > 0.0 ? goal.rotary_speed : rotarySpeed_;
-  const bool whole = static_cast<int>(joints_.size()) == machine_.jointCount();
-  if (goal.kind != measuring_machine::MoveGoal::PROBE || !whole)
-    return straightMotion(joints_, state_.position, target, linear, rotary);
-  const Eigen::Vector3d from = machine_.nominal(state_.position.data(), 0.0).position;
-  const double way = (machine_.nominal(target.data(), 0.0).position - from).norm();
-  if (way == 0.0)
-    throw InputError("a probing move needs a length above 0: the probe is at its target already");
-  return timedMotion(state_.position, target, way / linear);
-}
-
-bool AxisDriver::waitForMove(const AxesMotion& motion, bool probing, measuring_machine::MoveResult& result) {
-  std::unique_lock<std::mutex> lock(mutex_);
-  if (!state_.homed) throw Error("not homed; call ~home first");
-  if (homing_) throw Error("homing; wait until it is done");
-  if (probing && state_.probeClosed)
-    throw Error("the probe is closed before the probing move; retract it, or check whether it sticks");
-  const std::vector<double> from = state_.position;
-  double way = 0.0;
-  for (std::size_t j = 0; j < from.size(); ++j) way = std::max(way, std::abs(motion.target[j] - from[j]));
-  controller_->move(motion);
-  stopAsked_ = tripped_ = false;
-  probing_ = probing;
-  const std::uint64_t first = cycles_ + 1;  // the state must be newer than the command
-  std::uint64_t told = cycles_;
-  const bool ended = waitUntil(lock, [&] {
-    if (stopAsked_ || !state_.fault.empty() || moveServer_->isPreemptRequested()) return true;
-    if (cycles_ > told + rate_ / 20) {
-      told = cycles_;
-      double left = 0.0;
-      for (std::size_t j = 0; j < from.size(); ++j)
-        left = std::max(left, std::abs(motion.target[j] - state_.position[j]));
-      measuring_machine::MoveFeedback feedback;
-      feedback.progress = way > 0.0 ? std::clamp(1.0 - left / way, 0.0, 1.0) : 1.0;
-      feedback.name = controller_->axes();
-      feedback.position = state_.position;
-      moveServer_->publishFeedback(feedback);
-    }
-    return cycles_ > first && !state_.moving;
-  });
-  probing_ = false;
-  if (!state_.fault.empty()) throw Error(state_.fault);
-  if (stopAsked_) throw Error("stopped by ~stop");
-  if (!ended || moveServer_->isPreemptRequested()) {
-    controller_->stop();
-    return false;
+  const bool whole = static_cast<int>(control_.joints().size()) == machine_.jointCount();
+  AxesMotion motion;
+  if (goal.kind != measuring_machine::MoveGoal::PROBE || !whole) {
+    motion = straightMotion(control_.joints(), here, target, linear, rotary);
+  } else {
+    const Eigen::Vector3d from = machine_.nominal(here.data(), 0.0).position;
+    const double way = (machine_.nominal(target.data(), 0.0).position - from).norm();
+    if (way == 0.0)
+      throw InputError("a probing move needs a length above 0: the probe is at its target already");
+    motion = timedMotion(here, target, way / linear);
   }
-  result.tripped = tripped_;
-  if (probing) unsuccessful_ = tripped_ ? 0 : unsuccessful_ + 1;
-  return true;
+  motion.probing = goal.kind == measuring_machine::MoveGoal::PROBE;
+  checkSpeeds(control_.joints(), motion);
+  return motion;
 }
 
-void AxisDriver::executeMove(const measuring_machine::MoveGoalConstPtr& goal) {
-  using Goal = measuring_machine::MoveGoal;
-  measuring_machine::MoveResult result;
-  try {
-    AxesMotion motion;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      motion = motionOf(*goal);
-      motion.probing = goal->kind == Goal::PROBE;
-      feature_ = goal->feature;
-    }
-    if (!waitForMove(motion, motion.probing, result)) {
-      result.message = "cancelled";
-      moveServer_->setPreempted(result, result.message);
+// A goal of another than the one who moves is refused; one of the same replaces the one before.
+void AxisDriver::takeGoal(Goal goal) {
+  auto asked = std::make_unique<Asked>();
+  asked->goal = goal;
+  asked->stops = control_.stops();
+  asked->sender = senderOf(goal.getGoalID().id);
+  {
+    const std::lock_guard<std::mutex> lock(goals_);
+    const Asked* before = next_ ? next_.get() : now_.get();
+    if (before != nullptr && before->sender != asked->sender) {
+      MoveResult result;
+      result.outcome = MoveResult::REFUSED;
+      result.message =
+          "a motion by '" + before->sender + "' is under way; wait until it has ended, or call ~stop";
+      goal.setRejected(result, result.message);
       return;
     }
-    if (goal->kind == Goal::LASER) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      const std::optional<ProbeEdge> reading = controller_->readLaser();
-      result.tripped = reading.has_value();
-      if (reading) {
-        const ros::Time now = clock_ ? clockStart_ + ros::Duration(state_.time) : ros::Time::now();
-        latchOut_.publish(toLatchMessage(*reading, controller_->axes(),
-                                         now - ros::Duration(state_.time - reading->time), goal->feature));
-      }
+    if (next_) {
+      MoveResult result;
+      result.outcome = MoveResult::STOPPED;
+      result.message = "replaced by a newer goal";
+      next_->goal.setCanceled(result, result.message);
     }
-    moveServer_->setSucceeded(result);
-  } catch (const std::exception& e) {
-    result.message = e.what();
-    moveServer_->setAborted(result, result.message);
+    if (now_) cancelled_ = true;
+    goal.setAccepted();
+    next_ = std::move(asked);
+  }
+  asked_.notify_all();
+}
+
+void AxisDriver::cancelGoal(Goal goal) {
+  const std::lock_guard<std::mutex> lock(goals_);
+  if (now_ && now_->goal == goal) cancelled_ = true;
+  if (!next_ || !(next_->goal == goal)) return;
+  MoveResult result;
+  result.outcome = MoveResult::STOPPED;
+  result.message = "cancelled";
+  next_->goal.setCanceled(result, result.message);
+  next_.reset();
+}
+
+void AxisDriver::moveAll() {
+  while (!ending_) {
+    Asked asked;
+    {
+      std::unique_lock<std::mutex> lock(goals_);
+      asked_.wait(lock, [&] { return ending_ || next_; });
+      if (ending_) return;
+      now_ = std::move(next_);
+      cancelled_ = false;
+      feature_ = now_->goal.getGoal()->feature;
+      asked = *now_;
+    }
+    execute(asked);
+    const std::lock_guard<std::mutex> lock(goals_);
+    now_.reset();
   }
 }
 
-bool AxisDriver::home(Trigger::Request&, Trigger::Response& response) {
-  answer(response, [&] {
-    std::unique_lock<std::mutex> lock(mutex_);
-    if (state_.moving) throw Error("a motion is under way; call ~stop first");
-    controller_->home();
-    homing_ = true;
-    stopAsked_ = false;
-    const std::uint64_t first = cycles_ + 1;
-    const auto end = [&] { homing_ = false; };
-    try {
-      waitUntil(lock,
-                [&] { return stopAsked_ || !state_.fault.empty() || (cycles_ > first && !state_.moving); });
-    } catch (...) {
-      end();
-      throw;
+void AxisDriver::execute(const Asked& asked) {
+  const auto goal = asked.goal.getGoal();
+  Goal handle = asked.goal;
+  MoveResult result;
+  result.outcome = MoveResult::REFUSED;
+  const auto finish = [&](void (Goal::*how)(const MoveResult&, const std::string&)) {
+    {
+      // A result may be answered with the next goal at once: it must not meet this one.
+      const std::lock_guard<std::mutex> lock(goals_);
+      now_.reset();
     }
-    end();
-    if (!state_.homed)
-      throw Error("homing did not end: " + (state_.fault.empty() ? "stopped" : state_.fault));
+    (handle.*how)(result, result.message);
+  };
+  try {
+    const AxesMotion motion = motionOf(*goal);
+    const std::vector<double> from = control_.view().state.position;
+    double way = 0.0;
+    for (std::size_t j = 0; j < from.size(); ++j) way = std::max(way, std::abs(motion.target[j] - from[j]));
+    ros::WallTime told;
+    const auto watch = [&](const AxesState& state) {
+      {
+        const std::lock_guard<std::mutex> lock(goals_);
+        if (cancelled_) return false;
+      }
+      const ros::WallTime now = ros::WallTime::now();
+      if (now - told < ros::WallDuration(kFeedbackPeriod)) return true;
+      told = now;
+      double left = 0.0;
+      for (std::size_t j = 0; j < from.size(); ++j)
+        left = std::max(left, std::abs(motion.target[j] - state.position[j]));
+      measuring_machine::MoveFeedback feedback;
+      feedback.progress = way > 0.0 ? std::clamp(1.0 - left / way, 0.0, 1.0) : 1.0;
+      feedback.held = state.held;
+      feedback.name = control_.axes();
+      feedback.position = state.position;
+      handle.publishFeedback(feedback);
+      return true;
+    };
+    const MotionControl::Report report =
+        control_.move(motion, {asked.sender, goal->ticket}, asked.stops, watch);
+    result.outcome = static_cast<std::uint8_t>(report.outcome);
+    result.tripped = motion.probing && report.outcome == Outcome::kTripped;
+    result.message = report.message;
+    const bool done = report.outcome == Outcome::kReached || result.tripped;
+    if (done && goal->kind == measuring_machine::MoveGoal::LASER) latchLaser(goal->feature, result);
+    if (done) return finish(&Goal::setSucceeded);
+    if (report.outcome == Outcome::kStopped && result.message.rfind("cancelled", 0) == 0)
+      return finish(&Goal::setCanceled);
+    finish(&Goal::setAborted);
+  } catch (const std::exception& e) {
+    result.message = e.what();
+    finish(&Goal::setAborted);
+  }
+}
+
+void AxisDriver::latchLaser(const std::string& feature, measuring_machine::MoveResult& result) {
+  const std::optional<ProbeEdge> reading = control_.readLaser();
+  result.tripped = reading.has_value();
+  if (!reading) return;
+  latchOut_.publish(toLatchMessage(*reading, control_.axes(),
+                                   stampOf(reading->time, control_.toHost(reading->time)), feature));
+}
+
+bool AxisDriver::home(TriggerCall& call) {
+  auto& response = call.getResponse();
+  answer(response, [&] {
+    control_.home({}, {call.getCallerName(), 0});
     response.message = "homed";
   });
   return true;
 }
 
-bool AxisDriver::stop(Trigger::Request&, Trigger::Response& response) {
+bool AxisDriver::homeAxes(HomeCall& call) {
+  auto& response = call.getResponse();
   answer(response, [&] {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    controller_->stop();
-    stopAsked_ = true;
-    response.message = "stopped";
+    control_.home(call.getRequest().name, {call.getCallerName(), 0});
+    response.message = control_.view().state.homed ? "homed" : "homed; other axes are not";
   });
-  cycled_.notify_all();
   return true;
 }
 
-bool AxisDriver::emergencyStop(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+bool AxisDriver::stop(TriggerCall& call) {
+  auto& response = call.getResponse();
   answer(response, [&] {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (request.data)
-      controller_->emergencyStop();
-    else
-      controller_->resetEmergencyStop();
-    response.message = request.data ? "emergency stop" : "reset; home again";
+    control_.stop(call.getCallerName());
+    response.message = "stopped: the axes rest";
   });
-  cycled_.notify_all();
+  return true;
+}
+
+bool AxisDriver::emergencyStop(SwitchCall& call) {
+  auto& response = call.getResponse();
+  answer(response, [&] {
+    if (!call.getRequest().data) {
+      // At most one at a time, so that the other thread is free for an emergency stop.
+      const std::unique_lock<std::mutex> alone(reset_, std::try_to_lock);
+      if (!alone.owns_lock()) throw Error("a reset is under way");
+      control_.resetEmergencyStop();
+      response.message = "reset; home again";
+      return;
+    }
+    const std::string failed = control_.emergencyStop(call.getCallerName());
+    if (!failed.empty())
+      throw Error("the emergency stop did not reach the controller: " + failed + "; use its button");
+    response.message = "emergency stop";
+  });
+  return true;
+}
+
+bool AxisDriver::hold(TriggerCall& call, bool on) {
+  auto& response = call.getResponse();
+  answer(response, [&] {
+    control_.hold(on);
+    response.message = on ? "feed hold; ~resume goes on" : "goes on";
+  });
+  return true;
+}
+
+bool AxisDriver::take(Take::Request& request, Take::Response& response) {
+  answer(response, [&] {
+    if (request.seconds == 0.0) {
+      control_.owner().give(request.ticket);
+      response.message = "given back";
+      return;
+    }
+    if (!(request.seconds > 0.0 && request.seconds <= 3600.0))
+      throw InputError("'seconds' is " + std::to_string(request.seconds) +
+                       "; it must be above 0, up to 3600");
+    if (request.owner.empty()) throw InputError("'owner' is empty; say who moves");
+    response.ticket = control_.owner().take({request.owner, request.ticket}, request.seconds);
+    response.message = "the axes belong to '" + request.owner + "'";
+  });
   return true;
 }
 

@@ -1,5 +1,6 @@
 #include "nodes/measure_node.h"
 
+#include <measuring_machine/TakeMotion.h>
 #include <std_msgs/String.h>
 
 #include <chrono>
@@ -14,6 +15,9 @@ namespace {
 
 const ros::WallDuration kShortWait(0.02);  // s between looks at pause and cancel
 
+constexpr double kTicket = 5.0;   // s that the axes are taken for
+constexpr double kRenewal = 1.0;  // s between renewals
+
 const char* const kDriverGone = "the axis driver has gone; home again, then go on from this move";
 
 }  // namespace
@@ -24,10 +28,30 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
       axes_("axis_driver/move", true),
       server_(
           own, "run", [this](const measuring_machine::MeasureGoalConstPtr& goal) { execute(goal); }, false) {
-  refuseUnknownParameters(own, {"retries", "give_up", "contact_timeout"});
+  refuseUnknownParameters(own, {"retries", "give_up", "contact_timeout", "release_timeout"});
   retries_ = static_cast<int>(numberParameter(own, "retries", 2, 0, 100));
   giveUp_ = static_cast<int>(numberParameter(own, "give_up", 3, 1, 1000));
   contactTimeout_ = numberParameter(own, "contact_timeout", 1.0, 0.01, 100.0);
+  releaseTimeout_ = numberParameter(own, "release_timeout", 2.0, 0.01, 100.0);
+  take_ = node.serviceClient<measuring_machine::TakeMotion>("axis_driver/take");
+  statusIn_ = node.subscribe<measuring_machine::AxisStatus>(
+      "axis_driver/status", 100, [this](const measuring_machine::AxisStatusConstPtr& message) {
+        {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          status_ = *message;
+        }
+        contact_.notify_all();
+      });
+  motionIn_ = node.subscribe<measuring_machine::MotionStatus>(
+      "axis_driver/motion", 100, [this](const measuring_machine::MotionStatusConstPtr& message) {
+        {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          motion_ = *message;
+        }
+        contact_.notify_all();
+      });
+  renewal_ =
+      node.createWallTimer(ros::WallDuration(kRenewal), [this](const ros::WallTimerEvent&) { renew(); });
   artifactOut_ = node.advertise<measuring_machine::Artifact>("artifact", 10, true);
   measuredOut_ = own.advertise<measuring_machine::Measured>("measured", 10, true);
   descriptionOut_ = node.advertise<std_msgs::String>("robot_description", 10, true);
@@ -127,6 +151,12 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
                        std::to_string(plan.moves.size() - 1));
     if (!axes_.waitForServer(ros::Duration(5.0)))
       throw Error("the axis driver does not answer; is the node axis_driver running?");
+    takeAxes(plan.name.empty() ? plan.source : plan.name);
+    struct Give {
+      MeasureNode& node;
+      ~Give() { node.giveAxes(); }
+    } const give{*this};
+    requireOpenProbe("before the plan");
     announce(plan, goal->first > 0);
     runFrom(plan, goal->first);
     fill("done");
@@ -174,6 +204,68 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
   server_.publishFeedback(feedback_);
 }
 
+void MeasureNode::takeAxes(const std::string& plan) {
+  measuring_machine::TakeMotion take;
+  take.request.owner = ros::this_node::getName() + " (" + plan + ")";
+  take.request.seconds = kTicket;
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    contact_.wait_for(lock, std::chrono::seconds(5), [this] { return motion_.has_value(); });
+    if (!motion_) throw Error(kDriverGone);
+    stopsBefore_ = motion_->stops;
+    lostTicket_.clear();
+  }
+  if (!take_.call(take)) throw Error(kDriverGone);
+  if (!take.response.success) throw Error(take.response.message);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ticket_ = take.response.ticket;
+}
+
+void MeasureNode::renew() {
+  measuring_machine::TakeMotion take;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    take.request.ticket = ticket_;
+  }
+  if (take.request.ticket == 0) return;
+  take.request.owner = ros::this_node::getName();
+  take.request.seconds = kTicket;
+  const bool answered = take_.call(take);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!answered || take.response.success || ticket_ != take.request.ticket) return;
+  lostTicket_ = take.response.message;
+  contact_.notify_all();
+}
+
+void MeasureNode::giveAxes() {
+  measuring_machine::TakeMotion give;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    give.request.ticket = ticket_;
+    ticket_ = 0;
+  }
+  give.request.owner = ros::this_node::getName();
+  take_.call(give);
+}
+
+void MeasureNode::goOn() {
+  if (server_.isPreemptRequested() || !ros::ok()) throw Cancelled("cancelled");
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (motion_ && motion_->stops != stopsBefore_)
+    throw Error("the plan was ended: stopped by " + motion_->stopped_by);
+  if (!lostTicket_.empty()) throw Error("the plan was ended: " + lostTicket_);
+}
+
+// After backing off the probe opens; what stays closed sticks, or stands in something.
+void MeasureNode::requireOpenProbe(const std::string& when) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (contact_.wait_for(lock, std::chrono::duration<double>(releaseTimeout_),
+                        [this] { return status_.probe_closed == 0; }))
+    return;
+  throw Error("the probe is closed before the probing move (" + when +
+              "); retract it, or check whether it sticks");
+}
+
 bool MeasureNode::measure(const Plan& plan, const PlanMove& move) {
   for (int attempt = 0; attempt <= retries_; ++attempt) {
     if (move.kind == MoveKind::kTouch) {
@@ -194,6 +286,7 @@ bool MeasureNode::touch(const Plan& plan, const PlanMove& move) {
   using Goal = measuring_machine::MoveGoal;
   drive(plan, Goal::GO, move.position, 0.0, {});
   pauseFor(move.wait);
+  requireOpenProbe("touch of line " + std::to_string(move.line));
   const std::uint64_t before = contactsSeen();
   const bool tripped = drive(plan, Goal::PROBE, move.target, move.speed, feedback_.feature);
   const bool contact = tripped && waitForContact(before);
@@ -210,9 +303,11 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   goal.linear_speed = speed > 0.0 ? speed : plan.rapid;
   goal.rotary_speed = plan.rapidRotary;
   goal.feature = feature;
+  goOn();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     arrived_ = false;
+    goal.ticket = ticket_;
   }
   axes_.sendGoal(
       goal, [this](const actionlib::SimpleClientGoalState&, const measuring_machine::MoveResultConstPtr&) {
@@ -246,14 +341,14 @@ bool MeasureNode::waitForArrival(double wallSeconds) {
 void MeasureNode::pauseFor(double seconds) {
   const ros::Time end = ros::Time::now() + ros::Duration(seconds);
   while (seconds > 0.0 && ros::Time::now() < end) {
-    if (server_.isPreemptRequested() || !ros::ok()) throw Cancelled("cancelled");
+    goOn();
     kShortWait.sleep();
   }
 }
 
 void MeasureNode::holdWhilePaused() {
   while (paused_) {
-    if (server_.isPreemptRequested() || !ros::ok()) throw Cancelled("cancelled");
+    goOn();
     kShortWait.sleep();
     if (feedback_.paused) continue;
     feedback_.paused = true;
@@ -284,7 +379,8 @@ bool MeasureNode::waitForContact(std::uint64_t before) {
   // By both clocks: simulated time may run faster than messages travel.
   const ros::Time end = ros::Time::now() + ros::Duration(contactTimeout_);
   const ros::WallTime wallEnd = ros::WallTime::now() + ros::WallDuration(contactTimeout_);
-  while (contacts_ == before && ros::ok() && (ros::Time::now() < end || ros::WallTime::now() < wallEnd))
+  while (contacts_ == before && ros::ok() && motion_ && motion_->stops == stopsBefore_ &&
+         (ros::Time::now() < end || ros::WallTime::now() < wallEnd))
     contact_.wait_for(lock, std::chrono::milliseconds(20));
   return contacts_ != before;
 }

@@ -2,8 +2,10 @@
 #include <actionlib/client/simple_action_client.h>
 #include <actionlib/server/simple_action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <measuring_machine/AxisStatus.h>
 #include <measuring_machine/MeasureAction.h>
 #include <measuring_machine/Measured.h>
+#include <measuring_machine/MotionStatus.h>
 #include <measuring_machine/MoveAction.h>
 #include <measuring_machine/ProbeContact.h>
 #include <ros/ros.h>
@@ -12,6 +14,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 
 #include "machine/machine.h"
 #include "session/plan.h"
@@ -20,8 +23,9 @@ namespace mm {
 
 /// Runs a measurement plan on the axis and probe nodes. Action `~run`; service `~pause`. Publishes the plan's
 /// `artifact` and `robot_description`, latched: with them a session begins; `~measured`, its contacts so far.
+/// Owns the axes while it runs: a stop takes its ticket away, and so ends the plan wherever it is.
 /// Parameters: `retries` of a touch, `give_up` (misses in a row that end the plan), `contact_timeout` (s
-/// between a trip and its contact).
+/// between a trip and its contact), `release_timeout` (s for the probe to open after it was backed off).
 class MeasureNode {
  public:
   MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
@@ -41,6 +45,12 @@ class MeasureNode {
   bool drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position, double speed,
              const std::string& feature);
   bool waitForArrival(double wallSeconds);
+  void takeAxes(const std::string& plan);
+  void renew();
+  void giveAxes();
+  /// Ends the plan when it was cancelled, or the axes were stopped. @throw Cancelled, Error
+  void goOn();
+  void requireOpenProbe(const std::string& when);
   void pauseFor(double seconds);
   void holdWhilePaused();
   void tell(const Plan& plan, std::size_t move);
@@ -51,7 +61,7 @@ class MeasureNode {
 
   Machine machine_;
   int retries_, giveUp_;
-  double contactTimeout_;
+  double contactTimeout_, releaseTimeout_;
   measuring_machine::MeasureFeedback feedback_;
   std::atomic<bool> paused_{false};
   std::uint32_t measured_ = 0;  // contacts in the session
@@ -61,8 +71,15 @@ class MeasureNode {
   std::condition_variable contact_;  // or arrival
   bool arrived_ = false;             // the move under way has ended
   std::uint64_t contacts_ = 0;       // seen on /probe/contact
+  std::uint64_t ticket_ = 0;         // of the axes; 0: none
+  std::uint32_t stopsBefore_ = 0;    // when the ticket was taken
+  std::string lostTicket_;           // why the ticket was not renewed
+  measuring_machine::AxisStatus status_;
+  std::optional<measuring_machine::MotionStatus> motion_;
   ros::Publisher artifactOut_, descriptionOut_, measuredOut_;
-  ros::Subscriber contactIn_;
+  ros::Subscriber contactIn_, statusIn_, motionIn_;
+  ros::ServiceClient take_;
+  ros::WallTimer renewal_;
   ros::ServiceServer pause_;
   std::mutex saidMutex_;
   std::string said_;  // how the last plan ended

@@ -1,6 +1,7 @@
 #include "nodes/probe_node.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "base/error.h"
 #include "ros_bridge/axis_messages.h"
@@ -27,10 +28,22 @@ ProbeNode::ProbeNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& m
       debounce_(debounceFrom(own)),
       silentMoves_(static_cast<int>(numberParameter(own, "silent_moves", 3, 1, 1000))),
       updater_(node, own, ros::this_node::getName()) {
-  refuseUnknownParameters(own, {"settle", "longest", "stuck", "silent_moves"});
+  refuseUnknownParameters(own, {"settle", "longest", "stuck", "silent_moves", "drivers", "latch_tolerance",
+                                "rotary_latch_tolerance"});
   contactsOut_ = node.advertise<measuring_machine::ProbeContact>("probe/contact", 1000);
-  latchIn_ = node.subscribe("axis_driver/latch", 1000, &ProbeNode::takeLatch, this);
-  statusIn_ = node.subscribe("axis_driver/status", 100, &ProbeNode::takeStatus, this);
+  tolerance_.linear = numberParameter(own, "latch_tolerance", tolerance_.linear, 0.0, 1.0);
+  tolerance_.rotary = numberParameter(own, "rotary_latch_tolerance", tolerance_.rotary, 0.0, 1.0);
+  std::istringstream drivers(textParameter(own, "drivers", "axis_driver"));
+  std::string first;
+  if (!(drivers >> first))
+    throw InputError("parameter ~drivers is empty; name the driver that has the probe");
+  latchIn_ = node.subscribe(first + "/latch", 1000, &ProbeNode::takeLatch, this);
+  statusIn_ = node.subscribe(first + "/status", 100, &ProbeNode::takeStatus, this);
+  for (std::string other; drivers >> other;)
+    othersIn_.push_back(node.subscribe<measuring_machine::ProbeLatch>(
+        other + "/latch", 1000, [this](const measuring_machine::ProbeLatchConstPtr& latch) {
+          if (latch->closed && !latch->position.empty()) others_.push_back(*latch);
+        }));
   artifactIn_ = node.subscribe<measuring_machine::Artifact>(
       "artifact", 1, [this](const measuring_machine::ArtifactConstPtr& message) {
         try {
@@ -68,6 +81,7 @@ void ProbeNode::poll(const ros::TimerEvent&) {
       }
   while (!closings_.empty() && (contact || now - closings_.front().header.stamp > ros::Duration(1.0)))
     closings_.pop_front();
+  while (!others_.empty() && now - others_.front().header.stamp > ros::Duration(2.0)) others_.pop_front();
   const std::string wrong = complaint();
   if (wrong != said_ && !wrong.empty()) ROS_WARN("%s", wrong.c_str());
   if (wrong != said_) updater_.force_update();
@@ -77,7 +91,9 @@ void ProbeNode::poll(const ros::TimerEvent&) {
 
 void ProbeNode::publish(const measuring_machine::ProbeLatch& latch) {
   try {
-    measuring_machine::ProbeContact contact = toContactMessage(latch, machine_);
+    const std::vector<measuring_machine::ProbeLatch> others(others_.begin(), others_.end());
+    measuring_machine::ProbeContact contact =
+        toContactMessage(joinLatches(latch, others, machine_, tolerance_), machine_);
     if (contact.feature.empty()) contact.feature = featureAt(contact);
     contactsOut_.publish(contact);
     ++contacts_;

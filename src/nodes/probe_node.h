@@ -10,15 +10,19 @@
 #include <optional>
 
 #include "drivers/probe_debounce.h"
+#include "ros_bridge/axis_messages.h"
 #include "session/session.h"
 
 namespace mm {
 
 /// Makes `/probe/contact` of what the motion controller latched: debounced, only with the position of the
 /// trip, and with the ball that was meant (or, for a move that names none, the one that is there).
-/// Subscribes to `axis_driver/latch`, `axis_driver/status`, `artifact`. Parameters: `settle`, `longest`,
-/// `stuck` (s, as in ProbeDebounce), `silent_moves` (probing moves without a trip until it is said). One
-/// thread.
+/// Where several drivers move the joints, a contact is made of the latches of all: the first of `drivers` has
+/// the probe's switch, and the others' latches must be of the same trip, or there is no contact.
+/// Subscribes to `<driver>/latch` of each, `<driver>/status` of the first, `artifact`. Parameters: `drivers`
+/// (names, with blanks between), `latch_tolerance` (m) and `rotary_latch_tolerance` (rad) by which a joint
+/// may move between two latches, `settle`, `longest`, `stuck` (s, as in ProbeDebounce), `silent_moves`
+/// (probing moves without a trip until it is said). One thread.
 class ProbeNode {
  public:
   ProbeNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
@@ -35,6 +39,9 @@ class ProbeNode {
   Machine machine_;
   ProbeDebounce debounce_;
   std::deque<measuring_machine::ProbeLatch> closings_;  // not yet confirmed
+  std::deque<measuring_machine::ProbeLatch> others_;    // of the other drivers, of the last while
+  LatchTolerance tolerance_;
+  std::vector<ros::Subscriber> othersIn_;
   measuring_machine::AxisStatus status_;
   std::optional<Artifact> artifact_;
   std::string said_, refusal_;

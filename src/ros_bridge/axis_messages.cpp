@@ -53,6 +53,8 @@ measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::v
   message.velocity = edge.velocity;
   message.laser_reading = edge.laserReading;
   message.feature = feature;
+  message.time_uncertainty = edge.timeUncertainty;
+  message.actual = edge.actual;
   return message;
 }
 
@@ -64,7 +66,47 @@ ProbeEdge fromMessage(const measuring_machine::ProbeLatch& message) {
   edge.position = message.position;
   edge.velocity = message.velocity;
   edge.laserReading = message.laser_reading;
+  edge.timeUncertainty = message.time_uncertainty;
+  edge.actual = message.actual != 0;
   return edge;
+}
+
+measuring_machine::ProbeLatch joinLatches(const measuring_machine::ProbeLatch& first,
+                                          const std::vector<measuring_machine::ProbeLatch>& others,
+                                          const Machine& machine, const LatchTolerance& tolerance) {
+  measuring_machine::ProbeLatch joined = first;
+  joined.velocity.resize(joined.name.size(), std::nan(""));
+  for (const Joint& joint : machine.joints()) {
+    if (std::count(joined.name.begin(), joined.name.end(), joint.name) > 0) continue;
+    const measuring_machine::ProbeLatch* nearest = nullptr;
+    std::size_t place = 0;
+    for (const measuring_machine::ProbeLatch& other : others) {
+      const auto found = std::find(other.name.begin(), other.name.end(), joint.name);
+      const std::size_t i = static_cast<std::size_t>(found - other.name.begin());
+      if (found == other.name.end() || i >= other.position.size()) continue;
+      const auto away = [&](const measuring_machine::ProbeLatch& latch) {
+        return std::abs((latch.header.stamp - first.header.stamp).toSec());
+      };
+      if (nearest != nullptr && away(other) >= away(*nearest)) continue;
+      nearest = &other;
+      place = i;
+    }
+    if (nearest == nullptr) continue;  // said by whoever needs it
+    const double apart = std::abs((nearest->header.stamp - first.header.stamp).toSec()) +
+                         nearest->time_uncertainty + first.time_uncertainty;
+    const double velocity = place < nearest->velocity.size() ? nearest->velocity[place] : std::nan("");
+    const bool turns = joint.kind == JointKind::kRotary;
+    const double moved = velocity == 0.0 ? 0.0 : std::abs(velocity) * apart;
+    if (!(moved <= (turns ? tolerance.rotary : tolerance.linear)))
+      throw InputError("joint '" + joint.name + "' was latched by another controller within " +
+                       std::to_string(1e3 * apart) + " ms, uncertainties included, while it moved at " +
+                       std::to_string(velocity) + (turns ? " rad/s" : " m/s") +
+                       "; the latches are not synchronised, no contact was published");
+    joined.name.push_back(joint.name);
+    joined.position.push_back(nearest->position[place]);
+    joined.velocity.push_back(velocity);
+  }
+  return joined;
 }
 
 measuring_machine::ProbeContact toContactMessage(const measuring_machine::ProbeLatch& latch,

@@ -32,6 +32,18 @@ measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::v
 /// `time` is the stamp in s: differences of such times are good to a microsecond.
 ProbeEdge fromMessage(const measuring_machine::ProbeLatch& message);
 
+/// How far latches of several controllers may be apart, by what the joints move in the time between them.
+struct LatchTolerance {
+  double linear = 0.1e-6;  // m
+  double rotary = 1e-6;    // rad
+};
+/// The latch of one controller with the joints that others latched at the same trip: of each other the one
+/// nearest in time. @throw InputError naming the joint that moved by more than the tolerance between the
+/// latches, their uncertainties included: the latches are not synchronised.
+measuring_machine::ProbeLatch joinLatches(const measuring_machine::ProbeLatch& first,
+                                          const std::vector<measuring_machine::ProbeLatch>& others,
+                                          const Machine& machine, const LatchTolerance& tolerance);
+
 /// The contact that a latched edge is. @param machine gives the direction of the approach: that of the tip's
 /// motion by the latched velocities, or along the beam for a laser; zero at standstill.
 /// @throw InputError when a joint of the machine is missing in the message.

@@ -17,14 +17,14 @@ class SimulatedControllerTest : public ::testing::Test {
  protected:
   void open(AxisController::Parameters parameters = {}) {
     parameters.emplace("plan", "config/plans/nine_ball_plate.yaml");
-    controller_.open(machine_, parameters);
+    controller_.open(controllerSetup(machine_, parameters));
     state_ = controller_.poll(0.0);
   }
   void run(double seconds) {
     for (double t = 0.0; t < seconds; t += kTick) state_ = controller_.poll(kTick);
   }
   void homeAxes() {
-    controller_.home();
+    controller_.home({0, 1, 2});
     run(3.0);
     ASSERT_TRUE(state_.homed);
   }
@@ -60,8 +60,8 @@ TEST_F(SimulatedControllerTest, AxesArriveTogetherAtTheSpeedAsked) {
   homeAxes();
   controller_.move(straightMotion(machine_.joints(), state_.position, {0.010, 0.005, 0.0}, 0.010, 1.0));
   run(0.5);
-  EXPECT_NEAR(state_.position[0], 0.005, 2e-5);
-  EXPECT_NEAR(state_.position[1], 0.0025, 1e-5);
+  EXPECT_NEAR(state_.position[0], 0.005 - 1e-4, 2e-5) << "10 mm/s after 20 ms of acceleration";
+  EXPECT_NEAR(state_.position[1], 0.0025 - 0.5e-4, 1e-5);
   EXPECT_NEAR(state_.velocity[0], 0.010, 1e-9);
   EXPECT_TRUE(state_.moving);
   run(0.6);
@@ -78,12 +78,14 @@ TEST_F(SimulatedControllerTest, StopStopsAndEmergencyStopNeedsHoming) {
   controller_.stop();
   const double there = state_.position[0];
   run(0.2);
-  EXPECT_EQ(state_.position[0], there);
+  EXPECT_FALSE(state_.moving);
+  EXPECT_EQ(state_.outcome, Outcome::kStopped);
+  EXPECT_NEAR(state_.position[0] - there, 1e-4, 3e-5) << "from 10 mm/s with 0.5 m/s^2";
   controller_.emergencyStop();
   run(0.01);
   EXPECT_TRUE(state_.emergencyStop);
   EXPECT_FALSE(state_.homed);
-  EXPECT_THROW(controller_.home(), Error);
+  EXPECT_THROW(controller_.home({0, 1, 2}), Error);
   controller_.resetEmergencyStop();
   EXPECT_THROW(controller_.move(straightMotion(machine_.joints(), state_.position, {0, 0, 0}, 0.01, 1.0)),
                Error);
@@ -122,7 +124,7 @@ TEST_F(SimulatedControllerTest, FaultsOfTheProbe) {
   EXPECT_TRUE(controller_.takeProbeEdges().empty());
   EXPECT_FALSE(state_.probeClosed);
   SimulatedController stuck;
-  stuck.open(machine_, {{"fault", "probe_stuck"}});
+  stuck.open(controllerSetup(machine_, {{"fault", "probe_stuck"}}));
   EXPECT_TRUE(stuck.poll(kTick).probeClosed);
 }
 
@@ -132,15 +134,75 @@ TEST_F(SimulatedControllerTest, TemperaturesFrozenOrLost) {
   run(1.0);
   EXPECT_EQ(first, controller_.temperatures());
   SimulatedController lost;
-  lost.open(machine_, {{"fault", "temperature_lost"}});
+  lost.open(controllerSetup(machine_, {{"fault", "temperature_lost"}}));
   EXPECT_TRUE(std::isnan(lost.temperatures().at(0).second));
   EXPECT_FALSE(std::isnan(lost.temperatures().at(1).second));
+}
+
+TEST_F(SimulatedControllerTest, HoldOverrideAndHomingByAxis) {
+  open();
+  controller_.home({2});
+  run(1.0);
+  EXPECT_EQ(state_.axisHomed, (std::vector<bool>{false, false, true}));
+  EXPECT_FALSE(state_.homed);
+  homeAxes();
+  controller_.setOverride(0.5);
+  controller_.move(straightMotion(machine_.joints(), state_.position, {0.010, 0.0, 0.0}, 0.010, 1.0));
+  run(0.3);
+  EXPECT_NEAR(state_.velocity[0], 0.005, 1e-9);
+  controller_.feedHold(true);
+  run(0.1);
+  EXPECT_TRUE(state_.held);
+  const double there = state_.position[0];
+  run(0.1);
+  EXPECT_EQ(state_.position[0], there);
+  controller_.feedHold(false);
+  run(3.0);
+  EXPECT_EQ(state_.outcome, Outcome::kReached);
+  EXPECT_EQ(state_.position[0], 0.010);
+}
+
+TEST_F(SimulatedControllerTest, BreaksAsItIsTold) {
+  open();
+  homeAxes();
+  const AxesState good = state_;
+  controller_.breakDevice("stuck");
+  EXPECT_EQ(controller_.poll(kTick).time, good.time);
+  controller_.breakDevice("garbage");
+  EXPECT_NE(controller_.poll(kTick).position, good.position);
+  controller_.breakDevice("wrong");
+  EXPECT_NEAR(controller_.poll(kTick).position[0], 5e-3, 1e-9);
+  controller_.breakDevice("slow");
+  run(1.0);
+  controller_.breakDevice("ok");
+  EXPECT_NEAR(controller_.poll(kTick).time - state_.time, 0.3, 2e-3);
+  controller_.breakDevice("intermittent");
+  int answered = 0, silent = 0;
+  for (int i = 0; i < 800; ++i) {
+    try {
+      controller_.poll(kTick);
+      ++answered;
+    } catch (const std::exception&) {
+      ++silent;
+    }
+  }
+  EXPECT_NEAR(answered, 400, 2);
+  EXPECT_NEAR(silent, 400, 2);
+  controller_.breakDevice("off");
+  EXPECT_THROW(controller_.poll(kTick), std::exception);
+  EXPECT_THROW(controller_.reconnect(), std::exception);
+  controller_.breakDevice("ok");
+  controller_.reconnect();
+  const AxesState after = controller_.poll(kTick);
+  EXPECT_FALSE(after.homed);
+  EXPECT_EQ(after.resets, good.resets + 1);
+  EXPECT_THROW(controller_.breakDevice("asleep"), InputError);
 }
 
 TEST(SimulatedController, UnknownParametersAreNamed) {
   SimulatedController controller;
   try {
-    controller.open(machine(), {{"sede", "1"}});
+    controller.open(controllerSetup(machine(), {{"sede", "1"}}));
     FAIL();
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("sede"), std::string::npos) << e.what();

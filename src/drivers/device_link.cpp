@@ -1,0 +1,185 @@
+#include "drivers/device_link.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <boost/asio.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <optional>
+
+#include "base/error.h"
+
+namespace mm {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr std::size_t kLongestLine = 4096;  // what is longer is no line of a controller
+
+}  // namespace
+
+struct DeviceLink::Port {
+  asio::io_context context;
+  std::optional<asio::ip::tcp::socket> socket;
+  std::optional<asio::serial_port> serial;
+  std::array<char, 1024> buffer;
+};
+
+double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+DeviceLink::DeviceLink(std::string address, LineHandler handler)
+    : address_(std::move(address)), handler_(std::move(handler)) {
+  const auto number = [&](const std::string& text, int highest) {
+    std::size_t used = 0;
+    int value = 0;
+    try {
+      value = std::stoi(text, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used == 0 || used != text.size() || value <= 0 || value > highest)
+      throw InputError("address '" + address_ + "': '" + text + "' is not a number from 1 to " +
+                       std::to_string(highest));
+    return value;
+  };
+  if (address_.rfind("tcp:", 0) == 0) {
+    const std::size_t colon = address_.rfind(':');
+    if (colon <= 4) throw InputError("address '" + address_ + "' has no port; write tcp:<host>:<port>");
+    host_ = address_.substr(4, colon - 4);
+    port_ = number(address_.substr(colon + 1), 65535);
+  } else if (address_.rfind("serial:", 0) == 0) {
+    device_ = address_.substr(7);
+    if (const std::size_t colon = device_.find(':'); colon != std::string::npos) {
+      baud_ = number(device_.substr(colon + 1), 10000000);
+      device_.resize(colon);
+    }
+    if (device_.empty()) throw InputError("address '" + address_ + "' names no device");
+  } else {
+    throw InputError("address '" + address_ + "' is neither tcp:<host>:<port> nor serial:<device>[:<baud>]");
+  }
+}
+
+DeviceLink::~DeviceLink() { close(); }
+
+void DeviceLink::connect(double timeout) {
+  close();
+  auto port = std::make_unique<Port>();
+  try {
+    if (device_.empty()) {
+      asio::ip::tcp::resolver resolver(port->context);
+      const auto found = resolver.resolve(host_, std::to_string(port_));
+      port->socket.emplace(port->context);
+      boost::system::error_code failed = asio::error::timed_out;
+      asio::async_connect(*port->socket, found,
+                          [&](const boost::system::error_code& code, const auto&) { failed = code; });
+      port->context.run_for(
+          std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(timeout)));
+      if (failed) {
+        port->socket->close();
+        port->context.restart();
+        port->context.run();
+        throw boost::system::system_error(failed);
+      }
+      port->context.restart();
+      port->socket->set_option(asio::ip::tcp::no_delay(true));
+      port->socket->native_non_blocking(true);
+    } else {
+      port->serial.emplace(port->context, device_);
+      port->serial->set_option(asio::serial_port::baud_rate(static_cast<unsigned>(baud_)));
+      port->serial->set_option(asio::serial_port::character_size(8));
+      port->serial->set_option(asio::serial_port::parity(asio::serial_port::parity::none));
+      port->serial->set_option(asio::serial_port::stop_bits(asio::serial_port::stop_bits::one));
+      port->serial->set_option(asio::serial_port::flow_control(asio::serial_port::flow_control::none));
+      port->serial->native_handle();
+    }
+  } catch (const boost::system::system_error& e) {
+    throw Error(address_ + ": cannot be opened: " + e.code().message());
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    open_ = std::move(port);
+    lost_.clear();
+    line_.clear();
+    connected_ = true;
+  }
+  answerAtOnce();
+  readOn();
+  thread_ = std::thread([this] { open_->context.run(); });
+}
+
+void DeviceLink::close() {
+  connected_ = false;
+  if (open_) {
+    asio::post(open_->context, [this] {
+      boost::system::error_code ignored;
+      if (open_->socket) open_->socket->close(ignored);
+      if (open_->serial) open_->serial->close(ignored);
+    });
+  }
+  if (thread_.joinable()) thread_.join();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  open_.reset();
+}
+
+std::string DeviceLink::lost() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return lost_;
+}
+
+void DeviceLink::lose(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (connected_ && lost_.empty()) lost_ = address_ + ": " + why;
+  connected_ = false;
+}
+
+void DeviceLink::readOn() {
+  const auto handle = [this](const boost::system::error_code& failed, std::size_t bytes) {
+    if (failed) return lose("the connection ended: " + failed.message());
+    take(bytes, steadySeconds());
+    answerAtOnce();
+    readOn();
+  };
+  if (open_->socket)
+    open_->socket->async_read_some(asio::buffer(open_->buffer), handle);
+  else
+    open_->serial->async_read_some(asio::buffer(open_->buffer), handle);
+}
+
+// A peer that sends small packets waits for the acknowledgement of each: 40 ms, unless it comes at once.
+void DeviceLink::answerAtOnce() {
+  if (!open_->socket) return;
+  const int on = 1;
+  ::setsockopt(open_->socket->native_handle(), IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
+}
+
+void DeviceLink::take(std::size_t bytes, double time) {
+  for (std::size_t i = 0; i < bytes; ++i) {
+    const char c = open_->buffer[i];
+    if (c == '\n' || c == '\r' || line_.size() >= kLongestLine) {
+      if (!line_.empty()) handler_(line_, time);
+      line_.clear();
+      if (c == '\n' || c == '\r') continue;
+    }
+    line_ += c;
+  }
+}
+
+void DeviceLink::write(const std::string& bytes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!connected_ || !open_) throw Error(lost_.empty() ? address_ + ": not connected" : lost_);
+  const ssize_t sent = open_->socket ? ::send(open_->socket->native_handle(), bytes.data(), bytes.size(),
+                                              MSG_NOSIGNAL | MSG_DONTWAIT)
+                                     : ::write(open_->serial->native_handle(), bytes.data(), bytes.size());
+  if (sent == static_cast<ssize_t>(bytes.size())) return;
+  throw Error(address_ + ": the device takes no bytes" +
+              (sent < 0 && errno != EAGAIN ? std::string(": ") + std::strerror(errno) : std::string()));
+}
+
+}  // namespace mm

@@ -1,0 +1,98 @@
+#pragma once
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "drivers/axis_map.h"
+#include "drivers/device_link.h"
+#include "drivers/grbl_protocol.h"
+
+namespace mm {
+
+/// A controller that speaks grbl 1.1 or grblHAL, on a serial line or a TCP port, with up to six axes.
+/// Positions come from status reports that are asked for; a probing motion is G38.3, and so is positioning
+/// unless `guard` is false: the control itself stops where the probe trips. Lines are sent by counting the
+/// characters that the control has not yet taken, so that real-time bytes never wait behind them.
+/// grbl has no clock: a state's time is the middle between question and answer on the host's steady clock.
+/// What is latched at a trip are commanded positions, in steps.
+/// Parameters: `address`, `axes`, `sign`, `zero` (as AxisMap), `report_rate` (Hz), `guard` (true, false),
+/// `homing_timeout` (s), `off_limit_mm`.
+class GrblController final : public AxisController {
+ public:
+  GrblController();
+  ~GrblController() override;
+
+  void open(const ControllerSetup& setup) override;
+  void reconnect() override;
+  void close() override;
+  const std::vector<std::string>& axes() const override { return map_->names(); }
+  Capabilities capabilities() const override;
+  AxesState poll(double elapsed) override;
+  void home(const std::vector<std::size_t>& axes) override;
+  void move(const AxesMotion& motion) override;
+  void clearAlarm() override;
+  void moveOffLimit() override;
+  void resetEmergencyStop() override;
+  std::vector<ProbeEdge> takeProbeEdges() override;
+  void stop() override;
+  void emergencyStop() override;
+  void feedHold(bool hold) override;
+  void setOverride(double share) override;
+
+ private:
+  enum class Task { kNone, kPlain, kJog, kGuarded, kProbing, kHoming };
+  // In the link's thread.
+  void take(const std::string& line, double time);
+  void takeReport(const GrblReport& report, double time);
+  void takeProbe(const GrblProbe& probe, double time);
+  void takeAnswer(int code);
+  void takeAlarm(int code);
+  void takeWelcome();
+  // With `mutex_` held.
+  void send(const std::string& line);
+  void pump();
+  void ask();
+  void finish(Outcome outcome, const std::string& note = {});
+  void forgetLines();
+  void endStop();
+  std::string block(const std::vector<double>& target, const std::vector<double>& from, double seconds) const;
+  void begin();
+  void awaitReady(double seconds);
+  double deceleration() const;
+
+  std::unique_ptr<AxisMap> map_;
+  std::unique_ptr<DeviceLink> link_;
+  double reportPeriod_ = 0.05, homingTimeout_ = 120.0, offLimit_ = 2.0;
+  bool guard_ = true;
+
+  mutable std::mutex mutex_;
+  std::map<int, double> settings_;
+  bool hal_ = false;
+  std::size_t buffer_ = 128;
+  std::deque<std::string> waiting_;   // lines that the control has no room for yet
+  std::deque<std::size_t> inFlight_;  // characters of lines that it has not answered
+  double asked_ = 0.0;                // s, of the last question; 0: answered
+  double lastAsked_ = 0.0, lastReport_ = 0.0, roundTrip_ = 0.0;
+  GrblReport report_;
+  std::vector<double> offset_;  // WCO
+  AxesState state_;
+  std::vector<bool> homed_;
+  std::vector<std::size_t> homing_;
+  Task task_ = Task::kNone;
+  bool answered_ = false;  // the line of the task was answered
+  bool begun_ = false;     // the control was seen to move, or the line was answered
+  bool clearing_ = false;
+  std::optional<bool> tripped_;
+  double taskBegan_ = 0.0;
+  AxesMotion motion_;
+  std::vector<double> lastDirection_;
+  std::vector<ProbeEdge> edges_;
+  std::string trouble_;  // why what arrives is not grbl
+  int damaged_ = 0;      // lines in a row that were not
+  std::atomic<bool> stopAsked_{false}, emergency_{false}, resetAsked_{false}, homes_{false};
+  std::atomic<double> stopSent_{0.0}, resetAt_{0.0};  // s
+};
+
+}  // namespace mm

@@ -1,0 +1,172 @@
+#include "drivers/grbl_protocol.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace mm {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, at);) parts.push_back(part);
+  return parts;
+}
+
+bool number(const std::string& text, double& value) {
+  if (text.empty() || text.find_first_not_of("+-.0123456789eE") != std::string::npos) return false;
+  char* end = nullptr;
+  value = std::strtod(text.c_str(), &end);
+  return *end == '\0' && std::isfinite(value);
+}
+
+bool numbers(const std::string& text, std::vector<double>& values) {
+  values.clear();
+  for (const std::string& part : split(text, ',')) {
+    double value = 0.0;
+    if (!number(part, value)) return false;
+    values.push_back(value);
+  }
+  return !values.empty();
+}
+
+std::optional<int> codeAfter(const std::string& line, const std::string& head) {
+  double value = 0.0;
+  if (line.rfind(head, 0) != 0 || !number(line.substr(head.size()), value)) return std::nullopt;
+  if (value < 0.0 || value > 255.0) return std::nullopt;
+  return static_cast<int>(value);
+}
+
+}  // namespace
+
+std::optional<GrblReport> parseGrblReport(const std::string& line) {
+  if (line.size() < 3 || line.front() != '<' || line.back() != '>') return std::nullopt;
+  const std::vector<std::string> fields = split(line.substr(1, line.size() - 2), '|');
+  if (fields.empty()) return std::nullopt;
+  GrblReport report;
+  const std::size_t colon = fields[0].find(':');
+  report.state = fields[0].substr(0, colon);
+  if (report.state.empty()) return std::nullopt;
+  double value = 0.0;
+  if (colon != std::string::npos) {
+    if (!number(fields[0].substr(colon + 1), value)) return std::nullopt;
+    report.substate = static_cast<int>(value);
+  }
+  for (std::size_t f = 1; f < fields.size(); ++f) {
+    const std::size_t at = fields[f].find(':');
+    if (at == std::string::npos) continue;
+    const std::string key = fields[f].substr(0, at), rest = fields[f].substr(at + 1);
+    std::vector<double> values;
+    if (key == "Pn") {
+      report.pins = rest;
+      continue;
+    }
+    if (key != "MPos" && key != "WPos" && key != "WCO" && key != "FS" && key != "F" && key != "Ov") continue;
+    if (!numbers(rest, values)) return std::nullopt;
+    if (key == "MPos") report.machine = values;
+    if (key == "WPos") report.work = values;
+    if (key == "WCO") report.offset = values;
+    if (key == "FS" || key == "F") report.feed = values[0];
+    if (key == "Ov") report.feedOverride = static_cast<int>(values[0]);
+  }
+  if (report.machine.empty() && report.work.empty()) return std::nullopt;
+  return report;
+}
+
+std::optional<GrblProbe> parseGrblProbe(const std::string& line) {
+  if (line.rfind("[PRB:", 0) != 0 || line.back() != ']') return std::nullopt;
+  const std::vector<std::string> parts = split(line.substr(5, line.size() - 6), ':');
+  GrblProbe probe;
+  if (parts.size() != 2 || !numbers(parts[0], probe.machine) || (parts[1] != "0" && parts[1] != "1"))
+    return std::nullopt;
+  probe.tripped = parts[1] == "1";
+  return probe;
+}
+
+std::optional<std::pair<int, double>> parseGrblSetting(const std::string& line) {
+  const std::size_t equals = line.find('=');
+  double id = 0.0, value = 0.0;
+  if (line.size() < 4 || line[0] != '$' || equals == std::string::npos) return std::nullopt;
+  if (!number(line.substr(1, equals - 1), id) || !number(line.substr(equals + 1), value)) return std::nullopt;
+  if (id < 0.0 || id > 10000.0) return std::nullopt;
+  return std::make_pair(static_cast<int>(id), value);
+}
+
+std::optional<int> parseGrblAnswer(const std::string& line) {
+  if (line == "ok") return 0;
+  return codeAfter(line, "error:");
+}
+
+std::optional<int> parseGrblAlarm(const std::string& line) { return codeAfter(line, "ALARM:"); }
+
+bool isGrblWelcome(const std::string& line) {
+  return line.rfind("Grbl ", 0) == 0 || line.rfind("GrblHAL ", 0) == 0 || line.rfind("grblHAL ", 0) == 0;
+}
+
+GrblWords grblAlarm(int code) {
+  switch (code) {
+    case 1:
+      return {"a limit switch closed", "call ~clear_alarm, ~move_off_limit, then home again"};
+    case 2:
+      return {"the target is beyond the controller's soft limits",
+              "call ~clear_alarm, choose another target"};
+    case 3:
+      return {"it was reset while it moved, its position is lost", "call ~clear_alarm, then home again"};
+    case 4:
+      return {"the probe was closed before the probing motion", "call ~clear_alarm, retract the probe"};
+    case 5:
+      return {"the probe did not trip on the way", "call ~clear_alarm; look at the probe and the artifact"};
+    case 6:
+      return {"homing was ended by a reset", "home again"};
+    case 7:
+      return {"homing was ended by the safety door", "close it, then home again"};
+    case 8:
+      return {"homing could not leave the switch", "look at the switch, and at the setting $27"};
+    case 9:
+      return {"homing did not find the switch", "look at the switch, and at the travel $130 to $135"};
+    case 10:
+      return {"its emergency stop input is active", "release it, then home again"};
+    case 11:
+      return {"homing is required", "home again"};
+    default:
+      return {"alarm " + std::to_string(code), "see the controller's manual; then ~clear_alarm"};
+  }
+}
+
+GrblWords grblError(int code) {
+  switch (code) {
+    case 5:
+      return {"homing is not enabled", "set $22=1 at the controller"};
+    case 8:
+      return {"it is not idle", "wait until it rests"};
+    case 9:
+      return {"it is locked by an alarm", "call ~clear_alarm or home"};
+    case 15:
+      return {"the target is beyond the controller's soft limits", "choose another target"};
+    case 20:
+      return {"it does not know the command", "this needs grbl 1.1 or grblHAL"};
+    case 22:
+      return {"the feed rate is missing", ""};
+    default:
+      return {"error " + std::to_string(code), "see the controller's manual"};
+  }
+}
+
+bool grblAlarmKeepsPosition(int code) { return code == 2 || code == 4 || code == 5; }
+
+std::string grblOverride(double share) {
+  const int percent = static_cast<int>(std::lround(100.0 * share));
+  if (percent < 10) throw InputError("the override of grbl goes down to 0.1");
+  std::string bytes(1, '\x90');  // 100 %
+  for (int left = 100 - percent; left > 0;) {
+    const bool ten = left >= 10;
+    bytes += ten ? '\x92' : '\x94';
+    left -= ten ? 10 : 1;
+  }
+  return bytes;
+}
+
+}  // namespace mm

@@ -1,0 +1,53 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mm {
+
+// What grbl 1.1 and grblHAL say, as documented in their interface descriptions ("Grbl v1.1 Interface",
+// "grblHAL: extended protocol"). Lengths are mm, angles deg, as on the wire.
+
+/// `<Idle|MPos:0.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000|Ov:100,100,100|Pn:P>`
+struct GrblReport {
+  std::string state;                  // Idle, Run, Hold, Jog, Alarm, Door, Check, Home, Sleep, Tool
+  int substate = -1;                  // of Hold and Door; of Alarm in grblHAL: its code
+  std::vector<double> machine, work;  // MPos, WPos; empty: not in the report
+  std::vector<double> offset;         // WCO; empty: not in this report
+  double feed = 0.0;                  // mm/min
+  int feedOverride = 0;               // %; 0: not in this report
+  std::string pins;                   // letters of Pn: X Y Z A B C: limit switches; P: probe
+};
+/// @return nothing when it is no status report, or a damaged one.
+std::optional<GrblReport> parseGrblReport(const std::string& line);
+
+/// `[PRB:0.000,0.000,1.492:1]`: machine position at the trip, and whether there was one.
+struct GrblProbe {
+  std::vector<double> machine;
+  bool tripped = false;
+};
+std::optional<GrblProbe> parseGrblProbe(const std::string& line);
+
+/// `$110=500.000`: number and value. @return nothing for other lines.
+std::optional<std::pair<int, double>> parseGrblSetting(const std::string& line);
+/// `ok` is 0, `error:9` is 9. @return nothing for other lines.
+std::optional<int> parseGrblAnswer(const std::string& line);
+/// `ALARM:1` is 1. @return nothing for other lines.
+std::optional<int> parseGrblAlarm(const std::string& line);
+/// The line with which a controller begins: `Grbl 1.1h ['$' for help]`, `GrblHAL 1.1f [...]`.
+bool isGrblWelcome(const std::string& line);
+
+/// What an alarm or an error means, and what to do.
+struct GrblWords {
+  std::string text, remedy;
+};
+GrblWords grblAlarm(int code);
+GrblWords grblError(int code);
+/// Whether the position is still known after an alarm.
+bool grblAlarmKeepsPosition(int code);
+
+/// Real-time bytes that bring the feed override from whatever it is to a share. @throw InputError below 0.1.
+std::string grblOverride(double share);
+
+}  // namespace mm

@@ -1,0 +1,162 @@
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/axis_controller.h"
+#include "drivers/clock_map.h"
+#include "drivers/motion_owner.h"
+#include "drivers/state_check.h"
+
+namespace mm {
+
+/// Stands between whoever wants a motion and the controller that makes it: checks what the controller says,
+/// keeps every motion within the URDF, ends one that meets what it should not, and says how each ended.
+/// Stop and emergency stop have a way of their own to the controller, past everything that may be waiting.
+/// No ROS. `cycle` is called by one thread; everything else by any.
+class MotionControl {
+ public:
+  struct Settings {
+    double tolerance = 20e-6;       // m: an axis has arrived
+    double rotaryTolerance = 1e-4;  // rad
+    double silence = 0.5;           // s without a new state until the controller counts as lost
+    double late = 0.25;             // s by which states may be late while something moves
+    double restTimeout = 5.0;       // s within which the axes must rest after a stop
+    double holdLimit = 600.0;       // s of feed hold until a motion is given up
+    double escape = 2e-3;           // m within which the probe must open when a motion leaves a surface
+    double settle = 20e-3;          // s open until the probe is trusted again after that
+    double reconnect = 1.0;         // s between attempts
+    bool simulatedTime = false;     // the controller makes the time: clocks are not compared
+    std::vector<std::vector<std::string>> homingOrder;  // axes that are homed together, in order; empty: all
+  };
+  /// How a motion ended.
+  struct Report {
+    Outcome outcome = Outcome::kReached;
+    std::string message;           // for people; empty: as it should
+    std::vector<double> position;  // m or rad, after it
+  };
+  /// What is known now.
+  struct View {
+    AxesState state;    // the last one that could be true; `homed` is false after any reset
+    std::string lost;   // why the controller is not to be trusted now; empty: it answers
+    std::string fault;  // why nothing moves: lost, alarm or emergency stop; empty: it may
+    bool homing = false, probing = false;
+    std::uint32_t unsuccessful = 0;  // probing motions in a row without a trip
+    std::uint32_t stops = 0;         // stops and emergency stops so far
+    std::string stoppedBy;           // the last of them, for people
+    double late = 0.0;               // s by which states arrive late
+  };
+  /// What a cycle found. `host` are the times (s) of the state and of the edges on the host's clock.
+  struct Observation {
+    AxesState state;
+    double host = 0.0;
+    std::vector<ProbeEdge> edges;
+    std::vector<double> edgeHost;
+  };
+  /// Told of the newest state while a motion is under way. @return false: cancel.
+  using Watch = std::function<bool(const AxesState& state)>;
+
+  /// @param controller opened. @throw InputError for axes that the machine does not have.
+  MotionControl(std::shared_ptr<AxisController> controller, const Machine& machine, Settings settings);
+  ~MotionControl();
+
+  const std::vector<std::string>& axes() const { return axes_; }
+  const std::vector<Joint>& joints() const { return joints_; }  ///< of the axes
+  const Capabilities& capabilities() const { return capabilities_; }
+  MotionOwner& owner() { return owner_; }
+
+  /// Asks the controller once. @param elapsed s since the last call. @param host s on the host's clock now.
+  /// @return nothing when there is no state, or none that can be true.
+  std::optional<Observation> cycle(double elapsed, double host);
+  /// This process paused: what it measures of clocks does not hold.
+  void paused() { clock_.reset(); }
+  View view() const;
+
+  /// Makes a motion and waits for its end. @param stopsSeen `stops()` when it was asked for: a stop since
+  /// then ends it. @throw Error when it cannot begin, with why.
+  Report move(AxesMotion motion, const Mover& mover, std::uint32_t stopsSeen, const Watch& watch = {});
+  /// Homes axes by name in the order of the settings; none: all. Waits. @throw Error saying why not.
+  void home(const std::vector<std::string>& names, const Mover& mover);
+  /// Ends every motion and every ticket, and waits until the axes rest. @throw Error when that is not known.
+  void stop(const std::string& who);
+  /// Power off now; does not wait for anything. @return what could not be done, for people; empty: it was.
+  std::string emergencyStop(const std::string& who);
+  void resetEmergencyStop();  ///< @throw Error
+  /// Feed hold, or its end. @throw Error when the controller cannot, or nothing moves.
+  void hold(bool on);
+  void setOverride(double share);              ///< above 0 up to 1 @throw InputError, Error
+  void clearAlarm();                           ///< @throw Error
+  void moveOffLimit(const Mover& mover);       ///< waits @throw Error
+  void breakDevice(const std::string& fault);  ///< @throw Error
+  std::optional<ProbeEdge> readLaser();        ///< @throw Error
+  std::vector<std::pair<std::string, double>> temperatures();
+  std::uint32_t stops() const { return stops_; }
+  /// s on the host's clock of a time on the controller's.
+  double toHost(double time) const;
+  /// Ends every wait with an error; before the last owner ends.
+  void end();
+
+ private:
+  using Wall = std::chrono::steady_clock;
+  struct Current {  // the motion under way
+    AxesMotion motion;
+    bool homing = false, armed = true;  // armed: a trip ends it
+    std::vector<double> from;
+    std::optional<double> openSince;  // s on the controller's clock, while it leaves a surface
+    std::optional<Wall::time_point> heldSince;
+    Outcome forced = Outcome::kUnderWay;  // why it was ended from here
+    std::string why;
+  };
+
+  template <typename Call>
+  void withDevice(const Call& call) const;
+  void lose(const std::string& why, bool zeroInDoubt);
+  void regain();
+  void take(const AxesState& state, double host);
+  void watchProbe(const AxesState& state, const std::vector<ProbeEdge>& edges);
+  void force(Outcome outcome, const std::string& why);
+  void sendStop();
+  bool atRest() const;
+  bool awaitRest(std::unique_lock<std::mutex>& lock, double seconds);
+  void requireReady(bool homedToo) const;
+  std::string faultText() const;
+  void awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen);
+  Report judge(const Current& current, bool cancelled) const;
+  std::string tripWords(const Current& current) const;
+  std::vector<std::vector<std::size_t>> stagesOf(const std::vector<std::string>& names) const;
+
+  std::shared_ptr<AxisController> controller_;
+  std::vector<std::string> axes_;
+  std::vector<Joint> joints_;
+  Settings settings_;
+  Capabilities capabilities_;
+  MotionOwner owner_;
+
+  mutable std::timed_mutex device_;  // calls of the controller that one thread makes at a time
+  mutable std::mutex mutex_;         // everything below
+  mutable std::condition_variable changed_;
+  StateCheck check_;
+  ClockMap clock_;
+  AxesState state_;
+  std::string lost_;
+  bool homedHere_ = false;  // since this object began, and no reset since
+  std::optional<Current> current_;
+  MotionId lastId_ = 0;
+  std::uint32_t unsuccessful_ = 0;
+  std::uint64_t states_ = 0;  // taken so far
+  Wall::time_point fresh_;    // of the last state that was newer than the one before
+  Wall::time_point nextReconnect_;
+  std::string stoppedBy_;
+
+  std::atomic<std::uint32_t> stops_{0};
+  std::atomic<int> stopping_{0};
+  std::atomic<bool> emergency_{false}, ending_{false};
+};
+
+}  // namespace mm

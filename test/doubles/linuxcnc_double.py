@@ -1,0 +1,209 @@
+#!/usr/bin/env python3
+"""A machine that speaks the documented language of LinuxCNC's server linuxcncrsh: hello, enable, get and set on as many
+connections as come; MDI with G1, G38.3 and (DEBUG, …); homing, abort, emergency stop, feed override, soft limits."""
+import re
+import time
+
+import device_double
+
+LETTERS = "XYZABC"
+LIMIT = 200.0  # mm or deg
+TOP = 50.0     # units/s
+
+
+class LinuxCnc(device_double.Double):
+    def __init__(self, a):
+        self.machine = device_double.Machine(a.axes, a.ball, a.tip, a.scale, a.acceleration)
+        self.offset = [2.0, -1.0, 0.5, 0.0, 0.0, 0.0][:a.axes]  # of the work coordinates
+        self.begin()
+        super().__init__(a)
+
+    def begin(self):
+        self.estop, self.on, self.mode, self.teleop = True, False, "MANUAL", False
+        self.homed = [False] * self.machine.axes
+        self.machine.halt()
+        self.machine.share = 1.0
+        self.queue, self.job, self.errors, self.display = [], None, [], []
+        self.lines, self.greeted, self.enabled = {}, set(), None
+        self.probed = [0.0] * self.machine.axes
+        self.success = 0
+
+    def power(self, on):
+        self.begin()
+
+    def received(self, connection, data):
+        self.lines[connection] = self.lines.get(connection, b"") + data
+        while b"\n" in self.lines[connection]:
+            line, self.lines[connection] = self.lines[connection].split(b"\n", 1)
+            self.interpret(connection, line.decode("latin-1").strip())
+
+    def answer(self, connection, text):
+        self.say(connection, text + "\r\n")
+
+    def interpret(self, connection, line):
+        words = line.split()
+        if not words:
+            return
+        verb = words[0].lower()
+        if verb == "hello":
+            good = len(words) == 4 and words[1] == "EMC"
+            if good:
+                self.greeted.add(connection)
+            return self.answer(connection, "HELLO ACK EMCNETSVR 1.1" if good else "HELLO NAK")
+        if connection not in self.greeted or len(words) < 2:
+            return self.answer(connection, "%s NAK" % verb.upper())
+        if verb == "get":
+            return self.get(connection, words[1].lower())
+        if verb == "set":
+            return self.set(connection, words[1].lower(), line.split(None, 2)[2] if len(words) > 2 else "")
+
+    def shown(self):
+        position = list(self.machine.position)
+        if self.fault == "wrong":
+            position[0] += device_double.WRONG
+        return position
+
+    def numbers(self, values):
+        return " ".join("%.6f" % v for v in values + [0.0] * (6 - len(values)))
+
+    def get(self, connection, what):
+        on = lambda flag: "ON" if flag else "OFF"
+        axes = self.machine.axes
+        answers = {
+            "estop": lambda: on(self.estop), "machine": lambda: on(self.on), "mode": lambda: self.mode,
+            "echo": lambda: "OFF", "teleop_enable": lambda: "YES" if self.teleop else "NO",
+            "joint_homed": lambda: " ".join("YES" if h else "NO" for h in self.homed),
+            "joint_limit": lambda: " ".join({-1: "MINHARD", 0: "OK", 1: "MAXHARD"}[l] for l in self.machine.limits),
+            "abs_act_pos": lambda: self.numbers(self.shown()),
+            "rel_act_pos": lambda: self.numbers([p - o for p, o in zip(self.shown(), self.offset)]),
+            "probe_value": lambda: "1" if self.machine.closed() else "0",
+            "feed_override": lambda: "%d" % round(100 * self.machine.share),
+            "error": lambda: self.errors.pop(0) if self.errors else "OK",
+            "operator_display": lambda: self.display.pop(0) if self.display else "OK",
+            "program_status": lambda: "RUNNING" if self.job or self.queue else "IDLE"}
+        if what not in answers:
+            return self.answer(connection, "GET %s NAK" % what.upper())
+        self.answer(connection, "%s %s" % (what.upper(), answers[what]()))
+
+    def set(self, connection, what, value):
+        if what == "echo":
+            return None
+        if what == "enable":
+            if value != "EMCTOO":
+                return self.answer(connection, "SET ENABLE NAK")
+            self.enabled = connection
+            return None
+        if self.enabled is not connection:
+            return self.answer(connection, "SET %s NAK" % what.upper())
+        if what == "estop":
+            if value.lower() == "on":
+                self.told.append(["reset", time.monotonic()])
+                self.estop, self.on = True, False
+                self.halt()
+            else:
+                self.estop = False
+        elif what == "machine":
+            self.on = value.lower() == "on" and not self.estop
+        elif what == "mode":
+            self.mode = value.upper()
+        elif what == "teleop_enable":
+            self.teleop = value.lower() == "on"
+        elif what == "abort":
+            self.told.append(["hold", time.monotonic()])
+            self.queue = []
+            if self.job:
+                self.job["aborted"], self.machine.hold = True, True
+        elif what == "feed_override":
+            self.machine.share = float(value) / 100.0
+        elif what == "home":
+            self.home(connection, int(value))
+        elif what == "mdi":
+            if self.mode != "MDI" or not self.on:
+                return self.answer(connection, "SET MDI NAK")
+            self.queue.append(value)
+        else:
+            return self.answer(connection, "SET %s NAK" % what.upper())
+        return None
+
+    def home(self, connection, joint):
+        if not self.on or self.mode != "MANUAL" or self.teleop:
+            self.errors.append("must be in joint mode to home")
+            return
+        joints = list(range(self.machine.axes)) if joint < 0 else [joint]
+        target = list(self.machine.position)
+        for j in joints:
+            self.homed[j], target[j] = False, 0.0
+        self.machine.move(target, TOP)
+        self.job = {"kind": "home", "joints": joints, "from": time.monotonic()}
+
+    def halt(self):
+        self.machine.halt()
+        self.queue, self.job = [], None
+
+    def tick(self, seconds):
+        if self.job is None and self.queue and self.fault != "stuck":
+            self.begin_block(self.queue.pop(0))
+        job = self.job
+        if job is None:
+            return
+        was = self.machine.closed()
+        how = self.machine.step(seconds)
+        if not was and self.machine.closed() and not job.get("tripped"):
+            if job["kind"] == "probe":
+                job["tripped"] = list(self.machine.position)
+            elif not job.get("aborted"):
+                self.errors.append("Probe tripped during non-probe MDI command.")
+                job["aborted"] = True
+                self.queue = []
+            self.machine.hold = True
+        if how not in ("arrived", "held"):
+            return
+        if how == "held":
+            self.machine.halt()
+        if job["kind"] == "home" and not job.get("aborted"):
+            for j in job["joints"]:
+                self.homed[j] = True
+            self.teleop = True
+        if job["kind"] == "probe":
+            self.success = 1 if job.get("tripped") else 0
+            self.probed = job.get("tripped") or list(self.machine.position)
+        self.job = None
+
+    def begin_block(self, text):
+        message = re.fullmatch(r"\(DEBUG,(.*)\)", text.strip())
+        if message:
+            values = {5070: self.success}
+            for i in range(6):
+                values[5061 + i] = self.probed[i] - self.offset[i] if i < self.machine.axes else 0.0
+            self.display.append(re.sub(r"#(\d+)", lambda m: "%f" % values.get(int(m.group(1)), 0.0), message.group(1)))
+            return
+        words = re.findall(r"([A-Z])\s*(-?\d*\.?\d+)", text.upper())
+        codes = [v for l, v in words if l == "G"]
+        target, feed = list(self.machine.position), 0.0
+        for letter, value in words:
+            if letter == "F":
+                feed = float(value) / 60.0
+            if letter in LETTERS[:self.machine.axes]:
+                i = LETTERS.index(letter)
+                target[i] = float(value) + (0.0 if "53" in codes else self.offset[i])
+        for i, t in enumerate(target):
+            if abs(t) > LIMIT:
+                self.errors.append("Linear move on line 0 would exceed %s's %s limit" % (LETTERS[i], "positive" if t > 0 else "negative"))
+                self.queue = []
+                return
+        if any(c.startswith("38.") for c in codes) and self.machine.closed():
+            self.errors.append("Probe is already tripped when starting G38.2 or G38.3 move")
+            self.queue = []
+            return
+        way = [t - p for t, p in zip(target, self.machine.position)]
+        linear = sum(w * w for w in way[:3]) ** 0.5
+        whole = sum(w * w for w in way) ** 0.5
+        if whole == 0.0 or feed <= 0.0:
+            return
+        # The feed is that of the linear axes; the others arrive with them.
+        self.machine.move(target, min(feed * (whole / linear if linear > 0.0 else 1.0), 2 * TOP))
+        self.job = {"kind": "probe" if any(c.startswith("38.") for c in codes) else "move"}
+
+
+if __name__ == "__main__":
+    LinuxCnc(device_double.arguments(5)).run()

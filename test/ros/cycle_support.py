@@ -1,0 +1,50 @@
+"""A plan on real controllers: measured, recorded, calibrated by service."""
+import os
+import signal
+import subprocess
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalStatus
+from measuring_machine.msg import MeasureAction, MeasureGoal
+from measuring_machine.srv import Calibrate
+from std_srvs.srv import SetBool, Trigger
+
+import support
+
+TOPICS = "(joint_states|reference|artifact|robot_description|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
+
+
+def ready(seconds=60):
+    """The driver found its controller, and the axes are homed."""
+    rospy.wait_for_service("axis_driver/home", seconds)
+    reset = rospy.ServiceProxy("axis_driver/emergency_stop", SetBool)
+    assert support.wait_until(lambda: reset(False).success, 10)
+    home, said = rospy.ServiceProxy("axis_driver/home", Trigger), []
+
+    def homed():
+        said.append(home())
+        return said[-1].success
+
+    assert support.wait_until(homed, 20), said[-1].message
+
+
+def record(plan, bag, seconds):
+    """@return the result of the plan."""
+    recorder = subprocess.Popen(["rosbag", "record", "-O", bag, "-e", "/" + TOPICS, "__name:=recorder"])
+    try:
+        assert support.wait_until(lambda: os.path.exists(bag + ".active"), 20)
+        measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
+        assert measure.wait_for_server(rospy.Duration(20))
+        measure.send_goal(MeasureGoal(plan=plan))
+        assert measure.wait_for_result(rospy.Duration(seconds)), "the plan did not end"
+        assert measure.get_state() == GoalStatus.SUCCEEDED, measure.get_result().message
+        return measure.get_result()
+    finally:
+        recorder.send_signal(signal.SIGINT)
+        recorder.wait(20)
+
+
+def calibrate(bag, model):
+    rospy.wait_for_service("calibration_server/calibrate", 20)
+    return rospy.ServiceProxy("calibration_server/calibrate", Calibrate)(bag=bag, model=model, method="least_squares", seed=1)

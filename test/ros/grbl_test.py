@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""The axes of grblHAL under the nodes: the whole way on six axes, every fault of the device, the emergency stop under each."""
+import json
+import os
+import socket
+import time
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from measuring_machine.msg import MotionStatus, MoveAction, MoveGoal, MoveResult
+from std_srvs.srv import SetBool, Trigger
+
+import cycle_support
+import support
+
+PLAN = os.path.join(support.PACKAGE, "test/ros/grbl_plan.yaml")
+
+
+class Double:
+    def __init__(self, port):
+        self.line = socket.create_connection(("127.0.0.1", port)).makefile("rw")
+
+    def tell(self, command):
+        self.line.write(command + "\n")
+        self.line.flush()
+        return json.loads(self.line.readline())
+
+
+class Grbl(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
+        assert cls.axes.wait_for_server(rospy.Duration(60))
+        cls.double, cls.motion = Double(25908), []
+        rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motion.append)
+        cls.work = support.folder()
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(cls.work)
+        support.remove(rospy.get_param("/compensation/store"))
+
+    def start(self, speed=0.03, **joints):
+        self.axes.send_goal(MoveGoal(name=list(joints), position=list(joints.values()), linear_speed=speed))
+
+    def end(self):
+        self.assertTrue(self.axes.wait_for_result(rospy.Duration(20)))
+        return self.axes.get_state(), self.axes.get_result()
+
+    def test_1_six_axes_measured_recorded_calibrated(self):
+        cycle_support.ready()
+        bag = os.path.join(self.work, "session.bag")
+        began = time.time()
+        result = cycle_support.record(PLAN, bag, 150)
+        print("%d contacts, %d missed, in %.0f s" % (result.contacts, result.missed, time.time() - began))
+        self.assertEqual((result.contacts, result.missed), (20, 0))
+        answer = cycle_support.calibrate(bag, support.model("{type: scale, axis: x}"))
+        self.assertTrue(answer.calibration_id, answer.message)
+        found = json.loads(answer.json)
+        scale, centre = support.scale(answer.json, "x"), found["artifact"]["balls"][0]["centre_mm"]
+        print("scale %.0f um/m (500), centre %s mm, RMS %.2f um" % (1e6 * scale, centre, found["rms_um"]))
+        self.assertAlmostEqual(scale, 500e-6, delta=100e-6)  # 1 um of the reports and 0.5 um a millisecond, over 16 mm
+        self.assertAlmostEqual(centre[1], 30.0, delta=2e-3)
+        self.assertAlmostEqual(centre[2], 20.0, delta=2e-3)
+
+    def test_2_every_fault_and_the_emergency_stop_under_it(self):
+        emergency = rospy.ServiceProxy("axis_driver/emergency_stop", SetBool, persistent=True)
+        for fault in ("ok", "stuck", "garbage", "wrong", "slow", "intermittent", "off"):
+            cycle_support.ready()
+            self.start(z=0.038, x=0.0, y=0.0)
+            self.assertEqual(self.end()[1].outcome, MoveResult.REACHED, fault)
+            self.start(x=-0.090, speed=0.01)
+            self.assertTrue(support.wait_until(lambda: self.double.tell("machine")["moving"]))
+            self.double.tell("fault " + fault)
+            if fault != "ok":
+                state, result = self.end()
+                print("grbl %s: %s" % (fault, result.message))
+                self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.LOST), fault)
+                self.assertFalse(self.double.tell("machine")["moving"], fault)
+                self.assertTrue(support.wait_until(lambda: self.motion[-1].lost or fault in ("slow", "wrong"), 5), fault)
+            began = time.monotonic()
+            answer = emergency(True)
+            took = 1e3 * (time.monotonic() - began)
+            heard = [1e3 * (t - began) for what, t in self.double.tell("machine")["told"] if what == "reset" and t > began]
+            print("emergency stop, grbl %s: answered after %.1f ms, heard after %s" % (fault, took, "%.1f ms" % heard[0] if heard else "-"))
+            self.assertLess(took, 50.0, fault)
+            if fault != "off":
+                self.assertTrue(answer.success, fault)
+                self.assertLess(heard[0], 50.0, fault)
+            self.double.tell("fault ok")
+            self.assertTrue(support.wait_until(lambda: not self.motion[-1].lost, 15), fault)
+            if self.axes.get_state() in (GoalStatus.PENDING, GoalStatus.ACTIVE):
+                self.assertNotEqual(self.end()[1].outcome, MoveResult.REACHED)
+            self.assertFalse(rospy.ServiceProxy("axis_driver/home", Trigger)().success, "in emergency stop")
+
+
+if __name__ == "__main__":
+    rospy.init_node("grbl_test")
+    rostest.rosrun("measuring_machine", "grbl", Grbl)

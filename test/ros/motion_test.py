@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""Motion that stops: in a plan's wait, under every load, at a collision; one owner; a device that breaks is said and moves nothing."""
+import math
+import multiprocessing
+import os
+import threading
+import time
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from measuring_machine.msg import MeasureAction, MeasureGoal, MotionStatus, MoveAction, MoveActionGoal, MoveGoal, MoveResult
+from measuring_machine.srv import BreakDevice, HomeAxes, SetOverride, TakeMotion
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool, Trigger
+
+import support
+
+WAITING = """
+name: waiting
+artifact: {name: none, pose: known, probe: {tip_radius_mm: 1.0}, balls: [{name: b0, centre_mm: [5.0, 8.0, -2.0], radius_mm: 3.9685}]}
+speeds: {rapid_mm_s: 20, approach_mm_s: 3}
+moves:
+  - {x_mm: 1.0, y_mm: 0.0, z_mm: 10.0, wait_s: 20}
+  - {x_mm: -5.0, y_mm: 0.0, z_mm: 10.0}
+"""
+BALL = (0.005, 0.008, -0.002)
+TOUCH = 0.0049685  # m from the ball's centre to the tip's
+
+
+def burn(end):
+    while time.time() < end:
+        pass
+
+
+class Motion(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
+        cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
+        assert cls.axes.wait_for_server(rospy.Duration(60)) and cls.measure.wait_for_server(rospy.Duration(60))
+        cls.joints, cls.motion = [], []
+        rospy.Subscriber("joint_states", JointState, cls.joints.append, queue_size=None, tcp_nodelay=True)
+        rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motion.append)
+        assert support.wait_until(lambda: cls.joints and cls.motion)
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(rospy.get_param("/compensation/store"))
+
+    def call(self, name, kind=Trigger, *arguments, **keys):
+        rospy.wait_for_service(name, 20)
+        return rospy.ServiceProxy(name, kind)(*arguments, **keys)
+
+    def home(self):
+        self.assertTrue(support.wait_until(lambda: self.call("axis_driver/home").success, 10))
+
+    def place(self):
+        return self.joints[-1].position
+
+    def start(self, position, **keys):
+        self.axes.send_goal(MoveGoal(name=["x", "y", "z"], position=position, **keys))
+
+    def end(self, seconds=20.0):
+        self.assertTrue(self.axes.wait_for_result(rospy.Duration(seconds)))
+        return self.axes.get_state(), self.axes.get_result()
+
+    def go(self, position, **keys):
+        self.start(position, **keys)
+        state, result = self.end()
+        self.assertEqual((state, result.outcome), (GoalStatus.SUCCEEDED, MoveResult.REACHED), result.message)
+
+    def moving(self):
+        self.assertTrue(support.wait_until(lambda: any(abs(v) > 1e-4 for v in self.joints[-1].velocity)))
+
+    def test_1_stop_in_the_wait_of_a_plan_ends_it(self):
+        self.home()
+        for _ in range(7):
+            self.measure.send_goal(MeasureGoal(plan=WAITING))
+            self.assertTrue(support.wait_until(lambda: abs(self.place()[0] - 0.001) < 1e-9 and abs(self.place()[2] - 0.010) < 1e-9),
+                            self.measure.get_goal_status_text())
+            self.assertIn("measure (waiting)", self.motion[-1].owner)
+            self.assertTrue(self.call("axis_driver/stop").success)
+            self.assertTrue(self.measure.wait_for_result(rospy.Duration(5)), "the plan went on")
+            self.assertEqual(self.measure.get_state(), GoalStatus.ABORTED)
+            self.assertIn("stopped by /motion", self.measure.get_result().message)
+            self.assertAlmostEqual(self.place()[0], 0.001, delta=1e-9)
+
+    def test_2_stop_answers_when_the_axes_rest(self):
+        self.home()
+        self.go([0.0, 0.0, 0.010])
+        self.start([0.019, 0.0, 0.010], linear_speed=0.02)
+        self.moving()
+        self.assertTrue(self.call("axis_driver/stop").success)
+        there = self.place()
+        state, result = self.end()
+        self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.STOPPED))
+        seen = len(self.joints)
+        self.assertTrue(support.wait_until(lambda: len(self.joints) > seen + 20))
+        self.assertLess(max(abs(j.position[0] - there[0]) for j in self.joints[seen:]), 1e-9)
+
+    def test_3_limits_of_speed_and_owner(self):
+        self.home()
+        self.go([0.0, 0.0, 0.010])
+        self.start([0.0, 0.0, 0.004], kind=MoveGoal.PROBE, linear_speed=3.0)
+        state, result = self.end()
+        self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.REFUSED))
+        self.assertIn("joint z would move at 3000 mm/s, its URDF allows 20", result.message)
+        for goal, words in ((MoveGoal(kind=7), "kind is 7"), (MoveGoal(name=["x", "x"], position=[0.0, 0.001]), "twice")):
+            self.axes.send_goal(goal)
+            self.assertIn(words, self.end()[1].message)
+        ticket = self.call("axis_driver/take", TakeMotion, owner="panel", seconds=30.0)
+        self.assertTrue(ticket.success)
+        self.start([0.001, 0.0, 0.010])
+        self.assertIn("the axes belong to 'panel'", self.end()[1].message)
+        self.assertIn("the axes belong to 'panel'", self.call("axis_driver/home").message)
+        self.assertIn("belong to 'panel'", self.call("axis_driver/take", TakeMotion, owner="other", seconds=1.0).message)
+        self.go([0.001, 0.0, 0.010], ticket=ticket.ticket)
+        self.assertTrue(self.call("axis_driver/take", TakeMotion, ticket=ticket.ticket, seconds=0.0).success)
+        # Another node's goal does not replace the one under way.
+        self.start([0.015, 0.0, 0.010], linear_speed=0.004)
+        self.moving()
+        refused = []
+        other = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1)
+        rospy.Subscriber("axis_driver/move/result", MoveAction().action_result.__class__, refused.append)
+        self.assertTrue(support.wait_until(lambda: other.get_num_connections() > 0))
+        goal = MoveActionGoal(goal=MoveGoal(name=["x"], position=[-0.01]))
+        goal.goal_id.id = "/stranger-1-1.0"
+        other.publish(goal)
+        self.assertTrue(support.wait_until(lambda: refused))
+        self.assertIn("a motion by '/motion", refused[0].result.message)
+        self.assertEqual(self.end()[1].outcome, MoveResult.REACHED)
+
+    def test_4_a_collision_stops_all_axes(self):
+        self.home()
+        self.go([BALL[0], BALL[1], 0.010])
+        self.start([BALL[0], BALL[1], BALL[2]], linear_speed=0.02)
+        state, result = self.end()
+        self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.TRIPPED))
+        self.assertIn("the probe tripped while positioning", result.message)
+        depth = TOUCH - math.dist(self.place(), BALL)
+        print("went %.3f mm into the ball" % (1e3 * depth))
+        self.assertLess(depth, 0.8e-3)  # 20 mm/s: 0.4 mm to rest with 0.5 m/s^2, and a cycle of 10 ms
+        self.go([BALL[0], BALL[1], 0.010], linear_speed=0.005)  # away from it
+
+    def test_5_hold_override_homing_by_axis(self):
+        self.assertTrue(self.call("axis_driver/home_axes", HomeAxes, name=["z"]).success)
+        self.home()
+        self.go([0.0, 0.0, 0.010])
+        self.assertIn("at most 1", self.call("axis_driver/override", SetOverride, share=3.0).message)
+        self.assertIn("nothing moves", self.call("axis_driver/hold").message)
+        self.start([0.010, 0.0, 0.010], linear_speed=0.005)
+        self.moving()
+        self.assertTrue(self.call("axis_driver/hold").success)
+        self.assertTrue(support.wait_until(lambda: self.motion[-1].held))
+        self.assertTrue(self.call("axis_driver/resume").success)
+        self.assertEqual(self.end()[1].outcome, MoveResult.REACHED)
+
+    def test_6_emergency_stop_under_load(self):
+        """From the call to the answer, which comes after the controller was told."""
+        emergency = rospy.ServiceProxy("axis_driver/emergency_stop", SetBool, persistent=True)
+        threads, processes, flood = [], [], [True]
+
+        def homes():
+            for _ in range(5):
+                one = threading.Thread(target=lambda: rospy.ServiceProxy("axis_driver/home", Trigger)())
+                one.start()
+                threads.append(one)
+
+        def goals():
+            def run():
+                out = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1000)
+                while flood[0]:
+                    goal = MoveActionGoal(goal=MoveGoal(name=["x"], position=[0.001]))
+                    goal.goal_id.id = "/flood-%d" % time.monotonic_ns()
+                    out.publish(goal)
+                    time.sleep(0.002)
+            threads.append(threading.Thread(target=run))
+            threads[-1].start()
+
+        def stuck():
+            self.call("axis_driver/break_device", BreakDevice, fault="stuck")
+
+        def busy():
+            for _ in range(4):
+                processes.append(multiprocessing.Process(target=burn, args=(time.time() + 6,), daemon=True))
+                processes[-1].start()
+
+        for name, load in (("nothing", lambda: None), ("five calls of home", homes), ("500 goals a second", goals),
+                           ("a device that does not answer", stuck), ("four busy processes", busy)):
+            self.home()
+            load()
+            took = []
+            for _ in range(10):
+                began = time.monotonic()
+                answer = emergency(True)
+                took.append(1e3 * (time.monotonic() - began))
+                self.assertTrue(answer.success, answer.message)
+                time.sleep(0.05)
+            flood[0] = False
+            for one in threads:
+                one.join()
+            for one in processes:
+                one.terminate()
+            self.call("axis_driver/break_device", BreakDevice, fault="ok")
+            print("emergency stop, load %s: median %.1f ms, largest %.1f ms" % (name, sorted(took)[5], max(took)))
+            self.assertLess(max(took), 50.0, name)
+            self.assertFalse(self.call("axis_driver/home").success)
+            self.assertTrue(support.wait_until(lambda: emergency(False).success, 5))
+            self.start([0.0, 0.0, 0.010])
+            self.assertIn("not homed", self.end()[1].message)
+            flood[0] = True
+
+    def test_7_every_fault_of_the_device_is_said(self):
+        for fault in ("off", "stuck", "garbage", "wrong", "slow", "intermittent"):
+            self.home()
+            self.go([0.0, 0.0, 0.010])
+            self.start([0.018, 0.0, 0.010], linear_speed=0.003)
+            self.moving()
+            self.assertTrue(self.call("axis_driver/break_device", BreakDevice, fault=fault).success)
+            state, result = self.end()
+            print("simulated %s: %s" % (fault, result.message))
+            self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.LOST), fault)
+            self.assertTrue(result.message)
+            self.assertTrue(self.call("axis_driver/break_device", BreakDevice, fault="ok").success)
+            self.assertTrue(support.wait_until(lambda: not self.motion[-1].lost), fault)
+            seen = len(self.joints)
+            self.assertTrue(support.wait_until(lambda: len(self.joints) > seen + 5))
+            there = self.place()[0]
+            self.assertLess(there, 0.017, fault + ": it went on")
+            self.start([0.001, 0.0, 0.010])
+            self.assertIn("not homed", self.end()[1].message, fault)
+
+
+if __name__ == "__main__":
+    rospy.init_node("motion_test")
+    rostest.rosrun("measuring_machine", "motion", Motion)

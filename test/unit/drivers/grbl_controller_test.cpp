@@ -1,0 +1,333 @@
+#include "drivers/grbl_controller.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <sstream>
+
+#include "base/error.h"
+#include "device_double.h"
+#include "drivers/motion_control.h"
+
+namespace mm {
+namespace {
+
+// A ball at x 20, y 30, z 10 mm of the joints; the control's zero lies 40 mm above theirs.
+const std::vector<std::string> kDouble = {"test/doubles/grbl_double.py", "--ball", "-20", "-10", "-30", "5"};
+const char* const kZero = "x:-40 y:-40 z:-40 a:-40 b:-40 c:-40";
+
+TEST(GrblProtocol, ReadsWhatIsDocumented) {
+  const auto report =
+      parseGrblReport("<Hold:0|MPos:1.000,-2.500,3.125|FS:500,0|WCO:0.000,1.500,0.000|Ov:90,100,100|Pn:XP>");
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->state, "Hold");
+  EXPECT_EQ(report->substate, 0);
+  EXPECT_EQ(report->machine, (std::vector<double>{1.0, -2.5, 3.125}));
+  EXPECT_EQ(report->offset[1], 1.5);
+  EXPECT_EQ(report->feedOverride, 90);
+  EXPECT_EQ(report->pins, "XP");
+  for (const char* bad : {"", "<>", "<Idle>", "<Idle|MPos:1.0,nan,2.0|FS:0,0>", "<Idle|MPos:1.0,,2.0>",
+                          "Idle|MPos:1,2,3", "<Idle|MPos:1,2,3", "<:|MPos:1,2,3>", "<Idle|MPos:1e999,2,3>"})
+    EXPECT_FALSE(parseGrblReport(bad)) << bad;
+  const auto probe = parseGrblProbe("[PRB:1.000,2.000,3.000,4.000,5.000,6.000:1]");
+  ASSERT_TRUE(probe);
+  EXPECT_TRUE(probe->tripped);
+  EXPECT_EQ(probe->machine.size(), 6u);
+  EXPECT_FALSE(parseGrblProbe("[PRB:1.000,2.000,3.000]"));
+  EXPECT_FALSE(parseGrblProbe("[PRB:1.000,x,3.000:1]"));
+  EXPECT_EQ(parseGrblAnswer("ok"), 0);
+  EXPECT_EQ(parseGrblAnswer("error:9"), 9);
+  EXPECT_FALSE(parseGrblAnswer("error:nine"));
+  EXPECT_EQ(parseGrblAlarm("ALARM:1"), 1);
+  EXPECT_EQ(parseGrblSetting("$110=500.000")->second, 500.0);
+  EXPECT_EQ(grblOverride(0.67), std::string("\x90\x92\x92\x92\x94\x94\x94"));
+  EXPECT_THROW(grblOverride(0.05), InputError);
+}
+
+class GrblTest : public ::testing::Test {
+ protected:
+  static Machine sixAxes() {
+    std::ifstream in("test/data/six_axis.urdf");
+    std::stringstream text;
+    text << in.rdbuf();
+    return Machine(text.str(), "six_axis.urdf");
+  }
+  void begin(std::vector<std::string> extra = {}, AxisController::Parameters parameters = {}) {
+    std::vector<std::string> arguments = kDouble;
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    double_ = std::make_unique<DeviceDouble>(arguments);
+    controller_ = std::make_shared<GrblController>();
+    parameters.emplace("address", double_->address());
+    parameters.emplace("zero", kZero);
+    parameters.emplace("report_rate", "100");
+    controller_->open(controllerSetup(machine_, parameters));
+    MotionControl::Settings settings;
+    settings.reconnect = 0.1;
+    settings.rotaryTolerance = 1e-4;
+    control_ = std::make_unique<MotionControl>(controller_, machine_, settings);
+    loop_ = std::thread([this] {
+      while (!ending_) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(4));
+        const auto seen = control_->cycle(4e-3, steadySeconds());
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (seen) edges_.insert(edges_.end(), seen->edges.begin(), seen->edges.end());
+      }
+    });
+  }
+  void TearDown() override {
+    ending_ = true;
+    if (loop_.joinable()) loop_.join();
+    control_.reset();
+  }
+  bool await(const std::function<bool()>& condition, double seconds = 5.0) {
+    const double end = steadySeconds() + seconds;
+    while (steadySeconds() < end && !condition()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return condition();
+  }
+  AxesMotion to(const std::vector<double>& mm, double speed, bool probing) {
+    std::vector<double> target;
+    for (std::size_t j = 0; j < 6; ++j) target.push_back(j < mm.size() ? mm[j] * 1e-3 : 0.0);
+    if (mm.size() == 6)
+      for (std::size_t j = 3; j < 6; ++j) target[j] = mm[j] * 3.14159265358979 / 180.0;
+    AxesMotion motion =
+        straightMotion(machine_.joints(), control_->view().state.position, target, speed, 0.7);
+    motion.probing = probing;
+    return motion;
+  }
+  MotionControl::Report go(const std::vector<double>& mm, double speed = 0.04, bool probing = false) {
+    return control_->move(to(mm, speed, probing), {"test", 0}, control_->stops());
+  }
+  std::future<MotionControl::Report> start(const std::vector<double>& mm, double speed = 0.04) {
+    const AxesMotion motion = to(mm, speed, false);
+    const std::uint32_t stops = control_->stops();
+    auto report = std::async(std::launch::async, [=] { return control_->move(motion, {"test", 0}, stops); });
+    EXPECT_TRUE(await([&] { return double_->tell("machine")["moving"].get<bool>(); }));
+    return report;
+  }
+  void home() { control_->home({}, {"test", 0}); }
+  double shown(std::size_t j) { return 1e3 * control_->view().state.position[j]; }
+  std::string refusal(const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return {};
+  }
+  void expectWords(const std::string& text, const std::string& words) {
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  }
+
+  Machine machine_ = sixAxes();
+  std::unique_ptr<DeviceDouble> double_;
+  std::shared_ptr<GrblController> controller_;
+  std::unique_ptr<MotionControl> control_;
+  std::atomic<bool> ending_{false};
+  std::mutex mutex_;
+  std::vector<ProbeEdge> edges_;
+  std::thread loop_;
+};
+
+TEST_F(GrblTest, SixAxesHomeGoAndProbe) {
+  begin();
+  const Capabilities can = control_->capabilities();
+  EXPECT_NEAR(can.axes[0].acceleration, 0.5, 1e-9);
+  EXPECT_NEAR(can.axes[3].upper, 40.0 * 3.14159265 / 180.0, 1e-6);
+  EXPECT_TRUE(can.homingByAxis);
+  expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
+  home();
+  for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(shown(j), 39.0, 1e-6) << "1 mm off its switch";
+  MotionControl::Report report = go({20, 30, 38, 10, -20, 30});
+  ASSERT_EQ(report.outcome, Outcome::kReached) << report.message;
+  EXPECT_NEAR(shown(2), 38.0, 1e-6);
+  EXPECT_NEAR(control_->view().state.position[4], -20.0 * 3.14159265358979 / 180.0, 1e-9);
+  report = go({20, 30, 17, 10, -20, 30});
+  ASSERT_EQ(report.outcome, Outcome::kReached) << report.message;
+  report = go({20, 30, 14, 10, -20, 30}, 3e-3, true);
+  ASSERT_EQ(report.outcome, Outcome::kTripped) << report.message;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ASSERT_FALSE(edges_.empty());
+    EXPECT_TRUE(edges_[0].closed && edges_[0].probing);
+    EXPECT_FALSE(edges_[0].actual);
+    EXPECT_NEAR(edges_[0].position[2], 16e-3, 5e-6)
+        << "radius 5 and tip 1 mm above z 10; a millisecond at 3 mm/s";
+    EXPECT_NEAR(edges_[0].velocity[2], -3e-3, 1e-9);
+    EXPECT_GT(edges_[0].timeUncertainty, 0.0);
+  }
+  EXPECT_TRUE(control_->view().state.probeClosed);
+  EXPECT_EQ(go({20, 30, 25, 10, -20, 30}).outcome, Outcome::kReached) << "away from it";
+  // Nothing there: reached, and no alarm.
+  report = go({-20, 30, 14, 10, -20, 30}, 0.04, true);
+  EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
+  EXPECT_FALSE(control_->view().state.alarm.present());
+}
+
+TEST_F(GrblTest, TheControlItselfStopsWherePositioningMeetsTheBall) {
+  begin();
+  home();
+  ASSERT_EQ(go({20, 30, 38}).outcome, Outcome::kReached);
+  const MotionControl::Report report = go({20, 30, 0}, 0.04);
+  EXPECT_EQ(report.outcome, Outcome::kTripped);
+  expectWords(report.message, "the probe tripped while positioning");
+  const double deep = double_->tell("machine")["deepest"];
+  EXPECT_LT(deep, 2.0) << "mm; the way to rest from 40 mm/s with 500 mm/s^2 is 1.6";
+}
+
+TEST_F(GrblTest, StopRestsKeepsThePositionAndHoming) {
+  begin();
+  home();
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
+  auto report = start({-60, 0, 38}, 0.02);
+  control_->stop("/panel");
+  EXPECT_EQ(report.get().outcome, Outcome::kStopped);
+  const auto there = double_->tell("machine");
+  EXPECT_FALSE(there["moving"]);
+  EXPECT_NEAR(shown(0), there["position"][0].get<double>() + 40.0, 2e-3);
+  const auto after = go({0, 0, 38});
+  EXPECT_EQ(after.outcome, Outcome::kReached) << after.message << ": still homed";
+  for (int i = 0; i < 5; ++i) control_->stop("/panel");  // at rest, again and again
+  EXPECT_EQ(go({1, 0, 38}).outcome, Outcome::kReached);
+  std::thread homing([&] { expectWords(refusal([&] { home(); }), "stopped by /panel"); });
+  ASSERT_TRUE(
+      await([&] { return control_->view().homing && double_->tell("machine")["moving"].get<bool>(); }));
+  control_->stop("/panel");
+  homing.join();
+  EXPECT_FALSE(double_->tell("machine")["moving"]);
+  EXPECT_FALSE(control_->view().state.homed);
+}
+
+TEST_F(GrblTest, HoldResumeOverride) {
+  begin();
+  home();
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
+  control_->setOverride(0.5);
+  auto report = start({10, 0, 38}, 0.02);
+  control_->hold(true);
+  ASSERT_TRUE(await([&] { return control_->view().state.held; }));
+  const double there = shown(0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(shown(0), there);
+  control_->hold(false);
+  EXPECT_EQ(report.get().outcome, Outcome::kReached);
+  EXPECT_TRUE(await([&] { return control_->view().state.feedOverride == 0.5; }));
+}
+
+TEST_F(GrblTest, AlarmsLimitsAndTheWayOut) {
+  begin();
+  home();
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
+  double_->tell("limit 0 1");
+  const MotionControl::Report report = go({35, 0, 38});
+  EXPECT_EQ(report.outcome, Outcome::kLimit);
+  expectWords(report.message, "alarm 1: a limit switch closed");
+  expectWords(refusal([&] { go({0, 0, 38}); }), "alarm 1");
+  control_->clearAlarm();
+  auto off = std::async(std::launch::async, [&] {
+    return refusal([&] { control_->moveOffLimit({"test", 0}); });
+  });
+  ASSERT_TRUE(await([&] { return double_->tell("machine")["moving"].get<bool>(); }));
+  double_->tell("limit 0 0");
+  EXPECT_EQ(off.get(), "");
+  EXPECT_FALSE(control_->view().state.homed);
+  home();
+  EXPECT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
+  double_->tell("alarm 3");
+  ASSERT_TRUE(await([&] { return control_->view().state.alarm.code == 3; }));
+  control_->clearAlarm();
+  expectWords(refusal([&] { go({0, 0, 38}); }), "not homed");
+}
+
+TEST_F(GrblTest, EmergencyStopReachesTheControlWhateverItDoes) {
+  begin();
+  home();
+  ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached);
+  for (const char* fault : {"ok", "stuck", "garbage", "slow", "intermittent"}) {
+    auto report = start({-60, 0, 38}, 0.02);
+    double_->tell(std::string("fault ") + fault);
+    if (std::string(fault) != "ok") std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const double asked = steadySeconds();
+    EXPECT_EQ(control_->emergencyStop("/panel"), "") << fault;
+    ASSERT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); })) << fault;
+    report.get();
+    double heard = 0.0;
+    const auto machine = double_->tell("machine");
+    for (const auto& told : machine["told"])
+      if (told[0] == "reset" && told[1].get<double>() >= asked && heard == 0.0)
+        heard = told[1].get<double>() - asked;
+    EXPECT_GT(heard, 0.0) << fault;
+    EXPECT_LT(heard, 0.05) << fault;
+    std::printf("emergency stop, device %s: heard after %.2f ms\n", fault, 1e3 * heard);
+    double_->tell("fault ok");
+    ASSERT_TRUE(await([&] { return control_->view().lost.empty(); }, 8.0)) << fault << control_->view().lost;
+    control_->resetEmergencyStop();
+    expectWords(refusal([&] { go({0, 0, 38}); }), "not homed");
+    ASSERT_TRUE(await([&] { return refusal([&] { home(); }).empty(); })) << fault;
+    ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached) << fault;
+  }
+}
+
+TEST_F(GrblTest, EveryFaultOfTheLineIsSaidAndNothingMovesThatShouldNot) {
+  const std::vector<std::pair<std::string, std::string>> faults = {{"off", "the connection ended"},
+                                                                   {"stuck", "no status report for"},
+                                                                   {"garbage", "no language of grbl"},
+                                                                   {"wrong", "the position of x jumped by"},
+                                                                   {"slow", "late"},
+                                                                   {"intermittent", "no status report for"}};
+  begin();
+  for (const auto& [fault, words] : faults) {
+    home();
+    ASSERT_EQ(go({0, 0, 38}).outcome, Outcome::kReached) << fault;
+    auto report = start({-95, 0, 38}, 0.01);
+    double_->tell("fault " + fault);
+    const MotionControl::Report ended = report.get();
+    std::printf("grbl %s: %s, %s\n", fault.c_str(), outcomeName(ended.outcome).c_str(),
+                ended.message.c_str());
+    EXPECT_EQ(ended.outcome, Outcome::kLost) << fault;
+    EXPECT_TRUE(ended.message.find(words) != std::string::npos ||
+                ended.message.find("has not answered") != std::string::npos)
+        << ended.message;
+    EXPECT_FALSE(double_->tell("machine")["moving"]) << fault;
+    double_->tell("fault ok");
+    ASSERT_TRUE(await([&] { return control_->view().lost.empty(); }, 8.0))
+        << fault << ": " << control_->view().lost;
+    expectWords(refusal([&] { go({1, 0, 38}); }), "homed");
+  }
+}
+
+TEST_F(GrblTest, APtyIsASerialLine) {
+  begin({"--pty", "--no-hal"});
+  EXPECT_FALSE(control_->capabilities().homingByAxis);
+  home();
+  EXPECT_EQ(go({0, 0, 20}).outcome, Outcome::kReached);
+}
+
+TEST(GrblController, SaysWhatIsWrongWithItsParameters) {
+  const Machine machine = Machine::load("three_axis");
+  const std::vector<std::pair<AxisController::Parameters, std::string>> wrong = {
+      {{}, "parameter 'address' of the grbl controller is missing"},
+      {{{"address", "udp:1"}}, "neither tcp:"},
+      {{{"address", "tcp:127.0.0.1"}}, "no port"},
+      {{{"address", "tcp:127.0.0.1:99999"}}, "from 1 to 65535"},
+      {{{"address", "serial:/dev/nosuch"}}, "/dev/nosuch: cannot be opened"},
+      {{{"address", "tcp:127.0.0.1:1"}}, "tcp:127.0.0.1:1: cannot be opened"},
+      {{{"address", "tcp:127.0.0.1:1"}, {"axes", "x:Q"}}, "'Q' is no axis of this controller"},
+      {{{"address", "tcp:127.0.0.1:1"}, {"axes", "x:X y:X"}}, "moves two joints"},
+      {{{"address", "tcp:127.0.0.1:1"}, {"sign", "x:2"}}, "must be 1 or -1"},
+      {{{"adress", "tcp:127.0.0.1:1"}}, "'adress' is not known to the grbl controller"}};
+  for (const auto& [parameters, words] : wrong) {
+    try {
+      GrblController controller;
+      controller.open(controllerSetup(machine, parameters));
+      FAIL() << words;
+    } catch (const std::exception& e) {
+      EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mm

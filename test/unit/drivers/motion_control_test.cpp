@@ -1,0 +1,351 @@
+#include "drivers/motion_control.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "base/error.h"
+#include "fake_controller.h"
+
+namespace mm {
+namespace {
+
+using Wall = std::chrono::steady_clock;
+
+/// A fake controller under control, polled every millisecond by a thread, as the node does.
+class MotionControlTest : public ::testing::Test {
+ protected:
+  void SetUp() override { begin({}); }
+  void begin(MotionControl::Settings settings) {
+    finish();
+    controller_ = std::make_shared<FakeController>();
+    settings.silence = 0.2;
+    settings.restTimeout = 0.5;
+    settings.reconnect = 0.02;
+    control_ = std::make_unique<MotionControl>(controller_, machine_, settings);
+    ending_ = false;
+    loop_ = std::thread([this] {
+      auto next = Wall::now();
+      while (!ending_) {
+        next += std::chrono::milliseconds(1);
+        std::this_thread::sleep_until(next);
+        control_->cycle(1e-3, std::chrono::duration<double>(next.time_since_epoch()).count());
+      }
+    });
+  }
+  void finish() {
+    if (!loop_.joinable()) return;
+    ending_ = true;
+    controller_->ended = true;
+    loop_.join();
+    control_.reset();
+  }
+  void TearDown() override { finish(); }
+
+  bool await(const std::function<bool()>& condition, double seconds = 5.0) {
+    const auto end = Wall::now() + std::chrono::duration<double>(seconds);
+    while (Wall::now() < end) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return condition();
+  }
+  AxesMotion to(const std::vector<double>& target, double speed = 0.02, bool probing = false) {
+    AxesMotion motion =
+        straightMotion(machine_.joints(), control_->view().state.position, target, speed, 1.0);
+    motion.probing = probing;
+    return motion;
+  }
+  MotionControl::Report go(const std::vector<double>& target, double speed = 0.02, bool probing = false) {
+    return control_->move(to(target, speed, probing), {"test", 0}, control_->stops());
+  }
+  std::future<MotionControl::Report> start(const std::vector<double>& target, double speed = 0.002,
+                                           bool probing = false) {
+    const AxesMotion motion = to(target, speed, probing);
+    const int before = controller_->moves;
+    const std::uint32_t stops = control_->stops();
+    auto report = std::async(std::launch::async, [this, motion, stops] {
+      return control_->move(motion, {"test", 0}, stops);
+    });
+    EXPECT_TRUE(await([&] { return controller_->moves > before && control_->view().state.moving; }));
+    return report;
+  }
+  void home() { control_->home({}, {"test", 0}); }
+  template <typename Call>
+  std::string refusal(const Call& call) {
+    try {
+      call();
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return {};
+  }
+  void expectWords(const std::string& text, const std::string& words) {
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  }
+
+  Machine machine_ = Machine::load("three_axis");
+  std::shared_ptr<FakeController> controller_;
+  std::unique_ptr<MotionControl> control_;
+  std::atomic<bool> ending_{false};
+  std::thread loop_;
+};
+
+TEST_F(MotionControlTest, ReachedIsWhatTheReadingsSay) {
+  home();
+  MotionControl::Report report = go({0.001, 0.0, 0.0});
+  EXPECT_EQ(report.outcome, Outcome::kReached);
+  EXPECT_EQ(report.position[0], 0.001);
+  controller_->shortBy = 50e-6;  // and the controller says that it arrived
+  report = go({0.003, 0.0, 0.0});
+  EXPECT_EQ(report.outcome, Outcome::kAlarm);
+  expectWords(report.message, "x rests -0.05 mm beside its target of 3");
+}
+
+TEST_F(MotionControlTest, NoMotionBeforeHomingNorAfterAReset) {
+  expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
+  home();
+  EXPECT_EQ(go({0.001, 0, 0}).outcome, Outcome::kReached);
+  controller_->set([](AxesState& state) { ++state.resets; });
+  ASSERT_TRUE(await([&] { return !control_->view().state.homed; }));
+  expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
+}
+
+TEST_F(MotionControlTest, EveryMotionIsWithinTheSpeedsOfTheUrdf) {
+  home();
+  AxesMotion fast = timedMotion({0, 0, 0}, {0, 0, 0.003}, 1e-3);  // 3000 mm/s
+  fast.probing = true;
+  expectWords(refusal([&] {
+                control_->move(fast, {"test", 0}, control_->stops());
+              }),
+              "joint z would move at 3000 mm/s, its URDF allows 20");
+  EXPECT_EQ(controller_->moves, 0);
+}
+
+TEST_F(MotionControlTest, StopEndsTheMotionAndAnswersAtRest) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  control_->stop("/panel");
+  EXPECT_FALSE(control_->view().state.moving);
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kStopped);
+  expectWords(ended.message, "stopped by /panel");
+}
+
+TEST_F(MotionControlTest, AStopIsNeverLost) {
+  home();
+  // In the middle of the controller's own call that starts the motion, a hundred times.
+  for (int i = 0; i < 100; ++i) {
+    std::thread panel;
+    controller_->beforeMove = [&] {
+      panel = std::thread([&] { refusal([&] { control_->stop("/panel"); }); });
+      while (controller_->stops == 0) std::this_thread::yield();
+    };
+    controller_->stops = 0;
+    const MotionControl::Report report = go({i % 2 == 0 ? 0.010 : 0.0, 0.0, 0.0}, 0.002);
+    controller_->beforeMove = nullptr;
+    panel.join();
+    ASSERT_EQ(report.outcome, Outcome::kStopped) << i;
+    ASSERT_FALSE(control_->view().state.moving);
+  }
+  // Between the wish and its execution.
+  const std::uint32_t before = control_->stops();
+  control_->stop("/panel");
+  expectWords(refusal([&] { control_->move(to({0.001, 0, 0}), {"test", 0}, before); }), "stopped by /panel");
+}
+
+TEST_F(MotionControlTest, ATicketEndsWithAStop) {
+  home();
+  const std::uint64_t ticket = control_->owner().take({"plan", 0}, 10.0);
+  EXPECT_EQ(control_->owner().owner(), "plan");
+  EXPECT_EQ(control_->move(to({0.001, 0, 0}), {"plan", ticket}, control_->stops()).outcome,
+            Outcome::kReached);
+  expectWords(refusal([&] { go({0.002, 0, 0}); }), "the axes belong to 'plan'");
+  expectWords(refusal([&] { home(); }), "the axes belong to 'plan'");
+  expectWords(refusal([&] { control_->owner().take({"other", 0}, 1.0); }), "the axes belong to 'plan'");
+  control_->stop("/panel");
+  expectWords(refusal([&] {
+                control_->move(to({0.002, 0, 0}), {"plan", ticket}, control_->stops());
+              }),
+              "the ticket of 'plan' is no longer valid: stopped by /panel");
+  EXPECT_EQ(go({0.002, 0, 0}).outcome, Outcome::kReached);
+  const std::uint64_t brief = control_->owner().take({"plan", 0}, 0.01);
+  EXPECT_TRUE(await([&] { return control_->owner().owner().empty(); }));
+  expectWords(refusal([&] { control_->owner().take({"plan", brief}, 1.0); }), "not renewed in time");
+}
+
+TEST_F(MotionControlTest, ATripWhilePositioningStopsAllAxes) {
+  home();
+  auto report = start({0.010, 0.010, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kTripped);
+  expectWords(ended.message, "the probe tripped while positioning at x ");
+  EXPECT_GE(controller_->stops, 1);
+  const double there = ended.position[0];
+  EXPECT_LT(there, 0.009);
+  // It may leave, but not go on into the surface.
+  auto away = start({0.0, 0.0, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = false; });
+  EXPECT_EQ(away.get().outcome, Outcome::kReached);
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  ASSERT_TRUE(await([&] { return control_->view().state.probeClosed; }));
+  const MotionControl::Report into = go({0.010, 0.0, 0.0}, 0.01);
+  EXPECT_EQ(into.outcome, Outcome::kTripped);
+  expectWords(into.message, "the probe stayed closed");
+  EXPECT_LT(into.position[0], 0.0025);
+}
+
+TEST_F(MotionControlTest, AnEmergencyStopWaitsForNothing) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->block = true;  // its poll does not return
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::vector<std::thread> crowd;
+  for (int i = 0; i < 5; ++i) crowd.emplace_back([&] { refusal([&] { home(); }); });
+  for (int i = 0; i < 5; ++i) crowd.emplace_back([&] { refusal([&] { control_->clearAlarm(); }); });
+  const auto asked = Wall::now();
+  EXPECT_EQ(control_->emergencyStop("/panel"), "");
+  const auto answered = Wall::now();
+  const double reached = std::chrono::duration<double>(controller_->emergencyAt.load() - asked).count();
+  EXPECT_LT(reached, 0.05);
+  EXPECT_LT(std::chrono::duration<double>(answered - asked).count(), 0.05);
+  RecordProperty("emergency_stop_us", static_cast<int>(1e6 * reached));
+  const MotionControl::Report ended = report.get();
+  EXPECT_TRUE(ended.outcome == Outcome::kStopped || ended.outcome == Outcome::kLost);
+  for (std::thread& one : crowd) one.join();
+  controller_->block = false;
+  EXPECT_TRUE(await([&] { return control_->view().lost.empty(); }));
+  expectWords(refusal([&] { home(); }), "emergency stop");
+  control_->resetEmergencyStop();
+  expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
+}
+
+TEST_F(MotionControlTest, ABlockedPollIsALossThatIsSaid) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->block = true;
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kLost);
+  expectWords(ended.message, "has not answered");
+  EXPECT_GE(controller_->stops, 1);
+  expectWords(refusal([&] { control_->stop("/panel"); }), "whether the axes rest is not known");
+  expectWords(refusal([&] { home(); }), "only stop and emergency stop reach it now");
+  controller_->block = false;
+}
+
+TEST_F(MotionControlTest, ALossIsSaidAndTheConnectionIsMadeAgain) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->away = true;
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kLost);
+  expectWords(ended.message, "the cable is out");
+  controller_->away = false;
+  EXPECT_TRUE(await([&] { return control_->view().lost.empty() && controller_->reconnects > 0; }));
+  expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
+}
+
+TEST_F(MotionControlTest, StatesThatCannotBeTrueAreRefused) {
+  const std::vector<std::pair<std::function<void(AxesState&)>, std::string>> wrong = {
+      {[](AxesState& s) { s.position[1] = std::nan(""); }, "position of y is not a number"},
+      {[](AxesState& s) { s.position.resize(5); }, "5 positions for 3 axes"},
+      {[](AxesState& s) { s.velocity.resize(1); }, "1 velocities for 3 axes"},
+      {[](AxesState& s) { s.time -= 1e6; }, "clock went back"},
+      {[](AxesState& s) { s.position[0] += 5e-3; }, "the position of x jumped by 5"}};
+  for (const auto& [change, words] : wrong) {
+    begin({});
+    home();
+    auto report = start({0.010, 0.0, 0.0});
+    const auto broken = change;
+    ending_ = true;  // the loop must not run while what it tells is exchanged
+    loop_.join();
+    controller_->change = broken;
+    ending_ = false;
+    loop_ = std::thread([this] {
+      while (!ending_) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        control_->cycle(1e-3, std::chrono::duration<double>(Wall::now().time_since_epoch()).count());
+      }
+    });
+    const MotionControl::Report ended = report.get();
+    EXPECT_EQ(ended.outcome, Outcome::kLost) << words;
+    expectWords(ended.message, words);
+    EXPECT_GE(controller_->stops, 1) << words;
+    for (const double q : control_->view().state.position) EXPECT_TRUE(std::abs(q) < 0.011) << words;
+  }
+}
+
+TEST_F(MotionControlTest, AFrozenStateIsALoss) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->frozen = true;
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kLost);
+  EXPECT_GE(controller_->stops, 1);
+}
+
+TEST_F(MotionControlTest, FeedHoldAndResume) {
+  MotionControl::Settings settings;
+  settings.holdLimit = 0.2;
+  begin(settings);
+  home();
+  expectWords(refusal([&] { control_->hold(true); }), "nothing moves");
+  auto report = start({0.004, 0.0, 0.0}, 0.01);
+  control_->hold(true);
+  ASSERT_TRUE(await([&] { return control_->view().state.held; }));
+  control_->hold(false);
+  EXPECT_EQ(report.get().outcome, Outcome::kReached);
+  auto again = start({0.0, 0.0, 0.0}, 0.002);
+  control_->hold(true);
+  const MotionControl::Report ended = again.get();
+  EXPECT_EQ(ended.outcome, Outcome::kHeld);
+  control_->hold(false);
+  expectWords(refusal([&] { control_->setOverride(2.0); }), "at most 1");
+}
+
+TEST_F(MotionControlTest, AlarmsAreSaidAndCleared) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->set([](AxesState& state) {
+    state.alarm = {1, "hard limit", "move off the limit, clear, home"};
+    state.moving = false;
+    state.outcome = Outcome::kLimit;
+    state.limitSwitch[0] = 1;
+    state.velocity.assign(3, 0.0);
+  });
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kLimit);
+  expectWords(ended.message, "alarm 1: hard limit; move off the limit");
+  expectWords(refusal([&] { go({0, 0, 0}); }), "alarm 1");
+  control_->clearAlarm();
+  control_->moveOffLimit({"test", 0});
+  EXPECT_EQ(go({0, 0, 0}).outcome, Outcome::kReached);
+}
+
+TEST_F(MotionControlTest, HomingInOrder) {
+  MotionControl::Settings settings;
+  settings.homingOrder = {{"z"}, {"x", "y"}};
+  begin(settings);
+  home();
+  ASSERT_EQ(controller_->homed.size(), 2u);
+  EXPECT_EQ(controller_->homed[0], (std::vector<std::size_t>{2}));
+  EXPECT_EQ(controller_->homed[1], (std::vector<std::size_t>{0, 1}));
+  control_->home({"y"}, {"test", 0});
+  EXPECT_EQ(controller_->homed.back(), (std::vector<std::size_t>{1}));
+  expectWords(refusal([&] { control_->home({"q"}, {"test", 0}); }), "'q' is not moved");
+}
+
+TEST_F(MotionControlTest, CancelSendsStop) {
+  home();
+  const AxesMotion motion = to({0.010, 0.0, 0.0}, 0.002);
+  int calls = 0;
+  const MotionControl::Report ended =
+      control_->move(motion, {"test", 0}, control_->stops(), [&](const AxesState&) { return ++calls < 10; });
+  EXPECT_EQ(ended.outcome, Outcome::kStopped);
+  EXPECT_GE(controller_->stops, 1);
+  EXPECT_FALSE(control_->view().state.moving);
+}
+
+}  // namespace
+}  // namespace mm
