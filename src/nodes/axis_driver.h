@@ -74,6 +74,7 @@ class AxisDriver {
   // The thread that moves.
   void moveAll();
   void execute(const Asked& asked);
+  void forgetGoal();
   AxesMotion motionOf(const measuring_machine::MoveGoal& goal) const;
   void latchLaser(const std::string& feature, measuring_machine::MoveResult& result);
 

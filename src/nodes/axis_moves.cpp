@@ -163,9 +163,16 @@ void AxisDriver::moveAll() {
       asked = *now_;
     }
     execute(asked);
-    const std::lock_guard<std::mutex> lock(goals_);
-    now_.reset();
+    forgetGoal();
   }
+}
+
+// A handle of actionlib takes its server's lock when it ends, and its callbacks take ours within that lock:
+// it must end outside of ours.
+void AxisDriver::forgetGoal() {
+  std::unique_ptr<Asked> ended;
+  const std::lock_guard<std::mutex> lock(goals_);
+  ended.swap(now_);
 }
 
 void AxisDriver::execute(const Asked& asked) {
@@ -174,11 +181,7 @@ void AxisDriver::execute(const Asked& asked) {
   MoveResult result;
   result.outcome = MoveResult::REFUSED;
   const auto finish = [&](void (Goal::*how)(const MoveResult&, const std::string&)) {
-    {
-      // A result may be answered with the next goal at once: it must not meet this one.
-      const std::lock_guard<std::mutex> lock(goals_);
-      now_.reset();
-    }
+    forgetGoal();  // before the result: it may be answered with the next goal at once
     (handle.*how)(result, result.message);
   };
   try {
