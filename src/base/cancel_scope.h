@@ -17,7 +17,7 @@ class CancelScope {
   /// The scope of one thread lent to another that works for it, for as long as this lives; null: none.
   class Lent {
    public:
-    explicit Lent(const CancelScope* scope);
+    explicit Lent(const CancelScope* scope);  ///< of another thread; null: none
     ~Lent();
     Lent(const Lent&) = delete;
     Lent& operator=(const Lent&) = delete;

@@ -35,7 +35,9 @@ class Threads {
 struct Part {
   std::size_t first = 0, end = 0;
 };
-Part partOf(std::size_t count, std::size_t size, std::size_t part);
-inline std::size_t partsOf(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+Part partOf(std::size_t count, std::size_t size, std::size_t part);  ///< items of one part
+inline std::size_t partsOf(std::size_t count, std::size_t size) {
+  return (count + size - 1) / size;
+}  ///< how many
 
 }  // namespace mm

@@ -17,8 +17,8 @@ class AxisMap {
   /// @throw InputError naming the joint or letter that is wrong.
   AxisMap(const ControllerSetup& setup, const std::string& letters);
 
-  std::size_t size() const { return axes_.size(); }
-  const std::vector<std::string>& names() const { return names_; }
+  std::size_t size() const { return axes_.size(); }                 ///< axes
+  const std::vector<std::string>& names() const { return names_; }  ///< in their order
   const ControllerAxis& axis(std::size_t j) const { return axes_[j]; }
   char letter(std::size_t j) const { return letters_[j]; }
   std::size_t place(std::size_t j) const { return places_[j]; }  ///< among the letters of the control

@@ -27,7 +27,7 @@ struct GrblProbe {
   std::vector<double> machine;
   bool tripped = false;
 };
-std::optional<GrblProbe> parseGrblProbe(const std::string& line);
+std::optional<GrblProbe> parseGrblProbe(const std::string& line);  ///< `[PRB:…]`; nothing: another line
 
 /// `$110=500.000`: number and value. @return nothing for other lines.
 std::optional<std::pair<int, double>> parseGrblSetting(const std::string& line);
@@ -42,8 +42,8 @@ bool isGrblWelcome(const std::string& line);
 struct GrblWords {
   std::string text, remedy;
 };
-GrblWords grblAlarm(int code);
-GrblWords grblError(int code);
+GrblWords grblAlarm(int code);  ///< of ALARM:code
+GrblWords grblError(int code);  ///< of error:code
 /// Whether the position is still known after an alarm.
 bool grblAlarmKeepsPosition(int code);
 

@@ -67,9 +67,9 @@ class MotionControl {
   ~MotionControl();
 
   const std::vector<std::string>& axes() const { return axes_; }
-  const std::vector<Joint>& joints() const { return joints_; }  ///< of the axes
-  const Capabilities& capabilities() const { return capabilities_; }
-  MotionOwner& owner() { return owner_; }
+  const std::vector<Joint>& joints() const { return joints_; }        ///< of the axes
+  const Capabilities& capabilities() const { return capabilities_; }  ///< of the controller
+  MotionOwner& owner() { return owner_; }                             ///< who may move
 
   /// Asks the controller once. @param elapsed s since the last call. @param host s on the host's clock now.
   /// @return nothing when there is no state, or none that can be true.

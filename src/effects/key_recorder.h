@@ -45,7 +45,7 @@ class KeyRecorder {
   KeyRecorder(const KeyRecorder&) = delete;
   KeyRecorder& operator=(const KeyRecorder&) = delete;
 
-  const std::vector<KeyUse>& uses() const { return uses_; }
+  const std::vector<KeyUse>& uses() const { return uses_; }  ///< in their order
   /// Notes a use with the recorder of this thread, if there is one; a key's first use says what it is.
   static void note(KeyUse use);
   /// That a list is taken too.

@@ -17,7 +17,7 @@ class Knots {
   Knots() = default;
   Knots(std::vector<double> positions, JointKind kind) : positions_(std::move(positions)), kind_(kind) {}
 
-  int count() const { return static_cast<int>(positions_.size()); }
+  int count() const { return static_cast<int>(positions_.size()); }  ///< of knots
 
   /// Calls `add(knot, share)` for the one or two knots whose values, times their shares, sum to the table's
   /// value at q.

@@ -78,7 +78,8 @@ struct RepeatabilityUsed {
   Repeatability repeated;  // where it comes from repeats
   Noise noise;
 };
-RepeatabilityUsed repeatabilityOf(const Problem& problem, const Fit& fit, double dof);
+RepeatabilityUsed repeatabilityOf(const Problem& problem, const Fit& fit,
+                                  double dof);  ///< m or rad, and whence
 
 /// "figures": RMS, held-out RMS and chi2 of a fit, at the noise of its rows `sigma` (m or rad).
 ResidualFigures figuresOf(const Problem& problem, const Fit& fit, const Uncertainty& uncertainty,

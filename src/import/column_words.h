@@ -36,7 +36,7 @@ struct NameAndUnit {
   std::string stem;
   std::string unitText;  // as written; empty: none
 };
-NameAndUnit splitUnit(const std::string& name);
+NameAndUnit splitUnit(const std::string& name);  ///< of a head
 
 /// The words of a name in small letters: letters and digits, cut at everything else.
 std::vector<std::string> wordsOf(std::string_view name);

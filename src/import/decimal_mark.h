@@ -22,8 +22,8 @@ struct DecimalMarks {
 /// Collects what the numbers of a table show of its decimal mark.
 class DecimalMarkFinder {
  public:
-  explicit DecimalMarkFinder(std::size_t columns) : columns_(columns) {}
-  void look(std::size_t line, const std::vector<std::string_view>& cells);
+  explicit DecimalMarkFinder(std::size_t columns) : columns_(columns) {}    ///< of a table
+  void look(std::size_t line, const std::vector<std::string_view>& cells);  ///< at a row
   /// A comma that nothing contradicts is decimal, and so is a point; where the table shows the other mark to
   /// be decimal, a column must show by a number of its own that it sets thousands apart.
   DecimalMarks decide() const;

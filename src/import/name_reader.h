@@ -21,7 +21,7 @@ struct NameContext {
 /// Understands the name of a column by its words, in any order.
 class NameReader {
  public:
-  explicit NameReader(const Machine& machine) : machine_(machine) {}
+  explicit NameReader(const Machine& machine) : machine_(machine) {}  ///< its joints are the names
 
   /// The classes of a name's words and its joint (-1: none). @param rest gets the words that say nothing.
   std::pair<std::set<WordClass>, int> classesOf(const std::vector<std::string>& words,

@@ -20,8 +20,8 @@ class RecordTable {
     std::size_t line = 0;
     std::vector<std::string> cells;
   };
-  const std::vector<Row>& rows() const { return rows_; }
-  const TableLayout& layout() const { return layout_; }
+  const std::vector<Row>& rows() const { return rows_; }  ///< in file order
+  const TableLayout& layout() const { return layout_; }   ///< of the file
   /// First column with one of these words in its name, or -1.
   int column(const std::vector<std::string>& words) const;
   /// Value of the first of these keys in the head of the file (in small letters), or of the mapping, or

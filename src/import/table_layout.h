@@ -25,7 +25,9 @@ struct TableLayout {
   std::vector<std::string> names;                            // of the columns; "1", "2" … without a header
   std::vector<std::string> units;                            // of the units line, empty without
   std::vector<std::pair<std::size_t, std::string>> remarks;  // lines that are not of the table: number, text
-  std::size_t lastHead() const { return firstRow > 0 ? firstRow - 1 : std::max(headerLine, unitsLine); }
+  std::size_t lastHead() const {
+    return firstRow > 0 ? firstRow - 1 : std::max(headerLine, unitsLine);
+  }  ///< 0: none
   /// "separated by ';', decimal comma".
   std::string inWords() const;
 };
@@ -48,7 +50,7 @@ struct ColumnSample {
   bool midnight = true;                     // all calendars without a time of day
 };
 
-std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout);
+std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout);  ///< as text
 
 /// A fault: the decimal mark cannot be seen, with the line for the mapping.
 void refuseUnclear(const TextFile& file, const TableLayout& layout, const UnclearNumber& number,

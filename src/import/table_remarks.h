@@ -19,6 +19,6 @@ struct TableRemarks {
   int axis = -1;  // joint, -1: it is not said
 };
 
-TableRemarks tableRemarks(const TableLayout& layout, const Machine& machine);
+TableRemarks tableRemarks(const TableLayout& layout, const Machine& machine);  ///< for people
 
 }  // namespace mm

@@ -34,7 +34,7 @@ class TextFile {
 /// The lines of a text file from its first on.
 class TextLines : public LineSource {
  public:
-  explicit TextLines(const TextFile& file) : file_(file) {}
+  explicit TextLines(const TextFile& file) : file_(file) {}  ///< from its first line
   bool next(std::string_view& line) override;
   std::int64_t number() const override { return static_cast<std::int64_t>(next_); }
   double fraction() const override;

@@ -43,8 +43,8 @@ struct ColumnRange {
   double lower = kNotMeasured, upper = kNotMeasured;
   std::size_t count = 0;
 
-  void add(std::string_view cell);  ///< a text
-  void add(std::string_view cell, double value);
+  void add(std::string_view cell);                ///< a text
+  void add(std::string_view cell, double value);  ///< of a row
 };
 
 struct TableReading {

@@ -33,7 +33,7 @@ enum class DecimalMark {
   kPointOrNot,  // 1.234 with a decimal point, or 1234 where commas are decimal
   kCommaOrNot   // 1,234 likewise
 };
-DecimalMark decimalMarkOf(std::string_view cell);
+DecimalMark decimalMarkOf(std::string_view cell);  ///< that it must have
 
 /// Without the unit that stands behind the number in each cell of a column.
 std::string_view withoutUnit(std::string_view cell, std::string_view unit);

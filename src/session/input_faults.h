@@ -21,9 +21,9 @@ class InputFaults : public InputError {
 class FaultList {
  public:
   static constexpr std::size_t kShown = 20;
-  void add(const std::string& fault);
-  bool empty() const { return faults_.empty(); }
-  std::size_t count() const { return faults_.size() + more_; }
+  void add(const std::string& fault);                           ///< one line
+  bool empty() const { return faults_.empty(); }                ///< no fault so far
+  std::size_t count() const { return faults_.size() + more_; }  ///< with those not listed
   /// @throw InputFaults when there are any (a plain InputError when there is one).
   void throwIfAny() const;
 

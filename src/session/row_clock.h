@@ -27,8 +27,10 @@ class RowClock {
 /// What was logged beside the rows, until the earliest time of the file is known.
 class LoggedSeries {
  public:
-  void resize(std::size_t count) { logged_.resize(count); }
-  void add(int series, std::int64_t stamp, double value) { logged_[series].push_back({stamp, value}); }
+  void resize(std::size_t count) { logged_.resize(count); }  ///< of series
+  void add(int series, std::int64_t stamp, double value) {
+    logged_[series].push_back({stamp, value});
+  }  ///< stamp in ns
   /// Puts the values into their series in the order of their times, s after `zero`, and forgets them.
   void fill(std::vector<Series>& series, std::int64_t zero);
 

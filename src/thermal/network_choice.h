@@ -27,7 +27,7 @@ struct NetworkChoice {
   std::string reason;                // in words, to be read after the name of what works
   std::vector<NetworkTrial> trials;  // of those that were asked: none, ridge, then rbf and dfnn
 
-  const NetworkTrial* find(const std::string& name) const;
+  const NetworkTrial* find(const std::string& name) const;  ///< null: not tried
   /// Of what works, or of none.
   const NetworkTrial& chosen() const { return *find(kind ? nameOf(*kind) : "none"); }
 };

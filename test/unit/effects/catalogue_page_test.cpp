@@ -23,7 +23,7 @@ EffectPtr exampleOf(const std::string& type) {
   for (const int which : {0, 1}) {
     const MachineRig rig = rigOf(which);
     for (const EffectSpec& spec : everySpec(rig.domain, which))
-      if (spec.type == type) return createEffect(spec, rig.domain);
+      if (spec.type == type) return createEffect(spec, rig.domain, networksOf(rig.domain));
   }
   return nullptr;
 }

@@ -112,6 +112,7 @@ inline Domain domainOf(const Machine& machine, bool laser) {
 
 /// What the thermal_network of its first joint learned.
 inline std::vector<LearnedNetwork> networksOf(const Domain& d) {
+  if (d.lower.empty()) return {};
   return {learnedNetwork(d, EffectSpec("thermal_network").set("axis", d.joints[0].name))};
 }
 
