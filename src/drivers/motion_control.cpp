@@ -174,7 +174,7 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
       lose(wrong, check_.jumped());
     } else if (elapsed > 0.0 && age > settings_.silence) {
       stop = current_.has_value();
-      lose("its state is " + inSeconds(age) + " old", false);
+      lose("its state is older than " + inSeconds(settings_.silence), false);
     } else {
       lost_.clear();
       take(state, host);
