@@ -59,6 +59,7 @@ void GrblController::begin() {
   link_->connect(kLinkConnect);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    connected_ = steadySeconds();
     send("");  // ends whatever half a line it has
     ask();
   }
@@ -429,10 +430,10 @@ AxesState GrblController::poll(double) {
   const bool quiet = task_ == Task::kHoming;  // grbl 1.1 does not report while it homes
   if (quiet && now - taskBegan_ > homingTimeout_) {
     finish(Outcome::kAlarm, "homing has not ended within its time");
-  } else if (!quiet && now - std::max(lastReport_, resetAt_.load()) > kLinkSilence) {
+  } else if (!quiet && now - std::max({lastReport_, connected_, resetAt_.load()}) > kLinkSilence) {
     char text[120];
     std::snprintf(text, sizeof text, ": no status report for %.1f s; look at its power and its cable",
-                  now - lastReport_);
+                  now - std::max(lastReport_, connected_));
     throw Error(link_->address() + text);
   }
   if (quiet || now - resetAt_ < kLinkSilence) state_.time = std::max(state_.time, now);

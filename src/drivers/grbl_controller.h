@@ -74,7 +74,7 @@ class GrblController final : public AxisController {
   std::deque<std::string> waiting_;   // lines that the control has no room for yet
   std::deque<std::size_t> inFlight_;  // characters of lines that it has not answered
   double asked_ = 0.0;                // s, of the last question; 0: answered
-  double lastAsked_ = 0.0, lastReport_ = 0.0, roundTrip_ = 0.0;
+  double lastAsked_ = 0.0, lastReport_ = 0.0, connected_ = 0.0, roundTrip_ = 0.0;
   GrblReport report_;
   std::vector<double> offset_;  // WCO
   AxesState state_;

@@ -9,6 +9,7 @@
 namespace mm {
 namespace {
 
+constexpr double kReset = 2.0;     // s within which a controller leaves its emergency stop
 constexpr double kNoSpeed = 1e-9;  // m/s or rad/s
 
 std::vector<Joint> jointsOf(const AxisController& controller, const Machine& machine) {
@@ -174,7 +175,7 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
       lose(wrong, check_.jumped());
     } else if (elapsed > 0.0 && age > settings_.silence) {
       stop = current_.has_value();
-      lose("its state is " + inSeconds(age) + " old", false);
+      lose("its state is older than " + inSeconds(settings_.silence), false);
     } else {
       lost_.clear();
       take(state, host);
@@ -539,11 +540,19 @@ std::string MotionControl::emergencyStop(const std::string& who) {
 }
 
 void MotionControl::resetEmergencyStop() {
+  const std::uint32_t before = stops_;
   withDevice([&] { controller_->resetEmergencyStop(); });
-  const std::lock_guard<std::mutex> lock(mutex_);
-  emergency_ = false;
-  state_.emergencyStop = false;
+  std::unique_lock<std::mutex> lock(mutex_);
   homedHere_ = false;
+  const std::uint64_t first = states_ + 1;
+  const bool reset = changed_.wait_for(lock, std::chrono::duration<double>(kReset + settings_.silence), [&] {
+    return ending_ || (states_ > first && lost_.empty() && !state_.emergencyStop);
+  });
+  if (!reset || ending_)
+    throw Error(lost_.empty() ? "the controller stays in its emergency stop; look at its button and its panel"
+                              : "the controller does not answer: " + lost_);
+  if (stops_ != before) throw Error("stopped again by " + stoppedBy_);
+  emergency_ = false;
 }
 
 void MotionControl::hold(bool on) {

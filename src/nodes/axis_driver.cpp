@@ -119,7 +119,7 @@ void AxisDriver::cycle(double elapsed) {
     const std::optional<MotionControl::Observation> seen =
         control_.cycle(elapsed, clock_ ? 0.0 : ros::Time::now().toSec());
     const MotionControl::View view = control_.view();
-    if (view.lost != lostSaid_ && !view.lost.empty()) ROS_ERROR("controller: %s", view.lost.c_str());
+    if (!view.lost.empty() && lostSaid_.empty()) ROS_ERROR("controller: %s", view.lost.c_str());
     if (view.lost.empty() && !lostSaid_.empty()) ROS_INFO("controller: answers again");
     lostSaid_ = view.lost;
     ros::Time stamp = clock_ ? lastStamp_ : ros::Time::now();

@@ -34,7 +34,7 @@ def linuxcnc(folder):
     environment = dict(os.environ, HOME=folder, DISPLAY="", PATH="/usr/bin:/bin")
     if os.getuid() == 0:
         subprocess.check_call(["chown", "-R", "nobody", folder])
-        command = ["/usr/sbin/runuser", "-u", "nobody", "--"] + command
+        command = ["/usr/sbin/runuser", "-u", "nobody", "--", "/usr/bin/env"] + ["%s=%s" % (k, environment[k]) for k in ("HOME", "DISPLAY", "PATH")] + command
     log = open(os.path.join(folder, "log"), "w")
     return subprocess.Popen(command, env=environment, stdout=log, stderr=log, cwd=folder, start_new_session=True)
 
@@ -49,14 +49,18 @@ class LinuxCnc(unittest.TestCase):
         for name in ("machine.var", "machine.tbl"):
             open(os.path.join(cls.folder, name), "w").close()
         assert not listens(), "a LinuxCNC is running already"
+        if os.path.exists("/tmp/linuxcnc.lock"):
+            os.remove("/tmp/linuxcnc.lock")  # of one that was killed: the next would ask on a terminal whether to go on
         cls.process = linuxcnc(cls.folder)
-        assert support.wait_until(listens, 40), open(os.path.join(cls.folder, "log")).read()
+        said = lambda: "".join(open(os.path.join(cls.folder, f)).read() for f in os.listdir(cls.folder) if f == "log" or f.startswith("linuxcnc_"))
+        assert support.wait_until(listens, 40), said()
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         assert cls.axes.wait_for_server(rospy.Duration(40))
 
     @classmethod
     def tearDownClass(cls):
-        os.killpg(cls.process.pid, signal.SIGINT)
+        # Its display ends, and LinuxCNC tidies up.
+        subprocess.call(["pkill", "-TERM", "-f", "linuxcncrsh.*-ini " + os.path.join(cls.folder, "machine.ini")])
         try:
             cls.process.wait(30)
         except subprocess.TimeoutExpired:
