@@ -145,7 +145,7 @@ class Motion(unittest.TestCase):
         self.home()
         self.go([0.0, 0.0, 0.010])
         self.assertTrue(self.call("axis_driver/home_axes", HomeAxes, name=["z"]).success)
-        self.assertAlmostEqual(self.place()[2], 0.0, delta=1e-9)
+        self.assertTrue(support.wait_until(lambda: abs(self.place()[2]) < 1e-9))
         self.go([0.0, 0.0, 0.010])
         self.assertIn("at most 1", self.call("axis_driver/override", SetOverride, share=3.0).message)
         self.assertIn("nothing moves", self.call("axis_driver/hold").message)
@@ -229,7 +229,11 @@ class Motion(unittest.TestCase):
             there = self.place()[0]
             self.assertLess(there, 0.017, fault + ": it went on")
             self.start([0.001, 0.0, 0.010])
-            self.assertIn("not homed", self.end()[1].message, fault)
+            result = self.end()[1]
+            if fault == "slow":  # late, but never wrong: its zero still holds
+                self.assertEqual(result.outcome, MoveResult.REACHED, result.message)
+            else:
+                self.assertIn("not homed", result.message, fault)
 
 
 if __name__ == "__main__":
