@@ -389,6 +389,7 @@ AxesState LinuxCncController::poll(double) {
   for (const DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()})
     if (!link->connected()) throw Error(link->lost().empty() ? "not connected" : link->lost());
   if (!trouble_.empty()) throw Error(link_->address() + ": " + trouble_);
+  if (last_.came == 0.0) throw Error(link_->address() + ": LinuxCNC has given no state yet");
   if (now - last_.came > kLinkSilence) {
     char text[120];
     std::snprintf(text, sizeof text, ": LinuxCNC has given no state for %.1f s; does it still run?",

@@ -63,7 +63,9 @@ class SessionWriter {
     if (!session_.rowFile.empty()) {
       std_msgs::String file;
       file.data = session_.rowFile;
-      bag_.write("/imported_from", start, file, true);
+      // before the first motion, which is read by the file's directions and not by its own
+      bag_.write("/imported_from", motion_.empty() ? start : std::min(start, stamp(motion_.front().time)),
+                 file, true);
     }
     std::size_t count = 0;
     for (const Observation& o : session_.observations) {

@@ -188,6 +188,10 @@ void SessionCollector::addJointState(const sensor_msgs::JointState& message) {
     Track& track = found->second;
     track.earliest = std::min(track.earliest, ns);
     if (i >= message.velocity.size() || std::isnan(message.velocity[i])) continue;  // nothing is guessed
+    if (!importedFrom_.empty()) {  // the file told the direction, whatever the speed and the readings
+      if (message.velocity[i] != 0.0) track.motions.push_back({ns, message.velocity[i] > 0.0 ? 1.0 : -1.0});
+      continue;
+    }
     if (track.travel.take(ns, message.position[i], message.velocity[i]))
       track.motions.push_back({ns, track.travel.direction()});
   }

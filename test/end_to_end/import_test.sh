@@ -41,9 +41,10 @@ printf 'time_s,x_mm,feature\n0,one,b0\n1,2,b0\n2,two,b9\n' >faults.csv
 check 'three faults: status 2' [ $? -eq 2 ]
 check 'three faults: a line each' [ "$(grep -c '^mm: error: faults.csv:[24]: ' err)" -eq 3 ]
 check 'three faults: nothing written' [ ! -e s.bag ]
+printf 'Zeit;Pos;feature\n0;1,5;b0\n' >foreign.csv
+refused 'what cannot be known' "columns: {Pos: " import foreign.csv --artifact plate.yaml --machine three_axis -o s.bag
+check 'what was understood is shown all the same' grep -q 'ball or point touched' out
 printf 'Zeit;Pos;x\n0;1,5;2\n' >foreign.csv
-refused 'what cannot be known' "columns: {Pos: " import foreign.csv --columns <(printf 'columns: {x: deviation_x_um}\n') --machine three_axis -o s.bag
-check 'what was understood is shown all the same' grep -q 'deviation of x' out
 refused 'NaN' "nan.csv:2: .*'x_mm'" import nan.csv --artifact plate.yaml --machine three_axis -o s.bag
 refused 'empty session' 'empty.csv' import empty.csv --artifact plate.yaml --machine three_axis -o s.bag
 refused 'missing artifact' '--artifact' import good.csv --machine three_axis -o s.bag

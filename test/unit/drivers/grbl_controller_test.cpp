@@ -287,14 +287,20 @@ TEST_F(GrblTest, EveryFaultOfTheLineIsSaidAndNothingMovesThatShouldNot) {
     std::printf("grbl %s: %s, %s\n", fault.c_str(), outcomeName(ended.outcome).c_str(),
                 ended.message.c_str());
     EXPECT_EQ(ended.outcome, Outcome::kLost) << fault;
+    // of the watches of a silent line the one that bites first speaks
     EXPECT_TRUE(ended.message.find(words) != std::string::npos ||
-                ended.message.find("has not answered") != std::string::npos)
+                ended.message.find("has not answered") != std::string::npos ||
+                ended.message.find("states arrive") != std::string::npos)
         << ended.message;
     EXPECT_FALSE(double_->tell("machine")["moving"]) << fault;
     double_->tell("fault ok");
     ASSERT_TRUE(await([&] { return control_->view().lost.empty(); }, 8.0))
         << fault << ": " << control_->view().lost;
-    expectWords(refusal([&] { go({1, 0, 38}); }), "homed");
+    const std::string refused = refusal([&] { go({1, 0, 38}); });
+    if (fault == "slow")  // late, but never wrong: its zero still holds
+      EXPECT_EQ(refused, "");
+    else
+      expectWords(refused, "homed");
   }
 }
 

@@ -100,14 +100,15 @@ TEST_F(Spec, tableNeedsPositions) {
 }
 
 TEST_F(Spec, straightnessTableNeedsKnotsSomewhereAndAnotherDirection) {
+  const auto x = static_cast<std::size_t>(domain.findJoint("x"));
   expect("{type: straightness_table, axis: x, direction: x}", {"must differ", "position_table"});
   expect("{type: straightness_table, axis: x, direction: z, knots: 2}", {"knots", "3"});
-  domain.positions[0].clear();  // more than 64 of them
+  domain.positions[x].clear();  // more than 64 of them
   expect("{type: straightness_table, axis: x, direction: z}", {"3 to 64", "knots: 9"});
   EXPECT_EQ(createEffect(specOf("{type: straightness_table, axis: x, direction: z, knots: 9}"), domain)
                 ->parameterCount(),
             7);
-  domain.upper[0] = domain.lower[0];
+  domain.upper[x] = domain.lower[x];
   expect("{type: straightness_table, axis: x, direction: z, knots: 9}", {"never moved"});
 }
 
