@@ -52,7 +52,7 @@ roslaunch measuring_machine instrument.launch >launch.log 2>&1 &
 launch=$!
 until rosservice list 2>/dev/null | grep -q '/axis_driver/home'; do
   kill -0 "$launch" 2>/dev/null || { cat launch.log; fail "roslaunch ended"; }
-  ((SECONDS - begun < 600)) || fail "no /axis_driver/home"
+  ((SECONDS - begun < 180)) || { grep -a -m 3 "FATAL\|ERROR" launch.log; fail "no /axis_driver/home after 180 s"; }
   sleep 0.5
 done
 rosservice call /axis_driver/home | tee home.txt
