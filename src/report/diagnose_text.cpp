@@ -101,7 +101,7 @@ std::string figuresText(const Diagnosis& d) {
   }
   if (d.tailDof > 0.0)
     text += format("\n  the noise has heavy tails: Student's t of %.2g degrees of freedom", d.tailDof);
-  return text + "\n  after ± stands the expanded uncertainty, k = 2\n";
+  return text + "\n  ± is the expanded uncertainty, k = 2\n";
 }
 
 std::string moveText(const Move& move) {

@@ -12,7 +12,7 @@ std::string summarize(const Session& session);
 /// What was assumed where nothing was recorded, in one sentence; empty: nothing.
 std::string assumedText(const Session& session);
 
-/// What of the session is lost or left aside, in one line: its warning, and how much is set aside with the
+/// What of the session is lost or set aside, in one line: its warning, and how much is set aside with the
 /// first of it; empty: nothing.
 std::string lossText(const Session& session);
 

@@ -96,7 +96,7 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
       "Effects outside the catalogue of effects (never drawn by random, but by random_uncatalogued):\n" +
       uncatalogued +
       "How a session can be rough; a size (drift=2) is a factor of the repeatability, 1 if left out:\n"
-      "  drift       every joint wanders slowly and follows no sensor; RMS over the session\n"
+      "  drift       every joint drifts slowly and follows no sensor; RMS over the session\n"
       "  correlated  the noise of a reading is correlated 0.7 with that of the reading before\n"
       "  form        balls with form, radius and centre errors\n"
       "  sensors     temperatures with noise, steps, offsets and lags of 30 to 300 s\n"
