@@ -45,7 +45,7 @@ done
 [[ -f /usr/share/measuring_machine/package.xml && -d /usr/share/measuring_machine/launch ]] || fail "ROS cannot find the package"
 
 step "the nodes: roslaunch, and a service"
-DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends rosbash python3-roslaunch python3-rosservice python3-rosnode \
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends rosbash python3-roslaunch python3-rosservice python3-rosnode python3-std-srvs \
   ros-robot-state-publisher >/tmp/nodes.log 2>&1 || fail "apt-get install: $(tail -n 1 /tmp/nodes.log)"
 rosrun measuring_machine mm --version
 roslaunch measuring_machine instrument.launch >launch.log 2>&1 &
