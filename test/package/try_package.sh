@@ -64,5 +64,6 @@ step "apt purge"
 DEBIAN_FRONTEND=noninteractive apt-get purge -y -qq measuring-machine >/tmp/purge.log 2>&1 || fail "apt purge: $(tail -n 1 /tmp/purge.log)"
 left="$(find /usr /etc /var/lib -xdev -path "$here" -prune -o -iname '*measuring*machine*' -print | grep -v '/dpkg/\|/apt/' || true)"
 [[ -z "$left" ]] || fail "left behind: $left"
+hash -r
 ! command -v mm >/dev/null || fail "mm is still there"
 echo "try_package: installed, used and removed in $((SECONDS - begun)) s"
