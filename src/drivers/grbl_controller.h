@@ -18,7 +18,7 @@ namespace mm {
 /// grbl has no clock: a state's time is the middle between question and answer on the host's steady clock.
 /// What is latched at a trip are commanded positions, in steps.
 /// Parameters: `address`, `axes`, `sign`, `zero` (as AxisMap), `report_rate` (Hz), `guard` (true, false),
-/// `homing_timeout` (s), `off_limit_mm`.
+/// `connect_timeout` (s, for the first answers), `homing_timeout` (s), `off_limit_mm`.
 class GrblController final : public AxisController {
  public:
   GrblController();
@@ -64,7 +64,7 @@ class GrblController final : public AxisController {
 
   std::unique_ptr<AxisMap> map_;
   std::unique_ptr<DeviceLink> link_;
-  double reportPeriod_ = 0.05, homingTimeout_ = 120.0, offLimit_ = 2.0;
+  double reportPeriod_ = 0.05, connectTimeout_ = kLinkConnect, homingTimeout_ = 120.0, offLimit_ = 2.0;
   bool guard_ = true;
 
   mutable std::mutex mutex_;
