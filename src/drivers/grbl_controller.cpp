@@ -53,6 +53,7 @@ void GrblController::begin() {
     const std::lock_guard<std::mutex> lock(mutex_);
     forgetLines();
     asked_ = lastAsked_ = lastReport_ = 0.0;
+    away_.clear();
     trouble_.clear();
     damaged_ = 0;
     offset_.clear();
@@ -114,7 +115,13 @@ void GrblController::reconnect() {
     homed_.assign(map_->size(), false);
     finish(Outcome::kLost);
   }
-  begin();
+  try {
+    begin();
+  } catch (const std::exception& e) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    away_ = e.what();  // what it says now and then does not tell which lines it has taken
+    throw;
+  }
   if (emergency_) emergencyStop();
 }
 
@@ -428,6 +435,7 @@ AxesState GrblController::poll(double) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const double now = steadySeconds();
   if (!link_->connected()) throw Error(link_->lost().empty() ? "not connected" : link_->lost());
+  if (!away_.empty()) throw Error(away_);
   if (!trouble_.empty()) throw Error(link_->address() + ": " + trouble_);
   if (asked_ == 0.0 ? now - lastAsked_ >= reportPeriod_ : now - lastAsked_ > kAgain) ask();
   const bool quiet = task_ == Task::kHoming;  // grbl 1.1 does not report while it homes

@@ -89,6 +89,7 @@ class GrblController final : public AxisController {
   AxesMotion motion_;
   std::vector<double> lastDirection_;
   std::vector<ProbeEdge> edges_;
+  std::string away_;     // why it could not be connected again
   std::string trouble_;  // why what arrives is not grbl
   int damaged_ = 0;      // lines in a row that were not
   std::atomic<bool> stopAsked_{false}, emergency_{false}, resetAsked_{false}, homes_{false};
