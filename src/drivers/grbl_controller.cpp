@@ -13,6 +13,7 @@ namespace {
 
 constexpr char kSoftReset = '\x18';
 constexpr double kAgain = 0.3;        // s until a question is asked once more
+constexpr double kUnwelcome = 1.5;    // s for the greeting after a soft reset
 constexpr double kStepSlack = 0.002;  // mm or deg: reports have three decimals
 
 }  // namespace
@@ -21,11 +22,12 @@ GrblController::GrblController() = default;
 GrblController::~GrblController() { close(); }
 
 void GrblController::open(const ControllerSetup& setup) {
-  refuseUnknownParametersOf(
-      setup, "grbl",
-      {"address", "axes", "sign", "zero", "report_rate", "guard", "homing_timeout", "off_limit_mm"});
+  refuseUnknownParametersOf(setup, "grbl",
+                            {"address", "axes", "sign", "zero", "report_rate", "guard", "connect_timeout",
+                             "homing_timeout", "off_limit_mm"});
   map_ = std::make_unique<AxisMap>(setup, kControlLetters);
   reportPeriod_ = 1.0 / numberParameterOf(setup, "report_rate", 20.0, 1.0, 200.0);
+  connectTimeout_ = numberParameterOf(setup, "connect_timeout", connectTimeout_, 0.1, 60.0);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
   offLimit_ = numberParameterOf(setup, "off_limit_mm", offLimit_, 0.01, 100.0);
   const auto guard = setup.parameters.find("guard");
@@ -51,19 +53,20 @@ void GrblController::begin() {
     const std::lock_guard<std::mutex> lock(mutex_);
     forgetLines();
     asked_ = lastAsked_ = lastReport_ = 0.0;
+    away_.clear();
     trouble_.clear();
     damaged_ = 0;
     offset_.clear();
     resetAsked_ = false;
   }
-  link_->connect(kLinkConnect);
+  link_->connect(connectTimeout_);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     connected_ = steadySeconds();
     send("");  // ends whatever half a line it has
     ask();
   }
-  awaitReady(kLinkConnect);
+  awaitReady(connectTimeout_);
 }
 
 // Asks until the control has reported, with the offset of its work coordinates, and said its settings.
@@ -97,7 +100,7 @@ void GrblController::awaitReady(double seconds) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::string why = "no status report came within " + std::to_string(static_cast<int>(seconds)) + " s";
+  std::string why = "no status report came";
   if (lastReport_ > 0.0) why = "it reports, but does not say its settings ($$)";
   if (lastReport_ > 0.0 && settings_.count(110) > 0) why = "its reports have no WCO";
   if (!trouble_.empty()) why = trouble_;
@@ -112,7 +115,13 @@ void GrblController::reconnect() {
     homed_.assign(map_->size(), false);
     finish(Outcome::kLost);
   }
-  begin();
+  try {
+    begin();
+  } catch (const std::exception& e) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    away_ = e.what();  // what it says now and then does not tell which lines it has taken
+    throw;
+  }
   if (emergency_) emergencyStop();
 }
 
@@ -392,7 +401,8 @@ void GrblController::takeWelcome() {
   if (resetAsked_ || emergency_) {
     resetAsked_ = false;
     if (emergency_) homed_.assign(map_->size(), false);
-    if (stopAsked_.exchange(false) || emergency_) finish(Outcome::kStopped);
+    stopAsked_ = false;
+    finish(Outcome::kStopped);  // what was asked for meanwhile went with the reset, too
     if (clearing_) send("$X");
     return;
   }
@@ -425,6 +435,7 @@ AxesState GrblController::poll(double) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const double now = steadySeconds();
   if (!link_->connected()) throw Error(link_->lost().empty() ? "not connected" : link_->lost());
+  if (!away_.empty()) throw Error(away_);
   if (!trouble_.empty()) throw Error(link_->address() + ": " + trouble_);
   if (asked_ == 0.0 ? now - lastAsked_ >= reportPeriod_ : now - lastAsked_ > kAgain) ask();
   const bool quiet = task_ == Task::kHoming;  // grbl 1.1 does not report while it homes
@@ -436,6 +447,8 @@ AxesState GrblController::poll(double) {
                   now - std::max(lastReport_, connected_));
     throw Error(link_->address() + text);
   }
+  if (resetAsked_ && now - resetAt_ > kUnwelcome)
+    throw Error(link_->address() + ": the control did not answer its reset; look at its power and its cable");
   if (quiet || now - resetAt_ < kLinkSilence) state_.time = std::max(state_.time, now);
   AxesState state = state_;
   state.moving = task_ != Task::kNone || stopAsked_;

@@ -18,7 +18,7 @@ namespace mm {
 /// grbl has no clock: a state's time is the middle between question and answer on the host's steady clock.
 /// What is latched at a trip are commanded positions, in steps.
 /// Parameters: `address`, `axes`, `sign`, `zero` (as AxisMap), `report_rate` (Hz), `guard` (true, false),
-/// `homing_timeout` (s), `off_limit_mm`.
+/// `connect_timeout` (s, for the first answers), `homing_timeout` (s), `off_limit_mm`.
 class GrblController final : public AxisController {
  public:
   GrblController();
@@ -64,7 +64,7 @@ class GrblController final : public AxisController {
 
   std::unique_ptr<AxisMap> map_;
   std::unique_ptr<DeviceLink> link_;
-  double reportPeriod_ = 0.05, homingTimeout_ = 120.0, offLimit_ = 2.0;
+  double reportPeriod_ = 0.05, connectTimeout_ = kLinkConnect, homingTimeout_ = 120.0, offLimit_ = 2.0;
   bool guard_ = true;
 
   mutable std::mutex mutex_;
@@ -89,6 +89,7 @@ class GrblController final : public AxisController {
   AxesMotion motion_;
   std::vector<double> lastDirection_;
   std::vector<ProbeEdge> edges_;
+  std::string away_;     // why it could not be connected again
   std::string trouble_;  // why what arrives is not grbl
   int damaged_ = 0;      // lines in a row that were not
   std::atomic<bool> stopAsked_{false}, emergency_{false}, resetAsked_{false}, homes_{false};

@@ -53,12 +53,14 @@ LinuxCncController::LinuxCncController() = default;
 LinuxCncController::~LinuxCncController() { close(); }
 
 void LinuxCncController::open(const ControllerSetup& setup) {
-  refuseUnknownParametersOf(setup, "linuxcnc",
-                            {"address", "axes", "sign", "zero", "coordinates", "connect_password",
-                             "enable_password", "poll_rate", "servo_period", "homing_timeout"});
+  refuseUnknownParametersOf(
+      setup, "linuxcnc",
+      {"address", "axes", "sign", "zero", "coordinates", "connect_password", "enable_password", "poll_rate",
+       "servo_period", "connect_timeout", "homing_timeout"});
   map_ = std::make_unique<AxisMap>(setup, kControlLetters);
   pollPeriod_ = 1.0 / numberParameterOf(setup, "poll_rate", 50.0, 1.0, 500.0);
   servoPeriod_ = numberParameterOf(setup, "servo_period", servoPeriod_, 1e-6, 0.1);
+  connectTimeout_ = numberParameterOf(setup, "connect_timeout", connectTimeout_, 0.1, 60.0);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
   const auto text = [&](const char* name, std::string& value) {
     const auto found = setup.parameters.find(name);
@@ -94,13 +96,15 @@ void LinuxCncController::begin() {
     next_ = last_ = {};
     welcomed_ = false;
     lastAsked_ = 0.0;
+    unanswered_ = 0;
+    resetting_ = false;
     trouble_.clear();
     damaged_ = 0;
   }
-  for (DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()}) link->connect(kLinkConnect);
+  for (DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()}) link->connect(connectTimeout_);
   const std::string hello = "hello " + hello_ + " measuring_machine 1.0\r\nset echo off\r\n";
   for (DeviceLink* link : {link_.get(), commandLink_.get(), stopLink_.get()}) link->write(hello);
-  const double end = steadySeconds() + kLinkConnect;
+  const double end = steadySeconds() + connectTimeout_;
   while (steadySeconds() < end) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -161,8 +165,10 @@ std::size_t LinuxCncController::jointOf(std::size_t axis) const {
 
 // ---- sending ----------------------------------------------------------------------------------------------
 
-// Control belongs to the connection that took it last, so each command takes it again.
+// Control belongs to the connection that took it last, so each command takes it again. The question behind
+// the commands is answered when LinuxCNC has taken them; those of before are answered first.
 void LinuxCncController::send(const std::string& commands) {
+  ++unanswered_;
   commandLink_->write("set enable " + enable_ + "\r\n" + commands + "get echo\r\n");
 }
 
@@ -228,7 +234,7 @@ void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
     part();
   } else if (word == "ECHO") {
     damaged_ = 0;
-    if (taken_ == 0.0) taken_ = steadySeconds();  // asked behind the commands, on their connection
+    if (unanswered_ > 0 && --unanswered_ == 0) taken_ = steadySeconds();
   } else if (word == "PROBE_VALUE") {
     next_.probe = rest != "0";
     part();
@@ -248,7 +254,7 @@ void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
     if (next_.parts == kParts && next_.asked > 0.0) takeSnapshot();
   } else if (word == "SET" && rest.find("NAK") != std::string::npos) {
     damaged_ = 0;
-    if (task_ != Task::kNone && !stopAsked_ && rest.rfind("ENABLE", 0) != 0) {
+    if (task_ != Task::kNone && unanswered_ == 1 && !stopAsked_ && rest.rfind("ENABLE", 0) != 0) {
       failed_ = Outcome::kAlarm;
       note_ = "LinuxCNC refused it (" + rest + ")";
     }
@@ -303,7 +309,8 @@ void LinuxCncController::takeSnapshot() {
   }
   state_.homed =
       std::all_of(state_.axisHomed.begin(), state_.axisHomed.end(), [](bool homed) { return homed; });
-  state_.emergencyStop = now.emergency;
+  if (unanswered_ == 0 && now.asked > taken_) resetting_ = false;
+  state_.emergencyStop = now.emergency || resetting_;
   state_.feedOverride = now.feedOverride;
   state_.held = task_ != Task::kNone && now.feedOverride == 0.0 && now.came - still_ >= kStill;
   state_.alarm = {};
@@ -331,12 +338,15 @@ void LinuxCncController::takeSnapshot() {
     finish(Outcome::kStopped);
   }
   if (task_ == Task::kNone || last_.asked <= taskBegan_) return;
-  if (now.emergency || !last_.on) return finish(Outcome::kStopped, "LinuxCNC was switched off");
+  const bool taken = taken_ > 0.0 && last_.asked > taken_;
+  if (now.emergency || (!last_.on && (taken || task_ != Task::kHoming)))  // homing switches it on
+    return finish(Outcome::kStopped, "LinuxCNC was switched off");
   if (!rests || state_.held) return;
   if (failed_) return finish(*failed_, note_);
-  if (taken_ == 0.0 || last_.asked <= taken_) {
-    if (last_.asked - taskBegan_ > kUntaken) finish(Outcome::kLost, "LinuxCNC does not take commands");
-    return;
+  if (!taken) {
+    if (last_.asked - taskBegan_ <= kUntaken) return;
+    trouble_ = "LinuxCNC does not take commands";  // nor would the next: the connections are made anew
+    return finish(Outcome::kLost, trouble_);
   }
   if (task_ == Task::kHoming) {
     bool homed = true;
@@ -479,6 +489,8 @@ void LinuxCncController::clearAlarm() {
 
 void LinuxCncController::resetEmergencyStop() {
   const std::lock_guard<std::mutex> lock(mutex_);
+  resetting_ = true;
+  taken_ = 0.0;
   send("set estop off\r\nset machine on\r\n");
 }
 

@@ -24,7 +24,8 @@ std::vector<double> parseLinuxCncNumbers(const std::string& text);
 /// by itself where the probe trips outside of probing. linuxcncrsh answers nothing on a connection while it
 /// waits for what was commanded there, so questions, commands and stops have a connection each. Parameters:
 /// `address`, `axes`, `sign`, `zero` (as AxisMap), `coordinates` (letters in the order of its joints),
-/// `connect_password`, `enable_password`, `poll_rate` (Hz), `servo_period` (s), `homing_timeout` (s).
+/// `connect_password`, `enable_password`, `poll_rate` (Hz), `servo_period` (s), `connect_timeout` (s,
+/// for the first answers), `homing_timeout` (s).
 class LinuxCncController final : public AxisController {
  public:
   LinuxCncController();
@@ -75,7 +76,7 @@ class LinuxCncController final : public AxisController {
   std::unique_ptr<AxisMap> map_;
   std::unique_ptr<DeviceLink> link_, commandLink_, stopLink_;  // the first for questions alone
   std::string coordinates_ = "XYZABC", hello_ = "EMC", enable_ = "EMCTOO";
-  double pollPeriod_ = 0.02, servoPeriod_ = 1e-3, homingTimeout_ = 120.0;
+  double pollPeriod_ = 0.02, servoPeriod_ = 1e-3, connectTimeout_ = kLinkConnect, homingTimeout_ = 120.0;
 
   mutable std::mutex mutex_;
   Snapshot next_, last_;
@@ -87,7 +88,9 @@ class LinuxCncController final : public AxisController {
   AxesMotion motion_;
   std::vector<std::size_t> homing_;
   double taskBegan_ = 0.0, still_ = 0.0, tripSeen_ = 0.0;  // s; still_: since when nothing moves
-  double taken_ = 0.0;  // s: when LinuxCNC had taken all commands of the task; 0: not yet
+  double taken_ = 0.0;      // s: when LinuxCNC had taken all commands of the task; 0: not yet
+  int unanswered_ = 0;      // sendings that it has not taken yet
+  bool resetting_ = false;  // the emergency stop, until it has taken that
   std::optional<std::vector<double>> latched_;
   std::optional<Outcome> failed_;
   std::string note_, trouble_;

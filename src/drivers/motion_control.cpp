@@ -127,6 +127,7 @@ void MotionControl::regain() {
   nextReconnect_ = Wall::now() + std::chrono::duration_cast<Wall::duration>(
                                      std::chrono::duration<double>(settings_.reconnect));
   controller_->reconnect();
+  regained_ = true;
   controller_->stop();  // it may have gone on alone
   if (emergency_) controller_->emergencyStop();
 }
@@ -176,7 +177,12 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
     } else if (elapsed > 0.0 && age > settings_.silence) {
       stop = current_.has_value();
       lose("its state is older than " + inSeconds(settings_.silence), false);
+    } else if (regained_ && state.moving) {
+      // A motion that is asked for now would end with the stop of `regain`.
+      lost_ = "it answers again; its axes are brought to rest";
+      state_.time = state.time;
     } else {
+      regained_ = false;
       lost_.clear();
       take(state, host);
       if (current_ && current_->forced == Outcome::kUnderWay) {

@@ -145,6 +145,7 @@ class MotionControl {
   ClockMap clock_;
   AxesState state_;
   std::string lost_;
+  bool regained_ = false;   // after a loss, until the axes rest
   bool homedHere_ = false;  // since this object began, and no reset since
   std::optional<Current> current_;
   MotionId lastId_ = 0;

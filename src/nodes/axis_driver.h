@@ -37,7 +37,8 @@ namespace mm {
 /// Parameters: `rate` (Hz), `linear_speed` (m/s), `rotary_speed` (rad/s), `temperature_rate` (Hz), `clock`
 /// (the simulation makes the time), `time_factor` (simulated seconds a second, with `clock`), `tolerance` (m)
 /// and `rotary_tolerance` (rad) of an arrival, `silence` (s until a controller without a new state is lost),
-/// `hold_limit` (s of feed hold), `homing_order` (`z; x y`: stages, one after the other).
+/// `rest_timeout` (s within which the axes must rest after a stop), `hold_limit` (s of feed hold),
+/// `homing_order` (`z; x y`: stages, one after the other).
 class AxisDriver {
  public:
   /// @param controller opened; belongs to this node from here on.

@@ -113,6 +113,7 @@ void refuseUnknownParameters(const ros::NodeHandle& node, const std::vector<std:
 
 int runNode(int argc, char** argv, const std::string& name, const std::function<void()>& work) {
   ros::init(argc, argv, name);
+  ros::start();  // else what went wrong is said after the last handle of `work` has ended, to nobody
   const MasterWatch watch;
   int status = 0;
   try {
@@ -121,6 +122,7 @@ int runNode(int argc, char** argv, const std::string& name, const std::function<
     ROS_FATAL("%s", e.what());
     status = 2;
   }
+  ros::shutdown();
   return status;
 }
 

@@ -148,7 +148,10 @@ class Double:
         data = text.encode("latin-1")
         if self.fault == "garbage":
             data = bytes(self.random.randrange(256) for _ in data[:-2]) + b"\r\n"
-        self.outgoing.append((time.monotonic() + (SLOW if self.fault == "slow" else 0.0), connection, data))
+        at = time.monotonic() + (SLOW if self.fault == "slow" else 0.0)
+        if self.outgoing:
+            at = max(at, self.outgoing[-1][0])  # nothing overtakes on a line
+        self.outgoing.append((at, connection, data))
 
     def silent(self):
         return self.fault == "intermittent" and (time.monotonic() - self.since) % (ANSWERING + SILENT) > ANSWERING

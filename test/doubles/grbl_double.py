@@ -10,6 +10,7 @@ LETTERS = "XYZABC"
 BUFFER = 128
 TRAVEL = 400.0  # mm or deg: machine coordinates go from -TRAVEL to 0, the reference switches are at the upper end
 PULL_OFF = 1.0
+HOMING = 200.0  # units/s along the vector of all axes
 
 
 class Grbl(device_double.Double):
@@ -229,7 +230,7 @@ class Grbl(device_double.Double):
             for i in axes:
                 target[i] = -PULL_OFF
             self.state, self.alarm = "Home", 0
-            self.machine.move(target, 40.0)
+            self.machine.move(target, HOMING)
             self.job = {"kind": "home"}
             return None
         if line.startswith("$J="):

@@ -76,19 +76,23 @@ class LinuxCnc(unittest.TestCase):
         self.assertTrue(self.axes.wait_for_result(rospy.Duration(20)))
         return self.axes.get_state(), self.axes.get_result()
 
+    def reaches(self):
+        result = self.end()[1]
+        self.assertEqual(result.outcome, MoveResult.REACHED, result.message)
+
     def test_1_moves_stops_and_meets_the_ball(self):
         refused = rospy.ServiceProxy("axis_driver/home", Trigger)
         rospy.wait_for_service("axis_driver/home", 40)
         self.assertIn("emergency stop", refused().message)  # as LinuxCNC begins
         cycle_support.ready()
         self.move(x=0.010, y=0.005, z=-0.014, a=0.1, b=-0.2)
-        self.assertEqual(self.end()[1].outcome, MoveResult.REACHED)
+        self.reaches()
         self.move(z=-0.018)
         state, result = self.end()
         self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.TRIPPED))
         self.assertIn("the probe tripped while positioning", result.message)
         self.move(z=-0.014, a=0.0, b=0.0)
-        self.assertEqual(self.end()[1].outcome, MoveResult.REACHED)
+        self.reaches()
         self.move(x=0.060, speed=0.01)
         time.sleep(0.5)
         self.assertTrue(rospy.ServiceProxy("axis_driver/stop", Trigger)().success)

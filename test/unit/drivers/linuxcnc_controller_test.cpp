@@ -25,10 +25,13 @@ class LinuxCncTest : public ::testing::Test {
     return Machine(text.str(), "machine.urdf");
   }
   void SetUp() override {
-    controller_->open(controllerSetup(
-        machine_, {{"address", double_.address()}, {"coordinates", "XYZAB"}, {"poll_rate", "100"}}));
+    controller_->open(controllerSetup(machine_, {{"address", double_.address()},
+                                                 {"coordinates", "XYZAB"},
+                                                 {"poll_rate", "100"},
+                                                 {"connect_timeout", "0.8"}}));
     MotionControl::Settings settings;
     settings.reconnect = 0.1;
+    settings.restTimeout = 0.8;
     control_ = std::make_unique<MotionControl>(controller_, machine_, settings);
     loop_ = std::thread([this] {
       while (!ending_) {
@@ -134,8 +137,8 @@ TEST_F(LinuxCncTest, EveryFaultOfTheLineIsSaidAndTheEmergencyStopComesThrough) {
                                                                    {"intermittent", "has given no state"}};
   for (const auto& [fault, words] : faults) {
     ready();
-    ASSERT_EQ(go({0, 0, 30}).outcome, Outcome::kReached) << fault;
-    auto report = start({-90, 0, 30}, 0.01);
+    ASSERT_EQ(go({0, 0, 4}).outcome, Outcome::kReached) << fault;
+    auto report = start({-90, 0, 4}, 0.01);
     double_.tell("fault " + fault);
     const MotionControl::Report ended = report.get();
     std::printf("linuxcnc %s: %s, %s\n", fault.c_str(), outcomeName(ended.outcome).c_str(),
