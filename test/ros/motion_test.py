@@ -222,6 +222,7 @@ class Motion(unittest.TestCase):
             print("simulated %s: %s" % (fault, result.message))
             self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.LOST), fault)
             self.assertTrue(result.message)
+            late = " late, so that" in result.message  # the watch that bites first, also of a stuck device on a busy machine
             self.assertTrue(self.call("axis_driver/break_device", BreakDevice, fault="ok").success)
             self.assertTrue(support.wait_until(lambda: not self.motion[-1].lost), fault)
             seen = len(self.joints)
@@ -230,10 +231,10 @@ class Motion(unittest.TestCase):
             self.assertLess(there, 0.017, fault + ": it went on")
             self.start([0.001, 0.0, 0.010])
             result = self.end()[1]
-            if fault == "slow":  # late, but never wrong: its zero still holds
-                self.assertEqual(result.outcome, MoveResult.REACHED, result.message)
-            else:
-                self.assertIn("not homed", result.message, fault)
+            if late and result.outcome == MoveResult.REACHED:  # late, but never wrong: its zero still holds
+                continue
+            self.assertNotEqual(fault, "slow", result.message)
+            self.assertIn("not homed", result.message, fault)
 
 
 if __name__ == "__main__":
