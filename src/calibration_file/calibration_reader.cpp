@@ -58,8 +58,8 @@ void readModel(const YamlMapping& root, Calibration& c) {
   }
 }
 
-void readRanges(const YamlMapping& in, const char* key, const std::string& unit, std::vector<std::string>& names,
-                std::vector<double>& lower, std::vector<double>& upper) {
+void readRanges(const YamlMapping& in, const char* key, const std::string& unit,
+                std::vector<std::string>& names, std::vector<double>& lower, std::vector<double>& upper) {
   const std::vector<YAML::Node> items = in.list(key);
   for (std::size_t i = 0; i < items.size(); ++i) {
     const YamlMapping keys = in.item(items[i], key, i);

@@ -5,11 +5,11 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "base/utc_now.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "calibration_file/checksum.h"
-#include "base/number_text.h"
 
 namespace mm {
 namespace {

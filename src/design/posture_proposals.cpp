@@ -83,7 +83,7 @@ std::vector<Candidate> candidatesOf(const Problem& problem, const Eigen::VectorX
           at.laserReading = reading;
           at.approach = std::isfinite(reading) ? Eigen::Vector3d(probe.col(2)) : towards;
           feasible = placeTip(machine, centre - distance * towards, reading, at.position) &&
-                   withinLimits(machine.joints(), at.position);
+                     withinLimits(machine.joints(), at.position);
           if (i == 0) c.posture = {feature.name, at.position, reading};
           c.contacts.push_back(std::move(at));
         }

@@ -354,8 +354,8 @@ class CeresFit {
   const std::vector<char>& fixed_;
   const Eigen::VectorXd& inverseSigma_;
   Block global_;
-  std::map<int, Block> local_;                      // a feature
-  std::vector<double> values_;                      // of all blocks
+  std::map<int, Block> local_;                     // a feature
+  std::vector<double> values_;                     // of all blocks
   std::map<int, std::pair<Block*, int>> placeOf_;  // an unknown: its block, its index in it
   ceres::Problem ceres_;
 };

@@ -29,7 +29,8 @@ ModelSpec parseModelSpec(const std::string& yaml, const std::string& source) {
   if (!file.has("effects"))
     file.fail("effects", "is missing; write 'effects: []' for a machine without errors");
   if (!file.node("effects").IsNull())
-    for (const YAML::Node& effect : file.list("effects")) spec.effects.push_back(effectSpecOf(effect, source));
+    for (const YAML::Node& effect : file.list("effects"))
+      spec.effects.push_back(effectSpecOf(effect, source));
   if (file.has("repeatability_um")) spec.repeatability = repeatabilityOf(file);
   return spec;
 }

@@ -9,10 +9,10 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "base/yaml_mapping.h"
 #include "session/artifact_file.h"
 #include "session/plan_builder.h"
 #include "session/plan_generators.h"
-#include "base/yaml_mapping.h"
 
 namespace mm {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
-#include "session/plan_builder.h"
 #include "base/yaml_mapping.h"
+#include "session/plan_builder.h"
 
 namespace mm {
 

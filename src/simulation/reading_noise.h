@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "simulation/instrument_settings.h"
 #include "base/random.h"
+#include "simulation/instrument_settings.h"
 
 namespace mm {
 

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "simulation/guideway.h"
 #include "base/random.h"
+#include "simulation/guideway.h"
 #include "simulation/source.h"
 
 namespace mm {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "session/session.h"
 #include "base/random.h"
+#include "session/session.h"
 
 namespace mm {
 

@@ -10,9 +10,9 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/checksum.h"
-#include "base/number_text.h"
 #include "example_calibration.h"
 
 namespace mm {

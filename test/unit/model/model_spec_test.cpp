@@ -49,9 +49,11 @@ TEST(ModelSpec, isReadWithTheOrderOfItsKeys) {
 }
 
 TEST(ModelSpec, isRefusedWithFileLineAndKey) {
-  EXPECT_NE(refusal("machine: a\neffects: []\nefects: []\n").find("m.yaml:3: the model: unknown key 'efects'; did you mean"),
+  EXPECT_NE(refusal("machine: a\neffects: []\nefects: []\n")
+                .find("m.yaml:3: the model: unknown key 'efects'; did you mean"),
             std::string::npos);
-  EXPECT_NE(refusal("effects:\n  - {axis: x}\n").find("m.yaml:2: an effect: 'type' is missing"), std::string::npos);
+  EXPECT_NE(refusal("effects:\n  - {axis: x}\n").find("m.yaml:2: an effect: 'type' is missing"),
+            std::string::npos);
   EXPECT_NE(refusal("effects:\n  - {type: a, axis: x, axis: y}\n").find("'axis' is given twice"),
             std::string::npos);
   EXPECT_NE(refusal("effects:\n  - backlash\n").find("m.yaml:2"), std::string::npos);
