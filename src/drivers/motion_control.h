@@ -114,8 +114,20 @@ class MotionControl {
     std::string why;
   };
 
-  template <typename Call>
-  void withDevice(const Call& call) const;
+  /// Frees the axes for the next who asks, however a motion ends.
+  struct EndOfMotion {
+    MotionControl& control;
+    explicit EndOfMotion(MotionControl& c) : control(c) {}
+    EndOfMotion(const EndOfMotion&) = delete;
+    EndOfMotion& operator=(const EndOfMotion&) = delete;
+    ~EndOfMotion();
+  };
+
+  void withDevice(const std::function<void()>& call) const;
+  static std::string shortSeconds(double value);  // for people, with its unit
+  void loseDevice(const std::string& why);
+  bool weigh(Observation& seen, double elapsed, double host);
+  bool awaitEnd(std::unique_lock<std::mutex>& lock, std::uint32_t stopsSeen, const Watch& watch);
   void lose(const std::string& why, bool zeroInDoubt);
   void regain();
   void take(const AxesState& state, double host);

@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
 """A machine that speaks the documented language of LinuxCNC's server linuxcncrsh: hello, enable, get and set on as many
-connections as come; MDI with G1, G38.3 and (DEBUG, …); homing, abort, emergency stop, feed override, soft limits."""
+connections as come; MDI with G1, G38.3 and (DEBUG, …); homing, abort, emergency stop, feed override, soft limits.
+
+As in the server, a command keeps its connection busy for RECEPTION, in which nothing else that came on it is read; and a
+command that another connection gave meanwhile has changed the number that the first waits for: it then waits until the
+time limit (`set timeout`), or for ever."""
 import re
 import time
 
@@ -9,6 +13,7 @@ import device_double
 LETTERS = "XYZABC"
 LIMIT = 200.0  # mm or deg
 TOP = 50.0     # units/s
+RECEPTION = 0.1  # s between two looks at whether a command was received
 
 
 class LinuxCnc(device_double.Double):
@@ -25,6 +30,7 @@ class LinuxCnc(device_double.Double):
         self.machine.share = 1.0
         self.queue, self.job, self.errors, self.display = [], None, [], []
         self.lines, self.greeted, self.enabled = {}, set(), None
+        self.verbose, self.waiting, self.number, self.timeout = set(), {}, 0, 0.0
         self.probed = [0.0] * self.machine.axes
         self.success = 0
 
@@ -33,9 +39,23 @@ class LinuxCnc(device_double.Double):
 
     def received(self, connection, data):
         self.lines[connection] = self.lines.get(connection, b"") + data
-        while b"\n" in self.lines[connection]:
+        self.read_on(connection)
+
+    def read_on(self, connection):
+        while connection not in self.waiting and b"\n" in self.lines.get(connection, b""):
             line, self.lines[connection] = self.lines[connection].split(b"\n", 1)
             self.interpret(connection, line.decode("latin-1").strip())
+
+    def look(self):
+        now = time.monotonic()
+        for connection, (word, number, began) in list(self.waiting.items()):
+            late = 0.0 < self.timeout < now - began
+            if now - began < RECEPTION or (number != self.number and not late):
+                continue
+            del self.waiting[connection]
+            if late or connection in self.verbose:
+                self.answer(connection, "SET %s %s" % (word.upper(), "NAK" if late else "ACK"))
+            self.read_on(connection)
 
     def answer(self, connection, text):
         self.say(connection, text + "\r\n")
@@ -70,8 +90,7 @@ class LinuxCnc(device_double.Double):
         on = lambda flag: "ON" if flag else "OFF"
         axes = self.machine.axes
         answers = {
-            "estop": lambda: on(self.estop), "machine": lambda: on(self.on), "mode": lambda: self.mode,
-            "echo": lambda: "OFF", "teleop_enable": lambda: "YES" if self.teleop else "NO",
+            "estop": lambda: on(self.estop), "machine": lambda: on(self.on), "mode": lambda: self.mode, "teleop_enable": lambda: "YES" if self.teleop else "NO",
             "joint_homed": lambda: " ".join("YES" if h else "NO" for h in self.homed),
             "joint_limit": lambda: " ".join({-1: "MINHARD", 0: "OK", 1: "MAXHARD"}[l] for l in self.machine.limits),
             "abs_act_pos": lambda: self.numbers(self.shown()),
@@ -86,15 +105,33 @@ class LinuxCnc(device_double.Double):
         self.answer(connection, "%s %s" % (what.upper(), answers[what]()))
 
     def set(self, connection, what, value):
+        said = self.setting(connection, what, value)
+        if said == "NAK" or (said == "ACK" and connection in self.verbose):
+            self.answer(connection, "SET %s %s" % (what.upper(), said))
+        if said == "waits":
+            self.number += 1
+            self.waiting[connection] = (what, self.number, time.monotonic())
+
+    def setting(self, connection, what, value):
+        """@return ACK, NAK, or that the connection waits for the reception."""
         if what == "echo":
-            return None
+            return "ACK"
+        if what == "verbose":
+            self.verbose.add(connection)
+            return "ACK"
         if what == "enable":
             if value != "EMCTOO":
-                return self.answer(connection, "SET ENABLE NAK")
+                return "NAK"
             self.enabled = connection
-            return None
+            return "ACK"
         if self.enabled is not connection:
-            return self.answer(connection, "SET %s NAK" % what.upper())
+            return "NAK"
+        if what == "timeout":
+            self.timeout = float(value)
+            return "ACK"
+        return self.obeyed(what, value)
+
+    def obeyed(self, what, value):
         if what == "estop":
             if value.lower() == "on":
                 self.told.append(["reset", time.monotonic()])
@@ -116,16 +153,16 @@ class LinuxCnc(device_double.Double):
         elif what == "feed_override":
             self.machine.share = float(value) / 100.0
         elif what == "home":
-            self.home(connection, int(value))
+            self.home(int(value))
         elif what == "mdi":
             if self.mode != "MDI" or not self.on:
-                return self.answer(connection, "SET MDI NAK")
+                return "NAK"
             self.queue.append(value)
         else:
-            return self.answer(connection, "SET %s NAK" % what.upper())
-        return None
+            return "NAK"
+        return "waits"
 
-    def home(self, connection, joint):
+    def home(self, joint):
         if not self.on or self.mode != "MANUAL" or self.teleop:
             self.errors.append("must be in joint mode to home")
             return
@@ -141,6 +178,7 @@ class LinuxCnc(device_double.Double):
         self.queue, self.job = [], None
 
     def tick(self, seconds):
+        self.look()
         if self.job is None and self.queue and self.fault != "stuck":
             self.begin_block(self.queue.pop(0))
         job = self.job

@@ -124,7 +124,8 @@ TEST_F(LinuxCncTest, HomesGoesProbesStops) {
   control_->hold(true);
   ASSERT_TRUE(await([&] { return control_->view().state.held; }));
   control_->hold(false);
-  EXPECT_EQ(held.get().outcome, Outcome::kReached);
+  report = held.get();
+  EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
   EXPECT_EQ(refusal([&] { control_->home({"z"}, {"test", 0}); }), "");
 }
 

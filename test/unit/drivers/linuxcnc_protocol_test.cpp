@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "drivers/linuxcnc_controller.h"
+#include "drivers/linuxcnc_protocol.h"
 
 namespace mm {
 namespace {

@@ -1,0 +1,140 @@
+// One motion, from the request to its outcome.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+#include "drivers/motion_control.h"
+
+namespace mm {
+void MotionControl::requireReady(bool homedToo) const {
+  if (stopping_ > 0) throw Error("a stop is under way; wait until the axes rest");
+  const std::string fault = faultText();
+  if (!fault.empty()) throw Error(fault);
+  if (homedToo && !(state_.homed && homedHere_)) throw Error("not homed; call ~home first");
+}
+
+MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover, std::uint32_t stopsSeen,
+                                          const Watch& watch) {
+  checkTarget(joints_, motion.target);
+  checkSpeeds(joints_, motion);
+  owner_.begin(mover, motion.probing ? "a probing motion" : "a motion");
+  const EndOfMotion end(*this);
+  withDevice([&] {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      requireReady(true);
+      if (motion.probing && state_.probeClosed)
+        throw Error("the probe is closed before the probing move; retract it, or check whether it sticks");
+      if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy_);
+      motion.id = ++lastId_;
+      motion.leaving = state_.probeClosed;
+      Current current;
+      current.motion = motion;
+      current.armed = !motion.leaving;
+      current.from = state_.position;
+      current_ = current;
+    }
+    controller_->move(motion);
+  });
+  if (stops_ != stopsSeen) sendStop();
+  std::unique_lock<std::mutex> lock(mutex_);
+  const bool cancelled = awaitEnd(lock, stopsSeen, watch);
+  if (!current_ || ending_) throw Error("the driver ends");
+  if (cancelled || current_->forced != Outcome::kUnderWay) {
+    lock.unlock();
+    sendStop();
+    lock.lock();
+    const bool rests = awaitRest(lock, settings_.restTimeout);
+    if (!rests && current_)
+      current_->why += "; whether the axes rest is not known" + (lost_.empty() ? "" : ": " + lost_);
+  }
+  if (motion.probing && current_) {
+    const bool tripped = current_->forced == Outcome::kUnderWay && state_.outcome == Outcome::kTripped;
+    if (tripped) unsuccessful_ = 0;
+    if (!tripped && state_.outcome == Outcome::kReached) ++unsuccessful_;
+  }
+  return judge(*current_, cancelled);
+}
+
+// Until the motion under way has ended, or must be ended. @return whether `watch` cancelled it.
+bool MotionControl::awaitEnd(std::unique_lock<std::mutex>& lock, std::uint32_t stopsSeen,
+                             const Watch& watch) {
+  while (!ending_) {
+    changed_.wait_for(lock, std::chrono::milliseconds(20));
+    if (!current_) return false;
+    if (stops_ != stopsSeen) force(Outcome::kStopped, "stopped by " + stoppedBy_);
+    if (current_->forced != Outcome::kUnderWay) return false;
+    const double age = std::chrono::duration<double>(Wall::now() - fresh_).count();
+    if (age > settings_.silence) {
+      force(Outcome::kLost, "the controller has not answered for " + shortSeconds(age) + "; stop was sent");
+      return false;
+    }
+    if (state_.held && !current_->heldSince) current_->heldSince = Wall::now();
+    if (!state_.held) current_->heldSince.reset();
+    if (current_->heldSince &&
+        Wall::now() - *current_->heldSince > std::chrono::duration<double>(settings_.holdLimit)) {
+      force(Outcome::kHeld, "in feed hold for longer than " + shortSeconds(settings_.holdLimit));
+      return false;
+    }
+    const bool said = state_.motion == current_->motion.id && state_.outcome != Outcome::kUnderWay;
+    if (said && !state_.moving) return false;
+    if (!watch) continue;
+    const AxesState now = state_;
+    lock.unlock();
+    const bool goOn = watch(now);
+    lock.lock();
+    if (!goOn) return true;
+  }
+  return false;
+}
+
+// Success is what the readings say, whatever the controller says of itself.
+MotionControl::Report MotionControl::judge(const Current& current, bool cancelled) const {
+  Report report;
+  report.position = state_.position;
+  report.outcome = current.forced;
+  report.message = current.why;
+  if (cancelled) {
+    report.outcome = Outcome::kStopped;
+    report.message = "cancelled" + current.why;
+    return report;
+  }
+  if (current.forced != Outcome::kUnderWay) return report;
+  report.outcome = state_.outcome;
+  switch (state_.outcome) {
+    case Outcome::kReached:
+      break;
+    case Outcome::kTripped:
+      if (!current.motion.probing) report.message = tripWords(current);
+      return report;
+    case Outcome::kStopped:
+      report.message = "stopped at the controller";
+      return report;
+    default:
+      report.message = state_.note.empty() ? faultText() : state_.note;
+      if (report.message.empty())
+        report.message = "the controller ended the motion: " + outcomeName(state_.outcome);
+      return report;
+  }
+  for (std::size_t j = 0; j < axes_.size(); ++j) {
+    const bool turns = joints_[j].kind == JointKind::kRotary;
+    double tolerance = turns ? settings_.rotaryTolerance : settings_.tolerance;
+    if (j < capabilities_.axes.size()) tolerance = std::max(tolerance, capabilities_.axes[j].resolution);
+    const double away = state_.position[j] - current.motion.target[j];
+    if (std::abs(away) <= tolerance) continue;
+    report.outcome = Outcome::kAlarm;
+    char text[200];
+    const double unit = turns ? 3.14159265358979 / 180.0 : 1e-3;
+    std::snprintf(text, sizeof text,
+                  "%s rests %.6g %s beside its target of %.6g, beyond the tolerance of %.3g; the motion is "
+                  "not counted as done",
+                  axes_[j].c_str(), away / unit, turns ? "deg" : "mm", current.motion.target[j] / unit,
+                  tolerance / unit);
+    report.message = text;
+    break;
+  }
+  return report;
+}
+
+}  // namespace mm

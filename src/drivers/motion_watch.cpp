@@ -1,0 +1,193 @@
+// What the controller says, cycle by cycle, and what ends a motion because of it.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+#include "drivers/motion_control.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNoSpeed = 1e-9;  // m/s or rad/s
+
+}  // namespace
+
+void MotionControl::force(Outcome outcome, const std::string& why) {
+  if (!current_ || current_->forced != Outcome::kUnderWay) return;
+  current_->forced = outcome;
+  current_->why = why;
+}
+
+void MotionControl::lose(const std::string& why, bool zeroInDoubt) {
+  lost_ = why;
+  if (zeroInDoubt || !capabilities_.positionSurvivesReset) homedHere_ = false;
+  force(Outcome::kLost, why);
+}
+
+void MotionControl::regain() {
+  if (Wall::now() < nextReconnect_) return;
+  nextReconnect_ = Wall::now() + std::chrono::duration_cast<Wall::duration>(
+                                     std::chrono::duration<double>(settings_.reconnect));
+  controller_->reconnect();
+  regained_ = true;
+  controller_->stop();  // it may have gone on alone
+  if (emergency_) controller_->emergencyStop();
+}
+
+std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, double host) {
+  Observation seen;
+  try {
+    const std::lock_guard<std::timed_mutex> device(device_);
+    seen.state = controller_->poll(elapsed);
+    seen.edges = controller_->takeProbeEdges();
+  } catch (const std::exception& e) {
+    loseDevice(e.what());
+    return std::nullopt;
+  }
+  bool stop = false, lost = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop = weigh(seen, elapsed, host);
+    lost = !lost_.empty();
+  }
+  if (stop) sendStop();
+  changed_.notify_all();
+  if (lost) return std::nullopt;
+  return seen;
+}
+
+// It does not answer at all: what moves is told to stop, and the connection is made anew.
+void MotionControl::loseDevice(const std::string& why) {
+  bool stop = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop = current_.has_value();
+    lose(why, false);
+    check_.forget();
+    clock_.reset();
+  }
+  if (stop) sendStop();
+  changed_.notify_all();
+  try {
+    const std::lock_guard<std::timed_mutex> device(device_);
+    regain();
+  } catch (const std::exception&) {
+    // Still away: the reason of the loss is what is said.
+  }
+}
+
+// @return whether what moves must be told to stop. With `mutex_` held.
+bool MotionControl::weigh(Observation& seen, double elapsed, double host) {
+  const AxesState state = seen.state;
+  if (state.resets != state_.resets) {
+    check_.forget();
+    clock_.reset();
+    if (!capabilities_.positionSurvivesReset) homedHere_ = false;
+    force(Outcome::kLost, "the controller was reset");
+  }
+  if (current_ && current_->homing) check_.forget();
+  const std::string wrong = check_.complaint(state);
+  const Wall::time_point now = Wall::now();
+  if (states_ == 0 || state.time > state_.time || state.resets != state_.resets) fresh_ = now;
+  const double age = std::chrono::duration<double>(now - fresh_).count();
+  if (!wrong.empty()) {
+    lose(wrong, check_.jumped());
+    return current_.has_value();
+  }
+  if (elapsed > 0.0 && age > settings_.silence) {
+    lose("its state is older than " + shortSeconds(settings_.silence), false);
+    return current_.has_value();
+  }
+  if (regained_ && state.moving) {
+    // A motion that is asked for now would end with the stop of `regain`.
+    lost_ = "it answers again; its axes are brought to rest";
+    state_.time = state.time;
+    return false;
+  }
+  regained_ = false;
+  lost_.clear();
+  take(state, host);
+  bool stop = false;
+  if (current_ && current_->forced == Outcome::kUnderWay) {
+    watchProbe(state, seen.edges);
+    const double behind = clock_.late() + state.timeUncertainty;
+    if (!settings_.simulatedTime && !current_->homing && behind > settings_.late)
+      force(Outcome::kLost, "the controller's states arrive " + shortSeconds(behind) +
+                                " late, so that the motion cannot be watched");
+    stop = current_->forced != Outcome::kUnderWay;
+  }
+  seen.state = state_;
+  seen.host = clock_.toHost(state.time);
+  for (const ProbeEdge& edge : seen.edges) seen.edgeHost.push_back(clock_.toHost(edge.time));
+  return stop;
+}
+
+void MotionControl::take(const AxesState& state, double host) {
+  const std::size_t axes = axes_.size();
+  state_ = state;
+  if (state_.velocity.empty()) state_.velocity.assign(axes, std::nan(""));
+  if (state_.limitSwitch.empty()) state_.limitSwitch.assign(axes, 0);
+  if (state_.axisHomed.empty()) state_.axisHomed.assign(axes, state.homed);
+  if (!state.homed) homedHere_ = false;
+  if (!settings_.simulatedTime) clock_.add(state.time, host);
+  ++states_;
+}
+
+std::string MotionControl::tripWords(const Current& current) const {
+  std::string text =
+      current.homing ? "the probe tripped while homing at" : "the probe tripped while positioning at";
+  for (std::size_t j = 0; j < axes_.size(); ++j) {
+    const bool turns = joints_[j].kind == JointKind::kRotary;
+    char one[64];
+    std::snprintf(one, sizeof one, " %s %.4g %s", axes_[j].c_str(),
+                  state_.position[j] / (turns ? 3.14159265358979 / 180.0 : 1e-3), turns ? "deg" : "mm");
+    text += one;
+  }
+  return text + "; all axes were stopped. Look for a collision, then move away slowly";
+}
+
+// Outside of probing a trip is a collision; whoever leaves a surface has the probe closed at first.
+void MotionControl::watchProbe(const AxesState& state, const std::vector<ProbeEdge>& edges) {
+  Current& current = *current_;
+  if (current.motion.probing) return;
+  if (current.armed) {
+    bool closed = state.probeClosed;
+    for (const ProbeEdge& edge : edges) closed = closed || (edge.closed && !edge.probing);
+    if (closed) force(Outcome::kTripped, tripWords(current));
+    return;
+  }
+  if (!state.probeClosed) {
+    if (!current.openSince) current.openSince = state.time;
+    current.armed = state.time - *current.openSince >= settings_.settle;
+    return;
+  }
+  current.openSince.reset();
+  if (current.homing) return;
+  double way = 0.0;
+  for (std::size_t j = 0; j < axes_.size(); ++j)
+    if (joints_[j].kind == JointKind::kLinear) way = std::hypot(way, state.position[j] - current.from[j]);
+  if (way <= settings_.escape) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the probe stayed closed for %.3g mm of the way; it sticks, or the way leads into something. "
+                "All axes were stopped",
+                1e3 * way);
+  force(Outcome::kTripped, text);
+}
+
+bool MotionControl::atRest() const {
+  if (state_.moving) return false;
+  return std::all_of(state_.velocity.begin(), state_.velocity.end(),
+                     [](double v) { return std::isnan(v) || std::abs(v) < kNoSpeed; });
+}
+
+// At rest by a state that was made after the call: the one that comes next may be older.
+bool MotionControl::awaitRest(std::unique_lock<std::mutex>& lock, double seconds) {
+  const std::uint64_t first = states_ + 1;
+  return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
+    return ending_ || (states_ > first && lost_.empty() && atRest());
+  }) && !ending_;
+}
+
+}  // namespace mm
