@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kSmallest = 1e-6;  // mm or deg, the last decimal of linuxcncrsh
 
+constexpr double kAnswer = 5e-3;  // s that a cycle waits for the answers to its questions
+
 }  // namespace
 
 LinuxCncController::LinuxCncController() = default;
@@ -151,7 +153,7 @@ void LinuxCncController::finish(Outcome outcome, const std::string& note) {
 // ---- being asked ------------------------------------------------------------------------------------------
 
 AxesState LinuxCncController::poll(double) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
   const double now = steadySeconds();
   if (!talk_->connected()) throw Error(talk_->lost().empty() ? "not connected" : talk_->lost());
   if (!trouble_.empty()) throw Error(talk_->address() + ": " + trouble_);
@@ -163,7 +165,11 @@ AxesState LinuxCncController::poll(double) {
     throw Error(talk_->address() + text);
   }
   talk_->goOn();
-  if (now - lastAsked_ >= pollPeriod_) ask();
+  if (now - lastAsked_ >= pollPeriod_) {
+    ask();
+    // An answer takes less than a millisecond: worth waiting for, above all after this process was held up.
+    heard_.wait_for(lock, std::chrono::duration<double>(kAnswer), [&] { return next_.asked == 0.0; });
+  }
   AxesState state = state_;
   state.moving = task_ != Task::kNone || stopAsked_;
   return state;

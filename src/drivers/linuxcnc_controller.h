@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -62,7 +63,8 @@ class LinuxCncController final : public AxisController {
   std::string coordinates_ = "XYZABC";
   double pollPeriod_ = 0.02, servoPeriod_ = 1e-3, connectTimeout_ = kLinkConnect, homingTimeout_ = 120.0;
 
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;       // everything below
+  std::condition_variable heard_;  // a round has ended
   LinuxCncRound next_, last_;
   double lastAsked_ = 0.0;  // s
   AxesState state_;

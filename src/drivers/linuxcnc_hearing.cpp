@@ -43,6 +43,7 @@ void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
     next_.came = time;
     if (next_.complete()) takeRound();
     next_ = {};
+    heard_.notify_all();
   } else if (word == "ERROR") {
     damaged_ = 0;
     if (rest != "OK") takeError(rest);
