@@ -46,6 +46,10 @@ class GrblController final : public AxisController {
   // In the link's thread.
   void take(const std::string& line, double time);
   void takeReport(const GrblReport& report, double time);
+  void takeState(const std::vector<double>& machine, double at);
+  void takePins(const std::string& pins);
+  void takeCondition(const GrblReport& report);
+  void judge(const std::string& state, int substate, double sent);
   void takeProbe(const GrblProbe& probe, double time);
   void takeAnswer(int code);
   void takeAlarm(int code);

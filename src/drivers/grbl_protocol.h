@@ -6,6 +6,9 @@
 
 namespace mm {
 
+inline constexpr char kGrblSoftReset =
+    '\x18';  // a real-time byte: ends everything, keeps the position at rest
+
 // What grbl 1.1 and grblHAL say, as documented in their interface descriptions ("Grbl v1.1 Interface",
 // "grblHAL: extended protocol"). Lengths are mm, angles deg, as on the wire.
 

@@ -124,6 +124,8 @@ class MotionControl {
   };
 
   void withDevice(const std::function<void()>& call) const;
+  void owe(bool answer);
+  double owing() const;                           // s that the controller has owed an answer; 0: it owes none
   static std::string shortSeconds(double value);  // for people, with its unit
   void loseDevice(const std::string& why);
   bool weigh(Observation& seen, double elapsed, double host);
@@ -162,8 +164,9 @@ class MotionControl {
   std::optional<Current> current_;
   MotionId lastId_ = 0;
   std::uint32_t unsuccessful_ = 0;
-  std::uint64_t states_ = 0;  // taken so far
-  Wall::time_point fresh_;    // of the last state that was newer than the one before
+  std::uint64_t states_ = 0;                // taken so far
+  Wall::time_point fresh_;                  // of the last state that was newer than the one before
+  std::optional<Wall::time_point> asking_;  // since when the controller owes an answer
   Wall::time_point nextReconnect_;
   std::string stoppedBy_;
 

@@ -74,7 +74,7 @@ void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint
   while (why.empty()) {
     changed_.wait_for(lock, std::chrono::milliseconds(20));
     if (ending_) throw Error("the driver ends");
-    const double age = std::chrono::duration<double>(Wall::now() - fresh_).count();
+    const double age = owing();
     if (stops_ != stopsSeen)
       why = "stopped by " + stoppedBy_;
     else if (current_->forced != Outcome::kUnderWay)

@@ -65,7 +65,7 @@ bool MotionControl::awaitEnd(std::unique_lock<std::mutex>& lock, std::uint32_t s
     if (!current_) return false;
     if (stops_ != stopsSeen) force(Outcome::kStopped, "stopped by " + stoppedBy_);
     if (current_->forced != Outcome::kUnderWay) return false;
-    const double age = std::chrono::duration<double>(Wall::now() - fresh_).count();
+    const double age = owing();
     if (age > settings_.silence) {
       force(Outcome::kLost, "the controller has not answered for " + shortSeconds(age) + "; stop was sent");
       return false;

@@ -39,8 +39,10 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
   Observation seen;
   try {
     const std::lock_guard<std::timed_mutex> device(device_);
+    owe(true);
     seen.state = controller_->poll(elapsed);
     seen.edges = controller_->takeProbeEdges();
+    owe(false);
   } catch (const std::exception& e) {
     loseDevice(e.what());
     return std::nullopt;
@@ -57,11 +59,24 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
   return seen;
 }
 
+void MotionControl::owe(bool answer) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  asking_.reset();
+  if (answer) asking_ = Wall::now();
+}
+
+// Not the age of the last state: a process that was held up has not asked, and the controller is not to
+// blame.
+double MotionControl::owing() const {
+  return asking_ ? std::chrono::duration<double>(Wall::now() - *asking_).count() : 0.0;
+}
+
 // It does not answer at all: what moves is told to stop, and the connection is made anew.
 void MotionControl::loseDevice(const std::string& why) {
   bool stop = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    asking_.reset();
     stop = current_.has_value();
     lose(why, false);
     check_.forget();

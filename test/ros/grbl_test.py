@@ -16,6 +16,7 @@ from std_srvs.srv import SetBool, Trigger
 import cycle_support
 import support
 
+LATE = 500.0  # ms for a stop to come through: the machine's as much as the driver's; one that waits behind a blocked line takes seconds
 PLAN = os.path.join(support.PACKAGE, "test/ros/grbl_plan.yaml")
 
 
@@ -86,10 +87,10 @@ class Grbl(unittest.TestCase):
             took = 1e3 * (time.monotonic() - began)
             heard = [1e3 * (t - began) for what, t in self.double.tell("machine")["told"] if what == "reset" and t > began]
             print("emergency stop, grbl %s: answered after %.1f ms, heard after %s" % (fault, took, "%.1f ms" % heard[0] if heard else "-"))
-            self.assertLess(took, 50.0, fault)
+            self.assertLess(took, LATE, fault)
             if fault != "off":
                 self.assertTrue(answer.success, fault)
-                self.assertLess(heard[0], 50.0, fault)
+                self.assertLess(heard[0], LATE, fault)
             self.double.tell("fault ok")
             self.assertTrue(support.wait_until(lambda: not self.motion[-1].lost, 15), fault)
             if self.axes.get_state() in (GoalStatus.PENDING, GoalStatus.ACTIVE):

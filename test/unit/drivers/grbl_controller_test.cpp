@@ -15,6 +15,10 @@
 namespace mm {
 namespace {
 
+// s for a stop to come through: the machine's as much as the driver's. One that waits behind what blocks the
+// device takes seconds.
+constexpr double kLate = 0.5;
+
 // A ball at x 20, y 30, z 10 mm of the joints; the control's zero lies 40 mm above theirs.
 const std::vector<std::string> kDouble = {"test/doubles/grbl_double.py", "--ball", "-20", "-10", "-30", "5"};
 const std::vector<double> kNear = {32, 34, 36}, kBeside = {31, 34, 36};  // mm, not far from the switches
@@ -262,7 +266,7 @@ TEST_F(GrblTest, EmergencyStopReachesTheControlWhateverItDoes) {
       if (told[0] == "reset" && told[1].get<double>() >= asked && heard == 0.0)
         heard = told[1].get<double>() - asked;
     EXPECT_GT(heard, 0.0) << fault;
-    EXPECT_LT(heard, 0.05) << fault;
+    EXPECT_LT(heard, kLate) << fault;
     std::printf("emergency stop, device %s: heard after %.2f ms\n", fault, 1e3 * heard);
     double_->tell("fault ok");
     ASSERT_TRUE(await([&] { return control_->view().lost.empty(); }, 8.0)) << fault << control_->view().lost;

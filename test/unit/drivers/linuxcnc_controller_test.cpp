@@ -15,6 +15,10 @@
 namespace mm {
 namespace {
 
+// s for a stop to come through: the machine's as much as the driver's. One that waits behind what blocks the
+// device takes seconds.
+constexpr double kLate = 0.5;
+
 /// LinuxCNC's double with X Y Z A B and a ball at x 20, y 30, z 10 mm.
 class LinuxCncTest : public ::testing::Test {
  protected:
@@ -153,12 +157,13 @@ TEST_F(LinuxCncTest, EveryFaultOfTheLineIsSaidAndTheEmergencyStopComesThrough) {
     EXPECT_FALSE(double_.tell("machine")["moving"]) << fault;
     const double asked = steadySeconds();
     const std::string failed = control_->emergencyStop("/panel");
-    EXPECT_LT(steadySeconds() - asked, 0.05) << fault;
+    EXPECT_LT(steadySeconds() - asked, kLate) << fault;
     if (fault != "off") {
       EXPECT_EQ(failed, "") << fault;
       EXPECT_TRUE(await([&] {
         const auto machine = double_.tell("machine");
-        return machine["told"].back()[0] == "reset" && machine["told"].back()[1].get<double>() - asked < 0.05;
+        return machine["told"].back()[0] == "reset" &&
+               machine["told"].back()[1].get<double>() - asked < kLate;
       })) << fault;
     }
     double_.tell("fault ok");

@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include "drivers/linuxcnc_protocol.h"
+
+#include <gtest/gtest.h>
 
 namespace mm {
 namespace {

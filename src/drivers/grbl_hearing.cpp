@@ -1,0 +1,242 @@
+// What a grbl control says, and how it ends a motion.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "drivers/grbl_controller.h"
+
+namespace mm {
+
+void GrblController::take(const std::string& line, double time) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  try {
+    if (const auto report = parseGrblReport(line)) return takeReport(*report, time);
+    if (const auto answer = parseGrblAnswer(line)) return takeAnswer(*answer);
+    if (const auto alarm = parseGrblAlarm(line)) return takeAlarm(*alarm);
+    if (const auto probe = parseGrblProbe(line)) return takeProbe(*probe, time);
+    if (const auto setting = parseGrblSetting(line)) {
+      settings_[setting->first] = setting->second;
+      damaged_ = 0;
+      return;
+    }
+    if (isGrblWelcome(line)) {
+      hal_ = line[0] == 'g' || line.rfind("GrblHAL", 0) == 0;
+      return takeWelcome();
+    }
+    if (line.rfind("[OPT:", 0) == 0) {
+      // [OPT:VNM,35,254]: the last number is the receive buffer.
+      const std::size_t comma = line.find(',', line.find(',') + 1);
+      const int size = comma == std::string::npos ? 0 : std::atoi(line.c_str() + comma + 1);
+      if (size >= 64 && size <= 65536) buffer_ = static_cast<std::size_t>(size);
+    }
+    if (line.rfind("[FIRMWARE:grblHAL]", 0) == 0) hal_ = true;
+    if (line.front() == '[' && line.back() == ']') {
+      damaged_ = 0;
+      return;
+    }
+    if (line.front() == '$' || line.front() == '>') return;  // echoes of start-up blocks
+    if (++damaged_ >= kLinkDamaged) {
+      trouble_ = "what arrives is no language of grbl (last: '" + line.substr(0, 40) + "')";
+      for (char& c : trouble_)
+        if (static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) > '~') c = '.';
+    }
+  } catch (const std::exception& e) {
+    trouble_ = e.what();  // of writing: lost
+  }
+}
+
+void GrblController::takeReport(const GrblReport& report, double time) {
+  damaged_ = 0;
+  trouble_.clear();
+  std::vector<double> machine = report.machine;
+  if (!report.offset.empty()) offset_ = report.offset;
+  if (machine.empty()) {
+    if (offset_.size() != report.work.size()) {
+      asked_ = 0.0;
+      return;  // WCO comes with one of the next
+    }
+    for (std::size_t i = 0; i < report.work.size(); ++i) machine.push_back(report.work[i] + offset_[i]);
+  }
+  const double sent = asked_ > 0.0 ? asked_ : time;
+  asked_ = 0.0;
+  roundTrip_ = std::max(0.0, time - sent);
+  lastReport_ = time;
+  report_ = report;
+  report_.machine = machine;
+  if (machine.size() < map_->needed()) return;
+  takeState(machine, 0.5 * (sent + time));
+  takePins(report.pins);
+  takeCondition(report);
+  judge(report.state, report.substate, sent);
+}
+
+void GrblController::takeState(const std::vector<double>& machine, double at) {
+  const double gone = at - state_.time;
+  std::vector<double> position(map_->size()), velocity(map_->size(), 0.0);
+  const bool moves = report_.state == "Run" || report_.state == "Jog" || report_.state == "Home" ||
+                     (report_.state == "Hold" && report_.substate != 0);
+  for (std::size_t j = 0; j < map_->size(); ++j) {
+    position[j] = map_->toJoint(j, machine[map_->place(j)]);
+    if (moves && state_.position.size() == position.size() && gone > 0.0)
+      velocity[j] = (position[j] - state_.position[j]) / gone;
+  }
+  state_.time = std::max(state_.time, at);
+  state_.timeUncertainty = 0.5 * roundTrip_;
+  state_.position = position;
+  state_.velocity = velocity;
+}
+
+void GrblController::takePins(const std::string& pins) {
+  state_.limitSwitch.assign(map_->size(), 0);
+  for (std::size_t j = 0; j < map_->size(); ++j) {
+    if (pins.find(map_->letter(j)) == std::string::npos) continue;
+    const ControllerAxis& axis = map_->axis(j);
+    const bool upper = lastDirection_[j] != 0.0 ? lastDirection_[j] > 0.0
+                                                : state_.position[j] > 0.5 * (axis.lower + axis.upper);
+    state_.limitSwitch[j] = upper ? 1 : -1;
+  }
+  const bool closed = pins.find('P') != std::string::npos;
+  if (closed != state_.probeClosed && task_ != Task::kProbing) {
+    ProbeEdge edge;
+    edge.time = state_.time;
+    edge.timeUncertainty = reportPeriod_ + state_.timeUncertainty;
+    edge.closed = closed;
+    edge.motion = state_.motion;
+    edges_.push_back(edge);
+  }
+  state_.probeClosed = closed;
+}
+
+// Override, hold, and what keeps it from moving.
+void GrblController::takeCondition(const GrblReport& report) {
+  if (report.feedOverride > 0) state_.feedOverride = 0.01 * report.feedOverride;
+  state_.held = report.state == "Hold" && report.substate <= 0;
+  if (report.state == "Alarm") {
+    if (!state_.alarm.present()) {
+      if (report.substate > 0) {
+        takeAlarm(report.substate);
+      } else if (task_ != Task::kHoming) {
+        state_.alarm = {0, "the control is locked", "home, or call ~clear_alarm"};
+      }
+    }
+  } else if (!clearing_ && report.state == "Idle") {
+    if (state_.alarm.present() && task_ == Task::kNone) state_.alarm = {};  // cleared at its panel
+  }
+  if (report.state == "Idle") clearing_ = false;
+}
+
+// Whether the task has ended, by a report that was asked for at `sent`.
+void GrblController::judge(const std::string& state, int substate, double sent) {
+  if (stopAsked_ && !resetAsked_) {
+    if (state == "Hold" && substate <= 0) endStop();
+    if ((state == "Idle" || state == "Alarm") && sent > stopSent_) {
+      stopAsked_ = false;
+      finish(Outcome::kStopped);
+    }
+    return;
+  }
+  if (state == "Run" || state == "Jog") begun_ = true;
+  // A motion has ended when its line was answered and a report that was asked for later says Idle.
+  const bool rests = state == "Idle" && sent > taskBegan_;
+  if (task_ == Task::kJog && answered_ && rests && (begun_ || sent - taskBegan_ > 0.2))
+    finish(Outcome::kReached);
+  if (task_ == Task::kHoming && answered_ && rests) {
+    for (const std::size_t j : homing_) homed_[j] = true;
+    state_.alarm = {};
+    finish(Outcome::kReached);
+  }
+  if (task_ == Task::kPlain && answered_ && rests) finish(Outcome::kReached);
+  if ((task_ == Task::kGuarded || task_ == Task::kProbing) && answered_ && rests)
+    finish(tripped_.value_or(false) ? Outcome::kTripped : Outcome::kReached);
+}
+
+// Commanded positions at the trip; when it was follows from the way to rest that came after it.
+void GrblController::takeProbe(const GrblProbe& probe, double time) {
+  damaged_ = 0;
+  if (task_ != Task::kProbing && task_ != Task::kGuarded) return;
+  tripped_ = probe.tripped;
+  if (!probe.tripped || probe.machine.size() < map_->needed()) return;
+  ProbeEdge edge;
+  const double rest = deceleration();
+  edge.time = std::max(taskBegan_, time - rest - 0.5 * roundTrip_);
+  edge.timeUncertainty = rest + roundTrip_ + 5e-3;
+  edge.probing = task_ == Task::kProbing;
+  edge.motion = motion_.id;
+  for (std::size_t j = 0; j < map_->size(); ++j) {
+    edge.position.push_back(map_->toJoint(j, probe.machine[map_->place(j)]));
+    const double way = motion_.target[j] - edge.position[j];
+    edge.velocity.push_back(std::copysign(motion_.speed[j], way) * state_.feedOverride);
+  }
+  edges_.push_back(edge);
+  state_.probeClosed = true;
+}
+
+void GrblController::takeAnswer(int code) {
+  damaged_ = 0;
+  if (inFlight_.empty()) return;  // the answer to the empty line, or to one from before a reset
+  inFlight_.pop_front();
+  pump();
+  const bool last = inFlight_.empty() && waiting_.empty();
+  if (code != 0 && task_ != Task::kNone) {
+    const GrblWords words = grblError(code);
+    const std::string text = "the control refused it, error " + std::to_string(code) + ": " + words.text +
+                             (words.remedy.empty() ? "" : "; " + words.remedy);
+    finish(code == 15 ? Outcome::kLimit : Outcome::kAlarm, text);
+    return;
+  }
+  if (!last || task_ == Task::kNone) return;
+  answered_ = true;
+  taskBegan_ =
+      task_ == Task::kHoming ? steadySeconds() : taskBegan_;  // a report from now on has the new zero
+  asked_ = task_ == Task::kHoming ? 0.0 : asked_;
+}
+
+void GrblController::takeAlarm(int code) {
+  damaged_ = 0;
+  const GrblWords words = grblAlarm(code);
+  state_.alarm = {code, words.text, words.remedy};
+  if (!grblAlarmKeepsPosition(code)) homed_.assign(map_->size(), false);
+  if (emergency_) state_.alarm = {};
+  forgetLines();
+  finish(emergency_ || stopAsked_ ? Outcome::kStopped
+         : code == 1 || code == 2 ? Outcome::kLimit
+                                  : Outcome::kAlarm);
+}
+
+// The control began anew: because it was told to, or because it lost its power.
+void GrblController::takeWelcome() {
+  damaged_ = 0;
+  forgetLines();
+  asked_ = 0.0;
+  if (resetAsked_ || emergency_) {
+    resetAsked_ = false;
+    if (emergency_) homed_.assign(map_->size(), false);
+    stopAsked_ = false;
+    finish(Outcome::kStopped);  // what was asked for meanwhile went with the reset, too
+    if (clearing_) send("$X");
+    return;
+  }
+  if (lastReport_ == 0.0) return;  // the answer to opening the line
+  ++state_.resets;
+  homed_.assign(map_->size(), false);
+  finish(Outcome::kLost);
+}
+
+void GrblController::finish(Outcome outcome, const std::string& note) {
+  if (task_ != Task::kNone && state_.outcome == Outcome::kUnderWay) {
+    state_.outcome = outcome;
+    state_.note = note;
+  }
+  task_ = Task::kNone;
+  homes_ = false;
+  homing_.clear();
+}
+
+// At rest in feed hold: what is left of the motion is thrown away by a soft reset, which keeps the position.
+void GrblController::endStop() {
+  resetAsked_ = true;
+  resetAt_ = steadySeconds();
+  link_->write(std::string(1, kGrblSoftReset));
+}
+
+}  // namespace mm
