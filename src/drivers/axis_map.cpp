@@ -108,4 +108,13 @@ void refuseUnknownParametersOf(const ControllerSetup& setup, const std::string& 
                        " controller; possible are " + all);
 }
 
+ProbeEdge seenEdge(const AxesState& state, bool closed, double period) {
+  ProbeEdge edge;
+  edge.time = state.time;
+  edge.timeUncertainty = period + state.timeUncertainty;
+  edge.closed = closed;
+  edge.motion = state.motion;
+  return edge;
+}
+
 }  // namespace mm

@@ -46,4 +46,7 @@ double numberParameterOf(const ControllerSetup& setup, const std::string& name, 
 void refuseUnknownParametersOf(const ControllerSetup& setup, const std::string& controller,
                                const std::vector<std::string>& known);
 
+/// The switch of the probe as one state shows it: closed or open now, and when only within `period` (s).
+ProbeEdge seenEdge(const AxesState& state, bool closed, double period);
+
 }  // namespace mm

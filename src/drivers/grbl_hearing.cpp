@@ -96,14 +96,8 @@ void GrblController::takePins(const std::string& pins) {
     state_.limitSwitch[j] = upper ? 1 : -1;
   }
   const bool closed = pins.find('P') != std::string::npos;
-  if (closed != state_.probeClosed && task_ != Task::kProbing) {
-    ProbeEdge edge;
-    edge.time = state_.time;
-    edge.timeUncertainty = reportPeriod_ + state_.timeUncertainty;
-    edge.closed = closed;
-    edge.motion = state_.motion;
-    edges_.push_back(edge);
-  }
+  if (closed != state_.probeClosed && task_ != Task::kProbing)
+    edges_.push_back(seenEdge(state_, closed, reportPeriod_));
   state_.probeClosed = closed;
 }
 

@@ -120,18 +120,10 @@ void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
 }
 
 void LinuxCncController::takeProbe(bool closed, double at) {
-  if (closed != state_.probeClosed) {
-    if (closed && task_ == Task::kProbing) {
-      tripSeen_ = at;
-    } else {
-      ProbeEdge edge;
-      edge.time = state_.time;
-      edge.timeUncertainty = pollPeriod_ + state_.timeUncertainty;
-      edge.closed = closed;
-      edge.motion = state_.motion;
-      edges_.push_back(edge);
-    }
-  }
+  if (closed && !state_.probeClosed && task_ == Task::kProbing)
+    tripSeen_ = at;
+  else if (closed != state_.probeClosed)
+    edges_.push_back(seenEdge(state_, closed, pollPeriod_));
   state_.probeClosed = closed;
 }
 

@@ -273,9 +273,8 @@ class BedSession {
     auto& notes = context_.imported.notes;
     if (flat)
       notes.push_back(
-          "the bed is taken as flat, its height as unknown: its tilt shows as squareness of z to x and y, "
-          "its form as "
-          "straightness");
+          "the bed is taken as flat, its height as unknown: its tilt shows as "
+          "squareness of z to x and y, its form as straightness");
     if (!stamped) notes.push_back("no times: the order of the touches, a second apart");
     finishImport(context_, std::move(session));
   }

@@ -44,6 +44,8 @@ class MeasureNode {
   /// @return the action's `tripped`. @throw Error when the goal was not reached, Cancelled.
   bool drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position, double speed,
              const std::string& feature);
+  bool lostController(std::uint8_t outcome);
+  bool answersAgain(const std::string& why);
   bool waitForArrival(double wallSeconds);
   void takeAxes(const std::string& plan);
   void renew();
@@ -61,6 +63,7 @@ class MeasureNode {
 
   Machine machine_;
   int retries_, giveUp_;
+  int lost_ = 0;  // motions in a row that were lost with their controller
   double contactTimeout_, releaseTimeout_;
   measuring_machine::MeasureFeedback feedback_;
   std::atomic<bool> paused_{false};

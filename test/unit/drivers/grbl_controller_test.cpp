@@ -9,15 +9,10 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "device_double.h"
-#include "drivers/motion_control.h"
+#include "motion_fixture.h"
 
 namespace mm {
 namespace {
-
-// s for a stop to come through: the machine's as much as the driver's. One that waits behind what blocks the
-// device takes seconds.
-constexpr double kLate = 0.5;
 
 // A ball at x 20, y 30, z 10 mm of the joints; the control's zero lies 40 mm above theirs.
 const std::vector<std::string> kDouble = {"test/doubles/grbl_double.py", "--ball", "-20", "-10", "-30", "5"};
@@ -52,14 +47,9 @@ TEST(GrblProtocol, ReadsWhatIsDocumented) {
   EXPECT_THROW(grblOverride(0.05), InputError);
 }
 
-class GrblTest : public ::testing::Test {
+class GrblTest : public DeviceMotionFixture {
  protected:
-  static Machine sixAxes() {
-    std::ifstream in("test/data/six_axis.urdf");
-    std::stringstream text;
-    text << in.rdbuf();
-    return Machine(text.str(), "six_axis.urdf");
-  }
+  GrblTest() : DeviceMotionFixture("test/data/six_axis.urdf") {}
   void begin(std::vector<std::string> extra = {}, AxisController::Parameters parameters = {}) {
     std::vector<std::string> arguments = kDouble;
     arguments.insert(arguments.end(), extra.begin(), extra.end());
@@ -69,73 +59,11 @@ class GrblTest : public ::testing::Test {
     parameters.emplace("zero", kZero);
     parameters.emplace("report_rate", "100");
     parameters.emplace("connect_timeout", "0.8");
-    controller_->open(controllerSetup(machine_, parameters));
-    MotionControl::Settings settings;
-    settings.reconnect = 0.1;
-    settings.restTimeout = 0.8;
-    settings.rotaryTolerance = 1e-4;
-    control_ = std::make_unique<MotionControl>(controller_, machine_, settings);
-    loop_ = std::thread([this] {
-      while (!ending_) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(4));
-        const auto seen = control_->cycle(4e-3, steadySeconds());
-        const std::lock_guard<std::mutex> lock(mutex_);
-        if (seen) edges_.insert(edges_.end(), seen->edges.begin(), seen->edges.end());
-      }
-    });
+    control(controller_, parameters);
   }
-  void TearDown() override {
-    ending_ = true;
-    if (loop_.joinable()) loop_.join();
-    control_.reset();
-  }
-  bool await(const std::function<bool()>& condition, double seconds = 5.0) {
-    const double end = steadySeconds() + seconds;
-    while (steadySeconds() < end && !condition()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    return condition();
-  }
-  AxesMotion to(const std::vector<double>& mm, double speed, bool probing) {
-    std::vector<double> target = control_->view().state.position;  // rotary axes that are not said stay
-    for (std::size_t j = 0; j < 3; ++j) target[j] = mm[j] * 1e-3;
-    if (mm.size() == 6)
-      for (std::size_t j = 3; j < 6; ++j) target[j] = mm[j] * 3.14159265358979 / 180.0;
-    AxesMotion motion =
-        straightMotion(machine_.joints(), control_->view().state.position, target, speed, 0.7);
-    motion.probing = probing;
-    return motion;
-  }
-  MotionControl::Report go(const std::vector<double>& mm, double speed = 0.04, bool probing = false) {
-    return control_->move(to(mm, speed, probing), {"test", 0}, control_->stops());
-  }
-  std::future<MotionControl::Report> start(const std::vector<double>& mm, double speed = 0.04) {
-    const AxesMotion motion = to(mm, speed, false);
-    const std::uint32_t stops = control_->stops();
-    auto report = std::async(std::launch::async, [=] { return control_->move(motion, {"test", 0}, stops); });
-    EXPECT_TRUE(await([&] { return double_->tell("machine")["moving"].get<bool>(); }));
-    return report;
-  }
-  void home() { control_->home({}, {"test", 0}); }
   double shown(std::size_t j) { return 1e3 * control_->view().state.position[j]; }
-  std::string refusal(const std::function<void()>& call) {
-    try {
-      call();
-    } catch (const std::exception& e) {
-      return e.what();
-    }
-    return {};
-  }
-  void expectWords(const std::string& text, const std::string& words) {
-    EXPECT_NE(text.find(words), std::string::npos) << text;
-  }
 
-  Machine machine_ = sixAxes();
-  std::unique_ptr<DeviceDouble> double_;
   std::shared_ptr<GrblController> controller_;
-  std::unique_ptr<MotionControl> control_;
-  std::atomic<bool> ending_{false};
-  std::mutex mutex_;
-  std::vector<ProbeEdge> edges_;
-  std::thread loop_;
 };
 
 TEST_F(GrblTest, SixAxesHomeGoAndProbe) {

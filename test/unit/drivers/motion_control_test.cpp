@@ -6,18 +6,15 @@
 
 #include "base/error.h"
 #include "fake_controller.h"
+#include "motion_fixture.h"
 
 namespace mm {
 namespace {
 
-// s for a stop to come through: the machine's as much as the driver's. One that waits behind what blocks the
-// device takes seconds.
-constexpr double kLate = 0.5;
-
 using Wall = std::chrono::steady_clock;
 
 /// A fake controller under control, polled every millisecond by a thread, as the node does.
-class MotionControlTest : public ::testing::Test {
+class MotionControlTest : public MotionFixture {
  protected:
   void SetUp() override { begin({}); }
   void begin(MotionControl::Settings settings) {
@@ -46,14 +43,6 @@ class MotionControlTest : public ::testing::Test {
   }
   void TearDown() override { finish(); }
 
-  bool await(const std::function<bool()>& condition, double seconds = 5.0) {
-    const auto end = Wall::now() + std::chrono::duration<double>(seconds);
-    while (Wall::now() < end) {
-      if (condition()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return condition();
-  }
   AxesMotion to(const std::vector<double>& target, double speed = 0.02, bool probing = false) {
     AxesMotion motion =
         straightMotion(machine_.joints(), control_->view().state.position, target, speed, 1.0);
@@ -75,18 +64,6 @@ class MotionControlTest : public ::testing::Test {
     return report;
   }
   void home() { control_->home({}, {"test", 0}); }
-  template <typename Call>
-  std::string refusal(const Call& call) {
-    try {
-      call();
-    } catch (const std::exception& e) {
-      return e.what();
-    }
-    return {};
-  }
-  void expectWords(const std::string& text, const std::string& words) {
-    EXPECT_NE(text.find(words), std::string::npos) << text;
-  }
 
   Machine machine_ = Machine::load("three_axis");
   std::shared_ptr<FakeController> controller_;
