@@ -1,0 +1,1 @@
+set(interpreters_test_dependencies gmock)

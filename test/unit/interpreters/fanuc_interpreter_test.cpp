@@ -1,0 +1,97 @@
+#include "interpreter_support.h"
+
+namespace mm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// B-63980EN, page 100: reference at 40, travel -400 to 800 mm every 50 mm; increments of 33 to 49 as printed
+// there
+std::string linearExample(const std::string& more = "") {
+  const int increments[] = {2, 1, 1, -2, 0, -1, 0, -1, 2, 1, 0, -1, -1, -2, 0, 1, 2};
+  std::string text =
+      "%\nN01020 A1 P88 A2 P89\nN03620 A1 P40\nN03621 A1 P33\nN03622 A1 P56\nN03623 A1 P1\nN03624 A1 "
+      "P50000\n";
+  for (int i = 0; i < 17; ++i)
+    text += "N" + std::to_string(10033 + i) + " P" + std::to_string(increments[i]) + "\n";
+  return text + more + "%\n";
+}
+
+double moved(const TableFolder& folder, double x, int direction = 1) {
+  return addedMicrometres(*interpret("fanuc", folder.path()), atMillimetres({{"x", x}}, direction), "x");
+}
+
+TEST(FanucInterpreter, IncrementsAddUpFromTheReferenceBothWays) {
+  TableFolder folder;
+  folder.file("parameters.txt", linearExample());
+  EXPECT_NEAR(moved(folder, 0), 0.0, kNanometre);
+  EXPECT_NEAR(moved(folder, 50), 2.0, kNanometre);    // 41
+  EXPECT_NEAR(moved(folder, 100), 3.0, kNanometre);   // 41, 42
+  EXPECT_NEAR(moved(folder, 300), -1.0, kNanometre);  // 2 1 0 -1 -1 -2
+  EXPECT_NEAR(moved(folder, -50), 1.0, kNanometre);   // less 40
+  EXPECT_NEAR(moved(folder, -250), 4.0, kNanometre);  // less 40 to 36
+  EXPECT_NEAR(moved(folder, -400), 0.0, kNanometre);  // less 40 to 33
+  EXPECT_NEAR(moved(folder, 25), 1.0, kNanometre);    // spread over the section
+  EXPECT_NEAR(moved(folder, 9000), 2.0, kNanometre);  // beyond the last point
+  EXPECT_NEAR(moved(folder, -9000), 0.0, kNanometre);
+}
+
+TEST(FanucInterpreter, MagnificationAndDetectionUnitMultiply) {
+  TableFolder folder;
+  folder.file("parameters.txt", linearExample("N03623 A1 P10\nN01013 A1 P00000010\nN03624 A1 P50.0\n"));
+  EXPECT_NEAR(moved(folder, 50), 2.0, kNanometre);  // 2 x 10 x 0.1 um
+}
+
+TEST(FanucInterpreter, TheOtherDirectionHasATableOfItsOwn) {
+  TableFolder folder;
+  // points 133 … of the negative direction; 3627 is its value at the reference position
+  folder.file("parameters.txt",
+              linearExample("N03605 A1 P00000001\nN03626 A1 P133\nN03627 A1 P-4\nN10141 P5\n"));
+  EXPECT_NEAR(moved(folder, 50, 1), 2.0, kNanometre);
+  EXPECT_NEAR(moved(folder, 0, -1), -4.0, kNanometre);
+  EXPECT_NEAR(moved(folder, 50, -1), 1.0, kNanometre);
+  EXPECT_NEAR(moved(folder, -50, -1), -4.0, kNanometre);
+}
+
+TEST(FanucInterpreter, BacklashIsTakenUpAgainstTheReturnToTheReference) {
+  TableFolder plus, minus;
+  plus.file("parameters.txt", "N01851 A1 P12\n");
+  EXPECT_NEAR(moved(plus, 5, 1), 0.0, kNanometre);
+  EXPECT_NEAR(moved(plus, 5, -1), -12.0, kNanometre);
+  minus.file("parameters.txt", "N01006 A1 P00100000\nN01851 A1 P12\n");
+  EXPECT_NEAR(moved(minus, 5, 1), 12.0, kNanometre);
+  EXPECT_NEAR(moved(minus, 5, -1), 0.0, kNanometre);
+}
+
+// B-63980EN, page 100, example 2: 45 degrees, reference at 60, 68 the last
+TEST(FanucInterpreter, ARotaryAxisRepeatsItsTurn) {
+  const std::string head =
+      "N01020 A1 P67\nN03620 A1 P60\nN03621 A1 P60\nN03622 A1 P68\nN03624 A1 P45000\nN03625 A1 P360000\n";
+  TableFolder folder, growing, points;
+  folder.file("parameters.txt", head + "N10061 P3\nN10068 P-3\nN10060 P-3\n");
+  Command command;
+  command.position["c"] = (360.0 + 90.0) * kDegree;
+  command.direction["c"] = 1;
+  EXPECT_NEAR(interpret("fanuc", folder.path())->motors(command).at("c"), (450.0 + 0.003) * kDegree, 1e-12);
+  growing.file("parameters.txt", head + "N10061 P3\n");
+  EXPECT_THAT(refusal("fanuc", growing), HasSubstr("do not sum to zero"));
+  points.file("parameters.txt", head + "N03622 A1 P67\n");
+  EXPECT_THAT(refusal("fanuc", points), AllOf(HasSubstr("3622"), HasSubstr("67")));
+}
+
+TEST(FanucInterpreter, WhatIsOutOfRangeIsRefused) {
+  TableFolder increment, number, word, far;
+  increment.file("parameters.txt", linearExample("N10041 P8\n"));
+  EXPECT_THAT(refusal("fanuc", increment),
+              AllOf(HasSubstr("parameters.txt:25"), HasSubstr("10041"), HasSubstr("-7 to 7")));
+  number.file("parameters.txt", linearExample("N03622 A1 P1024\n"));
+  EXPECT_THAT(refusal("fanuc", number), AllOf(HasSubstr("3622"), HasSubstr("0 to 1023")));
+  word.file("parameters.txt", "N03620 A1 X40\n");
+  EXPECT_THAT(refusal("fanuc", word), AllOf(HasSubstr("parameters.txt:1"), HasSubstr("X40")));
+  far.file("parameters.txt", linearExample("N03620 A1 P90\n"));
+  EXPECT_THAT(refusal("fanuc", far), AllOf(HasSubstr("3620"), HasSubstr("90")));
+}
+
+}  // namespace
+}  // namespace mm

@@ -1,0 +1,76 @@
+#include "interpreter_support.h"
+
+namespace mm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// MANUALplus 620, page 716: Y = F(Y) and Z = F(Y) from -90 mm every 5 mm
+const char* const kAssignment =
+    "BEGIN CONFIG.CMA\nNR  ACTIVE X     Y        Z\n0   *            AXISY.COM\n1          OLD.COM\n[END]\n";
+const char* const kTable =
+    "BEGIN AXISY.COM MM\nNR AXISPOS BACKLASH Y Z\n0 -90 +0.002 +0.001 +0.01\n1 -85 +0.004 +0.003 "
+    "+0.02\n[END]\n";
+
+TableFolder& withTable(TableFolder& folder, const std::string& table) {
+  return folder.file("config.cma", kAssignment).file("axisy.com", table);
+}
+
+double moved(const TableFolder& folder, const std::string& joint, double y, int direction) {
+  return addedMicrometres(*interpret("heidenhain", folder.path()),
+                          atMillimetres({{"y", y}, {"z", 0.0}}, direction), joint);
+}
+
+// TNC 407, page 151: an error is positive where the axis goes too far
+TEST(HeidenhainInterpreter, ErrorsAreTakenOffTheirAxis) {
+  TableFolder folder;
+  withTable(folder, kTable);
+  EXPECT_NEAR(moved(folder, "y", -90, 1), -1.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "y", -87.5, 1), -2.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "z", -87.5, 1), -15.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "z", 100, -1), -20.0, kNanometre);
+}
+
+TEST(HeidenhainInterpreter, TheColumnOfBacklashIsTheOtherDirection) {
+  TableFolder folder;
+  withTable(folder, kTable);
+  EXPECT_NEAR(moved(folder, "y", -87.5, -1), -3.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "y", -87.5, 0), -2.5, kNanometre);
+}
+
+TEST(HeidenhainInterpreter, OnlyTheActiveLineCounts) {
+  TableFolder folder;
+  folder.file("config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE Y\n0        AXISY.COM\n[END]\n")
+      .file("AXISY.COM", kTable);
+  EXPECT_NEAR(moved(folder, "y", -90, 1), 0.0, kNanometre);
+}
+
+TEST(HeidenhainInterpreter, ARotaryAxisGoesRound) {
+  TableFolder folder;
+  folder.file("config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE C\n0 * C.COM\n[END]\n")
+      .file("C.COM", "BEGIN C.COM MM\nNR AXISPOS C\n0 0 0\n1 180 0.02\n2 360 0\n[END]\n");
+  Command command;
+  command.position["c"] = -90.0 * kDegree;
+  EXPECT_NEAR(interpret("heidenhain", folder.path())->motors(command).at("c"), -90.01 * kDegree, 1e-12);
+}
+
+TEST(HeidenhainInterpreter, WhatTheControlDoesNotTakeIsRefused) {
+  TableFolder many, falling, missing, half, number;
+  std::string table = "BEGIN AXISY.COM MM\nNR AXISPOS Y\n";
+  for (int i = 0; i < 257; ++i) table += std::to_string(i) + " " + std::to_string(i) + " 0\n";
+  EXPECT_THAT(refusal("heidenhain", withTable(many, table + "[END]\n")),
+              AllOf(HasSubstr("axisy.com:259"), HasSubstr("256")));
+  EXPECT_THAT(
+      refusal("heidenhain", withTable(falling, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 0\n1 5 0\n[END]\n")),
+      AllOf(HasSubstr("axisy.com:4"), HasSubstr("AXISPOS: 5")));
+  missing.file("config.cma", kAssignment);
+  EXPECT_THAT(refusal("heidenhain", missing), AllOf(HasSubstr("config.cma:3"), HasSubstr("AXISY.COM")));
+  EXPECT_THAT(refusal("heidenhain", withTable(half, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 0\n")),
+              HasSubstr("[END]"));
+  EXPECT_THAT(refusal("heidenhain", withTable(number, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 1,5\n[END]\n")),
+              AllOf(HasSubstr("axisy.com:3"), HasSubstr("'1,5' is not a number")));
+}
+
+}  // namespace
+}  // namespace mm
