@@ -18,6 +18,8 @@ class KlipperInterpreter : public Interpreter {
   explicit KlipperInterpreter(KlipperState state) : state_(std::move(state)) {}
 
   std::map<std::string, double> motors(const Command& command) const override {
+    const bool skewed = state_.skew.xy != 0.0 || state_.skew.xz != 0.0 || state_.skew.yz != 0.0;
+    if (!skewed && !state_.mesh && !state_.thermal) return command.position;
     double x = commanded(command, "x") / kMillimetre, y = commanded(command, "y") / kMillimetre,
            z = commanded(command, "z") / kMillimetre;
     const KlipperSkew& skew = state_.skew;

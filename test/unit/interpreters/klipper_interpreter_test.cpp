@@ -39,6 +39,8 @@ TEST(KlipperInterpreter, AProfileThatIsNotLoadedDoesNothing) {
   folder.file("printer.cfg",
               "[skew_correction]\n[skew_correction p]\nxy_skew: 0.01\nxz_skew: 0\nyz_skew: 0\n");
   EXPECT_NEAR(moved(folder, "x", 10, 20, 30), 0.0, kNanometre);
+  // and then no other axis is needed
+  EXPECT_EQ(interpret("klipper", folder.path())->motors(atMillimetres({{"x", 10}})).size(), 1u);
 }
 
 // docs/Skew_Correction.md measures 140.4, 142.8 and 99.8 mm; by the law of cosines in the parallelogram
