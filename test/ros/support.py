@@ -224,6 +224,18 @@ class Joints:
         return self.stamp.to_nsec()
 
 
+def connect(port, seconds=20):
+    """To the control line of a double, as soon as that is there."""
+    end = time.time() + seconds
+    while True:
+        try:
+            return socket.create_connection(("127.0.0.1", port))
+        except OSError:
+            if time.time() > end:
+                raise
+            time.sleep(0.05)
+
+
 def kill(name):
     """Ends one node of this test's master, as a crash would."""
     answer = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(name)).getPid("/test")
