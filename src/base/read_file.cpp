@@ -49,7 +49,7 @@ std::string readWholeFile(const std::filesystem::path& file, const std::string& 
     if (got == 0) return text;
     text.append(block.data(), static_cast<std::size_t>(got));
     if (!S_ISREG(about.st_mode) && text.size() > kLongestStream)
-      throw InputError(file.string() + ": does not end, 1 GiB was read; name a file");
+      throw InputError(file.string() + ": does not end, 256 MiB were read; name a file");
   }
 }
 

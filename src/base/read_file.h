@@ -6,7 +6,7 @@
 namespace mm {
 
 /// What a pipe or a device may give; one that gives more has no end (/dev/zero).
-inline constexpr std::size_t kLongestStream = std::size_t{1} << 30;  // bytes
+inline constexpr std::size_t kLongestStream = std::size_t{1} << 28;  // bytes
 
 /// All bytes of a file, or none: what can be read only in part is refused, since half a model or half a table
 /// is another one. Also of a pipe.

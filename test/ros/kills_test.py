@@ -40,18 +40,24 @@ class Kills(unittest.TestCase):
         """Frames against their states; both are then forgotten. @return how many frames were compared."""
         with self.lock:
             states, self.states = self.states, {}
-        frames = self.frames.of(CORRECTED)
+        self.newest = max(self.newest, self.last())
+        frames = self.frames.taken(CORRECTED)
+        frames.update(self.unmatched)
+        self.unmatched = {s: f for s, f in frames.items() if s not in states and s > self.newest - int(2e9)}
         for stamp, (x, y, z) in frames.items():
-            if stamp in self.checked or stamp not in states:
+            if stamp not in states:
                 continue
-            self.checked.add(stamp)
-            homed, qx, qy = states[stamp]
+            homed, qx, qy = states.pop(stamp)
             self.unhomed += not homed
             self.wrong += abs(x - qx * (1 + self.scale)) > WRONG or abs(y - qy) > WRONG
             self.compared += 1
         with self.lock:  # the newest may still be on their way
             newest = max(states, default=0) - int(2e9)
-            self.states.update({s: v for s, v in states.items() if s > newest and s not in self.checked})
+            self.states.update({s: v for s, v in states.items() if s > newest})
+
+    def last(self):
+        """Stamp of the newest corrected frame so far."""
+        return max(self.newest, self.frames.newest(CORRECTED))
 
     def contact(self, name):
         try:
@@ -67,7 +73,7 @@ class Kills(unittest.TestCase):
         answer = support.calibrate_and_promote(bag, support.model("{type: scale, axis: x}"))
         self.scale = support.scale(answer.json, "x")
         self.frames, self.states, self.lock = support.Frames(CORRECTED), {}, threading.Lock()
-        self.checked, self.wrong, self.unhomed, self.compared = set(), 0, 0, 0
+        self.unmatched, self.newest, self.wrong, self.unhomed, self.compared = {}, 0, 0, 0, 0
         rospy.Subscriber("joint_states", JointState, self.take, queue_size=None, buff_size=1 << 24, tcp_nodelay=True)
         self.home()
         self.assertTrue(support.wait_until(lambda: self.frames.of(CORRECTED), 30))
@@ -81,8 +87,8 @@ class Kills(unittest.TestCase):
                     time.sleep(0.2)  # unhomed states, of which there must be no frame
                     self.check()
                     self.home()
-                last = max(self.frames.of(CORRECTED), default=0)
-                self.assertTrue(support.wait_until(lambda: max(self.frames.of(CORRECTED), default=0) > last, 40),
+                last = self.last()
+                self.assertTrue(support.wait_until(lambda: self.last() > last, 40),
                                 "frames come again after " + name)
                 self.check()
             print("%-20s %d kills in %.0f s: %d frames compared" % (name, KILLS, time.time() - began, self.compared - before))

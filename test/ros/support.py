@@ -190,6 +190,17 @@ class Frames:
         with self.lock:
             return dict(self.frames[child])
 
+    def taken(self, child):
+        """Those since the last call; they are forgotten here."""
+        with self.lock:
+            frames, self.frames[child] = self.frames[child], {}
+            return frames
+
+    def newest(self, child):
+        """Stamp of the last one in ns; 0: none, or taken."""
+        with self.lock:
+            return next(reversed(self.frames[child]), 0)
+
 
 class Statuses:
     def __init__(self, topic="compensation/status"):
