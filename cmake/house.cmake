@@ -7,7 +7,7 @@ if(MM_FUZZ)
   endif()
   # libFuzzer counts what the library's code does; what a number from a file becomes is looked at as well.
   set(fuzz_checks address,undefined,float-cast-overflow)
-  add_compile_options(-Wno-error -fsanitize=fuzzer-no-link,${fuzz_checks} -fno-sanitize=vptr,function -fno-sanitize-recover=all
+  add_compile_options(-Wno-error -Wno-unknown-warning-option -fsanitize=fuzzer-no-link,${fuzz_checks} -fno-sanitize=vptr,function -fno-sanitize-recover=all
                       -fno-omit-frame-pointer -gline-tables-only)
   add_link_options(-fsanitize=${fuzz_checks} -fno-sanitize=vptr,function)
 elseif(MM_SANITIZE STREQUAL "thread")

@@ -66,7 +66,7 @@ std::string withoutTime(const std::string& text) {
   std::string kept;
   for (std::string line; std::getline(in, line);) {
     bool leave = false;
-    for (const char* key : {"checksum:", "id:", "created:", "time:", "  - {action"})
+    for (const char* key : {"checksum:", "id:", "created:", "time:", "  - {action", "simulated in"})
       leave = leave || line.find(key) != std::string::npos;
     if (!leave) kept += line + "\n";
   }
@@ -82,19 +82,22 @@ TEST_F(FailingDisk, NothingIsLostWhateverFailsAndWhenever) {
       {"import s.csv --machine three_axis --artifact artifact.yaml -o out.bag", "out.bag"},
       {"simulate --machine three_axis --plan plan.yaml -o sim.bag --csv sim.csv --truth truth.yaml",
        "sim.bag sim.csv truth.yaml"},
-      {"calibrate s.bag --model m.yaml --method least_squares -o out.yaml", "out.yaml"},
+      {"calibrate s.bag --model long.yaml --method least_squares -o out.yaml", "out.yaml"},
       {"calibrate s.bag --model m.yaml --generations 3 --population 20 -o ga.yaml --curve curve.csv",
        "ga.yaml curve.csv"},
-      {"diagnose s.bag --calibration c.yaml --moves moves.yaml", "moves.yaml"},
       {"add s.bag --calibration c.yaml '{type: backlash, axis: x}' -o added.yaml", "added.yaml"},
       {"remove s.bag --calibration c.yaml '{type: scale, axis: x}' -o removed.yaml", "removed.yaml"},
-      {"report s.bag --calibration c.yaml --plotly plan.yaml -o report.html", "report.html"},
+      {"report s.bag --calibration c.yaml --plotly plotly.js -o report.html", "report.html"},
       {"apply states.csv --calibration c.yaml -o corrected.csv", "corrected.csv"},
       {"sensors series.csv --target nose_um --picture picture.svg", "picture.svg"},
       {"machine new --axis x=0:120mm --axis y=0:80mm -o new.urdf --model new_model.yaml --force",
        "new.urdf new_model.yaml"},
       {"plan new --machine three_axis --balls 2x2 -o new_plan.yaml --force", "new_plan.yaml"},
   };
+  // What is read in several parts: half of this model is a model, too, but another one.
+  folder_->write("long.yaml", "machine: three_axis\neffects:\n  - {type: scale, axis: x}\n" +
+                                  std::string(200000, '#') + "\n  - {type: backlash, axis: x}\n");
+  folder_->write("plotly.js", "// plotly\n" + std::string(150000, ' '));
   const auto untouched = files();
   int runs = 0, refused = 0;
   for (const Writer& writer : writers) {
@@ -131,7 +134,7 @@ TEST_F(FailingDisk, NothingIsLostWhateverFailsAndWhenever) {
             expectOneLine(answer);
             EXPECT_GT(n, 0) << "what is short or interrupted is taken up again";
           } else {
-            EXPECT_EQ(answer.out, plain.out);
+            EXPECT_EQ(withoutTime(answer.out), withoutTime(plain.out));
           }
           if (HasFailure()) return;
         }

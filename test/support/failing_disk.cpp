@@ -61,7 +61,7 @@ bool below(const char* path) {
   if (path[0] != '/') {
     char here[PATH_MAX];
     if (getcwd(here, sizeof here) == nullptr) return false;
-    std::snprintf(whole, sizeof whole, "%s/%s", here, path);
+    std::snprintf(whole, sizeof whole, "%.2000s/%.2000s", here, path);
     path = whole;
   }
   return std::strncmp(path, kFolder, std::strlen(kFolder)) == 0;
