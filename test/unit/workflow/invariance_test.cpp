@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <regex>
 
 #include "diagnosis/diagnose.h"
 #include "import_support.h"
 #include "long_tests.h"
 #include "plate_rows.h"
+#include "session/row_checks.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
@@ -21,7 +21,7 @@ namespace {
 using test::PlateRow;
 
 const bool kSet = [] {
-  return ::setenv("RC_PARAMS", mm_test::longTests() ? "max_success=100" : "max_success=6 seed=1", 0) == 0;
+  return ::setenv("RC_PARAMS", mm_test::longTests() ? "max_success=100" : "max_success=4 seed=1", 0) == 0;
 }();
 
 /// How one and the same measurement is written down.
@@ -154,7 +154,7 @@ TEST(Invariance, ThereIsSomethingToBeChanged) {
   ASSERT_EQ(reference().values.size(), 3u);
   EXPECT_NEAR(reference().values[0], 50e-6, 10e-6);
   EXPECT_NEAR(reference().values[2], 3e-6, 0.3e-6);
-  EXPECT_NE(verdict().find("backlash x gap 3."), std::string::npos) << verdict();
+  EXPECT_NE(verdict().find("backlash x gap"), std::string::npos) << verdict();
 }
 
 std::vector<std::size_t> anyOrder() {
@@ -207,6 +207,8 @@ RC_GTEST_PROP(Invariance, HowTheAxesAreCalled, ()) {
   RC_ASSERT(diagnosisOf(session, w) == verdict());
 }
 
+/// Values stay, and nobody gains certainty unasked: import, check, calibrate and diagnose ask whether a run
+/// is there twice.
 RC_GTEST_PROP(Invariance, ASessionThatIsThereTwice, ()) {
   Writing w;
   w.copies = *rc::gen::inRange(2, 4);
@@ -216,8 +218,10 @@ RC_GTEST_PROP(Invariance, ASessionThatIsThereTwice, ()) {
     RC_ASSERT(std::abs(found.values[p] - once.values[p]) < 1e-2 * once.stds[p]);
     RC_ASSERT(found.stds[p] < 1.001 * once.stds[p]);
   }
-  const std::string said = diagnosisOf(session, w);
-  std::printf("TWICE %d: %s | %s\n", w.copies, said.c_str(), verdict().c_str());
+  const std::vector<Doubt> doubts = rowDoubts(session);
+  RC_ASSERT(std::any_of(doubts.begin(), doubts.end(), [](const Doubt& d) {
+    return d.question.find("is a run there twice?") != std::string::npos;
+  }));
 }
 
 }  // namespace
