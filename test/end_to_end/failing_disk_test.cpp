@@ -53,7 +53,7 @@ class FailingDisk : public SessionFolder {
   /// Which of 1 … most are tried: all in a long test, else the first and the last ones and some between.
   static std::vector<int> tried(int most) {
     std::vector<int> all;
-    const int dense = 6, step = mm_test::longTests() ? 1 : std::max(1, most / 6);
+    const int dense = 3, step = mm_test::longTests() ? 1 : std::max(1, most / 4);
     for (int n = 1; n <= most; ++n)
       if (n <= dense || n > most - dense || n % step == 0) all.push_back(n);
     return all;

@@ -107,7 +107,7 @@ class Soak(unittest.TestCase):
         self.addCleanup(support.remove, os.path.dirname(rospy.get_param("/m1/compensation/store")))
         bags = {}
         for seed, machine in enumerate(MACHINES, 1):
-            bags[machine] = support.simulate(os.path.join(folder, machine + ".bag"), "test/ros/short_plan.yaml", seed=seed)
+            bags[machine] = support.simulate(os.path.join(folder, machine + ".bag"), seed=seed)
             self.assertTrue(self.call("/%s/axis_driver/home" % machine, Trigger).success)
             support.calibrate_and_promote(bags[machine], support.model("{type: scale, axis: x}", "{type: scale, axis: y}"),
                                           "/%s/calibration_server/" % machine)
