@@ -1,7 +1,20 @@
 # The house's three rules for targets.
 
 add_compile_options(-Wall -Wextra -Werror -Wno-error=maybe-uninitialized)
-if(MM_SANITIZE)
+if(MM_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "MM_FUZZ needs clang, not ${CMAKE_CXX_COMPILER}: -DCMAKE_CXX_COMPILER=clang++-14")
+  endif()
+  # libFuzzer counts what the library's code does; what a number from a file becomes is looked at as well.
+  set(fuzz_checks address,undefined,float-cast-overflow)
+  add_compile_options(-Wno-error -Wno-unknown-warning-option -fsanitize=fuzzer-no-link,${fuzz_checks} -fno-sanitize=vptr,function -fno-sanitize-recover=all
+                      -fno-omit-frame-pointer -gline-tables-only)
+  add_link_options(-fsanitize=${fuzz_checks} -fno-sanitize=vptr,function)
+elseif(MM_SANITIZE STREQUAL "thread")
+  # GCC's thread sanitizer does not know fences of atomics (-Wtsan); those here are of Eigen and boost.
+  add_compile_options(-fsanitize=thread -fno-omit-frame-pointer -Wno-maybe-uninitialized -Wno-error=tsan)
+  add_link_options(-fsanitize=thread)
+elseif(MM_SANITIZE)
   # GCC 12 warns of its own <regex> here (GCC bug 105562), a page for each use.
   add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined
                       -Wno-maybe-uninitialized)

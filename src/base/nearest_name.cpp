@@ -1,6 +1,7 @@
 #include "base/nearest_name.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "base/text.h"
 
@@ -25,8 +26,11 @@ int editDistance(const std::string& a, const std::string& b) {
 std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
   std::string nearest;
   int best = std::max<int>(2, static_cast<int>(name.size()) / 3) + 1;
+  const std::string wanted = lower(name);
   for (const std::string& candidate : known) {
-    const int distance = editDistance(lower(name), lower(candidate));
+    // as many changes as one has letters more than the other, at least
+    if (std::abs(static_cast<int>(name.size()) - static_cast<int>(candidate.size())) >= best) continue;
+    const int distance = editDistance(wanted, lower(candidate));
     // as many changes as there are letters: nothing in common
     if (distance < best && (distance == 0 || distance < static_cast<int>(name.size()))) {
       best = distance;

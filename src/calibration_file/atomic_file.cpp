@@ -8,10 +8,9 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 
 namespace mm {
 namespace fs = std::filesystem;
@@ -115,15 +114,6 @@ void linkAtomically(const fs::path& link, const std::string& target) {
   syncFolder(folderOf(link));
 }
 
-std::string readFile(const fs::path& file) {
-  std::error_code ignored;
-  if (fs::is_directory(file, ignored)) throw InputError(file.string() + ": is a folder; name a file in it");
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf()))
-    throw InputError(file.string() + ": cannot be read: " +
-                     (errno != 0 ? std::strerror(errno) : "it is empty") + "; check the path");
-  return text.str();
-}
+std::string readFile(const fs::path& file) { return readWholeFile(file, "check the path"); }
 
 }  // namespace mm

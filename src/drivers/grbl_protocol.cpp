@@ -9,6 +9,8 @@
 namespace mm {
 namespace {
 
+constexpr double kMostCode = 255.0, kMostOverride = 1000.0;  // beyond these a line is damaged
+
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
   std::istringstream in(text);
@@ -36,7 +38,7 @@ bool numbers(const std::string& text, std::vector<double>& values) {
 std::optional<int> codeAfter(const std::string& line, const std::string& head) {
   double value = 0.0;
   if (line.rfind(head, 0) != 0 || !number(line.substr(head.size()), value)) return std::nullopt;
-  if (value < 0.0 || value > 255.0) return std::nullopt;
+  if (value < 0.0 || value > kMostCode) return std::nullopt;
   return static_cast<int>(value);
 }
 
@@ -52,7 +54,7 @@ std::optional<GrblReport> parseGrblReport(const std::string& line) {
   if (report.state.empty()) return std::nullopt;
   double value = 0.0;
   if (colon != std::string::npos) {
-    if (!number(fields[0].substr(colon + 1), value)) return std::nullopt;
+    if (!number(fields[0].substr(colon + 1), value) || value < 0.0 || value > kMostCode) return std::nullopt;
     report.substate = static_cast<int>(value);
   }
   for (std::size_t f = 1; f < fields.size(); ++f) {
@@ -70,7 +72,9 @@ std::optional<GrblReport> parseGrblReport(const std::string& line) {
     if (key == "WPos") report.work = values;
     if (key == "WCO") report.offset = values;
     if (key == "FS" || key == "F") report.feed = values[0];
-    if (key == "Ov") report.feedOverride = static_cast<int>(values[0]);
+    if (key != "Ov") continue;
+    if (values[0] < 0.0 || values[0] > kMostOverride) return std::nullopt;
+    report.feedOverride = static_cast<int>(values[0]);
   }
   if (report.machine.empty() && report.work.empty()) return std::nullopt;
   return report;

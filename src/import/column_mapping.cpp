@@ -1,9 +1,9 @@
 #include "import/column_mapping.h"
 
-#include <fstream>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/yaml_mapping.h"
 
 namespace mm {
@@ -94,12 +94,7 @@ ColumnMapping parseColumnMapping(const std::string& yaml, const std::string& sou
 }
 
 ColumnMapping loadColumnMapping(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError(file.string() + ": the mapping cannot be read; check --columns");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parseColumnMapping(text.str(), file.string());
+  return parseColumnMapping(readWholeFile(file, "check --columns"), file.string());
 }
 
 }  // namespace mm

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/text.h"
 
 namespace mm {
@@ -80,14 +77,7 @@ std::string fromLatin1(const std::string& bytes) {
 }  // namespace
 
 TextFile::TextFile(const std::filesystem::path& file) : path_(file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error))
-    throw InputError(file.string() + ": is a folder; name a file of measurements");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file.string() + ": cannot be read: " + std::strerror(errno));
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  decode(bytes.str());
+  decode(readWholeFile(file, "name a file of measurements"));
   split();
 }
 

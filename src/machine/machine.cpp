@@ -3,14 +3,13 @@
 #include <tinyxml2.h>
 
 #include <Eigen/Dense>
-#include <fstream>
 #include <kdl/chain.hpp>
 #include <kdl/tree.hpp>
 #include <kdl_parser/kdl_parser.hpp>
 #include <set>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/rotation.h"
 
 namespace mm {
@@ -116,10 +115,7 @@ Machine Machine::load(const std::string& nameOrPath, const std::filesystem::path
   }
   for (const fs::path& path : tried) {
     if (!fs::is_regular_file(path)) continue;
-    std::ifstream in(path);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return Machine(text.str(), nameOrPath);
+    return Machine(readWholeFile(path, "check the path of the machine's URDF"), nameOrPath);
   }
   throw InputError(
       "machine '" + nameOrPath + "': " +

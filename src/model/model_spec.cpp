@@ -1,9 +1,7 @@
 #include "model/model_spec.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/units.h"
 #include "base/yaml_mapping.h"
 #include "effects/effect_yaml.h"
@@ -36,11 +34,7 @@ ModelSpec parseModelSpec(const std::string& yaml, const std::string& source) {
 }
 
 ModelSpec loadModelSpec(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw InputError(file.string() + ": cannot be opened; check the path of the model file");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parseModelSpec(text.str(), file.string());
+  return parseModelSpec(readWholeFile(file, "check the path of the model file"), file.string());
 }
 
 EffectSpec parseEffectSpec(const std::string& yaml, const std::string& source) {

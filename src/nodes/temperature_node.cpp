@@ -2,24 +2,134 @@
 
 #include <sensor_msgs/Temperature.h>
 
+#include <chrono>
 #include <cmath>
+#include <sstream>
 
+#include "base/format.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 
 namespace mm {
+namespace {
+
+constexpr double kStep =
+    1.0;  // K by which any reading may differ from the one before: it is quantised and noisy
+
+std::string textOf(const XmlRpc::XmlRpcValue& value) {
+  std::ostringstream text;
+  text.precision(17);
+  XmlRpc::XmlRpcValue copy = value;  // its conversions are not const
+  switch (copy.getType()) {
+    case XmlRpc::XmlRpcValue::TypeString:
+      return static_cast<std::string>(copy);
+    case XmlRpc::XmlRpcValue::TypeInt:
+      text << static_cast<int>(copy);
+      break;
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      text << static_cast<double>(copy);
+      break;
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      text << (static_cast<bool>(copy) ? "true" : "false");
+      break;
+    default:
+      throw InputError("is neither a word nor a number");
+  }
+  return text.str();
+}
+
+/// The parameter `sensors`: a list of mappings. @throw InputError.
+std::vector<TemperatureSetup> sensorsParameter(const ros::NodeHandle& own) {
+  std::vector<TemperatureSetup> sensors;
+  XmlRpc::XmlRpcValue list;
+  if (!own.getParam("sensors", list)) return sensors;
+  const std::string where = "parameter '" + own.resolveName("sensors") + "'";
+  if (list.getType() != XmlRpc::XmlRpcValue::TypeArray)
+    throw InputError(where + " must be a list of sensors, as in config/sensors.yaml");
+  for (int i = 0; i < list.size(); ++i) {
+    if (list[i].getType() != XmlRpc::XmlRpcValue::TypeStruct)
+      throw InputError(where + ", item " + std::to_string(i + 1) +
+                       ": must be a mapping, as {name: bed, hwmon: …}");
+    TemperatureSetup setup;
+    for (auto& [key, value] : list[i]) {
+      try {
+        (key == "name" ? setup.name : setup.keys[key]) = textOf(value);
+      } catch (const InputError& e) {
+        throw InputError(where + ", item " + std::to_string(i + 1) + ", '" + key + "': " + e.what());
+      }
+    }
+    sensors.push_back(std::move(setup));
+  }
+  return sensors;
+}
+
+}  // namespace
 
 TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
     : node_(node), updater_(node, own, ros::this_node::getName()) {
-  refuseUnknownParameters(own, {"frozen_after", "timeout", "variance"});
+  refuseUnknownParameters(
+      own, {"frozen_after", "timeout", "variance", "fastest", "sensors", "poll_rate", "sysfs"});
   frozenAfter_ = numberParameter(own, "frozen_after", 1800.0, 0.0, 1e9);
   timeout_ = numberParameter(own, "timeout", 10.0, 0.01, 1e6);
   variance_ = numberParameter(own, "variance", 0.0, 0.0, 1e6);
+  fastest_ = numberParameter(own, "fastest", 1.0, 0.0, 1e6);
+  const double period = 1.0 / numberParameter(own, "poll_rate", 2.0, 0.001, 100.0);
+  for (auto& device : makeTemperatureDevices(sensorsParameter(own), textParameter(own, "sysfs", "/sys"))) {
+    for (const std::string& name : device->names()) own_[name] = true;
+    pollers_.push_back(std::make_unique<Poller>());
+    pollers_.back()->device = std::move(device);
+  }
   in_ = node.subscribe("axis_driver/temperatures", 100, &TemperatureNode::take, this);
   updater_.setHardwareID("temperature sensors");
   updater_.add("sensors", this, &TemperatureNode::diagnose);
   timer_ =
       node.createWallTimer(ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { updater_.update(); });
+  if (pollers_.empty()) return;
+  pollTimer_ = node.createWallTimer(ros::WallDuration(std::min(period, 0.1)),
+                                    [this](const ros::WallTimerEvent&) { takePolled(); });
+  for (auto& poller : pollers_)
+    poller->thread = std::thread([this, one = poller.get(), period] { poll(*one, period); });
+}
+
+TemperatureNode::~TemperatureNode() {
+  ends_ = true;
+  for (auto& poller : pollers_) poller->thread.join();
+}
+
+/// In a thread of its own: a line that waits for its timeout keeps nothing else from being read.
+void TemperatureNode::poll(Poller& poller, double period) const {
+  using Clock = std::chrono::steady_clock;
+  const auto step = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period));
+  for (auto next = Clock::now(); !ends_;) {
+    const ros::Time before = ros::Time::now();
+    std::vector<TemperatureReading> readings = poller.device->read();
+    const ros::Time after = ros::Time::now();
+    {
+      const std::lock_guard<std::mutex> lock(poller.mutex);
+      poller.waiting.push_back(
+          {after > before ? before + (after - before) * 0.5 : after, std::move(readings)});
+    }
+    next = std::max(next + step, Clock::now());
+    while (!ends_ && Clock::now() < next)
+      std::this_thread::sleep_for(
+          std::min<Clock::duration>(next - Clock::now(), std::chrono::milliseconds(50)));
+  }
+}
+
+void TemperatureNode::takePolled() {
+  for (auto& poller : pollers_) {
+    std::vector<Polled> waiting;
+    {
+      const std::lock_guard<std::mutex> lock(poller->mutex);
+      waiting.swap(poller->waiting);
+    }
+    for (const Polled& polled : waiting) {
+      if (polled.stamp.isZero()) continue;  // before the first word of /clock
+      const bool back = polled.stamp < sensors_[poller->device->names().front()].seen;
+      for (std::size_t i = 0; i < polled.readings.size(); ++i)
+        takeOne(poller->device->names()[i], polled.readings[i], polled.stamp, back);
+    }
+  }
 }
 
 void TemperatureNode::take(const measuring_machine::SensorReadings& readings) {
@@ -27,33 +137,60 @@ void TemperatureNode::take(const measuring_machine::SensorReadings& readings) {
   const bool back = now < last_;  // the clock went back: nothing is known about how long a value has stood
   last_ = now;
   for (std::size_t i = 0; i < std::min(readings.name.size(), readings.temperature.size()); ++i) {
-    const std::string& name = readings.name[i];
-    const double value = readings.temperature[i];
-    Sensor& sensor = sensors_[name];
-    if (!sensor.out)
-      sensor.out = node_.advertise<sensor_msgs::Temperature>("temperature/" + topicOf(name), 100);
-    const std::string before = sensor.wrong;
-    sensor.wrong.clear();
-    if (sensor.seen.isZero() || back || value != sensor.value) sensor.changed = now;
-    sensor.seen = now;
-    sensor.value = value;
-    if (!std::isfinite(value))
-      sensor.wrong = "sensor '" + name + "' does not answer";
-    else if (frozenAfter_ > 0.0 && now - sensor.changed >= ros::Duration(frozenAfter_))
-      sensor.wrong = "sensor '" + name + "' is frozen: its value has not changed for " +
-                     std::to_string(static_cast<int>((now - sensor.changed).toSec())) + " s";
-    if (before.empty() && !sensor.wrong.empty()) {
-      ROS_WARN("%s; it is not published", sensor.wrong.c_str());
-      updater_.force_update();
+    if (own_.count(readings.name[i]) > 0) {
+      ROS_ERROR_ONCE("sensor '%s' is at the controller and in the parameter 'sensors'; the latter counts",
+                     readings.name[i].c_str());
+      continue;
     }
-    if (!sensor.wrong.empty()) continue;
-    sensor_msgs::Temperature message;
-    message.header.stamp = now;
-    message.header.frame_id = name;
-    message.temperature = value;
-    message.variance = variance_;
-    sensor.out.publish(message);
+    takeOne(readings.name[i], {readings.temperature[i], {}}, now, back);
   }
+}
+
+/// Why a reading is not passed on; empty: it is.
+std::string TemperatureNode::doubtOf(const std::string& name, const Sensor& sensor,
+                                     const TemperatureReading& reading, const ros::Time& now) const {
+  const std::string who = "sensor '" + name + "' ";
+  const double value = reading.value;
+  if (!std::isfinite(value))
+    return who + "does not answer" + (reading.wrong.empty() ? "" : ": " + reading.wrong);
+  if (value < kColdest || value > kHottest)
+    return who + format("reads %.1f degC, which no sensor of a machine can (%.0f to %.0f)", value, kColdest,
+                        kHottest);
+  if (frozenAfter_ > 0.0 && now - sensor.changed >= ros::Duration(frozenAfter_))
+    return who + "is frozen: its value has not changed for " +
+           std::to_string(static_cast<int>((now - sensor.changed).toSec())) + " s";
+  const double jump = std::abs(value - sensor.passed);
+  if (fastest_ > 0.0 && !sensor.published.isZero() && now > sensor.published &&
+      jump > kStep + fastest_ * (now - sensor.published).toSec())
+    return who + format("jumped by %.1f K in %.1f s (~fastest is %g K/s)", value - sensor.passed,
+                        (now - sensor.published).toSec(), fastest_);
+  return {};
+}
+
+void TemperatureNode::takeOne(const std::string& name, const TemperatureReading& reading,
+                              const ros::Time& now, bool back) {
+  Sensor& sensor = sensors_[name];
+  if (!sensor.out)
+    sensor.out = node_.advertise<sensor_msgs::Temperature>("temperature/" + topicOf(name), 100);
+  if (sensor.seen.isZero() || back || reading.value != sensor.value) sensor.changed = now;
+  if (back) sensor.published = ros::Time();
+  sensor.seen = now;
+  sensor.value = reading.value;
+  const bool before = sensor.wrong.empty();
+  sensor.wrong = doubtOf(name, sensor, reading, now);
+  if (before && !sensor.wrong.empty()) {
+    ROS_WARN("%s; it is not published", sensor.wrong.c_str());
+    updater_.force_update();
+  }
+  if (!sensor.wrong.empty()) return;
+  sensor.published = now;
+  sensor.passed = reading.value;
+  sensor_msgs::Temperature message;
+  message.header.stamp = now;
+  message.header.frame_id = name;
+  message.temperature = reading.value;
+  message.variance = variance_;
+  sensor.out.publish(message);
 }
 
 void TemperatureNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -6,7 +6,9 @@
 #include <rosbag/stream.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <set>
 
 #include "base/error.h"
@@ -16,7 +18,7 @@ namespace {
 
 constexpr std::uint32_t kLongestHeader = 1 << 24;  // bytes; a longer one is damage
 constexpr std::size_t kVersionLine = 64;           // bytes; that of a bag has 13
-constexpr std::uint32_t kLargestChunk = 1U << 31;
+constexpr std::uint32_t kLargestChunk = 1U << 28;  // bytes when unpacked; rosbag begins a new one at 768 KB
 
 template <typename T>
 T littleEndian(const void* bytes) {
@@ -69,11 +71,38 @@ BagReader::BagReader(const std::filesystem::path& file) : path_(file) {
   size_ = std::filesystem::file_size(file, error);
   std::string version;
   for (char c = 0; version.size() < kVersionLine && in_.get(c) && c != '\n';) version += c;
+  refuseIfTheDiskFails();
   if (version.rfind("#ROSBAG V", 0) != 0)
     throw InputError(file.string() + ": is not a bag (its first line says so)");
   if (version != "#ROSBAG V2.0")
     throw InputError(file.string() + ": is a bag of format " + version.substr(9) +
                      ", but 2.0 is needed; convert it with 'rosbag fix'");
+}
+
+void BagReader::refuseIfTheDiskFails() const {
+  if (in_.bad())
+    throw InputError(path_.string() +
+                     ": the bag cannot be read to its end: the disk reports an error; read it again, "
+                     "or copy it from elsewhere");
+}
+
+std::vector<BagConnection> BagReader::indexedConnections() {
+  Fields fields;
+  std::vector<std::uint8_t> data;
+  bool whole = true;
+  const bool header =
+      readRecord(fields, data, whole) && handleRecord(fields, {data.data(), data.size()}, whole);
+  refuseIfTheDiskFails();
+  if (!header || indexPosition_ == 0 || indexPosition_ >= size_) return {};
+  in_.seekg(static_cast<std::streamoff>(indexPosition_));
+  std::vector<BagConnection> found;
+  unsigned char op = 0;
+  while (readRecord(fields, data, whole) && whole && field(fields, rosbag::OP_FIELD_NAME, op) &&
+         op == rosbag::OP_CONNECTION && handleConnection(fields, {data.data(), data.size()})) {
+  }
+  refuseIfTheDiskFails();
+  for (const auto& entry : connections_) found.push_back(entry.second);
+  return found;
 }
 
 std::vector<std::string> BagReader::topics() const {
@@ -94,6 +123,7 @@ void BagReader::read(const std::function<void(const BagMessage&)>& take, const P
         readRecord(fields, data, whole) && handleRecord(fields, {data.data(), data.size()}, whole) && whole;
     if (progress) progress(static_cast<double>(start) / static_cast<double>(size_));
   }
+  refuseIfTheDiskFails();
   const std::string read = std::to_string(messages_) + " messages";
   if (!good)
     damage_ = "damaged or truncated at byte " + std::to_string(start) + ": read up to there, " + read;
@@ -161,7 +191,8 @@ bool BagReader::handleConnection(const Fields& fields, Bytes data) {
   if (!field(fields, rosbag::CONNECTION_FIELD_NAME, id) || !parseFields(data.data, data.size, definition))
     return false;
   const std::string topic = text(fields, rosbag::TOPIC_FIELD_NAME);
-  connections_[id] = {topic, text(definition, "type"), text(definition, "md5sum")};
+  connections_[id] = {topic, text(definition, "type"), text(definition, "md5sum"),
+                      text(definition, "callerid")};
   return !topic.empty();
 }
 
@@ -172,16 +203,21 @@ bool BagReader::handleChunk(const Fields& fields, Bytes data, bool whole) {
   if (compression == rosbag::COMPRESSION_NONE) return handleContents(data);
   const bool bz2 = compression == rosbag::COMPRESSION_BZ2;
   if (!whole || (!bz2 && compression != rosbag::COMPRESSION_LZ4)) return false;
-  std::vector<std::uint8_t> contents(size), packed(data.data, data.data + data.size);
+  // Memory that is zero and not there until it is written to: a damaged size alone takes none.
+  const std::unique_ptr<void, decltype(&std::free)> contents(std::calloc(std::max<std::uint32_t>(size, 1), 1),
+                                                             &std::free);
+  if (contents == nullptr) return false;
+  auto* const unpacked = static_cast<std::uint8_t*>(contents.get());
+  std::vector<std::uint8_t> packed(data.data, data.data + data.size);
   try {
     rosbag::ChunkedFile none;  // the streams want a file, and do not touch it here
     rosbag::StreamFactory streams(&none);
     streams.getStream(bz2 ? rosbag::compression::BZ2 : rosbag::compression::LZ4)
-        ->decompress(contents.data(), size, packed.data(), static_cast<unsigned int>(packed.size()));
+        ->decompress(unpacked, size, packed.data(), static_cast<unsigned int>(packed.size()));
   } catch (const rosbag::BagException&) {
     return false;
   }
-  return handleContents({contents.data(), contents.size()});
+  return handleContents({unpacked, size});
 }
 
 /// The records inside a chunk; false when they end before it does.
@@ -198,6 +234,8 @@ bool BagReader::handleContents(Bytes contents) {
     std::uint32_t length = 0;
     if (!lengthAt(length) || !parseFields(contents.data + at, length, fields)) return false;
     at += length;
+    unsigned char op = 0;  // a chunk in a chunk is damage
+    if (!field(fields, rosbag::OP_FIELD_NAME, op) || op == rosbag::OP_CHUNK) return false;
     if (!lengthAt(length) || !handleRecord(fields, {contents.data + at, length}, true)) return false;
     at += length;
   }

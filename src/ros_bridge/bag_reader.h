@@ -14,6 +14,7 @@ namespace mm {
 /// One publisher of a topic in a bag.
 struct BagConnection {
   std::string topic, type, md5;
+  std::string caller;  // node that published; empty: not told
 };
 
 /// One serialized message, valid during the callback.
@@ -30,8 +31,13 @@ class BagReader {
   /// @throw InputError when the file cannot be opened, is no file (a device), or not a bag of format 2.0.
   explicit BagReader(const std::filesystem::path& file);
 
-  /// Gives every message to `take`, in the order of the file, up to the end or the damage.
+  /// Gives every message to `take`, in the order of the file, up to the end or the damage. @throw InputError
+  /// when the disk fails: what it did not give is no damage of the bag.
   void read(const std::function<void(const BagMessage&)>& take, const ProgressCallback& progress = {});
+
+  /// Those that the index at the end of the bag names; none where that is missing or damaged. Reads nothing
+  /// else. @throw InputError when the disk fails.
+  std::vector<BagConnection> indexedConnections();
 
   const std::string& damage() const { return damage_; }  ///< in words for people; empty: the bag is whole
   std::vector<std::string> topics() const;               ///< that have a connection, sorted
@@ -43,6 +49,7 @@ class BagReader {
     const std::uint8_t* data;
     std::size_t size;
   };
+  void refuseIfTheDiskFails() const;
   bool readRecord(Fields& fields, std::vector<std::uint8_t>& data, bool& whole);
   bool handleRecord(const Fields& fields, Bytes data, bool whole);
   bool handleChunk(const Fields& fields, Bytes data, bool whole);

@@ -1,17 +1,13 @@
-#include <ros/serialization.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <std_msgs/String.h>
 
 #include <algorithm>
 #include <map>
-#include <new>
-#include <stdexcept>
 
 #include "base/error.h"
 #include "ros_bridge/bag_reader.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/bag_writer.h"
+#include "ros_bridge/checked_stream.h"
 #include "ros_bridge/session_collector.h"
 #include "session/assumed_travel.h"
 
@@ -29,16 +25,10 @@ Message decode(const BagMessage& raw, const std::string& source) {
                           ? " of another version"
                           : std::string(", but ") + traits::DataType<Message>::value() + " is needed"));
   Message message;
-  ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);
+  CheckedStream stream(raw.data, raw.size);
   try {
-    ros::serialization::deserialize(stream, message);
+    stream.next(message);
   } catch (const ros::serialization::StreamOverrunException&) {
-    throw InputError(source + ": topic " + c.topic +
-                     " holds a message that is shorter than its type; the bag is damaged");
-  } catch (const std::bad_alloc&) {  // a damaged length asks for more than there is
-    throw InputError(source + ": topic " + c.topic +
-                     " holds a message that is shorter than its type; the bag is damaged");
-  } catch (const std::length_error&) {
     throw InputError(source + ": topic " + c.topic +
                      " holds a message that is shorter than its type; the bag is damaged");
   }
@@ -186,20 +176,12 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
 
 std::string bagSpace(const std::filesystem::path& file, const std::string& wanted) {
   std::string found;
-  try {
-    rosbag::Bag bag(file.string(), rosbag::bagmode::Read);
-    rosbag::View all(bag);
-    for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
-      const SessionTopic split = splitTopic(connection->topic);
-      if (split.topic != "/probe/contact" && split.topic != "/reference") continue;
-      if (!connection->header) continue;
-      const auto by = connection->header->find("callerid");
-      if (by == connection->header->end() || by->second.empty() || by->second == kBagWriterName) continue;
-      if (!wanted.empty() && normalised(wanted) == split.space) return shown(split.space);
-      if (found.empty()) found = shown(split.space);
-    }
-  } catch (const rosbag::BagException&) {
-    return {};  // cut short, or no bag
+  for (const BagConnection& connection : BagReader(file).indexedConnections()) {
+    const SessionTopic split = splitTopic(connection.topic);
+    if (split.topic != "/probe/contact" && split.topic != "/reference") continue;
+    if (connection.caller.empty() || connection.caller == kBagWriterName) continue;
+    if (!wanted.empty() && normalised(wanted) == split.space) return shown(split.space);
+    if (found.empty()) found = shown(split.space);
   }
   return found;
 }

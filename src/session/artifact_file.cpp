@@ -1,9 +1,7 @@
 #include "session/artifact_file.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/units.h"
 #include "base/yaml_mapping.h"
 
@@ -99,12 +97,7 @@ Artifact parseArtifact(const std::string& yaml, const std::string& source) {
 }
 
 Artifact loadArtifact(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError(file.string() + ": the artifact file cannot be read; check --artifact");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parseArtifact(text.str(), file.string());
+  return parseArtifact(readWholeFile(file, "check the path of the artifact file"), file.string());
 }
 
 }  // namespace mm

@@ -1,5 +1,6 @@
 #include "session/line_reader.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -8,7 +9,7 @@
 
 namespace mm {
 namespace {
-constexpr std::size_t kBlock = 1 << 20;
+constexpr std::size_t kBlock = 1 << 20, kSmallBlock = 1 << 12;
 }
 
 LineReader::LineReader(const std::filesystem::path& file) : path_(file.string()), file_(nullptr) {
@@ -28,8 +29,11 @@ bool LineReader::fill() {
   if (end_ > begin_) std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  buffer_.resize(end_ + kBlock);
-  const std::size_t got = std::fread(buffer_.data() + end_, 1, kBlock, file_);
+  // a small file needs no large buffer; of a pipe the size is not known
+  const std::size_t block =
+      size_ > 0.0 && size_ < kBlock ? std::max(kSmallBlock, static_cast<std::size_t>(size_) + 1) : kBlock;
+  buffer_.resize(end_ + block);
+  const std::size_t got = std::fread(buffer_.data() + end_, 1, block, file_);
   if (std::ferror(file_) != 0)
     throw InputError(path_ + ": cannot be read to its end: " + std::strerror(errno));
   end_ += got;

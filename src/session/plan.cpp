@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/units.h"
 #include "base/yaml_mapping.h"
 #include "session/artifact_file.h"
@@ -160,12 +159,7 @@ Plan Plan::parse(const std::string& yaml, const std::string& source, const std::
 }
 
 Plan Plan::load(const std::filesystem::path& file, const Machine& machine) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError(file.string() + ": the plan cannot be read; check its path");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parse(text.str(), file.string(), file.parent_path(), machine);
+  return parse(readWholeFile(file, "check the path of the plan"), file.string(), file.parent_path(), machine);
 }
 
 int Plan::measurements() const {

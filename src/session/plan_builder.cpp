@@ -14,9 +14,10 @@ namespace mm {
 namespace {
 
 constexpr double kShortestApproach =
-    0.3e-3;                           // m: below it the play is not taken up and the ball may be missed
-constexpr double kLimitSlack = 1e-9;  // m or rad: rounding of what is written in mm and deg
-constexpr double kClose = 0.2e-3;     // m that the tip keeps from a ball when it passes
+    0.3e-3;                                 // m: below it the play is not taken up and the ball may be missed
+constexpr double kLimitSlack = 1e-9;        // m or rad: rounding of what is written in mm and deg
+constexpr std::size_t kMostMoves = 300000;  // days of work for any machine
+constexpr double kClose = 0.2e-3;           // m that the tip keeps from a ball when it passes
 
 }  // namespace
 
@@ -80,6 +81,8 @@ const Eigen::Vector3d& PlanBuilder::centre(int feature) const {
 void PlanBuilder::append(PlanMove move) {
   checkLimits(move.position);
   if (move.kind == MoveKind::kTouch) checkLimits(move.target);
+  if (plan_.moves.size() >= kMostMoves)
+    fail("makes more than " + std::to_string(kMostMoves) + " moves; ask for fewer points, repeats or runs");
   move.line = line_;
   current_ = move.position;
   plan_.moves.push_back(std::move(move));

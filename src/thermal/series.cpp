@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
+#include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/text.h"
 
 namespace mm {
@@ -37,8 +38,7 @@ int SampledSeries::column(const std::string& name) const {
 }
 
 SampledSeries readSeries(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened; check the path");
+  std::istringstream file(readWholeFile(path, "check the path"));
   SampledSeries series;
   std::vector<double> numbers;
   std::string line;

@@ -1,13 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "model/model_spec.h"
 #include "simulation/roughness.h"
 #include "tools/benchmark_counts.h"
@@ -56,11 +55,8 @@ void printSession(const Trial& r, const Options& o) {
 int run(const Options& o) {
   const Machine machine = Machine::load(o.machine);
   TrialOptions trial;
-  std::ifstream in(o.plan);
-  if (!in) throw InputError(o.plan + ": cannot be read; give a plan with --plan (see config/plans)");
-  std::ostringstream text;
-  text << in.rdbuf();
-  trial.planYaml = varied(text.str(), o.plan, o.variant);
+  trial.planYaml =
+      varied(readWholeFile(o.plan, "give a plan with --plan (see config/plans)"), o.plan, o.variant);
   trial.planSource = o.plan;
   trial.effects = o.effects;
   trial.size = o.size;

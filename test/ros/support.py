@@ -190,6 +190,17 @@ class Frames:
         with self.lock:
             return dict(self.frames[child])
 
+    def taken(self, child):
+        """Those since the last call; they are forgotten here."""
+        with self.lock:
+            frames, self.frames[child] = self.frames[child], {}
+            return frames
+
+    def newest(self, child):
+        """Stamp of the last one in ns; 0: none, or taken."""
+        with self.lock:
+            return next(reversed(self.frames[child]), 0)
+
 
 class Statuses:
     def __init__(self, topic="compensation/status"):
@@ -222,6 +233,18 @@ class Joints:
         message.header.stamp = self.stamp
         self.publisher.publish(message)
         return self.stamp.to_nsec()
+
+
+def connect(port, seconds=20):
+    """To the control line of a double, as soon as that is there."""
+    end = time.time() + seconds
+    while True:
+        try:
+            return socket.create_connection(("127.0.0.1", port))
+        except OSError:
+            if time.time() > end:
+                raise
+            time.sleep(0.05)
 
 
 def kill(name):

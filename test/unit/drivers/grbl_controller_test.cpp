@@ -30,7 +30,9 @@ TEST(GrblProtocol, ReadsWhatIsDocumented) {
   EXPECT_EQ(report->feedOverride, 90);
   EXPECT_EQ(report->pins, "XP");
   for (const char* bad : {"", "<>", "<Idle>", "<Idle|MPos:1.0,nan,2.0|FS:0,0>", "<Idle|MPos:1.0,,2.0>",
-                          "Idle|MPos:1,2,3", "<Idle|MPos:1,2,3", "<:|MPos:1,2,3>", "<Idle|MPos:1e999,2,3>"})
+                          "Idle|MPos:1,2,3", "<Idle|MPos:1,2,3", "<:|MPos:1,2,3>", "<Idle|MPos:1e999,2,3>",
+                          "<Idle|MPos:1,2,3|Ov:9.02222e54,100,100>", "<Hold:1e300|MPos:1,2,3>",
+                          "<Idle|MPos:1,2,3|Ov:-1,100,100>"})
     EXPECT_FALSE(parseGrblReport(bad)) << bad;
   const auto probe = parseGrblProbe("[PRB:1.000,2.000,3.000,4.000,5.000,6.000:1]");
   ASSERT_TRUE(probe);

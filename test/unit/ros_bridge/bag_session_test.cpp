@@ -301,6 +301,39 @@ TEST_F(BagSession, NoDamageEndsTheProgram) {
   EXPECT_GT(refused, 20);
 }
 
+/// The bytes of a stated length of joint names become four times 0xFF.
+TEST_F(BagSession, ADamagedLengthTakesNoMemory) {
+  writeSessionBag(sample(), folder_.path("s.bag"));
+  std::string bag = test::readAll(folder_.path("s.bag"));
+  const std::string name =
+      std::string("\x01\x00\x00\x00x", 5);  // the first joint, after the number of joints
+  const std::size_t at = bag.find(std::string("\x03\x00\x00\x00", 4) + name);
+  ASSERT_NE(at, std::string::npos);
+  bag.replace(at, 4, "\xff\xff\xff\x7f");
+  EXPECT_THAT(errorOf(folder_.write("d.bag", bag)), HasSubstr("shorter than its type; the bag is damaged"));
+}
+
+TEST_F(BagSession, AChunkInAChunkIsDamage) {
+  const auto number = [](std::uint32_t n) { return std::string(reinterpret_cast<const char*>(&n), 4); };
+  const auto field = [&](const std::string& text) {
+    return number(static_cast<std::uint32_t>(text.size())) + text;
+  };
+  std::string chunk;  // ten thousand, each in the next: the stack is not that deep
+  for (int i = 0; i < 10000; ++i) {
+    const std::string head = field(std::string("op=\x05")) + field("compression=none") +
+                             field("size=" + number(static_cast<std::uint32_t>(chunk.size())));
+    chunk = field(head) + number(static_cast<std::uint32_t>(chunk.size())) + chunk;
+  }
+  EXPECT_THAT(errorOf(folder_.write("n.bag", "#ROSBAG V2.0\n" + chunk)), HasSubstr("damaged or truncated"));
+}
+
+TEST_F(BagSession, WhoMeasuredIsReadFromTheIndexAlone) {
+  writeSessionBag(sample(), folder_.path("s.bag"));
+  EXPECT_EQ(bagSpace(folder_.path("s.bag")), "") << "no node did";
+  std::string bag = test::readAll(folder_.path("s.bag"));
+  EXPECT_EQ(bagSpace(folder_.write("cut.bag", bag.substr(0, bag.size() / 2))), "");
+}
+
 TEST_F(BagSession, AForeignBagIsRefusedWithItsTopics) {
   {
     rosbag::Bag bag(folder_.path("f.bag").string(), rosbag::bagmode::Write);

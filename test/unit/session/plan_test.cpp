@@ -46,6 +46,13 @@ TEST(Plan, EveryShippedPlanIsReadAndCanBeMoved) {
   }
 }
 
+TEST(Plan, MoreMovesThanAnybodyMakesAreRefusedBeforeTheyTakeTheMemory) {
+  expectRefusal(kBall + "touch: {points: 10000000, repeats: 10000000}",
+                "touch: makes more than 300000 moves; ask for fewer points, repeats or runs");
+  expectRefusal("reference: {joint: x, from_mm: -10, to_mm: 10, points: 11, runs: 10000000}",
+                "more than 300000 moves");
+}
+
 TEST(Plan, ThePlateCatchesEveryAxisInBothDirectionsOfTravel) {
   const Plan plan = Plan::load("config/plans/nine_ball_plate.yaml", Machine::load("three_axis"));
   int counts[3][2] = {};

@@ -1,0 +1,159 @@
+#include "drivers/modbus_temperature.h"
+
+#include <modbus/modbus-rtu.h>
+#include <modbus/modbus.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "base/error.h"
+
+namespace mm {
+namespace {
+
+int wholeNumber(const std::string& address, const std::string& text, int lower, int upper) {
+  const bool digits =
+      !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
+  const int value = digits ? std::stoi(text) : lower - 1;
+  if (value < lower || value > upper)
+    throw InputError("address '" + address + "': '" + text + "' is not a number from " +
+                     std::to_string(lower) + " to " + std::to_string(upper));
+  return value;
+}
+
+}  // namespace
+
+double registerValue(const std::array<std::uint16_t, 2>& registers, const RegisterLayout& layout) {
+  using Type = RegisterLayout::Type;
+  if (layout.type == Type::kUint16) return registers[0];
+  if (layout.type == Type::kInt16) return static_cast<std::int16_t>(registers[0]);
+  const std::uint32_t bits = static_cast<std::uint32_t>(registers[layout.lowWordFirst ? 1 : 0]) << 16 |
+                             registers[layout.lowWordFirst ? 0 : 1];
+  if (layout.type == Type::kInt32) return static_cast<std::int32_t>(bits);
+  float value = 0.0F;
+  std::memcpy(&value, &bits, sizeof value);
+  return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+ModbusLine parseModbusLine(const std::string& address) {
+  const std::string form = "; write serial:<device>:<baud>:<bits>, as serial:/dev/ttyUSB0:9600:8N1";
+  if (address.rfind("serial:", 0) != 0)
+    throw InputError("address '" + address + "' is no serial line" + form);
+  std::vector<std::string> parts(1);
+  for (const char c : address.substr(7)) {
+    if (c == ':')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  ModbusLine line;
+  line.device = parts[0];
+  if (line.device.empty() || line.device[0] != '/' || parts.size() > 3)
+    throw InputError("address '" + address + "' names no device" + form);
+  if (parts.size() > 1) line.baud = wholeNumber(address, parts[1], 300, 4000000);
+  if (parts.size() > 2) {
+    const std::string& bits = parts[2];
+    if (bits.size() != 3 || (bits[0] != '7' && bits[0] != '8') || std::strchr("NEO", bits[1]) == nullptr ||
+        (bits[2] != '1' && bits[2] != '2'))
+      throw InputError("address '" + address + "': '" + bits + "' is not 8N1, 8E1, 8O1, 8N2 or the like" +
+                       form);
+    line.dataBits = bits[0] - '0';
+    line.parity = bits[1];
+    line.stopBits = bits[2] - '0';
+  }
+  return line;
+}
+
+struct ModbusTemperatures::Line {
+  explicit Line(modbus_t* made) : context(made) {}
+  ~Line() {
+    modbus_close(context);
+    modbus_free(context);
+  }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+  modbus_t* context;
+};
+
+ModbusTemperatures::ModbusTemperatures(std::string address, SensorKeys& keys) : address_(std::move(address)) {
+  try {
+    settings_ = parseModbusLine(address_);
+  } catch (const InputError& e) {
+    keys.refuse(e.what());
+  }
+}
+
+ModbusTemperatures::~ModbusTemperatures() = default;
+
+void ModbusTemperatures::add(const std::string& name, SensorKeys& keys) {
+  using Type = RegisterLayout::Type;
+  Sensor sensor;
+  sensor.unit = static_cast<int>(keys.number("unit", 1, 1, 247));
+  sensor.first = static_cast<int>(keys.number("register", 0, 0, 65535));
+  sensor.input = keys.word("function", "holding", {"holding", "input"}) == "input";
+  const std::string type = keys.word("type", "int16", {"int16", "uint16", "int32", "float32"});
+  sensor.layout.type = type == "int16"    ? Type::kInt16
+                       : type == "uint16" ? Type::kUint16
+                       : type == "int32"  ? Type::kInt32
+                                          : Type::kFloat32;
+  sensor.layout.lowWordFirst = keys.word("words", "high", {"high", "low"}) == "low";
+  sensor.scale = keys.number("scale", type == "float32" ? 1.0 : 0.1, -1e6, 1e6);
+  sensor.offset = keys.number("offset", 0.0, -1e6, 1e6);
+  timeout_ = keys.number("timeout", timeout_, 0.01, 10.0);
+  names_.push_back(name);
+  sensors_.push_back(sensor);
+}
+
+double ModbusTemperatures::readOne(const Sensor& sensor) {
+  const auto failed = [&](const char* doing) {
+    const int cause = errno;
+    const bool late = cause == ETIMEDOUT;
+    if (cause < MODBUS_ENOBASE && !late) {
+      line_.reset();  // the device itself is gone
+    } else if (line_ != nullptr) {
+      // An answer that comes after its time would be taken for that of the next question: it bears no number.
+      std::this_thread::sleep_for(std::chrono::duration<double>(timeout_));
+      modbus_flush(line_->context);
+    }
+    return Error(address_ + ", unit " + std::to_string(sensor.unit) + ": " + doing + ": " +
+                 (late ? "no answer in time" : modbus_strerror(cause)));
+  };
+  if (line_ == nullptr) {
+    line_ = std::make_unique<Line>(modbus_new_rtu(settings_.device.c_str(), settings_.baud, settings_.parity,
+                                                  settings_.dataBits, settings_.stopBits));
+    if (line_->context == nullptr) throw failed("cannot be opened");
+    const double whole = std::floor(timeout_);
+    modbus_set_response_timeout(line_->context, static_cast<std::uint32_t>(whole),
+                                static_cast<std::uint32_t>(1e6 * (timeout_ - whole)));
+    if (modbus_connect(line_->context) != 0) throw failed("cannot be opened");
+  }
+  modbus_flush(line_->context);
+  modbus_set_slave(line_->context, sensor.unit);
+  std::array<std::uint16_t, 2> registers{};
+  const int count = sensor.layout.count();
+  const int got = sensor.input
+                      ? modbus_read_input_registers(line_->context, sensor.first, count, registers.data())
+                      : modbus_read_registers(line_->context, sensor.first, count, registers.data());
+  if (got != count) throw failed("cannot be read");
+  return sensor.scale * registerValue(registers, sensor.layout) + sensor.offset;
+}
+
+std::vector<TemperatureReading> ModbusTemperatures::read() {
+  std::vector<TemperatureReading> readings;
+  for (const Sensor& sensor : sensors_) {
+    TemperatureReading reading;
+    try {
+      reading.value = readOne(sensor);
+      if (std::isnan(reading.value)) reading.wrong = address_ + ": its registers hold no number";
+    } catch (const std::exception& e) {
+      reading.wrong = e.what();
+    }
+    readings.push_back(std::move(reading));
+  }
+  return readings;
+}
+
+}  // namespace mm

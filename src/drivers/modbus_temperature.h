@@ -1,0 +1,59 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "drivers/temperature_device.h"
+
+namespace mm {
+
+/// How a temperature stands in registers of 16 bits.
+struct RegisterLayout {
+  enum class Type { kInt16, kUint16, kInt32, kFloat32 };
+  Type type = Type::kInt16;
+  bool lowWordFirst = false;                                                           // of two registers
+  int count() const { return type == Type::kInt16 || type == Type::kUint16 ? 1 : 2; }  ///< registers
+};
+/// The number in as many registers as the layout has; NaN where a float is none.
+double registerValue(const std::array<std::uint16_t, 2>& registers, const RegisterLayout& layout);
+
+/// Where a line is: `serial:<device>:<baud>:<data bits><parity><stop bits>`, as serial:/dev/ttyUSB0:9600:8N1.
+struct ModbusLine {
+  std::string device;
+  int baud = 9600, dataBits = 8, stopBits = 1;
+  char parity = 'N';
+};
+/// @throw InputError naming what is wrong with it.
+ModbusLine parseModbusLine(const std::string& address);
+
+/// Temperature modules on one line of Modbus RTU (libmodbus), several units, each with its registers. Keys of
+/// a sensor: `modbus` (the line), `unit` (1 … 247), `register` (from 0), `function` (holding, input), `type`
+/// (int16, uint16, int32, float32), `words` (high, low: which comes first), `scale`, `offset`, and of the
+/// line `timeout` (s for an answer, 0.5). The line is opened when it is first read and after a failure.
+class ModbusTemperatures final : public TemperatureDevice {
+ public:
+  /// @throw InputError naming what is wrong with the address.
+  ModbusTemperatures(std::string address, SensorKeys& keys);
+  ~ModbusTemperatures() override;
+  /// @throw InputError naming the sensor.
+  void add(const std::string& name, SensorKeys& keys);
+  std::string where() const override { return address_; }
+  std::vector<TemperatureReading> read() override;
+
+ private:
+  struct Line;
+  struct Sensor {
+    int unit = 1, first = 0;
+    bool input = false;  // input registers, function 4; else holding registers, function 3
+    RegisterLayout layout;
+    double scale = 1.0, offset = 0.0;
+  };
+  double readOne(const Sensor& sensor);
+
+  std::string address_;
+  ModbusLine settings_;
+  double timeout_ = 0.5;  // s
+  std::unique_ptr<Line> line_;
+  std::vector<Sensor> sensors_;
+};
+
+}  // namespace mm

@@ -1,0 +1,131 @@
+#include "drivers/sysfs_temperature.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/read_file.h"
+
+namespace mm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMilli = 1e-3;
+constexpr std::size_t kLongestNumber = 64;  // characters
+
+/// A file of the kernel with one number. @throw InputError naming it.
+double numberIn(const fs::path& file) {
+  const std::string text = readWholeFile(file, "look at the sensor and its driver");
+  const std::optional<double> value = parseSysfsNumber(text);
+  if (!value) {
+    std::string shown;
+    for (const char c : text.substr(0, 20)) shown += c >= ' ' && c <= '~' ? c : '?';
+    throw InputError(file.string() + ": holds '" + shown + "', not a number");
+  }
+  return *value;
+}
+
+std::optional<double> numberIfThere(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return std::nullopt;
+  return numberIn(file);
+}
+
+std::string firstLine(const fs::path& file) {
+  try {
+    const std::string text = readWholeFile(file, "");
+    return text.substr(0, text.find('\n'));
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+std::optional<double> parseSysfsNumber(const std::string& text) {
+  std::string number = text;
+  if (!number.empty() && number.back() == '\n') number.pop_back();
+  if (number.empty() || number.size() > kLongestNumber ||
+      number.find_first_not_of("+-.0123456789eE") != std::string::npos)
+    return std::nullopt;
+  char* end = nullptr;
+  const double value = std::strtod(number.c_str(), &end);
+  if (*end != '\0' || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+void SysfsTemperatures::add(const std::string& name, SensorKeys& keys) {
+  Sensor sensor;
+  sensor.kind = keys.has("hwmon") ? Kind::kHwmon : keys.has("iio") ? Kind::kIio : Kind::kFile;
+  if (sensor.kind == Kind::kFile) {
+    sensor.channel = keys.text("file", "");
+    if (sensor.channel.empty() || sensor.channel[0] != '/')
+      keys.refuse("'file' must be a path that begins with /");
+  } else {
+    sensor.chip = keys.text(sensor.kind == Kind::kHwmon ? "hwmon" : "iio", "");
+    sensor.channel = keys.text("channel", sensor.kind == Kind::kHwmon ? "temp1" : "temp");
+    if (sensor.chip.empty() || sensor.channel.empty()) keys.refuse("the chip and its channel need names");
+    if (sensor.channel.find('/') != std::string::npos)
+      keys.refuse("'channel' is a name as temp1, not a path");
+    sensor.number = static_cast<std::size_t>(keys.number("number", 0.0, 0.0, 99.0));
+  }
+  sensor.scale = keys.number("scale", 1.0, -1e6, 1e6);
+  sensor.offset = keys.number("offset", 0.0, -1e6, 1e6);
+  names_.push_back(name);
+  sensors_.push_back(std::move(sensor));
+}
+
+fs::path SysfsTemperatures::folderOf(const Sensor& sensor) const {
+  const fs::path all = fs::path(sysfs_) / (sensor.kind == Kind::kHwmon ? "class/hwmon" : "bus/iio/devices");
+  std::vector<fs::path> found;
+  std::string there;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(all, error)) {
+    const std::string name = firstLine(entry.path() / "name");
+    if (name == sensor.chip) found.push_back(entry.path());
+    if (!name.empty()) there += (there.empty() ? "" : ", ") + name;
+  }
+  if (found.size() > sensor.number) {
+    std::sort(found.begin(), found.end());
+    return found[sensor.number];
+  }
+  throw InputError(all.string() + ": there is no '" + sensor.chip + "'" +
+                   (sensor.number > 0 ? format(" number %zu", sensor.number) : "") +
+                   "; there are: " + (there.empty() ? "none" : there));
+}
+
+double SysfsTemperatures::readOne(const Sensor& sensor) const {
+  if (sensor.kind == Kind::kFile) return kMilli * numberIn(sensor.channel);
+  const fs::path folder = folderOf(sensor);
+  if (sensor.kind == Kind::kHwmon) {
+    const std::optional<double> fault = numberIfThere(folder / (sensor.channel + "_fault"));
+    if (fault && *fault != 0.0)
+      throw InputError("its driver says that it is broken (" + sensor.channel + "_fault)");
+    return kMilli * numberIn(folder / (sensor.channel + "_input"));
+  }
+  const std::string channel = "in_" + sensor.channel;
+  if (const std::optional<double> processed = numberIfThere(folder / (channel + "_input")))
+    return kMilli * *processed;
+  const double raw = numberIn(folder / (channel + "_raw"));
+  const double offset = numberIfThere(folder / (channel + "_offset")).value_or(0.0);
+  return kMilli * (raw + offset) * numberIn(folder / (channel + "_scale"));
+}
+
+std::vector<TemperatureReading> SysfsTemperatures::read() {
+  std::vector<TemperatureReading> readings;
+  for (const Sensor& sensor : sensors_) {
+    TemperatureReading reading;
+    try {
+      reading.value = sensor.scale * readOne(sensor) + sensor.offset;
+    } catch (const std::exception& e) {
+      reading.wrong = e.what();
+    }
+    readings.push_back(std::move(reading));
+  }
+  return readings;
+}
+
+}  // namespace mm

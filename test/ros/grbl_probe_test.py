@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""What the nodes make of the probe's switch at a controller: contacts where it chatters, none where it is stuck or dead, a stop at a
+collision; and after each the machine measures again."""
+import json
+import math
+import os
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticArray
+from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, MoveResult, ProbeContact
+
+import cycle_support
+import support
+
+PLAN = os.path.join(support.PACKAGE, "test/ros/grbl_plan.yaml")
+CENTRE, DISTANCE, SCALE = (0.030, 0.030, 0.020), 0.009, (1.0005, 1.0, 1.0)  # m, of the double: ball and tip
+
+
+class Double:
+    def __init__(self, port):
+        self.line = support.connect(port).makefile("rw")
+
+    def tell(self, command):
+        self.line.write(command + "\n")
+        self.line.flush()
+        return json.loads(self.line.readline())
+
+
+class GrblProbe(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.double, cls.contacts, cls.said = Double(25918), [], []
+        rospy.Subscriber("probe/contact", ProbeContact, cls.contacts.append)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: cls.said.extend(s.message for s in m.status))
+        cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
+        cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
+        assert cls.axes.wait_for_server(rospy.Duration(60)) and cls.measure.wait_for_server(rospy.Duration(60))
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(rospy.get_param("/compensation/store"))
+
+    def setUp(self):
+        self.double.tell("probe ok")
+        cycle_support.ready()
+        self.contacts.clear()
+        self.said.clear()
+
+    def run_plan(self):
+        self.measure.send_goal(MeasureGoal(plan=PLAN))
+        self.assertTrue(self.measure.wait_for_result(rospy.Duration(90)))
+        return self.measure.get_state(), self.measure.get_result()
+
+    def rests(self):
+        self.assertTrue(support.wait_until(lambda: not self.double.tell("machine")["moving"], 5))
+
+    def test_1_a_switch_that_chatters(self):
+        self.double.tell("probe chatter")
+        state, result = self.run_plan()
+        print("chatter: %d contacts, %d missed: %s" % (result.contacts, result.missed, result.message))
+        self.assertGreater(result.contacts, 0)
+        self.assertEqual(len(self.contacts), result.contacts, "each touch is one contact, however often the switch closes")
+        for contact in self.contacts:
+            at = dict(zip(contact.name, contact.position))
+            away = math.sqrt(sum((at[j] * k - c) ** 2 for j, c, k in zip("xyz", CENTRE, SCALE)))
+            # 0.5 um a millisecond of approach, and a closure in some of those
+            self.assertLess(abs(away - DISTANCE), 15e-6, contact)
+
+    def test_2_closed_already(self):
+        self.double.tell("probe stuck")
+        state, result = self.run_plan()
+        print("stuck: " + result.message)
+        self.assertEqual((state, result.contacts), (GoalStatus.ABORTED, 0))
+        self.assertEqual(self.contacts, [])
+        self.rests()
+
+    def test_3_never_closed(self):
+        self.double.tell("probe dead")
+        state, result = self.run_plan()
+        print("dead: " + result.message)
+        self.assertEqual((state, result.contacts), (GoalStatus.ABORTED, 0))
+        self.assertIn("in a row without a contact", result.message)
+        self.assertEqual(self.contacts, [])
+        self.rests()
+
+    def test_4_a_collision(self):
+        self.axes.send_goal(MoveGoal(name=["x", "y", "z"], position=[0.030, 0.030, 0.031], linear_speed=0.02))
+        self.assertTrue(self.axes.wait_for_result(rospy.Duration(30)))
+        self.assertEqual(self.axes.get_result().outcome, MoveResult.REACHED, self.axes.get_result().message)
+        self.axes.send_goal(MoveGoal(name=["z"], position=[0.020], linear_speed=0.005))
+        self.assertTrue(self.axes.wait_for_result(rospy.Duration(30)))
+        result = self.axes.get_result()
+        print("collision: %s; went %.3f mm into the ball" % (result.message, self.double.tell("machine")["deepest"]))
+        self.assertEqual(result.outcome, MoveResult.TRIPPED, result.message)
+        self.assertLess(self.double.tell("machine")["depth"], 0.5)
+        self.assertEqual(self.contacts, [], "a collision is no contact")
+        self.rests()
+
+    def test_5_and_it_measures_again(self):
+        self.axes.send_goal(MoveGoal(name=["z"], position=[0.031], linear_speed=0.005))
+        self.assertTrue(self.axes.wait_for_result(rospy.Duration(30)))
+        state, result = self.run_plan()
+        self.assertEqual((state, result.contacts, result.missed), (GoalStatus.SUCCEEDED, 20, 0), result.message)
+
+
+if __name__ == "__main__":
+    rospy.init_node("grbl_probe_test")
+    rostest.rosrun("measuring_machine", "grbl_probe", GrblProbe)

@@ -1,0 +1,227 @@
+// Preloaded into a program (LD_PRELOAD): its disk fails at a chosen moment, below one folder alone.
+//   FAILING_DISK_FOLDER  absolute path; files elsewhere are left alone
+//   FAILING_DISK         `<reads|writes> <n> <once|lasting>`: the n-th such operation fails (EIO; ENOSPC),
+//   alone or with all that follow
+//                        `<reads|writes> 0 <short|interrupted>`: each gives a part of what was asked; every
+//                        second is interrupted
+//   FAILING_DISK_COUNT   file that gets `<reads> <writes>` at the end
+// Reads are: opening for reading, read, pread, readv, fread. Writes are: opening for writing, write, pwrite,
+// writev, fsync, fdatasync, ftruncate, rename, symlink, mkdir, and closing what was written.
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace {
+
+template <typename Function>
+Function original(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
+
+enum class Way { kOnce, kLasting, kShort, kInterrupted };
+
+struct Plan {
+  bool reads = false, writes = false;
+  long at = -1;
+  Way way = Way::kOnce;
+  Plan() {
+    char what[16] = "", way_[16] = "";
+    const char* text = std::getenv("FAILING_DISK");
+    if (text == nullptr || std::sscanf(text, "%15s %ld %15s", what, &at, way_) != 3) return;
+    reads = std::strcmp(what, "reads") == 0;
+    writes = std::strcmp(what, "writes") == 0;
+    way = std::strcmp(way_, "lasting") == 0       ? Way::kLasting
+          : std::strcmp(way_, "short") == 0       ? Way::kShort
+          : std::strcmp(way_, "interrupted") == 0 ? Way::kInterrupted
+                                                  : Way::kOnce;
+  }
+};
+
+const Plan& plan() {
+  static const Plan kPlan;
+  return kPlan;
+}
+
+std::atomic<long> readCount{0}, writeCount{0};
+
+bool below(const char* path) {
+  static const char* const kFolder = std::getenv("FAILING_DISK_FOLDER");
+  if (kFolder == nullptr || path == nullptr) return false;
+  char whole[PATH_MAX];
+  if (path[0] != '/') {
+    char here[PATH_MAX];
+    if (getcwd(here, sizeof here) == nullptr) return false;
+    std::snprintf(whole, sizeof whole, "%.2000s/%.2000s", here, path);
+    path = whole;
+  }
+  return std::strncmp(path, kFolder, std::strlen(kFolder)) == 0;
+}
+
+bool below(int descriptor) {
+  char link[64], path[PATH_MAX];
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
+  const ssize_t length = ::readlink(link, path, sizeof path - 1);
+  if (length <= 0) return false;
+  path[length] = '\0';
+  return below(path);
+}
+
+bool writable(int descriptor) {
+  const int flags = ::fcntl(descriptor, F_GETFL);
+  return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
+}
+
+/// Whether this operation fails; counts it.
+bool fails(bool reading) {
+  const long n = ++(reading ? readCount : writeCount);
+  if (!(reading ? plan().reads : plan().writes) || plan().at <= 0) return false;
+  const bool now = plan().way == Way::kLasting ? n >= plan().at : n == plan().at;
+  if (now) errno = reading ? EIO : ENOSPC;
+  return now;
+}
+
+bool interrupted(bool reading) {
+  static std::atomic<bool> next{false};
+  if (!(reading ? plan().reads : plan().writes) || plan().way != Way::kInterrupted) return false;
+  const bool now = !next.load();
+  next = now;
+  if (now) errno = EINTR;
+  return now;
+}
+
+std::size_t part(bool reading, std::size_t size) {
+  const bool cut = (reading ? plan().reads : plan().writes) && plan().way == Way::kShort;
+  return cut && size > 1 ? size / 2 : size;
+}
+
+struct Teller {
+  ~Teller() {
+    const char* file = std::getenv("FAILING_DISK_COUNT");
+    if (file == nullptr) return;
+    if (std::FILE* out = original<std::FILE* (*)(const char*, const char*)>("fopen")(file, "w")) {
+      std::fprintf(out, "%ld %ld\n", readCount.load(), writeCount.load());
+      std::fclose(out);
+    }
+  }
+} teller;
+
+int openAs(const char* name, int folder, const char* path, int flags, mode_t mode, bool at) {
+  if (below(path) && (flags & O_DIRECTORY) == 0 && fails((flags & O_ACCMODE) == O_RDONLY)) return -1;
+  if (at) return original<int (*)(int, const char*, int, ...)>(name)(folder, path, flags, mode);
+  return original<int (*)(const char*, int, ...)>(name)(path, flags, mode);
+}
+
+}  // namespace
+
+#define MODE_OF(flags)                             \
+  mode_t mode = 0;                                 \
+  if (((flags) & (O_CREAT | O_TMPFILE)) != 0) {    \
+    va_list list;                                  \
+    va_start(list, flags);                         \
+    mode = static_cast<mode_t>(va_arg(list, int)); \
+    va_end(list);                                  \
+  }
+
+extern "C" {
+
+int open(const char* path, int flags, ...) {
+  MODE_OF(flags)
+  return openAs("open", 0, path, flags, mode, false);
+}
+int open64(const char* path, int flags, ...) {
+  MODE_OF(flags)
+  return openAs("open64", 0, path, flags, mode, false);
+}
+int openat(int folder, const char* path, int flags, ...) {
+  MODE_OF(flags)
+  return openAs("openat", folder, path, flags, mode, true);
+}
+
+std::FILE* fopen(const char* path, const char* mode) {
+  if (below(path) && fails(std::strchr(mode, 'r') != nullptr)) return nullptr;
+  return original<std::FILE* (*)(const char*, const char*)>("fopen")(path, mode);
+}
+std::FILE* fopen64(const char* path, const char* mode) {
+  if (below(path) && fails(std::strchr(mode, 'r') != nullptr)) return nullptr;
+  return original<std::FILE* (*)(const char*, const char*)>("fopen64")(path, mode);
+}
+
+ssize_t read(int descriptor, void* data, size_t size) {
+  const auto real = original<ssize_t (*)(int, void*, size_t)>("read");
+  if (!below(descriptor)) return real(descriptor, data, size);
+  if (fails(true) || interrupted(true)) return -1;
+  return real(descriptor, data, part(true, size));
+}
+ssize_t pread(int descriptor, void* data, size_t size, off_t at) {
+  if (below(descriptor) && fails(true)) return -1;
+  return original<ssize_t (*)(int, void*, size_t, off_t)>("pread")(descriptor, data, size, at);
+}
+ssize_t readv(int descriptor, const iovec* parts, int count) {
+  if (below(descriptor) && fails(true)) return -1;
+  return original<ssize_t (*)(int, const iovec*, int)>("readv")(descriptor, parts, count);
+}
+size_t fread(void* data, size_t size, size_t count, std::FILE* file) {
+  if (below(fileno(file)) && fails(true)) {
+    file->_flags |= 0x20;  // glibc's mark of an error, which ferror reads
+    return 0;
+  }
+  return original<size_t (*)(void*, size_t, size_t, std::FILE*)>("fread")(data, size, count, file);
+}
+
+ssize_t write(int descriptor, const void* data, size_t size) {
+  const auto real = original<ssize_t (*)(int, const void*, size_t)>("write");
+  if (!below(descriptor)) return real(descriptor, data, size);
+  if (fails(false) || interrupted(false)) return -1;
+  return real(descriptor, data, part(false, size));
+}
+ssize_t pwrite(int descriptor, const void* data, size_t size, off_t at) {
+  if (below(descriptor) && fails(false)) return -1;
+  return original<ssize_t (*)(int, const void*, size_t, off_t)>("pwrite")(descriptor, data, size, at);
+}
+ssize_t writev(int descriptor, const iovec* parts, int count) {
+  if (below(descriptor) && fails(false)) return -1;
+  return original<ssize_t (*)(int, const iovec*, int)>("writev")(descriptor, parts, count);
+}
+int fsync(int descriptor) {
+  struct stat about {};
+  if (below(descriptor) && ::fstat(descriptor, &about) == 0 && !S_ISDIR(about.st_mode) && fails(false))
+    return -1;
+  return original<int (*)(int)>("fsync")(descriptor);
+}
+int fdatasync(int descriptor) {
+  if (below(descriptor) && fails(false)) return -1;
+  return original<int (*)(int)>("fdatasync")(descriptor);
+}
+int ftruncate(int descriptor, off_t size) noexcept {
+  if (below(descriptor) && fails(false)) return -1;
+  return original<int (*)(int, off_t)>("ftruncate")(descriptor, size);
+}
+int close(int descriptor) {
+  const bool counts = below(descriptor) && writable(descriptor);
+  const int closed = original<int (*)(int)>("close")(descriptor);
+  return counts && fails(false) ? -1 : closed;
+}
+int rename(const char* from, const char* to) noexcept {
+  if (below(to) && fails(false)) return -1;
+  return original<int (*)(const char*, const char*)>("rename")(from, to);
+}
+int symlink(const char* target, const char* link) noexcept {
+  if (below(link) && fails(false)) return -1;
+  return original<int (*)(const char*, const char*)>("symlink")(target, link);
+}
+int mkdir(const char* path, mode_t mode) noexcept {
+  if (below(path) && fails(false)) return -1;
+  return original<int (*)(const char*, mode_t)>("mkdir")(path, mode);
+}
+
+}  // extern "C"
