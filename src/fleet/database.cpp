@@ -15,6 +15,9 @@ constexpr int kPatience = 60'000;  // ms that a writer waits for another
 }  // namespace
 
 Database::Database(const std::filesystem::path& file, Use use) : file_(file) {
+  std::error_code ignored;
+  if (use == Use::kWrite && !std::filesystem::exists(file, ignored))  // the log of a file that was removed
+    for (const char* part : {"-wal", "-shm"}) std::filesystem::remove(file.string() + part, ignored);
   sqlite3* handle = nullptr;
   const int flags = use == Use::kWrite ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY;
   const int status = sqlite3_open_v2(file.c_str(), &handle, flags, nullptr);

@@ -148,12 +148,14 @@ BatchSummary runBatch(const Manifest& manifest, const ResultsFolder& results, co
       bar.show(1.0 - static_cast<double>(books.waiting()) / all, note(books.summary(), seconds()));
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
-    if (!books.summary().stopped)
-      while (books.waiting() > 0 && engine->running())
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    while (!books.summary().stopped && engine->running()) {  // its last words
+      if (Interrupt::asked()) engine->stop();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
     books.summary().complaint = engine->complaint();
   }
   books.collectAll();
+  results.removeLeftovers();
   books.summary().seconds = seconds();
   return books.summary();
 }

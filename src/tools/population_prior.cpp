@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "base/format.h"
-#include "model/model_spec.h"
 #include "fleet/robust_numbers.h"
+#include "model/model_spec.h"
 #include "tools/one_line.h"
 
 namespace mm {

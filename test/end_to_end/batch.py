@@ -146,7 +146,7 @@ def try_ssh(fleet, work, first):
     ssh = os.path.join(work, "ssh_here")
     with open(ssh, "w", encoding="utf-8") as file:
         file.write('#!/bin/sh\necho "$*" >>"' + work + '/ssh.log"\nwhile [ $# -gt 1 ]; do case "$1" in -l|-o|-p) shift 2;; -*) shift;; *) break;; esac; done\n'
-                   "shift\nexec sh -c \"$*\"\n")
+                   "shift\n[ \"$1\" = -- ] && shift\nexec sh -c \"$*\"\n")
     os.chmod(ssh, 0o755)
     folder = os.path.join(work, "ssh")
     done, answer, _ = batch(fleet + "/manifest.yaml", folder, "--engine", "ssh", "--hosts", "pc1,pc2", "--jobs", "1",
@@ -220,7 +220,9 @@ def try_refusals(fleet, work):
     say(not os.path.exists(os.path.join(work, "refused")), "and nothing is begun")
     done = mm("batch", fleet + "/manifest.yaml", "-o", os.path.join(work, "refused"), env=dict(os.environ, PATH="/nonexistent"))
     say(done.returncode == 2 and "install it (Debian: parallel)" in done.stderr, "an engine that is not installed is named with its package", done.stderr)
-    done = mm("fleet", work)
+    empty = os.path.join(work, "empty")
+    os.makedirs(empty)
+    done = mm("fleet", empty)
     say(done.returncode == 2 and "fleet.db" in done.stderr, "mm fleet says what a folder lacks", done.stderr)
 
 

@@ -95,6 +95,21 @@ TEST_F(FleetDatabaseTest, isReadWhileItIsWritten) {
   EXPECT_EQ(mode.text(0), "wal");
 }
 
+TEST_F(FleetDatabaseTest, aFileThatWasRemovedWhileItsLogWasLeftIsMadeAnew) {
+  const Database reader = [&] {
+    FleetDatabase tables(folder_ / "fleet.db", Database::Use::kWrite);
+    tables.plan({job("a", "/a.bag")});
+    return Database(folder_ / "fleet.db", Database::Use::kRead);
+  }();
+  reader.run("SELECT * FROM jobs");
+  ASSERT_TRUE(fs::exists(folder_ / "fleet.db-wal"));
+  fs::remove(folder_ / "fleet.db");
+  FleetDatabase tables(folder_ / "fleet.db", Database::Use::kWrite);
+  EXPECT_EQ(tables.count("waiting"), 0);
+  EXPECT_TRUE(tables.plan({job("b", "/b.bag")}).empty());
+  EXPECT_EQ(FleetDatabase(folder_ / "fleet.db", Database::Use::kRead).count("waiting"), 1);
+}
+
 TEST_F(FleetDatabaseTest, anotherFileIsRefusedByName) {
   std::ofstream(folder_ / "fleet.db")
       << "this is no database, however long it may be, and it is longer than a header "
