@@ -93,20 +93,6 @@ void declareGenetic(CLI::App& command, CalibrateCommand& c) {
       ->group(niching);
 }
 
-/// With what sister machines say, where that was asked for, and the session does not contradict it.
-Recalibration fitted(const Session& session, const ModelSpec& model, CalibrateOptions options,
-                     PriorOfSisters& prior) {
-  if (!prior.asked()) return recalibrate(session, model, options);
-  std::optional<Recalibration> without;
-  try {
-    without = recalibrate(session, model, options);
-  } catch (const NumericalError&) {  // fewer residuals than unknowns: only the prior makes it possible
-  }
-  if (without && without->result.cancelled) return std::move(*without);
-  options.prior = prior.forModel(session, model);
-  return prior.choose(recalibrate(session, model, options), std::move(without));
-}
-
 int runCalibrate(CalibrateCommand& c) {
   CalibrateOptions options = c.fit.checked();
   options.method = methodOf(c.method);
@@ -143,7 +129,7 @@ int runCalibrate(CalibrateCommand& c) {
   {
     ProgressBar bar("calibrating");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    done = fitted(session, model, options, prior);
+    done = prior.join(recalibrate(session, model, options), session, options);
   }
   std::vector<std::string> doubts = postureDoubts(session);
   const bool asked =

@@ -1,5 +1,6 @@
 #include "tools/population_prior.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -16,86 +17,89 @@ namespace {
 
 constexpr double kConflict = 1e-3;  // chance below which a machine is no sister
 
-/// Sum of squares over rows that neither fit set aside.
-double commonChi2(const CalibrationResult& of, const CalibrationResult& a, const CalibrationResult& b) {
-  double sum = 0.0;
-  for (Eigen::Index i = 0; i < of.residuals.size(); ++i)
-    if (a.weight[i] > 0.0 && b.weight[i] > 0.0) sum += std::pow(of.residuals[i] / a.sigma[i], 2);
-  return sum;
-}
-
 }  // namespace
 
 PriorOfSisters::PriorOfSisters(const std::string& folder, const std::string& except) : folder_(folder) {
   if (!folder.empty()) all_ = populationPriors(folder, except);
 }
 
-std::vector<ParameterPrior> PriorOfSisters::forModel(const Session& session, const ModelSpec& spec) {
-  std::vector<ParameterPrior> priors;
-  if (!asked()) return priors;
-  const Model model = modelFor(session, spec.effects);
+void PriorOfSisters::match(const CalibrationResult& result) {
+  const Model& model = result.problem->model();
+  bool known = false;
   for (int i = 0; i < model.parameterCount(); ++i) {
     const Effect& effect = *model.effects()[static_cast<std::size_t>(model.effectOf(i))];
     const Parameter& p = model.parameter(i);
-    for (const PopulationPrior& prior : all_)
-      if (prior.name == p.name && prior.unit == p.unit &&
-          sameEffect(parseEffectSpec(prior.effect, folder_), effect.spec(), model.domain()))
-        used_.push_back({prior, {i, prior.mean / p.toUnit, prior.std / p.toUnit}});
+    for (const PopulationPrior& prior : all_) {
+      if (prior.name != p.name || prior.unit != p.unit ||
+          !sameEffect(parseEffectSpec(prior.effect, folder_), effect.spec(), model.domain()))
+        continue;
+      known = true;
+      if (result.identifiability.fixed[static_cast<std::size_t>(i)] == 0)
+        used_.push_back({prior, i, prior.mean / p.toUnit, prior.std / p.toUnit, p.toUnit});
+    }
   }
-  if (used_.empty())
-    throw InputError("--prior " + folder_ +
-                     ": the sisters have no parameter of this model; calibrate them with the "
-                     "same effects, or leave --prior out");
-  for (const Used& u : used_) priors.push_back(u.si);
-  return priors;
+  if (!known)
+    throw InputError(
+        "--prior " + folder_ +
+        ": the sisters have no parameter of this model; calibrate them with the same effects, or leave "
+        "--prior out");
 }
 
-void PriorOfSisters::judge(const CalibrationResult& with, const CalibrationResult* without) {
-  double ofPriors = 0.0;
-  for (const Used& u : used_) ofPriors += std::pow((with.x[u.si.parameter] - u.si.mean) / u.si.std, 2);
-  const double count = static_cast<double>(used_.size());
-  double chi2 = ofPriors;
-  if (without != nullptr)
-    chi2 += std::max(0.0, commonChi2(with, with, *without) - commonChi2(*without, with, *without));
-  chance_ = conflictOf(chi2, count);
-  const CalibrationResult& data = without != nullptr ? *without : with;
+void PriorOfSisters::judge(const CalibrationResult& result) {
+  const auto count = static_cast<Eigen::Index>(used_.size());
+  Eigen::VectorXd away(count);
+  Eigen::MatrixXd expected(count, count);
   double least = 2.0;
-  for (const Used& u : used_) {
-    const int i = u.si.parameter;
-    const bool held = data.identifiability.fixed[static_cast<std::size_t>(i)] != 0;
-    if (held) continue;
-    // with the prior in it, a value is at most as far from the mean as without
-    const double std = without != nullptr ? std::hypot(data.std(i), u.si.std) : u.si.std;
-    const double p = twoSidedT((data.x[i] - u.si.mean) / std, static_cast<double>(u.sisters.machines) - 1.0);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Used& u = used_[static_cast<std::size_t>(i)];
+    away[i] = result.x[u.parameter] - u.mean;
+    for (Eigen::Index j = 0; j < count; ++j)
+      expected(i, j) = result.covariance(u.parameter, used_[static_cast<std::size_t>(j)].parameter);
+    expected(i, i) += u.std * u.std;
+    const double p =
+        twoSidedT(away[i] / std::sqrt(expected(i, i)), static_cast<double>(u.sisters.machines) - 1.0);
     if (p >= least) continue;
     least = p;
-    const double toUnit = u.sisters.mean != 0.0 ? u.sisters.mean / u.si.mean : u.sisters.std / u.si.std;
-    worst_ = u.sisters.name + " of " + u.sisters.effect +
-             format(" is %.3g ± %.2g %s here, %.3g ± %.2g %s in %zu sisters", data.x[i] * toUnit,
-                    data.std(i) * toUnit, u.sisters.unit.c_str(), u.sisters.mean, u.sisters.std,
-                    u.sisters.unit.c_str(), u.sisters.machines);
+    worst_ =
+        u.sisters.name + " of " + u.sisters.effect +
+        format(" is %.3g ± %.2g %s here, %.3g ± %.2g %s in %zu sisters", result.x[u.parameter] * u.toUnit,
+               result.std(u.parameter) * u.toUnit, u.sisters.unit.c_str(), u.sisters.mean, u.sisters.std,
+               u.sisters.unit.c_str(), u.sisters.machines);
   }
-  chance_ = std::min(chance_, std::min(1.0, count * least));
+  if (count == 0) return;
+  const double together = conflictOf(away.dot(expected.ldlt().solve(away)), static_cast<double>(count));
+  chance_ = std::min({1.0, 2.0 * together, 2.0 * static_cast<double>(count) * least});  // two ways of asking
   contradicted_ = chance_ < kConflict;
 }
 
-Recalibration PriorOfSisters::choose(Recalibration with, std::optional<Recalibration> without) {
-  alone_ = without.has_value();
-  judge(with.result, alone_ ? &without->result : nullptr);
-  std::size_t fewest = used_.front().sisters.machines;
-  for (const Used& u : used_) fewest = std::min(fewest, u.sisters.machines);
-  if (contradicted_) {
-    std::cerr
-        << "mm: warning: "
-        << oneLine(
-               format("this machine is no sister of those in %s (chance %.2g): ", folder_.c_str(), chance_) +
-               worst_ +
-               (alone_ ? "; the prior is not used"
-                       : "; the session alone determines nothing, so the values are the sisters' more than "
-                         "its own: measure more"))
-        << std::endl;
-    if (alone_) return std::move(*without);
-  } else {
+void PriorOfSisters::update(CalibrationResult& result) const {
+  const auto count = static_cast<Eigen::Index>(used_.size());
+  const Eigen::Index all = result.covariance.rows();
+  Eigen::MatrixXd seen(all, count), total(count, count);
+  Eigen::VectorXd away(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Used& u = used_[static_cast<std::size_t>(i)];
+    seen.col(i) = result.covariance.col(u.parameter);
+    away[i] = u.mean - result.x[u.parameter];
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    total.row(i) = seen.row(used_[static_cast<std::size_t>(i)].parameter);
+    total(i, i) += std::pow(used_[static_cast<std::size_t>(i)].std, 2);
+  }
+  const Eigen::MatrixXd gain = total.ldlt().solve(seen.transpose()).transpose();
+  result.x += gain * away;
+  const Eigen::MatrixXd covariance = result.covariance - gain * seen.transpose();
+  result.covariance = 0.5 * (covariance + covariance.transpose());
+}
+
+void PriorOfSisters::tell(std::size_t fewest) const {
+  if (contradicted_)
+    std::cerr << "mm: warning: "
+              << oneLine(format("this machine is no sister of those in %s (chance %.2g): ", folder_.c_str(),
+                                chance_) +
+                         worst_ + "; the prior is not used")
+              << std::endl;
+  else
     std::cerr
         << "mm: note: "
         << oneLine(format(
@@ -103,9 +107,33 @@ Recalibration PriorOfSisters::choose(Recalibration with, std::optional<Recalibra
                "with it (chance %.2g)",
                used_.size(), fewest, folder_.c_str(), chance_))
         << std::endl;
-  }
-  with.calibration.method += format(", prior of %zu machines", fewest);
-  return with;
+}
+
+Recalibration PriorOfSisters::join(Recalibration fitted, const Session& session,
+                                   const CalibrateOptions& options) {
+  if (!asked() || fitted.result.cancelled) return fitted;
+  match(fitted.result);
+  judge(fitted.result);
+  std::size_t fewest = used_.empty() ? 0 : used_.front().sisters.machines;
+  for (const Used& u : used_) fewest = std::min(fewest, u.sisters.machines);
+  tell(fewest);
+  if (contradicted_ || used_.empty()) return fitted;
+  Recalibration done = std::move(fitted);
+  update(done.result);
+  const std::vector<LedgerEntry> ledger = done.calibration.ledger;
+  done.calibration = toCalibration(done.result, done.calibration.machineName);
+  // the figures of the values that are written, not of those that the session alone has
+  const CalibrationResult held = compareCalibration(session, done.calibration, options);
+  done.result.residuals = held.residuals;
+  done.result.figures.rms = held.figures.rms;
+  done.result.figures.rmsAngular = held.figures.rmsAngular;
+  done.calibration.rms = held.figures.rms;
+  done.calibration.rmsAngular = held.figures.rmsAngular;
+  done.calibration.ledger = ledger;
+  for (LedgerEntry& entry : done.calibration.ledger)
+    entry.rmsAfter = std::isfinite(held.figures.rms) ? held.figures.rms : held.figures.rmsAngular;
+  done.calibration.method += format(", prior of %zu machines", fewest);
+  return done;
 }
 
 nlohmann::ordered_json PriorOfSisters::json() const {
@@ -117,7 +145,7 @@ nlohmann::ordered_json PriorOfSisters::json() const {
                     {"unit", u.sisters.unit},
                     {"machines", u.sisters.machines}});
   return {{"folder", folder_},
-          {"used", !(contradicted_ && alone_)},
+          {"used", !contradicted_ && !used_.empty()},
           {"contradicted", contradicted_},
           {"chance", chance_},
           {"parameters", list}};

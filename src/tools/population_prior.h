@@ -18,26 +18,30 @@ class PriorOfSisters {
   PriorOfSisters(const std::string& folder, const std::string& except);
   bool asked() const { return !folder_.empty(); }  ///< whether there is a prior at all
 
-  /// Priors for those parameters of the model that the sisters have, in SI. @throw InputError: none of them.
-  std::vector<ParameterPrior> forModel(const Session& session, const ModelSpec& model);
-  /// Of the fits with and without the prior, the one to be used: without it where the session contradicts it.
-  /// @param without empty: the session alone does not determine the model. Says what it did on standard
-  /// error.
-  Recalibration choose(Recalibration with, std::optional<Recalibration> without);
+  /// Joins what the session said with what the sisters say, each by its covariance: the posterior of the
+  /// linear problem, in which the session's other unknowns (pose, centres) have been integrated out. A
+  /// parameter that the session holds at its convention stays there. Says on standard error what it did.
+  /// @param fitted by the session alone. @throw InputError: the sisters have no parameter of this model.
+  Recalibration join(Recalibration fitted, const Session& session, const CalibrateOptions& options);
   nlohmann::ordered_json json() const;  ///< key "prior" of the result
 
  private:
   struct Used {
     PopulationPrior sisters;
-    ParameterPrior si;
+    int parameter = 0;             // of the model
+    double mean = 0.0, std = 0.0;  // SI
+    double toUnit = 1.0;
   };
-  void judge(const CalibrationResult& with, const CalibrationResult* without);
+  void match(const CalibrationResult& result);
+  void judge(const CalibrationResult& result);
+  void update(CalibrationResult& result) const;
+  void tell(std::size_t fewest) const;
   std::string folder_;
   std::vector<PopulationPrior> all_;
   std::vector<Used> used_;
   double chance_ = 1.0;  // of what the session says, were the machine a sister
   std::string worst_;    // the parameter that contradicts most, in words
-  bool contradicted_ = false, alone_ = false;
+  bool contradicted_ = false;
 };
 
 }  // namespace mm
