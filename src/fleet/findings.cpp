@@ -154,7 +154,40 @@ std::vector<FoundSeries> foundSeries(const Fleet& fleet) {
   return all;
 }
 
+/// Of one cause one finding. A step is also a slope and a difference from the sisters, and one sensor that is
+/// wrong moves the offsets of all others of its machine.
+bool follows(const Finding& f, const Finding& cause) {
+  if (&f == &cause || f.machine != cause.machine) return false;
+  const bool told = cause.kind == "changed" || cause.kind == "came_back" || cause.kind == "drifts";
+  if (f.quantity == cause.quantity)
+    return (f.kind == "apart" && told) || (f.kind == "drifts_apart" && told && cause.kind != "drifts");
+  return false;
+}
+
+/// How sensors were found: by a change first, else by what they are now.
+int rankOf(const Finding& f) { return f.inWords.find(" changed from ") != std::string::npos ? 0 : 1; }
+
+bool isOffset(const Finding& f) { return f.kind == "sensor" && f.quantity.rfind("offset of ", 0) == 0; }
+
+bool followsSensor(const Finding& f, const Finding& cause) {
+  if (&f == &cause || f.machine != cause.machine || f.kind != "sensor" || cause.kind != "sensor")
+    return false;
+  if (f.quantity == cause.quantity) return rankOf(f) > rankOf(cause);
+  if (!isOffset(f) || !isOffset(cause)) return false;
+  if (rankOf(f) != rankOf(cause)) return rankOf(f) > rankOf(cause);
+  return f.date == cause.date && std::abs(f.after - f.before) < std::abs(cause.after - cause.before);
+}
+
 }  // namespace
+
+void condense(Fleet& fleet) {
+  std::vector<Finding> kept;
+  for (const Finding& f : fleet.findings)
+    if (std::none_of(fleet.findings.begin(), fleet.findings.end(),
+                     [&](const Finding& cause) { return follows(f, cause) || followsSensor(f, cause); }))
+      kept.push_back(f);
+  fleet.findings = std::move(kept);
+}
 
 void findTrends(Fleet& fleet, double alpha) {
   for (FleetSeries& s : fleet.series) {

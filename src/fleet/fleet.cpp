@@ -128,6 +128,7 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
   findSisters(fleet, alpha);
   findRecurrences(fleet, alpha);
   findBadSensors(fleet);
+  condense(fleet);
   std::stable_sort(fleet.findings.begin(), fleet.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.p < b.p; });
   if (options.machine.empty()) return fleet;

@@ -74,6 +74,7 @@ void findTrends(Fleet& fleet, double alpha);       ///< changed, drifts
 void findSisters(Fleet& fleet, double alpha);      ///< apart, drifts_apart
 void findRecurrences(Fleet& fleet, double alpha);  ///< came_back
 void findBadSensors(Fleet& fleet);                 ///< sensor: stuck, lost, error codes
+void condense(Fleet& fleet);                       ///< of one cause one finding
 /// How many questions findSisters and findRecurrences will ask.
 double sisterQuestions(const Fleet& fleet);
 double recurrenceQuestions(const Fleet& fleet);

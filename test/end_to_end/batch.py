@@ -248,6 +248,19 @@ def try_stores(first, work):
     say(answer["machines"] == ["m01", "m02"] and answer["done"] == 2 * SESSIONS, "stores of several machines are read and compared", done.stderr)
 
 
+def try_several_pcs(work):
+    """The launch file of docs/scale.md, as roslaunch reads it."""
+    if shutil.which("roslaunch") is None:
+        return
+    with open(os.path.join(ROOT, "docs/scale.md"), encoding="utf-8") as file:
+        launch = file.read().split("```xml\n", 1)[1].split("```", 1)[0]
+    path = os.path.join(work, "several_pcs.launch")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(launch)
+    done = subprocess.run(["roslaunch", "--nodes", path], capture_output=True, text=True)
+    say(done.stdout.split() == ["/m1/axis_driver", "/m2/axis_driver"], "docs/scale.md: roslaunch reads the file for several PCs", done.stderr)
+
+
 def main():
     keep = os.environ.get("PROOF")
     work = keep or tempfile.mkdtemp()
@@ -270,6 +283,7 @@ def main():
         try_refusals(fleet, work)
         try_fleet(first, work)
         try_stores(first, work)
+        try_several_pcs(work)
         print(json.dumps(FIGURES))
         if keep:
             with open(os.path.join(keep, "figures.json"), "w", encoding="utf-8") as file:

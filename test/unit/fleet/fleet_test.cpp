@@ -76,6 +76,20 @@ TEST(Fleet, sensorsThatWentBadAreNamed) {
   EXPECT_TRUE(says(fleet, "sensor", "m006", "sensor s2"));
 }
 
+TEST(Fleet, oneCauseIsToldOnce) {
+  MadeUpFleet made(4, 12, 12);
+  for (int k = 6; k < 12; ++k) {
+    made.at(7, k).result.parameters[0].value += 6.0;  // a step: also a slope, and not what the sisters have
+    made.at(1, k).result.sensors[0].offset += 2.0;    // moves the offsets of the others of its machine
+    made.at(1, k).result.sensors[1].offset -= 1.0;
+    made.at(1, k).result.sensors[2].offset -= 1.0;
+  }
+  const Fleet fleet = fleetOf(made.records, {});
+  ASSERT_EQ(fleet.findings.size(), 2u) << fleetText(fleet);
+  EXPECT_TRUE(says(fleet, "changed", "m008", "axis: a0"));
+  EXPECT_TRUE(says(fleet, "sensor", "m002", "offset of sensor s0"));
+}
+
 TEST(Fleet, oneMachineAndOneParameterCanBeAskedFor) {
   const MadeUpFleet made(5, 6, 8);
   FleetOptions options;
