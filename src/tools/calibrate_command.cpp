@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
@@ -16,8 +17,10 @@
 #include "session/session_hash.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/json_output.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
+#include "tools/population_prior.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "workflow/recalibration.h"
@@ -26,7 +29,7 @@ namespace mm {
 namespace {
 
 struct CalibrateCommand {
-  std::string bag, model, output, method = "staged_mutation", curve, stages;
+  std::string bag, model, output, method = "staged_mutation", curve, stages, prior, priorExcept;
   bool json = false, traditional = false, twoSteps = false;
   std::optional<std::size_t> population, generations;
   FitOptions fit;
@@ -107,6 +110,7 @@ int runCalibrate(CalibrateCommand& c) {
   c.files.output("-o", c.output, FileKind::kCalibration);
   c.files.output("--curve", c.curve, FileKind::kCurve);
   c.files.check();
+  PriorOfSisters prior(c.prior, c.priorExcept);
   const ModelSpec model = loadModelSpec(c.model);
   const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
   std::optional<Machine> machine;
@@ -125,7 +129,7 @@ int runCalibrate(CalibrateCommand& c) {
   {
     ProgressBar bar("calibrating");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    done = recalibrate(session, model, options);
+    done = prior.join(recalibrate(session, model, options), session, options);
   }
   std::vector<std::string> doubts = postureDoubts(session);
   const bool asked =
@@ -141,7 +145,14 @@ int runCalibrate(CalibrateCommand& c) {
     c.files.write(c.curve, done->result.genetic ? curveCsv(*done->result.genetic, angular)
                                                 : curveCsv(GeneticSummary(), angular));
   if (c.json) {
-    std::cout << calibrateJson(done->result, questions) << '\n';
+    const std::string json = calibrateJson(done->result, questions);
+    if (prior.asked()) {
+      auto more = nlohmann::ordered_json::parse(json);
+      more["prior"] = prior.json();
+      printJson(std::cout, more);
+    } else {
+      std::cout << json << '\n';
+    }
   } else {
     std::cout << calibrateText(done->result);
     if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
@@ -163,6 +174,11 @@ void addCalibrateCommand(CLI::App& app, int& exitStatus) {
   command->add_flag("--two-steps", c->twoSteps,
                     "balls as LASER uses them: first the centre in each posture, then the model to these "
                     "centres (default: every contact and everything together)");
+  command->add_option(
+      "--prior", c->prior,
+      "folder of sister machines (mm batch -o, or calibrations): what they say of the parameters is "
+      "used beside the session, unless that contradicts it (default: nothing is)");
+  command->add_option("--prior-except", c->priorExcept, "machine of that folder that is none of the sisters");
   command->add_option("--curve", c->curve, "CSV of the best RMS in each generation");
   c->files.declare(*command);
   c->fit.declare(*command, true);

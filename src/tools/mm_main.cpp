@@ -6,6 +6,7 @@
 #include <csignal>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -71,9 +72,8 @@ void addExitStatus(CLI::App& app) {
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// mm as it is typed; the steps of a batch are typed by the program itself.
+int run(int argc, char** argv) {
   std::signal(SIGXFSZ,
               SIG_IGN);  // a file-size limit then fails the write, which is reported, instead of killing
   // What the solver has to say of a step that it could not take is in the result.
@@ -110,11 +110,15 @@ int main(int argc, char** argv) {
   mm::addMachineCommand(app, exitStatus);
   mm::addPlanCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
+  mm::addBatchCommand(app, exitStatus, run);
+  mm::addFleetCommand(app, exitStatus);
   mm::addCompletionCommand(app, exitStatus);
   mm::addManualCommand(app, exitStatus);
   addExitStatus(app);
   // Before the command's own work, and not for --help.
   app.parse_complete_callback([] {
+    static bool loaded = false;  // a step of a batch inherits what the batch has loaded
+    if (std::exchange(loaded, true)) return;
     mm::loadEffectPlugins(
         [](const std::string& line) { std::cerr << "mm: warning: " << mm::oneLine(line) << std::endl; });
   });
@@ -137,3 +141,7 @@ int main(int argc, char** argv) {
     return fail(kBadInput, std::string("unexpected: ") + e.what());
   }
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return run(argc, argv); }

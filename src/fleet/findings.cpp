@@ -1,0 +1,275 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "base/format.h"
+#include "fleet/fleet.h"
+#include "fleet/recurrence.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kFewestForTrend = 5, kFewestSisters = 4;
+
+std::string dayText(const std::string& date) {
+  return date.substr(0, std::min<std::size_t>(10, date.size()));
+}
+
+/// Three significant digits, and the unit.
+std::string measure(double value, const std::string& unit) { return format("%.3g %s", value, unit.c_str()); }
+
+/// Noise is kept as its logarithm; people are told kelvin.
+double spokenValue(const FleetSeries& s, double value) { return s.unit == "ln K" ? std::exp(value) : value; }
+std::string spokenUnit(const FleetSeries& s) { return s.unit == "ln K" ? "K" : s.unit; }
+
+Finding findingOf(const std::string& kind, const FleetSeries& s, double before, double after, double p) {
+  Finding f;
+  f.kind = s.kind == SeriesKind::kSensor ? "sensor" : kind;
+  f.machine = s.machine;
+  f.quantity = s.quantity;
+  f.unit = spokenUnit(s);
+  f.before = spokenValue(s, before);
+  f.after = spokenValue(s, after);
+  f.p = p;
+  return f;
+}
+
+std::string fromTo(const Finding& f) { return measure(f.before, f.unit) + " to " + measure(f.after, f.unit); }
+
+/// Two steps of which the second takes the first back, by half of it at least.
+bool backAgain(const TrendSegment& first, const TrendSegment& between, const TrendSegment& last) {
+  const double away = std::abs(between.level - first.level);
+  return std::abs(last.level - first.level) < 0.5 * away && std::abs(between.level) < std::abs(first.level);
+}
+
+void addSteps(const FleetSeries& s, std::vector<Finding>& findings) {
+  const std::vector<TrendSegment>& parts = s.trend.segments;
+  for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
+    Finding f = findingOf("changed", s, parts[i].level, parts[i + 1].level, s.trend.stepP[i]);
+    f.date = s.dates[parts[i + 1].first];
+    f.inWords = "Machine " + s.machine + ": " + s.quantity + " changed from " + fromTo(f) + " between " +
+                dayText(s.dates[parts[i].end - 1]) + " and " + dayText(f.date) + ".";
+    if (i > 0 && s.kind == SeriesKind::kParameter && backAgain(parts[i - 1], parts[i], parts[i + 1])) {
+      f.kind = "came_back";
+      f.inWords = "Machine " + s.machine + ": " + s.quantity +
+                  " came back: " + measure(parts[i - 1].level, s.unit) + ", then " + fromTo(f) +
+                  " again from " + dayText(f.date) + ".";
+    }
+    findings.push_back(f);
+  }
+}
+
+/// The value of a machine now: the level of its last segment; of a drift its end.
+Sister presentOf(const FleetSeries& s) {
+  if (s.trend.kind == Trend::Kind::kDrift && s.points.size() >= kFewestForTrend) {
+    const double reach = s.points.back().day - s.points.front().day;
+    return {s.machine, s.trend.end, std::hypot(s.trend.segments.back().std, 0.5 * reach * s.trend.slopeStd)};
+  }
+  return {s.machine, s.trend.segments.back().level, s.trend.segments.back().std};
+}
+
+/// Series of one quantity, a machine each.
+std::map<std::string, std::vector<const FleetSeries*>> byQuantity(const Fleet& fleet) {
+  std::map<std::string, std::vector<const FleetSeries*>> groups;
+  for (const FleetSeries& s : fleet.series) groups[s.quantity].push_back(&s);
+  return groups;
+}
+
+bool slopeIsKnown(const FleetSeries& s) {
+  return s.points.size() >= kFewestForTrend && s.trend.slopeStd > 0.0;
+}
+
+void compareLevels(const std::vector<const FleetSeries*>& group, double alpha,
+                   std::vector<Finding>& findings) {
+  std::vector<Sister> sisters;
+  for (const FleetSeries* s : group) sisters.push_back(presentOf(*s));
+  const Sisterhood all = sistersOf(sisters);
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    if (!(all.p[i] < alpha)) continue;
+    const FleetSeries& s = *group[i];
+    Finding f = findingOf("apart", s, all.centre, sisters[i].value, all.p[i]);
+    f.date = s.dates.back();
+    f.inWords =
+        "Machine " + s.machine + ": " + s.quantity + " is " + measure(f.after, f.unit) + ", its sisters' " +
+        measure(f.before, f.unit) +
+        (s.unit == "ln K" ? "" : format(" ± %.2g %s (between machines)", all.spread, f.unit.c_str())) + ".";
+    findings.push_back(f);
+  }
+}
+
+void compareSlopes(const std::vector<const FleetSeries*>& group, double alpha,
+                   std::vector<Finding>& findings) {
+  std::vector<Sister> sisters;
+  std::vector<const FleetSeries*> known;
+  for (const FleetSeries* s : group)
+    if (slopeIsKnown(*s)) {
+      known.push_back(s);
+      sisters.push_back({s->machine, s->trend.slope, s->trend.slopeStd});
+    }
+  const Sisterhood all = sistersOf(sisters);
+  constexpr double kYear = 365.25;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!(all.p[i] < alpha)) continue;
+    const FleetSeries& s = *known[i];
+    Finding f = findingOf("drifts_apart", s, kYear * all.centre, kYear * sisters[i].value, all.p[i]);
+    if (s.unit == "ln K") {  // a rate of a logarithm stays one
+      f.before = kYear * all.centre;
+      f.after = kYear * sisters[i].value;
+    }
+    f.unit = s.unit + " a year";
+    f.date = s.dates.back();
+    f.inWords = "Machine " + s.machine + ": " + s.quantity + " goes by " + measure(f.after, f.unit) +
+                ", its sisters' by " + measure(f.before, f.unit) + ".";
+    findings.push_back(f);
+  }
+}
+
+/// What the diagnoses of each machine found, in the order of time; of effects that were found at all.
+struct FoundSeries {
+  std::string machine, effect;
+  std::vector<bool> found;
+  std::vector<std::string> dates;
+};
+
+std::vector<FoundSeries> foundSeries(const Fleet& fleet) {
+  std::map<std::string, std::vector<const FleetRecord*>> ofMachine;
+  for (const FleetRecord& r : fleet.records)
+    if (r.result.asked) ofMachine[r.machine].push_back(&r);
+  std::vector<FoundSeries> all;
+  for (const auto& [machine, records] : ofMachine) {
+    std::set<std::string> effects;
+    for (const FleetRecord* r : records) effects.insert(r->result.found.begin(), r->result.found.end());
+    for (const std::string& effect : effects) {
+      FoundSeries s{machine, effect, {}, {}};
+      for (const FleetRecord* r : records) {
+        const auto& found = r->result.found;
+        s.found.push_back(std::find(found.begin(), found.end(), effect) != found.end());
+        s.dates.push_back(r->date);
+      }
+      all.push_back(std::move(s));
+    }
+  }
+  return all;
+}
+
+/// Of one cause one finding. A step is also a slope and a difference from the sisters, and one sensor that is
+/// wrong moves the offsets of all others of its machine.
+bool follows(const Finding& f, const Finding& cause) {
+  if (&f == &cause || f.machine != cause.machine) return false;
+  const bool told = cause.kind == "changed" || cause.kind == "came_back" || cause.kind == "drifts";
+  if (f.quantity == cause.quantity)
+    return (f.kind == "apart" && told) || (f.kind == "drifts_apart" && told && cause.kind != "drifts");
+  return false;
+}
+
+/// How sensors were found: by a change first, else by what they are now.
+int rankOf(const Finding& f) { return f.inWords.find(" changed from ") != std::string::npos ? 0 : 1; }
+
+bool isOffset(const Finding& f) { return f.kind == "sensor" && f.quantity.rfind("offset of ", 0) == 0; }
+
+bool followsSensor(const Finding& f, const Finding& cause) {
+  if (&f == &cause || f.machine != cause.machine || f.kind != "sensor" || cause.kind != "sensor")
+    return false;
+  if (f.quantity == cause.quantity) return rankOf(f) > rankOf(cause);
+  if (!isOffset(f) || !isOffset(cause)) return false;
+  if (rankOf(f) != rankOf(cause)) return rankOf(f) > rankOf(cause);
+  return f.date == cause.date && std::abs(f.after - f.before) < std::abs(cause.after - cause.before);
+}
+
+}  // namespace
+
+void condense(Fleet& fleet) {
+  std::vector<Finding> kept;
+  for (const Finding& f : fleet.findings)
+    if (std::none_of(fleet.findings.begin(), fleet.findings.end(),
+                     [&](const Finding& cause) { return follows(f, cause) || followsSensor(f, cause); }))
+      kept.push_back(f);
+  fleet.findings = std::move(kept);
+}
+
+void findTrends(Fleet& fleet, double alpha) {
+  for (FleetSeries& s : fleet.series) {
+    s.trend = trendOf(s.points, s.points.size() >= kFewestForTrend ? alpha : 0.0);
+    if (s.trend.kind == Trend::Kind::kSteps) addSteps(s, fleet.findings);
+    if (s.trend.kind != Trend::Kind::kDrift) continue;
+    Finding f = findingOf("drifts", s, s.trend.start, s.trend.end, s.trend.p);
+    f.date = s.dates.back();
+    f.inWords = "Machine " + s.machine + ": " + s.quantity + " drifts, from " + fromTo(f) + " between " +
+                dayText(s.dates.front()) + " and " + dayText(s.dates.back()) + ".";
+    fleet.findings.push_back(f);
+  }
+}
+
+double sisterQuestions(const Fleet& fleet) {
+  double count = 0.0;
+  for (const auto& [quantity, group] : byQuantity(fleet)) {
+    if (group.size() < kFewestSisters) continue;
+    count += static_cast<double>(group.size());
+    for (const FleetSeries* s : group)
+      if (s->points.size() >= kFewestForTrend) ++count;
+  }
+  return count;
+}
+
+void findSisters(Fleet& fleet, double alpha) {
+  for (const auto& [quantity, group] : byQuantity(fleet)) {
+    compareLevels(group, alpha, fleet.findings);
+    compareSlopes(group, alpha, fleet.findings);
+  }
+}
+
+double recurrenceQuestions(const Fleet& fleet) { return static_cast<double>(foundSeries(fleet).size()); }
+
+void findRecurrences(Fleet& fleet, double alpha) {
+  for (const FoundSeries& s : foundSeries(fleet)) {
+    const Recurrence r = recurrenceOf(s.found);
+    if (!(r.logOdds > -std::log(alpha))) continue;
+    Finding f;
+    f.kind = "came_back";
+    f.machine = s.machine;
+    f.quantity = s.effect;
+    f.date = s.dates[r.back];
+    f.p = std::exp(-r.logOdds);
+    f.inWords = "Machine " + s.machine + ": " + s.effect + " came back: found until " +
+                dayText(s.dates[r.gone - 1]) + ", gone from " + dayText(s.dates[r.gone]) +
+                ", found again from " + dayText(f.date) + ".";
+    fleet.findings.push_back(f);
+  }
+}
+
+void findBadSensors(Fleet& fleet) {
+  constexpr int kStuckValues = 10;    // logged values that are all the same
+  constexpr double kMostAside = 0.1;  // share of values that cannot be right
+  std::map<std::string, const FleetRecord*> last;
+  std::map<std::string, std::set<std::string>> sensors;  // of a machine, ever
+  for (const FleetRecord& r : fleet.records) {
+    last[r.machine] = &r;  // by date
+    for (const SensorHealth& h : r.result.sensors) sensors[r.machine].insert(h.sensor);
+  }
+  for (const auto& [machine, record] : last) {
+    const auto add = [&, name = machine, at = record](const std::string& sensor, const std::string& what) {
+      Finding f;
+      f.kind = "sensor";
+      f.machine = name;
+      f.quantity = "sensor " + sensor;
+      f.date = at->date;
+      f.p = 0.0;  // no chance about it
+      f.inWords = "Machine " + name + ": sensor " + sensor + " " + what + " in the session of " +
+                  dayText(at->date) + ".";
+      fleet.findings.push_back(f);
+    };
+    for (const SensorHealth& h : record->result.sensors) {
+      sensors[machine].erase(h.sensor);
+      if (h.values >= kStuckValues && h.span == 0.0)
+        add(h.sensor, "is stuck: all " + std::to_string(h.values) + " values are " + measure(h.mean, "degC"));
+      else if (h.setAside > kMostAside * (h.setAside + h.values))
+        add(h.sensor, "gave " + std::to_string(h.setAside) + " of " + std::to_string(h.setAside + h.values) +
+                          " values that cannot be right");
+    }
+    for (const std::string& lost : sensors[machine]) add(lost, "is not there any more");
+  }
+}
+
+}  // namespace mm

@@ -1,0 +1,173 @@
+#include "fleet/fleet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "base/error.h"
+#include "base/nearest_name.h"
+
+namespace mm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kFewestPoints = 5;  // of a series that is asked for a trend
+
+/// The model of most records; where several have as many, the first by name.
+std::string mostUsed(const std::vector<FleetRecord>& records, const std::string& wanted,
+                     std::vector<std::string>& others) {
+  std::map<std::string, int> count;
+  for (const FleetRecord& r : records) ++count[r.model];
+  std::string best;
+  int most = 0;
+  for (const auto& [model, n] : count)
+    if (n > most && (wanted.empty() || model.find(wanted) != std::string::npos)) {
+      best = model;
+      most = n;
+    }
+  for (const auto& [model, n] : count)
+    if (model != best) others.push_back(model);
+  if (most == 0 && !wanted.empty())
+    throw InputError("--model: no job has a model with '" + wanted + "' in its path; there are " +
+                     listOf(others));
+  return best;
+}
+
+void keepWanted(Fleet& fleet, const FleetOptions& options) {
+  std::set<std::string> quantities;
+  for (const FleetSeries& s : fleet.series) quantities.insert(s.quantity);
+  if (options.parameter.empty()) return;
+  fleet.series.erase(std::remove_if(fleet.series.begin(), fleet.series.end(),
+                                    [&](const FleetSeries& s) {
+                                      return s.quantity.find(options.parameter) == std::string::npos;
+                                    }),
+                     fleet.series.end());
+  if (fleet.series.empty())
+    throw InputError("--parameter: no quantity has '" + options.parameter + "' in its name; there are " +
+                     listOf({quantities.begin(), quantities.end()}));
+}
+
+}  // namespace
+
+double dayOf(const std::string& date) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
+  if (std::sscanf(date.c_str(), "%d-%d-%dT%d:%d:%d", &year, &month, &day, &hour, &minute, &second) < 3)
+    return std::nan("");
+  // days from the civil date (Hinnant, chrono-compatible low-level date algorithms)
+  const int y = month <= 2 ? year - 1 : year;
+  const int era = (y >= 0 ? y : y - 399) / 400;
+  const int yearOfEra = y - era * 400;
+  const int dayOfYear = (153 * (month > 2 ? month - 3 : month + 9) + 2) / 5 + day - 1;
+  const int dayOfEra = yearOfEra * 365 + yearOfEra / 4 - yearOfEra / 100 + dayOfYear;
+  const double days = era * 146097.0 + dayOfEra - 719468.0;
+  return days + (hour + (minute + second / 60.0) / 60.0) / 24.0;
+}
+
+std::vector<FleetSeries> seriesOf(const std::vector<FleetRecord>& records) {
+  std::map<std::tuple<std::string, std::string>, FleetSeries> all;  // quantity, machine
+  std::map<std::string, double> ordinal;                            // of records without a date
+  for (const FleetRecord& record : records) {
+    double day = dayOf(record.date);
+    if (!std::isfinite(day)) day = ordinal[record.machine]++;
+    const auto add = [&](SeriesKind kind, const std::string& quantity, const std::string& unit, double value,
+                         double std) {
+      if (!std::isfinite(value) || !std::isfinite(std)) return;
+      FleetSeries& s = all[{quantity, record.machine}];
+      s.kind = kind;
+      s.machine = record.machine;
+      s.quantity = quantity;
+      s.unit = unit;
+      s.points.push_back({day, value, std});
+      s.dates.push_back(record.date);
+    };
+    for (const FleetParameter& p : record.result.parameters)
+      if (!p.fixed && p.std > 0.0)
+        add(SeriesKind::kParameter, p.name + " of " + p.effect, p.unit, p.value, p.std);
+    add(SeriesKind::kFigure, "held-out RMS", "um", record.result.heldOutRms, 0.0);
+    for (const SensorHealth& h : record.result.sensors) {
+      add(SeriesKind::kSensor, "offset of sensor " + h.sensor, "K", h.offset, 0.0);
+      if (h.noise > 0.0)
+        add(SeriesKind::kSensor, "noise of sensor " + h.sensor, "ln K", std::log(h.noise), 0.0);
+    }
+  }
+  std::vector<FleetSeries> list;
+  for (auto& [key, series] : all) list.push_back(std::move(series));
+  return list;
+}
+
+Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
+  Fleet fleet;
+  fleet.alarm = options.alarm;
+  fleet.model = mostUsed(records, options.model, fleet.otherModels);
+  std::set<std::string> machines;
+  for (FleetRecord& r : records) {
+    if (r.model != fleet.model) continue;
+    machines.insert(r.machine);
+    const bool done = r.result.status == "done";
+    ++(done ? fleet.done : fleet.failed);
+    (done ? fleet.records : fleet.failures).push_back(std::move(r));
+  }
+  std::stable_sort(fleet.records.begin(), fleet.records.end(),
+                   [](const FleetRecord& a, const FleetRecord& b) {
+                     return std::tie(a.machine, a.date) < std::tie(b.machine, b.date);
+                   });
+  fleet.machines = {machines.begin(), machines.end()};
+  fleet.series = seriesOf(fleet.records);
+  keepWanted(fleet, options);
+  // every question has the same share of the chance of a false alarm, whether it is shown or not
+  double trends = 0.0;
+  for (const FleetSeries& s : fleet.series)
+    if (s.points.size() >= kFewestPoints) ++trends;
+  fleet.questions = std::max(1.0, trends + sisterQuestions(fleet) + recurrenceQuestions(fleet));
+  const double alpha = options.alarm / fleet.questions;
+  findTrends(fleet, alpha);
+  findSisters(fleet, alpha);
+  findRecurrences(fleet, alpha);
+  findBadSensors(fleet);
+  condense(fleet);
+  std::stable_sort(fleet.findings.begin(), fleet.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.p < b.p; });
+  if (options.machine.empty()) return fleet;
+  if (machines.count(options.machine) == 0)
+    throw InputError("--machine: there is no machine '" + options.machine + "'" +
+                     didYouMean(options.machine, fleet.machines) + " (machines are " +
+                     listOf(fleet.machines) + ")");
+  const auto others = [&](const auto& item) { return item.machine != options.machine; };
+  fleet.series.erase(std::remove_if(fleet.series.begin(), fleet.series.end(), others), fleet.series.end());
+  fleet.findings.erase(std::remove_if(fleet.findings.begin(), fleet.findings.end(), others),
+                       fleet.findings.end());
+  fleet.records.erase(std::remove_if(fleet.records.begin(), fleet.records.end(), others),
+                      fleet.records.end());
+  fleet.failures.erase(std::remove_if(fleet.failures.begin(), fleet.failures.end(), others),
+                       fleet.failures.end());
+  return fleet;
+}
+
+Fleet loadFleet(const std::string& folder, const FleetOptions& options) {
+  const ResultsFolder results(folder);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+    throw InputError(folder +
+                     ": is not a folder; name the one that mm batch -o wrote, or one of calibrations");
+  Fleet fleet;
+  if (fs::is_regular_file(results.database(), ignored)) {
+    const FleetDatabase tables(results.database(), Database::Use::kRead);
+    std::vector<FleetRecord> records = tables.records();
+    const long waiting = tables.count("waiting");
+    if (records.empty())
+      throw InputError(folder + ": no job has ended yet (" + std::to_string(waiting) +
+                       " wait); run mm batch with the manifest");
+    fleet = fleetOf(std::move(records), options);
+    fleet.waiting = waiting;
+  } else {
+    fleet = fleetOf(storeRecords(folder), options);
+  }
+  fleet.source = folder;
+  return fleet;
+}
+
+}  // namespace mm

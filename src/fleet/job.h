@@ -1,0 +1,87 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mm {
+
+/// What can be done with a session, in the order in which it is done: check, calibrate, diagnose, add_all,
+/// verify, report.
+const std::vector<std::string>& batchSteps();
+
+/// One session with one model, and what to do with it. `key` names its folder: a hash of everything that the
+/// result depends on, and of nothing else, so that the same job is never done twice.
+struct Job {
+  std::string key;
+  std::filesystem::path bag, model, calibration;  // absolute; model, calibration: empty where none is needed
+  std::string space;                              // namespace of the topics
+  std::vector<std::string> steps;
+  std::string method = "least_squares";
+  std::uint64_t seed = 1;
+  double repeatability = 0.0;  // um; 0: not stated
+  std::string serial;          // for the report's head
+  // Labels, which no result depends on: of the tables only.
+  std::string machine, date;  // date: ISO 8601, UTC; empty: the start of the session
+  std::string source;         // "manifest.yaml:12", for messages
+
+  bool does(const std::string& step) const;  ///< whether the step is among its steps
+};
+
+/// The key of a job: 32 hexadecimal digits of a SHA-1 over the bytes of its files (the model's URDF, too),
+/// its options and the version of the package. @throw InputError: a file cannot be read.
+std::string keyOf(const Job& job);
+
+/// For the files that tell a process of an engine what to do.
+nlohmann::json jobJson(const Job& job);
+Job jobOf(const nlohmann::json& json);  ///< @throw nlohmann::json::exception: not as jobJson wrote it
+
+/// The folder of results, as `mm batch -o` names it:
+///
+///     fleet.db            the tables (fleet_database.h)
+///     jobs/ab/ab12…/      one finished job: result.json, calibration.yaml, what the steps printed
+///     work/               of jobs that run: removed by the next run where they were killed
+///
+/// A job's folder is made in `work` and renamed when it is complete, so that whoever is killed at any moment
+/// leaves a whole folder or none.
+class ResultsFolder {
+ public:
+  explicit ResultsFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  const std::filesystem::path& path() const { return folder_; }            ///< as it was named
+  std::filesystem::path database() const { return folder_ / "fleet.db"; }  ///< the tables
+  std::filesystem::path work() const { return folder_ / "work"; }          ///< of what runs
+  std::filesystem::path jobFolder(const std::string& key) const;           ///< of a finished job
+  bool finished(const std::string& key) const;                             ///< done or failed
+  std::optional<std::string> result(const std::string& key) const;         ///< text of result.json
+  /// Makes the folders. @throw InputError: no permission, or a file is in the way.
+  void prepare() const;
+  /// A new, empty folder for the work on a job by this process.
+  std::filesystem::path begin(const std::string& key) const;
+  /// Makes it the job's folder. @return false: another process was first, and ours is removed.
+  bool finish(const std::filesystem::path& begun, const std::string& key) const;
+  /// Puts a finished job aside, so that it is done again.
+  void forget(const std::string& key) const;
+  /// Removes what processes of this host left in `work` that do not live any more. @return how many jobs.
+  int removeLeftovers() const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// One run of `mm batch` at a time writes to a folder of results. Ends with the process, however that ends.
+class ResultsLock {
+ public:
+  /// @throw InputError: another process has it.
+  explicit ResultsLock(const ResultsFolder& folder);
+  ~ResultsLock();
+  ResultsLock(const ResultsLock&) = delete;
+  ResultsLock& operator=(const ResultsLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+}  // namespace mm

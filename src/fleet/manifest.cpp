@@ -1,0 +1,189 @@
+#include "fleet/manifest.h"
+
+#include <glob.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "base/yaml_mapping.h"
+#include "calibration_file/atomic_file.h"
+
+namespace mm {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kOptions{"steps",  "model", "models",           "calibration",
+                                        "method", "seed",  "repeatability_um", "namespace"};
+
+/// What is said once for all sessions, or for one entry.
+struct Choices {
+  std::vector<std::string> steps{"check", "calibrate", "diagnose"};
+  std::vector<fs::path> models;
+  fs::path calibration;
+  Job job;  // method, seed, repeatability, namespace
+};
+
+/// A file that an entry names, relative to the manifest.
+fs::path fileOf(const YamlMapping& entry, const std::string& key, const std::string& name,
+                const fs::path& folder) {
+  const fs::path file = fs::absolute(folder / name).lexically_normal();
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored))
+    entry.fail(key, "'" + name + "' is not a file (looked for " + file.string() +
+                        "); paths are relative to the manifest");
+  return file;
+}
+
+void readSteps(const YamlMapping& entry, Choices& c) {
+  const std::vector<std::string> given = entry.texts("steps");
+  for (const std::string& step : given)
+    if (std::find(batchSteps().begin(), batchSteps().end(), step) == batchSteps().end())
+      entry.fail("steps", "'" + step + "' is not a step" + didYouMean(step, batchSteps()) + " (steps are " +
+                              listOf(batchSteps()) + ")");
+  c.steps.clear();
+  for (const std::string& step : batchSteps())  // in the order in which they are done
+    if (std::find(given.begin(), given.end(), step) != given.end()) c.steps.push_back(step);
+  if (c.steps.empty()) entry.fail("steps", "no step is named; name some of " + listOf(batchSteps()));
+}
+
+void readChoices(const YamlMapping& entry, const fs::path& folder, Choices& c) {
+  if (entry.has("steps")) readSteps(entry, c);
+  if (entry.has("model") && entry.has("models"))
+    entry.fail("models", "model is given, too; name all of them in models");
+  for (const char* key : {"model", "models"}) {
+    if (!entry.has(key)) continue;
+    c.models.clear();
+    for (const std::string& name : entry.texts(key)) c.models.push_back(fileOf(entry, key, name, folder));
+  }
+  if (entry.has("calibration"))
+    c.calibration = fileOf(entry, "calibration", entry.text("calibration"), folder);
+  if (entry.has("method")) {
+    static const std::vector<std::string> kMethods{"staged_mutation", "niching", "least_squares"};
+    c.job.method = entry.text("method");
+    if (std::find(kMethods.begin(), kMethods.end(), c.job.method) == kMethods.end())
+      entry.fail("method", "'" + c.job.method + "' is not known" + didYouMean(c.job.method, kMethods) +
+                               " (methods are " + listOf(kMethods) + ")");
+  }
+  if (entry.has("seed")) c.job.seed = static_cast<std::uint64_t>(entry.count("seed", 0));
+  if (entry.has("repeatability_um")) c.job.repeatability = entry.number("repeatability_um", 1.0, 1e-6, 1e6);
+  if (entry.has("namespace")) c.job.space = entry.text("namespace");
+}
+
+/// The files of a pattern, sorted by name.
+std::vector<fs::path> bagsOf(const YamlMapping& entry, const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const std::string& pattern : entry.texts("bags")) {
+    glob_t found{};
+    const std::string whole = (folder / pattern).string();
+    if (::glob(whole.c_str(), GLOB_BRACE | GLOB_TILDE, nullptr, &found) == 0)
+      for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+        const fs::path file = fs::absolute(found.gl_pathv[i]).lexically_normal();
+        if (fs::is_regular_file(file)) files.push_back(file);
+      }
+    ::globfree(&found);
+    if (files.empty())
+      entry.fail("bags", "'" + pattern + "' fits no file (looked for " + whole +
+                             "); paths and patterns (*, ?, [a-z], {a,b}) are relative to the manifest");
+  }
+  return files;
+}
+
+/// "2026-01-05" or "2026-01-05T08:30:00Z", in full.
+std::string dateOf(const YamlMapping& entry) {
+  const std::string text = entry.text("date");
+  static const std::regex day(R"((\d{4})-(\d\d)-(\d\d))"), stamp(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)");
+  std::smatch part;
+  const bool whole = std::regex_match(text, stamp);
+  const std::string date = text.substr(0, 10);
+  const bool real = (whole || text.size() == 10) && std::regex_match(date, part, day) &&
+                    std::stoi(part[2]) >= 1 && std::stoi(part[2]) <= 12 && std::stoi(part[3]) >= 1 &&
+                    std::stoi(part[3]) <= 31;
+  if (!real)
+    entry.fail("date", "'" + text + "' is not a date; write it as 2026-01-05 or 2026-01-05T08:30:00Z (UTC)");
+  return whole ? text : text + "T00:00:00Z";
+}
+
+/// What the steps of an entry need and do not have.
+void checkNeeds(const YamlMapping& entry, const Choices& c) {
+  Job job;
+  job.steps = c.steps;
+  if (job.does("calibrate") && c.models.empty())
+    entry.fail("", "step calibrate needs a model; give model, here or for all sessions");
+  if (job.does("verify") && c.calibration.empty())
+    entry.fail("", "step verify needs the calibration that is to be verified; give calibration");
+  for (const char* step : {"diagnose", "add_all", "report"})
+    if (job.does(step) && !job.does("calibrate") && c.calibration.empty())
+      entry.fail(
+          "", std::string("step ") + step + " needs a calibration; add step calibrate, or give calibration");
+}
+
+void addJobs(const YamlMapping& entry, const fs::path& folder, Choices c, std::vector<Job>& jobs) {
+  readChoices(entry, folder, c);
+  checkNeeds(entry, c);
+  Job job = c.job;
+  job.steps = c.steps;
+  job.source = entry.source() + ":" + std::to_string(entry.line());
+  if (entry.has("serial")) job.serial = entry.text("serial");
+  if (entry.has("date")) job.date = dateOf(entry);
+  const bool several = job.does("calibrate") && !c.models.empty();
+  if (job.does("verify") || !job.does("calibrate")) job.calibration = c.calibration;
+  for (const fs::path& bag : bagsOf(entry, folder)) {
+    job.bag = bag;
+    job.machine = entry.has("machine")  ? entry.text("machine")
+                  : !job.serial.empty() ? job.serial
+                                        : bag.parent_path().filename().string();
+    for (const fs::path& model : several ? c.models : std::vector<fs::path>{{}}) {
+      job.model = model;
+      jobs.push_back(job);
+    }
+  }
+}
+
+/// Jobs of equal content are one; of two machines they are a mistake.
+void takeOnce(std::vector<Job>& all, Manifest& manifest) {
+  std::map<std::string, std::size_t> seen;
+  for (Job& job : all) {
+    const auto [at, isNew] = seen.emplace(job.key, manifest.jobs.size());
+    if (isNew) {
+      manifest.jobs.push_back(std::move(job));
+      continue;
+    }
+    const Job& first = manifest.jobs[at->second];
+    if (first.machine != job.machine)
+      throw InputError(job.source + ": bags: " + job.bag.string() + " of machine '" + job.machine +
+                       "' has the same content as " + first.bag.string() + " of machine '" + first.machine +
+                       "' (" + first.source + "); one session is of one machine: correct one of the entries");
+    manifest.remarks.push_back(job.source + ": " + job.bag.string() + " is the same session and model as " +
+                               first.bag.string() + " (" + first.source + "); it is done once");
+  }
+}
+
+}  // namespace
+
+Manifest loadManifest(const fs::path& file) {
+  const std::string source = file.string();
+  std::vector<std::string> known = kOptions;
+  known.insert(known.end(), {"name", "sessions"});
+  const YamlMapping root(YamlMapping::load(readFile(file), source), source, "the manifest", known);
+  const fs::path folder = fs::absolute(file).parent_path();
+  Choices common;
+  readChoices(root, folder, common);
+  known = kOptions;
+  known.insert(known.end(), {"bags", "machine", "serial", "date"});
+  std::vector<Job> jobs;
+  for (const YAML::Node& node : root.list("sessions"))
+    addJobs(YamlMapping(node, source, "the entry of sessions", known), folder, common, jobs);
+  if (jobs.empty()) root.fail("sessions", "names no session; give a list of {bags: …, machine: …}");
+  parallelFor(jobs.size(), [&](std::size_t i) { jobs[i].key = keyOf(jobs[i]); });
+  Manifest manifest;
+  takeOnce(jobs, manifest);
+  return manifest;
+}
+
+}  // namespace mm

@@ -1,0 +1,106 @@
+#include "fleet/prior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "base/error.h"
+#include "fleet/robust_numbers.h"
+
+namespace mm {
+namespace {
+
+/// Of the standard deviation `spread` between machines: its log density, and what it predicts.
+struct AtSpread {
+  double logDensity = 0.0, mean = 0.0, variance = 0.0;
+};
+
+AtSpread atSpread(const std::vector<Sister>& sisters, double spread) {
+  double weight = 0.0, sum = 0.0;
+  for (const Sister& s : sisters) {
+    const double w = 1.0 / (s.std * s.std + spread * spread);
+    weight += w;
+    sum += w * s.value;
+  }
+  AtSpread at;
+  at.mean = sum / weight;
+  at.variance = spread * spread + 1.0 / weight;
+  at.logDensity = -0.5 * std::log(weight);
+  for (const Sister& s : sisters) {
+    const double v = s.std * s.std + spread * spread, r = s.value - at.mean;
+    at.logDensity -= 0.5 * (std::log(v) + r * r / v);
+  }
+  return at;
+}
+
+}  // namespace
+
+PopulationPrior predictiveOf(const std::vector<Sister>& sisters) {
+  PopulationPrior prior;
+  prior.machines = sisters.size();
+  double low = sisters.front().value, high = low, least = 0.0;
+  for (const Sister& s : sisters) {
+    low = std::min(low, s.value);
+    high = std::max(high, s.value);
+    least = std::max(least, s.std);
+  }
+  const double reach = std::max(4.0 * (high - low), 4.0 * least);
+  if (!(reach > 0.0)) {
+    prior.mean = low;
+    return prior;
+  }
+  constexpr int kSteps = 2000;
+  std::vector<AtSpread> grid;
+  double largest = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kSteps; ++i) {
+    grid.push_back(atSpread(sisters, reach * (i + 0.5) / kSteps));
+    largest = std::max(largest, grid.back().logDensity);
+  }
+  double total = 0.0, mean = 0.0, square = 0.0;
+  for (const AtSpread& at : grid) {
+    const double weight = std::exp(at.logDensity - largest);
+    total += weight;
+    mean += weight * at.mean;
+    square += weight * (at.variance + at.mean * at.mean);
+  }
+  prior.mean = mean / total;
+  prior.std = std::sqrt(std::max(0.0, square / total - prior.mean * prior.mean));
+  return prior;
+}
+
+std::vector<PopulationPrior> populationPriors(const std::string& folder, const std::string& except) {
+  const Fleet fleet = loadFleet(folder, {});
+  using Key = std::tuple<std::string, std::string, std::string>;  // effect, name, unit
+  std::map<Key, std::map<std::string, std::vector<const FleetParameter*>>> all;
+  for (const FleetRecord& r : fleet.records)
+    for (const FleetParameter& p : r.result.parameters)
+      if (!p.fixed && p.std > 0.0 && r.machine != except)
+        all[{p.effect, p.name, p.unit}][r.machine].push_back(&p);
+  std::map<std::pair<std::string, std::string>, const FleetSeries*> series;
+  for (const FleetSeries& s : fleet.series) series[{s.quantity, s.machine}] = &s;
+  std::vector<PopulationPrior> priors;
+  for (const auto& [key, machines] : all) {
+    if (machines.size() < kFewestForPrior) continue;
+    const auto& [effect, name, unit] = key;
+    std::vector<Sister> sisters;
+    for (const auto& [machine, values] : machines) {
+      const TrendSegment& now = series.at({name + " of " + effect, machine})->trend.segments.back();
+      sisters.push_back({machine, now.level, now.std});
+    }
+    PopulationPrior prior = predictiveOf(sisters);
+    prior.effect = effect;
+    prior.name = name;
+    prior.unit = unit;
+    if (prior.std > 0.0) priors.push_back(prior);
+  }
+  if (priors.empty())
+    throw InputError(folder + ": no parameter is known of " + std::to_string(kFewestForPrior) +
+                     " machines or more; a population prior needs as many sisters");
+  return priors;
+}
+
+double conflictOf(double chi2, double count) { return count > 0.0 ? chiSquaredTail(chi2, count) : 1.0; }
+
+}  // namespace mm

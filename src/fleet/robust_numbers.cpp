@@ -1,0 +1,39 @@
+#include "fleet/robust_numbers.h"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+
+namespace mm {
+
+double middleOf(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double robustSpread(const std::vector<double>& values) {
+  const double middle = middleOf(values);
+  std::vector<double> away;
+  for (const double v : values) away.push_back(std::abs(v - middle));
+  constexpr double kOfNormal = 1.482602218505602;  // 1 / quantile of 3/4
+  return kOfNormal * middleOf(away);
+}
+
+double twoSidedT(double t, double dof) {
+  const double size = std::abs(t);
+  if (std::isnan(t)) return 1.0;
+  if (!std::isfinite(dof) || dof > 1e6) return 2.0 * cdf(complement(boost::math::normal(), size));
+  return 2.0 * cdf(complement(boost::math::students_t(dof), size));
+}
+
+double chiSquaredTail(double value, double dof) {
+  return cdf(complement(boost::math::chi_squared(dof), std::max(0.0, value)));
+}
+
+}  // namespace mm

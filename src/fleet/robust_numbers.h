@@ -1,0 +1,18 @@
+#pragma once
+#include <vector>
+
+namespace mm {
+
+/// The median; NaN of none.
+double middleOf(std::vector<double> values);
+/// Standard deviation of normal numbers from the median of their deviations from the median (MAD times
+/// 1.4826). NaN of none.
+double robustSpread(const std::vector<double>& values);
+
+/// Probability that Student's t with `dof` degrees of freedom is farther from 0 than `t`, on either side;
+/// accurate far out (1e-300). @param dof may be infinite: the normal distribution.
+double twoSidedT(double t, double dof);
+/// Probability that chi-squared with `dof` degrees of freedom exceeds `value`.
+double chiSquaredTail(double value, double dof);
+
+}  // namespace mm

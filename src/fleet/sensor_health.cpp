@@ -1,0 +1,53 @@
+#include "fleet/sensor_health.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fleet/robust_numbers.h"
+
+namespace mm {
+namespace {
+
+/// Standard deviation of a reading: second differences take out what changes slowly; of white noise their
+/// variance is six times that of a reading. Of about as many values in every session, whatever the logger's
+/// period: what was interpolated between two readings of the sensor has no noise of its own.
+double noiseOf(const std::vector<double>& value) {
+  constexpr std::size_t kValues = 20;
+  const std::size_t stride = std::max<std::size_t>(1, value.size() / kValues);
+  std::vector<double> bends;
+  for (std::size_t i = 2 * stride; i < value.size(); i += stride)
+    bends.push_back(value[i] - 2.0 * value[i - stride] + value[i - 2 * stride]);
+  if (bends.empty()) return kNotMeasured;
+  return robustSpread(bends) / std::sqrt(6.0);
+}
+
+}  // namespace
+
+std::vector<SensorHealth> sensorHealth(const Session& session) {
+  std::vector<SensorHealth> all;
+  for (const Series& series : session.temperatures) {
+    SensorHealth h;
+    h.sensor = series.name;
+    h.values = static_cast<int>(series.value.size());
+    for (const SetAside& aside : session.setAside)
+      if (aside.logged && aside.logged->temperature && aside.logged->series == series.name) ++h.setAside;
+    double sum = 0.0;
+    for (const double v : series.value) sum += v;
+    h.mean = h.values > 0 ? sum / h.values : kNotMeasured;
+    h.noise = noiseOf(series.value);
+    if (h.values > 0) {
+      const auto [low, high] = std::minmax_element(series.value.begin(), series.value.end());
+      h.span = *high - *low;
+    }
+    all.push_back(h);
+  }
+  for (SensorHealth& h : all) {
+    std::vector<double> others;
+    for (const SensorHealth& o : all)
+      if (&o != &h && std::isfinite(o.mean)) others.push_back(o.mean);
+    h.offset = others.empty() ? kNotMeasured : h.mean - middleOf(others);
+  }
+  return all;
+}
+
+}  // namespace mm

@@ -1,0 +1,128 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "tools/batch_job.h"
+#include "tools/batch_run.h"
+#include "tools/bounds.h"
+#include "tools/commands.h"
+#include "tools/exit_status.h"
+#include "tools/interrupt.h"
+#include "tools/json_output.h"
+#include "tools/one_line.h"
+
+namespace mm {
+namespace {
+
+struct BatchCommand {
+  std::string manifest, output, chunk;
+  EngineOptions engine;
+  bool again = false, json = false;
+};
+
+constexpr std::size_t kWhysPrinted = 20;
+
+/// A step that this mm does not have is said before the first job.
+void checkSteps(const CLI::App& app, const Manifest& manifest) {
+  for (const Job& job : manifest.jobs)
+    for (const std::string& step : job.steps) {
+      const std::string command = step == "add_all" ? "add" : step;
+      const auto all = app.get_subcommands(nullptr);
+      if (std::none_of(all.begin(), all.end(), [&](const CLI::App* c) { return c->get_name() == command; }))
+        throw InputError(job.source + ": steps: this version of mm has no command '" + command +
+                         "'; leave the step out, or install a version that has it");
+    }
+}
+
+void print(const BatchSummary& s, const BatchCommand& c) {
+  for (std::size_t i = 0; i < std::min(s.whys.size(), kWhysPrinted); ++i)
+    std::cerr << "mm: failed: " << oneLine(s.whys[i]) << std::endl;
+  if (s.whys.size() > kWhysPrinted)
+    std::cerr << "mm: failed: " << s.whys.size() - kWhysPrinted << " more; mm fleet " << c.output
+              << " lists them" << std::endl;
+  if (!s.complaint.empty()) std::cerr << "mm: warning: the engine: " << oneLine(s.complaint) << std::endl;
+  if (s.left > 0 && !s.stopped)
+    std::cerr << "mm: " << s.left << " jobs were not done: what ran them ended early; run the same line again"
+              << std::endl;
+  if (c.json) {
+    printJson(std::cout, {{"folder", c.output},
+                          {"jobs", s.jobs},
+                          {"done_before", s.before},
+                          {"done", s.done},
+                          {"failed", s.failed},
+                          {"left", s.left},
+                          {"stopped", s.stopped},
+                          {"seconds", s.seconds},
+                          {"why", s.whys}});
+    return;
+  }
+  std::cout << s.jobs << " jobs: " << s.before << " finished before, " << s.done << " done";
+  if (s.failed > 0) std::cout << ", " << s.failed << " failed";
+  if (s.left > 0) std::cout << ", " << s.left << " left";
+  std::cout << "; " << std::max<std::size_t>(1, static_cast<std::size_t>(s.seconds + 0.5)) << " s\nmm fleet "
+            << c.output << " tells what they say together\n";
+}
+
+int run(const CLI::App& app, const BatchCommand& c, MmProgram program) {
+  if (!c.chunk.empty()) return doChunk(c.chunk, program, c.engine.limit);
+  if (c.manifest.empty() || c.output.empty())
+    throw InputError("a manifest and -o are required; see mm batch --help");
+  const Manifest manifest = loadManifest(c.manifest);
+  for (const std::string& remark : manifest.remarks)
+    std::cerr << "mm: warning: " << oneLine(remark) << std::endl;
+  checkSteps(app, manifest);
+  const BatchSummary s = runBatch(manifest, ResultsFolder(c.output), c.engine, c.again);
+  print(s, c);
+  if (s.stopped) {
+    std::cerr << "mm: stopped by Ctrl-C; what is done is kept, and the same line goes on from here"
+              << std::endl;
+    return kStopped;
+  }
+  return s.whys.empty() && s.left == 0 ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void addBatchCommand(CLI::App& app, int& exitStatus, int (*program)(int, char**)) {
+  auto c = std::make_shared<BatchCommand>();
+  CLI::App* command = app.add_subcommand("batch", "Many sessions: the jobs of a manifest, each done once");
+  command->add_option("manifest", c->manifest, "YAML: sessions, models, steps");
+  command->add_option("-o,--output", c->output, "the folder of results; what is finished in it stays");
+  command->add_option("--engine", c->engine.engine, "who runs them: local, ssh (GNU parallel) or slurm")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"local", "ssh", "slurm"}));
+  command
+      ->add_option("--jobs", c->engine.jobs,
+                   "at a time; with ssh on each host; 0: one a core of this computer")
+      ->capture_default_str()
+      ->check(wholeNumberWithin(0, 100'000));
+  command->add_option("--hosts", c->engine.hosts, "of --engine ssh: pc1,user@pc2; : is this computer")
+      ->delimiter(',');
+  command
+      ->add_option("--sbatch", c->engine.sbatchOptions,
+                   "an option for sbatch, again for more: --sbatch=--partition=short")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--chunk", c->engine.chunk, "jobs that one process does in turn; 0: by their number")
+      ->capture_default_str()
+      ->check(wholeNumberWithin(0, 1'000'000));
+  command->add_option("--limit", c->engine.limit, "s that one step may take")
+      ->capture_default_str()
+      ->check(wholeNumberWithin(1, 10'000'000));
+  command->add_flag("--again", c->again, "does failed jobs again");
+  command->add_flag("--json", c->json, "the counts as JSON on standard output");
+  command->add_option("--job", c->chunk, "a list of jobs: for the engines, which start mm with it")
+      ->group("Engine");
+  command->footer(
+      "A job that is finished is never done again, whoever was killed in between; one that failed does not "
+      "stop the\n"
+      "others, and says why. Exit status 1: a job failed.\n"
+      "Examples:\n  mm batch manifest.yaml -o results\n  mm batch manifest.yaml -o results --engine slurm "
+      "--jobs 64");
+  command->callback([c, &app, &exitStatus, program] { exitStatus = run(app, *c, program); });
+}
+
+}  // namespace mm

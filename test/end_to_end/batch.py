@@ -1,0 +1,297 @@
+"""Tries mm batch and mm fleet: run by batch_test.sh; prints `ok …` and `not ok …` lines, and figures."""
+import glob
+import json
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
+MM = os.environ["MM"]
+MACHINES = int(os.environ.get("MACHINES", "6"))
+SESSIONS = int(os.environ.get("SESSIONS", "4"))
+KILLS = int(os.environ.get("KILLS", "4"))
+FIGURES = {"machines": MACHINES, "sessions": MACHINES * SESSIONS}
+
+
+def say(good, what, why=""):
+    print(("ok " if good else "not ok ") + what + ("" if good or not why else ": " + str(why)[-400:]), flush=True)
+
+
+def mm(*words, **more):
+    return subprocess.run([MM, *words], capture_output=True, text=True, **more)
+
+
+def batch(manifest, folder, *words, **more):
+    begun = time.monotonic()
+    done = mm("batch", manifest, "-o", folder, "--json", *words, **more)
+    answer = json.loads(done.stdout) if done.stdout else {}
+    return done, answer, time.monotonic() - begun
+
+
+def results(folder):
+    """Every finished job: key -> bytes of its result.json."""
+    found = {}
+    for path in glob.glob(os.path.join(folder, "jobs", "*", "*", "result.json")):
+        with open(path, "rb") as file:
+            found[os.path.basename(os.path.dirname(path))] = file.read()
+    return found
+
+
+def table(folder, sql):
+    with sqlite3.connect(f"file:{folder}/fleet.db?mode=ro", uri=True) as database:
+        return database.execute(sql).fetchall()
+
+
+def whole(folder, count):
+    """Nothing lost, nothing twice, nothing half: what is wrong, or an empty text."""
+    keys = results(folder)
+    rows = table(folder, "SELECT key, status FROM jobs")
+    parameters = table(folder, "SELECT job, count(*) FROM parameters GROUP BY job")
+    wrong = []
+    if len(keys) != count or len(rows) != count:
+        wrong.append(f"{len(keys)} folders and {len(rows)} rows of {count} jobs")
+    if {key for key, status in rows if status != "waiting"} != set(keys):
+        wrong.append("the tables and the folders differ")
+    if any(number != 9 for _, number in parameters):
+        wrong.append("parameters are missing or twice")
+    left = [name for name in os.listdir(os.path.join(folder, "work")) if ".json" not in name and len(name) > 32 and name[32] == "."]
+    if left:
+        wrong.append("left in work: " + ", ".join(left[:3]))
+    return "; ".join(wrong)
+
+
+def try_local(fleet, work):
+    first = os.path.join(work, "local")
+    done, answer, seconds = batch(fleet + "/manifest.yaml", first)
+    count = MACHINES * SESSIONS
+    say(done.returncode == 0 and answer.get("done") == count, f"local: {count} sessions are done", done.stderr)
+    say(whole(first, count) == "", "local: the tables and the folders are whole", whole(first, count))
+    FIGURES["local_s"] = seconds
+    done, answer, seconds = batch(fleet + "/manifest.yaml", first)
+    say(done.returncode == 0 and answer.get("done") == 0 and answer.get("done_before") == count, "what is done is not done again")
+    FIGURES["nothing_to_do_s"] = seconds
+    os.remove(first + "/fleet.db")
+    batch(fleet + "/manifest.yaml", first)
+    say(whole(first, count) == "", "tables that are lost are made anew from the folders", whole(first, count))
+    return first
+
+
+def try_one_process(fleet, work, first):
+    """The same sessions by one process, and typed one command after the other."""
+    folder = os.path.join(work, "one")
+    _, answer, seconds = batch(fleet + "/manifest.yaml", folder, "--jobs", "1", "--chunk", str(MACHINES * SESSIONS))
+    say(results(folder) == results(first), "one process and several give the same bits")
+    FIGURES["one_process_s"] = seconds
+    inside = 0.0
+    for path in glob.glob(os.path.join(folder, "jobs", "*", "*", "run.json")):
+        with open(path, encoding="utf-8") as file:
+            inside += sum(json.load(file)["seconds"].values())
+    FIGURES["overhead_ms_a_job"] = 1000.0 * (seconds - inside) / (MACHINES * SESSIONS)
+    bags = sorted(glob.glob(fleet + "/m*/*.bag"))[:12]
+    begun = time.monotonic()
+    for bag in bags:
+        typed = os.path.join(work, "typed.yaml")
+        mm("check", bag, "--model", fleet + "/model.yaml", "--json")
+        mm("calibrate", bag, "--model", fleet + "/model.yaml", "-o", typed, "--method", "least_squares", "--threads", "1", "--json", "--force")
+        mm("diagnose", bag, "--calibration", typed, "--threads", "1", "--json")
+    FIGURES["typed_s_a_session"] = (time.monotonic() - begun) / len(bags)
+
+
+def try_kills(fleet, work, first):
+    """Killed at random moments, with all that runs for it, or alone."""
+    folder = os.path.join(work, "killed")
+    moments = random.Random(3)
+    reach = FIGURES["local_s"] / 2.0
+    killed = 0
+    for number in range(KILLS):
+        process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--json"], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL, start_new_session=True)
+        try:
+            process.wait(moments.uniform(0.02, max(0.1, reach)))
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGKILL if number % 3 else signal.SIGTERM)
+            process.wait()
+            killed += 1
+            for text in results(folder).values():  # whole, whenever one looks
+                json.loads(text)
+    done, answer, _ = batch(fleet + "/manifest.yaml", folder)
+    count = MACHINES * SESSIONS
+    wrong = whole(folder, count)
+    say(done.returncode == 0 and wrong == "", f"killed {killed} times, nothing is lost and nothing is there twice", wrong + done.stderr)
+    say(results(folder) == results(first), "and the results are the same bits")
+    FIGURES["killed"] = killed
+
+
+def try_interrupt(fleet, work, first):
+    folder = os.path.join(work, "interrupted")
+    process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not results(folder):
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate()
+    kept = len(results(folder))
+    say(process.returncode == 130 and kept > 0 and "Ctrl-C" in said, "Ctrl-C ends it with 130 and keeps what is done", said)
+    done, answer, _ = batch(fleet + "/manifest.yaml", folder)
+    say(done.returncode == 0 and answer.get("done_before", 0) >= kept and results(folder) == results(first), "the same line goes on from there")
+
+
+def try_ssh(fleet, work, first):
+    """GNU parallel's own ssh, replaced by a program that runs the line here."""
+    ssh = os.path.join(work, "ssh_here")
+    with open(ssh, "w", encoding="utf-8") as file:
+        file.write('#!/bin/sh\necho "$*" >>"' + work + '/ssh.log"\nwhile [ $# -gt 1 ]; do case "$1" in -l|-o|-p) shift 2;; -*) shift;; *) break;; esac; done\n'
+                   "shift\n[ \"$1\" = -- ] && shift\nexec sh -c \"$*\"\n")
+    os.chmod(ssh, 0o755)
+    folder = os.path.join(work, "ssh")
+    done, answer, _ = batch(fleet + "/manifest.yaml", folder, "--engine", "ssh", "--hosts", "pc1,pc2", "--jobs", "1",
+                            env=dict(os.environ, PARALLEL_SSH=ssh))
+    log = open(work + "/ssh.log", encoding="utf-8").read() if os.path.exists(work + "/ssh.log") else ""
+    say(done.returncode == 0 and results(folder) == results(first), "ssh: the same bits", done.stderr)
+    say("pc1" in log and "pc2" in log, "ssh: both hosts were used", log[:200])
+
+
+def try_slurm(fleet, work, first):
+    folder = os.path.join(work, "slurm")
+    here = os.path.join(ROOT, "test/support/slurm_here")
+    script = os.path.join(work, "slurm_test.py")
+    if subprocess.run([here, "1", "true"], capture_output=True).returncode == 77:
+        print("slurm is not installed (Debian: slurm-wlm): its engine was not tried")
+        return
+    with open(script, "w", encoding="utf-8") as file:
+        file.write(f"import sys; sys.path.insert(0, {os.path.dirname(os.path.abspath(__file__))!r}); import batch\n"
+                   f"batch.in_slurm({fleet!r}, {folder!r})\n")
+    done = subprocess.run([here, str(min(2, os.cpu_count())), sys.executable, script], capture_output=True, text=True)
+    print(done.stdout, end="")
+    say(done.returncode == 0, "slurm: started and ended", done.stderr)
+    if done.returncode == 0:
+        FIGURES.update(json.load(open(folder + ".json", encoding="utf-8")))
+    say(results(folder) == results(first), "slurm: the same bits as local")
+
+
+def in_slurm(fleet, folder):
+    """Inside the cluster of this computer: killed once, resumed; the array that the killed one left is ended."""
+    process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--engine", "slurm"], stdout=subprocess.DEVNULL)
+    while process.poll() is None and not results(folder):
+        time.sleep(0.05)
+    process.kill()
+    process.wait()
+    before = len(results(folder))
+    done, answer, seconds = batch(fleet + "/manifest.yaml", folder, "--engine", "slurm")
+    count = MACHINES * SESSIONS
+    say(done.returncode == 0 and whole(folder, count) == "", f"slurm: killed after {before}, resumed, whole", done.stderr + whole(folder, count))
+    queue = subprocess.run(["squeue", "--noheader"], capture_output=True, text=True).stdout.strip()
+    say(queue == "", "slurm: nothing is left in the queue", queue)
+    shutil.rmtree(folder)
+    done, answer, seconds = batch(fleet + "/manifest.yaml", folder, "--engine", "slurm")
+    with open(folder + ".json", "w", encoding="utf-8") as file:
+        json.dump({"slurm_s": seconds}, file)
+
+
+def try_failures(fleet, work):
+    folder = os.path.join(work, "failing")
+    with open(fleet + "/broken.bag", "w", encoding="utf-8") as file:
+        file.write("this is no bag\n")
+    manifest = os.path.join(fleet, "failing.yaml")
+    with open(manifest, "w", encoding="utf-8") as file:
+        file.write("model: model.yaml\nsessions:\n  - {bags: broken.bag, machine: m01}\n  - {bags: m01/*.bag, machine: m01}\n")
+    done, answer, _ = batch(manifest, folder)
+    say(done.returncode == 1 and answer["failed"] == 1 and answer["done"] == SESSIONS, "a job that fails does not stop the others", done.stderr)
+    say("failing.yaml:3" in done.stderr and "broken.bag" in done.stderr and "bag" in done.stderr.split("broken.bag", 1)[1], "and says why", done.stderr)
+    done, answer, _ = batch(manifest, folder)
+    say(done.returncode == 1 and answer["done"] == 0 and answer["failed"] == 0 and len(answer["why"]) == 1, "it is not tried again by itself, and still said", done.stderr)
+    done, answer, _ = batch(manifest, folder, "--again")
+    say(answer["failed"] == 1, "--again tries it again")
+    text = mm("fleet", folder).stdout
+    say("broken.bag" in text, "mm fleet lists it", text)
+
+
+def try_refusals(fleet, work):
+    manifest = os.path.join(fleet, "wrong.yaml")
+    with open(manifest, "w", encoding="utf-8") as file:
+        file.write("model: model.yaml\nsessions:\n  - {bags: m01/*.bag}\n  - {bags: nowhere/*.bag}\n")
+    done = mm("batch", manifest, "-o", os.path.join(work, "refused"))
+    say(done.returncode == 2 and "wrong.yaml:4" in done.stderr and done.stderr.count("\n") == 1, "a bad entry is named by file and line", done.stderr)
+    say(not os.path.exists(os.path.join(work, "refused")), "and nothing is begun")
+    done = mm("batch", fleet + "/manifest.yaml", "-o", os.path.join(work, "refused"), env=dict(os.environ, PATH="/nonexistent"))
+    say(done.returncode == 2 and "install it (Debian: parallel)" in done.stderr, "an engine that is not installed is named with its package", done.stderr)
+    empty = os.path.join(work, "empty")
+    os.makedirs(empty)
+    done = mm("fleet", empty)
+    say(done.returncode == 2 and "fleet.db" in done.stderr, "mm fleet says what a folder lacks", done.stderr)
+
+
+def try_fleet(first, work):
+    page = os.path.join(work, "fleet.html")
+    done = mm("fleet", first, "-o", page)
+    say(done.returncode == 0 and f"{MACHINES} machines, {MACHINES * SESSIONS} sessions" in done.stdout, "mm fleet counts machines and sessions", done.stderr)
+    say(os.path.getsize(page) > 10000, "and writes a page")
+    answer = json.loads(mm("fleet", first, "--machine", "m01", "--parameter", "backlash", "--json").stdout)
+    say(len(answer["series"]) == 3 and len(answer["series"][0]["points"]) == SESSIONS, "one machine's parameters can be asked for")
+    lines = mm("fleet", first, "--csv").stdout.splitlines()
+    say(len(lines) == 1 + 9 * MACHINES * SESSIONS, "the CSV has every parameter of every session", len(lines))
+
+
+def try_stores(first, work):
+    """Calibrations of several machines, promoted into a store each."""
+    stores = os.path.join(work, "stores")
+    rows = table(first, "SELECT machine, folder FROM jobs ORDER BY machine, date")
+    for machine, folder in rows[: 2 * SESSIONS]:
+        mm("promote", os.path.join(first, folder, "calibration.yaml"), "--store", os.path.join(stores, machine))
+    done = mm("fleet", stores, "--json")
+    answer = json.loads(done.stdout) if done.returncode == 0 else {"machines": []}
+    say(answer["machines"] == ["m01", "m02"] and answer["done"] == 2 * SESSIONS, "stores of several machines are read and compared", done.stderr)
+
+
+def try_several_pcs(work):
+    """The launch file of docs/scale.md, as roslaunch reads it."""
+    if shutil.which("roslaunch") is None:
+        return
+    with open(os.path.join(ROOT, "docs/scale.md"), encoding="utf-8") as file:
+        launch = file.read().split("```xml\n", 1)[1].split("```", 1)[0]
+    path = os.path.join(work, "several_pcs.launch")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(launch)
+    done = subprocess.run(["roslaunch", "--nodes", path], capture_output=True, text=True)
+    say(done.stdout.split() == ["/m1/axis_driver", "/m2/axis_driver"], "docs/scale.md: roslaunch reads the file for several PCs", done.stderr)
+
+
+def main():
+    keep = os.environ.get("PROOF")
+    work = keep or tempfile.mkdtemp()
+    os.makedirs(work, exist_ok=True)
+    try:
+        fleet = os.path.join(work, "fleet")
+        begun = time.monotonic()
+        made = subprocess.run([os.path.join(ROOT, "scripts/fleet_simulation"), "-o", fleet, "--machines", str(MACHINES), "--sessions", str(SESSIONS)],
+                              capture_output=True, text=True)
+        FIGURES["simulation_s"] = time.monotonic() - begun
+        if made.returncode != 0:
+            return say(False, "the fleet is simulated", made.stderr)
+        first = try_local(fleet, work)
+        try_one_process(fleet, work, first)
+        try_kills(fleet, work, first)
+        try_interrupt(fleet, work, first)
+        try_ssh(fleet, work, first)
+        try_slurm(fleet, work, first)
+        try_failures(fleet, work)
+        try_refusals(fleet, work)
+        try_fleet(first, work)
+        try_stores(first, work)
+        try_several_pcs(work)
+        print(json.dumps(FIGURES))
+        if keep:
+            with open(os.path.join(keep, "figures.json"), "w", encoding="utf-8") as file:
+                json.dump(FIGURES, file, indent=1)
+    finally:
+        if not keep:
+            shutil.rmtree(work, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+set(fleet_test_dependencies nlohmann_json::nlohmann_json)
