@@ -116,8 +116,8 @@ std::string uncertaintyText(const TaskUncertainty& result, const std::vector<Tas
   if (lengths.size() > 1) {
     text +=
         wrapped("", "Each length keeps |E| + U within " + permissibleFor(lengths).inWords() + " (L in mm).");
-    const QuantityUncertainty& probing = result.quantities[1];
-    text += probing.quantity.name + ": " + figureLine(probing) + "\n";
+    if (const QuantityUncertainty* probing = probingOf(result))
+      text += probing->quantity.name + ": " + figureLine(*probing) + "\n";
   } else {
     for (std::size_t q = 0; q < result.quantities.size(); ++q)
       if (q != result.headline)

@@ -104,6 +104,7 @@ int main(int argc, char** argv) {
   mm::addReportCommand(app, exitStatus);
   mm::addApplyCommand(app, exitStatus);
   mm::addUncertaintyCommand(app, exitStatus);
+  mm::addCertificateCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);

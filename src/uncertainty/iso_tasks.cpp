@@ -1,6 +1,7 @@
 // The tests of the standards as tasks: what they would find on a machine that is corrected.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -45,10 +46,11 @@ std::vector<TestLine> linesOf(const Domain& domain) {
 /// ISO 10360-2: bidirectional lengths; with it a ball, for the probing error (ISO 10360-5).
 class LengthTest : public MeasurementTask {
  public:
-  LengthTest(const std::vector<TestLine>& lines, const Eigen::Vector3d& middle, double radius)
-      : ball_(FittedFeature::Kind::kSphere, middle, Eigen::Vector3d::UnitZ(), radius,
-              placesOf(ballPoints(middle, radius, kProbingContacts))) {
-    quantities_ = {{"largest |E|", 0.0, true, 0.0}, {"probing form P", 0.0, true, 0.0}};
+  /// @param radius m, of the ball; 0: none, as the volume has no room for one.
+  LengthTest(const std::vector<TestLine>& lines, const Eigen::Vector3d& middle, double radius) {
+    quantities_ = {{"largest |E|", 0.0, true, 0.0}};
+    if (radius > 0.0) quantities_.push_back({kProbingForm, 0.0, true, 0.0});
+    first_ = quantities_.size();
     for (const TestLine& line : lines) {
       const Eigen::Vector3d way = (line.to - line.from).normalized();
       for (int i = 1; i <= kLengths; ++i) {
@@ -63,7 +65,10 @@ class LengthTest : public MeasurementTask {
       }
     }
     firstOfBall_ = points_.size();
-    for (const TaskPoint& p : ballPoints(middle, radius, kProbingContacts)) points_.push_back(p);
+    if (!(radius > 0.0)) return;
+    const std::vector<TaskPoint> ball = ballPoints(middle, radius, kProbingContacts);
+    ball_.emplace(FittedFeature::Kind::kSphere, middle, Eigen::Vector3d::UnitZ(), radius, placesOf(ball));
+    points_.insert(points_.end(), ball.begin(), ball.end());
   }
   void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
     double largest = 0.0;
@@ -71,17 +76,17 @@ class LengthTest : public MeasurementTask {
       for (std::size_t r = 0; r < kRepeats; ++r) {
         const std::size_t first = 2 * (l * kRepeats + r);
         const double length = (measured[first + 1] - measured[first]).dot(along_[l]);
-        if (r == 0) values[2 + l] = length;
-        largest = std::max(largest, std::abs(length - quantities_[2 + l].nominal));
+        if (r == 0) values[first_ + l] = length;
+        largest = std::max(largest, std::abs(length - quantities_[first_ + l].nominal));
       }
     values[0] = largest;
-    values[1] = ball_.fit(measured, firstOfBall_).form;
+    if (ball_) values[1] = ball_->fit(measured, firstOfBall_).form;
   }
 
  private:
   std::vector<Eigen::Vector3d> along_;
-  std::size_t firstOfBall_ = 0;
-  FittedFeature ball_;
+  std::size_t first_ = 1, firstOfBall_ = 0;  // of the lengths among the figures; of the ball's points
+  std::optional<FittedFeature> ball_;
 };
 
 class PositioningOfAxis : public MeasurementTask {
@@ -126,8 +131,11 @@ std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model) {
                (domain.tipUpper - domain.tipLower).x() / kMillimetre,
                (domain.tipUpper - domain.tipLower).y() / kMillimetre,
                (domain.tipUpper - domain.tipLower).z() / kMillimetre));
-  return std::make_unique<LengthTest>(lines, 0.5 * (domain.tipLower + domain.tipUpper),
-                                      usualBallRadius(domain));
+  // A ball needs contacts, and room on every side.
+  const double radius = usualBallRadius(domain);
+  const bool room =
+      !domain.features.empty() && (domain.tipUpper - domain.tipLower).minCoeff() >= 2.0 * radius;
+  return std::make_unique<LengthTest>(lines, 0.5 * (domain.tipLower + domain.tipUpper), room ? radius : 0.0);
 }
 
 std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int targets, const Model& model) {

@@ -17,6 +17,9 @@ struct TaskPoint {
   double side = 0.0;  // -1 or +1: that direction
 };
 
+/// Name of the probing error among the figures of ISO 10360-2.
+inline constexpr const char* kProbingForm = "probing form P";
+
 /// One figure that a task gives.
 struct TaskQuantity {
   std::string name;       // "distance", "x", "form"

@@ -51,6 +51,12 @@ TaskVerdict judgedLengths(const TaskUncertainty& result, const PermissibleError&
 
 }  // namespace
 
+const QuantityUncertainty* probingOf(const TaskUncertainty& result) {
+  for (const QuantityUncertainty& q : result.quantities)
+    if (q.quantity.name == kProbingForm) return &q;
+  return nullptr;
+}
+
 std::vector<TestLength> testLengthsOf(const TaskUncertainty& result) {
   std::vector<TestLength> lengths;
   for (const QuantityUncertainty& q : result.quantities)
@@ -75,10 +81,10 @@ std::vector<TaskVerdict> verdictsOf(const TaskUncertainty& result, const Toleran
     verdicts.push_back(judgedLengths(result, *asked.permissible));
   }
   if (std::isfinite(asked.permissibleProbing)) {
-    const QuantityUncertainty* probing = nullptr;
-    for (const QuantityUncertainty& q : result.quantities)
-      if (q.quantity.name == "probing form P") probing = &q;
-    if (probing == nullptr) throw InputError("--mpe-probing-um is for --task iso10360-2");
+    const QuantityUncertainty* probing = probingOf(result);
+    if (probing == nullptr)
+      throw InputError("--mpe-probing-um: --task '" + result.task +
+                       "' has no probing error; use iso10360-2, on a machine that was calibrated with balls");
     verdicts.push_back(judged(*probing, probing->mean, asked.permissibleProbing * kMicrometre));
   }
   return verdicts;

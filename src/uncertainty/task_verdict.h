@@ -31,6 +31,9 @@ struct TaskVerdict {
 /// @throw InputError: what was asked does not go with the task.
 std::vector<TaskVerdict> verdictsOf(const TaskUncertainty& result, const ToleranceAsked& asked);
 
+/// The probing error of a test of ISO 10360-2; null: the task has none.
+const QuantityUncertainty* probingOf(const TaskUncertainty& result);
+
 /// Test values of the lengths of a task as they are to be expected.
 std::vector<TestLength> testLengthsOf(const TaskUncertainty& result);
 

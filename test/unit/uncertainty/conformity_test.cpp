@@ -88,8 +88,16 @@ TEST(Iso10360, TheSmallestPermissibleErrorThatHolds) {
 TEST(Iso10360, LengthsOfAMachineWithAnUncertainScale) {
   Calibration c = test::bareCalibration({"{type: scale, axis: x}"});
   c.covariance(0, 0) = std::pow(20e-6, 2);
+  EXPECT_EQ(probingOf(test::uncertaintyFor("iso10360-2", c, {}, 100)), nullptr)
+      << "no contacts, no probing error";
+  c.domain.features = {"b0"};
+  c.domain.featureRadius = {4e-3};
   const TaskUncertainty u = test::uncertaintyFor("iso10360-2", c, {}, 4000);
   EXPECT_EQ(u.quantities.size(), 2U + 35U);
+  ASSERT_NE(probingOf(u), nullptr);
+  // x stretched by s: the range of the radius over a half ball is about R s / 2, less what its centre takes.
+  EXPECT_GT(probingOf(u)->mean, 1e-9);
+  EXPECT_LT(probingOf(u)->mean, 4e-3 * 20e-6);
   for (const QuantityUncertainty& q : u.quantities) {
     const std::string& name = q.quantity.name;
     const bool alongX = name.size() > 3 && name.substr(name.size() - 3) == ", x";
