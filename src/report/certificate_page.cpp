@@ -64,7 +64,7 @@ std::string factRow(const std::string& name, const std::string& value) {
          "</td></tr>\n";
 }
 
-std::string heading(const std::string& text) { return "<h2>" + escapedHtml(text) + "</h2>\n"; }
+std::string sectionHead(const std::string& text) { return "<h2>" + escapedHtml(text) + "</h2>\n"; }
 
 std::string rangeText(double lower, double upper, const char* unit) {
   if (!std::isfinite(lower) || !std::isfinite(upper)) return "not recorded";
@@ -88,7 +88,7 @@ std::string itemSection(const Certificate& c) {
 }
 
 std::string referenceSection(const Certificate& c) {
-  std::string html = heading("Reference standard and its traceability") + "<table class=\"facts\">";
+  std::string html = sectionHead("Reference standard and its traceability") + "<table class=\"facts\">";
   if (const auto& a = c.calibration.artifact) {
     html += factRow("Artifact", a->features > 0 ? a->name + ", " + std::to_string(a->features) + " features"
                                                 : std::string("independent instrument"));
@@ -110,7 +110,7 @@ std::string referenceSection(const Certificate& c) {
 
 std::string environmentSection(const Calibration& c) {
   const Domain& d = c.domain;
-  std::string html = heading("Conditions and range of validity") + "<table class=\"facts\">";
+  std::string html = sectionHead("Conditions and range of validity") + "<table class=\"facts\">";
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     const bool rotary = d.joints[j].kind == JointKind::kRotary;
     const double unit = rotary ? kDegree : kMillimetre;
@@ -133,7 +133,7 @@ std::string environmentSection(const Calibration& c) {
 std::string parameterSection(const Calibration& c) {
   if (c.values.empty()) return {};
   std::string html =
-      heading("Results: parameters of the machine") +
+      sectionHead("Results: parameters of the machine") +
       "<div class=\"wide\"><table><thead><tr><th>Effect</th><th>Parameter</th><th class=\"n\">Value</th>"
       "<th class=\"n\">U (k = 2)</th><th>Unit</th></tr></thead><tbody>\n";
   for (const Calibration::Value& v : c.values) {
@@ -215,7 +215,7 @@ std::string taskSection(const CertifiedTask& task) {
 std::string sessionSection(const CertifiedSession& s) {
   const double unit = s.angular ? kArcsecond : kMicrometre;
   const char* name = s.angular ? "arcsec" : "µm";
-  std::string html = heading("Held against a session") + "<p>" + shown(s.path) + ": " +
+  std::string html = sectionHead("Held against a session") + "<p>" + shown(s.path) + ": " +
                      std::to_string(s.observations) + " observations, " +
                      (s.sameSession ? "those of the calibration itself" : "not used for the calibration") +
                      format(". RMS <b>%.3g %s</b> as the machine is, <b>%.3g %s</b> corrected.</p>\n",
@@ -243,7 +243,7 @@ std::string sessionSection(const CertifiedSession& s) {
 }
 
 std::string historySection(const Calibration& c) {
-  std::string html = heading("History of this calibration") +
+  std::string html = sectionHead("History of this calibration") +
                      "<table><thead><tr><th>Time</th><th>Step</th><th>Effect</th><th class=\"n\">RMS, µm</th>"
                      "<th class=\"n\">held out, µm</th></tr></thead><tbody>\n";
   const auto um = [](double v) {
@@ -269,7 +269,7 @@ std::string checksumInFile(const Calibration& c) {
 std::string decisionSection(const Certificate& c) {
   bool asked = false;
   for (const CertifiedTask& t : c.tasks) asked = asked || !t.verdicts.empty();
-  return heading("Uncertainty and decision rule") +
+  return sectionHead("Uncertainty and decision rule") +
          "<p>U is the standard uncertainty multiplied by the coverage factor k = 2, which for a normal "
          "distribution "
          "corresponds to a coverage probability of about 95 %. It was found by propagating the distributions "
@@ -298,7 +298,7 @@ std::string certificatePage(const Certificate& c) {
       escapedHtml(k.id) + "</p>\n";
   html += itemSection(c) + referenceSection(c) + environmentSection(k);
   if (!c.tasks.empty()) {
-    html += heading("Results: uncertainty of measurements with the corrected machine");
+    html += sectionHead("Results: uncertainty of measurements with the corrected machine");
     for (const CertifiedTask& task : c.tasks) html += taskSection(task);
   }
   html += decisionSection(c);
@@ -311,14 +311,14 @@ std::string certificatePage(const Certificate& c) {
           fixedFigure(k.heldOutRms) + format("; χ²/ν %.3g; repeatability ", k.chi2PerDof) +
           fixedFigure(k.repeatability) + " (" + escapedHtml(k.repeatabilityFrom) + ").</p>\n";
   if (!c.curves.empty()) {
-    html += heading("Correction over the axes");
+    html += sectionHead("Correction over the axes");
     for (const CorrectionCurve& curve : c.curves)
       html += "<figure>" + correctionPlot(curve) + "<figcaption>Axis " + shown(curve.axis) +
               ", the others in the middle of their ranges, travelling upwards; band: U (k = "
               "2).</figcaption></figure>\n";
   }
   html += historySection(k);
-  html += heading("Authenticity") + "<p>Calibration file: CRC-64 " + checksumInFile(k) +
+  html += sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " + checksumInFile(k) +
           ". The last line of this file is the SHA-256 of everything before it; <code>mm certificate "
           "--check</code> "
           "refuses a certificate that was changed.</p>\n<div class=\"sign\"><div>Date</div><div>" +

@@ -10,7 +10,8 @@
 namespace mm {
 namespace {
 
-constexpr double kWidth = 520.0, kHeight = 210.0, kLeft = 58.0, kRight = 12.0, kTop = 24.0, kBottom = 38.0;
+constexpr double kPlotWidth = 520.0, kPlotHeight = 210.0, kPlotLeft = 58.0, kPlotRight = 12.0,
+                 kPlotTop = 24.0, kPlotBottom = 38.0;
 constexpr const char* kColours[] = {"#1f5fa8", "#c1571a", "#2d7d46", "#7a3f98"};
 
 /// A range with ends on round numbers, and the step between its marks.
@@ -34,9 +35,12 @@ PlotScale scaleOf(double low, double high) {
 
 struct PlotFrame {
   PlotScale x, y;
-  double px(double v) const { return kLeft + (v - x.low) / (x.high - x.low) * (kWidth - kLeft - kRight); }
+  double px(double v) const {
+    return kPlotLeft + (v - x.low) / (x.high - x.low) * (kPlotWidth - kPlotLeft - kPlotRight);
+  }
   double py(double v) const {
-    return kHeight - kBottom - (v - y.low) / (y.high - y.low) * (kHeight - kTop - kBottom);
+    return kPlotHeight - kPlotBottom -
+           (v - y.low) / (y.high - y.low) * (kPlotHeight - kPlotTop - kPlotBottom);
   }
 };
 
@@ -48,14 +52,16 @@ std::string markText(double v, double step) {
 std::string grid(const PlotFrame& f) {
   std::string svg;
   for (double v = f.y.low; v <= f.y.high + 0.5 * f.y.step; v += f.y.step)
-    svg += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"%s\"/>", kLeft,
-                  kWidth - kRight, f.py(v), f.py(v), std::abs(v) < 1e-9 * f.y.step ? "zero" : "grid") +
-           format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kLeft - 6, f.py(v) + 4) +
-           markText(v, f.y.step) + "</text>";
+    svg +=
+        format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"%s\"/>", kPlotLeft,
+               kPlotWidth - kPlotRight, f.py(v), f.py(v), std::abs(v) < 1e-9 * f.y.step ? "zero" : "grid") +
+        format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kPlotLeft - 6, f.py(v) + 4) +
+        markText(v, f.y.step) + "</text>";
   for (double v = f.x.low; v <= f.x.high + 0.5 * f.x.step; v += f.x.step)
     svg += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", f.px(v), f.px(v),
-                  kTop, kHeight - kBottom) +
-           format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", f.px(v), kHeight - kBottom + 15) +
+                  kPlotTop, kPlotHeight - kPlotBottom) +
+           format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", f.px(v),
+                  kPlotHeight - kPlotBottom + 15) +
            markText(v, f.x.step) + "</text>";
   return svg;
 }
@@ -98,8 +104,8 @@ std::string svgPlot(const std::string& x, const std::string& y, const std::vecto
   if (fromZero) lowX = std::min(lowX, 0.0), lowY = std::min(lowY, 0.0);
   if (!(highX >= lowX) || !std::isfinite(lowY) || !std::isfinite(highY)) return {};
   const PlotFrame f{scaleOf(lowX, highX), scaleOf(lowY, highY)};
-  std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\">", kWidth, kHeight) + grid(f);
-  double at = kLeft;
+  std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\">", kPlotWidth, kPlotHeight) + grid(f);
+  double at = kPlotLeft;
   for (const PlotSeries& s : series) {
     svg += curveOf(f, s);
     if (series.size() < 2) continue;
@@ -107,11 +113,11 @@ std::string svgPlot(const std::string& x, const std::string& y, const std::vecto
            format("<text x=\"%.1f\" y=\"12\">", at + 19) + escapedHtml(s.name) + "</text>";
     at += 40.0 + 6.4 * static_cast<double>(s.name.size());
   }
-  svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", 0.5 * (kLeft + kWidth - kRight),
-                kHeight - 6.0) +
+  svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">",
+                0.5 * (kPlotLeft + kPlotWidth - kPlotRight), kPlotHeight - 6.0) +
          escapedHtml(x) + "</text>";
   svg += format("<text transform=\"translate(13 %.1f) rotate(-90)\" text-anchor=\"middle\">",
-                0.5 * (kTop + kHeight - kBottom)) +
+                0.5 * (kPlotTop + kPlotHeight - kPlotBottom)) +
          escapedHtml(y) + "</text></svg>";
   return svg;
 }

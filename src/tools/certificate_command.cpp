@@ -33,7 +33,7 @@ struct CertificateCommand {
   OutputFiles files;
 };
 
-void runCheck(const CertificateCommand& c) {
+void checkSeal(const CertificateCommand& c) {
   const CertificateSeal seal = checkCertificate(readFile(c.check), c.check);
   if (!c.calibration.empty()) {
     const Calibration calibration = loadCalibration(c.calibration);
@@ -94,7 +94,7 @@ std::vector<CertifiedTask> certifiedTasks(CertificateCommand& c, const Calibrati
 }
 
 void runCertificate(CertificateCommand& c, int& exitStatus) {
-  if (!c.check.empty()) return runCheck(c);
+  if (!c.check.empty()) return checkSeal(c);
   if (c.calibration.empty() || c.output.empty())
     throw InputError(std::string("certificate: ") +
                      (c.calibration.empty() ? "a calibration file" : "-o, the file to write,") +

@@ -48,7 +48,7 @@ class PrintFolder {
 };
 
 /// Starts a program in a group of its own, its output thrown away. @return its process.
-pid_t started(const std::vector<std::string>& words) {
+pid_t startedProcess(const std::vector<std::string>& words) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -116,7 +116,7 @@ std::string printedPdf(const std::string& browser, const std::string& html) {
   // The page is this program's own, without scripts; as root the browser refuses its sandbox.
   if (geteuid() == 0) words.emplace_back("--no-sandbox");
   words.push_back("file://" + page.string());
-  const bool inTime = ended(started(words));
+  const bool inTime = ended(startedProcess(words));
   std::error_code error;
   if (!inTime || !fs::is_regular_file(pdf, error) || fs::file_size(pdf, error) == 0)
     throw InputError(browser + (inTime ? " printed nothing" : " did not end within two minutes") +

@@ -11,11 +11,12 @@
 namespace mm {
 namespace {
 
-constexpr std::size_t kBatch = 10000;  // trials, JCGM 101, 7.9.4
-constexpr std::size_t kAlone = 10000;  // trials of one source alone: shares to 1.4 % of themselves
-constexpr std::size_t kPart = 1000;    // trials computed in one piece
-constexpr double kTail = 0.025;        // on either side of a 95 % interval
-constexpr double kNothing = 1e-15;     // m: below it a figure is certain
+constexpr std::size_t kBatch = 10000;      // trials, JCGM 101, 7.9.4
+constexpr std::size_t kFewestBatches = 5;  // fewer do not tell their own scatter
+constexpr std::size_t kAlone = 10000;      // trials of one source alone: shares to 1.4 % of themselves
+constexpr std::size_t kPart = 1000;        // trials computed in one piece
+constexpr double kTail = 0.025;            // on either side of a 95 % interval
+constexpr double kNothing = 1e-15;         // m: below it a figure is certain
 
 /// One figure over the trials of a batch.
 struct BatchFigure {
@@ -78,7 +79,7 @@ double toleranceOf(double std, int digits) {
 /// Whether twice the standard deviations of the averages over the batches are below the tolerance (7.9.4).
 bool settled(const std::vector<Batch>& batches, std::size_t headline, int digits) {
   const auto h = static_cast<double>(batches.size());
-  if (batches.size() < 2) return false;
+  if (batches.size() < kFewestBatches) return false;
   double variance = 0.0;
   for (const Batch& b : batches) variance += b[headline].variance / h;
   if (std::sqrt(variance) < kNothing) return true;

@@ -27,7 +27,7 @@ TEST(ClosedForm, ScaleAloneMakesALengthUncertainByLengthTimesItsUncertainty) {
   c.covariance(0, 0) = std::pow(20e-6, 2);
   expectStd(uncertaintyFor("distance:-5,0,0:5,0,0", c), 10e-3 * 20e-6);
   expectStd(uncertaintyFor("distance:-15,1,2:15,1,2", c), 30e-3 * 20e-6);
-  EXPECT_EQ(uncertaintyFor("distance:3,-5,0:3,5,0", c).quantities[0].std, 0.0);
+  EXPECT_LT(uncertaintyFor("distance:3,-5,0:3,5,0", c).quantities[0].std, 1e-12);
   // A calibrated value changes where the machine goes, and not how well that is known.
   c.values[0].value = 300e-6;
   expectStd(uncertaintyFor("distance:-5,0,0:5,0,0", c), 10e-3 * 20e-6);
@@ -38,7 +38,7 @@ TEST(ClosedForm, SquarenessAloneActsOnADiagonal) {
   c.covariance(0, 0) = std::pow(30e-6, 2);
   // dL = c * y * dx / L
   expectStd(uncertaintyFor("distance:0,0,0:8,6,0", c), 30e-6 * 6e-3 * 0.8);
-  EXPECT_EQ(uncertaintyFor("distance:0,0,0:0,0,6", c).quantities[0].std, 0.0);
+  EXPECT_LT(uncertaintyFor("distance:0,0,0:0,0,6", c).quantities[0].std, 1e-12);
 }
 
 TEST(ClosedForm, WhiteProbeNoiseOnADistanceAndOnABall) {
@@ -57,7 +57,7 @@ TEST(ClosedForm, WhiteProbeNoiseOnADistanceAndOnABall) {
     expectStd(u, 2.0 * std::sqrt(covariance(3, 3)));
     expectStd(u, std::sqrt(covariance(0, 0)), "x");
     expectStd(u, std::sqrt(covariance(2, 2)), "z");
-    EXPECT_NEAR(u.quantities[0].mean, 8e-3, 0.01e-6);
+    EXPECT_NEAR(u.quantities[0].mean, 8e-3, 0.03e-6);
   }
 }
 
@@ -83,7 +83,7 @@ TEST(ClosedForm, DriftBetweenTwoPointsIsWhatAnOrnsteinUhlenbeckProcessForgets) {
   const TaskUncertainty at = uncertaintyFor("position:1,2,3", c, conditions);
   EXPECT_EQ(at.quantities[at.headline].quantity.name, "x");
   expectStd(at, 0.5e-6);
-  EXPECT_EQ(quantity(at, "y").std, 0.0);
+  EXPECT_LT(quantity(at, "y").std, 1e-12);
 }
 
 TEST(ClosedForm, TheRemainderOfFarPointsIsIndependentAndOfNearOnesShared) {
@@ -191,7 +191,7 @@ TEST(Trials, AreStableInTheDigitsThatWereAskedAndDoNotDependOnThreads) {
   Threads(2).run([&] { two = taskUncertainty(*task, machine, options); });
   EXPECT_TRUE(one.stable);
   EXPECT_EQ(one.trials % 10000, 0U);
-  EXPECT_GE(one.trials, 20000U);
+  EXPECT_GE(one.trials, 50000U);
   EXPECT_EQ(one.trials, two.trials);
   EXPECT_EQ(one.quantities[0].std, two.quantities[0].std);
   EXPECT_EQ(one.quantities[0].mean, two.quantities[0].mean);

@@ -44,7 +44,7 @@ TEST(Conformity, OneLimitHasOneGuardBand) {
 TEST(Conformity, AnUncertaintyTooLargeForTheTolerance) {
   const Specification s{-1.0, 1.0};
   EXPECT_TRUE(acceptanceZone(0.50, s).exists);
-  EXPECT_NEAR(acceptanceZone(0.50, s).upper, 0.159, 0.02);  // both limits matter: less than 1 - 0.82
+  EXPECT_NEAR(acceptanceZone(0.50, s).upper, 0.103, 0.005);  // both limits matter: Phi(1.794) - Phi(-2.206)
   EXPECT_FALSE(acceptanceZone(0.52, s).exists);
   EXPECT_EQ(judge(0.0, 0.52, s), Conformity::kUndecided);
   EXPECT_EQ(judge(0.0, 2000.0, s), Conformity::kUndecided) << "a value within is never shown not to conform";

@@ -1,1 +1,1 @@
-set(uncertainty_test_dependencies workflow simulation report compensation)
+set(uncertainty_test_dependencies workflow simulation compensation)
