@@ -218,7 +218,7 @@ TEST(Task, AParameterThatIsNotDeterminedIsRefusedByName) {
     uncertaintyFor("distance:0,0,0:10,0,0", c);
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("'s' has no finite standard uncertainty"), std::string::npos)
+    EXPECT_NE(std::string(e.what()).find("'scale' has no finite standard uncertainty"), std::string::npos)
         << e.what();
   }
 }
