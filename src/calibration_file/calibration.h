@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,17 @@ struct Wandering {
   std::string direction;      // a joint, or x, y, z of workpiece
   double std = 0.0;           // m (rad for a rotary joint)
   double timeConstant = 0.0;  // s
+};
+
+/// The artifact by which a machine was calibrated, as its file stated it. SI units.
+struct CalibratedBy {
+  std::string name;
+  std::int64_t features = 0;  // balls and points; 0: an independent instrument, or not told
+  bool poseKnown = true;
+  double tipRadius = 0.0;  // m
+  double span = 0.0;       // m, largest distance of two features of known position; 0: fewer than two
+  double centreStd = 0.0;  // m, largest standard uncertainty of a known position; 0: taken as exact
+  double radiusStd = 0.0;  // m, largest of a ball's radius; 0: taken as exact
 };
 
 /// A calibration: the model, its parameters and where it holds. Complete in itself (the URDF is inside). SI
@@ -55,6 +67,7 @@ struct Calibration {
   std::vector<Wandering>
       drift;  // what the session showed beside white noise; the corrected point may be off by it
 
+  std::optional<CalibratedBy> artifact;  // empty: the file does not tell
   std::string sessionSource;
   std::string sessionHash;
   /// Namespace of the nodes that measured ("/m1"); empty: not measured by nodes (imported, simulated).
@@ -68,6 +81,7 @@ struct Calibration {
   double rms = 0, heldOutRms = 0;                // m; NaN: no residuals in m
   double rmsAngular = 0, heldOutRmsAngular = 0;  // rad; NaN: no angular residuals
   double chi2PerDof = 0;
+  double degreesOfFreedom = 0;    // of the residuals; 0: the file does not tell
   double repeatability = 0;       // m (or rad), as used
   std::string repeatabilityFrom;  // declared, repeated or estimated
   std::vector<LedgerEntry> ledger;

@@ -143,6 +143,21 @@ void readDrift(const YamlMapping& root, std::vector<Wandering>& drift) {
   }
 }
 
+void readArtifact(const YamlMapping& root, Calibration& c) {
+  if (!root.has("artifact")) return;  // written before it was told
+  const YamlMapping keys = root.map("artifact");
+  CalibratedBy a;
+  a.name = keys.storedText("name");
+  a.features = integer<std::int64_t>(keys, "features");
+  a.poseKnown = keys.flag("pose_known");
+  a.tipRadius = keys.stored("tip_radius_m");
+  a.span = keys.stored("span_m");
+  a.centreStd = keys.stored("centre_std_m");
+  a.radiusStd = keys.stored("radius_std_m");
+  keys.finish();
+  c.artifact = a;
+}
+
 void readLedger(const YamlMapping& root, std::vector<LedgerEntry>& ledger) {
   const std::vector<YAML::Node> entries = root.list("ledger");
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -192,10 +207,12 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   c.rmsAngular = residuals.stored("rms_rad");
   c.heldOutRmsAngular = residuals.stored("held_out_rms_rad");
   c.chi2PerDof = residuals.stored("chi2_per_dof");
+  if (residuals.has("degrees_of_freedom")) c.degreesOfFreedom = residuals.stored("degrees_of_freedom");
   c.repeatability = residuals.stored("repeatability_si");
   c.repeatabilityFrom = residuals.storedText("repeatability_from");
   residuals.finish();
   readDrift(root, c.drift);
+  readArtifact(root, c);
   readLedger(root, c.ledger);
   c.urdf = root.storedText("urdf");
   root.finish();

@@ -158,6 +158,18 @@ void domain(YAML::Emitter& out, const Domain& d, const std::vector<LearnedNetwor
   out << EndMap;
 }
 
+void artifact(YAML::Emitter& out, const CalibratedBy& a) {
+  out << Key << "artifact" << Value << BeginMap;
+  text(out, "name", a.name);
+  out << Key << "features" << Value << std::to_string(a.features);
+  out << Key << "pose_known" << Value << a.poseKnown;
+  number(out, "tip_radius_m", a.tipRadius);
+  number(out, "span_m", a.span);
+  number(out, "centre_std_m", a.centreStd);
+  number(out, "radius_std_m", a.radiusStd);
+  out << EndMap;
+}
+
 void ledger(YAML::Emitter& out, const std::vector<LedgerEntry>& entries) {
   out << Key << "ledger" << Value << BeginSeq;
   for (const LedgerEntry& entry : entries) {
@@ -219,6 +231,7 @@ std::string content(const Calibration& c) {
   number(out, "rms_rad", c.rmsAngular);
   number(out, "held_out_rms_rad", c.heldOutRmsAngular);
   number(out, "chi2_per_dof", c.chi2PerDof);
+  if (c.degreesOfFreedom > 0.0) number(out, "degrees_of_freedom", c.degreesOfFreedom);
   number(out, "repeatability_si", c.repeatability);
   text(out, "repeatability_from", c.repeatabilityFrom);
   out << EndMap;
@@ -233,6 +246,7 @@ std::string content(const Calibration& c) {
     }
     out << EndSeq;
   }
+  if (c.artifact) artifact(out, *c.artifact);
   ledger(out, c.ledger);
   const bool literal = c.urdf.size() > 1 && c.urdf.front() == '<' && c.urdf.back() == '\n' &&
                        c.urdf[c.urdf.size() - 2] != '\n' && c.urdf.find_first_of("\r\t") == std::string::npos;

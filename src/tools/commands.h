@@ -23,6 +23,8 @@ void addRemoveCommand(CLI::App& app, int& exitStatus);
 void addUpdateCommand(CLI::App& app, int& exitStatus);
 void addReportCommand(CLI::App& app, int& exitStatus);
 void addApplyCommand(CLI::App& app, int& exitStatus);
+void addUncertaintyCommand(CLI::App& app, int& exitStatus);
+void addCertificateCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);
 void addPromoteCommand(CLI::App& app, int& exitStatus);
 void addRollbackCommand(CLI::App& app, int& exitStatus);

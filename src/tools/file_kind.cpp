@@ -22,6 +22,16 @@ std::string beginningOf(const fs::path& file) {
   return text;
 }
 
+std::string endOf(const fs::path& file) {
+  constexpr std::streamoff kEnough = 512;
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  in.seekg(std::max<std::streamoff>(0, size - kEnough));
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// The keys at the outermost level of a YAML text, found without its parser: the text may be cut.
@@ -67,10 +77,13 @@ FileKind kindOf(const fs::path& file) {
   if (fs::file_size(file, error) == 0 && !error) return FileKind::kNothing;
   const std::string text = beginningOf(file);
   if (startsWith(text, "#ROSBAG")) return FileKind::kBag;
+  if (startsWith(text, "%PDF-"))
+    return holds(endOf(file), "%mm-certificate: ") ? FileKind::kCertificate : FileKind::kOther;
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos || holds(text, std::string(1, '\0'))) return FileKind::kOther;
   if (text[first] == '<') {
     if (holds(text, "measuring machine report</title>")) return FileKind::kPage;
+    if (holds(text, "measuring machine certificate</title>")) return FileKind::kCertificate;
     if (holds(text, "<robot")) return FileKind::kMachine;
     return holds(text, "<svg") ? FileKind::kPicture : FileKind::kOther;
   }
@@ -93,6 +106,8 @@ std::string nameOf(FileKind kind) {
       return "a calibration";
     case FileKind::kPage:
       return "a report page";
+    case FileKind::kCertificate:
+      return "a certificate";
     case FileKind::kPicture:
       return "a picture (SVG)";
     case FileKind::kMachine:

@@ -11,6 +11,7 @@ enum class FileKind {
   kBag,          // a session
   kCalibration,  // also a damaged one
   kPage,         // of mm report
+  kCertificate,  // PDF or page
   kPicture,      // SVG
   kMachine,      // URDF
   kModel,

@@ -103,6 +103,8 @@ int run(int argc, char** argv) {
   mm::addUpdateCommand(app, exitStatus);
   mm::addReportCommand(app, exitStatus);
   mm::addApplyCommand(app, exitStatus);
+  mm::addUncertaintyCommand(app, exitStatus);
+  mm::addCertificateCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);

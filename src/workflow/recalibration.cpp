@@ -77,6 +77,22 @@ Recalibration refit(const Session& session, const Calibration& calibration,
   return done;
 }
 
+CalibratedBy calibratedBy(const Artifact& artifact) {
+  CalibratedBy by;
+  by.name = artifact.name;
+  by.features = static_cast<std::int64_t>(artifact.features.size());
+  by.poseKnown = artifact.poseKnown;
+  by.tipRadius = artifact.tipRadius;
+  for (const Feature& f : artifact.features) {
+    by.radiusStd = std::max(by.radiusStd, f.radiusStd);
+    if (!f.known) continue;
+    by.centreStd = std::max(by.centreStd, f.positionStd);
+    for (const Feature& g : artifact.features)
+      if (g.known) by.span = std::max(by.span, (f.position - g.position).norm());
+  }
+  return by;
+}
+
 std::string namesOf(const std::vector<Joint>& joints) {
   std::string text;
   for (const Joint& j : joints) text += (text.empty() ? "" : ", ") + j.name;
@@ -145,6 +161,7 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
   for (const Drift& d : result.drift)
     if (d.direction != "approach")
       c.drift.push_back({d.direction, d.std, d.timeConstant});  // that is the contact's
+  c.artifact = calibratedBy(session.artifact);
   c.sessionSource = session.source;
   c.sessionHash = sessionHash(session);
   c.method = nameOf(result.method);
@@ -155,6 +172,7 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
   c.rmsAngular = result.figures.rmsAngular;
   c.heldOutRmsAngular = result.figures.heldOutRmsAngular;
   c.chi2PerDof = result.figures.chi2PerDof;
+  c.degreesOfFreedom = result.figures.degreesOfFreedom;
   c.repeatability = result.repeatability;
   c.repeatabilityFrom = result.repeatabilityFrom;
   return c;

@@ -64,6 +64,8 @@ inline Calibration exampleCalibration(double rms = 0.31e-6) {
   c.rmsAngular = std::numeric_limits<double>::quiet_NaN();
   c.heldOutRmsAngular = std::numeric_limits<double>::quiet_NaN();
   c.chi2PerDof = 1.02;
+  c.degreesOfFreedom = 16289;
+  c.artifact = CalibratedBy{"plate: \"no. 7\"", 9, false, 1e-3, 0.1 + 0.2, 2e-7, 1e-7};
   c.repeatability = 0.3e-6;
   c.repeatabilityFrom = "declared";
   LedgerEntry first;

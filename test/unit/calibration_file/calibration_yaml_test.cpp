@@ -107,10 +107,30 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
     EXPECT_EQ(r.values[i].fixed, c.values[i].fixed);
   }
   EXPECT_TRUE(std::isnan(r.rmsAngular));
+  EXPECT_EQ(r.degreesOfFreedom, c.degreesOfFreedom);
+  ASSERT_TRUE(r.artifact.has_value());
+  EXPECT_EQ(r.artifact->name, c.artifact->name);
+  EXPECT_EQ(r.artifact->features, 9);
+  EXPECT_FALSE(r.artifact->poseKnown);
+  EXPECT_TRUE(sameBits(r.artifact->span, c.artifact->span));
+  EXPECT_EQ(r.artifact->centreStd, c.artifact->centreStd);
+  EXPECT_EQ(r.artifact->radiusStd, c.artifact->radiusStd);
   ASSERT_EQ(r.ledger.size(), 2u);
   EXPECT_EQ(r.ledger[1].effect, c.effects[1]);
   EXPECT_TRUE(r.ledger[0].effect.type.empty());
   EXPECT_EQ(r.ledger[1].calibration, c.ledger[1].calibration);
+}
+
+TEST(CalibrationYaml, readsFilesThatDoNotTellArtifactAndDegreesOfFreedom) {
+  Calibration c = test::exampleCalibration();
+  c.artifact.reset();
+  c.degreesOfFreedom = 0;
+  const std::string text = calibrationYaml(c);
+  EXPECT_EQ(text.find("artifact:"), std::string::npos);
+  EXPECT_EQ(text.find("degrees_of_freedom"), std::string::npos);
+  const Calibration r = parseCalibration(text, "c.yaml");
+  EXPECT_FALSE(r.artifact.has_value());
+  EXPECT_EQ(r.degreesOfFreedom, 0.0);
 }
 
 TEST(CalibrationYaml, readsAnEffectByItsOlderName) {

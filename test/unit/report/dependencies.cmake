@@ -1,1 +1,1 @@
-set(report_test_dependencies workflow design model nlohmann_json::nlohmann_json)
+set(report_test_dependencies uncertainty compensation workflow design model nlohmann_json::nlohmann_json)

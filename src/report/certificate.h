@@ -1,0 +1,61 @@
+#pragma once
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+#include "report/report_positioning.h"
+#include "session/session.h"
+#include "uncertainty/task_verdict.h"
+
+namespace mm {
+
+/// What no file knows: said by whoever issues the certificate. Empty: not stated.
+struct CertificateFacts {
+  std::string serial, operatorName, customer, place, traceability, remark;
+  std::string issued;  // ISO 8601, UTC; empty: now
+};
+
+/// A task that the certificate states, with its decisions.
+struct CertifiedTask {
+  TaskUncertainty result;
+  std::vector<TaskVerdict> verdicts;
+};
+
+/// How far the calibrated machine is off its scale along one axis, the others in the middle of their ranges.
+struct CorrectionCurve {
+  std::string axis, unit;                             // unit of `at`
+  std::vector<double> at;                             // mm or deg
+  std::vector<Eigen::Vector3d> correction, expanded;  // um, workpiece; expanded: k = 2
+};
+
+/// The calibration held against a session.
+struct CertifiedSession {
+  std::string path;
+  bool sameSession = false;  // by which it was calibrated
+  std::int64_t observations = 0;
+  double uncorrected = kNotMeasured, corrected = kNotMeasured;  // RMS, m (rad where `angular`)
+  bool angular = false;
+  std::vector<AxisPositioning> positioning;
+};
+
+/// Everything that stands on a certificate.
+struct Certificate {
+  Calibration calibration;
+  std::string serial;  // of the facts, else of the URDF
+  CertificateFacts facts;
+  std::vector<CertifiedTask> tasks;
+  std::vector<CorrectionCurve> curves;
+  std::optional<CertifiedSession> session;
+};
+
+/// Curves of the correction over each axis that was calibrated over a range; none where an input is not
+/// known.
+std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration);
+
+/// The page: one HTML file without script or links, laid out for A4. Names from users' files are data, never
+/// markup.
+std::string certificatePage(const Certificate& certificate);
+
+}  // namespace mm

@@ -1,0 +1,179 @@
+#include "report/certificate_plots.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "report/report_page.h"
+
+namespace mm {
+namespace {
+
+constexpr double kPlotWidth = 520.0, kPlotHeight = 210.0, kPlotLeft = 58.0, kPlotRight = 12.0,
+                 kPlotTop = 24.0, kPlotBottom = 38.0;
+constexpr const char* kColours[] = {"#1f5fa8", "#c1571a", "#2d7d46", "#7a3f98"};
+
+/// A range with ends on round numbers, and the step between its marks.
+struct PlotScale {
+  double low = 0.0, high = 1.0, step = 0.5;
+};
+
+PlotScale scaleOf(double low, double high) {
+  PlotScale s;
+  if (!(high > low)) {
+    const double half = std::max(1e-3, 0.1 * std::abs(low));
+    low -= half;
+    high += half;
+  }
+  const double raw = (high - low) / 5.0, power = std::pow(10.0, std::floor(std::log10(raw)));
+  s.step = power * (raw / power < 1.5 ? 1.0 : raw / power < 3.5 ? 2.0 : raw / power < 7.5 ? 5.0 : 10.0);
+  s.low = s.step * std::floor(low / s.step + 1e-9);
+  s.high = s.step * std::ceil(high / s.step - 1e-9);
+  return s;
+}
+
+struct PlotFrame {
+  PlotScale x, y;
+  double px(double v) const {
+    return kPlotLeft + (v - x.low) / (x.high - x.low) * (kPlotWidth - kPlotLeft - kPlotRight);
+  }
+  double py(double v) const {
+    return kPlotHeight - kPlotBottom -
+           (v - y.low) / (y.high - y.low) * (kPlotHeight - kPlotTop - kPlotBottom);
+  }
+};
+
+std::string markText(double v, double step) {
+  const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
+  return format("%.*f", digits, std::abs(v) < 1e-9 * step ? 0.0 : v);
+}
+
+std::string grid(const PlotFrame& f) {
+  std::string svg;
+  for (double v = f.y.low; v <= f.y.high + 0.5 * f.y.step; v += f.y.step)
+    svg +=
+        format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"%s\"/>", kPlotLeft,
+               kPlotWidth - kPlotRight, f.py(v), f.py(v), std::abs(v) < 1e-9 * f.y.step ? "zero" : "grid") +
+        format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kPlotLeft - 6, f.py(v) + 4) +
+        markText(v, f.y.step) + "</text>";
+  for (double v = f.x.low; v <= f.x.high + 0.5 * f.x.step; v += f.x.step)
+    svg += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", f.px(v), f.px(v),
+                  kPlotTop, kPlotHeight - kPlotBottom) +
+           format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", f.px(v),
+                  kPlotHeight - kPlotBottom + 15) +
+           markText(v, f.x.step) + "</text>";
+  return svg;
+}
+
+std::string curveOf(const PlotFrame& f, const PlotSeries& s) {
+  std::string svg;
+  if (!s.band.empty()) {
+    std::string outline;
+    for (std::size_t i = 0; i < s.x.size(); ++i)
+      outline += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i] + s.band[i]));
+    for (std::size_t i = s.x.size(); i-- > 0;)
+      outline += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i] - s.band[i]));
+    svg += "<polygon points=\"" + outline + "\" fill=\"" + s.colour + "\" opacity=\"0.18\"/>";
+  }
+  if (s.points) {
+    for (std::size_t i = 0; i < s.x.size(); ++i)
+      svg += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.6\" fill=\"%s\"/>", f.px(s.x[i]), f.py(s.y[i]),
+                    s.colour.c_str());
+    return svg;
+  }
+  std::string line;
+  for (std::size_t i = 0; i < s.x.size(); ++i) line += format("%.1f,%.1f ", f.px(s.x[i]), f.py(s.y[i]));
+  return svg + "<polyline points=\"" + line + "\" fill=\"none\" stroke=\"" + s.colour +
+         "\" stroke-width=\"1.8\"/>";
+}
+
+}  // namespace
+
+std::string svgPlot(const std::string& x, const std::string& y, const std::vector<PlotSeries>& series,
+                    bool fromZero) {
+  double lowX = 1e300, highX = -1e300, lowY = 1e300, highY = -1e300;
+  for (const PlotSeries& s : series)
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      const double band = s.band.empty() ? 0.0 : s.band[i];
+      lowX = std::min(lowX, s.x[i]);
+      highX = std::max(highX, s.x[i]);
+      lowY = std::min(lowY, s.y[i] - band);
+      highY = std::max(highY, s.y[i] + band);
+    }
+  if (fromZero) lowX = std::min(lowX, 0.0), lowY = std::min(lowY, 0.0);
+  if (!(highX >= lowX) || !std::isfinite(lowY) || !std::isfinite(highY)) return {};
+  const PlotFrame f{scaleOf(lowX, highX), scaleOf(lowY, highY)};
+  std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\">", kPlotWidth, kPlotHeight) + grid(f);
+  double at = kPlotLeft;
+  for (const PlotSeries& s : series) {
+    svg += curveOf(f, s);
+    if (series.size() < 2) continue;
+    svg += format("<rect x=\"%.1f\" y=\"6\" width=\"14\" height=\"4\" fill=\"%s\"/>", at, s.colour.c_str()) +
+           format("<text x=\"%.1f\" y=\"12\">", at + 19) + escapedHtml(s.name) + "</text>";
+    at += 40.0 + 6.4 * static_cast<double>(s.name.size());
+  }
+  svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">",
+                0.5 * (kPlotLeft + kPlotWidth - kPlotRight), kPlotHeight - 6.0) +
+         escapedHtml(x) + "</text>";
+  svg += format("<text transform=\"translate(13 %.1f) rotate(-90)\" text-anchor=\"middle\">",
+                0.5 * (kPlotTop + kPlotHeight - kPlotBottom)) +
+         escapedHtml(y) + "</text></svg>";
+  return svg;
+}
+
+std::string correctionPlot(const CorrectionCurve& curve) {
+  std::vector<PlotSeries> series;
+  for (int k = 0; k < 3; ++k) {
+    PlotSeries s;
+    s.name = std::string("in ") + "xyz"[k];
+    s.colour = kColours[k];
+    s.x = curve.at;
+    for (std::size_t i = 0; i < curve.at.size(); ++i) {
+      s.y.push_back(curve.correction[i][k]);
+      s.band.push_back(curve.expanded[i][k]);
+    }
+    series.push_back(std::move(s));
+  }
+  return svgPlot(curve.axis + ", " + curve.unit, "correction, µm", series);
+}
+
+std::string lengthsPlot(const TaskUncertainty& lengths) {
+  PlotSeries test{"|E| + U of a length", kColours[0], {}, {}, {}, true},
+      line{"A + L/K", kColours[1], {0.0}, {}, {}, false};
+  const std::vector<TestLength> each = testLengthsOf(lengths);
+  for (const TestLength& l : each) {
+    test.x.push_back(l.length);
+    test.y.push_back(std::abs(l.error) + 2.0 * l.std);
+  }
+  if (each.empty()) return {};
+  const PermissibleError least = permissibleFor(each);
+  line.x.push_back(*std::max_element(test.x.begin(), test.x.end()));
+  for (const double x : line.x) line.y.push_back(least.at(x));
+  return svgPlot("length, mm", "µm", {test, line}, true);
+}
+
+std::string historyPlot(const std::vector<LedgerEntry>& ledger) {
+  PlotSeries held{"RMS at measurements not used by the fit", kColours[0], {}, {}, {}, false},
+      fitted{"RMS of the fit", kColours[2], {}, {}, {}, false};
+  const auto add = [](PlotSeries& s, double step, double value) {
+    if (!std::isfinite(value)) return;
+    s.x.push_back(step);
+    s.y.push_back(value / kMicrometre);
+  };
+  for (std::size_t i = 0; i < ledger.size(); ++i) {
+    if (i == 0) {
+      add(held, 0.0, ledger[i].heldOutBefore);
+      add(fitted, 0.0, ledger[i].rmsBefore);
+    }
+    add(held, static_cast<double>(i + 1), ledger[i].heldOutAfter);
+    add(fitted, static_cast<double>(i + 1), ledger[i].rmsAfter);
+  }
+  if (held.x.size() < 2 && fitted.x.size() < 2) return {};
+  std::vector<PlotSeries> series;
+  for (PlotSeries* s : {&held, &fitted})
+    if (s->x.size() >= 2) series.push_back(std::move(*s));
+  return svgPlot("step of the calibration", "µm", series, true);
+}
+
+}  // namespace mm

@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/certificate.h"
+
+namespace mm {
+
+// Pictures of the certificate, as inline SVG: for the screen and for paper.
+
+/// A curve of a plot, with a band about it.
+struct PlotSeries {
+  std::string name, colour;
+  std::vector<double> x, y, band;  // band: half width at each point; empty: none
+  bool points = false;             // marks instead of a line
+};
+
+/// @param x, y labels of the axes with their units. @param fromZero both axes show zero. @return empty:
+/// nothing to draw.
+std::string svgPlot(const std::string& x, const std::string& y, const std::vector<PlotSeries>& series,
+                    bool fromZero = false);
+
+/// Correction over one axis: three components with their expanded uncertainty.
+std::string correctionPlot(const CorrectionCurve& curve);
+/// Expanded uncertainty of each length of a test over its length, and the line A + L/K above them.
+std::string lengthsPlot(const TaskUncertainty& lengths);
+/// RMS after each step of the calibration.
+std::string historyPlot(const std::vector<LedgerEntry>& ledger);
+
+}  // namespace mm

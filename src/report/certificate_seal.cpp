@@ -1,0 +1,64 @@
+#include "report/certificate_seal.h"
+
+#include <openssl/evp.h>
+
+#include <array>
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace mm {
+namespace {
+
+constexpr const char* kSealMark = "mm-certificate: calibration ";
+constexpr const char* kDigestMark = " sha256 ";
+constexpr std::size_t kDigestLength = 64;
+
+}  // namespace
+
+std::string sha256Of(const std::string& bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
+    throw Error("SHA-256 is not available in this system's OpenSSL");
+  std::string text;
+  for (unsigned int i = 0; i < size; ++i) {
+    text += "0123456789abcdef"[digest[i] >> 4];
+    text += "0123456789abcdef"[digest[i] & 15];
+  }
+  return text;
+}
+
+std::string sealedCertificate(const std::string& content, const std::string& calibration) {
+  const bool pdf = startsWith(content, "%PDF-");
+  std::string sealed = content;
+  if (sealed.empty() || sealed.back() != '\n') sealed += '\n';
+  sealed += std::string(pdf ? "%" : "<!-- ") + kSealMark + calibration + kDigestMark;
+  // of all that stands before the digest, the calibration's id too
+  return sealed + sha256Of(sealed) + (pdf ? "\n" : " -->\n");
+}
+
+CertificateSeal checkCertificate(const std::string& content, const std::string& source) {
+  const std::size_t mark = content.rfind(kSealMark), digest = content.rfind(kDigestMark);
+  if (mark == std::string::npos || digest == std::string::npos || digest < mark)
+    throw InputError(source +
+                     ": has no seal of mm certificate at its end: it is another file, or was cut short");
+  CertificateSeal seal;
+  const std::size_t id = mark + std::string(kSealMark).size(),
+                    value = digest + std::string(kDigestMark).size();
+  seal.calibration = content.substr(id, digest - id);
+  seal.sha256 = content.substr(value, kDigestLength);
+  const std::string actual = sha256Of(content.substr(0, value));
+  const std::string after = content.substr(std::min(content.size(), value + kDigestLength));
+  if (seal.sha256 != actual)
+    throw InputError(source + ": was changed after it was issued: its seal says SHA-256 " +
+                     seal.sha256.substr(0, 16) + "…, the content has " + actual.substr(0, 16) +
+                     "…; ask the issuer for the original");
+  if (after != (startsWith(content, "%PDF-") ? "\n" : " -->\n"))
+    throw InputError(source +
+                     ": was changed after it was issued: something follows its seal; ask the issuer for the "
+                     "original");
+  return seal;
+}
+
+}  // namespace mm

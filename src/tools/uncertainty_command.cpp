@@ -1,0 +1,63 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "calibration_file/calibration_yaml.h"
+#include "report/uncertainty_output.h"
+#include "tools/commands.h"
+#include "tools/exit_status.h"
+#include "tools/progress_bar.h"
+#include "tools/uncertainty_options.h"
+
+namespace mm {
+namespace {
+
+struct UncertaintyCommand {
+  std::string calibration;
+  UncertaintyOptions options;
+  bool json = false;
+};
+
+void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
+  const Calibration calibration = loadCalibration(c.calibration);
+  const ToleranceAsked asked = c.options.asked();
+  TaskUncertainty result;
+  {
+    ProgressBar bar("measuring");
+    c.options.trials.progress = [&](double share) { bar.show(share, "trials"); };
+    result = taskUncertaintyOf(calibration, c.options);
+  }
+  const std::vector<TaskVerdict> verdicts = verdictsOf(result, asked);
+  if (c.json)
+    std::cout << uncertaintyJson(result, verdicts, calibration) << '\n';
+  else
+    std::cout << uncertaintyText(result, verdicts);
+  std::cout.flush();
+  for (const std::string& note : result.notes) std::cerr << "mm: note: " << note << '\n';
+  for (const std::string& why : result.outside)
+    std::cerr << "mm: warning: the calibration does not hold " << why
+              << "; the uncertainty is not known there\n";
+  for (const TaskVerdict& v : verdicts)
+    if (v.conformity != Conformity::kConforms) exitStatus = kAnswerIsNo;
+  if (!result.outside.empty()) exitStatus = kAnswerIsNo;
+}
+
+}  // namespace
+
+void addUncertaintyCommand(CLI::App& app, int& exitStatus) {
+  auto c = std::make_shared<UncertaintyCommand>();
+  CLI::App* command = app.add_subcommand(
+      "uncertainty", "How uncertain a measurement on the calibrated machine is, and by what");
+  command->add_option("calibration", c->calibration, "the calibration file")->required();
+  command->add_option("--task", c->options.task, "what is measured, see below")->required();
+  c->options.declare(*command);
+  command->add_flag("--json", c->json, "one JSON object instead of text");
+  command->footer(
+      "Tasks (mm, workpiece):\n" + taskHelp() +
+      "Machines that the calibration holds possible measure the task (GUM Supplement 1, ISO/TS 15530-4).\n"
+      "Verdicts by ISO 14253-1; where the calibration does not hold, or one is not \"conforms\": exit 1.\n"
+      "Example: mm uncertainty c.yaml --task distance:0,0,0:15,10,0 --temperature bed=21.5");
+  command->callback([c, &exitStatus] { runUncertainty(*c, exitStatus); });
+}
+
+}  // namespace mm

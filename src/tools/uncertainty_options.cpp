@@ -1,0 +1,213 @@
+#include "tools/uncertainty_options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "base/cancel_scope.h"
+#include "base/error.h"
+#include "base/number_text.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "base/units.h"
+#include "tools/bounds.h"
+#include "tools/interrupt.h"
+
+namespace mm {
+namespace {
+
+/// The two sides of `name=value`.
+std::pair<std::string, std::string> assignmentOf(const std::string& text, const char* option,
+                                                 const char* example) {
+  const std::size_t at = text.find('=');
+  if (at == std::string::npos || at == 0 || at + 1 == text.size())
+    throw InputError(std::string(option) + " '" + text + "' is not name=value; write " + example);
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+double optionNumber(const std::string& text, const std::string& option, double lower, double upper,
+                    const char* example) {
+  double value = 0.0;
+  const std::string bare(trim(text));
+  if (!parseNumber(bare, value) || !(value >= lower && value <= upper))
+    throw InputError(option + ": '" + bare + "' is not a number from " + numberText(lower) + " to " +
+                     numberText(upper) + "; write " + example);
+  return value;
+}
+
+/// "bed=21.5" or "bed=21.5+-0.2", in degC and K.
+TaskConditions::Temperature temperatureOf(const std::string& text) {
+  constexpr const char* kExample =
+      "--temperature bed=21.5 or bed=21.5+-0.2 (degC, standard uncertainty in K)";
+  const auto [sensor, value] = assignmentOf(text, "--temperature", kExample);
+  TaskConditions::Temperature t;
+  t.sensor = sensor;
+  const std::size_t at = value.find("+-");
+  t.value = optionNumber(value.substr(0, at), "--temperature " + sensor, -273.15, 1000.0, kExample);
+  if (at != std::string::npos)
+    t.std = optionNumber(value.substr(at + 2), "--temperature " + sensor, 0.0, 100.0, kExample);
+  return t;
+}
+
+std::vector<double> listOfNumbers(const std::string& text, const std::string& option, std::size_t count,
+                                  const char* example) {
+  std::vector<double> values;
+  std::size_t from = 0;
+  for (;;) {
+    const std::size_t end = text.find(',', from);
+    values.push_back(optionNumber(text.substr(from, end - from), option, -1e9, 1e9, example));
+    if (end == std::string::npos) break;
+    from = end + 1;
+  }
+  if (values.size() != count)
+    throw InputError(option + " '" + text + "' has " + std::to_string(values.size()) + " numbers, it needs " +
+                     std::to_string(count) + "; write " + example);
+  return values;
+}
+
+void declareConditions(CLI::App& command, UncertaintyOptions& c) {
+  command
+      .add_option("--temperature", c.temperatures,
+                  "sensor=degC, or sensor=degC+-K with its standard uncertainty (default: middle of the "
+                  "calibrated range); once a sensor")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--direction", c.directions,
+                  "axis=+1 or axis=-1: travel of an axis at points without a contact (default: +1)")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--joint", c.joints, "axis=deg (or mm): where an axis stands that the task does not move")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--approach", c.approach,
+                     "x,y,z: direction of approach at the points of distance and position");
+  command
+      .add_option("--points", c.points.points,
+                  "contacts on the feature, or targets of ISO 230-2 (default: as usual)")
+      ->check(wholeNumberWithin(3, 1000));
+  command
+      .add_option("--at-s", c.conditions.time,
+                  "time on the clock of the calibrated session (default: its end)")
+      ->check(numberWithin(0.0, 1e9, "s"));
+  command.add_option("--interval-s", c.conditions.interval, "from point to point, for the drift")
+      ->check(numberWithin(0.0, 1e6, "s"))
+      ->capture_default_str();
+  command.add_option("--speed-mm-s", c.speedMm, "of the approach")
+      ->check(numberWithin(0.001, 1e4, "mm/s"))
+      ->capture_default_str();
+  command
+      .add_option("--margin", c.conditions.margin,
+                  "how far beyond the calibrated range it holds, as a fraction")
+      ->check(numberWithin(0.0, 10.0))
+      ->capture_default_str();
+  command
+      .add_option("--repeatability-um", c.repeatabilityUm, "of the probe (default: that of the calibration)")
+      ->check(numberWithin(0.0, 1e6, "um"));
+  command.add_option("--artifact-scale-um-m", c.scale, "standard uncertainty of the artifact's scale, um/m")
+      ->check(numberWithin(0.0, 1e6, "um/m"));
+  command
+      .add_option("--artifact-radius-um", c.radiusUm,
+                  "standard uncertainty of the radius of the ball on which the tip was qualified")
+      ->check(numberWithin(0.0, 1e6, "um"));
+  command
+      .add_option(
+          "--remainder-length-mm", c.remainderMm,
+          "over which the unexplained remainder changes (default: a quarter of the volume's diagonal)")
+      ->check(numberWithin(0.0, 1e6, "mm"));
+}
+
+void declareDecision(CLI::App& command, UncertaintyOptions& c) {
+  command.add_option("--quantity", c.trials.quantity,
+                     "figure of the task that is asked (default: its first)");
+  command
+      .add_option("--tolerance-um", c.toleranceUm,
+                  "+- about the nominal value; of a form or a range its limit")
+      ->check(numberWithin(0.0, 1e6, "um"));
+  command.add_option("--measured-mm", c.measuredMm, "value that was found (default: as is to be expected)")
+      ->check(numberWithin(-1e6, 1e6, "mm"));
+  command.add_option("--mpe", c.mpe, "A,K: maximum permissible error A um + L/K of lengths (L in mm)");
+  command.add_option("--mpe-probing-um", c.mpeProbingUm, "maximum permissible probing error")
+      ->check(numberWithin(0.0, 1e6, "um"));
+  command.add_option("--seed", c.trials.seed, "of the random numbers")
+      ->check(anySeed())
+      ->capture_default_str();
+  command
+      .add_option("--trials", c.trials.trials,
+                  "so many (default: until the digits are stable, GUM Supplement 1, 7.9)")
+      ->check(wholeNumberWithin(100, 100000000));
+  command.add_option("--digits", c.trials.digits, "of the standard uncertainty that must be stable")
+      ->check(wholeNumberWithin(1, 2))
+      ->capture_default_str();
+  command.add_option("--threads", c.threads, "0: one a core; the result does not depend on it")
+      ->check(wholeNumberWithin(0, 1024));
+}
+
+}  // namespace
+
+void UncertaintyOptions::declare(CLI::App& command) {
+  declareConditions(command, *this);
+  declareDecision(command, *this);
+}
+
+TaskConditions UncertaintyOptions::conditionsFor(const Domain& domain) const {
+  TaskConditions given = conditions;
+  for (const std::string& text : temperatures) given.temperatures.push_back(temperatureOf(text));
+  for (const std::string& text : joints) {
+    const auto [name, value] = assignmentOf(text, "--joint", "--joint b=30 (deg, or mm of a linear axis)");
+    const int j = domain.findJoint(name);
+    const bool linear = j >= 0 && domain.joints[static_cast<std::size_t>(j)].kind == JointKind::kLinear;
+    given.positions.push_back({name, optionNumber(value, "--joint " + name, -1e5, 1e5, "--joint b=30") *
+                                         (linear ? kMillimetre : kDegree)});
+  }
+  for (const std::string& text : directions) {
+    const auto [name, value] = assignmentOf(text, "--direction", "--direction x=+1 or x=-1");
+    if (value != "+1" && value != "1" && value != "-1" && value != "+" && value != "-")
+      throw InputError("--direction " + name + ": '" + value + "' is neither +1 nor -1");
+    given.travel.push_back({name, value[0] == '-' ? -1.0 : 1.0});
+  }
+  if (!approach.empty()) {
+    constexpr const char* kExample = "--approach 0,0,-1";
+    const std::vector<double> v = listOfNumbers(approach, "--approach", 3, kExample);
+    const Eigen::Vector3d way(v[0], v[1], v[2]);
+    if (!(way.norm() > 0.0))
+      throw InputError("--approach '" + approach + "' is no direction; write " + kExample);
+    given.approach = way.normalized();
+  }
+  given.repeatability = repeatabilityUm < 0.0 ? -1.0 : repeatabilityUm * kMicrometre;
+  given.artifactScale = scale * 1e-6;
+  given.artifactRadius = radiusUm * kMicrometre;
+  given.contactSpeed = speedMm * kMillimetre;
+  if (remainderMm >= 0.0) given.remainderLength = remainderMm * kMillimetre;
+  return given;
+}
+
+ToleranceAsked UncertaintyOptions::asked() const {
+  ToleranceAsked held;
+  held.tolerance = toleranceUm * kMicrometre;
+  held.measured = measuredMm * kMillimetre;
+  held.permissibleProbing = mpeProbingUm;
+  if (mpe.empty()) return held;
+  constexpr const char* kExample = "--mpe 1.5,250 for 1.5 um + L/250 (L in mm)";
+  const std::vector<double> v = listOfNumbers(mpe, "--mpe", 2, kExample);
+  if (!(v[0] >= 0.0) || !(v[1] > 0.0))
+    throw InputError("--mpe '" + mpe + "': A must not be negative, K must be above zero; write " + kExample);
+  held.permissible = PermissibleError{};
+  held.permissible->a = v[0];
+  held.permissible->k = v[1];
+  return held;
+}
+
+TaskUncertainty taskUncertaintyOf(const Calibration& calibration, const UncertaintyOptions& options) {
+  const TaskConditions conditions = options.conditionsFor(calibration.domain);
+  const Model model(Machine(calibration.urdf, calibration.machineName), calibration.domain,
+                    calibration.effects, calibration.networks);
+  const std::unique_ptr<MeasurementTask> task = makeTask(options.task, options.points, model);
+  const VirtualMachine machine(calibration, *task, conditions);
+  TaskUncertainty result;
+  const CancelScope cancel([] { return Interrupt::asked(); });
+  Threads(options.threads).run([&] { result = taskUncertainty(*task, machine, options.trials); });
+  return result;
+}
+
+}  // namespace mm

@@ -1,0 +1,114 @@
+#include "uncertainty/fitted_feature.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+
+namespace mm {
+namespace {
+
+constexpr int kSteps = 4;  // each makes the error smaller by deviation over radius
+
+int unknownsOf(FittedFeature::Kind kind) {
+  switch (kind) {
+    case FittedFeature::Kind::kSphere:
+      return 4;  // centre, radius
+    case FittedFeature::Kind::kCircle:
+    case FittedFeature::Kind::kPlane:
+      return 3;  // centre in the plane, radius; height and two tilts
+    case FittedFeature::Kind::kLine:
+      break;
+  }
+  return 2;  // height and tilt
+}
+
+}  // namespace
+
+FittedFeature::FittedFeature(Kind kind, const Eigen::Vector3d& centre, const Eigen::Vector3d& normal,
+                             double radius, const std::vector<Eigen::Vector3d>& nominal)
+    : kind_(kind), centre_(centre), normal_(normal), radius_(radius) {
+  const Eigen::Vector3d first = normal_.unitOrthogonal(), second = normal_.cross(first);
+  const int unknowns = unknownsOf(kind);
+  design_.resize(static_cast<Eigen::Index>(nominal.size()), unknowns);
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();  // of a line
+  if (kind == Kind::kLine && nominal.size() > 1) along = (nominal.back() - nominal.front()).normalized();
+  double reach = radius_;
+  for (const Eigen::Vector3d& p : nominal) reach = std::max(reach, (p - centre_).norm());
+  for (std::size_t i = 0; i < nominal.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d from = nominal[i] - centre_;
+    switch (kind) {
+      case Kind::kSphere:
+        design_.row(row) << from.normalized().transpose(), 1.0;
+        break;
+      case Kind::kCircle:
+        design_.row(row) << from.normalized().dot(first), from.normalized().dot(second), 1.0;
+        break;
+      case Kind::kPlane:
+        design_.row(row) << 1.0, from.dot(first) / reach, from.dot(second) / reach;
+        break;
+      case Kind::kLine:
+        design_.row(row) << 1.0, from.dot(along) / reach;
+        break;
+    }
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(design_);
+  if (design_.rows() < unknowns || qr.rank() < unknowns)
+    throw InputError("the " + std::to_string(design_.rows()) +
+                     " points do not determine the feature; it needs " + std::to_string(unknowns) +
+                     " or more, not all on one line");
+  inverse_ = design_.completeOrthogonalDecomposition().pseudoInverse();
+}
+
+double FittedFeature::deviation(const Eigen::Vector3d& measured, const Eigen::VectorXd& feature,
+                                std::size_t i) const {
+  const Eigen::Vector3d first = normal_.unitOrthogonal(), second = normal_.cross(first);
+  const Eigen::Vector3d from = measured - centre_;
+  switch (kind_) {
+    case Kind::kSphere:
+      return (from - feature.head<3>()).norm() - radius_ - feature[3];
+    case Kind::kCircle:
+      return std::hypot(from.dot(first) - feature[0], from.dot(second) - feature[1]) - radius_ - feature[2];
+    case Kind::kPlane:
+    case Kind::kLine:
+      break;
+  }
+  return from.dot(normal_) - design_.row(static_cast<Eigen::Index>(i)).dot(feature);
+}
+
+FittedFeature::Found FittedFeature::fit(const std::vector<Eigen::Vector3d>& measured,
+                                        std::size_t first) const {
+  const auto count = static_cast<std::size_t>(design_.rows());
+  Eigen::VectorXd feature = Eigen::VectorXd::Zero(design_.cols()), left(design_.rows());
+  const bool linear = kind_ == Kind::kPlane || kind_ == Kind::kLine;
+  for (int step = 0;; ++step) {
+    for (std::size_t i = 0; i < count; ++i)
+      left[static_cast<Eigen::Index>(i)] = deviation(measured[first + i], feature, i);
+    if (step == (linear ? 1 : kSteps)) break;
+    feature += inverse_ * left;
+  }
+  Found found;
+  found.form = left.maxCoeff() - left.minCoeff();
+  switch (kind_) {
+    case Kind::kSphere:
+      found.centre = feature.head<3>();
+      found.radius = feature[3];
+      break;
+    case Kind::kCircle:
+      found.centre =
+          feature[0] * normal_.unitOrthogonal() + feature[1] * normal_.cross(normal_.unitOrthogonal());
+      found.radius = feature[2];
+      break;
+    case Kind::kPlane:
+    case Kind::kLine:
+      found.centre = feature[0] * normal_;
+      break;
+  }
+  return found;
+}
+
+}  // namespace mm

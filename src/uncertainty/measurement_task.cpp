@@ -1,0 +1,289 @@
+#include "uncertainty/measurement_task.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/nearest_name.h"
+#include "base/number_text.h"
+#include "base/text.h"
+#include "base/units.h"
+#include "uncertainty/fitted_feature.h"
+#include "uncertainty/task_shapes.h"
+
+namespace mm {
+namespace {
+
+constexpr double kLargest = 1e5;        // mm: no machine measures farther
+constexpr double kShortestTask = 1e-6;  // mm
+constexpr int kBallContacts = 25, kRingContacts = 24, kSquareContacts = 25, kLineContacts = 15;
+constexpr const char* kTaskWords[] = {"distance", "position", "ball",         "circle",     "roundness",
+                                      "plane",    "flatness", "straightness", "iso10360-2", "iso230-2"};
+
+class DistanceTask : public MeasurementTask {
+ public:
+  DistanceTask(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    points_ = {{a, {0, 0, 0}, -1, 0.0}, {b, {0, 0, 0}, -1, 0.0}};
+    quantities_ = {{"distance", (b - a).norm(), false, (b - a).norm()}};
+  }
+  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
+    values[0] = (measured[1] - measured[0]).norm();
+  }
+};
+
+class PositionTask : public MeasurementTask {
+ public:
+  explicit PositionTask(const Eigen::Vector3d& at) {
+    points_ = {{at, {0, 0, 0}, -1, 0.0}};
+    for (int k = 0; k < 3; ++k) quantities_.push_back({std::string(1, "xyz"[k]), at[k], false, 0.0});
+  }
+  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
+    for (int k = 0; k < 3; ++k) values[k] = measured[0][k];
+  }
+};
+
+/// A ball or a ring: diameter, centre, form.
+class RoundTask : public MeasurementTask {
+ public:
+  RoundTask(FittedFeature::Kind kind, const Eigen::Vector3d& centre, const Eigen::Vector3d& normal,
+            double radius, std::vector<TaskPoint> points)
+      : centre_(centre), radius_(radius), fit_(kind, centre, normal, radius, placesOf(points)) {
+    points_ = std::move(points);
+    quantities_ = {{"diameter", 2.0 * radius, false, 2.0 * radius}};
+    for (int k = 0; k < 3; ++k) quantities_.push_back({std::string(1, "xyz"[k]), centre[k], false, 0.0});
+    quantities_.push_back({kind == FittedFeature::Kind::kSphere ? "form" : "roundness", 0.0, true, 0.0});
+    // The measured circle lies in its own plane: along the normal nothing is found.
+    for (int k = 0; k < 3; ++k)
+      found_.push_back(kind == FittedFeature::Kind::kSphere || std::abs(normal[k]) < 1.0 - 1e-9);
+    for (int k = 2; k >= 0; --k)
+      if (!found_[static_cast<std::size_t>(k)]) quantities_.erase(quantities_.begin() + 1 + k);
+  }
+  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
+    const FittedFeature::Found found = fit_.fit(measured);
+    *values++ = 2.0 * (radius_ + found.radius);
+    for (int k = 0; k < 3; ++k)
+      if (found_[static_cast<std::size_t>(k)]) *values++ = centre_[k] + found.centre[k];
+    *values = found.form;
+  }
+
+ private:
+  Eigen::Vector3d centre_;
+  double radius_;
+  FittedFeature fit_;
+  std::vector<bool> found_;
+};
+
+/// A circle, plane or line of which the form is asked first, or alone.
+class FormTask : public MeasurementTask {
+ public:
+  /// @param alone only the form is a figure of the task; else its place along the normal comes first.
+  FormTask(FittedFeature::Kind kind, const char* name, const Eigen::Vector3d& centre,
+           const Eigen::Vector3d& normal, double radius, std::vector<TaskPoint> points, bool alone)
+      : centre_(centre),
+        normal_(normal),
+        alone_(alone),
+        fit_(kind, centre, normal, radius, placesOf(points)) {
+    points_ = std::move(points);
+    if (!alone) quantities_.push_back({"place", centre.dot(normal), false, 0.0});
+    quantities_.push_back({name, 0.0, true, 0.0});
+  }
+  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
+    const FittedFeature::Found found = fit_.fit(measured);
+    if (!alone_) *values++ = (centre_ + found.centre).dot(normal_);
+    *values = found.form;
+  }
+
+ private:
+  Eigen::Vector3d centre_, normal_;
+  bool alone_;
+  FittedFeature fit_;
+};
+
+/// The text of a task, taken apart.
+class TaskReader {
+ public:
+  TaskReader(const std::string& text, const TaskOptions& options) : text_(text), options_(options) {
+    std::size_t from = 0;
+    for (std::size_t at = text.find(':'); at != std::string::npos; at = text.find(':', from)) {
+      parts_.push_back(text.substr(from, at - from));
+      from = at + 1;
+    }
+    parts_.push_back(text.substr(from));
+  }
+
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw InputError("--task '" + text_ + "': " + why + "; " + usage());
+  }
+  const std::string& word() const { return parts_.front(); }
+  /// Refuses another number of parts after the word.
+  void expect(std::size_t parts) const {
+    if (parts_.size() != parts + 1)
+      refuse("has " + std::to_string(parts_.size() - 1) + " parts after '" + word() + "', it needs " +
+             std::to_string(parts));
+  }
+  const std::string& part(std::size_t index) const { return parts_[index]; }
+
+  std::vector<double> numbers(std::size_t index, std::size_t fewest, std::size_t most) const {
+    std::vector<double> values;
+    std::size_t from = 0;
+    const std::string& part = parts_[index];
+    for (;;) {
+      const std::size_t end = part.find(',', from);
+      const std::string one(trim(std::string_view(part).substr(from, end - from)));
+      double value = 0.0;
+      if (!parseNumber(one, value) || !(std::abs(value) <= kLargest))
+        refuse("'" + one + "' is not a number from -100000 to 100000 mm");
+      values.push_back(value);
+      if (end == std::string::npos) break;
+      from = end + 1;
+    }
+    if (values.size() < fewest || values.size() > most)
+      refuse("'" + part + "' has " + std::to_string(values.size()) + " numbers, it needs " +
+             std::to_string(fewest) + (most > fewest ? " or " + std::to_string(most) : ""));
+    return values;
+  }
+  Eigen::Vector3d place(std::size_t index) const {
+    const std::vector<double> v = numbers(index, 3, 3);
+    return Eigen::Vector3d(v[0], v[1], v[2]) * kMillimetre;
+  }
+  Eigen::Vector3d direction(std::size_t index) const {
+    const std::vector<double> v = numbers(index, 3, 3);
+    const Eigen::Vector3d d(v[0], v[1], v[2]);
+    if (!(d.norm() > kShortestTask)) refuse("'" + part(index) + "' is no direction: its length is zero");
+    return d.normalized();
+  }
+  double length(double value, const char* what) const {
+    if (!(value > kShortestTask)) refuse(format("%s %.6g mm is not above zero", what, value));
+    return value * kMillimetre;
+  }
+  double lengthOf(std::size_t index, const char* what) const { return length(numbers(index, 1, 1)[0], what); }
+  void expectApart(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
+    if (!((a - b).norm() > kShortestTask * kMillimetre))
+      refuse("both points are the same: the length is zero");
+  }
+  int points(int usual, int fewest) const {
+    if (options_.points != 0 && options_.points < fewest)
+      refuse("--points " + std::to_string(options_.points) + " is fewer than the " + std::to_string(fewest) +
+             " that it takes");
+    return options_.points != 0 ? options_.points : usual;
+  }
+
+ private:
+  std::string usage() const {
+    const std::string help = taskHelp();
+    const std::size_t at = help.find("  " + word() + (word() == "iso10360-2" ? "" : ":"));
+    if (at == std::string::npos) return "a task is " + listOf({std::begin(kTaskWords), std::end(kTaskWords)});
+    const std::size_t end = help.find("  ", at + 2);
+    return "write " + help.substr(at + 2, end - at - 2) + " in mm";
+  }
+
+  std::string text_;
+  TaskOptions options_;
+  std::vector<std::string> parts_;
+};
+
+std::unique_ptr<MeasurementTask> roundTask(const TaskReader& read, const Model& model) {
+  if (read.word() == "ball") {
+    read.expect(1);
+    const std::vector<double> v = read.numbers(1, 3, 4);
+    const Eigen::Vector3d centre = Eigen::Vector3d(v[0], v[1], v[2]) * kMillimetre;
+    const double radius = v.size() == 4 ? read.length(v[3], "radius") : usualBallRadius(model.domain());
+    return std::make_unique<RoundTask>(FittedFeature::Kind::kSphere, centre, Eigen::Vector3d::UnitZ(), radius,
+                                       ballPoints(centre, radius, read.points(kBallContacts, 5)));
+  }
+  read.expect(3);
+  const Eigen::Vector3d centre = read.place(1), normal = read.direction(2);
+  const double radius = read.lengthOf(3, "radius");
+  std::vector<TaskPoint> points = ringPoints(centre, normal, radius, read.points(kRingContacts, 4));
+  if (read.word() == "circle")
+    return std::make_unique<RoundTask>(FittedFeature::Kind::kCircle, centre, normal, radius,
+                                       std::move(points));
+  return std::make_unique<FormTask>(FittedFeature::Kind::kCircle, "roundness", centre, normal, radius,
+                                    std::move(points), true);
+}
+
+std::unique_ptr<MeasurementTask> flatTask(const TaskReader& read) {
+  read.expect(3);
+  const Eigen::Vector3d centre = read.place(1);
+  if (read.word() == "straightness") {
+    const Eigen::Vector3d end = read.place(2), normal = read.direction(3);
+    read.expectApart(centre, end);
+    if (std::abs(normal.dot((end - centre).normalized())) > 0.99)
+      read.refuse("the normal '" + read.part(3) + "' lies along the line");
+    return std::make_unique<FormTask>(FittedFeature::Kind::kLine, "straightness", 0.5 * (centre + end),
+                                      normal, 0.0,
+                                      linePoints(centre, end, normal, read.points(kLineContacts, 3)), true);
+  }
+  const Eigen::Vector3d normal = read.direction(2);
+  const double side = read.lengthOf(3, "side");
+  return std::make_unique<FormTask>(FittedFeature::Kind::kPlane, "flatness", centre, normal, 0.0,
+                                    squarePoints(centre, normal, side, read.points(kSquareContacts, 4)),
+                                    read.word() == "flatness");
+}
+
+/// A task under the text by which it was asked.
+class NamedTask : public MeasurementTask {
+ public:
+  NamedTask(std::unique_ptr<MeasurementTask> task, const std::string& text) : task_(std::move(task)) {
+    text_ = text;
+    points_ = task_->points();
+    quantities_ = task_->quantities();
+  }
+  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
+    task_->evaluate(measured, values);
+  }
+
+ private:
+  std::unique_ptr<MeasurementTask> task_;
+};
+
+std::unique_ptr<MeasurementTask> unnamedTask(const TaskReader& read, const TaskOptions& options,
+                                             const Model& model) {
+  const std::string& word = read.word();
+  if (word == "distance") {
+    read.expect(2);
+    const Eigen::Vector3d a = read.place(1), b = read.place(2);
+    read.expectApart(a, b);
+    return std::make_unique<DistanceTask>(a, b);
+  }
+  if (word == "position") {
+    read.expect(1);
+    return std::make_unique<PositionTask>(read.place(1));
+  }
+  if (word == "ball" || word == "circle" || word == "roundness") return roundTask(read, model);
+  if (word == "plane" || word == "flatness" || word == "straightness") return flatTask(read);
+  if (word == "iso10360-2") {
+    read.expect(0);
+    return lengthTestTask(model);
+  }
+  if (word == "iso230-2") {
+    read.expect(1);
+    return positioningTask(read.part(1), options.points, model);
+  }
+  const std::vector<std::string> known(std::begin(kTaskWords), std::end(kTaskWords));
+  read.refuse("'" + word + "' is not a task" + didYouMean(word, known));
+}
+
+}  // namespace
+
+std::unique_ptr<MeasurementTask> makeTask(const std::string& text, const TaskOptions& options,
+                                          const Model& model) {
+  const TaskReader read(text, options);
+  return std::make_unique<NamedTask>(unnamedTask(read, options, model), text);
+}
+
+std::string taskHelp() {
+  return "  distance:x,y,z:x,y,z                 of two points\n"
+         "  position:x,y,z                       of a point\n"
+         "  ball:x,y,z[,radius]                  diameter, centre, form\n"
+         "  circle:x,y,z:nx,ny,nz:radius         diameter, centre, roundness; n is its normal\n"
+         "  roundness:x,y,z:nx,ny,nz:radius      of such a circle\n"
+         "  plane:x,y,z:nx,ny,nz:side            place along the normal, flatness; of a square\n"
+         "  flatness:x,y,z:nx,ny,nz:side         of such a square\n"
+         "  straightness:x,y,z:x,y,z:nx,ny,nz    of a line on a surface with the normal n\n"
+         "  iso10360-2                           lengths in seven positions, and a ball\n"
+         "  iso230-2:axis                        accuracy of positioning of an axis\n";
+}
+
+}  // namespace mm

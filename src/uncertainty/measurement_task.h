@@ -1,0 +1,74 @@
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+
+namespace mm {
+
+/// A place where the probe is in the course of a task. Frame: workpiece.
+struct TaskPoint {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of the tip's centre, m
+  /// Outward unit normal of the surface that is touched there; zero: the place itself, nothing is touched.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  int axis = -1;      // a joint whose direction of travel the task prescribes; -1: none
+  double side = 0.0;  // -1 or +1: that direction
+};
+
+/// Name of the probing error among the figures of ISO 10360-2.
+inline constexpr const char* kProbingForm = "probing form P";
+
+/// One figure that a task gives.
+struct TaskQuantity {
+  std::string name;       // "distance", "x", "form"
+  double nominal = 0.0;   // m, of a perfect machine and workpiece
+  bool oneSided = false;  // a figure that cannot be below its nominal value: form, range, largest error
+  double length = 0.0;    // m, of a measured length, on which a permissible error may depend; else 0
+};
+
+/// Something that is measured: where it is touched, and how its figures follow from the points found.
+/// Immutable.
+class MeasurementTask {
+ public:
+  virtual ~MeasurementTask() = default;
+
+  const std::string& text() const { return text_; }                            ///< as it was asked
+  const std::vector<TaskPoint>& points() const { return points_; }             ///< in the order of measuring
+  const std::vector<TaskQuantity>& quantities() const { return quantities_; }  ///< the first is the headline
+  /// @param measured one a point, m, workpiece. @param values one a quantity, m.
+  virtual void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const = 0;
+
+ protected:
+  std::string text_;
+  std::vector<TaskPoint> points_;
+  std::vector<TaskQuantity> quantities_;
+};
+
+struct TaskOptions {
+  int points = 0;  // that are touched on a ball, circle, plane or line; targets of ISO 230-2; 0: as usual
+};
+
+/// Makes a task from its words, lengths in mm, frame workpiece:
+///
+///     distance:x,y,z:x,y,z          of two points
+///     position:x,y,z                of one point
+///     ball:x,y,z[,radius]           diameter, centre and form; touched on its upper half
+///     circle:x,y,z:nx,ny,nz:radius  diameter, centre, roundness; of a ring about the normal n
+///     roundness:x,y,z:nx,ny,nz:radius
+///     plane:x,y,z:nx,ny,nz:side     place along the normal, flatness; of a square
+///     flatness:x,y,z:nx,ny,nz:side
+///     straightness:x,y,z:x,y,z:nx,ny,nz   of a line on a surface with the normal n
+///     iso10360-2                    105 lengths in seven positions, and a ball (ISO 10360-2, -5)
+///     iso230-2:axis                 positioning of an axis (ISO 230-2)
+///
+/// A ball whose radius is not told has that of the balls of the calibration, else 10 mm.
+/// @throw InputError naming the part of the text that is wrong, its value and what is expected.
+std::unique_ptr<MeasurementTask> makeTask(const std::string& text, const TaskOptions& options,
+                                          const Model& model);
+
+/// The words that makeTask knows, as one line a word, for a help text.
+std::string taskHelp();
+
+}  // namespace mm

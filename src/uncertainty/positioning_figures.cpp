@@ -1,0 +1,114 @@
+#include "uncertainty/positioning_figures.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mm {
+namespace {
+
+struct RunSample {
+  double sum = 0.0, squares = 0.0;
+  int count = 0;
+  void add(double value) {  // Welford
+    ++count;
+    const double delta = value - sum;
+    sum += delta / count;
+    squares += delta * (value - sum);
+  }
+  double mean() const { return count > 0 ? sum : kNotMeasured; }
+  double deviation() const { return count > 1 ? std::sqrt(squares / (count - 1)) : kNotMeasured; }
+};
+
+/// Largest and smallest of what exists.
+struct FigureRange {
+  double low = kNotMeasured, high = kNotMeasured;
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::isfinite(low) ? std::min(low, value) : value;
+    high = std::isfinite(high) ? std::max(high, value) : value;
+  }
+  double width() const { return high - low; }
+};
+
+/// The same three figures for one direction of approach.
+PositioningFigures::OneWay oneWay(const std::vector<PositioningTarget>& targets, bool forward) {
+  FigureRange means, edges, spread;
+  bool repeated = true;
+  for (const PositioningTarget& t : targets) {
+    const double mean = forward ? t.meanForward : t.meanBackward, s = forward ? t.sForward : t.sBackward;
+    means.add(mean);
+    edges.add(mean + 2.0 * s);
+    edges.add(mean - 2.0 * s);
+    spread.add(4.0 * s);
+    repeated = repeated && (forward ? t.forward : t.backward) != 1;
+  }
+  PositioningFigures::OneWay out;
+  out.systematic = means.width();
+  if (!repeated) return out;  // a single run has no standard deviation
+  out.accuracy = edges.width();
+  out.repeatability = spread.high;
+  return out;
+}
+
+PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
+  PositioningFigures f;
+  f.forward = oneWay(targets, true);
+  f.backward = oneWay(targets, false);
+  FigureRange systematic, accuracy, middle, spread;
+  double reversal = 0.0, reversals = 0.0;
+  int bidirectional = 0;
+  bool repeated = true;
+  for (const PositioningTarget& t : targets) {
+    systematic.add(t.meanForward);
+    systematic.add(t.meanBackward);
+    for (const double k : {2.0, -2.0}) {
+      accuracy.add(t.meanForward + k * t.sForward);
+      accuracy.add(t.meanBackward + k * t.sBackward);
+    }
+    spread.add(4.0 * t.sForward);
+    spread.add(4.0 * t.sBackward);
+    repeated = repeated && t.forward != 1 && t.backward != 1;
+    if (t.forward == 0 || t.backward == 0) continue;
+    const double b = t.meanForward - t.meanBackward;
+    middle.add(0.5 * (t.meanForward + t.meanBackward));
+    spread.add(2.0 * t.sForward + 2.0 * t.sBackward + std::abs(b));
+    reversal = std::max(reversal, std::abs(b));
+    reversals += b;
+    ++bidirectional;
+  }
+  f.systematic = systematic.width();
+  if (bidirectional > 0) {
+    f.meanRange = middle.width();
+    f.reversal = reversal;
+    f.meanReversal = reversals / bidirectional;
+  }
+  if (!repeated) return f;
+  f.accuracy = accuracy.width();
+  f.repeatability = spread.high;
+  return f;
+}
+
+}  // namespace
+
+PositioningTest positioningTest(std::vector<PositioningRun> runs) {
+  PositioningTest test;
+  std::stable_sort(runs.begin(), runs.end(),
+                   [](const PositioningRun& a, const PositioningRun& b) { return a.at < b.at; });
+  if (runs.empty()) return test;
+  const double tolerance = kSameTarget * (runs.back().at - runs.front().at);
+  for (std::size_t first = 0; first < runs.size();) {
+    RunSample forward, backward, place;
+    std::size_t i = first;
+    for (; i < runs.size() && runs[i].at - runs[first].at <= tolerance; ++i) {
+      (runs[i].forward ? forward : backward).add(runs[i].deviation);
+      place.add(runs[i].at);
+    }
+    test.targets.push_back({place.mean(), forward.mean(), backward.mean(), forward.deviation(),
+                            backward.deviation(), forward.count, backward.count});
+    first = i;
+  }
+  test.figures = figuresOf(test.targets);
+  return test;
+}
+
+}  // namespace mm

@@ -1,0 +1,186 @@
+#include "uncertainty/task_uncertainty.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/cancel_scope.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/parallel.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kBatch = 10000;      // trials, JCGM 101, 7.9.4
+constexpr std::size_t kFewestBatches = 5;  // fewer do not tell their own scatter
+constexpr std::size_t kAlone = 10000;      // trials of one source alone: shares to 1.4 % of themselves
+constexpr std::size_t kPart = 1000;        // trials computed in one piece
+constexpr double kTail = 0.025;            // on either side of a 95 % interval
+constexpr double kNothing = 1e-15;         // m: below it a figure is certain
+
+/// One figure over the trials of a batch.
+struct BatchFigure {
+  double mean = 0.0, variance = 0.0, lower = 0.0, upper = 0.0;
+};
+using Batch = std::vector<BatchFigure>;  // a quantity each
+
+/// The value below which a share of the sorted values lies, linear between them.
+double quantileOf(const std::vector<double>& sorted, double share) {
+  const double at = share * static_cast<double>(sorted.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const std::size_t high = std::min(low + 1, sorted.size() - 1);
+  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+}
+
+BatchFigure figureOf(std::vector<double> values, double nominal) {
+  BatchFigure f;
+  double sum = 0.0, squares = 0.0;  // about the nominal value, lest a length in m eats the digits of nm
+  for (const double v : values) sum += v - nominal;
+  const double mean = sum / static_cast<double>(values.size());
+  for (const double v : values) squares += (v - nominal - mean) * (v - nominal - mean);
+  f.mean = nominal + mean;
+  f.variance = values.size() > 1 ? squares / static_cast<double>(values.size() - 1) : 0.0;
+  std::sort(values.begin(), values.end());
+  f.lower = quantileOf(values, kTail);
+  f.upper = quantileOf(values, 1.0 - kTail);
+  return f;
+}
+
+/// Runs trials of one stream of random numbers. @param only as VirtualMachine::draw.
+Batch runBatch(const MeasurementTask& task, const VirtualMachine& machine, std::uint64_t seed,
+               const std::string& name, int only, std::size_t trials) {
+  const std::size_t quantities = task.quantities().size();
+  std::vector<std::vector<double>> values(quantities, std::vector<double>(trials));
+  parallelFor(partsOf(trials, kPart), [&](std::size_t part) {
+    CancelScope::check();
+    const Part mine = partOf(trials, kPart, part);
+    Random random(seed, name + " " + std::to_string(part));
+    VirtualMachine::Workspace work;
+    std::vector<Eigen::Vector3d> errors;
+    std::vector<double> found(quantities);
+    for (std::size_t t = mine.first; t < mine.end; ++t) {
+      machine.draw(random, only, work, errors);
+      for (std::size_t i = 0; i < errors.size(); ++i) errors[i] += task.points()[i].place;
+      task.evaluate(errors, found.data());
+      for (std::size_t q = 0; q < quantities; ++q) values[q][t] = found[q];
+    }
+  });
+  Batch batch;
+  for (std::size_t q = 0; q < quantities; ++q)
+    batch.push_back(figureOf(std::move(values[q]), task.quantities()[q].nominal));
+  return batch;
+}
+
+/// Half a unit of the last of so many significant digits (JCGM 101, 7.9.2).
+double toleranceOf(double std, int digits) {
+  return 0.5 * std::pow(10.0, std::floor(std::log10(std)) - (digits - 1));
+}
+
+/// Whether twice the standard deviations of the averages over the batches are below the tolerance (7.9.4).
+bool settled(const std::vector<Batch>& batches, std::size_t headline, int digits) {
+  const auto h = static_cast<double>(batches.size());
+  if (batches.size() < kFewestBatches) return false;
+  double variance = 0.0;
+  for (const Batch& b : batches) variance += b[headline].variance / h;
+  if (std::sqrt(variance) < kNothing) return true;
+  const double tolerance = toleranceOf(std::sqrt(variance), digits);
+  const auto scatter = [&](auto of) {
+    double mean = 0.0, squares = 0.0;
+    for (const Batch& b : batches) mean += of(b[headline]) / h;
+    for (const Batch& b : batches) squares += (of(b[headline]) - mean) * (of(b[headline]) - mean);
+    return std::sqrt(squares / (h * (h - 1.0)));
+  };
+  const double worst = std::max({scatter([](const BatchFigure& f) { return f.mean; }),
+                                 scatter([](const BatchFigure& f) { return std::sqrt(f.variance); }),
+                                 scatter([](const BatchFigure& f) { return f.lower; }),
+                                 scatter([](const BatchFigure& f) { return f.upper; })});
+  return 2.0 * worst < tolerance;
+}
+
+std::size_t headlineOf(const MeasurementTask& task, const std::string& name) {
+  std::vector<std::string> names;
+  for (const TaskQuantity& q : task.quantities()) names.push_back(q.name);
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at == names.end())
+    throw InputError("--quantity: the task has no '" + name + "'" + didYouMean(name, names) + "; it gives " +
+                     listOf(names));
+  return static_cast<std::size_t>(at - names.begin());
+}
+
+void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std::uint64_t seed,
+                TaskUncertainty& result) {
+  const std::size_t trials = task.points().size() > 60 ? kAlone / 5 : kAlone;
+  for (std::size_t s = 0; s < machine.sources().size(); ++s) {
+    const Batch alone =
+        runBatch(task, machine, seed, "alone " + std::to_string(s), static_cast<int>(s), trials);
+    for (std::size_t q = 0; q < alone.size(); ++q)
+      result.quantities[q].budget.push_back({machine.sources()[s], 0.0, std::sqrt(alone[q].variance)});
+  }
+  for (QuantityUncertainty& q : result.quantities) {
+    double sum = 0.0;
+    for (const UncertaintyShare& s : q.budget) sum += s.std * s.std;
+    if (std::sqrt(sum) < kNothing) {
+      q.budget.clear();
+      continue;
+    }
+    for (UncertaintyShare& s : q.budget) s.share = s.std * s.std / sum;
+    std::stable_sort(q.budget.begin(), q.budget.end(),
+                     [](const UncertaintyShare& a, const UncertaintyShare& b) { return a.share > b.share; });
+  }
+}
+
+}  // namespace
+
+TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachine& machine,
+                                const TrialOptions& options) {
+  TaskUncertainty result;
+  result.task = task.text();
+  result.seed = options.seed;
+  result.outside = machine.outside();
+  result.notes = machine.notes();
+  if (!options.quantity.empty()) result.headline = headlineOf(task, options.quantity);
+  const auto tell = [&](double share) {
+    if (options.progress) options.progress(share);
+  };
+  std::vector<Batch> batches;
+  if (options.trials > 0) {
+    batches.push_back(runBatch(task, machine, options.seed, "trials", -1, options.trials));
+    result.trials = options.trials;
+  } else {
+    result.digits = options.digits;
+    result.stable = false;
+    while (!result.stable && result.trials < options.most) {
+      batches.push_back(
+          runBatch(task, machine, options.seed, "batch " + std::to_string(batches.size()), -1, kBatch));
+      result.trials += kBatch;
+      result.stable = settled(batches, result.headline, options.digits);
+      tell(std::min(0.9, static_cast<double>(result.trials) / static_cast<double>(options.most)));
+    }
+  }
+  for (std::size_t q = 0; q < task.quantities().size(); ++q) {
+    QuantityUncertainty one;
+    one.quantity = task.quantities()[q];
+    const double share = 1.0 / static_cast<double>(batches.size()), nominal = one.quantity.nominal;
+    double variance = 0.0, mean = 0.0, lower = 0.0, upper = 0.0;
+    for (const Batch& b : batches) {
+      mean += share * (b[q].mean - nominal);
+      variance += share * b[q].variance;
+      lower += share * (b[q].lower - nominal);
+      upper += share * (b[q].upper - nominal);
+    }
+    one.mean = nominal + mean;
+    one.std = std::sqrt(variance);
+    one.lower = nominal + lower;
+    one.upper = nominal + upper;
+    result.quantities.push_back(std::move(one));
+  }
+  // Of a position, the coordinate that is known worst.
+  if (options.quantity.empty() && result.quantities.front().quantity.name == "x")
+    for (std::size_t q = 1; q < result.quantities.size(); ++q)
+      if (result.quantities[q].std > result.quantities[result.headline].std) result.headline = q;
+  addBudgets(task, machine, options.seed, result);
+  tell(1.0);
+  return result;
+}
+
+}  // namespace mm

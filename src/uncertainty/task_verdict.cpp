@@ -1,0 +1,93 @@
+#include "uncertainty/task_verdict.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+/// "value 0.42 um (u = 0.10 um), limit 1.2 um, acceptance to 1.04 um: conforms"
+std::string judgementInWords(const TaskVerdict& v, double nominal, bool oneSided) {
+  const auto um = [&](double value) { return format("%.3g um", (value - nominal) / kMicrometre); };
+  std::string text = v.of + ": " + nameOf(v.conformity) + "; ";
+  text += oneSided ? um(v.value) + ", limit " + um(v.limits.upper)
+                   : format("%+.3g um from nominal, tolerance +-%.3g um", (v.value - nominal) / kMicrometre,
+                            (v.limits.upper - nominal) / kMicrometre);
+  text += format(", standard uncertainty %.2g um, ", v.std / kMicrometre);
+  if (!v.acceptance.exists || (oneSided && v.acceptance.upper < nominal))
+    return text + "which is too large for this tolerance: no value would conform";
+  return text + (oneSided ? "accepted up to " : "accepted within +-") + um(v.acceptance.upper);
+}
+
+TaskVerdict judged(const QuantityUncertainty& q, double value, double tolerance) {
+  TaskVerdict v;
+  v.of = q.quantity.name;
+  v.value = value;
+  v.std = q.std;
+  v.limits.upper = q.quantity.nominal + tolerance;
+  if (!q.quantity.oneSided) v.limits.lower = q.quantity.nominal - tolerance;
+  v.conformity = judge(value, q.std, v.limits);
+  v.probability = probabilityWithin(value, q.std, v.limits);
+  v.acceptance = acceptanceZone(q.std, v.limits);
+  v.inWords = judgementInWords(v, q.quantity.nominal, q.quantity.oneSided);
+  return v;
+}
+
+/// Of all lengths the one that is nearest to failing.
+TaskVerdict judgedLengths(const TaskUncertainty& result, const PermissibleError& permissible) {
+  TaskVerdict worst;
+  worst.probability = 2.0;
+  for (const QuantityUncertainty& q : result.quantities) {
+    if (!(q.quantity.length > 0.0)) continue;
+    const TaskVerdict v = judged(q, q.mean, permissible.at(q.quantity.length / kMillimetre) * kMicrometre);
+    if (v.probability < worst.probability) worst = v;
+  }
+  worst.inWords = "MPE = " + permissible.inWords() + " (L in mm), least certain at " + worst.inWords;
+  return worst;
+}
+
+}  // namespace
+
+const QuantityUncertainty* probingOf(const TaskUncertainty& result) {
+  for (const QuantityUncertainty& q : result.quantities)
+    if (q.quantity.name == kProbingForm) return &q;
+  return nullptr;
+}
+
+std::vector<TestLength> testLengthsOf(const TaskUncertainty& result) {
+  std::vector<TestLength> lengths;
+  for (const QuantityUncertainty& q : result.quantities)
+    if (q.quantity.length > 0.0)
+      lengths.push_back({q.quantity.length / kMillimetre, (q.mean - q.quantity.nominal) / kMicrometre,
+                         q.std / kMicrometre});
+  return lengths;
+}
+
+std::vector<TaskVerdict> verdictsOf(const TaskUncertainty& result, const ToleranceAsked& asked) {
+  std::vector<TaskVerdict> verdicts;
+  const QuantityUncertainty& headline = result.quantities[result.headline];
+  if (std::isfinite(asked.measured) && !std::isfinite(asked.tolerance))
+    throw InputError("--measured-mm needs the tolerance to which it is held: --tolerance-um");
+  if (std::isfinite(asked.tolerance))
+    verdicts.push_back(
+        judged(headline, std::isfinite(asked.measured) ? asked.measured : headline.mean, asked.tolerance));
+  if (asked.permissible) {
+    if (testLengthsOf(result).empty())
+      throw InputError("--mpe is for lengths, of which --task '" + result.task +
+                       "' has none; use --task iso10360-2 or distance:…, or --tolerance-um");
+    verdicts.push_back(judgedLengths(result, *asked.permissible));
+  }
+  if (std::isfinite(asked.permissibleProbing)) {
+    const QuantityUncertainty* probing = probingOf(result);
+    if (probing == nullptr)
+      throw InputError("--mpe-probing-um: --task '" + result.task +
+                       "' has no probing error; use iso10360-2, on a machine that was calibrated with balls");
+    verdicts.push_back(judged(*probing, probing->mean, asked.permissibleProbing * kMicrometre));
+  }
+  return verdicts;
+}
+
+}  // namespace mm

@@ -1,0 +1,114 @@
+#include "uncertainty/virtual_machine.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+constexpr double kSmoothShare = 0.5;  // of the remainder's variance: from place to place; the rest: at random
+
+}  // namespace
+
+void VirtualMachine::add(std::string name, Source source) {
+  names_.push_back(std::move(name));
+  sources_.push_back(std::move(source));
+}
+
+Eigen::Vector3d VirtualMachine::seen(const Point& point, const double* parameters,
+                                     Model::Workspace& work) const {
+  const Model& model = compensator_.model();
+  const Eigen::Vector3d at = model.corrected(point.state, parameters, work).position;
+  const double distance = work.errors[static_cast<std::size_t>(model.machine().layout().distance())];
+  return at - distance * point.normal;
+}
+
+void VirtualMachine::drawParameters(Random& random, int only, Workspace& work,
+                                    std::vector<Eigen::Vector3d>& errors) const {
+  work.normal.resize(values_.size());
+  for (Eigen::Index k = 0; k < values_.size(); ++k) {
+    const int source = sourceOf_[static_cast<std::size_t>(k)];
+    const bool acts = source >= 0 && (only < 0 || only == source);
+    work.normal[k] = acts ? random.normal() : 0.0;
+  }
+  work.shift.noalias() = root_ * work.normal;
+  if (freedoms_ > 0.0) {
+    const double u = std::clamp(random.uniform(), 1e-15, 1.0 - 1e-15);
+    work.shift *= std::sqrt(freedoms_ / boost::math::quantile(boost::math::chi_squared(freedoms_), u));
+  }
+  if (linear_) {
+    for (std::size_t i = 0; i < points_.size(); ++i) errors[i] -= points_[i].byParameter * work.shift;
+    return;
+  }
+  work.parameters = values_ + work.shift;
+  const Model& model = compensator_.model();
+  for (int k = 0; k < model.parameterCount(); ++k)
+    work.parameters[k] =
+        std::clamp(work.parameters[k], model.parameter(k).minimum, model.parameter(k).maximum);
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    errors[i] += points_[i].calibrated - seen(points_[i], work.parameters.data(), work.model);
+}
+
+void VirtualMachine::drawRemainder(const Source& source, Random& random, Workspace& work,
+                                   std::vector<Eigen::Vector3d>& errors) const {
+  const auto n = static_cast<Eigen::Index>(points_.size());
+  work.field.resize(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (int k = 0; k < 3; ++k) work.field(i, k) = random.normal();
+  const Eigen::MatrixXd field = smooth_.triangularView<Eigen::Lower>() * work.field;
+  const double smooth = source.std * std::sqrt(kSmoothShare),
+               rough = source.std * std::sqrt(1.0 - kSmoothShare);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (int k = 0; k < 3; ++k)
+      errors[static_cast<std::size_t>(i)][k] += smooth * field(i, k) + rough * random.normal();
+}
+
+void VirtualMachine::draw(Random& random, int only, Workspace& work,
+                          std::vector<Eigen::Vector3d>& errors) const {
+  errors.assign(points_.size(), Eigen::Vector3d::Zero());
+  const bool parameters = only < 0 || sources_[static_cast<std::size_t>(only)].cause == Cause::kParameters;
+  if (parameters && values_.size() > 0) drawParameters(random, only, work, errors);
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    if (only >= 0 && only != static_cast<int>(s)) continue;
+    const Source& source = sources_[s];
+    switch (source.cause) {
+      case Cause::kParameters:
+        break;
+      case Cause::kDrift: {  // an Ornstein-Uhlenbeck process, as the calibration found it
+        const double stays = source.tau > 0.0 ? std::exp(-interval_ / source.tau) : 0.0;
+        double now = random.normal();
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+          errors[i] += source.std * now * source.along.col(static_cast<Eigen::Index>(i));
+          now = stays * now + std::sqrt(1.0 - stays * stays) * random.normal();
+        }
+        break;
+      }
+      case Cause::kRemainder:
+        drawRemainder(source, random, work, errors);
+        break;
+      case Cause::kProbe:
+        for (Eigen::Vector3d& e : errors)
+          for (int k = 0; k < 3; ++k) e[k] += source.std * random.normal();
+        break;
+      case Cause::kScale:
+      case Cause::kTemperature: {
+        const double size = source.std * random.normal();
+        for (std::size_t i = 0; i < points_.size(); ++i)
+          errors[i] += size * source.along.col(static_cast<Eigen::Index>(i));
+        break;
+      }
+      case Cause::kRadius: {
+        const double size = source.std * random.normal();
+        for (std::size_t i = 0; i < points_.size(); ++i) errors[i] += size * points_[i].normal;
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace mm

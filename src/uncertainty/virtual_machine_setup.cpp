@@ -1,0 +1,289 @@
+// What a VirtualMachine takes from the calibration before the first draw.
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/nearest_name.h"
+#include "base/units.h"
+#include "effects/effect_words.h"
+#include "uncertainty/virtual_machine.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNearlyNormalFrom = 200.0;  // degrees of freedom from which Student's t is drawn as normal
+constexpr double kSeenOfDrift = 1.0 / 3.0;   // of the variance along a direction, by contacts all around
+constexpr double kTemperatureStep = 1e-3;    // K, of a derivative where no uncertainty is stated
+
+/// Temperatures that have been the same for long.
+class SettledTemperatures final : public TemperatureHistory {
+ public:
+  explicit SettledTemperatures(const std::vector<double>& temperature) : temperature_(temperature) {}
+  double lagged(int sensor, double, double, double* byTau) const override {
+    if (byTau != nullptr) *byTau = 0.0;
+    return temperature_[static_cast<std::size_t>(sensor)];
+  }
+
+ private:
+  const std::vector<double>& temperature_;
+};
+
+Compensator::Options optionsOf(const TaskConditions& conditions) {
+  Compensator::Options options;
+  options.margin = conditions.margin;
+  options.sigma = false;
+  return options;
+}
+
+int jointNamed(const std::string& name, const Domain& domain, const char* option) {
+  const int j = domain.findJoint(name);
+  std::vector<std::string> names;
+  for (const Joint& joint : domain.joints) names.push_back(joint.name);
+  if (j < 0)
+    throw InputError(std::string(option) + ": '" + name + "' is no axis of this machine" +
+                     didYouMean(name, names) + "; it has " + listOf(names));
+  return j;
+}
+
+std::string placeInWords(const Eigen::Vector3d& at) {
+  return format("at (%.6g, %.6g, %.6g) mm", at.x() / kMillimetre, at.y() / kMillimetre, at.z() / kMillimetre);
+}
+
+/// Largest, over a contact's directions, of what a joint's motion does to the tip: 1, or m/rad.
+Eigen::Vector3d motionAlong(const std::string& direction, const Model& model, const State& state) {
+  const int joint = model.domain().findJoint(direction);
+  const double beam = model.domain().laser ? state.laserReading : kNotMeasured;
+  if (joint >= 0) return model.machine().jacobian(state.position.data(), beam).block<3, 1>(0, joint);
+  for (int k = 0; k < 3; ++k)
+    if (direction == std::string(1, "xyz"[k])) return Eigen::Vector3d::Unit(k);
+  return Eigen::Vector3d::Zero();
+}
+
+}  // namespace
+
+VirtualMachine::VirtualMachine(const Calibration& calibration, const MeasurementTask& task,
+                               const TaskConditions& conditions)
+    : compensator_(calibration, optionsOf(conditions)), interval_(conditions.interval) {
+  place(calibration, task, conditions);
+  addParameters(calibration);
+  addDrift(calibration);
+  addRemainder(calibration, conditions);
+  if (conditions.artifactScale > 0.0) {
+    const Domain& d = compensator_.model().domain();
+    Source scale{Cause::kScale, {}, conditions.artifactScale, 0.0, {}};
+    scale.along.resize(3, static_cast<Eigen::Index>(points_.size()));
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      scale.along.col(static_cast<Eigen::Index>(i)) = points_[i].place - 0.5 * (d.tipLower + d.tipUpper);
+    add("scale of the artifact", std::move(scale));
+  }
+  if (conditions.artifactRadius > 0.0)
+    add("radius of the reference ball", {Cause::kRadius, {}, conditions.artifactRadius, 0.0, {}});
+  addTemperatures(conditions);
+}
+
+State VirtualMachine::blank(const TaskConditions& conditions) {
+  const Domain& d = compensator_.model().domain();
+  State state = compensator_.blankState();
+  state.time = std::isnan(conditions.time) ? d.duration : conditions.time;
+  for (std::size_t s = 0; s < d.sensors.size(); ++s)
+    state.temperature[s] = 0.5 * (d.sensorLower[s] + d.sensorUpper[s]);
+  for (std::size_t c = 0; c < d.covariates.size(); ++c)
+    state.covariate[c] = 0.5 * (d.covariateLower[c] + d.covariateUpper[c]);
+  for (const TaskConditions::Temperature& t : conditions.temperatures) {
+    const int s = d.findSensor(t.sensor);
+    if (s < 0)
+      throw InputError("--temperature: '" + t.sensor + "' is no sensor of this calibration" +
+                       didYouMean(t.sensor, d.sensors) + "; it has " + listOf(d.sensors));
+    state.temperature[static_cast<std::size_t>(s)] = t.value;
+  }
+  temperature_ = state.temperature;
+  history_ = std::make_unique<SettledTemperatures>(temperature_);
+  state.history = history_.get();
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    state.position[j] = 0.5 * (d.lower[j] + d.upper[j]);
+    if (d.joints[j].kind == JointKind::kRotary && d.lower[j] <= 0.0 && d.upper[j] >= 0.0)
+      state.position[j] = 0.0;
+    state.velocity[j] = 0.0;
+    state.travel[j] = 1.0;
+  }
+  for (const auto& p : conditions.positions)
+    state.position[static_cast<std::size_t>(jointNamed(p.joint, d, "--joint"))] = p.value;
+  for (const auto& t : conditions.travel)
+    state.travel[static_cast<std::size_t>(jointNamed(t.joint, d, "--direction"))] = t.value;
+  if (d.laser) state.laserReading = 0.5 * (d.readingLower + d.readingUpper);
+  return state;
+}
+
+void VirtualMachine::place(const Calibration& calibration, const MeasurementTask& task,
+                           const TaskConditions& conditions) {
+  const Model& model = compensator_.model();
+  const Domain& d = model.domain();
+  const State start = blank(conditions);
+  values_.resize(static_cast<Eigen::Index>(calibration.values.size()));
+  for (Eigen::Index k = 0; k < values_.size(); ++k)
+    values_[k] = calibration.values[static_cast<std::size_t>(k)].value;
+  Model::Workspace work;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;
+  const int distance = model.machine().layout().distance();
+  for (const TaskPoint& p : task.points()) {
+    Point point;
+    point.state = start;
+    point.place = p.place;
+    point.normal = p.normal;
+    State& state = point.state;
+    if (point.normal.isZero(0.0)) point.normal = -conditions.approach;
+    std::vector<double> arrival = start.travel;
+    const double beam = d.laser ? state.laserReading : kNotMeasured;
+    if (!point.normal.isZero(0.0)) {
+      if (!d.laser) state.approach = -point.normal;
+      state.surfaceNormal = point.normal;
+      const Eigen::Matrix3Xd jacobian = model.machine().jacobian(state.position.data(), beam).topRows<3>();
+      for (std::size_t j = 0; j < arrival.size(); ++j) {
+        if (d.joints[j].kind != JointKind::kLinear) continue;
+        const double part = -jacobian.col(static_cast<Eigen::Index>(j)).dot(point.normal);
+        if (std::abs(part) > 1e-6) arrival[j] = part > 0.0 ? 1.0 : -1.0;
+        state.velocity[j] = d.laser ? 0.0 : conditions.contactSpeed * part;
+      }
+    }
+    if (p.axis >= 0) arrival[static_cast<std::size_t>(p.axis)] = p.side;
+    state.travel = arrival;
+    model.place(state);
+    const TargetReadings target = compensator_.correctTarget(p.place, state, arrival);
+    const Correction& c = target.correction;
+    if (!c.corrected.position.allFinite())
+      throw InputError(placeInWords(p.place) + ": " + (target.reason.empty() ? c.reason : target.reason));
+    if (!target.reached && outside_.size() < 3) {
+      const std::string why = placeInWords(p.place) + ": " + target.reason;
+      if (std::find(outside_.begin(), outside_.end(), why) == outside_.end()) outside_.push_back(why);
+    }
+    if (!c.note.empty() && std::find(notes_.begin(), notes_.end(), c.note) == notes_.end() &&
+        notes_.size() < 5)
+      notes_.push_back(c.note);
+    state.position = target.position;
+    model.place(state);
+    model.corrected(state, values_.data(), work, &byParameter);
+    point.byParameter = byParameter.topRows<3>();
+    for (const Model::Derivative& derivative : work.derivatives)
+      if (derivative.slot == distance)
+        point.byParameter.col(derivative.parameter) -= derivative.value * point.normal;
+    point.calibrated = seen(point, values_.data(), work);
+    points_.push_back(std::move(point));
+  }
+}
+
+void VirtualMachine::addParameters(const Calibration& calibration) {
+  const Model& model = compensator_.model();
+  const Eigen::Index n = values_.size();
+  sourceOf_.assign(static_cast<std::size_t>(n), -1);
+  root_ = Eigen::MatrixXd::Zero(n, n);
+  if (n == 0) return;
+  const Eigen::MatrixXd& covariance = calibration.covariance;
+  Eigen::VectorXd std = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (!std::isfinite(std[k]) || !covariance.row(k).allFinite())
+      throw InputError(
+          "parameter '" + calibration.values[static_cast<std::size_t>(k)].name +
+          "' has no finite standard uncertainty: the session did not determine it; remove its effect "
+          "or calibrate with what would show it (mm check)");
+  // The symmetric root of the correlations: each of its independent variables stays with the parameter that
+  // it resembles most, so that shares are those of CAR scores (Zuber & Strimmer 2011).
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      if (i != j && std[i] > 0.0 && std[j] > 0.0)
+        correlation(i, j) = 0.5 * (covariance(i, j) + covariance(j, i)) / (std[i] * std[j]);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  root_ =
+      std.asDiagonal() * (eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                          eigen.eigenvectors().transpose());
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    Source source{Cause::kParameters, {}, 0.0, 0.0, {}};
+    const auto index = static_cast<int>(sources_.size());
+    for (int k = 0; k < model.effects()[e]->parameterCount(); ++k) {
+      const int p = model.offset(static_cast<int>(e)) + k;
+      if (std[p] > 0.0) {
+        source.parameters.push_back(p);
+        sourceOf_[static_cast<std::size_t>(p)] = index;
+      }
+    }
+    linear_ = linear_ && (model.effects()[e]->linear() || source.parameters.empty());
+    if (!source.parameters.empty()) add(inWords(model.effects()[e]->spec()), std::move(source));
+  }
+  if (calibration.degreesOfFreedom > 0.0 && calibration.degreesOfFreedom < kNearlyNormalFrom)
+    freedoms_ = calibration.degreesOfFreedom;
+}
+
+void VirtualMachine::addDrift(const Calibration& calibration) {
+  for (const Wandering& w : calibration.drift) {
+    Source source{Cause::kDrift, {}, w.std, w.timeConstant, {}};
+    source.along.resize(3, static_cast<Eigen::Index>(points_.size()));
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      source.along.col(static_cast<Eigen::Index>(i)) =
+          motionAlong(w.direction, compensator_.model(), points_[i].state);
+    if (w.std > 0.0) add("drift of " + w.direction, std::move(source));
+  }
+}
+
+void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& conditions) {
+  const Domain& d = compensator_.model().domain();
+  const bool told = std::isfinite(c.rms), contacts = !d.features.empty();
+  double probe = conditions.repeatability >= 0.0 ? conditions.repeatability : (told ? c.repeatability : 0.0);
+  if (!told)
+    notes_.push_back(
+        "the calibration has no residuals in um: nothing is known of probe and remainder; state "
+        "--repeatability-um");
+  else if (c.repeatabilityFrom == "estimated" && conditions.repeatability < 0.0)
+    notes_.push_back(
+        "the repeatability was estimated from the residuals: what the model does not explain is in it");
+  if (probe > 0.0) add("repeatability of the probe", {Cause::kProbe, {}, probe, 0.0, {}});
+  if (!told) return;
+  // What the residuals at places that the fit did not use have beyond repeatability and drift.
+  double left = std::isfinite(c.heldOutRms) ? c.heldOutRms * c.heldOutRms : c.rms * c.rms;
+  left -= c.repeatability * c.repeatability;
+  for (const Wandering& w : c.drift) {
+    const Eigen::Vector3d along = motionAlong(w.direction, compensator_.model(), points_.front().state);
+    left -= (contacts ? kSeenOfDrift : 1.0) * w.std * w.std * along.squaredNorm();
+  }
+  if (!(left > 0.0)) return;
+  add("unexplained remainder", {Cause::kRemainder, {}, std::sqrt(left), 0.0, {}});
+  const double length = std::isnan(conditions.remainderLength) ? 0.25 * (d.tipUpper - d.tipLower).norm()
+                                                               : conditions.remainderLength;
+  const auto n = static_cast<Eigen::Index>(points_.size());
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n) * (1.0 + 1e-10);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double apart =
+          (points_[static_cast<std::size_t>(i)].place - points_[static_cast<std::size_t>(j)].place)
+              .squaredNorm();
+      correlation(i, j) = correlation(j, i) = length > 0.0 ? std::exp(-0.5 * apart / (length * length)) : 0.0;
+    }
+  smooth_ = correlation.llt().matrixL();
+}
+
+void VirtualMachine::addTemperatures(const TaskConditions& conditions) {
+  const Model& model = compensator_.model();
+  Model::Workspace work;
+  for (const TaskConditions::Temperature& t : conditions.temperatures) {
+    if (!(t.std > 0.0)) continue;
+    const auto s = static_cast<std::size_t>(model.domain().findSensor(t.sensor));
+    Source source{Cause::kTemperature, {}, t.std, 0.0, {}};
+    source.along.resize(3, static_cast<Eigen::Index>(points_.size()));
+    const double step = std::max(t.std, kTemperatureStep), was = temperature_[s];
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      Point moved = points_[i];
+      Eigen::Vector3d sides[2];
+      for (const int side : {0, 1}) {
+        temperature_[s] = moved.state.temperature[s] = was + (side == 0 ? -step : step);
+        sides[side] = seen(moved, values_.data(), work);
+      }
+      temperature_[s] = was;
+      source.along.col(static_cast<Eigen::Index>(i)) = (sides[1] - sides[0]) / (2.0 * step);
+    }
+    if (!source.along.isZero(0.0)) add("temperature " + t.sensor, std::move(source));
+  }
+}
+
+}  // namespace mm

@@ -1,0 +1,132 @@
+// `mm uncertainty` and `mm certificate` as they are typed.
+#include "session_folder.h"
+
+namespace mm {
+namespace {
+
+using UncertaintyOfTasks = SessionFolder;
+
+TEST_F(UncertaintyOfTasks, IsPrintedAndRepeatsWithItsSeed) {
+  const Answer answer = typed("uncertainty c.yaml --task distance:-10,0,0:10,0,0 --trials 20000 --json");
+  ASSERT_EQ(answer.status, 0) << answer.error;
+  const nlohmann::json json = answer.json();
+  EXPECT_NEAR(json["mean_mm"].get<double>(), 20.0, 1e-3);
+  EXPECT_GT(json["std_um"].get<double>(), 0.0);
+  double sum = 0.0;
+  for (const auto& share : json["budget"]) sum += share["share"].get<double>();
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+  EXPECT_EQ(typed("uncertainty c.yaml --task distance:-10,0,0:10,0,0 --trials 20000 --threads 1 --json").out,
+            answer.out);
+  const Answer text = typed("uncertainty c.yaml --task distance:-10,0,0:10,0,0 --trials 1000");
+  EXPECT_NE(text.out.find("U = "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("Variance by cause"), std::string::npos) << text.out;
+}
+
+TEST_F(UncertaintyOfTasks, OutsideTheVolumeAndNotConformingIsANo) {
+  const Answer outside = typed("uncertainty c.yaml --task distance:-10,0,0:1000,0,0 --trials 1000 --json");
+  EXPECT_EQ(outside.status, 1);
+  EXPECT_NE(outside.error.find("x = 1000 mm"), std::string::npos) << outside.error;
+  EXPECT_FALSE(outside.json()["valid"].get<bool>());
+  const std::string task =
+      "uncertainty c.yaml --task distance:-10,0,0:10,0,0 --trials 1000 --tolerance-um 100 ";
+  EXPECT_EQ(typed(task).status, 0);
+  EXPECT_EQ(typed(task + "--measured-mm 20.05").status, 0);
+  const Answer wrong = typed(task + "--measured-mm 20.5 --json");
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_EQ(wrong.json()["decisions"][0]["verdict"], "does_not_conform");
+}
+
+TEST_F(UncertaintyOfTasks, BadInputIsOneLine) {
+  const std::string task = "uncertainty c.yaml --task ";
+  expectRefused(task + "distance:0,0,0:0,0,0", {"length is zero", "distance:x,y,z:x,y,z"});
+  expectRefused(task + "distnace:0,0,0:1,0,0", {"distnace", "did you mean 'distance'"});
+  expectRefused(task + "distance:0,0,nan:1,0,0", {"'nan'"});
+  expectRefused("uncertainty c.yaml", {"--task"});
+  expectRefused("uncertainty none.yaml --task position:0,0,0", {"none.yaml"});
+  const std::string position = task + "position:0,0,0 ";
+  expectRefused(position + "--temperature bed", {"'bed'", "bed=21.5"});
+  expectRefused(position + "--temperature bed=warm", {"'warm'"});
+  expectRefused(position + "--temperature bed=21", {"'bed'", "no sensor"});
+  expectRefused(position + "--direction x=2", {"'2'", "+1"});
+  expectRefused(position + "--direction w=1", {"'w'", "x, y, z"});
+  expectRefused(position + "--approach 0,0,0", {"no direction"});
+  expectRefused(position + "--quantity diameter", {"'diameter'", "x, y, z"});
+  expectRefused(position + "--mpe 1,100", {"--mpe"});
+  expectRefused(position + "--mpe 1", {"'1'", "needs 2"});
+  expectRefused(position + "--measured-mm 1", {"--tolerance-um"});
+  expectRefused(position + "--trials 1", {"--trials", "'1'"});
+  expectRefused(position + "--tolerance-um nan", {"--tolerance-um", "'nan'"});
+}
+
+using Certificates = SessionFolder;
+
+TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
+  const Answer made = typed(
+      "certificate c.yaml s.bag -o cert.html --operator 'E. Abbe' --serial M-17 --task "
+      "distance:-10,0,0:10,0,0 "
+      "--trials 2000 --tolerance-um 100");
+  ASSERT_EQ(made.status, 0) << made.error;
+  const std::string page = textOf(*folder_ / "cert.html");
+  for (const char* part : {"E. Abbe", "M-17", "those of the calibration itself", "ISO 230-2", "conforms"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  const Answer checked = typed("certificate --check cert.html");
+  EXPECT_EQ(checked.status, 0) << checked.error;
+  const std::string digest = checked.out.substr(checked.out.find("SHA-256"));
+  EXPECT_NE(made.out.find(digest), std::string::npos) << made.out;
+  EXPECT_EQ(typed("certificate c.yaml --check cert.html").status, 0);
+  expectRefused("certificate t.yaml --check cert.html", {"is of calibration"});
+  std::string tampered = page;
+  tampered.replace(tampered.find("M-17"), 4, "M-18");
+  folder_->write("tampered.html", tampered);
+  expectRefused("certificate --check tampered.html", {"tampered.html", "was changed"});
+  expectRefused("certificate --check s.csv", {"s.csv", "no seal"});
+  expectRefused("certificate c.yaml -o cert.txt", {"cert.txt", ".pdf or .html"});
+  expectRefused("certificate c.yaml", {"-o"});
+  expectRefused("certificate -o cert.pdf", {"calibration"});
+  std::filesystem::remove(*folder_ / "cert.html");
+  std::filesystem::remove(*folder_ / "tampered.html");
+}
+
+TEST_F(Certificates, WithoutABrowserThereIsNoPdfAndAClearWord) {
+  const std::string empty = *folder_ / "no_programs";
+  std::filesystem::create_directory(empty);
+  const std::string out = *folder_ / "stderr.txt";
+  const int status = std::system(
+      ("cd '" + *folder_ / "." + "' && PATH='" + empty +
+       "' '" MM_PROGRAM "' certificate c.yaml -o cert.pdf --trials 100 >/dev/null 2>'" + out + "'")
+          .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_NE(textOf(out).find("chromium"), std::string::npos) << textOf(out);
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "cert.pdf"));
+  std::filesystem::remove(empty);
+}
+
+// A stand-in for the browser: what it prints is sealed as a PDF, and one that prints nothing is refused.
+TEST_F(Certificates, AreSealedAsPdf) {
+  const std::string browser = folder_->write("browser",
+                                             "#!/bin/sh\nfor a in \"$@\"; do case $a in --print-to-pdf=*) "
+                                             "printf '%%PDF-1.4\\n%%%%EOF\\n' > \"${a#*=}\";; esac; done\n");
+  std::filesystem::permissions(browser, std::filesystem::perms::owner_all);
+  const std::string task = "certificate c.yaml -o cert.pdf --task position:0,0,0 --trials 200";
+  const auto with = [&](const std::string& program, const std::string& command) {
+    const std::string error = *folder_ / "stderr.txt";
+    const int status = std::system(("cd '" + *folder_ / "." + "' && MM_CHROMIUM='" + program +
+                                    "' '" MM_PROGRAM "' " + command + " >/dev/null 2>'" + error + "'")
+                                       .c_str());
+    return Answer{WEXITSTATUS(status), {}, textOf(error)};
+  };
+  const Answer made = with(browser, task);
+  EXPECT_EQ(made.status, 0) << made.error;
+  EXPECT_EQ(textOf(*folder_ / "cert.pdf").substr(0, 5), "%PDF-");
+  EXPECT_EQ(typed("certificate --check cert.pdf").status, 0);
+  EXPECT_EQ(with(browser, task).status, 0) << "a certificate may replace a certificate";
+  const Answer nothing =
+      with("/bin/true", "certificate c.yaml -o other.pdf --task position:0,0,0 --trials 200");
+  EXPECT_EQ(nothing.status, 2);
+  EXPECT_NE(nothing.error.find("printed nothing"), std::string::npos) << nothing.error;
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "other.pdf"));
+  for (const char* file : {"cert.pdf", "browser"}) std::filesystem::remove(*folder_ / file);
+}
+
+}  // namespace
+}  // namespace mm

@@ -1,0 +1,1 @@
+set(uncertainty_test_dependencies workflow simulation compensation)
