@@ -23,6 +23,7 @@ void addRemoveCommand(CLI::App& app, int& exitStatus);
 void addUpdateCommand(CLI::App& app, int& exitStatus);
 void addReportCommand(CLI::App& app, int& exitStatus);
 void addApplyCommand(CLI::App& app, int& exitStatus);
+void addExportCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);
 void addPromoteCommand(CLI::App& app, int& exitStatus);
 void addRollbackCommand(CLI::App& app, int& exitStatus);

@@ -103,6 +103,7 @@ int main(int argc, char** argv) {
   mm::addUpdateCommand(app, exitStatus);
   mm::addReportCommand(app, exitStatus);
   mm::addApplyCommand(app, exitStatus);
+  mm::addExportCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);
