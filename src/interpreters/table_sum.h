@@ -1,0 +1,54 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "interpreters/interpreter.h"
+#include "interpreters/table_text.h"
+
+namespace mm {
+
+/// Values at ascending positions: straight lines between them, the values at the ends beyond. SI.
+class Curve {
+ public:
+  Curve() = default;
+  /// The same everywhere.
+  explicit Curve(double value) : positions_{0.0}, values_{value} {}
+  /// @param period of an axis that goes round, 0: none; positions are then reduced into [first, first +
+  /// period).
+  Curve(std::vector<double> positions, std::vector<double> values, double period = 0.0)
+      : positions_(std::move(positions)), values_(std::move(values)), period_(period) {}
+  /// 0 of a curve without points.
+  double at(double position) const;
+
+ private:
+  std::vector<double> positions_, values_;
+  double period_ = 0.0;
+};
+
+/// What the position of one axis adds to the motor of another, or to its own.
+struct AxisTable {
+  std::string input, output;  // joints
+  Curve positive, negative;   // by the direction of `input`
+};
+
+/// Motor = command + every table's value at the command: how most controllers compensate.
+class TableSum : public Interpreter {
+ public:
+  explicit TableSum(std::vector<AxisTable> tables) : tables_(std::move(tables)) {}  ///< of a controller
+  std::map<std::string, double> motors(const Command& command) const override;
+
+ private:
+  std::vector<AxisTable> tables_;
+};
+
+/// Position of a joint. @throw InputError when the command does not have it.
+double commanded(const Command& command, const std::string& joint);
+/// One of two values by the direction of a joint's last motion; their mean where that is not known.
+double byDirection(const Command& command, const std::string& joint, double positive, double negative);
+/// A number of a joint in the unit of its table to SI: mm, or degrees of joints called a, b, c.
+double jointUnit(const std::string& joint);
+/// `x` of X, X1, X_2. @throw InputError when that is no axis letter (X Y Z A B C U V W).
+std::string jointOfAxis(const std::string& axis, const FilePlace& place);
+
+}  // namespace mm
