@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -15,11 +16,13 @@ struct ExportedFile {
 /// What an exporter makes of a calibration: tables in the target's own form, and what its page must say.
 struct Exported {
   std::vector<ExportedFile> files;
-  std::string holds;                           // what this target has a place for, in one sentence
-  std::vector<std::string> load;               // what to load where, in this order
-  std::string reference;                       // from which point positions count
-  std::vector<std::string> unverified;         // what public documents do not say
-  std::vector<std::string> notes;              // what else was decided
+  std::string holds;                    // what this target has a place for, in one sentence
+  std::vector<std::string> load;        // what to load where, in this order
+  std::string reference;                // from which point positions count
+  std::vector<std::string> unverified;  // what public documents do not say
+  std::vector<std::string> notes;       // what else was decided
+  /// What a program of ours adds beside the tables: m, an axis' letter each. Null: there is none.
+  std::function<std::map<std::string, double>(const State&)> alsoAdds;
   std::map<std::string, std::string> sensors;  // the controller's name of a sensor -> the calibration's
 };
 

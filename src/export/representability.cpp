@@ -53,7 +53,7 @@ Command commandWith(const NeededCorrection& needed, const State& state, const Ex
 ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported,
                         const Interpreter& interpreter) {
   const std::vector<State> states = needed.states(kStates, kSeed);
-  Eigen::VectorXd before(3 * kStates), after(3 * kStates);
+  Eigen::VectorXd before(3 * kStates), after(3 * kStates), beside(3 * kStates);
   std::vector<Eigen::Vector3d> places;
   for (int n = 0; n < kStates; ++n) {
     const State& state = states[static_cast<std::size_t>(n)];
@@ -63,10 +63,19 @@ ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported
       motors[static_cast<std::size_t>(axis.joint)] = driven.at(axis.letter);
     before.segment<3>(3 * n) = needed.displacement(state);
     after.segment<3>(3 * n) = needed.missed(state, motors);
+    if (exported.alsoAdds) {
+      const std::map<std::string, double> added = exported.alsoAdds(state);
+      for (const ExportAxis& axis : needed.axes())
+        if (const auto found = added.find(axis.letter); found != added.end())
+          motors[static_cast<std::size_t>(axis.joint)] += found->second;
+      beside.segment<3>(3 * n) = needed.missed(state, motors);
+    }
     places.push_back(needed.model().machine().nominal(state.position.data(), state.laserReading).position);
   }
-  return {leftOver(before, places, true), leftOver(after, places, true), leftOver(before, places, false),
-          leftOver(after, places, false)};
+  ExportFigures figures{leftOver(before, places, true), leftOver(after, places, true),
+                        leftOver(before, places, false), leftOver(after, places, false)};
+  if (exported.alsoAdds) figures.withOffsets = leftOver(beside, places, true);
+  return figures;
 }
 
 /// Interprets files that nobody has been given yet.

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ namespace mm {
 struct ExportFigures {
   double uncorrected = 0.0, exported = 0.0;
   double unalignedUncorrected = 0.0, unalignedExported = 0.0;
+  double withOffsets =
+      std::numeric_limits<double>::quiet_NaN();  // and what Exported::alsoAdds adds; NaN: nothing
 };
 
 /// One effect of the model, exported alone.

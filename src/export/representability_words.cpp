@@ -41,6 +41,7 @@ ordered_json representabilityJson(const Representability& judged) {
                      {{"uncorrected", micrometres(f.unalignedUncorrected)},
                       {"exported", micrometres(f.unalignedExported)}}},
                     {"carries_nothing", judged.carriesNothing()}};
+  if (std::isfinite(f.withOffsets)) json["rms_with_offsets_um"] = micrometres(f.withOffsets);
   json["effects"] = ordered_json::array();
   for (const CarriedEffect& e : judged.effects)
     json["effects"].push_back({{"effect", effectJson(e.effect)},
@@ -59,8 +60,9 @@ std::string representabilityText(const Representability& judged) {
   const ExportFigures& f = judged.figures;
   std::string text =
       "RMS of a coordinate over the calibrated volume, temperatures and directions of travel:\n";
-  text += "  uncorrected          " + um(f.uncorrected) + "\n  with this export     " + um(f.exported) +
-          "\n  with the full model  " + um(judged.full) + " (what it left of the session)\n";
+  text += "  uncorrected          " + um(f.uncorrected) + "\n  with this export     " + um(f.exported);
+  if (std::isfinite(f.withOffsets)) text += "\n  and external offsets " + um(f.withOffsets);
+  text += "\n  with the full model  " + um(judged.full) + " (what it left of the session)\n";
   text += "An alignment of the workpiece is taken out; without that " + um(f.unalignedUncorrected) + " and " +
           um(f.unalignedExported) + ".\n\n";
   for (const CarriedEffect& e : judged.effects)
