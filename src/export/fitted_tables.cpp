@@ -9,8 +9,8 @@
 namespace mm {
 namespace {
 
-constexpr int kOthers = 32;         // states of everything else, over which a table is the mean
-constexpr int kStates = 600;        // of the straight part
+constexpr int kTableOthers = 32;    // states of everything else, over which a table is the mean
+constexpr int kTableStates = 600;   // of the straight part
 constexpr double kFollowed = 2e-8;  // m
 constexpr double kStepUnit = 1e-7;  // m
 constexpr unsigned kTableSeed = 11, kPlaneSeed = 12, kStraightSeed = 13;
@@ -85,7 +85,7 @@ double LineTable::largest(int output) const {
 
 LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints) {
   const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(input)];
-  std::vector<State> others = needed.states(kOthers, kTableSeed);
+  std::vector<State> others = needed.states(kTableOthers, kTableSeed);
   int intervals = std::max(1, (mostPoints - 1) / 16);
   const int most = intervals * 16;
   const std::vector<double> finest = evenSteps(axis.lower, axis.upper, most);
@@ -149,7 +149,7 @@ PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std
              columns = static_cast<Eigen::Index>(plane.atSecond.size());
   const std::size_t joints = needed.axes().size();
   plane.value.assign(joints, Eigen::MatrixXd::Zero(rows, columns));
-  std::vector<State> others = needed.states(kOthers, kPlaneSeed);
+  std::vector<State> others = needed.states(kTableOthers, kPlaneSeed);
   for (Eigen::Index i = 0; i < rows; ++i)
     for (Eigen::Index k = 0; k < columns; ++k) {
       Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(joints));
@@ -168,11 +168,11 @@ PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std
 }
 
 StraightPart straightPart(const NeededCorrection& needed) {
-  const std::vector<State> states = needed.states(kStates, kStraightSeed);
+  const std::vector<State> states = needed.states(kTableStates, kStraightSeed);
   const auto joints = static_cast<Eigen::Index>(needed.axes().size());
   const auto sensors = static_cast<Eigen::Index>(needed.model().domain().sensors.size());
-  Eigen::MatrixXd inputs(kStates, 1 + 2 * joints + sensors), outputs(kStates, joints);
-  for (int n = 0; n < kStates; ++n) {
+  Eigen::MatrixXd inputs(kTableStates, 1 + 2 * joints + sensors), outputs(kTableStates, joints);
+  for (int n = 0; n < kTableStates; ++n) {
     const State& s = states[static_cast<std::size_t>(n)];
     inputs(n, 0) = 1.0;
     for (Eigen::Index j = 0; j < joints; ++j) {
@@ -189,7 +189,7 @@ StraightPart straightPart(const NeededCorrection& needed) {
   Eigen::VectorXd size(inputs.cols());
   for (Eigen::Index c = 1; c < inputs.cols(); ++c) {
     inputs.col(c).array() -= inputs.col(c).mean();
-    size[c] = inputs.col(c).norm() / std::sqrt(static_cast<double>(kStates));
+    size[c] = inputs.col(c).norm() / std::sqrt(static_cast<double>(kTableStates));
     if (size[c] > 1e-9)
       inputs.col(c) /= size[c];
     else

@@ -13,7 +13,7 @@ namespace mm {
 namespace {
 
 constexpr int kMostSteps = 20;
-constexpr double kReached = 1e-12;  // m
+constexpr double kNeededReached = 1e-12;  // m
 
 /// Temperatures that have been what they are for ever.
 class Settled final : public TemperatureHistory {
@@ -123,7 +123,7 @@ Eigen::VectorXd NeededCorrection::at(const State& command) const {
           "recorded; calibrate with it, or remove the effect");
     const LinearMotion motion = linearMotion(model_.machine(), motors.data(), beam, -miss);
     for (std::size_t j = 0; j < motors.size(); ++j) motors[j] += motion.change[static_cast<Eigen::Index>(j)];
-    if (motion.change.cwiseAbs().maxCoeff() < kReached) break;
+    if (motion.change.cwiseAbs().maxCoeff() < kNeededReached) break;
   }
   Eigen::VectorXd delta(static_cast<Eigen::Index>(motors.size()));
   for (std::size_t j = 0; j < motors.size(); ++j)

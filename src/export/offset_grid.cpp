@@ -9,10 +9,10 @@
 namespace mm {
 namespace {
 
-constexpr int kPoints = 9;            // along each axis
-constexpr double kLeast = 1e-8;       // m, of a temperature over its range
+constexpr int kGridPoints = 9;        // along each axis
+constexpr double kGridLeast = 1e-8;   // m, of a temperature over its range
 constexpr int kTemperatureless = 12;  // states of everything else, over which the grid is the mean
-constexpr unsigned kSeed = 61;
+constexpr unsigned kGridSeed = 61;
 
 std::vector<double> millimetres(const std::vector<double>& metres) {
   std::vector<double> out;
@@ -30,20 +30,20 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, const std::vector<LineTab
   for (const int joint : joints_) {
     const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
     letters_.push_back(axis.letter);
-    at_.push_back(evenSteps(axis.lower, axis.upper, kPoints - 1));
-    count *= kPoints;
+    at_.push_back(evenSteps(axis.lower, axis.upper, kGridPoints - 1));
+    count *= kGridPoints;
   }
-  for (std::size_t a = joints_.size(); a-- > 1;) strides[a - 1] = strides[a] * kPoints;
+  for (std::size_t a = joints_.size(); a-- > 1;) strides[a - 1] = strides[a] * kGridPoints;
   std::vector<double> middle;
   for (std::size_t k = 0; k < d.sensors.size(); ++k)
     middle.push_back(0.5 * (d.sensorLower[k] + d.sensorUpper[k]));
 
-  std::vector<State> others = needed.states(kTemperatureless, kSeed);
+  std::vector<State> others = needed.states(kTemperatureless, kGridSeed);
   const auto mean = [&](std::size_t point, int sensor, double kelvin) {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(needed.axes().size()));
     for (State& state : others) {
       for (std::size_t a = 0; a < joints_.size(); ++a)
-        state.position[static_cast<std::size_t>(joints_[a])] = at_[a][point / strides[a] % kPoints];
+        state.position[static_cast<std::size_t>(joints_[a])] = at_[a][point / strides[a] % kGridPoints];
       state.temperature = middle;
       if (sensor >= 0) state.temperature[static_cast<std::size_t>(sensor)] += kelvin;
       sum += needed.at(state);
@@ -55,7 +55,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, const std::vector<LineTab
     const Eigen::VectorXd value = mean(point, -1, 0.0);
     for (std::size_t a = 0; a < joints_.size(); ++a)
       base_[a][point] =
-          value[joints_[a]] - own[a].value(joints_[a], at_[a][point / strides[a] % kPoints], 0.0);
+          value[joints_[a]] - own[a].value(joints_[a], at_[a][point / strides[a] % kGridPoints], 0.0);
   }
   State reference = others[0];
   for (const int joint : joints_)
@@ -81,7 +81,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, const std::vector<LineTab
         most = std::max(most, std::abs(change[joints_[a]]) * range);
       }
     }
-    if (most < kLeast) continue;
+    if (most < kGridLeast) continue;
     sensors_.push_back(d.sensors[k]);
     sensorOf_.push_back(static_cast<int>(k));
     referenceTemperature_.push_back(middle[k]);
@@ -97,7 +97,7 @@ double OffsetGrid::interpolated(const std::vector<double>& values, const State& 
   for (std::size_t a = 0; a < axes; ++a) {
     const std::vector<double>& at = at_[a];
     const double x = (state.position[static_cast<std::size_t>(joints_[a])] - at.front()) / (at[1] - at[0]);
-    first[a] = static_cast<std::size_t>(std::clamp(std::floor(x), 0.0, kPoints - 2.0));
+    first[a] = static_cast<std::size_t>(std::clamp(std::floor(x), 0.0, kGridPoints - 2.0));
     share[a] = std::clamp(x - static_cast<double>(first[a]), 0.0, 1.0);
   }
   double sum = 0.0;
@@ -107,7 +107,7 @@ double OffsetGrid::interpolated(const std::vector<double>& values, const State& 
     for (std::size_t a = 0; a < axes; ++a) {
       const std::size_t upper = corner >> a & 1u;
       weight *= upper != 0 ? share[a] : 1.0 - share[a];
-      point = point * kPoints + first[a] + upper;
+      point = point * kGridPoints + first[a] + upper;
     }
     sum += weight * values[point];
   }

@@ -11,9 +11,9 @@
 namespace mm {
 namespace {
 
-constexpr int kStates = 512;
-constexpr unsigned kSeed = 41;      // never that of a table: fresh places
-constexpr double kNothing = 1e-10;  // m: rounding of the chain
+constexpr int kJudgeStates = 512;
+constexpr unsigned kJudgeSeed = 41;  // never that of a table: fresh places
+constexpr double kNothing = 1e-10;   // m: rounding of the chain
 constexpr double kExactShare = 0.02, kNoneShare = 0.95;
 
 double rms(const Eigen::VectorXd& errors) {
@@ -52,10 +52,10 @@ Command commandWith(const NeededCorrection& needed, const State& state, const Ex
 
 ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported,
                         const Interpreter& interpreter) {
-  const std::vector<State> states = needed.states(kStates, kSeed);
-  Eigen::VectorXd before(3 * kStates), after(3 * kStates), beside(3 * kStates);
+  const std::vector<State> states = needed.states(kJudgeStates, kJudgeSeed);
+  Eigen::VectorXd before(3 * kJudgeStates), after(3 * kJudgeStates), beside(3 * kJudgeStates);
   std::vector<Eigen::Vector3d> places;
-  for (int n = 0; n < kStates; ++n) {
+  for (int n = 0; n < kJudgeStates; ++n) {
     const State& state = states[static_cast<std::size_t>(n)];
     const std::map<std::string, double> driven = interpreter.motors(commandWith(needed, state, exported));
     std::vector<double> motors = state.position;
@@ -129,7 +129,7 @@ std::string whatItDoes(const NeededCorrection& needed) {
   for (const int k : in.covariates) by.push_back(d.covariates[static_cast<std::size_t>(k)]);
   if (in.time) by.emplace_back("time");
   std::vector<Eigen::VectorXd> at;
-  for (const State& s : needed.states(64, kSeed)) at.push_back(needed.at(s));
+  for (const State& s : needed.states(64, kJudgeSeed)) at.push_back(needed.at(s));
   for (const int joint : needed.linear()) {
     double least = at[0][joint], most = least;
     for (const Eigen::VectorXd& a : at) {

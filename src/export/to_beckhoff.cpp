@@ -11,22 +11,23 @@
 namespace mm {
 namespace {
 
-constexpr int kMostPoints = 481;     // of the leadscrew table; the control allows 1500
-constexpr int kPlaneIntervals = 16;  // along the longer of two axes
-constexpr double kUnit = 1e-7;       // m: lengths are in 0.1 um
-constexpr int kJudged = 256;         // states by which planes are compared
+constexpr int kBeckhoffMostPoints = 241;  // of the leadscrew table; the control allows 1500
+constexpr int kPlaneIntervals = 16;       // along the longer of two axes
+constexpr double kBeckhoffUnit = 1e-7;    // m: lengths are in 0.1 um
+constexpr int kJudged = 256;              // states by which planes are compared
 constexpr unsigned kJudgeSeed = 21;
 
-long units(double metres) { return std::lround(metres / kUnit); }
+long units(double metres) { return std::lround(metres / kBeckhoffUnit); }
 
 PlaneTable planeOf(const NeededCorrection& needed, int first, int second) {
   const ExportAxis& a = needed.axes()[static_cast<std::size_t>(first)];
   const ExportAxis& b = needed.axes()[static_cast<std::size_t>(second)];
   const double longer = std::max(a.upper - a.lower, b.upper - b.lower);
-  const double step = std::ceil(longer / kPlaneIntervals / kUnit) * kUnit;  // one for both axes
+  const double step =
+      std::ceil(longer / kPlaneIntervals / kBeckhoffUnit) * kBeckhoffUnit;  // one for both axes
   const auto steps = [&](const ExportAxis& axis) {
     const int n = std::max(1, static_cast<int>(std::ceil((axis.upper - axis.lower) / step - 1e-9)));
-    const double start = std::floor(axis.lower / kUnit) * kUnit;
+    const double start = std::floor(axis.lower / kBeckhoffUnit) * kBeckhoffUnit;
     std::vector<double> at;
     for (int i = 0; i <= n; ++i) at.push_back(start + i * step);
     return at;
@@ -65,7 +66,8 @@ struct Pool {
   explicit Pool(const NeededCorrection& needed) : lines(needed.axes().size()) {
     const std::vector<int>& linear = needed.linear();
     for (const int joint : linear)
-      if (needed.moved(joint)) lines[static_cast<std::size_t>(joint)] = lineTable(needed, joint, kMostPoints);
+      if (needed.moved(joint))
+        lines[static_cast<std::size_t>(joint)] = lineTable(needed, joint, kBeckhoffMostPoints);
     for (std::size_t a = 0; a < linear.size(); ++a)
       for (std::size_t b = a + 1; b < linear.size(); ++b)
         if (needed.moved(linear[a]) && needed.moved(linear[b]))

@@ -11,9 +11,9 @@
 namespace mm {
 namespace {
 
-constexpr int kMostPoints = 241;
-constexpr int kOthers = 24;
-constexpr unsigned kSeed = 31;
+constexpr int kCsvMostPoints = 241;
+constexpr int kCsvOthers = 24;
+constexpr unsigned kCsvSeed = 31;
 constexpr double kArms = 1e-4;  // m: arms that differ less tell no rotation
 
 /// Errors of one carriage at one place: translation (m) and rotation (rad) against those at the reference.
@@ -83,7 +83,7 @@ CarriageError explained(const std::vector<Eigen::Vector3d>& more, const std::vec
 
 /// Rotary joints stand at their reference: component errors are told there.
 std::vector<State> statesFor(const NeededCorrection& needed) {
-  std::vector<State> states = needed.states(kOthers, kSeed);
+  std::vector<State> states = needed.states(kCsvOthers, kCsvSeed);
   for (State& s : states)
     for (const ExportAxis& axis : needed.axes())
       if (axis.kind == JointKind::kRotary)
@@ -137,8 +137,8 @@ std::string chainTable(const NeededCorrection& needed, const Chain& chain) {
   return text + "tip,,,," + vector((chain.tip - last) / kMillimetre, 6) + ",\n";
 }
 
-void addTables(const ExportAxis& axis, const std::vector<double>& at,
-               const std::vector<std::array<CarriageError, 2>>& errors, Exported& out) {
+void addErrorTables(const ExportAxis& axis, const std::vector<double>& at,
+                    const std::vector<std::array<CarriageError, 2>>& errors, Exported& out) {
   for (Eigen::Index k = 0; k < 3; ++k) {
     std::string linear = "position_mm,positive_um,negative_um\n", angular = "position_mm,value_urad\n";
     for (std::size_t i = 0; i < at.size(); ++i) {
@@ -166,8 +166,9 @@ Exported toCsv(const NeededCorrection& needed, const ExportOptions&) {
   const Chain chain(needed);
   for (const int joint : needed.linear()) {
     if (!needed.moved(joint)) continue;
-    const std::vector<double> at = lineTable(needed, joint, kMostPoints).at;
-    addTables(needed.axes()[static_cast<std::size_t>(joint)], at, errorsOf(needed, chain, joint, at), out);
+    const std::vector<double> at = lineTable(needed, joint, kCsvMostPoints).at;
+    addErrorTables(needed.axes()[static_cast<std::size_t>(joint)], at, errorsOf(needed, chain, joint, at),
+                   out);
   }
   out.files.push_back({"chain.csv", "the kinematic chain from workpiece to tip, in the axes of the workpiece",
                        chainTable(needed, chain)});

@@ -10,7 +10,7 @@
 namespace mm {
 namespace {
 
-constexpr int kSections = 120;  // of at most 128 an axis
+constexpr int kFanucSections = 120;  // of at most 128 an axis
 constexpr int kNumbersAnAxis = 128;
 constexpr long kMostIncrement = 7;  // of one point; the magnification is 1 to 100
 
@@ -38,7 +38,7 @@ Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, double uni
   const LineTable table = lineTable(needed, axis.joint, 481);
   const double from = std::min(0.0, axis.lower), to = std::max(0.0, axis.upper);
   Pitch pitch;
-  pitch.interval = std::ceil((to - from) / (kSections - 1) / kMicrometre - 1e-6) * kMicrometre;
+  pitch.interval = std::ceil((to - from) / (kFanucSections - 1) / kMicrometre - 1e-6) * kMicrometre;
   pitch.first = static_cast<int>(std::floor(from / pitch.interval + 1e-9));
   pitch.last = static_cast<int>(std::ceil(to / pitch.interval - 1e-9));
   std::vector<double> curve;

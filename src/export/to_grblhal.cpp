@@ -9,7 +9,7 @@
 namespace mm {
 namespace {
 
-constexpr double kLeast = 1e-7;  // m: at 0.0001 mm and below grblHAL leaves backlash off
+constexpr double kGrblhalLeast = 1e-7;  // m: at 0.0001 mm and below grblHAL leaves backlash off
 
 }  // namespace
 
@@ -22,8 +22,8 @@ Exported toGrblhal(const NeededCorrection& needed, const ExportOptions&) {
     const ExportAxis* axis = needed.findAxis(order.substr(n, 1));
     if (axis == nullptr || axis->kind != JointKind::kLinear) continue;
     const double gap = 2.0 * part.byTravel(axis->joint, axis->joint);
-    if (gap < -kLeast) negative += " " + capital(axis->letter);
-    text += format("$%zu=%s\n", 160 + n, fixed((gap > kLeast ? gap : 0.0) / kMillimetre, 4).c_str());
+    if (gap < -kGrblhalLeast) negative += " " + capital(axis->letter);
+    text += format("$%zu=%s\n", 160 + n, fixed((gap > kGrblhalLeast ? gap : 0.0) / kMillimetre, 4).c_str());
   }
   out.files.push_back({"settings.txt", "backlash of each axis in mm, as $$ prints it", text});
   out.holds = "one reversal a joint";

@@ -7,7 +7,7 @@
 namespace mm {
 namespace {
 
-constexpr int kMostPoints = 256;
+constexpr int kHeidenhainMostPoints = 256;
 
 /// A row a point: where, what was measured downwards, and the error of each axis, in mm.
 std::string comTable(const LineTable& table, const std::string& name,
@@ -43,7 +43,7 @@ Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions&) {
     out.files.push_back({file,
                          "errors of the axes by the position of " + capital(axis->letter) +
                              " in mm; BACKLASH: of " + capital(axis->letter) + " itself, downwards",
-                         comTable(lineTable(needed, axis->joint, kMostPoints), name, axes)});
+                         comTable(lineTable(needed, axis->joint, kHeidenhainMostPoints), name, axes)});
     columns += " " + capital(axis->letter);
     line += " " + file;
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMeshPoints = 17;
 constexpr double kSide = 100.0;        // mm, of the square whose diagonals SET_SKEW is told
-constexpr double kLeast = 1e-8;        // m: less is no mesh
+constexpr double kMeshLeast = 1e-8;    // m: less is no mesh
 constexpr double kLeastByHeat = 1e-9;  // m/K
 
 /// The diagonals of a rhombus of that side whose angle is off by atan(factor), and its side: AC, BD, AD.
@@ -20,8 +20,8 @@ std::string lengths(double factor) {
   return format("%.9f,%.9f,%.9f", kSide * std::sqrt(2.0 + 2.0 * s), kSide * std::sqrt(2.0 - 2.0 * s), kSide);
 }
 
-double square(const NeededCorrection& needed, const StraightPart& part, const char* output,
-              const char* input) {
+double squareSkew(const NeededCorrection& needed, const StraightPart& part, const char* output,
+                  const char* input) {
   const ExportAxis *o = needed.findAxis(output), *i = needed.findAxis(input);
   return o == nullptr || i == nullptr ? 0.0 : part.square(o->joint, i->joint);
 }
@@ -47,7 +47,7 @@ std::string mesh(const NeededCorrection& needed, const StraightPart& part, const
       points += (i == 0 ? "" : ", ") + fixed(height / kMillimetre, 6);
     }
   }
-  if (largest < kLeast) return {};
+  if (largest < kMeshLeast) return {};
   const auto mm = [](double v) { return fixed(v / kMillimetre, 4); };
   const std::string ends = mm(plane.atFirst.front()) + ", " + mm(plane.atSecond.front());
   return "[bed_mesh]\nspeed: 50\nhorizontal_move_z: 5\nmesh_min: " + ends +
@@ -64,7 +64,7 @@ std::string mesh(const NeededCorrection& needed, const StraightPart& part, const
 int hottest(const NeededCorrection& needed, const StraightPart& part, int z) {
   const Domain& d = needed.model().domain();
   int best = -1;
-  double most = kLeast;
+  double most = kMeshLeast;
   for (std::size_t k = 0; k < d.sensors.size(); ++k) {
     const double by = std::abs(part.bySensor(z, static_cast<Eigen::Index>(k)));
     const double range = d.sensorUpper[k] - d.sensorLower[k];
@@ -83,8 +83,8 @@ Exported toKlipper(const NeededCorrection& needed, const ExportOptions&) {
   const ExportAxis *x = needed.findAxis("x"), *y = needed.findAxis("y"), *z = needed.findAxis("z");
   std::string config = "[skew_correction]\n\n", start;
   // Klipper subtracts: x - xy y - (xz - xy yz) z, y - yz z.
-  const double xy = -square(needed, part, "x", "y"), yz = -square(needed, part, "y", "z");
-  const double xz = -square(needed, part, "x", "z") + xy * yz;
+  const double xy = -squareSkew(needed, part, "x", "y"), yz = -squareSkew(needed, part, "y", "z");
+  const double xz = -squareSkew(needed, part, "x", "z") + xy * yz;
   start += "SET_SKEW XY=" + lengths(xy) + " XZ=" + lengths(xz) + " YZ=" + lengths(yz) + "\n";
   out.holds = "the angles between the axes";
   if (z != nullptr && x != nullptr && y != nullptr && needed.moved(x->joint) && needed.moved(y->joint)) {

@@ -12,7 +12,7 @@
 namespace mm {
 namespace {
 
-constexpr int kMostPoints = 256;  // of a COMP_FILE
+constexpr int kLinuxcncMostPoints = 256;  // of a COMP_FILE
 
 /// Axes in the order in which LinuxCNC numbers its joints with trivial kinematics.
 std::vector<const ExportAxis*> inOrder(const NeededCorrection& needed) {
@@ -87,7 +87,7 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
   const std::vector<const ExportAxis*> axes = inOrder(needed);
   std::vector<LineTable> own;
-  for (const int joint : needed.linear()) own.push_back(lineTable(needed, joint, kMostPoints));
+  for (const int joint : needed.linear()) own.push_back(lineTable(needed, joint, kLinuxcncMostPoints));
   std::string coordinates, joints;
   for (const ExportAxis* axis : axes) coordinates += (coordinates.empty() ? "" : " ") + capital(axis->letter);
   for (std::size_t n = 0; n < axes.size(); ++n) {

@@ -7,8 +7,8 @@
 namespace mm {
 namespace {
 
-constexpr int kMostPoints = 241;
-constexpr double kLeast = 1e-8;  // m: a table whose values are all less is left out
+constexpr int kSiemensMostPoints = 241;
+constexpr double kSiemensLeast = 1e-8;  // m: a table whose values are all less is left out
 
 std::string machineAxis(const ExportAxis& axis) { return "(" + capital(axis.letter) + "1)"; }
 
@@ -46,14 +46,14 @@ struct Tables {
 
 void addTables(const LineTable& table, const ExportAxis& in, const ExportAxis& out, Tables& tables) {
   const auto j = static_cast<std::size_t>(out.joint);
-  if (table.largest(out.joint) < kLeast) return;
+  if (table.largest(out.joint) < kSiemensLeast) return;
   std::vector<double> mean;
   double apart = 0.0;
   for (std::size_t i = 0; i < table.at.size(); ++i) {
     mean.push_back(table.mean(out.joint, i));
     apart = std::max(apart, std::abs(table.positive[j][i] - table.negative[j][i]));
   }
-  if (apart < kLeast) return tables.add(in, out, 0, table.at, mean);
+  if (apart < kSiemensLeast) return tables.add(in, out, 0, table.at, mean);
   tables.add(in, out, 1, table.at, table.positive[j]);
   tables.add(in, out, -1, table.at, table.negative[j]);
 }
@@ -66,7 +66,7 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
   std::string enabled;
   for (const int input : needed.linear()) {
     if (!needed.moved(input)) continue;
-    const LineTable table = lineTable(needed, input, kMostPoints);
+    const LineTable table = lineTable(needed, input, kSiemensMostPoints);
     for (const int output : needed.linear())
       addTables(table, needed.axes()[static_cast<std::size_t>(input)],
                 needed.axes()[static_cast<std::size_t>(output)], tables);
