@@ -59,6 +59,24 @@ void subtractReference(LineTable& table, double reference) {
   }
 }
 
+/// Each state twice, the second time with everything but the positions mirrored: a curve over positions then
+/// never passes for a reversal or for growth by heat.
+std::vector<State> mirrored(const NeededCorrection& needed, int count) {
+  const Domain& d = needed.model().domain();
+  std::vector<State> states = needed.states(count, kStraightSeed);
+  for (int n = 0; n < count; ++n) {
+    State other = states[static_cast<std::size_t>(n)];
+    for (double& travel : other.travel) travel = -travel;
+    for (std::size_t k = 0; k < d.sensors.size(); ++k)
+      other.temperature[k] = d.sensorLower[k] + d.sensorUpper[k] - other.temperature[k];
+    for (std::size_t k = 0; k < d.covariates.size(); ++k)
+      other.covariate[k] = d.covariateLower[k] + d.covariateUpper[k] - other.covariate[k];
+    other.time = d.duration - other.time;
+    states.push_back(other);
+  }
+  return states;
+}
+
 }  // namespace
 
 std::vector<double> evenSteps(double from, double to, int intervals) {
@@ -168,7 +186,7 @@ PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std
 }
 
 StraightPart straightPart(const NeededCorrection& needed) {
-  const std::vector<State> states = needed.states(kTableStates, kStraightSeed);
+  const std::vector<State> states = mirrored(needed, kTableStates / 2);
   const auto joints = static_cast<Eigen::Index>(needed.axes().size());
   const auto sensors = static_cast<Eigen::Index>(needed.model().domain().sensors.size());
   Eigen::MatrixXd inputs(kTableStates, 1 + 2 * joints + sensors), outputs(kTableStates, joints);

@@ -15,7 +15,7 @@ constexpr int kBeckhoffMostPoints = 241;  // of the leadscrew table; the control
 constexpr int kPlaneIntervals = 16;       // along the longer of two axes
 constexpr double kBeckhoffUnit = 1e-7;    // m: lengths are in 0.1 um
 constexpr int kJudged = 256;              // states by which planes are compared
-constexpr unsigned kJudgeSeed = 21;
+constexpr unsigned kPlaneChoiceSeed = 21;
 
 long units(double metres) { return std::lround(metres / kBeckhoffUnit); }
 
@@ -95,7 +95,7 @@ double left(const NeededCorrection& needed, const std::vector<State>& states, co
 AxisTables chosen(const NeededCorrection& needed, const Pool& pool, int output) {
   AxisTables best;
   best.own = pool.line(output);
-  const std::vector<State> states = needed.states(kJudged, kJudgeSeed);
+  const std::vector<State> states = needed.states(kJudged, kPlaneChoiceSeed);
   double least = left(needed, states, best, output);
   for (const PlaneTable& plane : pool.planes) {
     AxisTables tables;
