@@ -14,6 +14,7 @@ namespace {
 constexpr int kJudgeStates = 512;
 constexpr unsigned kJudgeSeed = 41;  // never that of a table: fresh places
 constexpr double kNothing = 1e-10;   // m: rounding of the chain
+constexpr double kBelowAll = 5e-9;   // m: less than any of these machines repeats
 constexpr double kExactShare = 0.02, kNoneShare = 0.95;
 
 double rms(const Eigen::VectorXd& errors) {
@@ -171,7 +172,8 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
     return result;
   }
   const double share = f.exported / f.uncorrected;
-  result.carried = share <= kExactShare ? "exact" : share < kNoneShare ? "approximate" : "none";
+  const bool exact = share <= kExactShare || (share < 0.5 && f.exported < kBelowAll);
+  result.carried = exact ? "exact" : share < kNoneShare ? "approximate" : "none";
   result.why = whatItDoes(needed) + "; " + target.title + " holds " + exported.holds +
                format(": %.3g of %.3g um are left", f.exported / kMicrometre, f.uncorrected / kMicrometre);
   return result;

@@ -12,7 +12,8 @@ constexpr double kSiemensLeast = 1e-8;  // m: a table whose values are all less 
 
 std::string machineAxis(const ExportAxis& axis) { return "(" + capital(axis.letter) + "1)"; }
 
-/// One table $AN_CEC. @param direction of the input's travel for which it counts; 0: both.
+/// One table $AN_CEC: values are errors, which the control takes off (a positive value moves the axis back).
+/// @param direction of the input's travel for which it counts; 0: both.
 std::string cecTable(int number, const ExportAxis& in, const ExportAxis& out, int direction,
                      const std::vector<double>& at, const std::vector<double>& values) {
   std::string text =
@@ -21,7 +22,7 @@ std::string cecTable(int number, const ExportAxis& in, const ExportAxis& out, in
              : direction < 0 ? ", downwards"
                              : "");
   for (std::size_t i = 0; i < values.size(); ++i)
-    text += format("$AN_CEC[%d,%zu]=", number, i) + fixed(values[i] / kMillimetre, 6) + "\n";
+    text += format("$AN_CEC[%d,%zu]=", number, i) + fixed(-values[i] / kMillimetre, 6) + "\n";
   const double step = at[1] - at[0];
   text += format("$AN_CEC_INPUT_AXIS[%d]=%s\n$AN_CEC_OUTPUT_AXIS[%d]=%s\n", number, machineAxis(in).c_str(),
                  number, machineAxis(out).c_str());
@@ -92,10 +93,12 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
       "Positions are those of the machine axes, in mm. Each table is zero at position 0, or at the end of "
       "the calibrated range that is nearest to it; beyond its ends the last value holds.";
   out.unverified = {
-      "That the sum of the tables is added to the position setpoint of the compensation axis (and not "
-      "taken from it) is how the manual tells the function; check it with one move.",
-      "$AN_CEC_MULT_BY_TABLE is not used: public pages do not say whether a table that is multiplied "
-      "still counts by itself. What depends on two positions at once (roll, twist) is therefore left.",
+      "The sign: that a positive value moves the axis in the negative direction is documented for "
+      "$AA_ENC_COMP, the other table of the same function, and taken over from there. Check with one move.",
+      "$AN_CEC_MULT_BY_TABLE is not used: the product counts beside the table's own value, so that a plane "
+      "of "
+      "two positions would need tables that are nothing by themselves. What depends on two positions at once "
+      "(roll, twist) is therefore left.",
       "828D has eight tables of 200 points; where there are more here, leave out the smallest."};
   out.notes = {
       format("%d tables. Axes are named X1, Y1 … as machine axes; change the names where yours differ.",
