@@ -105,6 +105,7 @@ int run(int argc, char** argv) {
   mm::addApplyCommand(app, exitStatus);
   mm::addUncertaintyCommand(app, exitStatus);
   mm::addCertificateCommand(app, exitStatus);
+  mm::addExportCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);
   mm::addRollbackCommand(app, exitStatus);

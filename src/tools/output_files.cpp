@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
+#include "export/export_folder.h"
 #include "ros_bridge/bag_origin.h"
 #include "ros_bridge/bag_session.h"
 
@@ -56,7 +57,18 @@ void OutputFiles::bag(const std::string& option, const std::string& file, const 
   if (!file.empty()) outputs_.push_back({option, file, FileKind::kBag, origin});
 }
 
+void OutputFiles::folder(const std::string& option, const std::string& folder, const std::string& target) {
+  folders_.push_back({option, folder, target});
+}
+
 void OutputFiles::check() const {
+  for (const Folder& f : folders_) {
+    if (keptByStore(fs::path(f.folder) / "file") || keptByStore(f.folder))
+      throw InputError(f.option + " " + f.folder +
+                       ": is or lies in a folder of calibrations, which mm promote keeps; name "
+                       "another folder");
+    checkExportFolder(f.folder, f.target, force_);
+  }
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const Output& out = outputs_[i];
     checkPlace(out);
@@ -155,6 +167,11 @@ void OutputFiles::write(const std::string& file, Calibration& calibration) const
   declared(file);
   saveCalibration(calibration, file);
   filesWritten().push_back(file);
+}
+
+void OutputFiles::write(const std::string& folder, const std::vector<ExportedFile>& files) const {
+  writeExportFolder(folder, files);
+  filesWritten().push_back(folder);
 }
 
 void OutputFiles::write(const std::string& file, const Session& session, const ProgressCallback& progress,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "calibration_file/calibration.h"
+#include "export/export_target.h"
 #include "session/motion.h"
 #include "session/progress.h"
 #include "session/session.h"
@@ -39,6 +40,9 @@ class OutputFiles {
   /// @param origin as of `bagOrigin`.
   void bag(const std::string& option, const std::string& file, const std::string& origin);
 
+  /// A folder of an export (checkExportFolder). @param target for which it is.
+  void folder(const std::string& option, const std::string& folder, const std::string& target);
+
   /// @throw InputError: one line that names the option, the file, why it is refused, and the remedy.
   void check() const;
   /// Calibrations are of this session: checked when it was read, and before the work.
@@ -50,6 +54,7 @@ class OutputFiles {
   void write(const std::string& file, Calibration& calibration) const;
   void write(const std::string& file, const Session& session, const ProgressCallback& progress,
              const std::vector<MotionSample>& motion = {}) const;
+  void write(const std::string& folder, const std::vector<ExportedFile>& files) const;
   /// What this run of `mm` has written so far, as it was named.
   static const std::vector<std::string>& written();
 
@@ -72,6 +77,10 @@ class OutputFiles {
   bool force_ = false;
   std::vector<Input> inputs_;
   std::vector<Output> outputs_;
+  struct Folder {
+    std::string option, folder, target;
+  };
+  std::vector<Folder> folders_;
 };
 
 }  // namespace mm

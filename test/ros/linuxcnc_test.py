@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Sixty touches of LinuxCNC's own pretended hemisphere: its centre and its radius are found within the way of a servo period."""
+import fcntl
 import json
 import os
 import shutil
@@ -42,6 +43,8 @@ def linuxcnc(folder):
 class LinuxCnc(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
+        cls.only = open("/tmp/mm_linuxcnc.lock", "a")  # there can be one LinuxCNC on a computer
+        fcntl.flock(cls.only, fcntl.LOCK_EX)
         cls.work = support.folder()
         os.chmod(cls.work, 0o755)
         cls.folder = os.path.join(cls.work, "machine")

@@ -1,0 +1,129 @@
+#include "export/export_folder.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "calibration_file/atomic_file.h"
+
+namespace mm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kReport = "representability.json";
+
+[[noreturn]] void refuse(const fs::path& folder, int cause) {
+  throw InputError(folder.string() + ": cannot be written: " + std::strerror(cause) +
+                   "; make room or choose another folder");
+}
+
+/// A new folder with a name of its own. @param pattern ends in XXXXXX.
+fs::path newFolder(const fs::path& pattern) {
+  std::string name = pattern.string();
+  if (::mkdtemp(name.data()) == nullptr) refuse(pattern.parent_path(), errno);
+  return name;
+}
+
+fs::path withoutSlash(const fs::path& folder) {
+  return folder.filename().empty() ? folder.parent_path() : folder;
+}
+
+fs::path parentOf(const fs::path& folder) {
+  const fs::path parent = withoutSlash(folder).parent_path();
+  return parent.empty() ? fs::path(".") : parent;
+}
+
+void sync(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+/// The names in an earlier export's own list, and the target; empty: it is none.
+struct Earlier {
+  std::string target;
+  std::vector<std::string> files;
+};
+
+Earlier earlierExport(const fs::path& folder) {
+  Earlier earlier;
+  std::error_code error;
+  if (!fs::is_regular_file(folder / kReport, error)) return earlier;
+  try {
+    const auto json = nlohmann::json::parse(readFile(folder / kReport));
+    for (const auto& file : json.at("files")) earlier.files.push_back(file.at("path").get<std::string>());
+    earlier.target = json.at("target").get<std::string>();
+  } catch (const nlohmann::json::exception&) {
+    return {};  // not one of ours
+  }
+  return earlier;
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() : path_(newFolder(fs::temp_directory_path() / "mm-export-XXXXXX")) {}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+void TemporaryFolder::write(const ExportedFile& file) const {
+  writeFileAtomically(path_ / file.path, file.text);
+}
+
+void checkExportFolder(const fs::path& folder, const std::string& target, bool force) {
+  std::error_code error;
+  const std::string name = folder.string();
+  if (!fs::is_directory(parentOf(folder), error))
+    throw InputError("-o " + name + ": the folder '" + parentOf(folder).string() +
+                     "' does not exist; make it, or name another");
+  if (!fs::exists(fs::symlink_status(folder, error))) return;
+  if (fs::is_symlink(withoutSlash(folder), error) || !fs::is_directory(folder, error))
+    throw InputError("-o " + name + ": is not a folder; name a new one");
+  const Earlier earlier = earlierExport(folder);
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string file = entry.path().filename().string();
+    if (earlier.target.empty() ||
+        std::find(earlier.files.begin(), earlier.files.end(), file) == earlier.files.end())
+      throw InputError("-o " + name + ": holds '" + file +
+                       "', which no export has written there; name a new folder, or move it away");
+  }
+  if (!earlier.target.empty() && earlier.target != target && !force)
+    throw InputError("-o " + name + ": holds an export for " + earlier.target + ", not for " + target +
+                     "; name another folder, or replace it with --force");
+}
+
+void writeExportFolder(const fs::path& folder, const std::vector<ExportedFile>& files) {
+  const fs::path parent = parentOf(folder), target = withoutSlash(folder);
+  const fs::path made = newFolder(parent / ("." + target.filename().string() + kTemporaryMark + "XXXXXX"));
+  std::error_code ignored;
+  try {
+    for (const ExportedFile& file : files) writeFileAtomically(made / file.path, file.text);
+    fs::permissions(made, fs::perms(0755));
+    sync(made);
+    if (!fs::exists(target)) {
+      if (::rename(made.c_str(), target.c_str()) != 0) refuse(folder, errno);
+    } else {
+      // The two change names in one step; what was there goes afterwards.
+      if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) != 0)
+        refuse(folder, errno);
+      fs::remove_all(made, ignored);
+    }
+  } catch (...) {
+    fs::remove_all(made, ignored);
+    throw;
+  }
+  sync(parent);
+}
+
+}  // namespace mm

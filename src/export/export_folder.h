@@ -1,0 +1,36 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "export/export_target.h"
+
+namespace mm {
+
+/// A folder of this process, which goes with it.
+class TemporaryFolder {
+ public:
+  /// @throw InputError: no permission, full disk.
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  void write(const ExportedFile& file) const;  ///< @throw InputError.
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Whether an export may be written there: nothing is, or an empty folder, or an earlier export for the same
+/// target and nothing else. @param force also an export for another target. What no export has written is
+/// never replaced.
+/// @throw InputError: one line with the folder, why, and the remedy.
+void checkExportFolder(const std::filesystem::path& folder, const std::string& target, bool force);
+
+/// Writes all files, or none: beside the folder, to the disk, then renamed; an earlier export goes only when
+/// the new one is in its place. @throw InputError: full disk, no permission.
+void writeExportFolder(const std::filesystem::path& folder, const std::vector<ExportedFile>& files);
+
+}  // namespace mm

@@ -1,0 +1,129 @@
+#include "export/export_page.h"
+
+#include <cmath>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "export/export_folder.h"
+
+namespace mm {
+namespace {
+
+/// The place where the tables add most to one axis.
+struct SignCheck {
+  const ExportAxis* axis = nullptr;
+  State state;
+  double added = 0.0;  // m
+};
+
+SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, const Exported& exported) {
+  const TemporaryFolder folder;
+  for (const ExportedFile& file : exported.files) folder.write(file);
+  const auto interpreter = interpret(target.name, folder.path());
+  SignCheck best;
+  for (const State& state : needed.states(128, 51)) {
+    Command command = needed.commandOf(state);
+    for (const auto& [there, here] : exported.sensors)
+      if (command.temperature.count(here) != 0) command.temperature[there] = command.temperature[here];
+    const std::map<std::string, double> motors = interpreter->motors(command);
+    for (const int joint : needed.linear()) {
+      const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
+      const double added = motors.at(axis.letter) - state.position[static_cast<std::size_t>(joint)];
+      if (std::abs(added) > std::abs(best.added)) best = {&axis, state, added};
+    }
+  }
+  return best;
+}
+
+std::string signText(const NeededCorrection& needed, const ExportTarget& target, const Exported& exported) {
+  const SignCheck check = signCheck(needed, target, exported);
+  if (check.axis == nullptr) return "The tables add nothing anywhere: there is no sign to check.\n";
+  std::string text = "With the tables loaded command, arriving in the directions told,\n\n";
+  for (const ExportAxis& axis : needed.axes()) {
+    const auto j = static_cast<std::size_t>(axis.joint);
+    const bool linear = axis.kind == JointKind::kLinear;
+    text += format("    %s %.3f %s, %s\n", capital(axis.letter).c_str(),
+                   check.state.position[j] / (linear ? kMillimetre : kDegree), linear ? "mm" : "deg",
+                   check.state.travel[j] > 0 ? "upwards" : "downwards");
+  }
+  const Domain& d = needed.model().domain();
+  for (std::size_t k = 0; k < d.sensors.size(); ++k)
+    if (std::isfinite(check.state.temperature[k]))
+      text += format("    %s at %.2f degC\n", d.sensors[k].c_str(), check.state.temperature[k]);
+  return text +
+         format(
+             "\nThe motor of %s (or a dial gauge against the same move without the tables) must then stand "
+             "%.2f um %s of where it stands without them. If it stands on the other side, every value has "
+             "to change its sign: do not use the tables as they are.\n",
+             capital(check.axis->letter).c_str(), std::abs(check.added) / kMicrometre,
+             check.added > 0.0 ? "on the positive side" : "on the negative side");
+}
+
+std::string numbered(const std::vector<std::string>& steps) {
+  std::string text;
+  for (std::size_t i = 0; i < steps.size(); ++i) text += format("%zu. ", i + 1) + steps[i] + "\n";
+  return text;
+}
+
+std::string bulleted(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += "- " + line + "\n";
+  return text;
+}
+
+std::string range(const NeededCorrection& needed) {
+  std::string text;
+  for (const ExportAxis& axis : needed.axes()) {
+    const bool linear = axis.kind == JointKind::kLinear;
+    const double unit = linear ? kMillimetre : kDegree;
+    text += format("- joint %s is axis %s, %.4g to %.4g %s\n", axis.name.c_str(),
+                   capital(axis.letter).c_str(), axis.lower / unit, axis.upper / unit, linear ? "mm" : "deg");
+  }
+  const Domain& d = needed.model().domain();
+  for (std::size_t k = 0; k < d.sensors.size(); ++k)
+    if (std::isfinite(d.sensorLower[k]))
+      text += format("- temperature %s, %.4g to %.4g degC\n", d.sensors[k].c_str(), d.sensorLower[k],
+                     d.sensorUpper[k]);
+  return text;
+}
+
+}  // namespace
+
+std::string exportPage(const Calibration& calibration, const ExportTarget& target,
+                       const NeededCorrection& needed, const Exported& exported,
+                       const Representability& judged) {
+  std::string text = "# Calibration of " + calibration.machineName + " for " + target.title +
+                     "\n\nFrom calibration `" + calibration.id + "` (" + calibration.created + ").\n\n";
+  if (judged.carriesNothing())
+    text += "**" + target.title + " can carry nothing of this calibration**: it holds " + exported.holds +
+            ". Correct readings with `mm apply` instead.\n\n";
+  text += "## Files\n\n| file | what |\n|---|---|\n";
+  for (const ExportedFile& file : exported.files) text += "| `" + file.path + "` | " + file.what + " |\n";
+  text += "\n## Load\n\n" + numbered(exported.load) + "\n## Reference point\n\n" + exported.reference +
+          "\n\nIt holds over what the session covered; beyond that the tables say nothing that was "
+          "measured.\n\n" +
+          range(needed) + "\n## Check the sign with one move\n\n" + signText(needed, target, exported);
+  text += "\n## What is carried\n\n" + target.title + " holds " + exported.holds + ".\n\n```\n" +
+          representabilityText(judged) + "```\n";
+  if (!exported.notes.empty()) text += "\n## Notes\n\n" + bulleted(exported.notes);
+  text += "\n## Not verified\n\n" + (exported.unverified.empty()
+                                         ? "Nothing beyond the sources cited in the documentation (export).\n"
+                                         : bulleted(exported.unverified));
+  return text;
+}
+
+std::vector<ExportedFile> exportFolderOf(const Calibration& calibration, const ExportTarget& target,
+                                         const NeededCorrection& needed, const Exported& exported,
+                                         Representability& judged) {
+  std::vector<ExportedFile> files = exported.files;
+  files.push_back({"README.md", "what to load where, and how to check it",
+                   exportPage(calibration, target, needed, exported, judged)});
+  files.push_back(
+      {"representability.txt", "effect by effect, what is carried", representabilityText(judged)});
+  files.push_back({"representability.json", "the same for programs", ""});
+  judged.files = files;
+  files.back().text = representabilityJson(judged).dump(2) + "\n";
+  return files;
+}
+
+}  // namespace mm

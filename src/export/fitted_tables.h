@@ -1,0 +1,59 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "export/needed_correction.h"
+
+namespace mm {
+
+/// Correction of every joint over the position of one axis, for either direction of its travel: what is
+/// common to the whole calibrated volume and its temperatures (the mean over them), less its value at the
+/// reference. SI.
+struct LineTable {
+  int input = 0;                                        // joint
+  std::vector<double> at;                               // m or rad, equal steps, ascending
+  std::vector<std::vector<double>> positive, negative;  // a joint that is corrected; m, one a point
+
+  double mean(int output, std::size_t point) const {
+    const auto j = static_cast<std::size_t>(output);
+    return 0.5 * (positive[j][point] + negative[j][point]);
+  }
+  /// Linear between the points, the ends held. @param travel +1, -1; 0: the mean.
+  double value(int output, double position, double travel) const;
+  /// Largest absolute value of an output, m.
+  double largest(int output) const;
+};
+
+/// At most `mostPoints` of them: as many as the curve needs to be followed within 0.02 um by straight lines.
+/// The steps are whole tenths of a micrometre, and cover the observed range.
+LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints);
+
+/// Correction of every joint over the positions of two axes: the mean over everything else, less its value at
+/// the reference. SI.
+struct PlaneTable {
+  int first = 0, second = 0;              // joints
+  std::vector<double> atFirst, atSecond;  // equal steps, ascending
+  std::vector<Eigen::MatrixXd> value;     // a joint that is corrected: rows by first, columns by second
+
+  double interpolated(int output, double first, double second) const;
+};
+/// @param atFirst, atSecond ascending positions, at least two each.
+PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std::vector<double> atFirst,
+                      std::vector<double> atSecond);
+
+/// The straight part of the correction, by least squares over the calibrated volume: m/m, m, m/K.
+struct StraightPart {
+  Eigen::MatrixXd byPosition;  // row: corrected joint, column: joint that moves
+  Eigen::MatrixXd byTravel;    // half of what a reversal of the column's joint changes
+  Eigen::MatrixXd bySensor;    // column: sensor of the domain
+
+  /// Of two axes the whole angle by which they are not square, as a correction of `output` by `input`:
+  /// whichever of them the calibration holds for the reference, as the other part only turns the workpiece.
+  double square(int output, int input) const { return byPosition(output, input) + byPosition(input, output); }
+};
+StraightPart straightPart(const NeededCorrection& needed);
+
+/// `from` to beyond `to` in `intervals` equal steps, each a whole number of 0.1 um.
+std::vector<double> evenSteps(double from, double to, int intervals);
+
+}  // namespace mm

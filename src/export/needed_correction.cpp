@@ -1,0 +1,147 @@
+#include "export/needed_correction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "base/error.h"
+#include "compensation/compensator.h"
+#include "machine/linear_inverse.h"
+
+namespace mm {
+namespace {
+
+constexpr int kMostSteps = 20;
+constexpr double kNeededReached = 1e-12;  // m
+
+/// Temperatures that have been what they are for ever.
+class Settled final : public TemperatureHistory {
+ public:
+  explicit Settled(const std::vector<double>& temperature) : temperature_(temperature) {}
+  double lagged(int sensor, double, double, double* byTau) const override {
+    if (byTau != nullptr) *byTau = 0.0;
+    return temperature_[static_cast<std::size_t>(sensor)];
+  }
+
+ private:
+  const std::vector<double>& temperature_;
+};
+
+/// One column of a Latin hypercube: numbers in [0, 1), one in each of `count` equal parts, in random order.
+std::vector<double> latin(int count, std::mt19937_64& random) {
+  std::vector<double> column(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) column[static_cast<std::size_t>(i)] = (i + 0.5) / count;
+  for (std::size_t i = column.size() - 1; i > 0; --i) std::swap(column[i], column[random() % (i + 1)]);
+  return column;
+}
+
+std::vector<double> spread(const std::vector<double>& share, double lower, double upper) {
+  std::vector<double> values;
+  for (const double s : share) values.push_back(lower + s * (upper - lower));
+  return values;
+}
+
+}  // namespace
+
+NeededCorrection::NeededCorrection(const Calibration& calibration,
+                                   const std::map<std::string, std::string>& letters)
+    : model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects,
+             calibration.networks) {
+  const Compensator checks(calibration);  // throws where the file contradicts itself
+  parameters_.resize(static_cast<Eigen::Index>(calibration.values.size()));
+  for (Eigen::Index p = 0; p < parameters_.size(); ++p)
+    parameters_[p] = calibration.values[static_cast<std::size_t>(p)].value;
+  linear_ = linearJoints(model_.machine().joints());
+  axes_ = exportAxes(model_.machine(), letters, calibration.domain.lower, calibration.domain.upper);
+}
+
+const ExportAxis* NeededCorrection::findAxis(const std::string& letter) const {
+  for (const ExportAxis& axis : axes_)
+    if (axis.letter == letter) return &axis;
+  return nullptr;
+}
+
+bool NeededCorrection::moved(int joint) const {
+  const ExportAxis& axis = axes_[static_cast<std::size_t>(joint)];
+  return axis.upper - axis.lower > 1e-5;
+}
+
+double NeededCorrection::reference(int joint) const {
+  const ExportAxis& axis = axes_[static_cast<std::size_t>(joint)];
+  return std::clamp(0.0, axis.lower, axis.upper);
+}
+
+std::vector<State> NeededCorrection::states(int count, unsigned seed) const {
+  const Domain& d = model_.domain();
+  std::mt19937_64 random(seed);
+  std::vector<State> all(static_cast<std::size_t>(count));
+  for (State& state : all) {
+    state.velocity.assign(d.joints.size(), 0.0);
+    state.laserReading = d.laser ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto fill = [&](double lower, double upper, auto put) {
+    const std::vector<double> values = spread(latin(count, random), lower, upper);
+    for (std::size_t i = 0; i < all.size(); ++i) put(all[i], values[i]);
+  };
+  for (std::size_t j = 0; j < d.joints.size(); ++j) {
+    fill(d.lower[j], d.upper[j], [](State& s, double v) { s.position.push_back(v); });
+    fill(-1.0, 1.0, [](State& s, double v) { s.travel.push_back(v < 0.0 ? -1.0 : 1.0); });
+  }
+  for (std::size_t k = 0; k < d.sensors.size(); ++k)
+    fill(d.sensorLower[k], d.sensorUpper[k], [](State& s, double v) { s.temperature.push_back(v); });
+  for (std::size_t k = 0; k < d.covariates.size(); ++k)
+    fill(d.covariateLower[k], d.covariateUpper[k], [](State& s, double v) { s.covariate.push_back(v); });
+  fill(0.0, std::max(0.0, d.duration), [](State& s, double v) { s.time = v; });
+  if (d.laser) fill(d.readingLower, d.readingUpper, [](State& s, double v) { s.laserReading = v; });
+  return all;
+}
+
+Eigen::Vector3d NeededCorrection::truePosition(State state) const {
+  const Settled history(state.temperature);
+  state.history = &history;
+  model_.place(state);
+  Model::Workspace work;
+  return model_.corrected(state, parameters_.data(), work).position;
+}
+
+Eigen::Vector3d NeededCorrection::missed(const State& command, const std::vector<double>& motors) const {
+  const double beam = model_.domain().laser ? command.laserReading : std::numeric_limits<double>::quiet_NaN();
+  State driven = command;
+  driven.position = motors;
+  return truePosition(std::move(driven)) - model_.machine().nominal(command.position.data(), beam).position;
+}
+
+Eigen::VectorXd NeededCorrection::at(const State& command) const {
+  const double beam = model_.domain().laser ? command.laserReading : std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> motors = command.position;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Eigen::Vector3d miss = missed(command, motors);
+    if (!miss.allFinite())
+      throw NumericalError(
+          "the calibration has no finite correction inside its own range: an input of its effects was never "
+          "recorded; calibrate with it, or remove the effect");
+    const LinearMotion motion = linearMotion(model_.machine(), motors.data(), beam, -miss);
+    for (std::size_t j = 0; j < motors.size(); ++j) motors[j] += motion.change[static_cast<Eigen::Index>(j)];
+    if (motion.change.cwiseAbs().maxCoeff() < kNeededReached) break;
+  }
+  Eigen::VectorXd delta(static_cast<Eigen::Index>(motors.size()));
+  for (std::size_t j = 0; j < motors.size(); ++j)
+    delta[static_cast<Eigen::Index>(j)] = motors[j] - command.position[j];
+  return delta;
+}
+
+Command NeededCorrection::commandOf(const State& state) const {
+  Command command;
+  for (const ExportAxis& axis : axes_) {
+    const auto j = static_cast<std::size_t>(axis.joint);
+    command.position[axis.letter] = state.position[j];
+    command.direction[axis.letter] = state.travel[j] > 0.0 ? 1 : state.travel[j] < 0.0 ? -1 : 0;
+  }
+  const Domain& d = model_.domain();
+  for (std::size_t k = 0; k < d.sensors.size(); ++k)
+    if (std::isfinite(state.temperature[k])) command.temperature[d.sensors[k]] = state.temperature[k];
+  return command;
+}
+
+}  // namespace mm

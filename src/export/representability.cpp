@@ -1,0 +1,208 @@
+#include "export/representability.h"
+
+#include <Eigen/QR>
+#include <cmath>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "effects/inputs.h"
+#include "export/export_folder.h"
+
+namespace mm {
+namespace {
+
+constexpr int kJudgeStates = 512;
+constexpr unsigned kJudgeSeed = 41;  // never that of a table: fresh places
+constexpr double kNothing = 1e-10;   // m: rounding of the chain
+constexpr double kBelowAll = 5e-9;   // m: less than any of these machines repeats
+constexpr double kExactShare = 0.02, kNoneShare = 0.95;
+
+double rms(const Eigen::VectorXd& errors) {
+  return std::sqrt(errors.squaredNorm() / static_cast<double>(errors.size()));
+}
+
+/// What is left of displacements (three a place) when one displacement, and where asked one small rotation
+/// about the mean place, is taken out of all.
+double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d>& places, bool rotated) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : places) centre += p / static_cast<double>(places.size());
+  Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(errors.size(), rotated ? 6 : 3);
+  double size = 1e-9;
+  for (const Eigen::Vector3d& p : places) size = std::max(size, (p - centre).norm());
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    const auto row = 3 * static_cast<Eigen::Index>(n);
+    rigid.block<3, 3>(row, 0).setIdentity();
+    if (!rotated) continue;
+    const Eigen::Vector3d a = (places[n] - centre) / size;
+    rigid.block<3, 3>(row, 3) << 0, a.z(), -a.y(), -a.z(), 0, a.x(), a.y(), -a.x(), 0;
+  }
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(1e-6);
+  solver.compute(rigid);
+  return rms(errors - rigid * solver.solve(errors));
+}
+
+Command commandWith(const NeededCorrection& needed, const State& state, const Exported& exported) {
+  Command command = needed.commandOf(state);
+  for (const auto& [there, here] : exported.sensors) {
+    const auto found = command.temperature.find(here);
+    if (found != command.temperature.end()) command.temperature[there] = found->second;
+  }
+  return command;
+}
+
+ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported,
+                        const Interpreter& interpreter) {
+  const std::vector<State> states = needed.states(kJudgeStates, kJudgeSeed);
+  Eigen::VectorXd before(3 * kJudgeStates), after(3 * kJudgeStates), beside(3 * kJudgeStates);
+  std::vector<Eigen::Vector3d> places;
+  for (int n = 0; n < kJudgeStates; ++n) {
+    const State& state = states[static_cast<std::size_t>(n)];
+    const std::map<std::string, double> driven = interpreter.motors(commandWith(needed, state, exported));
+    std::vector<double> motors = state.position;
+    for (const ExportAxis& axis : needed.axes())
+      motors[static_cast<std::size_t>(axis.joint)] = driven.at(axis.letter);
+    before.segment<3>(3 * n) = needed.displacement(state);
+    after.segment<3>(3 * n) = needed.missed(state, motors);
+    if (exported.alsoAdds) {
+      const std::map<std::string, double> added = exported.alsoAdds(state);
+      for (const ExportAxis& axis : needed.axes())
+        if (const auto found = added.find(axis.letter); found != added.end())
+          motors[static_cast<std::size_t>(axis.joint)] += found->second;
+      beside.segment<3>(3 * n) = needed.missed(state, motors);
+    }
+    places.push_back(needed.model().machine().nominal(state.position.data(), state.laserReading).position);
+  }
+  ExportFigures figures{leftOver(before, places, true), leftOver(after, places, true),
+                        leftOver(before, places, false), leftOver(after, places, false)};
+  if (exported.alsoAdds) figures.withOffsets = leftOver(beside, places, true);
+  return figures;
+}
+
+/// Interprets files that nobody has been given yet.
+ExportFigures judged(const std::string& target, const NeededCorrection& needed, const Exported& exported) {
+  const TemporaryFolder folder;
+  for (const ExportedFile& file : exported.files) folder.write(file);
+  return figuresOf(needed, exported, *interpret(target, folder.path()));
+}
+
+Calibration oneEffect(const Calibration& whole, int effect) {
+  Calibration one = whole;
+  one.effects = {whole.effects[static_cast<std::size_t>(effect)]};
+  one.values.clear();
+  std::vector<Eigen::Index> kept;
+  for (std::size_t p = 0; p < whole.values.size(); ++p)
+    if (whole.values[p].effect == effect) {
+      kept.push_back(static_cast<Eigen::Index>(p));
+      one.values.push_back(whole.values[p]);
+      one.values.back().effect = 0;
+    }
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  one.covariance.resize(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < n; ++k)
+      one.covariance(i, k) =
+          whole.covariance(kept[static_cast<std::size_t>(i)], kept[static_cast<std::size_t>(k)]);
+  std::vector<LearnedNetwork> networks;
+  for (const LearnedNetwork& network : whole.networks)
+    if (network.effect == one.effects[0].yaml()) networks.push_back(network);
+  one.networks = networks;
+  return one;
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  return text;
+}
+
+/// "moves x and y by the position of x, the travel of x and the temperature bed".
+std::string whatItDoes(const NeededCorrection& needed) {
+  const Domain& d = needed.model().domain();
+  const Inputs in = inputsOf(*needed.model().effects()[0], d);
+  std::vector<std::string> by, moves;
+  const auto name = [&](int joint) { return needed.axes()[static_cast<std::size_t>(joint)].letter; };
+  for (const int j : in.positions) by.push_back("the position of " + name(j));
+  for (const int j : in.travels) by.push_back("the travel of " + name(j));
+  for (const int k : in.temperatures)
+    by.push_back("the temperature " + d.sensors[static_cast<std::size_t>(k)]);
+  for (const int k : in.covariates) by.push_back(d.covariates[static_cast<std::size_t>(k)]);
+  if (in.time) by.emplace_back("time");
+  std::vector<Eigen::VectorXd> at;
+  for (const State& s : needed.states(64, kJudgeSeed)) at.push_back(needed.at(s));
+  for (const int joint : needed.linear()) {
+    double least = at[0][joint], most = least;
+    for (const Eigen::VectorXd& a : at) {
+      least = std::min(least, a[joint]);
+      most = std::max(most, a[joint]);
+    }
+    if (most - least > 1e-9) moves.push_back(name(joint));
+  }
+  return "corrects " + (moves.empty() ? "no axis" : listed(moves)) + (by.empty() ? "" : " by " + listed(by));
+}
+
+bool hasValue(const Calibration& c) {
+  for (const Calibration::Value& v : c.values)
+    if (v.value != 0.0) return true;
+  return !c.networks.empty();
+}
+
+CarriedEffect carriedEffect(const Calibration& calibration, int index, const ExportTarget& target,
+                            const ExportOptions& options) {
+  const Calibration one = oneEffect(calibration, index);
+  const NeededCorrection needed(one, options.letters);
+  CarriedEffect result;
+  result.effect = one.effects[0];
+  const Exported exported = target.write(needed, options);
+  result.figures = judged(target.name, needed, exported);
+  const ExportFigures& f = result.figures;
+  if (f.uncorrected < kNothing && f.unalignedUncorrected < kNothing) {
+    const bool any = hasValue(one);
+    result.carried = any ? "none" : "exact";
+    result.why =
+        any ? "it moves no axis that stands still: it acts at a contact, on a reading or at speed, and stays "
+              "in the correction of readings (mm apply)"
+            : "its parameters are zero";
+    return result;
+  }
+  if (f.uncorrected < kExactShare * f.unalignedUncorrected) {
+    result.carried = "exact";
+    result.why = "it turns or shifts the whole workpiece, which its alignment takes up";
+    return result;
+  }
+  const double share = f.exported / f.uncorrected;
+  const bool exact = share <= kExactShare || (share < 0.5 && f.exported < kBelowAll);
+  result.carried = exact ? "exact" : share < kNoneShare ? "approximate" : "none";
+  result.why = whatItDoes(needed) + "; " + target.title + " holds " + exported.holds +
+               format(": %.3g of %.3g um are left", f.exported / kMicrometre, f.uncorrected / kMicrometre);
+  return result;
+}
+
+}  // namespace
+
+bool Representability::carriesNothing() const {
+  return !(figures.exported < kNoneShare * figures.uncorrected);
+}
+
+Representability representability(const Calibration& calibration, const ExportTarget& target,
+                                  const ExportOptions& options, const NeededCorrection& needed,
+                                  const Exported& exported, const ExportProgress& progress) {
+  Representability result;
+  result.target = target.name;
+  result.files = exported.files;
+  const auto count = static_cast<int>(calibration.effects.size());
+  const auto tell = [&](const std::string& what, int done) {
+    if (progress) progress(what, (done + 1.0) / (count + 1.0));
+  };
+  result.figures = judged(target.name, needed, exported);
+  tell("all effects", 0);
+  result.full = std::isfinite(calibration.heldOutRms) ? calibration.heldOutRms : calibration.rms;
+  for (int e = 0; e < count; ++e) {
+    result.effects.push_back(carriedEffect(calibration, e, target, options));
+    tell(result.effects.back().effect.type, e + 1);
+  }
+  return result;
+}
+
+}  // namespace mm

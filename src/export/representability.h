@@ -1,0 +1,57 @@
+#pragma once
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+#include "export/export_target.h"
+
+namespace mm {
+
+/// What a target's tables leave, over the calibrated volume, temperatures, directions of travel and duration.
+/// Root mean square of a coordinate, m. Where the machine is driven by the target's rules (src/interpreters)
+/// against where the full model says that it was commanded. What an alignment of the workpiece sets anew, one
+/// displacement and one small rotation of all states, is taken out; `unaligned` takes out the displacement
+/// alone.
+struct ExportFigures {
+  double uncorrected = 0.0, exported = 0.0;
+  double unalignedUncorrected = 0.0, unalignedExported = 0.0;
+  double withOffsets =
+      std::numeric_limits<double>::quiet_NaN();  // and what Exported::alsoAdds adds; NaN: nothing
+};
+
+/// One effect of the model, exported alone.
+struct CarriedEffect {
+  EffectSpec effect;
+  std::string carried;  // exact, approximate or none
+  std::string why;
+  ExportFigures figures;
+};
+
+struct Representability {
+  std::string target;
+  ExportFigures figures;
+  double full =
+      0.0;  // m: what the full model left of the session, held out where that is known; NaN: no lengths
+  std::vector<CarriedEffect> effects;
+  std::vector<ExportedFile> files;
+  bool carriesNothing() const;  ///< the export is no better than no correction
+};
+
+/// @param progress told the effect that is next, and the share of the work. @throw InputError,
+/// NumericalError.
+using ExportProgress = std::function<void(const std::string&, double)>;
+
+/// Exports, and judges the export by the target's interpreter.
+Representability representability(const Calibration& calibration, const ExportTarget& target,
+                                  const ExportOptions& options, const NeededCorrection& needed,
+                                  const Exported& exported, const ExportProgress& progress = {});
+
+/// `{"target": …, "rms_um": {"uncorrected": …, "exported": …, "full": …}, "effects": […], "files": […]}`.
+nlohmann::ordered_json representabilityJson(const Representability& judged);
+/// The same for people.
+std::string representabilityText(const Representability& judged);
+
+}  // namespace mm

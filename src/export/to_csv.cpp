@@ -1,0 +1,194 @@
+#include "export/to_csv.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <limits>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "export/fitted_tables.h"
+
+namespace mm {
+namespace {
+
+constexpr int kCsvMostPoints = 241;
+constexpr int kCsvOthers = 24;
+constexpr unsigned kCsvSeed = 31;
+constexpr double kArms = 1e-4;  // m: arms that differ less tell no rotation
+
+/// Errors of one carriage at one place: translation (m) and rotation (rad) against those at the reference.
+struct CarriageError {
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero(), rotation = Eigen::Vector3d::Zero();
+};
+
+/// The kinematic chain in the axes of the workpiece, all joints at zero.
+struct Chain {
+  std::vector<Eigen::Vector3d> direction, origin;  // a joint; origin in workpiece, of its fixed side
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+
+  explicit Chain(const NeededCorrection& needed) {
+    const Machine& machine = needed.model().machine();
+    const std::vector<double> zero(machine.joints().size(), 0.0);
+    const double beam = std::numeric_limits<double>::quiet_NaN();
+    const auto jacobian = machine.jacobian(zero.data(), beam);
+    tip = machine.nominal(zero.data(), beam).position;
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();
+    for (std::size_t j = 0; j < zero.size(); ++j) {
+      const auto column = static_cast<Eigen::Index>(j);
+      const bool linear = machine.joints()[j].kind == JointKind::kLinear;
+      const Eigen::Vector3d v = jacobian.block<3, 1>(0, column), about = jacobian.block<3, 1>(3, column);
+      direction.push_back(linear ? v : about);
+      // A linear joint may stand anywhere; of a rotary one the point of its axis that is nearest to the tip.
+      if (!linear) last = tip - v.cross(about);
+      origin.push_back(last);
+    }
+  }
+};
+
+/// The arm from a joint's fixed side to the tip: what lies upstream does not count.
+Eigen::Vector3d armOf(const NeededCorrection& needed, const Chain& chain, const State& state, int joint) {
+  std::vector<double> q = state.position;
+  for (int j = 0; j < joint; ++j) q[static_cast<std::size_t>(j)] = 0.0;
+  return needed.model().machine().nominal(q.data(), std::numeric_limits<double>::quiet_NaN()).position -
+         chain.origin[static_cast<std::size_t>(joint)];
+}
+
+/// Rotation and translation that explain how much more the probe is displaced at this place than at the
+/// reference.
+CarriageError explained(const std::vector<Eigen::Vector3d>& more, const std::vector<Eigen::Vector3d>& arms) {
+  Eigen::Vector3d meanMore = Eigen::Vector3d::Zero(), meanArm = Eigen::Vector3d::Zero();
+  const double n = static_cast<double>(more.size());
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    meanMore += more[i] / n;
+    meanArm += arms[i] / n;
+  }
+  Eigen::MatrixXd lever(3 * static_cast<Eigen::Index>(more.size()), 3);
+  Eigen::VectorXd moved(lever.rows());
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    const Eigen::Vector3d a = arms[i] - meanArm;
+    Eigen::Matrix3d byRotation;  // r x a
+    byRotation << 0, a.z(), -a.y(), -a.z(), 0, a.x(), a.y(), -a.x(), 0;
+    lever.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = byRotation;
+    moved.segment<3>(3 * static_cast<Eigen::Index>(i)) = more[i] - meanMore;
+  }
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(lever, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd s = svd.singularValues();
+  CarriageError error;
+  for (Eigen::Index k = 0; k < 3; ++k)
+    if (s[k] > kArms * std::sqrt(n))
+      error.rotation += svd.matrixV().col(k) * (svd.matrixU().col(k).dot(moved) / s[k]);
+  error.translation = meanMore - error.rotation.cross(meanArm);
+  return error;
+}
+
+/// Rotary joints stand at their reference: component errors are told there.
+std::vector<State> statesFor(const NeededCorrection& needed) {
+  std::vector<State> states = needed.states(kCsvOthers, kCsvSeed);
+  for (State& s : states)
+    for (const ExportAxis& axis : needed.axes())
+      if (axis.kind == JointKind::kRotary)
+        s.position[static_cast<std::size_t>(axis.joint)] = needed.reference(axis.joint);
+  return states;
+}
+
+/// Of one joint, at each of its positions: upwards and downwards.
+std::vector<std::array<CarriageError, 2>> errorsOf(const NeededCorrection& needed, const Chain& chain,
+                                                   int joint, const std::vector<double>& at) {
+  std::vector<State> states = statesFor(needed);
+  const auto j = static_cast<std::size_t>(joint);
+  const auto displaced = [&](State& s, double position, double travel) {
+    s.position[j] = position;
+    s.travel[j] = travel;
+    return needed.displacement(s);
+  };
+  std::vector<Eigen::Vector3d> reference;
+  for (State& s : states)
+    reference.push_back(
+        0.5 * (displaced(s, needed.reference(joint), 1.0) + displaced(s, needed.reference(joint), -1.0)));
+  std::vector<std::array<CarriageError, 2>> errors;
+  for (const double position : at) {
+    errors.emplace_back();
+    for (int way = 0; way < 2; ++way) {
+      std::vector<Eigen::Vector3d> more, arms;
+      for (std::size_t i = 0; i < states.size(); ++i) {
+        more.push_back(displaced(states[i], position, way == 0 ? 1.0 : -1.0) - reference[i]);
+        arms.push_back(armOf(needed, chain, states[i], joint));
+      }
+      errors.back()[static_cast<std::size_t>(way)] = explained(more, arms);
+    }
+  }
+  return errors;
+}
+
+std::string chainTable(const NeededCorrection& needed, const Chain& chain) {
+  std::string text =
+      "joint,kind,direction_x,direction_y,direction_z,origin_x_mm,origin_y_mm,origin_z_mm,rotation_about\n";
+  const auto vector = [](const Eigen::Vector3d& v, int digits) {
+    return "," + fixed(v.x(), digits) + "," + fixed(v.y(), digits) + "," + fixed(v.z(), digits);
+  };
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  for (const ExportAxis& axis : needed.axes()) {
+    const auto j = static_cast<std::size_t>(axis.joint);
+    text += axis.letter + (axis.kind == JointKind::kLinear ? ",linear" : ",rotary") +
+            vector(chain.direction[j], 9) + vector((chain.origin[j] - last) / kMillimetre, 6) +
+            ",fixed_side\n";
+    last = chain.origin[j];
+  }
+  return text + "tip,,,," + vector((chain.tip - last) / kMillimetre, 6) + ",\n";
+}
+
+void addErrorTables(const ExportAxis& axis, const std::vector<double>& at,
+                    const std::vector<std::array<CarriageError, 2>>& errors, Exported& out) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    std::string linear = "position_mm,positive_um,negative_um\n", angular = "position_mm,value_urad\n";
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const std::string where = fixed(at[i] / kMillimetre, 4);
+      linear += where + "," + fixed(errors[i][0].translation[k] / kMicrometre, 5) + "," +
+                fixed(errors[i][1].translation[k] / kMicrometre, 5) + "\n";
+      angular +=
+          where + "," + fixed(0.5 * (errors[i][0].rotation[k] + errors[i][1].rotation[k]) * 1e6, 5) + "\n";
+    }
+    const std::string joint = capital(axis.letter);
+    const std::string translation = "E" + std::string(1, "XYZ"[k]) + joint,
+                      rotation = "E" + std::string(1, "ABC"[k]) + joint;
+    out.files.push_back(
+        {translation + ".csv",
+         "error of " + joint + " along " + std::string(1, "XYZ"[k]) + ", um, upwards and downwards", linear});
+    out.files.push_back(
+        {rotation + ".csv", "error of " + joint + " about " + std::string(1, "XYZ"[k]) + ", urad", angular});
+  }
+}
+
+}  // namespace
+
+Exported toCsv(const NeededCorrection& needed, const ExportOptions&) {
+  Exported out;
+  const Chain chain(needed);
+  for (const int joint : needed.linear()) {
+    if (!needed.moved(joint)) continue;
+    const std::vector<double> at = lineTable(needed, joint, kCsvMostPoints).at;
+    addErrorTables(needed.axes()[static_cast<std::size_t>(joint)], at, errorsOf(needed, chain, joint, at),
+                   out);
+  }
+  out.files.push_back({"chain.csv", "the kinematic chain from workpiece to tip, in the axes of the workpiece",
+                       chainTable(needed, chain)});
+  out.holds =
+      "six component errors of each linear axis by its own position, those of position upwards and downwards "
+      "apart";
+  out.load = {
+      "Read the tables by their names: E, direction of the error, axis that moves (ISO 230-1). EXX "
+      "positioning, "
+      "EYX straightness, EAX roll (about X), EBX, ECX.",
+      "Errors are actual minus commanded, seen from the workpiece: a compensation takes them away.",
+      "Rotations turn, right-handed, about the origin of the joint's fixed side (chain.csv), what follows in "
+      "the "
+      "chain: displacement = translation + rotation x arm from there to the tip."};
+  out.reference =
+      "Every table is zero at position 0 of its axis (mean of both directions), or at the end of the "
+      "calibrated range that is nearest to it. Squareness is in the tables: the slope of EYX over x is C0X, "
+      "and so on.";
+  out.notes = {"Rotary joints are in the chain; their errors are not in these tables."};
+  return out;
+}
+
+}  // namespace mm

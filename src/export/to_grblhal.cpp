@@ -1,0 +1,44 @@
+#include "export/to_grblhal.h"
+
+#include <string>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "export/fitted_tables.h"
+
+namespace mm {
+namespace {
+
+constexpr double kGrblhalLeast = 1e-7;  // m: at 0.0001 mm and below grblHAL leaves backlash off
+
+}  // namespace
+
+Exported toGrblhal(const NeededCorrection& needed, const ExportOptions&) {
+  Exported out;
+  const StraightPart part = straightPart(needed);
+  const std::string order = "xyzabc";
+  std::string text, negative;
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const ExportAxis* axis = needed.findAxis(order.substr(n, 1));
+    if (axis == nullptr || axis->kind != JointKind::kLinear) continue;
+    const double gap = 2.0 * part.byTravel(axis->joint, axis->joint);
+    if (gap < -kGrblhalLeast) negative += " " + capital(axis->letter);
+    text += format("$%zu=%s\n", 160 + n, fixed((gap > kGrblhalLeast ? gap : 0.0) / kMillimetre, 4).c_str());
+  }
+  out.files.push_back({"settings.txt", "backlash of each axis in mm, as $$ prints it", text});
+  out.holds = "one reversal a joint";
+  out.load = {"Use a build with ENABLE_BACKLASH_COMPENSATION; without it the settings do not exist.",
+              "Send the lines of settings.txt; they stay in the controller's memory.",
+              "Home: which side of the play the axis is on is taken from the direction of homing ($23)."};
+  out.reference = "A reversal has no position; the zero of each axis is that of homing.";
+  out.unverified = {
+      "That the numbers of the settings are 160 and following is read from the sources; boards whose "
+      "driver renames them were not looked at."};
+  if (!negative.empty())
+    out.notes.push_back(
+        "The reversal of" + negative +
+        " is negative (the slide leads its drive), which grblHAL cannot hold; it is left out.");
+  return out;
+}
+
+}  // namespace mm

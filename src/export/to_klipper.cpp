@@ -1,0 +1,138 @@
+#include "export/to_klipper.h"
+
+#include <cmath>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "export/fitted_tables.h"
+
+namespace mm {
+namespace {
+
+constexpr int kMeshPoints = 17;
+constexpr double kSide = 100.0;        // mm, of the square whose diagonals SET_SKEW is told
+constexpr double kMeshLeast = 1e-8;    // m: less is no mesh
+constexpr double kLeastByHeat = 1e-9;  // m/K
+
+/// The diagonals of a rhombus of that side whose angle is off by atan(factor), and its side: AC, BD, AD.
+std::string lengths(double factor) {
+  const double s = std::sin(std::atan(factor));
+  return format("%.9f,%.9f,%.9f", kSide * std::sqrt(2.0 + 2.0 * s), kSide * std::sqrt(2.0 - 2.0 * s), kSide);
+}
+
+double squareSkew(const NeededCorrection& needed, const StraightPart& part, const char* output,
+                  const char* input) {
+  const ExportAxis *o = needed.findAxis(output), *i = needed.findAxis(input);
+  return o == nullptr || i == nullptr ? 0.0 : part.square(o->joint, i->joint);
+}
+
+/// The mesh of z over x and y. What of z is straight over x or y is the angle between axes, which skew holds
+/// already.
+std::string mesh(const NeededCorrection& needed, const StraightPart& part, const ExportAxis& x,
+                 const ExportAxis& y, const ExportAxis& z) {
+  const PlaneTable plane = planeTable(needed, x.joint, y.joint, evenSteps(x.lower, x.upper, kMeshPoints - 1),
+                                      evenSteps(y.lower, y.upper, kMeshPoints - 1));
+  std::string points;
+  double largest = 0.0;
+  const Eigen::MatrixXd& value = plane.value[static_cast<std::size_t>(z.joint)];
+  for (int k = 0; k < kMeshPoints; ++k) {
+    points += "\n  ";
+    for (int i = 0; i < kMeshPoints; ++i) {
+      const double height = value(i, k) -
+                            part.byPosition(z.joint, x.joint) *
+                                (plane.atFirst[static_cast<std::size_t>(i)] - needed.reference(x.joint)) -
+                            part.byPosition(z.joint, y.joint) *
+                                (plane.atSecond[static_cast<std::size_t>(k)] - needed.reference(y.joint));
+      largest = std::max(largest, std::abs(height));
+      points += (i == 0 ? "" : ", ") + fixed(height / kMillimetre, 6);
+    }
+  }
+  if (largest < kMeshLeast) return {};
+  const auto mm = [](double v) { return fixed(v / kMillimetre, 4); };
+  const std::string ends = mm(plane.atFirst.front()) + ", " + mm(plane.atSecond.front());
+  return "[bed_mesh]\nspeed: 50\nhorizontal_move_z: 5\nmesh_min: " + ends +
+         "\nmesh_max: " + mm(plane.atFirst.back()) + ", " + mm(plane.atSecond.back()) +
+         format("\nprobe_count: %d, %d\nmesh_pps: 0, 0\nalgorithm: bicubic\n\n", kMeshPoints, kMeshPoints) +
+         "[bed_mesh calibration]\nversion: 1\npoints:" + points +
+         format("\nx_count: %d\ny_count: %d\nmesh_x_pps: 0\nmesh_y_pps: 0\nalgo: direct\ntension: 0.2\n",
+                kMeshPoints, kMeshPoints) +
+         "min_x: " + mm(plane.atFirst.front()) + "\nmax_x: " + mm(plane.atFirst.back()) +
+         "\nmin_y: " + mm(plane.atSecond.front()) + "\nmax_y: " + mm(plane.atSecond.back()) + "\n\n";
+}
+
+/// The sensor by which most of z's growth can be told; -1: z does not grow.
+int hottest(const NeededCorrection& needed, const StraightPart& part, int z) {
+  const Domain& d = needed.model().domain();
+  int best = -1;
+  double most = kMeshLeast;
+  for (std::size_t k = 0; k < d.sensors.size(); ++k) {
+    const double by = std::abs(part.bySensor(z, static_cast<Eigen::Index>(k)));
+    const double range = d.sensorUpper[k] - d.sensorLower[k];
+    if (by < kLeastByHeat || !(by * range > most)) continue;
+    most = by * range;
+    best = static_cast<int>(k);
+  }
+  return best;
+}
+
+}  // namespace
+
+Exported toKlipper(const NeededCorrection& needed, const ExportOptions&) {
+  Exported out;
+  const StraightPart part = straightPart(needed);
+  const ExportAxis *x = needed.findAxis("x"), *y = needed.findAxis("y"), *z = needed.findAxis("z");
+  std::string config = "[skew_correction]\n\n", start;
+  // Klipper subtracts: x - xy y - (xz - xy yz) z, y - yz z.
+  const double xy = -squareSkew(needed, part, "x", "y"), yz = -squareSkew(needed, part, "y", "z");
+  const double xz = -squareSkew(needed, part, "x", "z") + xy * yz;
+  start += "SET_SKEW XY=" + lengths(xy) + " XZ=" + lengths(xz) + " YZ=" + lengths(yz) + "\n";
+  out.holds = "the angles between the axes";
+  if (z != nullptr && x != nullptr && y != nullptr && needed.moved(x->joint) && needed.moved(y->joint)) {
+    const std::string text = mesh(needed, part, *x, *y, *z);
+    config += text;
+    if (!text.empty()) start += "BED_MESH_PROFILE LOAD=calibration\n";
+    out.holds += "; z over x and y";
+  }
+  const int sensor = z == nullptr ? -1 : hottest(needed, part, z->joint);
+  if (sensor >= 0) {
+    const Domain& d = needed.model().domain();
+    const auto k = static_cast<std::size_t>(sensor);
+    config += format(
+        "[z_thermal_adjust]\ntemp_coeff: %.9f\nsmooth_time: 2\nsensor_type: Generic 3950\n"
+        "sensor_pin: PF3\nmin_temp: 0\nmax_temp: 100\n",
+        -part.bySensor(z->joint, sensor) / kMillimetre);
+    start +=
+        "SET_Z_THERMAL_ADJUST ENABLE=1 REF_TEMP=" + fixed(0.5 * (d.sensorLower[k] + d.sensorUpper[k]), 3) +
+        "\n";
+    out.sensors["z_thermal_adjust"] = d.sensors[k];
+    out.notes.push_back(
+        "[z_thermal_adjust] takes the temperature of sensor '" + d.sensors[k] +
+        "' of the calibration; sensor_type and sensor_pin are those of your board, and stand there "
+        "only because Klipper requires them.");
+  }
+  out.holds += "; z by one temperature";
+  out.files.push_back({"printer.cfg", "sections for printer.cfg", config});
+  out.files.push_back({"start.gcode", "commands for the start of every job", start});
+  out.load = {
+      "Copy the sections of printer.cfg into the machine's own; drop another [bed_mesh], or merge it by "
+      "hand.",
+      "Put the lines of start.gcode into the macro that begins a job, behind homing: homing in z sets the "
+      "reference temperature anew, so that SET_Z_THERMAL_ADJUST must come after it.",
+      "Do not probe a bed mesh over this one: a probed mesh follows the bed, this one the guideways.",
+      "Do not use [axis_twist_compensation] with it: that corrects a probe which stands beside the nozzle, "
+      "and acts on probed heights, never on a move."};
+  out.reference =
+      "Skew counts from position 0 of x, y and z; the mesh is zero at x = y = 0, or at the nearest "
+      "calibrated position; the temperature counts from REF_TEMP, the middle of the calibrated range.";
+  out.unverified = {
+      "In which order Klipper applies skew, mesh and thermal adjustment depends on the order in which "
+      "its modules start; between corrections of micrometres that is beyond the last digit.",
+      "Klipper does not hold a thermal change smaller than one step of z."};
+  out.notes.push_back("Backlash is left out: Klipper has no compensation of it.");
+  out.notes.push_back(
+      "Squareness is an angle: it is corrected by moving the first axis of each pair. What that turns "
+      "the workpiece's frame is taken up when the workpiece is aligned.");
+  return out;
+}
+
+}  // namespace mm

@@ -1,0 +1,128 @@
+#include "export/to_linuxcnc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "export/fitted_tables.h"
+#include "export/offset_grid.h"
+
+namespace mm {
+namespace {
+
+constexpr int kLinuxcncMostPoints = 256;  // of a COMP_FILE
+
+/// Axes in the order in which LinuxCNC numbers its joints with trivial kinematics.
+std::vector<const ExportAxis*> inOrder(const NeededCorrection& needed) {
+  std::vector<const ExportAxis*> ordered;
+  for (const char letter : std::string("xyzabcuvw"))
+    if (const ExportAxis* axis = needed.findAxis(std::string(1, letter))) ordered.push_back(axis);
+  return ordered;
+}
+
+std::string triplets(const LineTable& table, int joint) {
+  std::string text;
+  const auto j = static_cast<std::size_t>(joint);
+  for (std::size_t i = 0; i < table.at.size(); ++i)
+    text += fixed(table.at[i] / kMillimetre, 4) + " " + fixed(table.positive[j][i] / kMillimetre, 7) + " " +
+            fixed(table.negative[j][i] / kMillimetre, 7) + "\n";
+  return text;
+}
+
+/// HAL lines that start the component and wire it. @param joints number of each letter's joint.
+std::string offsetsHal(const OffsetGrid& grid, const std::vector<const ExportAxis*>& axes) {
+  std::string text =
+      "# What joint tables cannot hold. The temperatures must be wired to signals of yours: mm-<sensor>.\n"
+      "loadusr -Wn mm-offsets linuxcnc_offsets external_offsets.json\n"
+      "net mm-homed motion.is-all-homed => mm-offsets.enable\n";
+  for (const std::string& letter : grid.letters()) {
+    std::size_t n = 0;
+    while (n < axes.size() && axes[n]->letter != letter) ++n;
+    const char* l = letter.c_str();
+    text += format("net mm-%s-position joint.%zu.pos-cmd => mm-offsets.%s-position\n", l, n, l);
+    text += format("net mm-%s-counts mm-offsets.%s-counts => axis.%s.eoffset-counts\n", l, l, l);
+    text += format("net mm-%s-scale mm-offsets.%s-scale => axis.%s.eoffset-scale\n", l, l, l);
+    text += format("net mm-%s-enable mm-offsets.%s-enable => axis.%s.eoffset-enable\n", l, l, l);
+  }
+  for (const std::string& sensor : grid.sensors())
+    text += "net mm-" + sensor + " mm-offsets." + sensor + "-degC\n";
+  return text;
+}
+
+constexpr double kLeastOffset = 2e-8;  // m: less is not worth a program
+
+void addOffsets(const NeededCorrection& needed, const std::vector<LineTable>& own,
+                const std::vector<const ExportAxis*>& axes, Exported& out) {
+  const auto grid = std::make_shared<const OffsetGrid>(needed, own);
+  if (grid->largest() < kLeastOffset) {
+    out.notes.push_back("Nothing is left for external offsets.");
+    return;
+  }
+  out.files.push_back({"external_offsets.json",
+                       "what joint tables cannot hold, for the HAL component linuxcnc_offsets",
+                       grid->json()});
+  out.files.push_back({"external_offsets.hal", "starts the component and wires it", offsetsHal(*grid, axes)});
+  out.alsoAdds = [grid](const State& state) {
+    std::map<std::string, double> added;
+    const std::vector<double> values = grid->at(state);
+    for (std::size_t a = 0; a < values.size(); ++a) added[grid->letters()[a]] = values[a];
+    return added;
+  };
+  out.load.push_back(
+      "For the cross-axis and thermal parts, too: copy external_offsets.json beside the INI file, add "
+      "HALFILE = "
+      "external_offsets.hal, and OFFSET_AV_RATIO = 0.1 to each linear [AXIS_l]; put the folder of "
+      "linuxcnc_offsets "
+      "(lib/measuring_machine) on PATH. Axes are homed with offsets off; the component turns them on when "
+      "all are.");
+  out.notes.push_back(
+      "External offsets follow the commanded position about fifty times a second, at rest exactly.");
+}
+
+}  // namespace
+
+Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions&) {
+  Exported out;
+  const std::vector<const ExportAxis*> axes = inOrder(needed);
+  std::vector<LineTable> own;
+  for (const int joint : needed.linear()) own.push_back(lineTable(needed, joint, kLinuxcncMostPoints));
+  std::string coordinates, joints;
+  for (const ExportAxis* axis : axes) coordinates += (coordinates.empty() ? "" : " ") + capital(axis->letter);
+  for (std::size_t n = 0; n < axes.size(); ++n) {
+    const ExportAxis& axis = *axes[n];
+    const bool linear = axis.kind == JointKind::kLinear;
+    joints += format("\n[JOINT_%zu]\nTYPE = %s\n", n, linear ? "LINEAR" : "ANGULAR");
+    if (!linear || !needed.moved(axis.joint)) continue;
+    const std::string file = format("joint%zu.comp", n);
+    const auto table =
+        std::find_if(own.begin(), own.end(), [&](const LineTable& t) { return t.input == axis.joint; });
+    joints += "COMP_FILE = " + file + "\nCOMP_FILE_TYPE = 1\n";
+    out.files.push_back({file,
+                         format("joint %zu (%s): position in mm, what is added to the motor upwards and "
+                                "downwards in mm; %zu points",
+                                n, capital(axis.letter).c_str(), table->at.size()),
+                         triplets(*table, axis.joint)});
+  }
+  out.files.push_back(
+      {"machine.ini", "the lines for the INI file; not a whole one",
+       "[TRAJ]\nCOORDINATES = " + coordinates + "\nLINEAR_UNITS = mm\nANGULAR_UNITS = degree\n" + joints});
+  out.holds = "each joint by its own position, upwards and downwards apart";
+  out.load = {
+      "Copy the files joint*.comp beside the machine's INI file.",
+      "Take COMP_FILE and COMP_FILE_TYPE of each [JOINT_n] over from machine.ini into the machine's own. "
+      "Where the machine numbers its joints otherwise, go by the letters.",
+      "Delete BACKLASH of these joints: with a COMP_FILE it is not used, and the reversal is in the table.",
+      "Give the drives room: at a reversal the correction is run in with up to half the joint's velocity "
+      "and acceleration on top of the move (STEPGEN_MAXACCEL, STEPGEN_MAXVEL).",
+      "Start LinuxCNC anew and home: the tables count from the homed zero of each joint."};
+  out.reference =
+      "Positions are those of the homed joint, in mm. Every table is zero at joint position 0 (mean of both "
+      "directions), or at the end of the calibrated range that is nearest to it.";
+  out.notes = {"LinuxCNC allows 256 points a joint; those here follow the curve within 0.02 um or are 241."};
+  addOffsets(needed, own, axes, out);
+  return out;
+}
+
+}  // namespace mm

@@ -1,0 +1,110 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/text.h"
+#include "base/units.h"
+#include "calibration_file/calibration_yaml.h"
+#include "export/export_folder.h"
+#include "export/export_page.h"
+#include "export/representability.h"
+#include "tools/bounds.h"
+#include "tools/commands.h"
+#include "tools/exit_status.h"
+#include "tools/json_output.h"
+#include "tools/output_files.h"
+#include "tools/progress_bar.h"
+
+namespace mm {
+namespace {
+
+struct ExportCommand {
+  std::string calibration, target, folder;
+  std::vector<std::string> axes;
+  double detectionUnit = 1.0;  // um
+  bool json = false;
+  OutputFiles files;
+};
+
+/// "table=x": the joint and its letter. @throw InputError.
+std::map<std::string, std::string> lettersOf(const std::vector<std::string>& axes) {
+  std::map<std::string, std::string> letters;
+  for (const std::string& text : axes) {
+    const std::size_t equal = text.find('=');
+    if (equal == std::string::npos || equal == 0 || equal + 1 == text.size())
+      throw InputError("--axis '" + text + "': is no joint with its axis; write it as table=x");
+    if (!letters.emplace(text.substr(0, equal), lower(text.substr(equal + 1))).second)
+      throw InputError("--axis '" + text + "': joint '" + text.substr(0, equal) + "' is told twice");
+  }
+  return letters;
+}
+
+int runExport(ExportCommand& c) {
+  const ExportTarget& target = exportTarget(c.target);
+  c.files.input(c.calibration);
+  c.files.folder("-o", c.folder, target.name);
+  c.files.check();
+  const Calibration calibration = loadCalibration(c.calibration);
+  ExportOptions options;
+  options.letters = lettersOf(c.axes);
+  options.detectionUnit = c.detectionUnit * kMicrometre;
+  const NeededCorrection needed(calibration, options.letters);
+  const Exported exported = target.write(needed, options);
+  Representability judged;
+  {
+    ProgressBar bar("exporting");
+    judged = representability(calibration, target, options, needed, exported,
+                              [&](const std::string& what, double share) {
+                                bar.callback()(share);
+                                bar.show(share, what);
+                              });
+  }
+  c.files.write(c.folder, exportFolderOf(calibration, target, needed, exported, judged));
+  if (c.json) {
+    printJson(std::cout, representabilityJson(judged));
+  } else {
+    std::cout << representabilityText(judged) << "\nwritten to " << c.folder << ": ";
+    std::vector<std::string> names;
+    for (const ExportedFile& file : judged.files) names.push_back(file.path);
+    std::cout << joined(names, ", ") << '\n';
+  }
+  if (!judged.carriesNothing()) return kDone;
+  std::cerr << "mm: " << target.title << " can carry nothing of this calibration: it holds " << exported.holds
+            << '\n';
+  return kAnswerIsNo;
+}
+
+}  // namespace
+
+void addExportCommand(CLI::App& app, int& exitStatus) {
+  auto c = std::make_shared<ExportCommand>();
+  CLI::App* command = app.add_subcommand("export", "Writes a calibration as the tables of a controller");
+  command->add_option("calibration", c->calibration, "the calibration's file")->required();
+  command->add_option("--to", c->target, "the controller: " + joined(exportTargetNames(), ", "))->required();
+  command->add_option("-o,--output", c->folder, "the folder to write")->required();
+  command
+      ->add_option(
+          "--axis", c->axes,
+          "JOINT=LETTER: which axis of the controller a joint is [by its name, else by its direction]; "
+          "again for more")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--detection-unit-um", c->detectionUnit, "fanuc: unit of pitch error data, um")
+      ->check(numberWithin(0.01, 10.0, "um"))
+      ->capture_default_str();
+  command->add_flag("--json", c->json, "prints representability.json");
+  c->files.declare(*command);
+  command->footer(
+      "The folder gets the tables, README.md (what to load where, how to check the sign with one move, what "
+      "could not\n"
+      "be verified) and representability.json: what of the calibration the controller carries, effect by "
+      "effect. It is\n"
+      "written whole or not at all. An earlier export for the same controller is replaced.\n"
+      "Exit status 1: the controller can carry nothing of this calibration.\n"
+      "Example: mm export c.yaml --to linuxcnc -o for_linuxcnc");
+  command->callback([c, &exitStatus] { exitStatus = runExport(*c); });
+}
+
+}  // namespace mm
