@@ -59,7 +59,7 @@ std::string findingOf(const Decision& decision) {
 }
 
 VerifyVerdict verdictOf(const Verification& v, double improvement) {
-  const bool better = improvement > kDifferent, worse = improvement < -kDifferent;
+  const bool better = v.better, worse = improvement < -kDifferent;
   if (worse) return VerifyVerdict::kWorse;
   if (v.finding == "too_small" && !v.drifted) return VerifyVerdict::kNoChange;
   if (v.finding == "corrected" && !v.drifted)
@@ -104,6 +104,7 @@ Verification verify(const Session& session, const Calibration& calibration, cons
     observations.insert(points->fitted().problem->rows()[static_cast<std::size_t>(row)].observation);
   found.observations = static_cast<int>(observations.size());
   fillShares(*points, *system, calibration, options.loaded, found);
+  found.better = figures.improvement > kDifferent;
   found.verdict = verdictOf(found, figures.improvement);
   for (std::size_t r = 0; r < decision.rivals.size() && r < 4; ++r)
     found.rivals.push_back({inWords(decision.rivals[r], points->axes(), options.loaded), decision.odds[r]});

@@ -69,6 +69,7 @@ struct Verification {
   std::string inWords;  // one to three sentences
   bool loaded = false, drifted = false, angular = false;
   Figure before, after;
+  bool better = false;  // after is significantly below before
   int residuals = 0, observations = 0;
   LoadedHow hypothesis;
   std::vector<RemainingOfAxis> axes;
