@@ -37,19 +37,37 @@ Eigen::MatrixXd beside(const std::vector<Eigen::MatrixXd>& parts) {
   return all;
 }
 
+Eigen::MatrixXd spanOf(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more) {
+  constexpr double kNew = 1e-7;  // of a column's own length
+  Eigen::MatrixXd all(basis.rows(), std::min(basis.rows(), basis.cols() + more.cols()));
+  all.leftCols(basis.cols()) = basis;
+  Eigen::Index count = basis.cols();
+  for (Eigen::Index k = 0; k < more.cols() && count < all.cols(); ++k) {
+    Eigen::VectorXd column = more.col(k);
+    const double norm = column.norm();
+    for (int pass = 0; pass < 2; ++pass)  // Gram and Schmidt twice: orthogonal to rounding
+      column -= all.leftCols(count) * (all.leftCols(count).transpose() * column);
+    if (column.norm() > kNew * norm) all.col(count++) = column.normalized();
+  }
+  return all.leftCols(count);
+}
+
 PointSystem::PointSystem(const FreshPoints& points) : points_(points) {
   const ResidualSpace& space = points.space();
-  std::vector<Eigen::MatrixXd> parts = {space.basis(), points.crossed(), points.byParameter(),
-                                        points.byEffect()};
-  for (const MisplacedTable& table : points.misplaced()) parts.emplace_back(table.column);
-  parts.push_back(points.shapes());
   const int length = space.length();
-  Eigen::MatrixXd all = orthonormalBasis(beside(parts));
-  if (length - all.cols() < kFewestFreedoms)  // too few points for everything: what is asked first
-    all = orthonormalBasis(beside({space.basis(), points.crossed(), points.byEffect()}));
-  if (length - all.cols() < kFewestFreedoms)
-    all = orthonormalBasis(beside({space.basis(), points.byEffect()}));
-  if (length - all.cols() < kFewestFreedoms)
+  // What could be wrong, in the order in which it is asked; as much of it as leaves the noise to be seen.
+  std::vector<Eigen::MatrixXd> misplaced = {Eigen::MatrixXd(length, 0)};
+  for (const MisplacedTable& table : points.misplaced()) misplaced.emplace_back(table.column);
+  Eigen::MatrixXd all = space.basis();
+  int parts = 0;
+  for (const Eigen::MatrixXd& more :
+       {points.byEffect(), points.crossed(), points.byParameter(), beside(misplaced), points.shapes()}) {
+    Eigen::MatrixXd with = spanOf(all, more);
+    if (static_cast<double>(length - with.cols()) < kFewestFreedoms) break;
+    all = std::move(with);
+    ++parts;
+  }
+  if (parts == 0)
     throw NumericalError(points.fitted().problem->session().source + ": " + std::to_string(points.rows()) +
                          " residuals are too few to verify a calibration of " +
                          std::to_string(points.effects().size()) +

@@ -10,7 +10,7 @@ namespace mm {
 /// How large a verification is.
 struct VerificationSize {
   int places = 10;  // balls; postures at one ball; positions that an instrument reads
-  int touches = 5;  // of each place
+  int touches = 6;  // of each place
 };
 
 /// The moves of a plan that best show, together, whether a calibration's correction is applied, on which axis
