@@ -68,6 +68,7 @@ CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, 
   offer<measuring_machine::RemoveEffect>("remove_effect", &CalibrationServer::removeEffect);
   offer<measuring_machine::Promote>("promote", &CalibrationServer::promote);
   offer<measuring_machine::Rollback>("rollback", &CalibrationServer::rollback);
+  offer<measuring_machine::Verify>("verify", &CalibrationServer::verify);
   offer<measuring_machine::Cancel>("cancel", &CalibrationServer::cancel);
   publishProgress(Job::State());
   updater_.setHardwareID("calibration_server");

@@ -8,6 +8,7 @@
 #include <measuring_machine/Promote.h>
 #include <measuring_machine/RemoveEffect.h>
 #include <measuring_machine/Rollback.h>
+#include <measuring_machine/Verify.h>
 #include <ros/ros.h>
 
 #include <memory>
@@ -51,6 +52,7 @@ class CalibrationServer {
   bool promote(measuring_machine::Promote::Request& request, measuring_machine::Promote::Response& response);
   bool rollback(measuring_machine::Rollback::Request& request,
                 measuring_machine::Rollback::Response& response);
+  bool verify(measuring_machine::Verify::Request& request, measuring_machine::Verify::Response& response);
   bool cancel(measuring_machine::Cancel::Request& request, measuring_machine::Cancel::Response& response);
 
   template <typename Response>
@@ -63,6 +65,9 @@ class CalibrationServer {
   /// Keeps the result as candidate and shows it. @return its id; `success` and `message` say what it is
   /// worth.
   std::string keep(Recalibration& done, const Session& session, std::uint8_t& success, std::string& message);
+  /// Makes active again what was active before `id`. @param done false: it was asked in vain. @return in
+  /// words what became of it.
+  std::string takenBack(const std::string& id, bool& done);
   void checkFit(const Calibration& calibration) const;  ///< @throw InputError: of another machine
   void diagnoseNode(diagnostic_updater::DiagnosticStatusWrapper& status);
   void publishProgress(const Job::State& state);

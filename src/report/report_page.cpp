@@ -17,14 +17,6 @@ fs::path firstOf(const std::string& name, const std::vector<const char*>& folder
   return {};
 }
 
-std::string pageFile(const std::string& name) {
-  const fs::path path = firstOf(name, {MM_SOURCE_WEB, MM_INSTALLED_WEB});
-  if (path.empty())
-    throw InputError("the report's " + name + " is neither in " + MM_SOURCE_WEB + " nor in " +
-                     MM_INSTALLED_WEB + "; install the package again");
-  return readFile(path);
-}
-
 void replaceAll(std::string& text, const std::string& what, const std::string& by) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
     text.replace(at, what.size(), by);
@@ -51,6 +43,14 @@ std::string plotlyText(const fs::path& given) {
 }
 
 }  // namespace
+
+std::string pageFile(const std::string& name) {
+  const fs::path path = firstOf(name, {MM_SOURCE_WEB, MM_INSTALLED_WEB});
+  if (path.empty())
+    throw InputError("the report's " + name + " is neither in " + MM_SOURCE_WEB + " nor in " +
+                     MM_INSTALLED_WEB + "; install the package again");
+  return readFile(path);
+}
 
 std::string escapedHtml(const std::string& text) {
   std::string out;
@@ -94,9 +94,22 @@ ReportFiles loadReportFiles(const fs::path& plotly) {
   return files;
 }
 
+std::string filledPage(const std::string& html,
+                       const std::vector<std::pair<std::string, std::string>>& marks) {
+  std::string page;
+  std::size_t from = 0;
+  for (const auto& [mark, text] : marks) {
+    const std::size_t at = html.find(mark, from);
+    if (at == std::string::npos)
+      throw InputError("report.html: the mark " + mark +
+                       " is missing or out of order; install the package again");
+    page.append(html, from, at - from).append(text);
+    from = at + mark.size();
+  }
+  return page.append(html, from, std::string::npos);
+}
+
 std::string reportPage(const ReportContents& report, const ReportFiles& files) {
-  // Pieces are put in one after the other from left to right, so that what a user's name contains is never a
-  // mark.
   const std::vector<std::pair<std::string, std::string>> marks = {
       {"{{title}}", escapedHtml(std::filesystem::path(report.sessionPath).filename().string())},
       {"{{style}}", files.css},
@@ -105,17 +118,7 @@ std::string reportPage(const ReportContents& report, const ReportFiles& files) {
       {"{{data}}", escapedForScript(reportJson(report))},
       {"{{plotly}}", files.plotly},
       {"{{script}}", files.js}};
-  std::string page;
-  std::size_t from = 0;
-  for (const auto& [mark, text] : marks) {
-    const std::size_t at = files.html.find(mark, from);
-    if (at == std::string::npos)
-      throw InputError("report.html: the mark " + mark +
-                       " is missing or out of order; install the package again");
-    page.append(files.html, from, at - from).append(text);
-    from = at + mark.size();
-  }
-  return page.append(files.html, from, std::string::npos);
+  return filledPage(files.html, marks);
 }
 
 }  // namespace mm

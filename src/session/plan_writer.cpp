@@ -26,6 +26,8 @@ std::string list(const Eigen::Vector3d& v) {
   return out.str();
 }
 
+}  // namespace
+
 std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& machine) {
   std::ostringstream out;
   out.precision(12);
@@ -50,8 +52,6 @@ std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& mach
   out << "}";
   return out.str();
 }
-
-}  // namespace
 
 std::string artifactYaml(const Artifact& artifact, int indent) {
   const std::string in(static_cast<std::size_t>(indent), ' ');

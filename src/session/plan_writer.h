@@ -14,4 +14,7 @@ std::string artifactYaml(const Artifact& artifact, int indent = 0);
 /// a shorthand.
 std::string planYaml(const Plan& plan, const Machine& machine);
 
+/// One move as an entry of `moves`.
+std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& machine);
+
 }  // namespace mm

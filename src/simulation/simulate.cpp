@@ -268,8 +268,10 @@ SimulatedInstrument makeInstrument(const Machine& machine, const Plan& plan, con
   for (std::size_t i = 0; i < request.hide.size(); ++i)
     hidden.push_back(
         hideSource(request.hide[i], "--hide", request.seed, "hidden " + std::to_string(i), workshop));
-  return {SimulatedMachine(machine, plan.artifact, settings, physics, request.seed), std::move(known),
-          std::move(hidden)};
+  SimulatedInstrument instrument{SimulatedMachine(machine, plan.artifact, settings, physics, request.seed),
+                                 std::move(known), std::move(hidden)};
+  if (request.correction) instrument.machine.loadCorrection(request.correction);
+  return instrument;
 }
 
 }  // namespace

@@ -55,18 +55,32 @@ SimulatedMachine::SimulatedMachine(Machine machine, Artifact artifact, Instrumen
   log();
 }
 
+void SimulatedMachine::loadCorrection(std::shared_ptr<const CorrectionTable> table) {
+  correction_ = std::move(table);
+  home(drive_);
+}
+
+std::vector<double> SimulatedMachine::corrected(const std::vector<double>& command) const {
+  if (!correction_) return command;
+  std::vector<double> travel = travel_;
+  for (std::size_t j = 0; j < travel.size(); ++j)
+    if (velocity_[j] != 0.0) travel[j] = velocity_[j] > 0.0 ? 1.0 : -1.0;
+  return correction_->drives(command, travel);
+}
+
 void SimulatedMachine::home(const std::vector<double>& readings) {
   drive_ = readings;
-  for (std::size_t j = 0; j < drive_.size(); ++j) play_[j].centre(drive_[j]);
+  const std::vector<double> driven = corrected(drive_);
+  for (std::size_t j = 0; j < drive_.size(); ++j) play_[j].centre(driven[j]);
 }
 
 Condition SimulatedMachine::condition(const std::vector<double>& drive, double time) const {
   Condition now;
   now.time = time;
-  now.drive = drive;
+  now.drive = corrected(drive);
   now.velocity = velocity_;
   now.slide.resize(drive.size());
-  for (std::size_t j = 0; j < drive.size(); ++j) now.slide[j] = play_[j].after(drive[j]);
+  for (std::size_t j = 0; j < drive.size(); ++j) now.slide[j] = play_[j].after(now.drive[j]);
   now.bodies = thermal_.temperatures();
   for (const TrueCovariate& covariate : physics_.covariates) now.covariates.push_back(covariate.at(time));
   return now;
@@ -117,9 +131,10 @@ void SimulatedMachine::drive(const Segment& segment, double part) {
   velocity_ = segment.velocity;
   for (std::size_t j = 0; j < drive_.size(); ++j) {
     drive_[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
-    play_[j].follow(drive_[j]);
     if (velocity_[j] != 0.0) travel_[j] = velocity_[j] > 0.0 ? 1.0 : -1.0;
   }
+  const std::vector<double> driven = corrected(drive_);
+  for (std::size_t j = 0; j < drive_.size(); ++j) play_[j].follow(driven[j]);
   pass(part * segment.duration, activityOf(machine_, velocity_));
 }
 

@@ -1,9 +1,11 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "session/session.h"
+#include "simulation/correction_table.h"
 #include "simulation/instrument_settings.h"
 #include "simulation/physics.h"
 #include "simulation/reading_noise.h"
@@ -39,6 +41,9 @@ class SimulatedMachine {
   const Machine& machine() const { return machine_; }            ///< nominal
   const Chain& chain() const { return chain_; }                  ///< its own kinematics
 
+  /// From now on the controller corrects what it is told by a table; its readings stay the commanded ones.
+  /// Only before anything else.
+  void loadCorrection(std::shared_ptr<const CorrectionTable> table);
   /// Puts the drives there without a motion: only before anything else.
   void home(const std::vector<double>& readings);
   void wait(double seconds);
@@ -79,6 +84,8 @@ class SimulatedMachine {
     double duration = 0.0;  // s
   };
   Condition condition(const std::vector<double>& drive, double time) const;
+  /// Where the drives really go for a commanded position.
+  std::vector<double> corrected(const std::vector<double>& command) const;
   /// Distance (m) that is left until the tip touches, after a part (0 to 1) of the segment. Writes the
   /// outward normal.
   double clearance(const Segment& segment, double part, int feature, Eigen::Vector3d* normal) const;
@@ -97,6 +104,7 @@ class SimulatedMachine {
   ThermalModel thermal_;
   std::vector<TemperatureSensor> sensors_;
   std::vector<Play> play_;
+  std::shared_ptr<const CorrectionTable> correction_;  // null: the controller corrects nothing
   std::vector<double> drive_, velocity_, travel_;
   double time_ = 0.0, nextLog_ = 0.0;
   ReadingNoise noise_;  // channels: readings of the joints, laser, deviations of the joints, x, y, z

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -8,6 +9,7 @@
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "compensation/apply_states.h"
+#include "compensation/compensation_table.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/output_files.h"
@@ -19,6 +21,7 @@ namespace {
 struct ApplyOptions {
   std::string csv, calibration, store, output;
   double margin = 0.10;
+  int table = 0;  // points along each joint; 0: no table
   OutputFiles files;
 };
 
@@ -33,7 +36,29 @@ Calibration chosenCalibration(const ApplyOptions& options) {
   return *active.calibration;
 }
 
+/// What a controller has to add, on a grid.
+void runTable(ApplyOptions& options) {
+  if (!options.csv.empty())
+    throw InputError("--table is a grid of its own: leave " + options.csv + " out, or --table");
+  options.files.input(options.calibration);
+  if (options.output != "-") options.files.output("-o", options.output, FileKind::kTable);
+  options.files.check();
+  Compensator::Options limits;
+  limits.margin = options.margin;
+  const std::string text = compensationTable(Compensator(chosenCalibration(options), limits), options.table);
+  if (options.output == "-") {
+    std::cout << text;
+    return;
+  }
+  options.files.write(options.output, text);
+  std::cout << std::count(text.begin(), text.end(), '\n') - 1 << " nodes written to " << options.output
+            << '\n';
+}
+
 void runApply(ApplyOptions& options) {
+  if (options.table > 0) return runTable(options);
+  if (options.csv.empty())
+    throw InputError("nothing says what to correct: name a CSV of states, or ask for a grid with --table");
   const bool toStandardOutput = options.output == "-";
   options.files.input(options.csv);
   options.files.input(options.calibration);
@@ -72,7 +97,7 @@ void runApply(ApplyOptions& options) {
 void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
   auto options = std::make_shared<ApplyOptions>();
   CLI::App* command = app.add_subcommand("apply", "Corrects the rows of a CSV by a calibration");
-  command->add_option("csv", options->csv, "states of the machine, in the import format")->required();
+  command->add_option("csv", options->csv, "states of the machine, in the import format");
   command->add_option("--calibration", options->calibration,
                       "the calibration's file (default: the active one)");
   command->add_option("--store", options->store, "folder of calibrations (default: $MM_CALIBRATIONS)");
@@ -82,6 +107,11 @@ void addApplyCommand(CLI::App& app, int& /*exitStatus*/) {
                    "how far beyond the calibrated range a row is still valid, as a fraction of the range")
       ->check(numberWithin(0.0, 10.0))
       ->capture_default_str();
+  command
+      ->add_option("--table", options->table,
+                   "instead of a CSV of states: the table that a controller adds to its commands, with so "
+                   "many points along each joint")
+      ->check(wholeNumberWithin(2, 101));
   options->files.declare(*command);
   command->footer(
       "Adds corrected_x_mm, corrected_y_mm, corrected_z_mm (probe tip, or surface point of a laser, in "

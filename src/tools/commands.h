@@ -21,6 +21,7 @@ void addDiagnoseCommand(CLI::App& app, int& exitStatus);
 void addAddCommand(CLI::App& app, int& exitStatus);
 void addRemoveCommand(CLI::App& app, int& exitStatus);
 void addUpdateCommand(CLI::App& app, int& exitStatus);
+void addVerifyCommand(CLI::App& app, int& exitStatus);
 void addReportCommand(CLI::App& app, int& exitStatus);
 void addApplyCommand(CLI::App& app, int& exitStatus);
 void addUncertaintyCommand(CLI::App& app, int& exitStatus);

@@ -101,6 +101,7 @@ int run(int argc, char** argv) {
   mm::addAddCommand(app, exitStatus);
   mm::addRemoveCommand(app, exitStatus);
   mm::addUpdateCommand(app, exitStatus);
+  mm::addVerifyCommand(app, exitStatus);
   mm::addReportCommand(app, exitStatus);
   mm::addApplyCommand(app, exitStatus);
   mm::addUncertaintyCommand(app, exitStatus);

@@ -15,6 +15,7 @@
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/output_files.h"
+#include "tools/plan_verify_command.h"
 
 namespace mm {
 namespace {
@@ -193,8 +194,9 @@ void runNew(PlanOptions& o) {
 
 void addPlanCommand(CLI::App& app, int& /*exitStatus*/) {
   auto o = std::make_shared<PlanOptions>();
-  CLI::App* plan = app.add_subcommand("plan", "Measurement plans: a new one for a machine");
+  CLI::App* plan = app.add_subcommand("plan", "Measurement plans: a new one for a machine, a short one to verify");
   plan->require_subcommand(1);
+  addPlanVerifyCommand(*plan);
   CLI::App* command =
       plan->add_subcommand("new", "A plan for a machine: an artifact touched all over, or its axes read");
   command->add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")->required();

@@ -18,7 +18,7 @@ namespace mm {
 namespace {
 
 struct SimulateOptions {
-  std::string machine = "three_axis", plan, output, csv, truth;
+  std::string machine = "three_axis", plan, output, csv, truth, correction;
   SimulationRequest request;
   OutputFiles files;
 };
@@ -26,6 +26,7 @@ struct SimulateOptions {
 void runSimulate(SimulateOptions& options) {
   options.files.input(options.plan);
   options.files.input(options.machine);
+  options.files.input(options.correction);
   options.files.bag("-o", options.output, "simulated");
   options.files.output("--csv", options.csv, FileKind::kTable);
   options.files.output("--truth", options.truth, FileKind::kTruth);
@@ -33,6 +34,9 @@ void runSimulate(SimulateOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const Machine machine = Machine::load(options.machine);
   const Plan plan = Plan::load(options.plan, machine);
+  if (!options.correction.empty())
+    options.request.correction =
+        std::make_shared<const CorrectionTable>(CorrectionTable::load(options.correction, machine));
   ProgressBar measuring("measuring");
   Simulation simulation = simulate(machine, plan, options.request, measuring.callback());
   const std::chrono::duration<double> lasted = std::chrono::steady_clock::now() - started;
@@ -76,6 +80,9 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
       "--rough", options->request.rough,
       "rougher than white noise: drift, correlated, form, sensors, tails, quantised, all (see "
       "below), separated by commas");
+  command->add_option(
+      "--correction", options->correction,
+      "CSV: the compensation table that the simulated controller has loaded (mm apply --table)");
   command->add_option("--seed", options->request.seed, "of everything random")
       ->capture_default_str()
       ->check(anySeed());

@@ -1,0 +1,58 @@
+// The service `verify` of the calibration server.
+#include <std_msgs/String.h>
+
+#include "base/error.h"
+#include "nodes/calibration_server.h"
+#include "report/verify_json.h"
+#include "ros_bridge/node_support.h"
+#include "session/session_summary.h"
+#include "verification/verify.h"
+
+namespace mm {
+
+std::string CalibrationServer::takenBack(const std::string& id, bool& done) {
+  if (store_.linked("active") != id)
+    return "calibration " + id + " is not the active one, nothing is rolled back";
+  try {
+    std_msgs::String before;
+    before.data = store_.rollback({}, [this](const Calibration& c) { checkFit(c); });
+    changedOut_.publish(before);
+    return "rolled back: " + before.data + " is active again";
+  } catch (const InputError& e) {
+    done = false;
+    return std::string("not rolled back: ") + e.what();
+  }
+}
+
+bool CalibrationServer::verify(measuring_machine::Verify::Request& request,
+                               measuring_machine::Verify::Response& response) {
+  answer(response, [&] {
+    job_.run("verify", [&] {
+      std::string name = request.calibration;
+      if (name.empty()) name = store_.linked("active");
+      if (name.empty())
+        throw InputError("no calibration is active in " + store_.folder().string() +
+                         "; promote one first, or name the calibration that is to be verified");
+      const Calibration calibration = calibrationFrom(name);
+      const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
+      VerifyOptions how;
+      how.loaded = request.loaded != 0;
+      how.calibrate = options();
+      const Verification found = mm::verify(*session, calibration, how);
+      job_.step("answering", 1.0);  // a verdict that was cut short is none
+      response.json = verifyJson(found);
+      response.message = found.inWords;
+      if (request.automatic_rollback != 0 && found.verdict != VerifyVerdict::kHelped) {
+        bool done = true;
+        response.message += "; " + (found.better ? "kept, the machine is better with it than without"
+                                                 : takenBack(calibration.id, done));
+        response.success = done;
+      }
+      const std::string lost = lossText(*session);
+      if (!lost.empty()) response.message += "; " + lost;
+    });
+  });
+  return true;
+}
+
+}  // namespace mm

@@ -1,0 +1,174 @@
+#include "report/trend_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/format.h"
+#include "base/units.h"
+#include "base/utc_now.h"
+#include "diagnosis/wording.h"
+#include "effects/effect_words.h"
+#include "report/json_parts.h"
+#include "report/report_page.h"
+
+namespace mm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMonth = 30.0;  // days
+
+Json trendObject(const ParameterTrend& t) {
+  Json points = Json::array();
+  for (const TrendPoint& p : t.points)
+    points.push_back({{"id", p.id},
+                      {"created", p.created},
+                      {"value", number(p.value)},
+                      {"k2", number(2.0 * p.std)},
+                      {"comparable", p.comparable}});
+  return {{"effect", effectJson(t.effect)},
+          {"effect_in_words", inWords(t.effect)},
+          {"name", t.name},
+          {"unit", t.unit},
+          {"points", points},
+          {"change", number(t.change)},
+          {"change_k2", number(2.0 * t.changeStd)},
+          {"per_30_days", number(kMonth * t.slope)},
+          {"per_30_days_k2", number(2.0 * kMonth * t.slopeStd)},
+          {"p_value", number(t.pValue)},
+          {"significant", t.significant},
+          {"in_words", t.inWords}};
+}
+
+Json trendObjects(const std::vector<ParameterTrend>& trends, const std::string& store,
+                  const std::vector<std::string>& left) {
+  Json object;
+  object["store"] = store;
+  object["in_words"] = trendSentence(trends);
+  object["trends"] = Json::array();
+  for (const ParameterTrend& t : trends) object["trends"].push_back(trendObject(t));
+  object["left_out"] = left;
+  return object;
+}
+
+/// Significant ones first, the most certain at the top.
+std::vector<ParameterTrend> sorted(std::vector<ParameterTrend> trends) {
+  std::stable_sort(trends.begin(), trends.end(),
+                   [](const ParameterTrend& a, const ParameterTrend& b) { return a.pValue < b.pValue; });
+  return trends;
+}
+
+std::string figure(double value, double std, const std::string& unit) {
+  return std::isfinite(value) ? expanded(value, std, unit) : "-";
+}
+
+}  // namespace
+
+std::string trendSentence(const std::vector<ParameterTrend>& trends) {
+  std::vector<std::string> said;
+  std::size_t points = 0;
+  for (const ParameterTrend& t : sorted(trends)) {
+    points = std::max(points, t.points.size());
+    if (t.significant) said.push_back(t.inWords);
+  }
+  if (trends.empty()) return "No calibration is kept: there is nothing to follow.";
+  if (points < 2) return "One calibration is kept: a trend needs two.";
+  if (said.empty())
+    return format("None of %zu parameters has a significant trend over %zu calibrations.", trends.size(),
+                  points);
+  std::string text =
+      format("%zu of %zu parameters have a significant trend over %zu calibrations: ", said.size(),
+             trends.size(), points);
+  for (std::size_t i = 0; i < said.size() && i < 3; ++i) text += (i > 0 ? "; " : "") + said[i];
+  return text + (said.size() > 3 ? "; and others." : ".");
+}
+
+std::string trendJson(const std::vector<ParameterTrend>& trends, const std::string& store,
+                      const std::vector<std::string>& left) {
+  return dump(trendObjects(trends, store, left));
+}
+
+std::string trendText(const std::vector<ParameterTrend>& trends) {
+  std::ostringstream out;
+  out << trendSentence(trends) << "\n\n";
+  out << format("  %-46s %5s  %-24s %s\n", "parameter", "times", "last", "in 30 days (k = 2)");
+  for (const ParameterTrend& t : sorted(trends)) {
+    const TrendPoint& last = t.points.back();
+    out << format("%s %-46s %5zu  %-24s %s\n", t.significant ? "*" : " ",
+                  (inWords(t.effect) + ", " + t.name).c_str(), t.points.size(),
+                  figure(last.value, last.std, t.unit).c_str(),
+                  figure(kMonth * t.slope, kMonth * t.slopeStd, t.unit).c_str());
+  }
+  out << "  * significant: below 1 % by chance among all parameters asked\n";
+  return out.str();
+}
+
+std::string trendPage(const std::vector<ParameterTrend>& trends, const std::string& store,
+                      const std::vector<std::string>& left, const std::string& machine,
+                      const std::filesystem::path& plotly) {
+  const ReportFiles files = loadReportFiles(plotly);
+  Json data = trendObjects(sorted(trends), store, left);
+  data["machine"] = machine;
+  data["created"] = utcNow();
+  return filledPage(files.html, {{"{{title}}", "Trend of " + escapedHtml(machine)},
+                                 {"{{style}}", files.css},
+                                 {"{{sentence}}", escapedHtml(trendSentence(trends))},
+                                 {"{{command}}", "mm history --trend"},
+                                 {"{{data}}", escapedForScript(dump(data))},
+                                 {"{{plotly}}", files.plotly},
+                                 {"{{script}}", pageFile("report_parts.js") + pageFile("report_plots.js") +
+                                                    pageFile("trend.js")}});
+}
+
+std::string changesJson(const CalibrationChanges& c) {
+  Json object;
+  object["before"] = c.before;
+  object["after"] = c.after;
+  object["in_words"] = c.inWords;
+  object["tip"] = {{"rms_um", number(c.rms / kMicrometre)},
+                   {"largest_um", number(c.largest / kMicrometre)},
+                   {"by_chance_um", number(c.byChance / kMicrometre)}};
+  object["parameters"] = Json::array();
+  for (const ParameterChange& p : c.parameters)
+    object["parameters"].push_back({{"effect", effectJson(p.effect)},
+                                    {"name", p.name},
+                                    {"unit", p.unit},
+                                    {"before", number(p.before)},
+                                    {"before_k2", number(2.0 * p.beforeStd)},
+                                    {"after", number(p.after)},
+                                    {"after_k2", number(2.0 * p.afterStd)},
+                                    {"change", number(p.change)},
+                                    {"k2", number(2.0 * p.std)},
+                                    {"p_value", number(p.pValue)},
+                                    {"significant", p.significant},
+                                    {"comparable", p.comparable}});
+  const auto effects = [](const std::vector<EffectSpec>& list) {
+    Json out = Json::array();
+    for (const EffectSpec& effect : list) out.push_back(effectJson(effect));
+    return out;
+  };
+  object["only_before"] = effects(c.onlyBefore);
+  object["only_after"] = effects(c.onlyAfter);
+  return dump(object);
+}
+
+std::string changesText(const CalibrationChanges& c) {
+  std::ostringstream out;
+  out << c.before << (c.beforeTime.empty() ? "" : " (" + c.beforeTime + ")") << " -> " << c.after
+      << (c.afterTime.empty() ? "" : " (" + c.afterTime + ")") << "\n"
+      << c.inWords << "\n\n";
+  out << format("  %-42s %-22s %-22s %-22s %s\n", "parameter", "before", "after", "change (k = 2)", "chance");
+  for (const ParameterChange& p : c.parameters)
+    out << format("%s %-42s %-22s %-22s %-22s %s\n", p.significant ? "*" : " ",
+                  (inWords(p.effect) + ", " + p.name).c_str(),
+                  expanded(p.before, p.beforeStd, p.unit).c_str(),
+                  expanded(p.after, p.afterStd, p.unit).c_str(),
+                  p.comparable ? expanded(p.change, p.std, p.unit).c_str() : "other range",
+                  p.comparable ? shortNumber(p.pValue).c_str() : "-");
+  out << "  * significant: below 1 % by chance among all parameters asked\n";
+  return out.str();
+}
+
+}  // namespace mm

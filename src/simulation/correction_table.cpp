@@ -1,0 +1,195 @@
+#include "simulation/correction_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/number_text.h"
+#include "base/text.h"
+#include "base/units.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kMostNodes = 2000000;
+
+std::vector<std::string> cellsOf(const std::string& line) {
+  std::vector<std::string> cells;
+  std::stringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.emplace_back(trim(cell));
+  if (!line.empty() && line.back() == ',') cells.emplace_back();
+  return cells;
+}
+
+/// What one column of the table is.
+struct Column {
+  int joint = 0;
+  enum class Role { kPosition, kTravel, kCorrection } role = Role::kPosition;
+  double unit = 1.0;  // SI = number * unit
+};
+
+Column columnOf(const std::string& name, const std::string& where, const Machine& machine) {
+  std::vector<std::string> known;
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    const Joint& joint = machine.joints()[static_cast<std::size_t>(j)];
+    const bool linear = joint.kind == JointKind::kLinear;
+    const std::string position = joint.name + (linear ? "_mm" : "_deg"), travel = joint.name + "_travel",
+                      correction = "correction_" + joint.name + (linear ? "_um" : "_arcsec");
+    if (name == position) return {j, Column::Role::kPosition, linear ? kMillimetre : kDegree};
+    if (name == travel) return {j, Column::Role::kTravel, 1.0};
+    if (name == correction) return {j, Column::Role::kCorrection, linear ? kMicrometre : kArcsecond};
+    for (const std::string& one : {position, travel, correction}) known.push_back(one);
+  }
+  throw InputError(where + ": column '" + name + "' is not known" + didYouMean(name, known) + "; known are " +
+                   joined(known, ", "));
+}
+
+double numberIn(const std::string& cell, const std::string& where) {
+  double value = 0.0;
+  if (!parseNumber(cell, value) || !std::isfinite(value))
+    throw InputError(where + ": '" + cell + "' is not a finite number");
+  return value;
+}
+
+/// The rows as they stand in the text.
+struct TableText {
+  std::string source;
+  std::vector<Column> columns;
+  std::vector<std::vector<double>> rows;  // SI
+  std::vector<int> lines;
+
+  std::string at(int line) const { return source + ":" + std::to_string(line); }
+
+  void header(const std::string& line, int number, const Machine& machine) {
+    const std::vector<std::string> names = cellsOf(line);
+    for (const std::string& name : names) {
+      if (std::count(names.begin(), names.end(), name) > 1)
+        throw InputError(at(number) + ": column '" + name + "' stands there twice");
+      columns.push_back(columnOf(name, at(number), machine));
+    }
+  }
+
+  void row(const std::string& line, int number) {
+    const std::vector<std::string> cells = cellsOf(line);
+    if (cells.size() != columns.size())
+      throw InputError(at(number) + ": " + std::to_string(cells.size()) + " cells under " +
+                       std::to_string(columns.size()) + " columns");
+    std::vector<double> values;
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      values.push_back(numberIn(cells[c], at(number)) * columns[c].unit);
+      if (columns[c].role == Column::Role::kTravel && std::abs(values.back()) != 1.0)
+        throw InputError(at(number) + ": '" + cells[c] + "' is no direction of travel; give -1 or 1");
+    }
+    rows.push_back(std::move(values));
+    lines.push_back(number);
+  }
+};
+
+}  // namespace
+
+CorrectionTable CorrectionTable::parse(const std::string& text, const std::string& source,
+                                       const Machine& machine) {
+  TableText reading;
+  reading.source = source;
+  std::istringstream in(text);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    const std::string plain(trim(line));
+    if (plain.empty() || plain[0] == '#') continue;
+    if (reading.columns.empty())
+      reading.header(plain, number, machine);
+    else
+      reading.row(plain, number);
+  }
+  CorrectionTable table;
+  std::vector<std::size_t> place, value;  // columns
+  for (std::size_t c = 0; c < reading.columns.size(); ++c) {
+    const Column& column = reading.columns[c];
+    if (column.role == Column::Role::kCorrection) {
+      table.corrected_.push_back(column.joint);
+      value.push_back(c);
+      continue;
+    }
+    Coordinate coordinate{column.joint, column.role == Column::Role::kTravel, {}};
+    for (const auto& row : reading.rows) coordinate.nodes.push_back(row[c]);
+    std::sort(coordinate.nodes.begin(), coordinate.nodes.end());
+    coordinate.nodes.erase(std::unique(coordinate.nodes.begin(), coordinate.nodes.end()),
+                           coordinate.nodes.end());
+    table.coordinates_.push_back(std::move(coordinate));
+    place.push_back(c);
+  }
+  if (value.empty() || reading.rows.empty())
+    throw InputError(source +
+                     ": the table corrects nothing; it needs a column correction_<joint>_um and rows");
+  std::size_t nodes = 1;
+  for (const Coordinate& c : table.coordinates_) nodes = std::min(kMostNodes + 1, nodes * c.nodes.size());
+  if (nodes != reading.rows.size())
+    throw InputError(
+        source + ": " + std::to_string(reading.rows.size()) +
+        " rows, but its positions and directions make a grid of " +
+        (nodes > kMostNodes ? "more than " + std::to_string(kMostNodes) : std::to_string(nodes)) +
+        " nodes; give every combination once");
+  table.values_.assign(nodes * value.size(), std::nan(""));
+  for (std::size_t r = 0; r < reading.rows.size(); ++r) {
+    std::size_t node = 0;
+    for (std::size_t c = 0; c < place.size(); ++c) {
+      const std::vector<double>& all = table.coordinates_[c].nodes;
+      node = node * all.size() +
+             static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), reading.rows[r][place[c]]) -
+                                      all.begin());
+    }
+    if (!std::isnan(table.values_[node * value.size()]))
+      throw InputError(reading.at(reading.lines[r]) + ": a row for this place stands there already");
+    for (std::size_t v = 0; v < value.size(); ++v)
+      table.values_[node * value.size() + v] = reading.rows[r][value[v]];
+  }
+  return table;
+}
+
+CorrectionTable CorrectionTable::load(const std::filesystem::path& file, const Machine& machine) {
+  std::ifstream in(file);
+  if (!in || std::filesystem::is_directory(file))
+    throw InputError(file.string() + ": the correction table cannot be read; check its path");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return parse(text.str(), file.string(), machine);
+}
+
+std::vector<double> CorrectionTable::drives(const std::vector<double>& command,
+                                            const std::vector<double>& travel) const {
+  // The corners of the cell around the command: each coordinate has a lower node and the share of the upper.
+  const std::size_t count = coordinates_.size();
+  std::vector<std::size_t> lower(count);
+  std::vector<double> upperShare(count, 0.0);
+  for (std::size_t c = 0; c < count; ++c) {
+    const Coordinate& coordinate = coordinates_[c];
+    const std::vector<double>& nodes = coordinate.nodes;
+    const std::size_t joint = static_cast<std::size_t>(coordinate.joint);
+    const double at =
+        std::clamp(coordinate.travel ? travel[joint] : command[joint], nodes.front(), nodes.back());
+    const auto above = std::upper_bound(nodes.begin(), nodes.end(), at);
+    lower[c] = above == nodes.begin() ? 0 : static_cast<std::size_t>(above - nodes.begin()) - 1;
+    if (lower[c] + 1 == nodes.size()) continue;
+    upperShare[c] = (at - nodes[lower[c]]) / (nodes[lower[c] + 1] - nodes[lower[c]]);
+  }
+  std::vector<double> drives = command;
+  for (std::size_t corner = 0; corner < (std::size_t{1} << count); ++corner) {
+    double weight = 1.0;
+    std::size_t node = 0;
+    for (std::size_t c = 0; c < count && weight > 0.0; ++c) {
+      const bool upper = (corner >> c & 1U) != 0;
+      weight *= upper ? upperShare[c] : 1.0 - upperShare[c];
+      node = node * coordinates_[c].nodes.size() + lower[c] + (upper ? 1 : 0);
+    }
+    if (weight == 0.0) continue;
+    for (std::size_t v = 0; v < corrected_.size(); ++v)
+      drives[static_cast<std::size_t>(corrected_[v])] += weight * values_[node * corrected_.size() + v];
+  }
+  return drives;
+}
+
+}  // namespace mm

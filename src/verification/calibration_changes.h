@@ -1,0 +1,44 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+#include "estimation/calibrate.h"
+#include "session/session.h"
+
+namespace mm {
+
+/// One parameter in two calibrations. In its unit for people.
+struct ParameterChange {
+  EffectSpec effect;
+  std::string name, unit;
+  double before = 0.0, beforeStd = 0.0, after = 0.0, afterStd = 0.0;  // NaN: not in that calibration
+  double change = 0.0, std = 0.0;
+  double pValue = 1.0;       // of such a change by chance, corrected for all parameters asked (Holm 1979)
+  bool significant = false;  // pValue below 0.01
+  /// The effect counts from the observed range, and the ranges differ: the same number means another error.
+  bool comparable = true;
+};
+
+/// What differs between two calibrations of one machine.
+struct CalibrationChanges {
+  std::string before, after;  // ids or files
+  std::string beforeTime, afterTime;
+  std::vector<ParameterChange> parameters;  // most significant first
+  std::vector<EffectSpec> onlyBefore, onlyAfter;
+  /// At the tip, over the volume that both hold for: RMS and largest change of the corrected position less a
+  /// displacement and rotation of everything, m; and its RMS by the uncertainty of both alone.
+  double rms = 0.0, largest = 0.0, byChance = 0.0;
+  std::string inWords;
+};
+
+/// Compares parameter by parameter (they are independent estimates: the variances add), and at the tip.
+/// @throw InputError: of different machines.
+CalibrationChanges changesBetween(const Calibration& before, const Calibration& after);
+
+/// What changed between two sessions: the model of the calibration is fitted to each of them, in the
+/// calibration's own ranges. @throw as calibrate.
+CalibrationChanges changesBetween(const Session& before, const Session& after, const Calibration& calibration,
+                                  CalibrateOptions options);
+
+}  // namespace mm

@@ -1,0 +1,284 @@
+#include "verification/fresh_points.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "effects/inputs.h"
+#include "machine/linear_inverse.h"
+#include "workflow/recalibration.h"
+
+namespace mm {
+namespace {
+
+/// Sums up the small errors of one effect at one state.
+class SlotSink final : public ErrorSink {
+ public:
+  explicit SlotSink(Eigen::VectorXd& slots) : slots_(slots) {}
+  void add(int slot, int, double value, double basis) override { slots_[slot] += value * basis; }
+  void value(int slot, double value) override { slots_[slot] += value; }
+  void derivative(int, int, double) override {}
+  bool wantsDerivatives() const override { return false; }
+
+ private:
+  Eigen::VectorXd& slots_;
+};
+
+Eigen::VectorXd slotsOf(const Effect& effect, const std::vector<double>& p, const State& state, int size) {
+  Eigen::VectorXd slots = Eigen::VectorXd::Zero(size);
+  SlotSink sink(slots);
+  effect.evaluate(state, p.data(), sink);
+  return slots;
+}
+
+std::vector<double> calibratedValues(const Calibration& calibration, int effect) {
+  std::vector<double> values;
+  for (const Calibration::Value& v : calibration.values)
+    if (v.effect == effect) values.push_back(v.value);
+  return values;
+}
+
+/// What small errors do to each joint: rotary ones by their own slot, the linear ones by what is left of the
+/// tip's displacement.
+Eigen::VectorXd perJoint(const Machine& machine, const State& state, double beam, Eigen::VectorXd slots) {
+  const ErrorLayout layout = machine.layout();
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(machine.jointCount());
+  for (int j = 0; j < machine.jointCount(); ++j) {
+    if (machine.joints()[static_cast<std::size_t>(j)].kind == JointKind::kLinear) continue;
+    change[j] = slots[layout.axis(j)];
+    slots[layout.axis(j)] = 0.0;
+  }
+  const std::vector<double> none(static_cast<std::size_t>(layout.size()), 0.0);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> gradient;
+  machine.measure(state.position.data(), beam, none.data(), &gradient);
+  const Eigen::Vector3d displacement = gradient.topRows<3>() * slots;
+  if (!displacement.allFinite()) return Eigen::VectorXd::Constant(machine.jointCount(), kNotMeasured);
+  return change + linearMotion(machine, state.position.data(), beam, displacement).change;
+}
+
+double beamOf(const Model& model, const State& state) {
+  return model.domain().laser ? state.laserReading : kNotMeasured;
+}
+
+}  // namespace
+
+bool isOfTheMachine(const Effect& effect, const Domain& domain) {
+  if (effect.stage() == Stage::kProbe || effect.stage() == Stage::kArtifact) return false;
+  const Inputs inputs = inputsOf(effect, domain);
+  return !inputs.approach && !inputs.reading && !inputs.feature && inputs.velocities.empty();
+}
+
+FreshPoints::FreshPoints(const Session& session, const Calibration& calibration,
+                         const CalibrateOptions& options, int factor, const Eigen::VectorXd& weights) {
+  checkMachine(calibration, session);
+  sort(calibration, modelOf(calibration));
+  fit(session, calibration, options, factor, weights);
+  fillColumns(calibration);
+  raw_ = space_->target() + factor * whole();
+  fillShapes();
+}
+
+void FreshPoints::sort(const Calibration& calibration, const Model& whole) {
+  for (std::size_t e = 0; e < whole.effects().size(); ++e) {
+    const EffectPtr& effect = whole.effects()[e];
+    const bool machine = isOfTheMachine(*effect, whole.domain());
+    (machine ? machineEffects_ : measuringEffects_).push_back(effect);
+    (machine ? indices_ : measuringIndices_).push_back(static_cast<int>(e));
+  }
+  for (std::size_t v = 0; v < calibration.values.size(); ++v)
+    if (std::find(indices_.begin(), indices_.end(), calibration.values[v].effect) != indices_.end())
+      parameters_.push_back(static_cast<int>(v));
+  if (machineEffects_.empty())
+    throw InputError("calibration '" + calibration.id +
+                     "' corrects nothing of the machine (it has no effect of axes, guideways or heat): there "
+                     "is nothing to verify; add an effect with mm add");
+}
+
+void FreshPoints::fit(const Session& session, const Calibration& calibration, CalibrateOptions options,
+                      int factor, const Eigen::VectorXd& weights) {
+  options.method = Method::kLeastSquares;
+  options.holdEffects = true;
+  options.rejectOutliers = false;
+  options.whiteNoise = true;
+  const bool declared = session.artifact.repeatability > 0.0;
+  if (options.repeatability <= 0.0 && !declared && calibration.repeatability > 0.0)
+    options.repeatability = calibration.repeatability;
+  std::vector<EffectPtr> effects = measuringEffects_;
+  std::vector<int> indices = measuringIndices_;
+  const std::size_t measuring = effects.size();
+  if (factor != 0) {
+    effects.insert(effects.end(), machineEffects_.begin(), machineEffects_.end());
+    indices.insert(indices.end(), indices_.begin(), indices_.end());
+  }
+  std::vector<double> start;
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    for (const double value : calibratedValues(calibration, indices[e]))
+      start.push_back(e < measuring ? value : factor * value);
+  const Machine machine(calibration.urdf, calibration.machineName);
+  Model model(machine, calibration.domain, effects);
+  // Rows that lack an input of the correction say nothing about it.
+  const Problem inputs(session, Model(machine, calibration.domain, machineEffects_));
+  const Problem rows(session, model);
+  options.weights = weights.size() == rows.rowCount() ? weights : Eigen::VectorXd::Ones(rows.rowCount());
+  for (int i = 0; i < rows.rowCount(); ++i) {
+    const int observation = rows.rows()[static_cast<std::size_t>(i)].observation;
+    if (!rows.uses(observation) || !inputs.uses(observation)) options.weights[i] = 0.0;
+  }
+  fitted_ = std::make_unique<CalibrationResult>(
+      calibrate(session, std::move(model), options,
+                Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size()))));
+  space_ = std::make_unique<ResidualSpace>(*fitted_);
+}
+
+void FreshPoints::fillColumns(const Calibration& calibration) {
+  const Linearisation& at = space_->linearisation();
+  const Problem& problem = at.problem();
+  const Machine& machine = problem.model().machine();
+  const ErrorLayout layout = machine.layout();
+  const int observations = static_cast<int>(problem.session().observations.size());
+  const int effects = static_cast<int>(machineEffects_.size()), joints = machine.jointCount();
+  std::vector<std::vector<double>> values;
+  for (const int e : indices_) values.push_back(calibratedValues(calibration, e));
+
+  Eigen::MatrixXd byEffect = Eigen::MatrixXd::Zero(problem.rowCount(), effects);
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(observations, joints);
+  for (int o = 0; o < observations; ++o) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(layout.size());
+    for (int e = 0; e < effects; ++e) {
+      const Eigen::VectorXd slots =
+          slotsOf(*machineEffects_[static_cast<std::size_t>(e)], values[static_cast<std::size_t>(e)],
+                  problem.state(o), layout.size());
+      for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
+        byEffect(row, e) = at.slotGradients().row(row).dot(slots);
+      all += slots;
+    }
+    change.row(o) = perJoint(machine, problem.state(o), beamOf(problem.model(), problem.state(o)), all);
+  }
+  byEffect_ = space_->whiten(byEffect);
+  space_->project(byEffect_);
+
+  const double size = change.array().isFinite().select(change, 0.0).cwiseAbs().maxCoeff();
+  for (int j = 0; j < joints; ++j)
+    if (change.col(j).array().isFinite().select(change.col(j), 0.0).cwiseAbs().maxCoeff() > 1e-6 * size) {
+      axisJoints_.push_back(j);
+      axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
+    }
+  const int count = static_cast<int>(axes_.size());
+  Eigen::MatrixXd crossed(problem.rowCount(), count * count);
+  for (int i = 0; i < problem.rowCount(); ++i)
+    for (int a = 0; a < count; ++a)
+      for (int b = 0; b < count; ++b)
+        crossed(i, a * count + b) =
+            at.slotGradients()(i, layout.axis(axisJoints_[static_cast<std::size_t>(a)])) *
+            change(problem.rows()[static_cast<std::size_t>(i)].observation,
+                   axisJoints_[static_cast<std::size_t>(b)]);
+  crossed_ = space_->whiten(crossed);
+  space_->project(crossed_);
+  fillMisplaced(values);
+
+  Eigen::MatrixXd byParameter(problem.rowCount(), static_cast<Eigen::Index>(parameters_.size()));
+  Eigen::Index column = 0;
+  for (std::size_t e = 0; e < machineEffects_.size(); ++e) {
+    const Eigen::MatrixXd columns = at.effectColumns(*machineEffects_[e], values[e]);
+    byParameter.middleCols(column, columns.cols()) = columns;
+    column += columns.cols();
+  }
+  byParameter_ = space_->whiten(byParameter);
+  space_->project(byParameter_);
+
+  Eigen::MatrixXd measuring = Eigen::MatrixXd::Zero(problem.rowCount(), 1);
+  if (!problem.model().domain().laser)  // where a beam points is no correction that could be left out
+    for (std::size_t e = 0; e < measuringEffects_.size(); ++e)
+      for (int o = 0; o < observations; ++o) {
+        const Eigen::VectorXd slots =
+            slotsOf(*measuringEffects_[e], calibratedValues(calibration, measuringIndices_[e]),
+                    problem.state(o), layout.size());
+        for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
+          measuring(row, 0) += at.slotGradients().row(row).dot(slots);
+      }
+  Eigen::MatrixXd whitened = space_->whiten(measuring);
+  space_->project(whitened);
+  measuring_ = whitened.col(0);
+}
+
+void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) {
+  const Linearisation& at = space_->linearisation();
+  const Problem& problem = at.problem();
+  const Model& model = problem.model();
+  const Machine& machine = model.machine();
+  const ErrorLayout layout = machine.layout();
+  const Domain& domain = model.domain();
+  const auto linear = [&](std::size_t axis) {
+    return machine.joints()[static_cast<std::size_t>(axisJoints_[axis])].kind == JointKind::kLinear;
+  };
+  for (std::size_t a = 0; a < axes_.size(); ++a)
+    for (std::size_t b = a + 1; b < axes_.size(); ++b) {
+      if (!linear(a) || !linear(b)) continue;
+      const int first = axisJoints_[a], second = axisJoints_[b];
+      const std::size_t f = static_cast<std::size_t>(first), s = static_cast<std::size_t>(second);
+      Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), 2);
+      for (int o = 0; o < static_cast<int>(problem.session().observations.size()); ++o) {
+        State state = problem.state(o);
+        // A table ends where its axis was calibrated.
+        const double one = std::clamp(state.position[s], domain.lower[f], domain.upper[f]);
+        state.position[s] = std::clamp(state.position[f], domain.lower[s], domain.upper[s]);
+        state.position[f] = one;
+        std::swap(state.travel[f], state.travel[s]);
+        std::swap(state.velocity[f], state.velocity[s]);
+        model.place(state);
+        Eigen::VectorXd slots = Eigen::VectorXd::Zero(layout.size());
+        for (std::size_t e = 0; e < machineEffects_.size(); ++e)
+          slots += slotsOf(*machineEffects_[e], values[e], state, layout.size());
+        const Eigen::VectorXd change = perJoint(machine, state, beamOf(model, state), slots);
+        for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row) {
+          columns(row, 0) = at.slotGradients()(row, layout.axis(first)) * change[second];
+          columns(row, 1) = at.slotGradients()(row, layout.axis(second)) * change[first];
+        }
+      }
+      Eigen::MatrixXd whitened = space_->whiten(columns);
+      space_->project(whitened);
+      misplaced_.push_back({static_cast<int>(b), static_cast<int>(a), whitened.col(0)});
+      misplaced_.push_back({static_cast<int>(a), static_cast<int>(b), whitened.col(1)});
+    }
+}
+
+Eigen::VectorXd FreshPoints::own(int axis) const {
+  return crossed_.col(axis * static_cast<int>(axes_.size()) + axis);
+}
+
+void FreshPoints::fillShapes() {
+  const Linearisation& at = space_->linearisation();
+  const Problem& problem = at.problem();
+  const Machine& machine = problem.model().machine();
+  const Domain& domain = problem.model().domain();
+  const ErrorLayout layout = machine.layout();
+  const int joints = machine.jointCount();
+  constexpr double kShare = 0.3;  // of the whole correction
+  Eigen::MatrixXd shapes = Eigen::MatrixXd::Zero(problem.rowCount(), joints * (joints + 1));
+  for (int i = 0; i < problem.rowCount(); ++i) {
+    const State& state = problem.state(problem.rows()[static_cast<std::size_t>(i)].observation);
+    int column = 0;
+    for (int a = 0; a < joints; ++a) {
+      const double gradient = at.slotGradients()(i, layout.axis(a));
+      for (int b = 0; b < joints; ++b) {
+        const std::size_t j = static_cast<std::size_t>(b);
+        const double range = domain.upper[j] - domain.lower[j];
+        shapes(i, column++) = range > kStoodStill
+                                  ? gradient * (2.0 * (state.position[j] - domain.lower[j]) / range - 1.0)
+                                  : 0.0;
+      }
+      const double travel = state.travel[static_cast<std::size_t>(a)];
+      shapes(i, column++) = std::isfinite(travel) ? gradient * travel : 0.0;
+    }
+  }
+  shapes_ = space_->whiten(shapes);
+  space_->project(shapes_);
+  const double size = kShare * whole().norm();
+  for (Eigen::Index k = 0; k < shapes_.cols(); ++k) {
+    const double norm = shapes_.col(k).norm();
+    if (norm > 0.0) shapes_.col(k) *= size / norm;
+  }
+}
+
+}  // namespace mm

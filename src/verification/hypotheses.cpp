@@ -1,0 +1,124 @@
+#include "verification/hypotheses.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mm {
+namespace {
+
+constexpr AxisState kStates[] = {AxisState::kCorrected, AxisState::kNotCorrected, AxisState::kWrongSign,
+                                 AxisState::kTwice};
+// Odds before any data: that everything is right or that nothing was loaded is what mostly happens; one axis
+// of its own is a mistake, two are two.
+const double kUniform = -1.0, kOneAxis = -2.5, kExchange = -2.0;
+
+/// How much of an error the raw readings show. @param remains share that remains after the correction.
+double shown(double remains, bool loaded) { return loaded ? remains : 1.0 - remains; }
+
+class Maker {
+ public:
+  Maker(const FreshPoints& points, bool loaded) : points_(points), loaded_(loaded) {
+    rest_ = points.whole();
+    for (int a = 0; a < count(); ++a) rest_ -= points.own(a);
+  }
+
+  int count() const { return static_cast<int>(points_.axes().size()); }
+
+  /// @param rest state of what no axis can show.
+  LoadedHow of(std::vector<AxisState> axes, double logPrior, AxisState rest) const {
+    LoadedHow h;
+    h.field = shown(remainingOf(rest), loaded_) * rest_;
+    for (int a = 0; a < count(); ++a)
+      h.field += shown(remainingOf(axes[static_cast<std::size_t>(a)]), loaded_) * points_.own(a);
+    h.axes = std::move(axes);
+    h.logPrior = logPrior;
+    return h;
+  }
+
+  /// Tables of two axes at the wrong place. An axis whose table stands elsewhere has none of its own, and one
+  /// that got another's has lost its own.
+  LoadedHow exchanged(const std::vector<Exchange>& exchanges) const {
+    std::vector<AxisState> axes(static_cast<std::size_t>(count()), AxisState::kCorrected);
+    for (const Exchange& e : exchanges)
+      axes[static_cast<std::size_t>(e.of)] = axes[static_cast<std::size_t>(e.on)] = AxisState::kNotCorrected;
+    LoadedHow h = of(std::move(axes), kExchange - (exchanges.size() == 1 ? 1.0 : 0.0), AxisState::kCorrected);
+    for (const Exchange& e : exchanges) h.field += (loaded_ ? -1.0 : 1.0) * columnOf(e);
+    h.exchanges = exchanges;
+    return h;
+  }
+
+ private:
+  Eigen::VectorXd columnOf(const Exchange& e) const {
+    if (!e.entered) return points_.crossed().col(e.on * count() + e.of);
+    for (const MisplacedTable& table : points_.misplaced())
+      if (table.of == e.of && table.on == e.on) return table.column;
+    return Eigen::VectorXd::Zero(points_.length());
+  }
+
+  const FreshPoints& points_;
+  bool loaded_;
+  Eigen::VectorXd rest_;
+};
+
+}  // namespace
+
+double remainingOf(AxisState state) {
+  switch (state) {
+    case AxisState::kNotCorrected:
+      return 1.0;
+    case AxisState::kWrongSign:
+      return 2.0;
+    case AxisState::kTwice:
+      return -1.0;
+    case AxisState::kCorrected:
+      break;
+  }
+  return 0.0;
+}
+
+bool LoadedHow::uniform() const {
+  return exchanges.empty() &&
+         std::all_of(axes.begin(), axes.end(), [&](AxisState s) { return s == axes.front(); });
+}
+
+std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen) {
+  const Maker maker(points, loaded);
+  const std::size_t count = points.axes().size();
+  std::vector<LoadedHow> all;
+  for (const AxisState state : kStates)
+    all.push_back(maker.of(std::vector<AxisState>(count, state),
+                           state == AxisState::kCorrected ? 0.0 : kUniform, state));
+  std::vector<std::size_t> told;
+  for (std::size_t a = 0; a < count; ++a)
+    if (seen[a]) told.push_back(a);
+  std::size_t combinations = told.size() > 1 ? 1 : 0;
+  for (std::size_t i = 0; combinations > 0 && i < told.size(); ++i) combinations *= 4;
+  for (std::size_t c = 0; c < combinations; ++c) {
+    std::vector<AxisState> axes(count, AxisState::kCorrected);
+    std::size_t rest = c, other = 0;
+    bool uniform = true;
+    for (const std::size_t a : told) {
+      axes[a] = kStates[rest % 4];
+      rest /= 4;
+      if (axes[a] != AxisState::kCorrected) ++other;
+      uniform = uniform && axes[a] == axes[told.front()];
+    }
+    if (!uniform) all.push_back(maker.of(axes, kOneAxis * static_cast<double>(other), AxisState::kCorrected));
+  }
+  for (int a = 0; a < static_cast<int>(count); ++a)
+    for (int b = a + 1; b < static_cast<int>(count); ++b) {
+      if (!seen[static_cast<std::size_t>(a)] && !seen[static_cast<std::size_t>(b)]) continue;
+      for (const bool entered : {false, true}) {
+        const auto ofThese = [&](const MisplacedTable& table) { return table.of == a && table.on == b; };
+        const auto& tables = points.misplaced();
+        if (entered && std::none_of(tables.begin(), tables.end(), ofThese)) continue;
+        const Exchange forth{a, b, entered}, back{b, a, entered};
+        all.push_back(maker.exchanged({forth, back}));
+        all.push_back(maker.exchanged({forth}));
+        all.push_back(maker.exchanged({back}));
+      }
+    }
+  return all;
+}
+
+}  // namespace mm

@@ -1,0 +1,150 @@
+#include "verification/trend.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "base/format.h"
+#include "diagnosis/wording.h"
+#include "effects/effect_words.h"
+#include "machine/machine_fit.h"
+#include "verification/parameter_meaning.h"
+#include "workflow/recalibration.h"
+
+namespace mm {
+namespace {
+
+constexpr double kSignificant = 0.01;
+constexpr double kMonth = 30.0;  // days
+constexpr double kSqrt2 = 1.41421356237309504880;
+
+std::vector<const Calibration*> ofOneMachine(const std::vector<Calibration>& all) {
+  std::vector<const Calibration*> same;
+  if (all.empty()) return same;
+  const Machine last(all.back().urdf, all.back().machineName);
+  for (const Calibration& c : all)
+    if (differenceOf(last, Machine(c.urdf, c.machineName), "").empty()) same.push_back(&c);
+  return same;
+}
+
+/// The weighted line, by least squares about the weighted middle.
+void fitLine(ParameterTrend& t) {
+  double weights = 0.0, day = 0.0, value = 0.0;
+  int count = 0;
+  for (const TrendPoint& p : t.points) {
+    if (!p.comparable || !(p.std > 0.0)) continue;
+    const double w = 1.0 / (p.std * p.std);
+    weights += w, day += w * p.day, value += w * p.value;
+    ++count;
+  }
+  if (count < 2) return;
+  t.middleDay = day / weights;
+  t.atMiddle = value / weights;
+  double square = 0.0, product = 0.0;
+  for (const TrendPoint& p : t.points) {
+    if (!p.comparable || !(p.std > 0.0)) continue;
+    const double w = 1.0 / (p.std * p.std), d = p.day - t.middleDay;
+    square += w * d * d;
+    product += w * d * (p.value - t.atMiddle);
+  }
+  if (!(square > 0.0)) return;
+  t.slope = product / square;
+  double chi2 = 0.0;
+  for (const TrendPoint& p : t.points)
+    if (p.comparable && p.std > 0.0)
+      chi2 += std::pow((p.value - t.atMiddle - t.slope * (p.day - t.middleDay)) / p.std, 2);
+  const double birge = count > 2 ? std::max(1.0, chi2 / (count - 2)) : 1.0;
+  t.slopeStd = std::sqrt(birge / square);
+  t.pValue = std::erfc(std::abs(t.slope) / (t.slopeStd * kSqrt2));
+}
+
+void correctForMany(std::vector<ParameterTrend>& trends) {
+  std::vector<ParameterTrend*> asked;
+  for (ParameterTrend& t : trends)
+    if (std::isfinite(t.slope)) asked.push_back(&t);
+  std::sort(asked.begin(), asked.end(), [](auto* a, auto* b) { return a->pValue < b->pValue; });
+  double before = 0.0, left = static_cast<double>(asked.size());
+  for (ParameterTrend* t : asked) {
+    before = t->pValue = std::min(1.0, std::max(before, left * t->pValue));
+    left -= 1.0;
+    t->significant = t->pValue < kSignificant;
+  }
+}
+
+void say(ParameterTrend& t) {
+  const std::string what = inWords(t.effect) + ", " + t.name;
+  if (!std::isfinite(t.slope)) {
+    t.inWords = what + ": no trend can be told from " + std::to_string(t.points.size()) +
+                (t.points.size() == 1 ? " calibration" : " calibrations");
+    return;
+  }
+  const std::string rate = expanded(kMonth * t.slope, kMonth * t.slopeStd, t.unit) + " in 30 days";
+  t.inWords = what + ": " + (t.significant ? rate : "no significant trend, " + rate);
+}
+
+}  // namespace
+
+double daysOf(const std::string& time) {
+  std::tm utc = {};
+  double seconds = 0.0;
+  if (std::sscanf(time.c_str(), "%d-%d-%dT%d:%d:%lf", &utc.tm_year, &utc.tm_mon, &utc.tm_mday, &utc.tm_hour,
+                  &utc.tm_min, &seconds) != 6)
+    return std::nan("");
+  utc.tm_year -= 1900;
+  utc.tm_mon -= 1;
+  constexpr double kDay = 86400.0;
+  return (static_cast<double>(::timegm(&utc)) + seconds) / kDay;
+}
+
+std::vector<std::string> ofOtherMachines(const std::vector<Calibration>& calibrations) {
+  const std::vector<const Calibration*> kept = ofOneMachine(calibrations);
+  std::vector<std::string> others;
+  for (const Calibration& c : calibrations)
+    if (std::find(kept.begin(), kept.end(), &c) == kept.end()) others.push_back(c.id);
+  return others;
+}
+
+std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibrations) {
+  const std::vector<const Calibration*> kept = ofOneMachine(calibrations);
+  std::vector<ParameterTrend> trends;
+  if (kept.empty()) return trends;
+  const Calibration& last = *kept.back();
+  const double first = daysOf(kept.front()->created);
+  for (auto c = kept.rbegin(); c != kept.rend(); ++c)
+    for (const Calibration::Value& v : (*c)->values) {
+      if (v.fixed) continue;
+      const EffectSpec& effect = (*c)->effects[static_cast<std::size_t>(v.effect)];
+      auto found = std::find_if(trends.begin(), trends.end(), [&](const ParameterTrend& t) {
+        return t.name == v.name && sameEffect(t.effect, effect, (*c)->domain);
+      });
+      if (found == trends.end()) {
+        trends.emplace_back();
+        found = trends.end() - 1;
+        found->effect = effect;
+        found->name = v.name;
+        found->unit = v.unit;
+      }
+      TrendPoint point;
+      point.id = (*c)->id;
+      point.created = (*c)->created;
+      point.day = daysOf(point.created) - first;
+      point.value = v.value * v.toUnit;
+      point.std = v.std * v.toUnit;
+      point.comparable = *c == &last || found->points.empty() || meansTheSame(effect, **c, last);
+      found->points.insert(found->points.begin(), point);
+    }
+  for (ParameterTrend& t : trends) {
+    fitLine(t);
+    const auto comparable = [](const TrendPoint& p) { return p.comparable; };
+    const auto begin = std::find_if(t.points.begin(), t.points.end(), comparable);
+    if (begin == t.points.end()) continue;
+    t.change = t.points.back().value - begin->value;
+    t.changeStd = std::hypot(t.points.back().std, begin->std);
+  }
+  correctForMany(trends);
+  for (ParameterTrend& t : trends) say(t);
+  return trends;
+}
+
+}  // namespace mm

@@ -1,0 +1,43 @@
+#pragma once
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+
+namespace mm {
+
+/// One parameter in one calibration, in its unit for people.
+struct TrendPoint {
+  std::string id, created;  // of the calibration; ISO 8601, UTC
+  double day = 0.0;         // since the first of all calibrations
+  double value = 0.0, std = 0.0;
+  bool comparable = true;  // false: the effect counts from another observed range than in the last one
+};
+
+/// How one parameter went through the calibrations of a machine.
+struct ParameterTrend {
+  EffectSpec effect;
+  std::string name, unit;
+  std::vector<TrendPoint> points;  // as time goes
+  /// Weighted straight line through the comparable points, unit/day; where they scatter more than their
+  /// uncertainties say, these are taken larger (Birge 1932). NaN: fewer than two, or all of one time.
+  double slope = std::numeric_limits<double>::quiet_NaN(), slopeStd = slope;
+  double atMiddle = 0.0, middleDay = 0.0;  // the line goes through here
+  double change = 0.0, changeStd = 0.0;    // of the last against the first comparable point
+  double pValue = 1.0;                     // of the slope, corrected for all parameters asked (Holm 1979)
+  bool significant = false;                // below 0.01
+  std::string inWords;
+};
+
+/// @param calibrations as time goes; those of another machine than the last are left out.
+/// @return by effect and name, as in the last calibration and then those that are no longer in it.
+std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibrations);
+
+/// Ids of the calibrations that are not of the machine of the last one.
+std::vector<std::string> ofOtherMachines(const std::vector<Calibration>& calibrations);
+
+/// Days since 1970 of an ISO 8601 time in UTC (2026-03-01T09:30:00Z); NaN: it is none.
+double daysOf(const std::string& time);
+
+}  // namespace mm

@@ -1,0 +1,115 @@
+#include "verification/verify.h"
+
+#include <cmath>
+#include <memory>
+#include <set>
+
+#include "base/error.h"
+#include "verification/decision.h"
+#include "verification/figures.h"
+#include "verification/verify_words.h"
+#include "workflow/recalibration.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNearer = 0.8;     // of the residual: below, another point to linearise at is nearer
+constexpr double kDifferent = 3.3;  // standard deviations by which two figures differ
+constexpr int kOutlierRounds = 3;
+
+bool isLinear(const FreshPoints& points) {
+  for (const EffectPtr& effect : points.effects())
+    if (!effect->linear() || effect->network() != nullptr) return false;
+  return true;
+}
+
+/// Linearised where the readings are: with nothing corrected, as calibrated, or to the other side.
+std::unique_ptr<FreshPoints> nearestPoints(const Session& session, const Calibration& calibration,
+                                           const VerifyOptions& options, const Eigen::VectorXd& weights) {
+  const auto at = [&](int factor) {
+    if (options.calibrate.cancelled && options.calibrate.cancelled())
+      throw Cancelled("stopped before the points were judged; nothing was changed");
+    return std::make_unique<FreshPoints>(session, calibration, options.calibrate, factor, weights);
+  };
+  std::unique_ptr<FreshPoints> best = at(options.loaded ? 0 : 1);
+  std::vector<int> others = {options.loaded ? 1 : 0};
+  if (isLinear(*best)) others.push_back(options.loaded ? 2 : -1);
+  for (const int factor : others) {
+    std::unique_ptr<FreshPoints> other = at(factor);
+    if (other->space().target().norm() < kNearer * best->space().target().norm()) best = std::move(other);
+  }
+  return best;
+}
+
+std::string findingOf(const Decision& decision) {
+  if (!decision.seen) return "too_small";
+  if (!decision.hypothesis.exchanges.empty()) return "exchanged";
+  if (!decision.hypothesis.uniform()) return "partly";
+  switch (decision.hypothesis.axes.front()) {
+    case AxisState::kNotCorrected:
+      return "not_corrected";
+    case AxisState::kWrongSign:
+      return "wrong_sign";
+    case AxisState::kTwice:
+      return "corrected_twice";
+    case AxisState::kCorrected:
+      break;
+  }
+  return "corrected";
+}
+
+VerifyVerdict verdictOf(const Verification& v, double improvement) {
+  const bool better = v.better, worse = improvement < -kDifferent;
+  if (worse) return VerifyVerdict::kWorse;
+  if (v.finding == "too_small" && !v.drifted) return VerifyVerdict::kNoChange;
+  if (v.finding == "corrected" && !v.drifted)
+    return better ? VerifyVerdict::kHelped : VerifyVerdict::kNoChange;
+  const bool asBefore = v.finding == "not_corrected" || (v.loaded && v.finding == "corrected_twice");
+  return asBefore && !better ? VerifyVerdict::kNoChange : VerifyVerdict::kMixed;
+}
+
+}  // namespace
+
+Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options) {
+  std::unique_ptr<FreshPoints> points = nearestPoints(session, calibration, options, {});
+  auto system = std::make_unique<PointSystem>(*points);
+  Eigen::VectorXd weights = points->fitted().weight;
+  Verification found;
+  for (int round = 0; round < kOutlierRounds && !system->outliers().empty(); ++round) {
+    for (const int i : system->outliers()) {
+      const int row = points->space().used()[static_cast<std::size_t>(i)];
+      weights[row] = 0.0;
+      found.outliers.push_back({row, points->fitted().residuals[row]});
+    }
+    system.reset();
+    points = nearestPoints(session, calibration, options, weights);
+    system = std::make_unique<PointSystem>(*points);
+  }
+  const Decision decision = decide(*points, *system, calibration, options.loaded);
+  const BeforeAndAfter figures =
+      beforeAndAfter(*points, *system, covarianceOf(*points, calibration), options.loaded);
+  found.loaded = options.loaded;
+  found.finding = findingOf(decision);
+  found.drifted = decision.drifted;
+  found.hypothesis = decision.hypothesis;
+  found.changed = decision.changed;
+  found.unexplainedPValue = decision.unexplainedPValue;
+  found.before = figures.before;
+  found.after = figures.after;
+  found.angular = figures.angular;
+  found.residuals = figures.residuals;
+  found.noise = figures.noise;
+  std::set<int> observations;
+  for (const int row : points->space().used())
+    observations.insert(points->fitted().problem->rows()[static_cast<std::size_t>(row)].observation);
+  found.observations = static_cast<int>(observations.size());
+  fillShares(*points, *system, calibration, options.loaded, found);
+  found.better = figures.improvement > kDifferent;
+  found.verdict = verdictOf(found, figures.improvement);
+  for (std::size_t r = 0; r < decision.rivals.size() && r < 4; ++r)
+    found.rivals.push_back({inWords(decision.rivals[r], points->axes(), options.loaded), decision.odds[r]});
+  found.inWords = sentenceOf(found);
+  return found;
+}
+
+}  // namespace mm

@@ -1,0 +1,94 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "calibration_file/calibration.h"
+#include "estimation/calibrate.h"
+#include "session/session.h"
+#include "verification/hypotheses.h"
+
+namespace mm {
+
+/// Did it help? One word for a decision.
+enum class VerifyVerdict { kHelped, kNoChange, kWorse, kMixed };
+std::string nameOf(VerifyVerdict verdict);  ///< "helped", "no_change", "worse", "mixed"
+
+struct VerifyOptions {
+  bool loaded = false;  // the controller corrected while the session was measured
+  CalibrateOptions calibrate;
+};
+
+/// How much of an error remains after the correction: 0 it is gone, 1 as before, 2 twice as large.
+struct RemainingShare {
+  double size = 0.0;       // m (rad): RMS of the uncorrected error at these points
+  double remaining = 0.0;  // share
+  double std = 0.0;        // of `remaining`; 10 and more: these points do not tell
+  std::string inWords;     // "corrected", "not corrected", "wrong sign" …
+};
+struct RemainingOfAxis : RemainingShare {
+  std::string axis;
+};
+struct RemainingOfEffect : RemainingShare {
+  EffectSpec effect;
+};
+
+/// A share of one axis's correction that appears as an error of another axis.
+struct CrossedShare {
+  std::string of, on;
+  double share = 0.0, std = 0.0;
+};
+
+/// An effect whose size is no longer the calibrated one.
+struct ChangedEffect {
+  struct Parameter {
+    std::string name, unit;
+    double change = 0.0, std = 0.0;  // in `unit`
+  };
+  EffectSpec effect;
+  std::vector<Parameter> parameters;
+  double pValue = 1.0;
+};
+
+/// Another explanation that these points do not exclude.
+struct VerifyRival {
+  std::string inWords;
+  double odds = 0.0;  // against the best, below 1
+};
+
+/// An RMS with its standard uncertainty, m (rad where the session has angular residuals only).
+struct Figure {
+  double rms = 0.0, std = 0.0;
+};
+
+/// What the points of a fresh session say of a calibration.
+struct Verification {
+  VerifyVerdict verdict = VerifyVerdict::kMixed;
+  std::string finding;  // "corrected", "not_corrected", "wrong_sign", "corrected_twice", "exchanged",
+                        // "partly", "too_small"
+  std::string inWords;  // one to three sentences
+  bool loaded = false, drifted = false, angular = false;
+  Figure before, after;
+  bool better = false;  // after is significantly below before
+  int residuals = 0, observations = 0;
+  LoadedHow hypothesis;
+  std::vector<RemainingOfAxis> axes;
+  std::vector<RemainingOfEffect> effects;
+  std::vector<CrossedShare> crossed;   // those that are there, significantly
+  std::vector<ChangedEffect> changed;  // since the calibration, most certain first
+  double unexplainedPValue = 1.0;      // of what is left after all this: chance
+  std::vector<VerifyRival> rivals;
+  double noise = 0.0;             // m (rad): of one residual, as these points show it
+  std::vector<Outlier> outliers;  // left out
+};
+
+/// Compares a session of fresh points with a calibration; no parameter of the calibration is refitted.
+/// Loaded: the readings should be free of error; else they are raw, and the correction should explain them.
+/// The residual is regressed on the correction's field by generalised least squares (noise with memory by
+/// REML, the calibration's covariance as prior of its parameters), and the ways in which a table can be
+/// loaded wrongly are compared by their likelihoods (docs/verification.md).
+/// @param session must outlive the call. @throw InputError: another machine, nothing to verify, an input of
+/// the model was not recorded. @throw NumericalError: too few points. @throw Cancelled.
+Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options);
+
+}  // namespace mm

@@ -1,0 +1,1 @@
+set(verification_test_dependencies simulation compensation workflow)
