@@ -31,6 +31,7 @@ void addPlanCommand(CLI::App& app, int& exitStatus);
 void addCompletionCommand(CLI::App& app, int& exitStatus);
 void addManualCommand(CLI::App& app, int& exitStatus);
 void addEffectsCommand(CLI::App& app, int& exitStatus);
+void addWorkbenchCommand(CLI::App& app, int& exitStatus);
 void addBenchmarkCommand(CLI::App& app, int& exitStatus);
 
 }  // namespace mm

@@ -109,6 +109,7 @@ int main(int argc, char** argv) {
   mm::addEffectsCommand(app, exitStatus);
   mm::addMachineCommand(app, exitStatus);
   mm::addPlanCommand(app, exitStatus);
+  mm::addWorkbenchCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
   mm::addCompletionCommand(app, exitStatus);
   mm::addManualCommand(app, exitStatus);
