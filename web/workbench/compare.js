@@ -9,12 +9,42 @@ import { measured, rms, shown, text, unitOf, value } from "./units.js";
 
 const kAll = "all";
 
+/** The error along one direction, from the residuals of touches that were mostly along it; null: there are none. */
+function errorAlong(points, direction) {
+  const approach = points.columns.find((c) => c.name === "approach " + direction), component = points.columns.find((c) => c.name === "component");
+  const residual = points.columns[0], kMost = 0.5; // of the unit vector: a touch from the side says little
+  const wanted = component ? component.words.indexOf(direction) : -1;
+  let seen = 0;
+  const along = (values) => values.map((v, r) => {
+    if (component && known(component.values[r])) return component.values[r] === wanted ? (++seen, v) : null;
+    if (!approach || !known(v) || !(Math.abs(approach.values[r]) >= kMost)) return null;
+    ++seen;
+    return v / -approach.values[r]; // the residual counts outwards, against the approach
+  });
+  const column = { name: "error along " + direction, unit: residual.unit, values: along(residual.values), error: true };
+  return seen > 12 ? column : null;
+}
+
 /** The columns that can be drawn, with those that are made here. */
 function columnsOf(points) {
   const [residual, ...rest] = points.columns;
-  const made = [residual, Object.assign({}, residual, { name: "size of the residual", values: residual.values.map((v) => (known(v) ? Math.abs(v) : null)) })];
-  if (points.before) made.push(Object.assign({}, residual, { name: "residual of " + points.before_name, values: points.before }));
+  const made = ["x", "y", "z"].map((d) => errorAlong(points, d)).filter(Boolean);
+  made.push(residual, Object.assign({}, residual, { name: "size of the residual", values: residual.values.map((v) => (known(v) ? Math.abs(v) : null)) }));
+  if (points.before) made.push(Object.assign({}, residual, { name: "residual, " + points.before_name, values: points.before }));
   return [...made, ...rest];
+}
+
+/** Share of the variance of y between classes of x: which picture shows most. */
+function explained(x, y) {
+  const rows = y.values.map((v, r) => r).filter((r) => known(y.values[r]) && known(x.values[r]));
+  if (rows.length < 12) return 0;
+  if (!x.words) rows.sort((a, b) => x.values[a] - x.values[b]);
+  const groups = new Map();
+  rows.forEach((r, k) => { const g = x.words ? x.values[r] : Math.floor((12 * k) / rows.length); if (!groups.has(g)) groups.set(g, []); groups.get(g).push(y.values[r]); });
+  const mean = (list) => list.reduce((a, b) => a + b, 0) / list.length, all = mean(rows.map((r) => y.values[r]));
+  const whole = rows.reduce((sum, r) => sum + (y.values[r] - all) ** 2, 0);
+  const between = [...groups.values()].reduce((sum, g) => sum + g.length * (mean(g) - all) ** 2, 0);
+  return whole > 0 ? between / whole - groups.size / rows.length : 0;
 }
 
 const rmsOf = (values, rows) => { let sum = 0, n = 0; for (const r of rows) if (known(values[r])) { sum += values[r] ** 2; ++n; } return [n ? Math.sqrt(sum / n) : null, n]; };
@@ -22,14 +52,16 @@ const rmsOf = (values, rows) => { let sum = 0, n = 0; for (const r of rows) if (
 export function CompareView() {
   const points = useDocument("points"), compare = useDocument("compare");
   useTheme();
-  const [x, setX] = useState(null), [y, setY] = useState("residual"), [colour, setColour] = useState(null);
+  const [x, setX] = useState(null), [y, setY] = useState(null), [colour, setColour] = useState(null);
   const [filter, setFilter] = useState(kAll), [word, setWord] = useState(kAll), [picked, setPicked] = useState(-1);
   const columns = useMemo(() => (points ? columnsOf(points) : []), [points]);
   const find = (name) => columns.find((c) => c.name === name);
   // what explains most is looked at first
   const asked = compare ? compare.where.map((w) => w.variable).map((v) => (v === "ball" ? "feature" : v)).filter((v) => find(v)) : [];
-  const xc = find(x) || find(asked[0]) || columns.find((c) => c.name === "time") || columns[3];
-  const yc = find(y) || columns[0], cc = colour === "" ? null : find(colour) || find(asked.find((v) => xc && v !== xc.name && find(v).words)) || null;
+  const xc = find(x) || find(asked[0]) || columns.find((c) => c.name === "time") || columns[columns.length - 1];
+  const plain = columns.find((c) => c.name === "residual");
+  const shows = useMemo(() => { const errors = columns.filter((c) => c.error); return xc && errors.length ? errors.reduce((a, b) => (explained(xc, b) > explained(xc, a) ? b : a)) : null; }, [columns, xc]);
+  const yc = find(y) || shows || plain, cc = colour === "" ? null : find(colour) || find(asked.find((v) => xc && v !== xc.name && find(v).words)) || null;
   const fc = find(filter), words = fc ? fc.words || null : null;
   const rows = useMemo(() => {
     const list = [];
@@ -59,11 +91,11 @@ export function CompareView() {
         h(Choice, { id: "y", label: "Draw", value: yc.name, options: names, onChange: setY }),
         h(Choice, { id: "x", label: "against", value: xc.name, options: names, onChange: setX }),
         h(Choice, { id: "colour", label: "coloured by", value: cc ? cc.name : "", options: [["", "nothing"], ...names], onChange: setColour }),
-        h(Choice, { id: "filter", label: "only", value: filter, options: [[kAll, "everything"], ...columns.slice(3 - (points.before ? 0 : 1)).map((c) => [c.name, c.name])], onChange: (v) => { setFilter(v); setWord(kAll); } }),
+        h(Choice, { id: "filter", label: "only", value: filter, options: [[kAll, "everything"], ...columns.filter((c) => !points.columns[0].values || !/residual|error along/.test(c.name)).map((c) => [c.name, c.name])], onChange: (v) => { setFilter(v); setWord(kAll); } }),
         fc ? h(Choice, { id: "word", label: "where it is", value: String(word), options: [[kAll, "anything"], ...(words ? words.map((w, i) => [String(i), w]) : ["in its lowest quarter", "in its second", "in its third", "in its highest"].map((t, i) => [String(i), t]))], onChange: setWord }) : null),
       h(Legend, { column: cc, c: colours() }),
       h(Scatter, { x: xc, y: yc, colour: cc, rows, onPick: pick, label: yc.name + " against " + xc.name + " of " + rows.length + " residuals" }),
-      h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + rows.length + " of " + points.rows + " residuals, RMS " + rms(shownRms, count, unit) + " (k = 2). Black: means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click tells of one point."),
+      h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + count + " of " + points.rows + " residuals" + (yc.error ? ", those of touches within 60° of " + yc.name.slice(-1) : "") + "; RMS " + rms(shownRms, count, unit) + " (k = 2). The marks with bars are means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click tells of one point."),
       picked >= 0 ? h(PickedRow, { points, columns, row: picked }) : null),
     h(Section, { title: "Where the model fails" }, h(Table, { caption: "Share of the residual's variance that one variable explains, in any direction; p is corrected for the number of variables", columns: [["Variable"], ["share", "nowrap"], ["p", "n"], ["", "n"]],
       rows: compare.where.map((w) => [w.variable, [h(Meter, { share: w.share }), percent(w.share)], pValue(w.p_value), h("button", { onClick: () => { setX(w.variable === "ball" ? "feature" : w.variable); scrollTo({ top: 0, behavior: "smooth" }); } }, "Draw")]) })),

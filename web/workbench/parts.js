@@ -63,7 +63,10 @@ export function Action({ label, run, kind, disabled, title, confirm }) {
     setBusy(true);
     setSaid(null);
     const end = await run();
-    if (!here.current) return;
+    if (!here.current) { // its place is gone, what it said is not
+      if (end) dispatchEvent(new CustomEvent("mm-said", { detail: end }));
+      return;
+    }
     setBusy(false);
     if (end) setSaid(end);
   };

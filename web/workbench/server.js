@@ -36,7 +36,7 @@ export function useNews() {
 export function useDocument(name) {
   useNews();
   let entry = documents.get(name);
-  if (!entry) documents.set(name, (entry = { number: 0, value: null, wanted: true, asking: 0 }));
+  if (!entry) documents.set(name, (entry = { number: 0, value: null, wanted: true, asking: -1 }));
   useEffect(() => { entry.wanted = true; look(name); }, [name]);
   return entry.value;
 }
@@ -46,7 +46,7 @@ async function look(name) {
   const number = state.live ? state.live.documents[name] || 0 : 0;
   if (!entry || !entry.wanted || !state.live || entry.number === number || entry.asking === number) return;
   if (!number) {
-    Object.assign(entry, { number: 0, value: null, asking: 0 });
+    Object.assign(entry, { number: 0, value: null, asking: -1 });
     return changed();
   }
   entry.asking = number;
@@ -57,7 +57,7 @@ async function look(name) {
   } catch (error) {
     entry.number = 0;
   }
-  entry.asking = 0;
+  entry.asking = -1;
   changed();
 }
 
