@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "report/json_parts.h"
 #include "workbench/access.h"
@@ -25,10 +26,14 @@ const char* const kReportPolicy =
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
 
-bool startsWith(const std::string& text, const std::string& with) { return text.rfind(with, 0) == 0; }
-
 Json placeJson(const Eigen::Vector3d& at) {
   return at.allFinite() ? roundedList(at / kMillimetre, 1e-5) : Json(nullptr);
+}
+
+WebAnswer contactsAnswer(const std::vector<Eigen::Vector3d>& contacts) {
+  Json at = Json::array();
+  for (const Eigen::Vector3d& tip : contacts) at.push_back(roundedList(tip / kMillimetre, kPlaceStep));
+  return WebAnswer::text(compact({{"at_mm", std::move(at)}}), "application/json");
 }
 
 Json machineJson(LiveMachine& live) {
@@ -155,6 +160,7 @@ WebAnswer Bench::enqueue(const std::string& name, const std::string& who, std::f
 WebAnswer Bench::get(const std::string& path) {
   if (path == "/") return page_.index(token_);
   if (std::optional<WebAnswer> part = page_.part(path)) return *part;
+  if (path == "/data/contacts" && live_ != nullptr) return contactsAnswer(live_->contacts());
   if (path == "/data/log") return WebAnswer::text(log_.json(), "application/json");
   if (startsWith(path, "/data/"))
     if (std::optional<WebAnswer> found = documents_.find(path.substr(6))) {
@@ -275,7 +281,7 @@ WebAnswer Bench::motion(const std::string& name, const RequestBody& body, const 
   }
   const std::string plan = body.text("plan");
   return enqueue(name, who, [this, plan] {
-    const std::string measured = live_->run(plan);
+    const std::string measured = live_->run(plan, [this] { return job_.cancelled(); });
     return measured + "; " + work_.openLive();
   });
 }
@@ -296,6 +302,10 @@ std::string Bench::live() {
   const Job::State running = job_.state();
   Json out;
   out["documents"] = documents_.numbers();
+  if (live_ != nullptr) {
+    const std::size_t contacts = live_->state().observations;
+    if (contacts > 0) out["documents"]["contacts"] = contacts;
+  }
   out["machine"] = live_ != nullptr ? machineJson(*live_) : Json(nullptr);
   const std::lock_guard<std::mutex> lock(mutex_);
   out["task"] = running.task.empty() ? Json(nullptr)

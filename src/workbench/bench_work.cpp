@@ -55,7 +55,9 @@ BenchWork::BenchWork(BenchOptions options, BenchSources sources, Documents& docu
       sources_(std::move(sources)),
       documents_(documents),
       job_(job),
-      live_(live) {}
+      live_(live) {
+  if (!options_.store.empty()) store_.emplace(options_.store);
+}
 
 const Session& BenchWork::session() const {
   if (!session_) throw InputError("no session is open; drop a bag onto the page, or measure a plan");
@@ -90,7 +92,14 @@ std::string BenchWork::begin() {
     kept_ = false;
   }
   if (!options_.bag.empty()) return open(options_.bag, options_.bag.filename().string());
-  if (live_ != nullptr) return openLive();
+  if (live_ != nullptr) {
+    if (store_) showStore();
+    try {
+      return openLive();
+    } catch (const InputError& e) {
+      return e.what();  // what is measured from now on can be taken later
+    }
+  }
   throw InputError("no session is named; mm workbench session.bag");
 }
 
@@ -101,11 +110,8 @@ void BenchWork::take(Session session, const std::string& shownAs) {
     const std::lock_guard<std::mutex> lock(mutex_);
     domain_ = std::make_shared<const Domain>(observedDomain(*taken));
   }
-  held_.reset();
   earlier_ = {};
-  documents_.remove("diagnosis");
-  documents_.remove("moves");
-  documents_.remove("report");
+  for (const char* name : {"points", "compare", "diagnosis", "moves", "report"}) documents_.remove(name);
   session_ = std::move(taken);
   shownAs_ = shownAs;
   if (!store_) {
@@ -150,6 +156,7 @@ std::string BenchWork::importTable(const std::filesystem::path& file, const std:
 
 std::string BenchWork::openLive() {
   if (live_ == nullptr) throw InputError("no machine is there: this workbench shows a recorded session");
+  space_ = live_->space();
   take(live_->session(), "live session");
   return "live session: " + std::to_string(session_->observations.size()) + " observations";
 }
@@ -193,7 +200,6 @@ void BenchWork::show() {
                   ? "nominal machine"
                   : "before: " + std::to_string(calibration_->effects.size()) + " effects",
               compared.residuals};
-  held_ = std::move(compared);
   showStore();
 }
 
@@ -219,9 +225,7 @@ void BenchWork::keep(Recalibration& done) {
   store_->add(done.calibration);
   calibration_ = std::move(done.calibration);
   kept_ = true;
-  documents_.remove("diagnosis");
-  documents_.remove("moves");
-  documents_.remove("report");
+  for (const char* name : {"diagnosis", "moves", "report"}) documents_.remove(name);
   show();
 }
 
@@ -280,9 +284,7 @@ std::string BenchWork::use(const std::string& id) {
   checkMachine(chosen, session());
   calibration_ = std::move(chosen);
   kept_ = true;
-  documents_.remove("diagnosis");
-  documents_.remove("moves");
-  documents_.remove("report");
+  for (const char* name : {"diagnosis", "moves", "report"}) documents_.remove(name);
   show();
   return id + " is in use";
 }

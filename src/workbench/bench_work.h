@@ -87,7 +87,6 @@ class BenchWork {
   std::string shownAs_, space_;
   std::optional<Calibration> calibration_;
   bool kept_ = false;
-  std::optional<CalibrationResult> held_;
   EarlierResiduals earlier_;
   std::optional<CalibrationStore> store_;
   mutable std::mutex mutex_;              // guards the next

@@ -1,10 +1,10 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "session/progress.h"
 #include "session/session.h"
 
 namespace mm {
@@ -31,13 +31,18 @@ class LiveMachine {
   virtual State state() = 0;                   ///< now; returns at once, from any thread
   /// The session that was measured so far. @throw InputError: there is nothing yet.
   virtual Session session() = 0;
+  /// Nominal tips of its contacts (m, workpiece), as they came; quick, from any thread.
+  virtual std::vector<Eigen::Vector3d> contacts() = 0;
+  /// Namespace of the nodes that measure, "/" or "/m1".
+  virtual std::string space() const = 0;
   /// The next three wait for their answer. @return it. @throw InputError: refused, in the words of the
   /// service.
   virtual std::string promote(const std::string& id) = 0;
   virtual std::string rollback(const std::string& id) = 0;
   virtual std::string home() = 0;
-  /// Measures a plan. @param yaml of the plan. @return what became of it. @throw InputError.
-  virtual std::string run(const std::string& yaml) = 0;
+  /// Measures a plan. @param yaml of the plan. @param cancelled asked now and then: ends the plan. @return
+  /// what became of it. @throw InputError.
+  virtual std::string run(const std::string& yaml, const std::function<bool()>& cancelled) = 0;
   virtual std::string pause(bool yes) = 0;  ///< between two contacts
   /// Every motion ends, as fast as the axes may. Returns at once: it is asked for when a page has gone.
   virtual void stop() = 0;

@@ -47,7 +47,12 @@ function explained(x, y) {
   return whole > 0 ? between / whole - groups.size / rows.length : 0;
 }
 
-const rmsOf = (values, rows) => { let sum = 0, n = 0; for (const r of rows) if (known(values[r])) { sum += values[r] ** 2; ++n; } return [n ? Math.sqrt(sum / n) : null, n]; };
+/** RMS of the rows that are drawn (null: of all), and how many they are. */
+function rmsOf(values, rows) {
+  let sum = 0, n = 0;
+  for (let r = 0; r < values.length; ++r) if ((!rows || rows[r]) && known(values[r])) { sum += values[r] ** 2; ++n; }
+  return [n ? Math.sqrt(sum / n) : null, n];
+}
 
 export function CompareView() {
   const points = useDocument("points"), compare = useDocument("compare");
@@ -64,22 +69,19 @@ export function CompareView() {
   const yc = find(y) || shows || plain, cc = colour === "" ? null : find(colour) || find(asked.find((v) => xc && v !== xc.name && find(v).words)) || null;
   const fc = find(filter), words = fc ? fc.words || null : null;
   const rows = useMemo(() => {
-    const list = [];
-    if (!points) return list;
-    const limits = fc && !words && word !== kAll ? quarter(fc.values, Number(word)) : null;
-    for (let r = 0; r < points.rows; ++r) {
-      if (fc && word !== kAll && (words ? fc.values[r] !== Number(word) : !(fc.values[r] >= limits[0] && fc.values[r] <= limits[1]))) continue;
-      list.push(r);
-    }
-    return list;
+    if (!points) return null;
+    const drawn = new Uint8Array(points.rows).fill(1);
+    if (!fc || word === kAll) return drawn;
+    const wanted = Number(word), limits = words ? null : quarter(fc.values, wanted);
+    for (let r = 0; r < points.rows; ++r) drawn[r] = words ? fc.values[r] === wanted : known(fc.values[r]) && fc.values[r] >= limits[0] && fc.values[r] <= limits[1];
+    return drawn;
   }, [points, fc, word]);
+  const before = useMemo(() => (points && points.before ? rmsOf(points.before, null) : null), [points]);
   if (!points || !compare) return h(Empty, null, "Nothing is compared yet.");
   const suffix = points.unit === "arcsec" ? "_arcsec" : "_um", unit = points.unit;
   const [shownRms, count] = rmsOf(yc.values, rows);
   const names = columns.map((c) => [c.name, c.name]);
-  const pick = (row) => setPicked(row);
-  const before = points.before ? rmsOf(points.before, points.columns[0].values.map((v, r) => r)) : null;
-  return h("div", null,
+    return h("div", null,
     h(Tiles, null,
       before ? h(Tile, { label: "RMS, " + points.before_name, value: rms(before[0], before[1], unit), note: "k = 2" }) : null,
       h(Tile, { label: "RMS, this calibration", value: rms(compare["rms" + suffix], points.rows, unit), note: "values held; k = 2" }),
@@ -94,7 +96,7 @@ export function CompareView() {
         h(Choice, { id: "filter", label: "only", value: filter, options: [[kAll, "everything"], ...columns.filter((c) => !points.columns[0].values || !/residual|error along/.test(c.name)).map((c) => [c.name, c.name])], onChange: (v) => { setFilter(v); setWord(kAll); } }),
         fc ? h(Choice, { id: "word", label: "where it is", value: String(word), options: [[kAll, "anything"], ...(words ? words.map((w, i) => [String(i), w]) : ["in its lowest quarter", "in its second", "in its third", "in its highest"].map((t, i) => [String(i), t]))], onChange: setWord }) : null),
       h(Legend, { column: cc, c: colours() }),
-      h(Scatter, { x: xc, y: yc, colour: cc, rows, onPick: pick, label: yc.name + " against " + xc.name + " of " + rows.length + " residuals" }),
+      h(Scatter, { x: xc, y: yc, colour: cc, rows, onPick: setPicked, label: yc.name + " against " + xc.name + " of " + count + " residuals" }),
       h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + count + " of " + points.rows + " residuals" + (yc.error ? ", those of touches within 60° of " + yc.name.slice(-1) : "") + "; RMS " + rms(shownRms, count, unit) + " (k = 2). The marks with bars are means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click tells of one point."),
       picked >= 0 ? h(PickedRow, { points, columns, row: picked }) : null),
     h(Section, { title: "Where the model fails" }, h(Table, { caption: "Share of the residual's variance that one variable explains, in any direction; p is corrected for the number of variables", columns: [["Variable"], ["share", "nowrap"], ["p", "n"], ["", "n"]],

@@ -2,7 +2,7 @@
 
 import { h } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { act, downloadAddress, judge, useDocument } from "./server.js";
+import { act, downloadAddress, judge, useDocument, useNumber } from "./server.js";
 import { Action, Choice, Empty, Meter, Section, Table } from "./parts.js";
 import { Chart, curveWithBand } from "./chart.js";
 import { measured, rms, shown, text, unitOf } from "./units.js";
@@ -79,7 +79,7 @@ function Drift({ d }) {
 }
 
 export function DiagnoseView() {
-  const d = useDocument("diagnosis"), session = useDocument("session"), moves = useDocument("moves");
+  const d = useDocument("diagnosis"), session = useDocument("session"), moves = useNumber("moves");
   const directions = [...(session ? session.joints.map((j) => j.name) : []), "x", "y", "z", "approach"].filter((v, i, all) => all.indexOf(v) === i);
   const again = h(Action, { label: d ? "Diagnose again" : "Diagnose", kind: d ? "" : "primary", run: () => act("diagnose") });
   if (!d) return h("div", null, h(Empty, null, "Which physical effect does the model miss? The answer takes seconds, for a long session a minute.", h("br"), again), session ? h(Section, { title: "Your own formula" }, h(OwnFormula, { directions })) : null);

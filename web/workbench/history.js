@@ -2,7 +2,7 @@
 
 import { h } from "preact";
 import { useMemo, useState } from "preact/hooks";
-import { act, documentAddress, downloadAddress, useDocument } from "./server.js";
+import { act, documentAddress, downloadAddress, useDocument, useNumber } from "./server.js";
 import { Action, Choice, Empty, Section, Table } from "./parts.js";
 import { Chart, axis } from "./chart.js";
 import { measured, rms, shown, text, unitOf } from "./units.js";
@@ -44,17 +44,17 @@ function Trend({ list }) {
 }
 
 export function HistoryView() {
-  const history = useDocument("history"), report = useDocument("report"), log = useDocument("log");
+  const history = useDocument("history"), report = useNumber("report");
   if (!history) return h(Empty, null, "No calibration is kept yet.");
   const list = history.calibrations;
   return h("div", null,
-    h(Section, { title: "Calibrations", lead: "Kept in " + history.store }, list.length ? h(Table, { caption: list.length + " calibrations, latest first", columns: [["Id", "nowrap"], ["state", "nowrap"], ["created (UTC)", "nowrap"], ["effects", "text"], ["held-out RMS (k = 2)", "n"], ["", "n"]],
+    h(Section, { title: "Calibrations", lead: "Kept in " + history.store }, list.length ? h(Table, { caption: list.length + (list.length === 1 ? " calibration" : " calibrations, latest first"), columns: [["Id", "nowrap"], ["state", "nowrap"], ["created (UTC)", "nowrap"], ["effects", "text"], ["held-out RMS (k = 2)", "n"], ["", "n"]],
       rows: [...list].reverse().map((c) => Object.assign([c.id, c.damaged ? "damaged" : c.active ? "active" : c.candidate ? "candidate" : "", (c.created || "").replace("T", " ").replace("Z", ""), c.damaged ? said(c.damaged) : c.effects.map((e) => said(e.in_words)).join("; ") || "none", rms(c.held_out_rms_um, c.observations, "um"),
         c.damaged ? "" : h("span", { class: "pair-of-buttons" }, h(Action, { label: "Use", title: "takes it in hand on this session", run: () => act("use", { id: c.id }) }), c.active ? null : h(Action, { label: "Promote", confirm: "Make it active", run: () => act("promote", { id: c.id }) }))], { chosen: c.active })) }) : h(Empty, null, "None yet: what is added, or calibrated, is kept here.")),
     h(Section, { title: "Two beside each other" }, h(Beside, { list })),
     h(Section, { title: "Trend" }, h(Trend, { list })),
     h(Section, { title: "Report", lead: "The whole page of mm report, with the pictures of ISO 230-2, 230-3 and 230-4 and the form of the balls, where the session has them.", action: h("span", null, h(Action, { label: report ? "Make it again" : "Make the report", run: () => act("report") }), report ? [" ", h("a", { class: "button", href: downloadAddress("report"), download: "report.html" }, "Keep it as a file")] : null) },
-      report ? h("iframe", { class: "report", src: documentAddress("report"), title: "Report of the session", sandbox: "allow-scripts", key: report.length }) : null),
+      report ? h("iframe", { class: "report", src: documentAddress("report?number=" + report), title: "Report of the session", sandbox: "allow-scripts", key: report }) : null),
     h(Section, { title: "Who did what" }, h(Log)));
 }
 

@@ -2,7 +2,7 @@
 
 import { h } from "preact";
 import { useState } from "preact/hooks";
-import { act, downloadAddress, state, useDocument, useNews } from "./server.js";
+import { act, downloadAddress, state, useDocument, useNews, useNumber } from "./server.js";
 import { Action, Empty, Section, Table, Tile, Tiles } from "./parts.js";
 import { text, unitOf, value } from "./units.js";
 
@@ -39,7 +39,7 @@ function Live({ live }) {
 
 export function MeasureView() {
   useNews();
-  const moves = useDocument("moves");
+  const moves = useNumber("moves");
   const live = state.live && state.live.machine;
   return h("div", null,
     live ? h(Live, { live }) : h("p", { class: "note" }, "This workbench shows a recorded session: no machine is there. roslaunch measuring_machine workbench.launch shows one, and runs plans."),

@@ -26,7 +26,7 @@ export function rangeOf(values) {
 }
 
 /** Colour of each row, as the number of a colour, and the colours with their names. */
-export function colouring(column, rows, c) {
+export function colouring(column, c) {
   if (!column) return { of: () => 0, palette: [c.accent], names: [] };
   if (column.words) {
     const palette = column.words.map((w, i) => kWords[i % kWords.length]);
@@ -40,6 +40,19 @@ export function colouring(column, rows, c) {
 
 // A fixed scatter about a word's place, the same for a row whenever it is drawn.
 const aside = (r) => (((r * 2654435761) >>> 8) % 1000) / 1000 - 0.5;
+
+const kOrders = new WeakMap();
+/** The rows in the order of a column, and where each is drawn; worked out once a column. */
+function orderOf(column) {
+  let order = kOrders.get(column.values);
+  if (order) return order;
+  const rows = column.values.map((v, r) => r).filter((r) => known(column.values[r]));
+  const place = column.words ? column.values.map((v, r) => v + 0.6 * aside(r)) : column.values;
+  rows.sort((a, b) => place[a] - place[b]);
+  order = { rows, at: rows.map((r) => place[r]) };
+  kOrders.set(column.values, order);
+  return order;
+}
 
 /** Mean and standard error of y in classes of x with about as many rows each. */
 function classes(x, y, words) {
@@ -64,20 +77,24 @@ function classes(x, y, words) {
   });
 }
 
-/** @param rows indices of the rows to draw. @param x, y, colour columns; colour may be null. */
+/** @param rows a row: 1 where it is drawn. @param x, y, colour columns; colour may be null. */
 export function Scatter({ x, y, colour, rows, label, onPick }) {
   const xf = shown(x.unit)[0], yf = shown(y.unit)[0];
   const drawn = useMemo(() => {
-    const order = rows.filter((r) => known(x.values[r]) && known(y.values[r])).sort((a, b) => x.values[a] - x.values[b]);
-    const plain = order.map((r) => x.values[r] * xf), ys = order.map((r) => y.values[r] * yf);
-    const bins = classes(plain, ys, x.words);
-    if (!x.words) return { order, xs: plain, ys, bins };
-    const spread = order.map((r) => [r, x.values[r] + 0.6 * aside(r)]).sort((a, b) => a[1] - b[1]);
-    return { order: spread.map((p) => p[0]), xs: spread.map((p) => p[1]), ys: spread.map((p) => y.values[p[0]] * yf), bins };
+    const yv = y.values, order = orderOf(x), xs = [], ys = [], list = [], plain = [];
+    for (let k = 0; k < order.rows.length; ++k) {
+      const r = order.rows[k];
+      if (!rows[r] || !known(yv[r])) continue;
+      list.push(r);
+      xs.push(order.at[k] * (x.words ? 1 : xf));
+      plain.push(x.values[r] * (x.words ? 1 : xf));
+      ys.push(yv[r] * yf);
+    }
+    return { order: list, xs, ys, bins: classes(plain, ys, x.words) };
   }, [x, y, rows, xf, yf]);
 
   const make = (c) => {
-    const tint = colouring(colour, rows, c);
+    const tint = colouring(colour, c);
     const numbers = drawn.order.map((r) => tint.of(r));
     const points = (u) => {
       const began = performance.now();
@@ -136,7 +153,7 @@ export function Scatter({ x, y, colour, rows, label, onPick }) {
 /** What the colours mean. */
 export function Legend({ column, c }) {
   if (!column) return null;
-  const tint = colouring(column, [], c);
+  const tint = colouring(column, c);
   if (column.words) return h("div", { class: "legend" }, h("span", null, column.name + ": "), tint.names.slice(0, 16).map(([word, colour]) => h("span", { key: word }, h("i", { style: { background: colour } }), word)), tint.names.length > 16 ? h("span", null, "and " + (tint.names.length - 16) + " more") : null);
   const [low, high, unit] = tint.scale;
   return h("div", { class: "legend" }, h("span", null, column.name + ": "), h("span", null, num(low)), h("i", { class: "ramp", style: { background: "linear-gradient(to right," + tint.palette.slice(0, -1).join(",") + ")" } }), h("span", null, num(high) + " " + unit));

@@ -61,6 +61,12 @@ async function look(name) {
   changed();
 }
 
+/** Number of a document that is not read here, 0 as long as there is none. */
+export function useNumber(name) {
+  useNews();
+  return state.live ? state.live.documents[name] || 0 : 0;
+}
+
 /** Address of a document to open or keep. */
 export const documentAddress = (name) => address("/data/" + name);
 export const downloadAddress = (name) => address("/download/" + name);

@@ -34,8 +34,13 @@ const range = (j) => { const unit = "lower_deg" in j ? "deg" : "mm"; return num(
 export function SessionView() {
   const session = useDocument("session"), points = useDocument("points");
   const live = state.live && state.live.machine;
+  const arriving = useDocument("contacts");
   const drawn = useMemo(() => (points ? residualPoints(points) : null), [points]);
+  const newer = live && arriving && (!session || live.observations !== session.observations);
+  const coming = useMemo(() => (arriving ? { at: arriving.at_mm.flat(), colours: arriving.at_mm.flatMap(() => [0.9, 0.62, 0]) } : null), [arriving]);
   const readings = useMemo(() => (live ? live.readings : null), [live && JSON.stringify(live.readings)]);
+  if (!session && newer) return h("div", null, h(Tiles, null, h(Tile, { label: "On the machine", value: String(live.observations), note: live.measuring || "not measuring" })),
+    h(Section, { title: "Contacts as they come", action: h(Action, { label: "Take the live session", kind: "primary", run: () => act("take_live") }) }, h(Space, { points: coming, label: live.observations + " contacts of the live session", note: "Nominal tips of the contacts so far." })));
   if (!session) return h(Empty, null, live ? ["Nothing is measured yet. ", h(Action, { label: "Take what the machine has measured", run: () => act("take_live") })] : "No session is open. Drop a bag onto the page.");
   const p = session.point_set;
   const notes = [session.loss, session.assumed, ...(p.doubts || [])].filter(Boolean);
@@ -48,6 +53,7 @@ export function SessionView() {
       live ? h(Tile, { label: "On the machine", value: String(live.observations), note: live.measuring || "not measuring" }) : null),
     questions.map((q) => h("p", { class: "warning", key: q }, "Question: " + said(q))),
     notes.map((n) => h("p", { class: "warning", key: n }, said(n))),
+    newer ? h(Section, { title: "Contacts as they come", lead: "The machine has measured more than is shown below." }, h(Space, { urdf: session.urdf, joints: session.joints, readings, points: coming, label: live.observations + " contacts of the live session", note: "Nominal tips of the contacts so far." })) : null,
     h(Section, { title: "Where it was touched", action: h("span", null, live ? h(Action, { label: "Take the live session", run: () => act("take_live") }) : null, " ", h(FilePicker, { label: "Open another session …" })) },
       drawn ? h(Space, { urdf: session.urdf, joints: session.joints, readings, points: drawn, balls: points.balls, label: "Machine with " + points.rows + " residuals where they were measured",
         note: "Each point is one measurement; orange where the machine found the surface too far out, blue too far in, full colour at ± " + text(drawn.limit, points.unit, 2) + "." }) : h(Empty, null, "…")),
