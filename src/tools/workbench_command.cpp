@@ -48,7 +48,7 @@ int runWorkbench(WorkbenchCommand& c) {
   std::cout << server.url() << std::endl;
   while (!Interrupt::asked()) std::this_thread::sleep_for(50ms);
   bench.onNews({});
-  return kDone;
+  return kStopped;  // the way in which it ends
 }
 
 }  // namespace
