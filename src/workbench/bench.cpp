@@ -69,11 +69,11 @@ Bench::Bench(BenchOptions options, BenchSources sources, std::string token, Live
 }
 
 Bench::~Bench() {
+  onNews({});
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ending_ = true;
     tasks_.clear();
-    wake_ = {};
     if (armed_) disarm("the workbench ends");
   }
   job_.cancel();
@@ -83,17 +83,13 @@ Bench::~Bench() {
 }
 
 void Bench::onNews(std::function<void()> wake) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(wakeMutex_);
   wake_ = std::move(wake);
 }
 
 void Bench::news() {
-  std::function<void()> wake;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    wake = wake_;
-  }
-  if (wake) wake();
+  const std::lock_guard<std::mutex> lock(wakeMutex_);
+  if (wake_) wake_();
 }
 
 void Bench::begin() {

@@ -29,7 +29,8 @@ class Bench : public WebHandler {
   Bench(BenchOptions options, BenchSources sources, std::string token, LiveMachine* live);
   ~Bench() override;  ///< stops what runs
 
-  /// Called from any thread when the state is new.
+  /// Called from any thread when the state is new; must return at once, and is not called any more once
+  /// another is given.
   void onNews(std::function<void()> wake);
   /// Reads what the options name, in the caller's thread and before a server is there.
   /// @throw as BenchWork::begin.
@@ -82,6 +83,7 @@ class Bench : public WebHandler {
   BenchLog log_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
+  std::mutex wakeMutex_;  // guards the next alone
   std::function<void()> wake_;
   std::deque<Task> tasks_;
   std::deque<Ended> ended_;

@@ -104,6 +104,8 @@ std::string BenchWork::begin() {
 }
 
 void BenchWork::take(Session session, const std::string& shownAs) {
+  // a fit without effects is of its own session alone
+  if (calibration_ && !kept_ && calibration_->effects.empty()) calibration_.reset();
   if (calibration_) checkMachine(*calibration_, session);
   auto taken = std::make_shared<const Session>(std::move(session));
   {
@@ -136,6 +138,7 @@ std::string BenchWork::open(const std::filesystem::path& bag, const std::string&
   Session session = sources_.readBag(
       bag, [this](double share) { job_.step("reading the bag", share); }, fallback ? &*fallback : nullptr);
   space_ = sources_.spaceOf(bag);
+  if (bag.filename() != shownAs) session.source = shownAs;  // a file that was sent, and will be gone
   take(std::move(session), shownAs);
   const std::string loss = lossText(*session_);
   return shownAs + ": " + std::to_string(session_->observations.size()) + " observations" +
@@ -150,6 +153,7 @@ std::string BenchWork::importTable(const std::filesystem::path& file, const std:
   importFile(request, like.machine, &like.artifact, imported,
              [this](double share) { job_.step("reading the table", share); });
   const std::string how = imported.how;
+  imported.session->source = shownAs;
   take(std::move(*imported.session), shownAs);
   return shownAs + ": " + std::to_string(session_->observations.size()) + " observations; " + how;
 }

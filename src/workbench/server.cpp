@@ -14,6 +14,7 @@ namespace {
 using boost::asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kWithoutHandles{200};  // until an accept is tried again
+constexpr std::chrono::milliseconds kShortest{30};         // between two states, however much is new
 
 }  // namespace
 
@@ -66,7 +67,15 @@ Server::Inside::Inside(ServerOptions options, WebHandler& handler)
 void Server::Inside::begin() {
   accept();
   tick();
-  thread_ = std::thread([this] { context_.run(); });
+  thread_ = std::thread([this] {
+    for (;;) {
+      try {
+        context_.run();
+        return;
+      } catch (const std::exception&) {  // of one connection: the others go on
+      }
+    }
+  });
 }
 
 void Server::Inside::stop() {
@@ -130,23 +139,28 @@ void Server::Inside::left(LiveSocket* socket) {
 }
 
 void Server::Inside::tick() {
+  told_ = std::chrono::steady_clock::now();
   if (!sockets_.empty()) {
     std::string state = "{\"sequence\":" + std::to_string(++sequence_) +
                         ",\"clients\":" + std::to_string(sockets_.size()) + "," + handler_.live() + "}";
     const auto shared = std::make_shared<const std::string>(std::move(state));
     for (const auto& socket : sockets_) socket->offer(shared);
   }
-  timer_.expires_after(handler_.period());
+  tickAt(told_ + handler_.period());
+}
+
+void Server::Inside::tickAt(std::chrono::steady_clock::time_point when) {
+  timer_.expires_at(when);
   timer_.async_wait([this](boost::system::error_code stopped) {
     if (!stopped) tick();
   });
 }
 
 void Server::Inside::wake() {
+  if (waking_.exchange(true)) return;  // a state is due already
   boost::asio::post(context_, [this] {
-    if (!acceptor_.is_open()) return;
-    timer_.cancel();
-    tick();
+    waking_ = false;
+    if (acceptor_.is_open()) tickAt(std::max(told_ + kShortest, std::chrono::steady_clock::now()));
   });
 }
 

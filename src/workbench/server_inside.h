@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cstdint>
@@ -52,6 +53,7 @@ class Server::Inside : public std::enable_shared_from_this<Server::Inside> {
  private:
   void accept();
   void tick();
+  void tickAt(std::chrono::steady_clock::time_point when);
 
   ServerOptions options_;
   WebHandler& handler_;
@@ -64,6 +66,8 @@ class Server::Inside : public std::enable_shared_from_this<Server::Inside> {
   std::list<std::shared_ptr<HttpConnection>> waiting_, trusted_;  // oldest first
   std::list<std::shared_ptr<LiveSocket>> sockets_;
   std::uint64_t clients_ = 0, sequence_ = 0;
+  std::chrono::steady_clock::time_point told_;  // the last state
+  std::atomic<bool> waking_{false};
   std::thread thread_;
 };
 

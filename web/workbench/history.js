@@ -39,7 +39,7 @@ function Trend({ list }) {
   const bars = (c) => (u) => { u.ctx.save(); u.ctx.strokeStyle = c.accent; u.ctx.lineWidth = 1.5 * devicePixelRatio; x.forEach((v, i) => { const px = u.valToPos(v, "x", true); u.ctx.beginPath(); u.ctx.moveTo(px, u.valToPos(y[i] - half[i], "y", true)); u.ctx.lineTo(px, u.valToPos(y[i] + half[i], "y", true)); u.ctx.stroke(); }); u.ctx.restore(); };
   const low = Math.min(...y.map((v, i) => v - half[i])), high = Math.max(...y.map((v, i) => v + half[i])), room = 0.08 * (high - low) || Math.abs(high) * 0.1 || 1;
   const make = (c) => [{ scales: { x: { time: false, range: [0.5, x.length + 0.5] }, y: { range: [low - room, high + room] } }, axes: [axis(c, "calibration", { splits: () => x, values: () => x.map(String) }), axis(c, (what || "held-out RMS") + ", " + unitOf(unit), { size: 64 })], series: [{}, { stroke: c.accent, width: 1.5, points: { show: true, size: 7, fill: c.accent } }], hooks: { draw: [bars(c)] } }, [x, y]];
-  return h("div", null, h(Choice, { id: "what", label: "Trend of", value: what, options: [["", "held-out RMS"], ...all.map((n) => [n, n])], onChange: setWhat }),
+  return h(Section, { title: "Trend" }, h(Choice, { id: "what", label: "Trend of", value: what, options: [["", "held-out RMS"], ...all.map((n) => [n, n])], onChange: setWhat }),
     drawn.length ? h("figure", null, h(Chart, { make, inputs: [list, what, factor], label: "Trend of " + (what || "held-out RMS") + " over " + drawn.length + " calibrations" }), h("figcaption", null, "Oldest first; the bars are the expanded uncertainty, k = 2. Different sessions and models are beside each other here.")) : null);
 }
 
@@ -52,7 +52,7 @@ export function HistoryView() {
       rows: [...list].reverse().map((c) => Object.assign([c.id, c.damaged ? "damaged" : c.active ? "active" : c.candidate ? "candidate" : "", (c.created || "").replace("T", " ").replace("Z", ""), c.damaged ? said(c.damaged) : c.effects.map((e) => said(e.in_words)).join("; ") || "none", rms(c.held_out_rms_um, c.observations, "um"),
         c.damaged ? "" : h("span", { class: "pair-of-buttons" }, h(Action, { label: "Use", title: "takes it in hand on this session", run: () => act("use", { id: c.id }) }), c.active ? null : h(Action, { label: "Promote", confirm: "Make it active", run: () => act("promote", { id: c.id }) }))], { chosen: c.active })) }) : h(Empty, null, "None yet: what is added, or calibrated, is kept here.")),
     h(Section, { title: "Two beside each other" }, h(Beside, { list })),
-    h(Section, { title: "Trend" }, h(Trend, { list })),
+    h(Trend, { list }),
     h(Section, { title: "Report", lead: "The whole page of mm report, with the pictures of ISO 230-2, 230-3 and 230-4 and the form of the balls, where the session has them.", action: h("span", null, h(Action, { label: report ? "Make it again" : "Make the report", run: () => act("report") }), report ? [" ", h("a", { class: "button", href: downloadAddress("report"), download: "report.html" }, "Keep it as a file")] : null) },
       report ? h("iframe", { class: "report", src: documentAddress("report?number=" + report), title: "Report of the session", sandbox: "allow-scripts", key: report }) : null),
     h(Section, { title: "Who did what" }, h(Log)));

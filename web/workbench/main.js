@@ -36,7 +36,7 @@ function Running() {
 
 function Said() {
   const [said_, set] = useState(null);
-  useEffect(() => { const take = (e) => set(e.detail); addEventListener("mm-said", take); return () => removeEventListener("mm-said", take); }, []);
+  useEffect(() => { const take = (e) => set(e.detail); const forget = () => set(null); addEventListener("mm-said", take); addEventListener("hashchange", forget); return () => { removeEventListener("mm-said", take); removeEventListener("hashchange", forget); }; }, []);
   return said_ ? h("p", { class: said_.ok ? "running" : "running lost", role: said_.ok ? "status" : "alert" }, h("span", null, said_.message), h("button", { onClick: () => set(null), "aria-label": "Close the message" }, "×")) : null;
 }
 
