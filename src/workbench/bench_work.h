@@ -9,6 +9,7 @@
 #include "calibration_file/calibration_store.h"
 #include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
+#include "session/progress.h"
 #include "workbench/documents.h"
 #include "workbench/live_machine.h"
 #include "workbench/session_documents.h"

@@ -10,6 +10,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 
 constexpr std::size_t kLargestMessage = 4096;  // of a client: heartbeats
+constexpr int kSendBuffer = 64 << 10;          // bytes
 
 }  // namespace
 
@@ -25,6 +26,10 @@ void LiveSocket::begin(const http::request<http::string_body>& request) {
   times.keep_alive_pings = true;
   socket_.set_option(times);
   socket_.read_message_max(kLargestMessage);
+  // what waits for a client that stalls waits here, where only the latest counts, not with the kernel
+  beast::error_code ignored;
+  beast::get_lowest_layer(socket_).socket().set_option(
+      boost::asio::socket_base::send_buffer_size(kSendBuffer), ignored);
   auto self = shared_from_this();
   socket_.async_accept(request, [self](beast::error_code error) {
     if (error) return self->leave();

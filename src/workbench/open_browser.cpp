@@ -2,11 +2,10 @@
 
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <thread>
-
-extern char** environ;
 
 namespace mm {
 

@@ -2,10 +2,10 @@
 
 import { h } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import * as THREE from "three";
 import { colours, useTheme } from "./parts.js";
 
 const kMillimetre = 1000;
+let THREE = null; // fetched when something is to be drawn: the other views are there sooner without it
 
 const numbers = (text, count) => { const list = (text || "").trim().split(/\s+/).map(Number); return list.length === count && list.every(Number.isFinite) ? list : Array(count).fill(0); };
 
@@ -75,10 +75,16 @@ function shapeOf(visual) {
 /** Points: { at: [x…, y…, z…] interleaved, colours: rgb interleaved 0…1 }; lines: the same, two ends each. */
 export function Space({ urdf, joints, readings, points, lines, balls, label, note }) {
   const place = useRef(null), world = useRef(null);
-  const [without, setWithout] = useState(false);
+  const [without, setWithout] = useState(false), [ready, setReady] = useState(THREE !== null);
   const theme = useTheme();
+  useEffect(() => {
+    let here = true;
+    if (!ready) import("three").then((library) => { THREE = library; if (here) setReady(true); });
+    return () => { here = false; };
+  }, []);
 
   useEffect(() => {
+    if (!ready) return undefined;
     let renderer;
     try {
       renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -143,7 +149,7 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
       canvas.remove();
       world.current = null;
     };
-  }, [theme]);
+  }, [theme, ready]);
 
   useEffect(() => { // the machine
     const w = world.current;
@@ -153,7 +159,7 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
     w.scene.add(w.machine.root);
     w.machine.settle();
     w.draw();
-  }, [urdf, theme]);
+  }, [urdf, theme, ready]);
 
   useEffect(() => {
     const w = world.current;
@@ -162,7 +168,7 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
     w.machine.root.matrix.identity();
     w.machine.settle();
     w.draw();
-  }, [readings, urdf, theme]);
+  }, [readings, urdf, theme, ready]);
 
   useEffect(() => { // what was measured
     const w = world.current;
@@ -192,7 +198,7 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
       w.content.add(frame);
     }
     w.draw();
-  }, [points, lines, balls, theme]);
+  }, [points, lines, balls, theme, ready]);
 
   const key = (e) => {
     const w = world.current;
@@ -209,11 +215,12 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
     h("figcaption", null, note ? note + " " : "", "Red, green, blue: x, y, z. Drag or arrow keys turn it, + and − come nearer."));
 }
 
-export const rgb = (css) => { const c = new THREE.Color(css); return [c.r, c.g, c.b]; };
+/** A colour "#rrggbb" as three of them from 0 to 1, as the screen adds light. */
+export const rgb = (css) => [1, 3, 5].map((at) => { const v = parseInt(css.slice(at, at + 2), 16) / 255; return v < 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; });
 
-const kLow = new THREE.Color("#2166ac"), kMiddle = new THREE.Color("#b8b8b8"), kHigh = new THREE.Color("#c9440e");
+const kLow = rgb("#2166ac"), kMiddle = rgb("#b8b8b8"), kHigh = rgb("#c9440e");
 /** Blue, grey, orange: a value between −limit and +limit. */
 export function diverging(value, limit, out) {
-  const share = Math.min(1, Math.max(-1, value / limit)), c = kMiddle.clone().lerp(share < 0 ? kLow : kHigh, Math.abs(share));
-  out.push(c.r, c.g, c.b);
+  const share = Math.min(1, Math.max(-1, value / limit)), end = share < 0 ? kLow : kHigh, much = Math.abs(share);
+  out.push(...kMiddle.map((v, k) => v + much * (end[k] - v)));
 }

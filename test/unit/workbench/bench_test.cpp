@@ -23,7 +23,8 @@ const Session& plate() {
     SimulationRequest request;
     request.hide = {"backlash:x=3um"};
     request.seed = 5;
-    Session measured = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), request).session;
+    Session measured =
+        simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), request).session;
     measured.source = "plate.bag";
     return measured;
   }();
@@ -47,7 +48,9 @@ class ObedientMachine : public LiveMachine {
   std::string promote(const std::string& id) override { return id + " is active, says the machine"; }
   std::string rollback(const std::string&) override { throw InputError("nothing was active before"); }
   std::string home() override { return "homed"; }
-  std::string run(const std::string& yaml, const std::function<bool()>&) override { return "measured " + yaml; }
+  std::string run(const std::string& yaml, const std::function<bool()>&) override {
+    return "measured " + yaml;
+  }
   std::string pause(bool yes) override { return yes ? "paused" : "goes on"; }
   void stop() override {
     const std::lock_guard<std::mutex> lock(mutex);
