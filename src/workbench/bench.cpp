@@ -230,11 +230,8 @@ WebAnswer Bench::immediately(const std::string& name, const RequestBody& body, c
   if (name == "arm") return arm(body.number("client"), who);
   if (name == "disarm") {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (armed_ && armed_->client == body.number("client")) {
-      log_.add(who, "disarmed");
-      armed_.reset();
-    }
-    return WebAnswer::say(200, "disarmed");
+    if (armed_ && armed_->client == body.number("client")) disarm("disarmed");
+    return WebAnswer::say(200, "disarmed: what moved was stopped");
   }
   if (name == "home" || name == "run" || name == "pause" || name == "continue")
     return motion(name, body, who);
@@ -270,16 +267,24 @@ WebAnswer Bench::motion(const std::string& name, const RequestBody& body, const 
     if (!armed_ || armed_->client != body.number("client"))
       return WebAnswer::say(409, "the machine is not armed from this page; arm it first");
   }
-  if (name == "home") return enqueue(name, who, [this] { return live_->home(); });
   if (name == "pause" || name == "continue") {
     log_.add(who, name);
     return WebAnswer::say(200, live_->pause(name == "pause"));
   }
+  const std::uint64_t client = body.number("client");
   const std::string plan = body.text("plan");
-  return enqueue(name, who, [this, plan] {
+  return enqueue(name, who, [this, name, client, plan] {
+    requireArmed(client);  // it may have waited behind other tasks
+    if (name == "home") return live_->home();
     const std::string measured = live_->run(plan, [this] { return job_.cancelled(); });
     return measured + "; " + work_.openLive();
   });
+}
+
+void Bench::requireArmed(std::uint64_t client) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!armed_ || armed_->client != client)
+    throw InputError("the machine is not armed any more from the page that asked; nothing was moved");
 }
 
 WebAnswer Bench::upload(const std::string& query, std::string body, const std::string& peer) {

@@ -67,7 +67,9 @@ class Bench : public WebHandler {
   WebAnswer motion(const std::string& name, const RequestBody& body, const std::string& who);
   WebAnswer immediately(const std::string& name, const RequestBody& body, const std::string& who);
   WebAnswer arm(std::uint64_t client, const std::string& who);
-  void disarm(const std::string& why);
+  void disarm(const std::string& why);  ///< stops the machine; the caller holds the mutex
+  /// @throw InputError: the page does not hold the machine any more.
+  void requireArmed(std::uint64_t client);
   WebAnswer enqueue(const std::string& name, const std::string& who, std::function<std::string()> work);
   void log(const std::string& who, const std::string& what);
   void serve();

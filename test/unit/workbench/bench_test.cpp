@@ -238,6 +238,18 @@ TEST_F(BenchTest, OnlyThePageThatIsArmedMovesTheMachine) {
   EXPECT_EQ(act("rollback")["message"], "nothing was active before");
 }
 
+TEST_F(BenchTest, AMotionThatWaitedBeginsOnlyIfThePageIsStillThere) {
+  start(true);
+  ASSERT_TRUE(act("arm", {{"client", 1}})["ok"]);
+  const WebAnswer first = bench_->post("/action/diagnose", "", "{}", "test");
+  const WebAnswer home = bench_->post("/action/home", "", R"({"client": 1})", "test");
+  bench_->gone(1);
+  EXPECT_TRUE(ended(first)["ok"]);
+  const json end = ended(home);
+  EXPECT_FALSE(end["ok"]) << end;
+  EXPECT_NE(end["message"].get<std::string>().find("not armed any more"), std::string::npos);
+}
+
 TEST_F(BenchTest, WithoutAHeartbeatTheMachineIsStopped) {
   start(true);
   ASSERT_TRUE(act("arm", {{"client", 1}})["ok"]);
