@@ -16,7 +16,7 @@
 
 #include "calibration_file/calibration_store.h"
 #include "machine/machine.h"
-#include "nodes/job.h"
+#include "workflow/job.h"
 #include "ros_bridge/live_session.h"
 #include "workflow/recalibration.h"
 

@@ -24,7 +24,11 @@ Json scalar(const std::string& text) {
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json rounded(double value, double step) { return number(std::round(value / step) * step); }
+Json rounded(double value, double step) {
+  // by division where the step is one over a whole number: 0.3, not 0.30000000000000004
+  const double inverse = std::round(1.0 / step);
+  return number(step < 1.0 ? std::round(value * inverse) / inverse : std::round(value / step) * step);
+}
 
 Json effectJson(const EffectSpec& effect) {
   Json object;

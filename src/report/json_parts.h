@@ -11,7 +11,7 @@
 
 namespace mm {
 
-// Pieces that the JSON of several commands shares. Private to this folder's sources.
+// Pieces that the JSON of several commands and of the workbench shares.
 
 /// A number, or null where it is NaN or infinite.
 nlohmann::ordered_json number(double value);
@@ -49,6 +49,8 @@ nlohmann::ordered_json outliersJson(const CalibrationResult& result);
 /// Adds `assumed`, `set_aside` and `questions`: what to know of a session before its figures.
 void setSessionNotes(nlohmann::ordered_json& object, const Session& session,
                      const std::vector<Doubt>& questions);
+/// Each effect of a calibration with its values, nominal and found, in the units of people.
+nlohmann::ordered_json parametersJson(const Calibration& calibration);
 nlohmann::ordered_json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular);
 /// The object on several lines, without a line break at its end.
 std::string dump(const nlohmann::ordered_json& object);

@@ -226,32 +226,6 @@ Eigen::VectorXd nominalValues(const Calibration& c) {
   }
 }
 
-Json parametersJson(const Calibration& c) {
-  Json out = Json::array();
-  const Eigen::VectorXd nominal = nominalValues(c);
-  for (std::size_t e = 0; e < c.effects.size(); ++e) {
-    Json one;
-    one["effect"] = effectJson(c.effects[e]);
-    one["in_words"] = inWords(c.effects[e]);
-    one["values"] = Json::array();
-    for (std::size_t i = 0; i < c.values.size(); ++i) {
-      const Calibration::Value& v = c.values[i];
-      if (v.effect != static_cast<int>(e)) continue;
-      Json value;
-      value["nominal"] =
-          nominal.size() > 0 ? number(nominal[static_cast<Eigen::Index>(i)] * v.toUnit) : Json(nullptr);
-      value["name"] = v.name;
-      value["value"] = number(v.value * v.toUnit);
-      value["std"] = v.fixed ? Json(nullptr) : number(v.std * std::abs(v.toUnit));
-      value["unit"] = v.unit;
-      value["held"] = v.fixed;
-      one["values"].push_back(std::move(value));
-    }
-    out.push_back(std::move(one));
-  }
-  return out;
-}
-
 /// What was added, with the values of the full refit.
 Json addedJson(const ReportContents& r) {
   Json out = Json::array();
@@ -306,6 +280,32 @@ Json curvesJson(const std::vector<ConvergenceCurve>& curves) {
 }
 
 }  // namespace
+
+Json parametersJson(const Calibration& c) {
+  Json out = Json::array();
+  const Eigen::VectorXd nominal = nominalValues(c);
+  for (std::size_t e = 0; e < c.effects.size(); ++e) {
+    Json one;
+    one["effect"] = effectJson(c.effects[e]);
+    one["in_words"] = inWords(c.effects[e]);
+    one["values"] = Json::array();
+    for (std::size_t i = 0; i < c.values.size(); ++i) {
+      const Calibration::Value& v = c.values[i];
+      if (v.effect != static_cast<int>(e)) continue;
+      Json value;
+      value["nominal"] =
+          nominal.size() > 0 ? number(nominal[static_cast<Eigen::Index>(i)] * v.toUnit) : Json(nullptr);
+      value["name"] = v.name;
+      value["value"] = number(v.value * v.toUnit);
+      value["std"] = v.fixed ? Json(nullptr) : number(v.std * std::abs(v.toUnit));
+      value["unit"] = v.unit;
+      value["held"] = v.fixed;
+      one["values"].push_back(std::move(value));
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
 
 std::string reportJson(const ReportContents& r) {
   const Calibration& c = r.calibration;

@@ -5,17 +5,12 @@
 #include "base/error.h"
 #include "calibration_file/atomic_file.h"
 #include "report/text_parts.h"
+#include "report/web_files.h"
 
 namespace mm {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path firstOf(const std::string& name, const std::vector<const char*>& folders) {
-  for (const char* folder : folders)
-    if (const fs::path path = fs::path(folder) / name; fs::is_regular_file(path)) return path;
-  return {};
-}
 
 void replaceAll(std::string& text, const std::string& what, const std::string& by) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
@@ -25,17 +20,17 @@ void replaceAll(std::string& text, const std::string& what, const std::string& b
 std::string plotlyText(const fs::path& given) {
   const std::string fetch =
       std::string("npm pack ") + MM_PLOTLY_PACKAGE + "; tar xzf plotly.js-dist-min-*.tgz";
-  fs::path path = given;
-  if (path.empty()) path = firstOf("plotly.min.js", {MM_BUILD_WEB, MM_INSTALLED_WEB});
-  if (path.empty())
+  std::string text = given.empty() ? fetchedFile("plotly.min.js") : std::string();
+  const fs::path path = given.empty() ? fs::path("plotly.min.js") : given;
+  if (given.empty() && text.empty())
     throw InputError(
         std::string("plotly.min.js is not in ") + MM_BUILD_WEB +
         ": npm was not available when the package was built; install npm and build again, or fetch it (" +
         fetch + ") and give --plotly package/plotly.min.js");
-  if (!fs::is_regular_file(path))
+  if (!given.empty() && !fs::is_regular_file(path))
     throw InputError("--plotly: no such file as " + path.string() + "; fetch it (" + fetch +
                      ") and give package/plotly.min.js");
-  std::string text = readFile(path);
+  if (!given.empty()) text = readFile(path);
   if (text.size() < 100000 || text.find("plotly") == std::string::npos)
     throw InputError(path.string() + ": not a complete plotly.min.js (" + std::to_string(text.size()) +
                      " bytes); fetch it again (" + fetch + ")");
@@ -43,14 +38,6 @@ std::string plotlyText(const fs::path& given) {
 }
 
 }  // namespace
-
-std::string pageFile(const std::string& name) {
-  const fs::path path = firstOf(name, {MM_SOURCE_WEB, MM_INSTALLED_WEB});
-  if (path.empty())
-    throw InputError("the report's " + name + " is neither in " + MM_SOURCE_WEB + " nor in " +
-                     MM_INSTALLED_WEB + "; install the package again");
-  return readFile(path);
-}
 
 std::string escapedHtml(const std::string& text) {
   std::string out;
@@ -85,9 +72,9 @@ std::string escapedForScript(const std::string& json) {
 }
 
 ReportFiles loadReportFiles(const fs::path& plotly) {
-  ReportFiles files{pageFile("report.html"), pageFile("report.css"),
-                    pageFile("report_parts.js") + pageFile("report_plots.js") + pageFile("report_space.js") +
-                        pageFile("report.js"),
+  ReportFiles files{webFile("report.html"), webFile("report.css"),
+                    webFile("text_parts.js") + webFile("report_parts.js") + webFile("report_plots.js") +
+                        webFile("report_space.js") + webFile("report.js"),
                     plotlyText(plotly)};
   // inside the library's strings and comments only: nothing may end its element
   replaceAll(files.plotly, "</script", "<\\/script");

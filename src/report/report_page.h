@@ -19,9 +19,6 @@ ReportFiles loadReportFiles(const std::filesystem::path& plotly = {});
 
 /// The whole page: one file without links to others. Names from users' files are data, never markup.
 std::string reportPage(const ReportContents& report, const ReportFiles& files);
-
-/// A file of the page by its name ("report_parts.js"). @throw InputError: it is missing.
-std::string pageFile(const std::string& name);
 /// A page with something in the place of each mark. @param marks in the order of the page: what a user's name
 /// contains is never a mark. @throw InputError: a mark is missing or out of order.
 std::string filledPage(const std::string& html,

@@ -12,6 +12,7 @@
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
 #include "report/report_page.h"
+#include "report/web_files.h"
 
 namespace mm {
 namespace {
@@ -118,8 +119,8 @@ std::string trendPage(const std::vector<ParameterTrend>& trends, const std::stri
                                  {"{{command}}", "mm history --trend"},
                                  {"{{data}}", escapedForScript(dump(data))},
                                  {"{{plotly}}", files.plotly},
-                                 {"{{script}}", pageFile("report_parts.js") + pageFile("report_plots.js") +
-                                                    pageFile("trend.js")}});
+                                 {"{{script}}", webFile("text_parts.js") + webFile("report_parts.js") + webFile("report_plots.js") +
+                                                    webFile("trend.js")}});
 }
 
 std::string changesJson(const CalibrationChanges& c) {

@@ -113,6 +113,7 @@ int run(int argc, char** argv) {
   mm::addEffectsCommand(app, exitStatus);
   mm::addMachineCommand(app, exitStatus);
   mm::addPlanCommand(app, exitStatus);
+  mm::addWorkbenchCommand(app, exitStatus);
   mm::addBenchmarkCommand(app, exitStatus);
   mm::addBatchCommand(app, exitStatus, run);
   mm::addFleetCommand(app, exitStatus);

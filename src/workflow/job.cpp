@@ -1,4 +1,4 @@
-#include "nodes/job.h"
+#include "workflow/job.h"
 
 #include <cmath>
 

@@ -1,0 +1,18 @@
+# The packages of the npm registry that the pages use: name@version, and for each file of it its place in the package, the
+# name it gets in the build's folder web, and its sha256. All MIT.
+set(web_packages plotly preact uplot three)
+set(plotly_package "plotly.js-dist-min@4.1.2")
+set(plotly_files
+    plotly.min.js plotly.min.js 2f645d1bade8182fce161b7f10f89402f8b315805250ff4a94672a28d23c390a)
+set(preact_package "preact@11.2.0")
+set(preact_files
+    dist/preact.mjs preact.mjs bdcbd9abdf2c77c5c45326eab42191e949222d479d0d5f69467387a77040cb55
+    hooks/dist/hooks.mjs hooks.mjs e862ab2973aa6455eaa0f77c5d832d2157d6be59a17c8ba546550a575b58c6b4)
+set(uplot_package "uplot@1.6.32")
+set(uplot_files
+    dist/uPlot.esm.js uPlot.mjs 5dd9b3281aa64b461b42d9945f6adb2649d346502b12281a9ae0d46599a80eba
+    dist/uPlot.min.css uPlot.min.css df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04)
+set(three_package "three@0.187.0")
+set(three_files
+    build/three.module.js three.module.js 104f56145899722094556490d787aae0617cc2fc3382f31df02d724ea1aee341
+    build/three.core.js three.core.js 613e370f76638fdef83926642bf256dc9615684922de1ce1f63a8583e5d78578)

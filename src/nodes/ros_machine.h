@@ -1,0 +1,81 @@
+#pragma once
+#include <actionlib/client/simple_action_client.h>
+#include <measuring_machine/Artifact.h>
+#include <measuring_machine/AxisStatus.h>
+#include <measuring_machine/CompensationStatus.h>
+#include <measuring_machine/MeasureAction.h>
+#include <measuring_machine/ProbeContact.h>
+#include <ros/ros.h>
+#include <sensor_msgs/JointState.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ros_bridge/live_session.h"
+#include "workbench/live_machine.h"
+
+namespace mm {
+
+/// The machine behind the other nodes, as the workbench sees it: joint states, corrected frames and the live
+/// session by their topics; everything that changes something by the services that are there for everybody.
+/// Needs several threads.
+class RosMachine : public LiveMachine {
+ public:
+  /// @param prefix of the frames' names.
+  RosMachine(ros::NodeHandle node, const Machine& machine, std::string prefix);
+  ~RosMachine() override;
+
+  const Machine& machine() const override { return machine_; }
+  State state() override;
+  Session session() override { return live_.session(machine_); }
+  std::vector<Eigen::Vector3d> contacts() override;
+  std::string space() const override;
+  std::string promote(const std::string& id) override;
+  std::string rollback(const std::string& id) override;
+  std::string home() override;
+  std::string run(const std::string& yaml, const std::function<bool()>& cancelled) override;
+  std::string pause(bool yes) override;
+  void stop() override;
+
+ private:
+  using Measure = actionlib::SimpleActionClient<measuring_machine::MeasureAction>;
+
+  /// Where a frame was published last, and when.
+  struct Frame {
+    Eigen::Vector3d position = Eigen::Vector3d::Constant(kNotMeasured);
+    ros::WallTime heard;
+  };
+
+  void takeJoints(const sensor_msgs::JointStateConstPtr& message);
+  void takeFrames(const tf2_msgs::TFMessageConstPtr& message);
+  void takeContact(const measuring_machine::ProbeContactConstPtr& message);
+  void takeArtifact(const measuring_machine::ArtifactConstPtr& message);
+  void serveStops();
+
+  ros::NodeHandle node_;
+  Machine machine_;
+  std::string prefix_;
+  LiveSession live_;
+  std::mutex mutex_;  // everything to the next blank line
+  std::vector<double> readings_;
+  ros::WallTime moved_;  // when a joint was last seen to move
+  Frame corrected_, candidate_;
+  measuring_machine::CompensationStatus compensation_;
+  std::vector<Eigen::Vector3d> contacts_;
+  ros::Time artifact_;
+  std::string measuring_;
+  double share_ = 0.0;
+  bool stopAsked_ = false, ending_ = false;
+  std::condition_variable wake_;
+
+  std::vector<ros::Subscriber> subscribers_;
+  ros::Subscriber axesIn_;
+  Measure measure_;
+  std::thread stopper_;  // a call of a service takes time, and a stop must not wait for the page
+};
+
+}  // namespace mm

@@ -1,0 +1,62 @@
+#include <ros/console.h>
+
+#include <sstream>
+
+#include "nodes/ros_machine.h"
+#include "ros_bridge/bag_session.h"
+#include "ros_bridge/effect_plugins.h"
+#include "ros_bridge/node_support.h"
+#include "workbench/access.h"
+#include "workbench/bench.h"
+#include "workbench/open_browser.h"
+#include "workbench/server.h"
+
+namespace {
+
+mm::BenchSources sources() {
+  mm::BenchSources sources;
+  const std::string space = mm::machineSpace();
+  sources.readBag = [space](const std::filesystem::path& bag, const mm::ProgressCallback& progress,
+                            const mm::Machine* fallback) {
+    return mm::readSessionBag(bag, progress, fallback, {space, false});
+  };
+  sources.spaceOf = [space](const std::filesystem::path& bag) { return mm::bagSpace(bag, space); };
+  return sources;
+}
+
+/// `~port`, `~address`, `~hosts` (separated by spaces), `~store`, `~threads`, `~bag` (a recorded session to
+/// begin with), `~open` (a browser), `~frame_prefix`. Sets `~url`.
+void serve() {
+  ros::NodeHandle node, own("~");
+  mm::refuseUnknownParameters(
+      own, {"port", "address", "hosts", "store", "threads", "bag", "open", "frame_prefix", "url"});
+  mm::loadEffectPlugins([](const std::string& line) { ROS_WARN("%s", line.c_str()); });
+  const mm::Machine machine = mm::machineFromParameter(node);
+  ros::AsyncSpinner spinner(3);
+  mm::RosMachine live(node, machine, mm::textParameter(own, "frame_prefix", ""));
+  spinner.start();
+  mm::BenchOptions options;
+  options.bag = mm::textParameter(own, "bag", "");
+  options.store = mm::storeFolder(own, machine);
+  options.threads = static_cast<unsigned>(mm::numberParameter(own, "threads", 0, 0, 1024));
+  mm::ServerOptions listen;
+  listen.address = mm::textParameter(own, "address", "127.0.0.1");
+  listen.port = static_cast<unsigned>(mm::numberParameter(own, "port", 0, 0, 65535));
+  std::istringstream hosts(mm::textParameter(own, "hosts", ""));
+  for (std::string host; hosts >> host;) listen.hosts.push_back(host);
+  listen.token = mm::newToken();
+  mm::Bench bench(options, sources(), listen.token, &live);
+  bench.begin();
+  mm::Server server(listen, bench);
+  bench.onNews([&server] { server.wake(); });
+  own.setParam("url", server.url());
+  ROS_INFO("workbench: %s", server.url().c_str());
+  if (mm::flagParameter(own, "open", false) && !mm::openBrowser(server.url()))
+    ROS_WARN("no browser could be opened; open the address above yourself");
+  ros::waitForShutdown();
+  bench.onNews({});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return mm::runNode(argc, argv, "workbench", serve); }

@@ -1,0 +1,81 @@
+#include <CLI/CLI.hpp>
+#include <condition_variable>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "base/error.h"
+#include "ros_bridge/bag_session.h"
+#include "tools/bounds.h"
+#include "tools/commands.h"
+#include "tools/exit_status.h"
+#include "tools/interrupt.h"
+#include "tools/session_input.h"
+#include "workbench/access.h"
+#include "workbench/bench.h"
+#include "workbench/server.h"
+
+namespace mm {
+namespace {
+
+struct WorkbenchCommand {
+  BenchOptions bench;
+  ServerOptions server;
+  std::string bag, calibration, store, space;
+};
+
+BenchSources sourcesOf(const std::string& space) {
+  BenchSources sources;
+  sources.readBag = [space](const std::filesystem::path& bag, const ProgressCallback& progress,
+                            const Machine* fallback) {
+    return readSessionBag(bag, progress, fallback, {space, !space.empty()});
+  };
+  sources.spaceOf = [space](const std::filesystem::path& bag) { return bagSpace(bag, space); };
+  return sources;
+}
+
+int runWorkbench(WorkbenchCommand& c) {
+  using namespace std::chrono_literals;
+  c.bench.bag = c.bag;
+  c.bench.calibration = c.calibration;
+  c.bench.store = c.store;
+  c.server.token = newToken();
+  Bench bench(c.bench, sourcesOf(c.space), c.server.token, nullptr);
+  bench.begin();
+  Interrupt::check();
+  Server server(c.server, bench);
+  bench.onNews([&server] { server.wake(); });
+  std::cout << server.url() << std::endl;
+  while (!Interrupt::asked()) std::this_thread::sleep_for(50ms);
+  bench.onNews({});
+  return kStopped;  // the way in which it ends
+}
+
+}  // namespace
+
+void addWorkbenchCommand(CLI::App& app, int& exitStatus) {
+  auto c = std::make_shared<WorkbenchCommand>();
+  CLI::App* command =
+      app.add_subcommand("workbench", "The whole loop on a page in the browser, until Ctrl-C");
+  command->add_option("bag", c->bag, "the session")->required();
+  command->add_option("--calibration", c->calibration,
+                      "the calibration to begin with (default: a model without effects)");
+  command->add_option("--port", c->server.port, "0: any that is free")
+      ->capture_default_str()
+      ->check(wholeNumberWithin(0, 65535));
+  command->add_option("--address", c->server.address, "to listen on; the token is all that protects it")
+      ->capture_default_str();
+  command->add_option("--host", c->server.hosts, "further names under which a browser reaches it");
+  command->add_option("--store", c->store, "folder of calibrations, as of mm promote");
+  command->add_option("--threads", c->bench.threads, "0: all cores; the result does not depend on it")
+      ->capture_default_str()
+      ->check(wholeNumberWithin(0, 1024));
+  declareNamespace(*command, c->space);
+  command->footer(
+      "Prints the address to open in a browser of this computer, with the token that it asks for. What is "
+      "added\nis kept in the folder of calibrations, as candidate.\n"
+      "Example:\n  mm workbench plate.bag");
+  command->callback([c, &exitStatus] { exitStatus = runWorkbench(*c); });
+}
+
+}  // namespace mm

@@ -1,0 +1,130 @@
+#include "workbench/access.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <optional>
+
+#include "base/error.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kLongestTarget = 512;
+
+std::string smallLetters(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+int digitOf(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+/// Percent signs resolved; empty: one is unfinished, or a control character came out.
+std::optional<std::string> resolved(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    char c = text[i];
+    if (c == '%') {
+      if (i + 2 >= text.size()) return std::nullopt;
+      const int high = digitOf(text[i + 1]), low = digitOf(text[i + 2]);
+      if (high < 0 || low < 0) return std::nullopt;
+      c = static_cast<char>(16 * high + low);
+      i += 2;
+    }
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return std::nullopt;
+    out += c;
+  }
+  return out;
+}
+
+bool isLoopback(const std::string& address) {
+  return address == "127.0.0.1" || address == "::1" || address == "localhost";
+}
+
+}  // namespace
+
+std::string newToken() {
+  unsigned char bytes[16];
+  std::ifstream random("/dev/urandom", std::ios::binary);
+  if (!random.read(reinterpret_cast<char*>(bytes), sizeof bytes))
+    throw InputError("/dev/urandom cannot be read, so there is no token to protect the workbench with");
+  std::string token;
+  for (const unsigned char b : bytes) {
+    token += "0123456789abcdef"[b >> 4];
+    token += "0123456789abcdef"[b & 15];
+  }
+  return token;
+}
+
+bool sameToken(const std::string& a, const std::string& b) {
+  if (a.size() != b.size() || a.empty()) return false;
+  unsigned char different = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) different |= static_cast<unsigned char>(a[i] ^ b[i]);
+  return different == 0;
+}
+
+std::vector<std::string> hostsOf(const std::string& address, unsigned port,
+                                 const std::vector<std::string>& further) {
+  std::vector<std::string> names = further;
+  names.push_back(address.find(':') == std::string::npos ? address : "[" + address + "]");
+  if (isLoopback(address)) {
+    names.push_back("localhost");
+    names.push_back("127.0.0.1");
+  }
+  std::vector<std::string> hosts;
+  for (const std::string& name : names) {
+    hosts.push_back(smallLetters(name) + ":" + std::to_string(port));
+    if (port == 80) hosts.push_back(smallLetters(name));
+  }
+  return hosts;
+}
+
+bool hostAllowed(const std::string& host, const std::vector<std::string>& hosts) {
+  return std::find(hosts.begin(), hosts.end(), smallLetters(host)) != hosts.end();
+}
+
+bool originAllowed(const std::string& origin, const std::vector<std::string>& hosts) {
+  if (origin.empty()) return true;
+  const std::string scheme = "http://";
+  const std::string small = smallLetters(origin);
+  return small.rfind(scheme, 0) == 0 && hostAllowed(small.substr(scheme.size()), hosts);
+}
+
+std::string queryValue(const std::string& query, const std::string& name) {
+  std::size_t from = 0;
+  while (from < query.size()) {
+    const std::size_t end = std::min(query.find('&', from), query.size());
+    const std::string one = query.substr(from, end - from);
+    from = end + 1;
+    if (one.rfind(name + "=", 0) != 0) continue;
+    return resolved(one.substr(name.size() + 1)).value_or("");
+  }
+  return {};
+}
+
+Target targetOf(const std::string& target) {
+  Target out;
+  if (target.empty() || target.front() != '/' || target.size() > kLongestTarget) return out;
+  const std::size_t mark = target.find('?');
+  const std::optional<std::string> path = resolved(target.substr(0, mark));
+  if (!path || path->find("..") != std::string::npos || path->find('\\') != std::string::npos) return out;
+  out.path = *path;
+  if (mark != std::string::npos) out.query = target.substr(mark + 1);
+  out.token = queryValue(out.query, "token");
+  if (out.path.rfind("/t/", 0) == 0) {  // modules name each other by relative paths, which lose the query
+    const std::size_t slash = out.path.find('/', 3);
+    if (slash == std::string::npos) return out;
+    out.token = out.path.substr(3, slash - 3);
+    out.path = out.path.substr(slash);
+  }
+  out.wellFormed = true;
+  return out;
+}
+
+}  // namespace mm

@@ -1,0 +1,356 @@
+#include "workbench/bench_work.h"
+
+#include <cmath>
+
+#include "base/cancel_scope.h"
+#include "base/error.h"
+#include "calibration_file/calibration_fit.h"
+#include "calibration_file/calibration_yaml.h"
+#include "design/moves.h"
+#include "effects/effect_words.h"
+#include "effects/registry.h"
+#include "import/import_file.h"
+#include "model/observed_domain.h"
+#include "report/json.h"
+#include "report/report_page.h"
+#include "session/session_summary.h"
+#include "workbench/calibration_documents.h"
+#include "workbench/compact_json.h"
+#include "workflow/learning.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kLongestFormula = 500, kMostSteps = 10;
+
+/// What is doubtful about a result although there is one; empty: nothing.
+std::string doubtOf(const CalibrationResult& result) {
+  if (result.cancelled) return "stopped: what is kept is the best found so far";
+  if (!result.converged) return "not converged (" + result.stop + "); try another seed, or a simpler model";
+  for (const LostDirection& l : result.identifiability.lost)
+    if (l.lacking()) return "not determined by this session: " + l.inWords + "; " + l.wouldShow;
+  return {};
+}
+
+std::string withDoubt(const std::string& done, const CalibrationResult& result) {
+  const std::string doubt = doubtOf(result);
+  return doubt.empty() ? done : done + "; " + doubt;
+}
+
+/// A formula as an effect; its start values as the text says, comma after comma.
+EffectSpec formulaSpec(const std::string& direction, const std::string& formula, const std::string& start) {
+  EffectSpec spec("formula");
+  spec.set("direction", direction).set("formula", formula);
+  if (!start.empty())
+    return parseEffectSpec(spec.yaml().substr(0, spec.yaml().size() - 1) + ", start: [" + start + "]}",
+                           "start");
+  return spec;
+}
+
+}  // namespace
+
+BenchWork::BenchWork(BenchOptions options, BenchSources sources, Documents& documents, Job& job,
+                     LiveMachine* live)
+    : options_(std::move(options)),
+      sources_(std::move(sources)),
+      documents_(documents),
+      job_(job),
+      live_(live) {
+  if (!options_.store.empty()) store_.emplace(options_.store);
+}
+
+const Session& BenchWork::session() const {
+  if (!session_) throw InputError("no session is open; drop a bag onto the page, or measure a plan");
+  return *session_;
+}
+
+const Calibration& BenchWork::calibration() const {
+  if (!calibration_) throw InputError("there is no calibration yet; calibrate first");
+  return *calibration_;
+}
+
+CalibrateOptions BenchWork::options() const {
+  CalibrateOptions options;
+  options.threads = options_.threads;
+  options.cancelled = [this] { return job_.cancelled(); };
+  options.progress = [this](const std::string& stage, double share) { job_.tell(stage, share); };
+  return options;
+}
+
+DiagnoseOptions BenchWork::diagnoseOptions() const {
+  DiagnoseOptions options;
+  options.calibrate = this->options();
+  options.cancelled = options.calibrate.cancelled;
+  options.progress = options.calibrate.progress;
+  return options;
+}
+
+std::string BenchWork::begin() {
+  documents_.put("catalogue", catalogueDocument());
+  if (!options_.calibration.empty()) {
+    calibration_ = loadCalibration(options_.calibration);
+    kept_ = false;
+  }
+  if (!options_.bag.empty()) return open(options_.bag, options_.bag.filename().string());
+  if (live_ != nullptr) {
+    if (store_) showStore();
+    try {
+      return openLive();
+    } catch (const InputError& e) {
+      return e.what();  // what is measured from now on can be taken later
+    }
+  }
+  throw InputError("no session is named; mm workbench session.bag");
+}
+
+void BenchWork::take(Session session, const std::string& shownAs) {
+  // a fit without effects is of its own session alone
+  if (calibration_ && !kept_ && calibration_->effects.empty()) calibration_.reset();
+  if (calibration_) checkMachine(*calibration_, session);
+  auto taken = std::make_shared<const Session>(std::move(session));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    domain_ = std::make_shared<const Domain>(observedDomain(*taken));
+  }
+  earlier_ = {};
+  for (const char* name : {"points", "compare", "diagnosis", "moves", "report"}) documents_.remove(name);
+  session_ = std::move(taken);
+  shownAs_ = shownAs;
+  if (!store_) {
+    const std::filesystem::path part = folderOf(session_->machine, space_);
+    store_.emplace(options_.store.empty() ? CalibrationStore::defaultFolder() / part : options_.store);
+  }
+  job_.step("checking the point set", 0.0);
+  documents_.put("session", sessionDocument(*session_, shownAs_));
+  documents_.put("heat", heatDocument(*session_));
+  if (calibration_) {
+    nominalResiduals();
+    show();
+  } else {
+    firstFit();
+  }
+}
+
+std::string BenchWork::open(const std::filesystem::path& bag, const std::string& shownAs) {
+  const std::optional<Machine> fallback =
+      calibration_ ? std::optional<Machine>(Machine(calibration_->urdf, calibration_->machineName))
+                   : std::nullopt;
+  Session session = sources_.readBag(
+      bag, [this](double share) { job_.step("reading the bag", share); }, fallback ? &*fallback : nullptr);
+  space_ = sources_.spaceOf(bag);
+  if (bag.filename() != shownAs) session.source = shownAs;  // a file that was sent, and will be gone
+  take(std::move(session), shownAs);
+  const std::string loss = lossText(*session_);
+  return shownAs + ": " + std::to_string(session_->observations.size()) + " observations" +
+         (loss.empty() ? "" : "; " + loss);
+}
+
+std::string BenchWork::importTable(const std::filesystem::path& file, const std::string& shownAs) {
+  ImportRequest request;
+  request.file = file;
+  Imported imported;
+  const Session& like = session();  // its machine and artifact are those of the table
+  importFile(request, like.machine, &like.artifact, imported,
+             [this](double share) { job_.step("reading the table", share); });
+  const std::string how = imported.how;
+  imported.session->source = shownAs;
+  take(std::move(*imported.session), shownAs);
+  return shownAs + ": " + std::to_string(session_->observations.size()) + " observations; " + how;
+}
+
+std::string BenchWork::openLive() {
+  if (live_ == nullptr) throw InputError("no machine is there: this workbench shows a recorded session");
+  space_ = live_->space();
+  take(live_->session(), "live session");
+  return "live session: " + std::to_string(session_->observations.size()) + " observations";
+}
+
+/// What a machine without any correction leaves: the first "before".
+void BenchWork::nominalResiduals() {
+  if (calibration_->effects.empty()) return;
+  CalibrateOptions fit = options();
+  fit.method = Method::kLeastSquares;
+  fit.rejectOutliers = false;
+  job_.step("fitting the nominal machine", 0.0);
+  const CalibrationResult nominal = mm::calibrate(*session_, modelFor(*session_, {}), fit);
+  earlier_ = {"nominal machine", nominal.residuals};
+}
+
+/// A model without effects: what there is to explain.
+void BenchWork::firstFit() {
+  CalibrateOptions fit = options();
+  fit.method = Method::kLeastSquares;
+  ModelSpec model;
+  model.machine = session_->machine.name();
+  Recalibration done = recalibrate(*session_, model, fit);
+  if (done.result.cancelled) throw Cancelled("stopped before the nominal machine was fitted");
+  calibration_ = std::move(done.calibration);
+  calibration_->sessionSpace = space_;
+  kept_ = false;
+  show();
+}
+
+void BenchWork::show() {
+  job_.step("comparing", 0.0);
+  CalibrateOptions fit = options();
+  CalibrationResult compared = compareCalibration(*session_, *calibration_, fit);
+  if (compared.cancelled) throw Cancelled("stopped while comparing; the calibration is kept");
+  documents_.put("points", pointsDocument(compared, earlier_));
+  documents_.put("calibration", calibrationDocument(*calibration_, kept_));
+  job_.step("finding where it fails", 0.0);
+  const CancelScope scope([this] { return job_.cancelled(); });
+  documents_.put("compare", compareJson(compared, whereItFails(compared)));
+  earlier_ = {calibration_->effects.empty()
+                  ? "nominal machine"
+                  : "before: " + std::to_string(calibration_->effects.size()) + " effects",
+              compared.residuals};
+  showStore();
+}
+
+void BenchWork::showStore() {
+  documents_.put("history", historyDocument(*store_));
+  std::optional<Calibration> active;
+  try {
+    active = store_->active().calibration;
+  } catch (const InputError&) {
+    // every calibration that was active is damaged: the history names them
+  }
+  const Calibration* candidate = calibration_ ? &*calibration_ : nullptr;
+  documents_.put("correct", correctionDocument(active ? &*active : nullptr, candidate));
+  if (!calibration_) return;
+  Calibration whole = *calibration_;
+  completeCalibration(whole);
+  documents_.put("calibration.yaml", calibrationYaml(whole), "application/yaml", whole.id + ".yaml");
+}
+
+void BenchWork::keep(Recalibration& done) {
+  done.calibration.sessionSpace = space_;
+  if (done.result.cancelled) throw Cancelled("stopped before the model was refitted; nothing was changed");
+  store_->add(done.calibration);
+  calibration_ = std::move(done.calibration);
+  kept_ = true;
+  for (const char* name : {"diagnosis", "moves", "report"}) documents_.remove(name);
+  show();
+}
+
+std::string BenchWork::calibrate(const std::string& model, const std::string& method, std::uint64_t seed) {
+  ModelSpec spec;
+  if (model.empty()) {
+    spec.effects = calibration().effects;
+    spec.machine = calibration().machineName;
+  } else {
+    spec = parseModelSpec(model, "model");
+  }
+  checkMachine(spec, {}, session());
+  CalibrateOptions fit = options();
+  fit.method = methodOf(method.empty() ? "least_squares" : method);
+  if (seed != 0) fit.seed = seed;
+  Recalibration done = recalibrate(session(), spec, fit);
+  keep(done);
+  return withDoubt("candidate " + calibration_->id, done.result);
+}
+
+std::string BenchWork::diagnose() {
+  const Diagnosis diagnosis = diagnoseCalibration(session(), calibration(), diagnoseOptions());
+  documents_.put("diagnosis", diagnoseJson(diagnosis));
+  const std::string plan = movesYaml(diagnosis.nextMeasurement, session());
+  if (plan.empty())
+    documents_.remove("moves");
+  else
+    documents_.put("moves", plan, "application/yaml", "moves.yaml");
+  return diagnosis.sentence;
+}
+
+std::string BenchWork::change(const std::string& effect, Change change, const char* done) {
+  const EffectSpec spec = parseEffectSpec(effect, "effect");
+  Recalibration next = change(session(), calibration(), spec, options());
+  keep(next);
+  return withDoubt(inWords(spec) + done + ": candidate " + calibration_->id, next.result);
+}
+
+std::string BenchWork::add(const std::string& effect) { return change(effect, &mm::addEffect, " added"); }
+
+std::string BenchWork::remove(const std::string& effect) {
+  return change(effect, &mm::removeEffect, " taken back");
+}
+
+std::string BenchWork::addAll() {
+  const Learned learned = learnAll(session(), calibration(), diagnoseOptions(), kMostSteps,
+                                   [this](const Diagnosis&, Recalibration& step) { keep(step); });
+  if (learned.stopped)
+    throw Cancelled("stopped after " + std::to_string(learned.steps) + " steps, which are kept");
+  return learned.sentence;
+}
+
+std::string BenchWork::use(const std::string& id) {
+  if (!store_) throw InputError("no session is open");
+  Calibration chosen = store_->load(id);
+  checkMachine(chosen, session());
+  calibration_ = std::move(chosen);
+  kept_ = true;
+  for (const char* name : {"diagnosis", "moves", "report"}) documents_.remove(name);
+  show();
+  return id + " is in use";
+}
+
+std::string BenchWork::promote(const std::string& id) {
+  if (!store_) throw InputError("no session is open");
+  std::string message;
+  if (live_ != nullptr) {
+    message = live_->promote(id);
+  } else {
+    message = store_->promote(id) + " is active";
+  }
+  showStore();
+  return message;
+}
+
+std::string BenchWork::rollback(const std::string& id) {
+  if (!store_) throw InputError("no session is open");
+  const std::string message =
+      live_ != nullptr ? live_->rollback(id) : store_->rollback(id) + " is active again";
+  showStore();
+  return message;
+}
+
+std::string BenchWork::report() {
+  const ReportFiles files = loadReportFiles();
+  ReportOptions options;
+  options.diagnose = diagnoseOptions();
+  options.sessionPath = shownAs_;
+  options.calibrationPath = calibration().id.empty() ? "calibration.yaml" : calibration().id + ".yaml";
+  const ReportContents contents = makeReport(session(), calibration(), options);
+  documents_.put("report", reportPage(contents, files), "text/html; charset=utf-8");
+  documents_.put("diagnosis", diagnoseJson(contents.diagnosis));
+  return contents.diagnosis.sentence;
+}
+
+std::string BenchWork::judgeFormula(const std::string& direction, const std::string& formula,
+                                    const std::string& start) const {
+  std::shared_ptr<const Domain> domain;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    domain = domain_;
+  }
+  nlohmann::ordered_json out;
+  try {
+    if (!domain) throw InputError("no session is open");
+    if (formula.size() + start.size() > kLongestFormula)
+      throw InputError("the formula has more than " + std::to_string(kLongestFormula) + " letters");
+    const EffectSpec spec = formulaSpec(direction, formula, start);
+    const EffectPtr effect = createEffect(spec, *domain);
+    out["ok"] = true;
+    std::string unknowns;
+    for (const Parameter& p : effect->parameters()) unknowns += (unknowns.empty() ? "" : ", ") + p.name;
+    out["message"] = unknowns.empty() ? "it has no unknown to find; write k1, k2 …"
+                                      : "can be added; " + unknowns + " will be found";
+    out["effect"] = spec.yaml();
+    if (unknowns.empty()) out["ok"] = false;
+  } catch (const Error& e) {
+    out["ok"] = false;
+    out["message"] = e.what();
+  }
+  return compact(out);
+}
+
+}  // namespace mm

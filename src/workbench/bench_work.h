@@ -1,0 +1,97 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "calibration_file/calibration_store.h"
+#include "diagnosis/diagnose.h"
+#include "estimation/calibrate.h"
+#include "session/progress.h"
+#include "workbench/documents.h"
+#include "workbench/live_machine.h"
+#include "workbench/session_documents.h"
+#include "workflow/job.h"
+#include "workflow/recalibration.h"
+
+namespace mm {
+
+/// How the workbench reads what other folders know to read.
+struct BenchSources {
+  /// A session's bag. @param fallback machine of a bag that has none; may be null.
+  std::function<Session(const std::filesystem::path&, const ProgressCallback&, const Machine* fallback)>
+      readBag;
+  /// Namespace of the nodes that measured a bag; empty: none.
+  std::function<std::string(const std::filesystem::path&)> spaceOf;
+};
+
+/// What `mm workbench` is started with.
+struct BenchOptions {
+  std::filesystem::path bag, calibration;  // empty: none
+  std::filesystem::path store;             // empty: the machine's own folder of calibrations
+  unsigned threads = 0;                    // 0: all cores
+};
+
+/// The loop on one session: what `mm` does from one command to the next, with what it needs kept. Every task
+/// publishes what the page shows of it. All but the functions that say otherwise belong to the thread that
+/// works. Each task @throw InputError, NumericalError, Cancelled as the functions of
+/// workflow/recalibration.h, and @return a sentence that says what was done.
+class BenchWork {
+ public:
+  /// @param live null: a recorded session alone. All must outlive it.
+  BenchWork(BenchOptions options, BenchSources sources, Documents& documents, Job& job, LiveMachine* live);
+
+  std::string begin();  ///< opens what the options name
+  /// Another session's bag. @param shownAs its name for people.
+  std::string open(const std::filesystem::path& bag, const std::string& shownAs);
+  /// A table of measurements of the same machine and artifact.
+  std::string importTable(const std::filesystem::path& file, const std::string& shownAs);
+  std::string openLive();  ///< what the machine has measured so far
+  /// @param model YAML: {effects: […]}; empty: the effects of the calibration in use.
+  std::string calibrate(const std::string& model, const std::string& method, std::uint64_t seed);
+  std::string diagnose();
+  std::string add(const std::string& effect);     ///< YAML
+  std::string remove(const std::string& effect);  ///< YAML
+  std::string addAll();
+  std::string use(const std::string& id);  ///< a calibration of the store, on this session
+  std::string promote(const std::string& id);
+  std::string rollback(const std::string& id);
+  std::string report();  ///< the page of `mm report`
+
+  /// Whether a formula can be added, from any thread: `{"ok": …, "message": …, "effect": …}`.
+  std::string judgeFormula(const std::string& direction, const std::string& formula,
+                           const std::string& start) const;
+
+ private:
+  using Change = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
+                                   const CalibrateOptions&);
+  std::string change(const std::string& effect, Change change, const char* preposition);
+  void take(Session session, const std::string& shownAs);
+  void keep(Recalibration& done);
+  void show();
+  void showStore();
+  void nominalResiduals();
+  void firstFit();
+  const Session& session() const;
+  const Calibration& calibration() const;
+  CalibrateOptions options() const;
+  DiagnoseOptions diagnoseOptions() const;
+
+  BenchOptions options_;
+  BenchSources sources_;
+  Documents& documents_;
+  Job& job_;
+  LiveMachine* live_;
+  std::shared_ptr<const Session> session_;
+  std::string shownAs_, space_;
+  std::optional<Calibration> calibration_;
+  bool kept_ = false;
+  EarlierResiduals earlier_;
+  std::optional<CalibrationStore> store_;
+  mutable std::mutex mutex_;              // guards the next
+  std::shared_ptr<const Domain> domain_;  // of the session
+};
+
+}  // namespace mm

@@ -1,0 +1,184 @@
+#include "workbench/server.h"
+
+#include <boost/asio/post.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "workbench/http_connection.h"
+#include "workbench/live_socket.h"
+#include "workbench/server_inside.h"
+
+namespace mm {
+namespace {
+
+using boost::asio::ip::tcp;
+
+constexpr std::chrono::milliseconds kWithoutHandles{200};  // until an accept is tried again
+constexpr std::chrono::milliseconds kShortest{30};         // between two states, however much is new
+
+}  // namespace
+
+WebAnswer WebAnswer::say(unsigned status, const std::string& message) {
+  WebAnswer answer = text(
+      nlohmann::json{{"message", message}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+      "application/json");
+  answer.status = status;
+  return answer;
+}
+
+WebAnswer WebAnswer::text(std::string body, std::string type) {
+  WebAnswer answer;
+  answer.body = std::make_shared<const std::string>(std::move(body));
+  answer.type = std::move(type);
+  return answer;
+}
+
+bool RateLimit::take(std::chrono::steady_clock::time_point now) {
+  left_ = std::min(perSecond_, left_ + perSecond_ * std::chrono::duration<double>(now - last_).count());
+  last_ = now;
+  if (left_ < 1.0) return false;
+  left_ -= 1.0;
+  return true;
+}
+
+Server::Inside::Inside(ServerOptions options, WebHandler& handler)
+    : options_(std::move(options)), handler_(handler), rate_(options_.requestsASecond) {
+  if (options_.token.empty()) options_.token = newToken();
+  boost::system::error_code failed;
+  const auto address = boost::asio::ip::make_address(options_.address, failed);
+  if (failed)
+    throw InputError("--address: '" + options_.address +
+                     "' is no IP address; 127.0.0.1 is this computer alone");
+  if (options_.port > 65535)
+    throw InputError("--port: " + std::to_string(options_.port) + " is above 65535; 0 takes any free port");
+  const tcp::endpoint endpoint(address, static_cast<unsigned short>(options_.port));
+  acceptor_.open(endpoint.protocol(), failed);
+  if (!failed) acceptor_.set_option(boost::asio::socket_base::reuse_address(true), failed);
+  if (!failed) acceptor_.bind(endpoint, failed);
+  if (!failed) acceptor_.listen(64, failed);
+  if (failed)
+    throw InputError("port " + std::to_string(options_.port) + " of " + options_.address +
+                     " cannot be listened on (" + failed.message() +
+                     "); choose another, or 0 for any that is free");
+  port_ = acceptor_.local_endpoint().port();
+  hosts_ = hostsOf(options_.address, port_, options_.hosts);
+}
+
+void Server::Inside::begin() {
+  accept();
+  tick();
+  thread_ = std::thread([this] {
+    for (;;) {
+      try {
+        context_.run();
+        return;
+      } catch (const std::exception&) {  // of one connection: the others go on
+      }
+    }
+  });
+}
+
+void Server::Inside::stop() {
+  boost::asio::post(context_, [this] {
+    boost::system::error_code ignored;
+    acceptor_.close(ignored);
+    timer_.cancel();
+    pause_.cancel();
+    for (auto* list : {&waiting_, &trusted_})
+      while (!list->empty()) list->front()->close();
+    while (!sockets_.empty()) sockets_.front()->close();
+    context_.stop();
+  });
+  if (thread_.joinable()) thread_.join();
+}
+
+void Server::Inside::accept() {
+  acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
+    if (!acceptor_.is_open()) return;
+    if (error) {  // no file handle left: others must end first
+      pause_.expires_after(kWithoutHandles);
+      return pause_.async_wait([this](boost::system::error_code stopped) {
+        if (!stopped) accept();
+      });
+    }
+    auto connection = std::make_shared<HttpConnection>(std::move(socket), *this);
+    joined(connection);
+    if (waiting_.size() + trusted_.size() + sockets_.size() > options_.mostConnections)
+      connection->turnAway(503, "too many connections; close other pages of the workbench");
+    else
+      connection->begin();
+    accept();
+  });
+}
+
+void Server::Inside::joined(const std::shared_ptr<HttpConnection>& connection) {
+  while (waiting_.size() >= options_.mostWaiting) waiting_.front()->close();
+  waiting_.push_back(connection);
+}
+
+void Server::Inside::trusted(HttpConnection* connection) {
+  for (auto i = waiting_.begin(); i != waiting_.end(); ++i) {
+    if (i->get() != connection) continue;
+    trusted_.splice(trusted_.end(), waiting_, i);
+    return;
+  }
+}
+
+void Server::Inside::left(HttpConnection* connection) {
+  const auto same = [connection](const auto& other) { return other.get() == connection; };
+  waiting_.remove_if(same);
+  trusted_.remove_if(same);
+}
+
+void Server::Inside::joined(const std::shared_ptr<LiveSocket>& socket) { sockets_.push_back(socket); }
+
+void Server::Inside::left(LiveSocket* socket) {
+  const std::uint64_t client = socket->client();
+  sockets_.remove_if([socket](const auto& other) { return other.get() == socket; });
+  handler_.gone(client);
+}
+
+void Server::Inside::tick() {
+  told_ = std::chrono::steady_clock::now();
+  if (!sockets_.empty()) {
+    std::string state = "{\"sequence\":" + std::to_string(++sequence_) +
+                        ",\"clients\":" + std::to_string(sockets_.size()) + "," + handler_.live() + "}";
+    const auto shared = std::make_shared<const std::string>(std::move(state));
+    for (const auto& socket : sockets_) socket->offer(shared);
+  }
+  tickAt(told_ + handler_.period());
+}
+
+void Server::Inside::tickAt(std::chrono::steady_clock::time_point when) {
+  timer_.expires_at(when);
+  timer_.async_wait([this](boost::system::error_code stopped) {
+    if (!stopped) tick();
+  });
+}
+
+void Server::Inside::wake() {
+  if (waking_.exchange(true)) return;  // a state is due already
+  boost::asio::post(context_, [this] {
+    waking_ = false;
+    if (acceptor_.is_open()) tickAt(std::max(told_ + kShortest, std::chrono::steady_clock::now()));
+  });
+}
+
+Server::Server(ServerOptions options, WebHandler& handler)
+    : inside_(std::make_shared<Inside>(std::move(options), handler)) {
+  inside_->begin();
+}
+
+Server::~Server() { inside_->stop(); }
+
+unsigned Server::port() const { return inside_->port(); }
+const std::string& Server::token() const { return inside_->options().token; }
+void Server::wake() { inside_->wake(); }
+
+std::string Server::url() const {
+  const std::string& address = inside_->options().address;
+  const std::string host = address.find(':') == std::string::npos ? address : "[" + address + "]";
+  return "http://" + host + ":" + std::to_string(port()) + "/?token=" + token();
+}
+
+}  // namespace mm

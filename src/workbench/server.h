@@ -1,0 +1,50 @@
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "workbench/web_handler.h"
+
+namespace mm {
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";
+  unsigned port = 0;               // 0: any that is free
+  std::string token;               // empty: a new one
+  std::vector<std::string> hosts;  // further names under which it is reached
+  std::size_t largestBody = 64 << 10, largestUpload = 256 << 20, largestHeader = 8 << 10;  // bytes
+  std::size_t mostConnections = 128, mostWaiting = 32, mostSockets = 24;
+  double requestsASecond = 200.0;               // of all clients that showed the token
+  std::chrono::milliseconds headerTime{5000};   // from its first to its last letter
+  std::chrono::milliseconds bodyTime{60000};    // the same of a body
+  std::chrono::milliseconds answerTime{30000};  // until a client has taken its answer
+  std::chrono::milliseconds idleTime{20000};    // of a live connection that answers no ping
+};
+
+/// An HTTP server on one thread with one WebSocket a client (`/live`). Each live connection holds the latest
+/// state that it was not sent yet and no other: whoever is slow misses states and holds nobody up. A
+/// connection that has not shown the token gives way to newer ones.
+class Server {
+ public:
+  /// Listens at once. @param handler must outlive it. @throw InputError: the port is taken, the address is
+  /// not one of this computer.
+  Server(ServerOptions options, WebHandler& handler);
+  ~Server();  ///< ends every connection
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  unsigned port() const;             ///< that it listens on
+  const std::string& token() const;  ///< that each request shows
+  std::string url() const;           ///< of the page, with the token
+  /// A state is due now, not only after the period. From any thread.
+  void wake();
+
+  class Inside;  ///< private to the sources of this folder
+
+ private:
+  std::shared_ptr<Inside> inside_;
+};
+
+}  // namespace mm

@@ -1,0 +1,272 @@
+#include "workbench/session_documents.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/units.h"
+#include "design/point_set.h"
+#include "report/json_parts.h"
+#include "session/session_summary.h"
+#include "workbench/compact_json.h"
+
+namespace mm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kSpeedStep = 1e-3;        // mm/s or deg/s
+constexpr double kTimeStep = 1e-2;         // s
+constexpr double kApproachStep = 1e-3;     // of a unit vector
+constexpr double kTemperatureStep = 1e-3;  // degC
+constexpr double kLoggedStep = 1e-6;       // of a covariate's own unit
+constexpr std::size_t kCurvePoints = 1500;
+
+Json jointsJson(const Machine& machine) {
+  Json out = Json::array();
+  for (const Joint& j : machine.joints()) {
+    const bool rotary = j.kind == JointKind::kRotary;
+    const double unit = rotary ? kDegree : kMillimetre;
+    out.push_back({{"name", j.name},
+                   {"unit", rotary ? "deg" : "mm"},
+                   {"lower", number(j.lower / unit)},
+                   {"upper", number(j.upper / unit)}});
+  }
+  return out;
+}
+
+Json featuresJson(const Session& session) {
+  Json out = Json::array();
+  for (const Feature& f : session.artifact.features)
+    out.push_back({{"name", f.name},
+                   {"ball", f.kind == FeatureKind::kBall},
+                   {"position_mm", roundedList(f.position / kMillimetre, kPlaceStep)},
+                   {"radius_mm", rounded(f.radius / kMillimetre, kPlaceStep)},
+                   {"known", f.known}});
+  return out;
+}
+
+/// The columns of a table, row after row.
+class Columns {
+ public:
+  explicit Columns(std::size_t rows) : rows_(rows) {}
+
+  /// A quantity. @param value of a row, in `unit`.
+  template <typename Value>
+  void add(const std::string& name, const std::string& unit, double step, Value&& value) {
+    Json values = Json::array();
+    bool known = false;
+    for (std::size_t r = 0; r < rows_; ++r) {
+      values.push_back(rounded(value(r), step));
+      known = known || !values.back().is_null();
+    }
+    if (known) columns_.push_back({{"name", name}, {"unit", unit}, {"values", std::move(values)}});
+  }
+
+  /// One of several words. @param level of a row: its index, -1: none.
+  template <typename Level>
+  void addWords(const std::string& name, const std::vector<std::string>& words, Level&& level) {
+    Json values = Json::array();
+    for (std::size_t r = 0; r < rows_; ++r) {
+      const int at = level(r);
+      values.push_back(at < 0 ? Json(nullptr) : Json(at));
+    }
+    columns_.push_back({{"name", name}, {"unit", ""}, {"words", words}, {"values", std::move(values)}});
+  }
+
+  Json take() { return std::move(columns_); }
+
+ private:
+  std::size_t rows_;
+  Json columns_ = Json::array();
+};
+
+/// The rows of a fit and where each came from.
+struct Rows {
+  const CalibrationResult& fit;
+  std::vector<const Observation*> observation;
+  std::vector<int> index;  // of the observation
+
+  explicit Rows(const CalibrationResult& f) : fit(f) {
+    for (const ResidualRow& row : f.problem->rows()) {
+      index.push_back(row.observation);
+      observation.push_back(&session().observations[static_cast<std::size_t>(row.observation)]);
+    }
+  }
+  const Session& session() const { return fit.problem->session(); }
+  std::size_t size() const { return observation.size(); }
+  bool used(std::size_t r) const { return fit.problem->uses(index[r]); }
+};
+
+void addJoints(Columns& columns, const Rows& rows) {
+  const std::vector<Joint>& joints = rows.session().machine.joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const bool rotary = joints[j].kind == JointKind::kRotary;
+    const double unit = rotary ? kDegree : kMillimetre;
+    columns.add(joints[j].name, rotary ? "deg" : "mm", kPlaceStep,
+                [&](std::size_t r) { return rows.observation[r]->position[j] / unit; });
+  }
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto travel = [&](std::size_t r) {
+      const std::vector<double>& t = rows.observation[r]->travel;
+      return j >= t.size() || t[j] == 0.0 ? -1 : t[j] > 0.0 ? 1 : 0;
+    };
+    bool known = false;
+    for (std::size_t r = 0; r < rows.size() && !known; ++r) known = travel(r) >= 0;
+    if (known) columns.addWords(joints[j].name + " travel direction", {"\u2212", "+"}, travel);
+  }
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const bool rotary = joints[j].kind == JointKind::kRotary;
+    const double unit = rotary ? kDegree : kMillimetre;
+    columns.add(joints[j].name + " speed", rotary ? "deg/s" : "mm/s", kSpeedStep, [&](std::size_t r) {
+      const std::vector<double>& v = rows.observation[r]->velocity;
+      return j < v.size() ? v[j] / unit : kNotMeasured;
+    });
+  }
+}
+
+void addTouch(Columns& columns, const Rows& rows) {
+  const char* const names[] = {"approach x", "approach y", "approach z"};
+  for (int k = 0; k < 3; ++k)
+    columns.add(names[k], "1", kApproachStep,
+                [&](std::size_t r) { return rows.observation[r]->approach[k]; });
+  columns.add("laser reading", "mm", kPlaceStep,
+              [&](std::size_t r) { return rows.observation[r]->laserReading / kMillimetre; });
+  std::vector<std::string> features;
+  for (const Feature& f : rows.session().artifact.features) features.push_back(f.name);
+  if (!features.empty())
+    columns.addWords("feature", features, [&](std::size_t r) { return rows.observation[r]->feature; });
+  std::vector<std::string> components = {"x", "y", "z"};
+  const auto component = [&](std::size_t r) {
+    const Observation& o = *rows.observation[r];
+    const int c = rows.fit.problem->rows()[r].component;
+    const bool ball =
+        o.kind == ObservationKind::kContact &&
+        rows.session().artifact.features[static_cast<std::size_t>(o.feature)].kind == FeatureKind::kBall;
+    return ball || c < 0 ? -1 : c;
+  };
+  const bool deviations =
+      std::any_of(rows.observation.begin(), rows.observation.end(),
+                  [](const Observation* o) { return o->kind == ObservationKind::kDeviation; });
+  if (deviations) {
+    components.clear();
+    for (const Joint& j : rows.session().machine.joints()) components.push_back(j.name);
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (component(r) >= 0) return columns.addWords("component", components, component);
+}
+
+void addLogged(Columns& columns, const Rows& rows) {
+  const Session& session = rows.session();
+  columns.add("time", "s", kTimeStep, [&](std::size_t r) { return rows.observation[r]->time; });
+  for (const Series& s : session.temperatures)
+    columns.add("temperature " + s.name, "degC", kTemperatureStep,
+                [&](std::size_t r) { return s.at(rows.observation[r]->time); });
+  for (const Series& s : session.covariates)
+    columns.add(s.name, s.unit, kLoggedStep, [&](std::size_t r) { return s.at(rows.observation[r]->time); });
+  if (!session.setups.empty())
+    columns.addWords("setup", session.setups, [&](std::size_t r) { return rows.observation[r]->setup; });
+}
+
+Json seriesJson(const std::vector<Series>& list, const std::string& unit) {
+  Json out = Json::array();
+  for (const Series& s : list) {
+    const std::size_t shown = std::min(kCurvePoints, s.time.size());
+    std::vector<double> time, value;
+    for (std::size_t n = 0; n < shown; ++n) {
+      const std::size_t i = n * s.time.size() / shown;
+      time.push_back(s.time[i]);
+      value.push_back(s.value[i]);
+    }
+    out.push_back({{"name", s.name},
+                   {"unit", unit.empty() ? s.unit : unit},
+                   {"samples", s.time.size()},
+                   {"time_s", roundedList(time, kTimeStep)},
+                   {"value", roundedList(value, unit.empty() ? kLoggedStep : kTemperatureStep)}});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string sessionDocument(const Session& session, const std::string& shownAs) {
+  Json out;
+  out["name"] = shownAs;
+  out["machine"] = session.machine.name();
+  out["urdf"] = session.machine.urdf();
+  out["joints"] = jointsJson(session.machine);
+  out["artifact"] = {{"name", session.artifact.name},
+                     {"pose_known", session.artifact.poseKnown},
+                     {"tip_radius_mm", number(session.artifact.tipRadius / kMillimetre)},
+                     {"features", featuresJson(session)}};
+  out["observations"] = session.observations.size();
+  out["warning"] = session.warning;
+  out["loss"] = lossText(session);
+  out["assumed"] = assumedText(session);
+  out["set_aside"] = Json::array();
+  for (const SetAside& a : session.setAside) out["set_aside"].push_back(setAsideText(session, a));
+  out["point_set"] = Json::parse(pointSetJson(checkPointSet(session, nullptr)));
+  return compact(out);
+}
+
+std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals& earlier) {
+  const Rows rows(fit);
+  const auto person = [&](std::size_t r, double value) {
+    if (!rows.used(r)) return kNotMeasured;
+    return value / (fit.problem->rows()[r].angular ? kArcsecond : kMicrometre);
+  };
+  const bool angular = !std::isfinite(fit.figures.rms);
+  const auto at = [](const Eigen::VectorXd& v, std::size_t r) { return v[static_cast<Eigen::Index>(r)]; };
+  Columns columns(rows.size());
+  const std::string unit = angular ? "arcsec" : "um";
+  columns.add("residual", unit, kDeviationStep,
+              [&](std::size_t r) { return person(r, at(fit.residuals, r)); });
+  addJoints(columns, rows);
+  addTouch(columns, rows);
+  addLogged(columns, rows);
+  Json out;
+  out["unit"] = unit;
+  out["rows"] = rows.size();
+  out["columns"] = columns.take();
+  std::vector<double> sigma, before, places[3];
+  Json row = Json::array(), outlier = Json::array();
+  const bool paired = earlier.values.size() == fit.residuals.size();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Observation& o = *rows.observation[r];
+    sigma.push_back(person(r, at(fit.sigma, r)));
+    if (paired) before.push_back(person(r, at(earlier.values, r)));
+    row.push_back(o.row);
+    outlier.push_back(rows.used(r) && !(at(fit.weight, r) > 0.0) ? 1 : 0);
+    const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
+    const Eigen::Vector3d tip =
+        rows.session().machine.nominal(o.position.data(), reading).position / kMillimetre;
+    for (int k = 0; k < 3; ++k) places[k].push_back(tip[k]);
+  }
+  out["x_mm"] = roundedList(places[0], kPlaceStep);
+  out["y_mm"] = roundedList(places[1], kPlaceStep);
+  out["z_mm"] = roundedList(places[2], kPlaceStep);
+  out["sigma"] = roundedList(sigma, kFigureStep);
+  out["row"] = std::move(row);
+  out["outlier"] = std::move(outlier);
+  out["before"] = paired ? roundedList(before, kDeviationStep) : Json(nullptr);
+  out["before_name"] = earlier.name;
+  Json balls = Json::array();
+  for (std::size_t f = 0; f < rows.session().artifact.features.size(); ++f) {
+    const Feature& feature = rows.session().artifact.features[f];
+    const Eigen::Vector3d centre = fit.problem->featureInWorkpiece(static_cast<int>(f), fit.x) / kMillimetre;
+    if (feature.kind == FeatureKind::kBall && centre.allFinite())
+      balls.push_back({{"name", feature.name},
+                       {"centre_mm", roundedList(centre, kPlaceStep)},
+                       {"radius_mm", rounded(feature.radius / kMillimetre, kPlaceStep)}});
+  }
+  out["balls"] = std::move(balls);
+  return compact(out);
+}
+
+std::string heatDocument(const Session& session) {
+  Json out;
+  out["temperatures"] = seriesJson(session.temperatures, "degC");
+  out["covariates"] = seriesJson(session.covariates, "");
+  return compact(out);
+}
+
+}  // namespace mm

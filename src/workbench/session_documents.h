@@ -1,0 +1,29 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+
+#include "estimation/calibrate.h"
+#include "session/session.h"
+
+namespace mm {
+
+// What the page shows of a session, as JSON in the units of people; no figure is NaN.
+
+/// Machine, artifact, coverage (as `mm check --json`), what was assumed, set aside and is asked.
+/// @param shownAs its name for people.
+std::string sessionDocument(const Session& session, const std::string& shownAs);
+
+/// One more set of residuals, of the same rows.
+struct EarlierResiduals {
+  std::string name;        // "without backlash of x"
+  Eigen::VectorXd values;  // a data row, m or rad
+};
+
+/// Every residual with everything that was recorded of it, column by column: the page draws any against any.
+/// @param earlier left out where its size is another.
+std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals& earlier);
+
+/// Temperatures and covariates against time, thinned to what can be seen.
+std::string heatDocument(const Session& session);
+
+}  // namespace mm

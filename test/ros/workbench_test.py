@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+"""The workbench on a live machine, through its server as a page uses it."""
+import json
+import os
+import sys
+import threading
+import time
+import unittest
+import urllib.error
+import urllib.parse
+import urllib.request
+
+import rospy
+import rostest
+from measuring_machine.msg import AxisStatus, MotionStatus
+
+import support
+
+sys.path.insert(0, os.path.join(support.PACKAGE, "test", "support"))
+from browser import Socket  # noqa: E402
+
+
+class Page:
+    """What a page does: a live connection with its heartbeat, and requests with the token."""
+
+    def __init__(self, url, beats=True):
+        parts = urllib.parse.urlparse(url)
+        self.base, self.token = "http://" + parts.netloc, urllib.parse.parse_qs(parts.query)["token"][0]
+        self.socket = Socket("ws://%s/live?token=%s" % (parts.netloc, self.token))
+        self.client = json.loads(self.socket.receive())["client"]
+        self.states, self.changed, self.beats, self.open = [], threading.Condition(), beats, True
+        threading.Thread(target=self.read, daemon=True).start()
+        threading.Thread(target=self.beat, daemon=True).start()
+
+    def read(self):
+        try:
+            while self.open:
+                state = json.loads(self.socket.receive())
+                with self.changed:
+                    self.states.append((time.time(), state))
+                    self.changed.notify_all()
+        except (OSError, ValueError):
+            pass
+
+    def beat(self):
+        while self.open and self.beats:
+            try:
+                self.socket.send("heartbeat")
+            except OSError:
+                return
+            time.sleep(0.2)
+
+    def close(self):
+        self.open = False
+        self.socket.socket.shutdown(2)
+
+    def state(self):
+        with self.changed:
+            return self.states[-1][1] if self.states else None
+
+    def wait(self, true, seconds=60):
+        end = time.time() + seconds
+        with self.changed:
+            while not (self.states and true(self.states[-1][1])):
+                if not self.changed.wait(max(0.0, end - time.time())):
+                    return False
+            return True
+
+    def data(self, name):
+        request = urllib.request.Request(self.base + "/data/" + name, headers={"X-Workbench-Token": self.token})
+        with urllib.request.urlopen(request, timeout=20) as answer:
+            return json.loads(answer.read())
+
+    def post(self, action, **body):
+        request = urllib.request.Request(self.base + "/action/" + action, json.dumps(dict(body, who="test")).encode(),
+                                         {"X-Workbench-Token": self.token})
+        try:
+            with urllib.request.urlopen(request, timeout=20) as answer:
+                return answer.status, json.loads(answer.read())
+        except urllib.error.HTTPError as refused:
+            return refused.code, json.loads(refused.read())
+
+    def act(self, action, seconds=120, **body):
+        """An action to its end: (ok, message)."""
+        status, answer = self.post(action, **body)
+        if "number" not in answer:
+            return status == 200, answer["message"]
+        ended = {}
+
+        def over(state):
+            for e in state["ended"]:
+                if e["number"] == answer["number"]:
+                    ended.update(e)
+            return bool(ended)
+
+        if not self.wait(over, seconds):
+            raise AssertionError("%s does not end: %s" % (action, self.state()))
+        return ended["ok"], ended["message"]
+
+
+class Workbench(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        assert support.wait_until(lambda: rospy.has_param("/workbench/url"), 60)
+        cls.url = rospy.get_param("/workbench/url")
+        with open(os.path.join(support.PACKAGE, "test/ros/workbench_plan.yaml")) as f:
+            cls.plan = f.read()
+
+    def test_1_nothing_moves_before_it_is_armed(self):
+        page = Page(self.url)
+        self.addCleanup(page.close)
+        for action in ("home", "run"):
+            ok, message = page.act(action, client=page.client, plan=self.plan)
+            self.assertFalse(ok)
+            self.assertIn("arm", message)
+
+    def test_2_measure_diagnose_add_promote(self):
+        page, frames = Page(self.url), support.Frames("probe_tip_corrected")
+        self.addCleanup(page.close)
+        self.assertEqual(page.act("arm", client=page.client)[0], True)
+        self.assertTrue(page.act("home", client=page.client)[0])
+        ok, message = page.act("run", client=page.client, plan=self.plan)
+        self.assertTrue(ok, message)
+        self.assertIn("48 observations", message)
+        # 30 Hz while it moved, and the numbers rise
+        moving = [(t, s) for t, s in page.states if s["machine"]["moving"]]
+        sequence = [s["sequence"] for _, s in page.states]
+        self.assertEqual(sequence, sorted(set(sequence)))
+        seconds = moving[-1][0] - moving[0][0]
+        self.assertGreater(len(moving) / seconds, 10.0, "states a second while the machine moved")
+        print("workbench: %.1f states a second while the machine moved" % (len(moving) / seconds))
+        self.assertGreater(len({tuple(s["machine"]["readings"]) for _, s in moving}), 30)
+        ok, message = page.act("diagnose")
+        self.assertTrue(ok, message)
+        self.assertIn("backlash of x", message)
+        before = page.data("compare")["rms_um"]
+        ok, message = page.act("add", effect="{type: backlash, axis: x}")
+        self.assertTrue(page.data("calibration")["kept"], message)
+        self.assertLess(page.data("compare")["rms_um"], 0.7 * before)
+        identity = page.data("calibration")["id"]
+        self.assertEqual(frames.of("probe_tip_corrected"), {})
+        ok, message = page.act("promote", id=identity)
+        self.assertEqual((ok, message), (True, identity + " is active"))
+        self.assertTrue(support.wait_until(lambda: frames.of("probe_tip_corrected"), 20), "no corrected frame after the promotion")
+        self.assertTrue(page.wait(lambda s: s["machine"]["calibration"] == identity and s["machine"]["corrected_mm"], 20), page.state())
+        tip, nominal = page.state()["machine"]["corrected_mm"], page.state()["machine"]["nominal_mm"]
+        self.assertGreater(abs(tip[0] - nominal[0]), 0.5e-3)  # half of the play, mm
+        ok, message = page.act("rollback")
+        self.assertFalse(ok)  # nothing was active before: in the words of the service
+        self.assertIn("before", message)
+        self.assertTrue(page.act("disarm", client=page.client)[0])
+
+    def test_3_a_closed_page_stops_the_machine(self):
+        motion, axes = [], []
+        rospy.Subscriber("axis_driver/motion", MotionStatus, motion.append)
+        rospy.Subscriber("axis_driver/status", AxisStatus, axes.append)
+        self.assertTrue(support.wait_until(lambda: motion and axes))
+        for leave in ("close", "silence"):
+            page = Page(self.url)
+            self.addCleanup(page.close)
+            stops = motion[-1].stops
+            self.assertTrue(page.wait(lambda s: s["armed"] is None))
+            self.assertTrue(page.act("arm", client=page.client)[0])
+            page.post("run", client=page.client, plan=self.plan)
+            self.assertTrue(page.wait(lambda s: s["machine"]["moving"] and s["machine"]["measuring"]), page.state())
+            if leave == "close":
+                page.close()
+            else:
+                page.beats = False
+            self.assertTrue(support.wait_until(lambda: motion[-1].stops > stops, 20), leave)
+            self.assertTrue(support.wait_until(lambda: not axes[-1].moving, 20), leave)
+            watcher = Page(self.url)
+            self.addCleanup(watcher.close)
+            self.assertTrue(watcher.wait(lambda s: s["task"] is None and s["armed"] is None, 60), watcher.state())
+
+
+if __name__ == "__main__":
+    rospy.init_node("workbench_test")
+    rostest.rosrun("measuring_machine", "workbench", Workbench)

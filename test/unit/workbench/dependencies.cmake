@@ -1,0 +1,1 @@
+set(workbench_test_dependencies simulation nlohmann_json::nlohmann_json)

@@ -1,0 +1,70 @@
+// Temperatures and whatever else was logged, and how the residual moves with time.
+
+import { h } from "preact";
+import { useMemo } from "preact/hooks";
+import { useDocument } from "./server.js";
+import { Empty, Section, Table } from "./parts.js";
+import { Chart, axis } from "./chart.js";
+import { kWords } from "./scatter.js";
+import { shown, text, unitOf } from "./units.js";
+
+const hours = (list) => list.map((s) => s / 3600);
+
+/** Several series on one time axis. */
+function together(series) {
+  const times = [...new Set(series.flatMap((s) => s.time_s))].sort((a, b) => a - b), place = new Map(times.map((t, i) => [t, i]));
+  return [hours(times), ...series.map((s) => { const y = Array(times.length).fill(undefined); s.time_s.forEach((t, i) => { y[place.get(t)] = s.value[i]; }); return y; })];
+}
+
+function Courses({ series, label, unit }) {
+  const data = useMemo(() => together(series), [series]);
+  const make = (c) => [{
+    legend: { show: true, live: false },
+    scales: { x: { time: false } },
+    axes: [axis(c, "time, h"), axis(c, unit, { size: 60 })],
+    series: [{ label: "time" }, ...series.map((s, i) => ({ label: s.name, stroke: kWords[i % kWords.length], width: 1.5, dash: [[], [6, 3], [2, 3]][Math.floor(i / kWords.length) % 3], spanGaps: true, points: { show: s.time_s.length < 30 } }))],
+  }, data];
+  return h("figure", null, h(Chart, { make, inputs: [series], label, tall: true }));
+}
+
+/** Mean residual of classes of time, with its band. */
+function Drift({ points }) {
+  const time = points.columns.find((c) => c.name === "time"), residual = points.columns[0], factor = shown(points.unit)[0];
+  const classes = useMemo(() => {
+    if (!time) return [];
+    const rows = residual.values.map((v, r) => r).filter((r) => known(residual.values[r]) && known(time.values[r])).sort((a, b) => time.values[a] - time.values[b]);
+    const count = Math.max(3, Math.min(30, Math.floor(rows.length / 12))), out = [];
+    for (let k = 0; k < count; ++k) {
+      const part = rows.slice(Math.floor((k * rows.length) / count), Math.floor(((k + 1) * rows.length) / count));
+      if (part.length < 3) continue;
+      const mean = (f) => part.reduce((s, r) => s + f(r), 0) / part.length, m = mean((r) => residual.values[r]);
+      out.push({ at: mean((r) => time.values[r]) / 3600, mean: m, half: 2 * Math.sqrt(mean((r) => (residual.values[r] - m) ** 2) / (part.length - 1)) });
+    }
+    return out;
+  }, [points]);
+  if (classes.length < 3) return h(Empty, null, "Too few measurements to see a drift.");
+  const make = (c) => [{
+    scales: { x: { time: false } }, axes: [axis(c, "time, h"), axis(c, "mean residual, " + unitOf(points.unit), { size: 60 })],
+    series: [{}, { stroke: "transparent", points: { show: false } }, { stroke: "transparent", points: { show: false } }, { stroke: c.accent, width: 2, points: { show: true, size: 5, fill: c.accent } }], bands: [{ series: [1, 2], fill: c.accent + "40" }],
+  }, [classes.map((b) => b.at), classes.map((b) => (b.mean + b.half) * factor), classes.map((b) => (b.mean - b.half) * factor), classes.map((b) => b.mean * factor)]];
+  return h("figure", null, h(Chart, { make, inputs: [classes, factor], label: "Mean residual of " + classes.length + " classes of time with their bands" }), h("figcaption", null, "Mean of each class ± 2 standard errors: a mean away from zero that stays away is a drift that the model does not know."));
+}
+
+/** The sensors that the model uses. */
+function chosen(calibration) {
+  const used = new Map();
+  for (const e of calibration ? calibration.effects : []) for (const [k, v] of Object.entries(e.effect)) if (k === "sensor" || k === "sensors") for (const s of [].concat(v)) used.set(s, [...(used.get(s) || []), e.in_words]);
+  return used;
+}
+
+export function HeatView() {
+  const heat = useDocument("heat"), points = useDocument("points"), calibration = useDocument("calibration");
+  if (!heat) return h(Empty, null, "No session is open.");
+  const used = chosen(calibration);
+  const extent = (list) => list.filter(known).reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  return h("div", null,
+    h(Section, { title: "Temperatures" }, heat.temperatures.length ? [h(Courses, { series: heat.temperatures, label: "Temperatures of " + heat.temperatures.length + " sensors against time", unit: "temperature, °C" }),
+      h(Table, { caption: "Sensors", columns: [["Sensor"], ["range", "nowrap"], ["samples", "n"], ["used by", "text"]], rows: heat.temperatures.map((s) => { const [a, b] = extent(s.value); return [s.name, num(a, 4) + " … " + num(b, 4) + " °C", String(s.samples), (used.get(s.name) || []).map(said).join("; ") || "–"]; }) })] : h(Empty, null, "No temperature was logged; without one, effects of heat can only be told as drift.")),
+    points ? h(Section, { title: "Drift of the residual" }, h(Drift, { points })) : null,
+    heat.covariates.length ? h(Section, { title: "Other quantities" }, heat.covariates.map((s) => h(Courses, { key: s.name, series: [s], label: s.name + " against time", unit: s.name + ", " + unitText(s.unit) }))) : null);
+}

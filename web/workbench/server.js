@@ -1,0 +1,139 @@
+// What the page knows of the server: the live state, the documents that changed, and how to ask for an action.
+
+import { useEffect, useState } from "preact/hooks";
+
+const token = new URLSearchParams(location.search).get("token") || "";
+const headers = { "X-Workbench-Token": token };
+const address = (path) => path + (path.includes("?") ? "&" : "?") + "token=" + encodeURIComponent(token);
+
+export const state = { connected: false, client: 0, live: null, frames: 0, sequence: 0 };
+const documents = new Map(); // name -> { number, value, wanted }
+const listeners = new Set();
+const ends = new Map(); // number of a task -> who waits for it
+let socket = null, retry = 0, drawn = false;
+
+/** Everybody draws once a frame of the screen, however many states came meanwhile. */
+function changed() {
+  if (drawn) return;
+  drawn = true;
+  requestAnimationFrame(() => {
+    drawn = false;
+    for (const tell of [...listeners]) tell();
+  });
+}
+
+/** Draws its component again when the live state or a document is new. */
+export function useNews() {
+  const [, set] = useState(0);
+  useEffect(() => {
+    const tell = () => set((n) => n + 1);
+    listeners.add(tell);
+    return () => listeners.delete(tell);
+  }, []);
+}
+
+/** A document of the server, null as long as there is none. */
+export function useDocument(name) {
+  useNews();
+  let entry = documents.get(name);
+  if (!entry) documents.set(name, (entry = { number: 0, value: null, wanted: true, asking: -1 }));
+  useEffect(() => { entry.wanted = true; look(name); }, [name]);
+  return entry.value;
+}
+
+async function look(name) {
+  const entry = documents.get(name);
+  const number = state.live ? state.live.documents[name] || 0 : 0;
+  if (!entry || !entry.wanted || !state.live || entry.number === number || entry.asking === number) return;
+  if (!number) {
+    Object.assign(entry, { number: 0, value: null, asking: -1 });
+    return changed();
+  }
+  entry.asking = number;
+  try {
+    const answer = await fetch(address("/data/" + name), { headers });
+    const value = answer.ok ? await ((answer.headers.get("Content-Type") || "").includes("json") ? answer.json() : answer.text()) : null;
+    if (entry.asking === number) Object.assign(entry, { number, value });
+  } catch (error) {
+    entry.number = 0;
+  }
+  entry.asking = -1;
+  changed();
+}
+
+/** Number of a document that is not read here, 0 as long as there is none. */
+export function useNumber(name) {
+  useNews();
+  return state.live ? state.live.documents[name] || 0 : 0;
+}
+
+/** Address of a document to open or keep. */
+export const documentAddress = (name) => address("/data/" + name);
+export const downloadAddress = (name) => address("/download/" + name);
+
+export const name = { get: () => localStorage.getItem("mm-who") || "", set: (text) => localStorage.setItem("mm-who", text) };
+
+/** Asks for an action. Resolves with { ok, message } when it has ended. */
+export async function act(action, body = {}) {
+  const whole = Object.assign({ who: name.get() }, body);
+  return finish(await send("/action/" + action, JSON.stringify(whole)));
+}
+
+/** Sends a file. */
+export async function upload(file) {
+  return finish(await send("/upload?name=" + encodeURIComponent(file.name), file));
+}
+
+async function finish(answer) {
+  if (!answer.number) return answer;
+  return new Promise((resolve) => ends.set(answer.number, resolve));
+}
+
+async function send(path, body) {
+  try {
+    const answer = await fetch(address(path), { method: "POST", headers, body });
+    const json = await answer.json().catch(() => ({ message: "the server answered " + answer.status }));
+    return Object.assign({ ok: answer.ok }, json);
+  } catch (error) {
+    return { ok: false, message: "the workbench does not answer; is it still running?" };
+  }
+}
+
+export async function judge(direction, formula, start) {
+  return send("/formula", JSON.stringify({ direction, formula, start }));
+}
+
+function take(message) {
+  const news = JSON.parse(message);
+  if (news.client) state.client = news.client;
+  if (!news.documents) return;
+  state.live = news;
+  state.frames += 1;
+  state.sequence = news.sequence;
+  for (const end of news.ended) {
+    const wait = ends.get(end.number);
+    if (wait) {
+      ends.delete(end.number);
+      wait(end);
+    }
+  }
+  for (const name of documents.keys()) look(name);
+  changed();
+}
+
+export function connect() {
+  socket = new WebSocket(address((location.protocol === "https:" ? "wss://" : "ws://") + location.host + "/live"));
+  socket.onopen = () => { state.connected = true; retry = 0; changed(); };
+  socket.onmessage = (event) => take(event.data);
+  socket.onclose = () => {
+    state.connected = false;
+    changed();
+    retry = Math.min(retry + 1, 6);
+    setTimeout(connect, 250 * 2 ** retry);
+  };
+}
+
+// The machine is held by this page as long as this is heard.
+setInterval(() => {
+  if (state.live && state.live.armed && state.live.armed.client === state.client && socket.readyState === WebSocket.OPEN) socket.send("heartbeat");
+}, 250);
