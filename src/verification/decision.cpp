@@ -228,13 +228,16 @@ Decision decide(const FreshPoints& points, const PointSystem& system, const Cali
     return static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
   };
   std::size_t best = decision.seen ? bestOf() : 0;
-  decision.drifted = court.logMisfit(asCalibrated, all[best]) < kMisfit;
+  // Something changed where one effect is not what it was, or where the whole does not fit.
+  decision.changed = court.changes(all[best], &decision.unexplainedPValue);
+  decision.drifted = !decision.changed.empty() || court.logMisfit(asCalibrated, all[best]) < kMisfit;
   if (decision.drifted && decision.seen) {
     scores = court.scores(court.changedSince(), all);
+    const std::size_t before = best;
     best = bestOf();
+    if (best != before) decision.changed = court.changes(all[best], &decision.unexplainedPValue);
   }
   decision.hypothesis = all[best];
-  if (decision.drifted) decision.changed = court.changes(all[best], &decision.unexplainedPValue);
   if (!decision.seen) return decision;
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -10,7 +10,7 @@ constexpr AxisState kStates[] = {AxisState::kCorrected, AxisState::kNotCorrected
                                  AxisState::kTwice};
 // Odds before any data: that everything is right or that nothing was loaded is what mostly happens; one axis
 // of its own is a mistake, two are two.
-const double kUniform = -1.0, kOneAxis = -2.5, kExchange = -2.0;
+constexpr double kUniform = -1.0, kOneAxis = -4.0, kExchange = -3.0;
 
 /// How much of an error the raw readings show. @param remains share that remains after the correction.
 double shown(double remains, bool loaded) { return loaded ? remains : 1.0 - remains; }
