@@ -22,7 +22,7 @@ SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, 
   const auto interpreter = interpret(target.name, folder.path());
   SignCheck best;
   for (const State& state : needed.states(128, 51)) {
-    Command command = needed.commandOf(state);
+    CommandedState command = needed.commandOf(state);
     for (const auto& [there, here] : exported.sensors)
       if (command.temperature.count(here) != 0) command.temperature[there] = command.temperature[here];
     const std::map<std::string, double> motors = interpreter->motors(command);

@@ -131,8 +131,8 @@ Eigen::VectorXd NeededCorrection::at(const State& command) const {
   return delta;
 }
 
-Command NeededCorrection::commandOf(const State& state) const {
-  Command command;
+CommandedState NeededCorrection::commandOf(const State& state) const {
+  CommandedState command;
   for (const ExportAxis& axis : axes_) {
     const auto j = static_cast<std::size_t>(axis.joint);
     command.position[axis.letter] = state.position[j];

@@ -43,7 +43,7 @@ class NeededCorrection {
   Eigen::Vector3d displacement(const State& state) const { return missed(state, state.position); }
 
   /// The state as a controller knows it, joints by their letters.
-  Command commandOf(const State& state) const;
+  CommandedState commandOf(const State& state) const;
 
  private:
   Eigen::Vector3d truePosition(State state) const;

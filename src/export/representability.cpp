@@ -42,8 +42,8 @@ double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d
   return rms(errors - rigid * solver.solve(errors));
 }
 
-Command commandWith(const NeededCorrection& needed, const State& state, const Exported& exported) {
-  Command command = needed.commandOf(state);
+CommandedState commandWith(const NeededCorrection& needed, const State& state, const Exported& exported) {
+  CommandedState command = needed.commandOf(state);
   for (const auto& [there, here] : exported.sensors) {
     const auto found = command.temperature.find(here);
     if (found != command.temperature.end()) command.temperature[there] = found->second;

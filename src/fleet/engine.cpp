@@ -176,7 +176,7 @@ std::string shellLine(const std::vector<std::string>& words) {
   return line;
 }
 
-std::vector<Chunk> writeChunks(const ResultsFolder& folder, const std::vector<Job>& jobs,
+std::vector<Chunk> writeChunks(const ResultsFolder& folder, const std::vector<BatchJob>& jobs,
                                const EngineOptions& options, int most) {
   const int hosts = std::max<int>(1, static_cast<int>(options.hosts.size()));
   const auto count = static_cast<int>(jobs.size());

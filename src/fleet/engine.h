@@ -21,11 +21,11 @@ struct EngineOptions {
 /// The jobs of one process of an engine, as a file in `work`; as they end, it appends their keys to another.
 struct Chunk {
   std::filesystem::path file, ended;
-  std::vector<Job> jobs;
+  std::vector<BatchJob> jobs;
 };
 
 /// Cuts the jobs into chunks and writes their files. @param most chunks that the engine takes at a time.
-std::vector<Chunk> writeChunks(const ResultsFolder& folder, const std::vector<Job>& jobs,
+std::vector<Chunk> writeChunks(const ResultsFolder& folder, const std::vector<BatchJob>& jobs,
                                const EngineOptions& options, int most);
 /// What `writeChunks` wrote, and the folder of the results. @throw InputError: damaged.
 struct ChunkToDo {

@@ -57,7 +57,7 @@ FleetDatabase::FleetDatabase(const std::filesystem::path& file, Database::Use us
   });
 }
 
-std::set<std::string> FleetDatabase::plan(const std::vector<Job>& jobs) {
+std::set<std::string> FleetDatabase::plan(const std::vector<BatchJob>& jobs) {
   std::set<std::string> entered;
   database_.together([&] {
     Database::Statement retire =
@@ -69,12 +69,12 @@ std::set<std::string> FleetDatabase::plan(const std::vector<Job>& jobs) {
         "session=?5, model=?6, calibration=?7, source=?8, current=1");
     Database::Statement status = database_.prepare("SELECT status FROM jobs WHERE key=?1");
     std::set<std::string> keys;
-    for (const Job& job : jobs) keys.insert(job.key);
-    for (const Job& job : jobs) {
+    for (const BatchJob& job : jobs) keys.insert(job.key);
+    for (const BatchJob& job : jobs) {
       retire.bind(1, job.bag.string()).bind(2, job.model.string()).bind(3, job.key).step();
       retire.reset();
     }
-    for (const Job& job : jobs) {
+    for (const BatchJob& job : jobs) {
       insert.bind(1, job.key).bind(2, job.machine).bind(3, job.serial).bind(4, job.date);
       insert.bind(5, job.bag.string()).bind(6, job.model.string()).bind(7, job.calibration.string());
       insert.bind(8, job.source).step();

@@ -25,7 +25,7 @@ class FleetDatabase {
 
   /// Tells of the jobs of a manifest; those of an earlier one of the same sessions and models (changed since)
   /// are not current any more. @return keys whose results the tables hold already.
-  std::set<std::string> plan(const std::vector<Job>& jobs);
+  std::set<std::string> plan(const std::vector<BatchJob>& jobs);
   /// Enters finished jobs of the plan, once: entering one again changes nothing.
   void enter(const std::vector<JobResult>& results, const ResultsFolder& folder);
   /// A job that is to be done again: what was entered is taken out.

@@ -38,11 +38,11 @@ const std::vector<std::string>& batchSteps() {
   return steps;
 }
 
-bool Job::does(const std::string& step) const {
+bool BatchJob::does(const std::string& step) const {
   return std::find(steps.begin(), steps.end(), step) != steps.end();
 }
 
-std::string keyOf(const Job& job) {
+std::string keyOf(const BatchJob& job) {
   std::string bytes = "mm job 1\n";
   addPart(bytes, MM_VERSION);
   addPart(bytes, readFile(job.bag));
@@ -62,7 +62,7 @@ std::string keyOf(const Job& job) {
   return digits;
 }
 
-nlohmann::json jobJson(const Job& job) {
+nlohmann::json jobJson(const BatchJob& job) {
   return {{"key", job.key},
           {"bag", job.bag.string()},
           {"model", job.model.string()},
@@ -78,8 +78,8 @@ nlohmann::json jobJson(const Job& job) {
           {"source", job.source}};
 }
 
-Job jobOf(const nlohmann::json& json) {
-  Job job;
+BatchJob jobOf(const nlohmann::json& json) {
+  BatchJob job;
   job.key = json.at("key").get<std::string>();
   job.bag = json.at("bag").get<std::string>();
   job.model = json.at("model").get<std::string>();

@@ -14,7 +14,7 @@ const std::vector<std::string>& batchSteps();
 
 /// One session with one model, and what to do with it. `key` names its folder: a hash of everything that the
 /// result depends on, and of nothing else, so that the same job is never done twice.
-struct Job {
+struct BatchJob {
   std::string key;
   std::filesystem::path bag, model, calibration;  // absolute; model, calibration: empty where none is needed
   std::string space;                              // namespace of the topics
@@ -32,11 +32,11 @@ struct Job {
 
 /// The key of a job: 32 hexadecimal digits of a SHA-1 over the bytes of its files (the model's URDF, too),
 /// its options and the version of the package. @throw InputError: a file cannot be read.
-std::string keyOf(const Job& job);
+std::string keyOf(const BatchJob& job);
 
 /// For the files that tell a process of an engine what to do.
-nlohmann::json jobJson(const Job& job);
-Job jobOf(const nlohmann::json& json);  ///< @throw nlohmann::json::exception: not as jobJson wrote it
+nlohmann::json jobJson(const BatchJob& job);
+BatchJob jobOf(const nlohmann::json& json);  ///< @throw nlohmann::json::exception: not as jobJson wrote it
 
 /// The folder of results, as `mm batch -o` names it:
 ///

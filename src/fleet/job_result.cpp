@@ -178,7 +178,7 @@ JobResult parseResult(const std::string& text, const std::string& source) {
   }
 }
 
-void readStepFiles(const fs::path& folder, const Job& job, JobResult& result) {
+void readStepFiles(const fs::path& folder, const BatchJob& job, JobResult& result) {
   std::error_code ignored;
   try {
     for (const char* name : {"added.yaml", "calibration.yaml"})

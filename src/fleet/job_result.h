@@ -45,7 +45,7 @@ JobResult parseResult(const std::string& text, const std::string& source);
 
 /// Fills in what the steps left in the job's folder: calibration.yaml, diagnose.json, verify.json.
 /// @throw InputError: a file is damaged.
-void readStepFiles(const std::filesystem::path& folder, const Job& job, JobResult& result);
+void readStepFiles(const std::filesystem::path& folder, const BatchJob& job, JobResult& result);
 
 /// The parameters of a calibration, in the unit of people.
 std::vector<FleetParameter> parametersOf(const Calibration& calibration);

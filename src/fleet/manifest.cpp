@@ -26,7 +26,7 @@ struct Choices {
   std::vector<std::string> steps{"check", "calibrate", "diagnose"};
   std::vector<fs::path> models;
   fs::path calibration;
-  Job job;  // method, seed, repeatability, namespace
+  BatchJob job;  // method, seed, repeatability, namespace
 };
 
 /// A file that an entry names, relative to the manifest.
@@ -111,7 +111,7 @@ std::string dateOf(const YamlMapping& entry) {
 
 /// What the steps of an entry need and do not have.
 void checkNeeds(const YamlMapping& entry, const Choices& c) {
-  Job job;
+  BatchJob job;
   job.steps = c.steps;
   if (job.does("calibrate") && c.models.empty())
     entry.fail("", "step calibrate needs a model; give model, here or for all sessions");
@@ -123,10 +123,10 @@ void checkNeeds(const YamlMapping& entry, const Choices& c) {
           "", std::string("step ") + step + " needs a calibration; add step calibrate, or give calibration");
 }
 
-void addJobs(const YamlMapping& entry, const fs::path& folder, Choices c, std::vector<Job>& jobs) {
+void addJobs(const YamlMapping& entry, const fs::path& folder, Choices c, std::vector<BatchJob>& jobs) {
   readChoices(entry, folder, c);
   checkNeeds(entry, c);
-  Job job = c.job;
+  BatchJob job = c.job;
   job.steps = c.steps;
   job.source = entry.source() + ":" + std::to_string(entry.line());
   if (entry.has("serial")) job.serial = entry.text("serial");
@@ -146,15 +146,15 @@ void addJobs(const YamlMapping& entry, const fs::path& folder, Choices c, std::v
 }
 
 /// Jobs of equal content are one; of two machines they are a mistake.
-void takeOnce(std::vector<Job>& all, Manifest& manifest) {
+void takeOnce(std::vector<BatchJob>& all, Manifest& manifest) {
   std::map<std::string, std::size_t> seen;
-  for (Job& job : all) {
+  for (BatchJob& job : all) {
     const auto [at, isNew] = seen.emplace(job.key, manifest.jobs.size());
     if (isNew) {
       manifest.jobs.push_back(std::move(job));
       continue;
     }
-    const Job& first = manifest.jobs[at->second];
+    const BatchJob& first = manifest.jobs[at->second];
     if (first.machine != job.machine)
       throw InputError(job.source + ": bags: " + job.bag.string() + " of machine '" + job.machine +
                        "' has the same content as " + first.bag.string() + " of machine '" + first.machine +
@@ -176,7 +176,7 @@ Manifest loadManifest(const fs::path& file) {
   readChoices(root, folder, common);
   known = kOptions;
   known.insert(known.end(), {"bags", "machine", "serial", "date"});
-  std::vector<Job> jobs;
+  std::vector<BatchJob> jobs;
   for (const YAML::Node& node : root.list("sessions"))
     addJobs(YamlMapping(node, source, "the entry of sessions", known), folder, common, jobs);
   if (jobs.empty()) root.fail("sessions", "names no session; give a list of {bags: …, machine: …}");

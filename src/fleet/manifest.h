@@ -9,7 +9,7 @@ namespace mm {
 
 /// What `mm batch` is to do: the jobs of a manifest, in its order, with their keys.
 struct Manifest {
-  std::vector<Job> jobs;
+  std::vector<BatchJob> jobs;
   std::vector<std::string> remarks;  // a line each: what is there twice, and is done once
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 class BeckhoffInterpreter : public Interpreter {
  public:
-  std::map<std::string, double> motors(const Command& command) const override {
+  std::map<std::string, double> motors(const CommandedState& command) const override {
     std::map<std::string, double> motors = TableSum(tables).motors(command);
     for (const auto& [joint, compensations] : lists) {
       const auto motor = motors.find(joint);

@@ -72,7 +72,7 @@ class LeadscrewCompensation : public ListCompensation {
     negative_ = {positions, negative, period};
   }
 
-  double added(const Command& command) const override {
+  double added(const CommandedState& command) const override {
     const double position = commanded(command, joint_);
     return byDirection(command, joint_, positive_.at(position), negative_.at(position));
   }
@@ -117,7 +117,9 @@ class CrossCompensation : public ListCompensation {
     }
     curve_ = {positions, values};
   }
-  double added(const Command& command) const override { return curve_.at(commanded(command, master_)); }
+  double added(const CommandedState& command) const override {
+    return curve_.at(commanded(command, master_));
+  }
 
  private:
   std::string master_;
@@ -154,7 +156,7 @@ class PlaneCompensation : public ListCompensation {
     across_ = std::move(across);
   }
 
-  double added(const Command& command) const override {
+  double added(const CommandedState& command) const override {
     std::vector<double> column;
     for (const Curve& row : rows_) column.push_back(row.at(commanded(command, first_)));
     return Curve(across_, column).at(commanded(command, second_));

@@ -38,7 +38,7 @@ class CompensationList {
 class ListCompensation {
  public:
   virtual ~ListCompensation() = default;
-  virtual double added(const Command& command) const = 0;  ///< to the axis of the list
+  virtual double added(const CommandedState& command) const = 0;  ///< to the axis of the list
 };
 
 /// What the list of axis `slave` compensates. @param axes logical number of an axis -> joint.

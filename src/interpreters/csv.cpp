@@ -20,7 +20,7 @@ class CsvInterpreter : public Interpreter {
  public:
   explicit CsvInterpreter(const std::filesystem::path& folder) : tables_(folder) {}
 
-  std::map<std::string, double> motors(const Command& command) const override {
+  std::map<std::string, double> motors(const CommandedState& command) const override {
     const std::vector<ChainJoint>& chain = tables_.chain();
     std::vector<SmallMotion> errors, locations, none(chain.size());
     Eigen::VectorXd position(chain.size());

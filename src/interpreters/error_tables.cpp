@@ -170,7 +170,7 @@ void ErrorTables::readLocations(const std::filesystem::path& file) {
   }
 }
 
-SmallMotion ErrorTables::component(std::size_t joint, const Command& command) const {
+SmallMotion ErrorTables::component(std::size_t joint, const CommandedState& command) const {
   SmallMotion errors;
   for (const Component& component : components_) {
     if (component.joint != joint) continue;

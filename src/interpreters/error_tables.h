@@ -33,7 +33,7 @@ class ErrorTables {
   const std::vector<ChainJoint>& chain() const { return chain_; }  ///< from workpiece to tool
   const Eigen::Vector3d& tip() const { return tip_; }              ///< from the last joint, m
   /// Component errors of a joint at a command.
-  SmallMotion component(std::size_t joint, const Command& command) const;
+  SmallMotion component(std::size_t joint, const CommandedState& command) const;
   /// Its errors of location and orientation.
   const SmallMotion& location(std::size_t joint) const { return locations_[joint]; }
 

@@ -8,7 +8,7 @@
 namespace mm {
 
 /// One steady state of a machine, as its controller knows it.
-struct Command {
+struct CommandedState {
   std::map<std::string, double> position;     // commanded position of each joint, uncompensated: m, rad
   std::map<std::string, int> direction;       // of the joint's last motion: +1, -1; 0 or absent: not known
   std::map<std::string, double> temperature;  // sensor of the controller -> degC
@@ -27,7 +27,7 @@ class Interpreter {
   /// whose direction is not known the mean of both directions, which no controller drives but which is
   /// between the two.
   /// @throw InputError where the tables need a joint or a temperature that `command` does not have.
-  virtual std::map<std::string, double> motors(const Command& command) const = 0;
+  virtual std::map<std::string, double> motors(const CommandedState& command) const = 0;
 };
 
 /// Reads the files in `folder` as the controller `target` would: names and grammar in docs/interpreters.md.

@@ -17,7 +17,7 @@ class KlipperInterpreter : public Interpreter {
  public:
   explicit KlipperInterpreter(KlipperState state) : state_(std::move(state)) {}
 
-  std::map<std::string, double> motors(const Command& command) const override {
+  std::map<std::string, double> motors(const CommandedState& command) const override {
     const bool skewed = state_.skew.xy != 0.0 || state_.skew.xz != 0.0 || state_.skew.yz != 0.0;
     if (!skewed && !state_.mesh && !state_.thermal) return command.position;
     double x = commanded(command, "x") / kMillimetre, y = commanded(command, "y") / kMillimetre,
@@ -37,7 +37,7 @@ class KlipperInterpreter : public Interpreter {
 
  private:
   /// mm. Steps of the z motor are not counted: Klipper leaves changes below one of them out.
-  double thermal(const Command& command) const {
+  double thermal(const CommandedState& command) const {
     if (!state_.thermal || !state_.thermal->enabled || state_.thermal->coefficient == 0.0) return 0.0;
     const double reference = state_.thermal->reference ? *state_.thermal->reference
                                                        : temperature(command, "z_thermal_adjust_homed");
@@ -48,7 +48,7 @@ class KlipperInterpreter : public Interpreter {
                : adjust;
   }
 
-  static double temperature(const Command& command, const char* sensor) {
+  static double temperature(const CommandedState& command, const char* sensor) {
     const auto found = command.temperature.find(sensor);
     if (found == command.temperature.end())
       throw InputError(

@@ -35,7 +35,7 @@ class MarlinInterpreter : public Interpreter {
       backlash_.set(joint, settings_.correction * distance);
   }
 
-  std::map<std::string, double> motors(const Command& command) const override {
+  std::map<std::string, double> motors(const CommandedState& command) const override {
     std::map<std::string, double> motors = command.position;
     if (settings_.xy != 0.0 || settings_.xz != 0.0 || settings_.yz != 0.0) skew(command, motors);
     for (auto& [joint, motor] : motors) {
@@ -47,7 +47,7 @@ class MarlinInterpreter : public Interpreter {
 
  private:
   /// Nothing is skewed where the command, or what comes of it, is beyond the machine.
-  void skew(const Command& command, std::map<std::string, double>& motors) const {
+  void skew(const CommandedState& command, std::map<std::string, double>& motors) const {
     const double x = commanded(command, "x") / kMillimetre, y = commanded(command, "y") / kMillimetre,
                  z = commanded(command, "z") / kMillimetre;
     const MarlinSettings& s = settings_;

@@ -20,7 +20,7 @@ class RrfInterpreter : public Interpreter {
  public:
   explicit RrfInterpreter(RrfSettings settings) : settings_(std::move(settings)) {}
 
-  std::map<std::string, double> motors(const Command& command) const override {
+  std::map<std::string, double> motors(const CommandedState& command) const override {
     std::map<std::string, double> motors = command.position;
     const RrfSettings& s = settings_;
     if (s.xy != 0.0 || s.yz != 0.0 || s.xz != 0.0) {

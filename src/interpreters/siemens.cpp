@@ -20,7 +20,7 @@ struct SiemensCurve {
   Curve curve;
   int multipliedBy = -1;  // index of the other table; -1: none
 
-  double at(const Command& command) const {
+  double at(const CommandedState& command) const {
     const double value = weight * curve.at(commanded(command, input));
     return byDirection(command, input, direction >= 0 ? value : 0.0, direction <= 0 ? value : 0.0);
   }
@@ -87,7 +87,7 @@ class SiemensInterpreter : public Interpreter {
     }
   }
 
-  std::map<std::string, double> motors(const Command& command) const override {
+  std::map<std::string, double> motors(const CommandedState& command) const override {
     std::map<std::string, double> motors = TableSum(backlash_).motors(command);
     const auto move = [&](const std::string& joint, double correction) {
       const auto motor = motors.find(joint);

@@ -24,7 +24,7 @@ double Curve::at(double position) const {
   return values_[i - 1] + part * (values_[i] - values_[i - 1]);
 }
 
-std::map<std::string, double> TableSum::motors(const Command& command) const {
+std::map<std::string, double> TableSum::motors(const CommandedState& command) const {
   std::map<std::string, double> motors = command.position;
   for (const AxisTable& table : tables_) {
     const auto motor = motors.find(table.output);
@@ -36,7 +36,7 @@ std::map<std::string, double> TableSum::motors(const Command& command) const {
   return motors;
 }
 
-double commanded(const Command& command, const std::string& joint) {
+double commanded(const CommandedState& command, const std::string& joint) {
   const auto found = command.position.find(joint);
   if (found == command.position.end())
     throw InputError("a table of the controller needs the position of joint '" + joint +
@@ -44,7 +44,8 @@ double commanded(const Command& command, const std::string& joint) {
   return found->second;
 }
 
-double byDirection(const Command& command, const std::string& joint, double positive, double negative) {
+double byDirection(const CommandedState& command, const std::string& joint, double positive,
+                   double negative) {
   const auto found = command.direction.find(joint);
   const int direction = found == command.direction.end() ? 0 : found->second;
   if (direction > 0) return positive;

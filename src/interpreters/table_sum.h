@@ -36,16 +36,16 @@ struct AxisTable {
 class TableSum : public Interpreter {
  public:
   explicit TableSum(std::vector<AxisTable> tables) : tables_(std::move(tables)) {}  ///< of a controller
-  std::map<std::string, double> motors(const Command& command) const override;
+  std::map<std::string, double> motors(const CommandedState& command) const override;
 
  private:
   std::vector<AxisTable> tables_;
 };
 
 /// Position of a joint. @throw InputError when the command does not have it.
-double commanded(const Command& command, const std::string& joint);
+double commanded(const CommandedState& command, const std::string& joint);
 /// One of two values by the direction of a joint's last motion; their mean where that is not known.
-double byDirection(const Command& command, const std::string& joint, double positive, double negative);
+double byDirection(const CommandedState& command, const std::string& joint, double positive, double negative);
 /// A number of a joint in the unit of its table to SI: mm, or degrees of joints called a, b, c.
 double jointUnit(const std::string& joint);
 /// `x` of X, X1, X_2. @throw InputError when that is no axis letter (X Y Z A B C U V W).

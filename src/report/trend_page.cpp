@@ -23,7 +23,7 @@ constexpr double kMonth = 30.0;  // days
 
 Json trendObject(const ParameterTrend& t) {
   Json points = Json::array();
-  for (const TrendPoint& p : t.points)
+  for (const ParameterPoint& p : t.points)
     points.push_back({{"id", p.id},
                       {"created", p.created},
                       {"value", number(p.value)},
@@ -96,7 +96,7 @@ std::string trendText(const std::vector<ParameterTrend>& trends) {
   out << trendSentence(trends) << "\n\n";
   out << format("  %-46s %5s  %-24s %s\n", "parameter", "times", "last", "in 30 days (k = 2)");
   for (const ParameterTrend& t : sorted(trends)) {
-    const TrendPoint& last = t.points.back();
+    const ParameterPoint& last = t.points.back();
     out << format("%s %-46s %5zu  %-24s %s\n", t.significant ? "*" : " ",
                   (inWords(t.effect) + ", " + t.name).c_str(), t.points.size(),
                   figure(last.value, last.std, t.unit).c_str(),
@@ -119,8 +119,8 @@ std::string trendPage(const std::vector<ParameterTrend>& trends, const std::stri
                                  {"{{command}}", "mm history --trend"},
                                  {"{{data}}", escapedForScript(dump(data))},
                                  {"{{plotly}}", files.plotly},
-                                 {"{{script}}", webFile("text_parts.js") + webFile("report_parts.js") + webFile("report_plots.js") +
-                                                    webFile("trend.js")}});
+                                 {"{{script}}", webFile("text_parts.js") + webFile("report_parts.js") +
+                                                    webFile("report_plots.js") + webFile("trend.js")}});
 }
 
 std::string changesJson(const CalibrationChanges& c) {

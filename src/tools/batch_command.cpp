@@ -27,7 +27,7 @@ constexpr std::size_t kWhysPrinted = 20;
 
 /// A step that this mm does not have is said before the first job.
 void checkSteps(const CLI::App& app, const Manifest& manifest) {
-  for (const Job& job : manifest.jobs)
+  for (const BatchJob& job : manifest.jobs)
     for (const std::string& step : job.steps) {
       const std::string command = step == "add_all" ? "add" : step;
       const auto all = app.get_subcommands(nullptr);

@@ -30,13 +30,13 @@ constexpr const char* kCalibrationFile = "calibration.yaml";
 constexpr const char* kAddedFile = "added.yaml";
 
 /// The calibration that the steps after calibrate judge by.
-fs::path calibrationFor(const Job& job, const fs::path& folder) {
+fs::path calibrationFor(const BatchJob& job, const fs::path& folder) {
   if (job.does("calibrate")) return folder / kCalibrationFile;
   return job.calibration;
 }
 
 /// The line that would be typed for a step, after `mm`.
-std::vector<std::string> wordsOf(const std::string& step, const Job& job, const fs::path& folder) {
+std::vector<std::string> wordsOf(const std::string& step, const BatchJob& job, const fs::path& folder) {
   const std::string bag = job.bag.string();
   std::vector<std::string> words{step == "add_all" ? "add" : step, bag};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
@@ -81,7 +81,7 @@ std::string lastWordsOf(const fs::path& log) {
 }
 
 /// What the tables want of the session itself: a step of its own that is not typed.
-int describeSession(const Job& job, const fs::path& file) {
+int describeSession(const BatchJob& job, const fs::path& file) {
   std::optional<Machine> machine;
   if (!job.model.empty()) {
     const ModelSpec model = loadModelSpec(job.model.string());
@@ -103,7 +103,7 @@ int describeSession(const Job& job, const fs::path& file) {
 /// One job: its steps, each in a process of its own, and what they found.
 class JobRun {
  public:
-  JobRun(const Job& job, fs::path folder, MmProgram program, int limit)
+  JobRun(const BatchJob& job, fs::path folder, MmProgram program, int limit)
       : job_(job), folder_(std::move(folder)), program_(program), limit_(limit) {
     result_.key = job.key;
     result_.software = MM_VERSION;
@@ -176,7 +176,7 @@ class JobRun {
   }
 
   static constexpr int kSignalled = 128;
-  const Job& job_;
+  const BatchJob& job_;
   fs::path folder_;
   MmProgram program_;
   int limit_;
@@ -185,7 +185,7 @@ class JobRun {
 };
 
 /// @return false: Ctrl-C came, and nothing of the job is kept.
-bool doJob(const Job& job, const ResultsFolder& results, MmProgram program, int limit) {
+bool doJob(const BatchJob& job, const ResultsFolder& results, MmProgram program, int limit) {
   const fs::path folder = results.begin(job.key);
   JobRun run(job, folder, program, limit);
   try {
@@ -214,7 +214,7 @@ int doChunk(const fs::path& file, MmProgram program, int limit) {
   const ChunkToDo todo = readChunk(file);
   const ResultsFolder results(todo.folder);
   const int ended = ::open(todo.chunk.ended.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  for (const Job& job : todo.chunk.jobs) {
+  for (const BatchJob& job : todo.chunk.jobs) {
     if (!results.finished(job.key) && !doJob(job, results, program, limit)) return kStopped;
     const std::string line = job.key + "\n";
     if (ended >= 0 && ::write(ended, line.data(), line.size()) < 0) continue;  // found in its folder then

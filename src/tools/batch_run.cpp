@@ -35,7 +35,7 @@ class Bookkeeping {
       : results_(results), tables_(results.database(), Database::Use::kWrite) {
     const std::set<std::string> entered = tables_.plan(manifest.jobs);
     std::vector<JobResult> toEnter;
-    for (const Job& job : manifest.jobs) {
+    for (const BatchJob& job : manifest.jobs) {
       sources_[job.key] = job.source + ": " + job.bag.string();
       std::optional<JobResult> result;
       if (const auto text = results.result(job.key)) result = parseResult(*text, place(job.key));
@@ -58,7 +58,7 @@ class Bookkeeping {
     summary_.jobs = manifest.jobs.size();
   }
 
-  const std::vector<Job>& toDo() const { return toDo_; }
+  const std::vector<BatchJob>& toDo() const { return toDo_; }
   std::size_t waiting() const { return waiting_.size(); }
   BatchSummary& summary() { return summary_; }
 
@@ -108,7 +108,7 @@ class Bookkeeping {
   std::map<std::string, std::string> sources_;
   std::map<std::string, std::streamoff> read_;
   std::set<std::string> waiting_;
-  std::vector<Job> toDo_;
+  std::vector<BatchJob> toDo_;
   BatchSummary summary_;
 };
 

@@ -17,7 +17,7 @@ struct UncertaintyOptions {
   std::vector<std::string> temperatures, joints, directions;
   TaskOptions points;
   TaskConditions conditions;
-  TrialOptions trials;
+  MonteCarloOptions trials;
   unsigned threads = 0;
   double repeatabilityUm = -1.0, scale = 0.0, radiusUm = 0.0, remainderMm = -1.0, speedMm = 2.0;
   double toleranceUm = kNotMeasured, measuredMm = kNotMeasured, mpeProbingUm = kNotMeasured;

@@ -132,7 +132,7 @@ void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std:
 }  // namespace
 
 TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachine& machine,
-                                const TrialOptions& options) {
+                                const MonteCarloOptions& options) {
   TaskUncertainty result;
   result.task = task.text();
   result.seed = options.seed;

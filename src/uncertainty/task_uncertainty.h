@@ -38,7 +38,7 @@ struct TaskUncertainty {
   std::vector<std::string> notes;
 };
 
-struct TrialOptions {
+struct MonteCarloOptions {
   std::uint64_t seed = 1;
   std::size_t trials = 0;  // 0: as many as make `digits` digits stable
   std::size_t most = 1500000;
@@ -55,6 +55,6 @@ struct TrialOptions {
 /// their sum.
 /// @throw InputError: the task has no such quantity. Cancelled.
 TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachine& machine,
-                                const TrialOptions& options);
+                                const MonteCarloOptions& options);
 
 }  // namespace mm

@@ -32,7 +32,7 @@ std::vector<const Calibration*> ofOneMachine(const std::vector<Calibration>& all
 void fitLine(ParameterTrend& t) {
   double weights = 0.0, day = 0.0, value = 0.0;
   int count = 0;
-  for (const TrendPoint& p : t.points) {
+  for (const ParameterPoint& p : t.points) {
     if (!p.comparable || !(p.std > 0.0)) continue;
     const double w = 1.0 / (p.std * p.std);
     weights += w, day += w * p.day, value += w * p.value;
@@ -42,7 +42,7 @@ void fitLine(ParameterTrend& t) {
   t.middleDay = day / weights;
   t.atMiddle = value / weights;
   double square = 0.0, product = 0.0;
-  for (const TrendPoint& p : t.points) {
+  for (const ParameterPoint& p : t.points) {
     if (!p.comparable || !(p.std > 0.0)) continue;
     const double w = 1.0 / (p.std * p.std), d = p.day - t.middleDay;
     square += w * d * d;
@@ -51,7 +51,7 @@ void fitLine(ParameterTrend& t) {
   if (!(square > 0.0)) return;
   t.slope = product / square;
   double chi2 = 0.0;
-  for (const TrendPoint& p : t.points)
+  for (const ParameterPoint& p : t.points)
     if (p.comparable && p.std > 0.0)
       chi2 += std::pow((p.value - t.atMiddle - t.slope * (p.day - t.middleDay)) / p.std, 2);
   const double birge = count > 2 ? std::max(1.0, chi2 / (count - 2)) : 1.0;
@@ -125,7 +125,7 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
         found->name = v.name;
         found->unit = v.unit;
       }
-      TrendPoint point;
+      ParameterPoint point;
       point.id = (*c)->id;
       point.created = (*c)->created;
       point.day = daysOf(point.created) - first;
@@ -136,7 +136,7 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
     }
   for (ParameterTrend& t : trends) {
     fitLine(t);
-    const auto comparable = [](const TrendPoint& p) { return p.comparable; };
+    const auto comparable = [](const ParameterPoint& p) { return p.comparable; };
     const auto begin = std::find_if(t.points.begin(), t.points.end(), comparable);
     if (begin == t.points.end()) continue;
     t.change = t.points.back().value - begin->value;

@@ -8,7 +8,7 @@
 namespace mm {
 
 /// One parameter in one calibration, in its unit for people.
-struct TrendPoint {
+struct ParameterPoint {
   std::string id, created;  // of the calibration; ISO 8601, UTC
   double day = 0.0;         // since the first of all calibrations
   double value = 0.0, std = 0.0;
@@ -19,7 +19,7 @@ struct TrendPoint {
 struct ParameterTrend {
   EffectSpec effect;
   std::string name, unit;
-  std::vector<TrendPoint> points;  // as time goes
+  std::vector<ParameterPoint> points;  // as time goes
   /// Weighted straight line through the comparable points, unit/day; where they scatter more than their
   /// uncertainties say, these are taken larger (Birge 1932). NaN: fewer than two, or all of one time.
   double slope = std::numeric_limits<double>::quiet_NaN(), slopeStd = slope;

@@ -20,8 +20,8 @@ class FleetDatabaseTest : public testing::Test {
     std::string pattern = (fs::temp_directory_path() / "mm_database_XXXXXX").string();
     return mkdtemp(pattern.data());
   }
-  static Job job(const std::string& key, const std::string& bag) {
-    Job j;
+  static BatchJob job(const std::string& key, const std::string& bag) {
+    BatchJob j;
     j.key = key;
     j.bag = bag;
     j.model = "/model.yaml";

@@ -76,7 +76,7 @@ TEST_F(ResultsFolderTest, twoRunsAtATimeAreRefusedAndAnEndedOneIsForgotten) {
 }
 
 TEST_F(ResultsFolderTest, chunksHoldEveryJobOnceAndAreReadBack) {
-  std::vector<Job> jobs(23);
+  std::vector<BatchJob> jobs(23);
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     jobs[i].key = "key" + std::to_string(i);
     jobs[i].bag = "/a folder/it's " + std::to_string(i) + ".bag";
@@ -90,7 +90,7 @@ TEST_F(ResultsFolderTest, chunksHoldEveryJobOnceAndAreReadBack) {
   for (const Chunk& chunk : chunks) {
     const ChunkToDo todo = readChunk(chunk.file);
     EXPECT_EQ(todo.chunk.ended, chunk.ended);
-    for (const Job& job : todo.chunk.jobs) {
+    for (const BatchJob& job : todo.chunk.jobs) {
       EXPECT_EQ(job.key, jobs[next].key);
       EXPECT_EQ(job.bag, jobs[next].bag);
       EXPECT_EQ(job.steps, jobs[next++].steps);

@@ -70,7 +70,7 @@ TEST(CsvInterpreter, ARotaryMotorTakesItsOwnAngle) {
             "about\n"
             "c,rotary,0,0,-1,0,0,0,fixed_side\nx,linear,1,0,0,0,0,0,fixed_side\ntip,,,,,0,0,0,\n")
       .file("ECC.csv", "position_deg,value_urad\n0,100\n360,100\n");
-  Command command = atMillimetres({{"x", 100.0}});
+  CommandedState command = atMillimetres({{"x", 100.0}});
   command.position["c"] = 0.5;
   const auto motors = interpret("csv", folder.path())->motors(command);
   // the axis points down: its positive turn is a negative one about z

@@ -70,7 +70,7 @@ TEST(FanucInterpreter, ARotaryAxisRepeatsItsTurn) {
       "N01020 A1 P67\nN03620 A1 P60\nN03621 A1 P60\nN03622 A1 P68\nN03624 A1 P45000\nN03625 A1 P360000\n";
   TableFolder folder, growing, points;
   folder.file("parameters.txt", head + "N10061 P3\nN10068 P-3\nN10060 P-3\n");
-  Command command;
+  CommandedState command;
   command.position["c"] = (360.0 + 90.0) * kDegree;
   command.direction["c"] = 1;
   EXPECT_NEAR(interpret("fanuc", folder.path())->motors(command).at("c"), (450.0 + 0.003) * kDegree, 1e-12);

@@ -50,7 +50,7 @@ TEST(HeidenhainInterpreter, ARotaryAxisGoesRound) {
   TableFolder folder;
   folder.file("config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE C\n0 * C.COM\n[END]\n")
       .file("C.COM", "BEGIN C.COM MM\nNR AXISPOS C\n0 0 0\n1 180 0.02\n2 360 0\n[END]\n");
-  Command command;
+  CommandedState command;
   command.position["c"] = -90.0 * kDegree;
   EXPECT_NEAR(interpret("heidenhain", folder.path())->motors(command).at("c"), -90.01 * kDegree, 1e-12);
 }

@@ -35,8 +35,8 @@ class TableFolder {
 };
 
 /// A state in mm; `direction` of all of its joints.
-inline Command atMillimetres(const std::map<std::string, double>& position, int direction = 1) {
-  Command command;
+inline CommandedState atMillimetres(const std::map<std::string, double>& position, int direction = 1) {
+  CommandedState command;
   for (const auto& [joint, value] : position) {
     command.position[joint] = value * kMillimetre;
     command.direction[joint] = direction;
@@ -45,7 +45,7 @@ inline Command atMillimetres(const std::map<std::string, double>& position, int 
 }
 
 /// What is added to the motor of `joint`, um.
-inline double addedMicrometres(const Interpreter& interpreter, const Command& command,
+inline double addedMicrometres(const Interpreter& interpreter, const CommandedState& command,
                                const std::string& joint) {
   return (interpreter.motors(command).at(joint) - command.position.at(joint)) / kMicrometre;
 }

@@ -99,7 +99,7 @@ TEST(KlipperInterpreter, HeatLowersZByTheCoefficient) {
   folder.file("printer.cfg", "[z_thermal_adjust]\ntemp_coeff: 0.01\nmax_z_adjustment: 0.15\n")
       .file("start.gcode", "SET_Z_THERMAL_ADJUST REF_TEMP=25\n");
   const auto interpreter = interpret("klipper", folder.path());
-  Command command = atMillimetres({{"x", 0}, {"y", 0}, {"z", 5}});
+  CommandedState command = atMillimetres({{"x", 0}, {"y", 0}, {"z", 5}});
   EXPECT_THROW(interpreter->motors(command), InputError);
   command.temperature["z_thermal_adjust"] = 35.0;
   EXPECT_NEAR(addedMicrometres(*interpreter, command, "z"), -100.0, kNanometre);

@@ -65,7 +65,7 @@ TEST(LinuxcncInterpreter, UnitsAreThoseOfTheIniFile) {
               "[JOINT_2]\nTYPE = ANGULAR\nBACKLASH = 0.02\n");
   const auto interpreter = interpret("linuxcnc", folder.path());
   EXPECT_NEAR(added(*interpreter, 3.0, 1), 12.7, kNanometre);
-  Command command;
+  CommandedState command;
   command.position["a"] = 1.0;
   command.direction["a"] = -1;
   EXPECT_NEAR(interpreter->motors(command).at("a"), 1.0 - 0.01 * kDegree, 1e-12);

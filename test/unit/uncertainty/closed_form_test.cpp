@@ -51,7 +51,7 @@ TEST(ClosedForm, WhiteProbeNoiseOnADistanceAndOnABall) {
       design.row(i) << ballDirections(points)[static_cast<std::size_t>(i)].transpose(), 1.0;
     const Eigen::Matrix4d covariance = (design.transpose() * design).inverse() * 0.4e-6 * 0.4e-6;
     const auto task = test::taskOf("ball:0,0,0,4", c, points);
-    TrialOptions options;
+    MonteCarloOptions options;
     options.trials = 40000;
     const TaskUncertainty u = taskUncertainty(*task, VirtualMachine(c, *task, {}), options);
     expectStd(u, 2.0 * std::sqrt(covariance(3, 3)));
@@ -185,7 +185,7 @@ TEST(Trials, AreStableInTheDigitsThatWereAskedAndDoNotDependOnThreads) {
   setNoise(c, 0.1e-6);
   const auto task = test::taskOf("distance:0,0,0:10,0,0", c);
   const VirtualMachine machine(c, *task, {});
-  TrialOptions options;
+  MonteCarloOptions options;
   TaskUncertainty one, two, other;
   Threads(1).run([&] { one = taskUncertainty(*task, machine, options); });
   Threads(2).run([&] { two = taskUncertainty(*task, machine, options); });

@@ -37,7 +37,7 @@ inline TaskUncertainty uncertaintyFor(const std::string& text, const Calibration
                                       const TaskConditions& conditions = {}, std::size_t trials = 40000,
                                       std::uint64_t seed = 1) {
   const std::unique_ptr<MeasurementTask> task = taskOf(text, c);
-  TrialOptions options;
+  MonteCarloOptions options;
   options.trials = trials;
   options.seed = seed;
   return taskUncertainty(*task, VirtualMachine(c, *task, conditions), options);
