@@ -37,7 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const mm::EffectSpec& effect : spec.effects)
     mm::fuzz::takes([&] {
       const mm::Model model(machine, domain, {effect});
-      if (model.start().size() != model.parameterCount()) mm::fuzz::broken("as many start values as parameters");
+      if (model.start().size() != model.parameterCount())
+        mm::fuzz::broken("as many start values as parameters");
     });
   return 0;
 }
