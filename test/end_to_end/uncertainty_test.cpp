@@ -81,6 +81,9 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   expectRefused("certificate --check tampered.html", {"tampered.html", "was changed"});
   expectRefused("certificate --check s.csv", {"s.csv", "no seal"});
   expectRefused("certificate c.yaml -o cert.txt", {"cert.txt", ".pdf or .html"});
+  expectRefused("certificate c.yaml s.bag -o s.bag", {"s.bag", "name another file"});
+  expectRefused("certificate c.yaml --force -o c.yaml", {"c.yaml", "name another file"});
+  expectRefused("certificate c.yaml -o plan.yaml", {"plan.yaml", "a measurement plan"});
   expectRefused("certificate c.yaml", {"-o"});
   expectRefused("certificate -o cert.pdf", {"calibration"});
   std::filesystem::remove(*folder_ / "cert.html");
