@@ -1,5 +1,6 @@
 // The certificate as HTML: a page of paper first of all.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "base/format.h"
@@ -16,8 +17,17 @@
 namespace mm {
 namespace {
 
+/// What stands at the foot of every printed page; the id may come from a foreign file.
+std::string footOfPage(const std::string& id) {
+  std::string plain;
+  for (const char c : id)
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-') plain += c;
+  return "@page { @bottom-left { content: \"Calibration certificate " + plain +
+         "\"; font: 8pt sans-serif; color: #444c56; } }\n";
+}
+
 constexpr const char* kStyle = R"(
-@page { size: A4; margin: 17mm 16mm 16mm; }
+@page { size: A4; margin: 17mm 16mm 18mm; @bottom-right { content: "page " counter(page) " of " counter(pages); font: 8pt sans-serif; color: #444c56; } }
 * { box-sizing: border-box; }
 html { color-scheme: light; }
 body { font: 10.5pt/1.42 "DejaVu Sans", "Liberation Sans", Arial, sans-serif; color: #1b1f24; background: #e9ecef; margin: 0; }
@@ -29,7 +39,7 @@ table { border-collapse: collapse; width: 100%; font-size: 9.5pt; font-variant-n
 th { text-align: left; font-weight: 600; vertical-align: top; }
 td, th { padding: .9mm 2mm .9mm 0; border-bottom: .2mm solid #d5dae0; vertical-align: top; overflow-wrap: anywhere; }
 thead th { border-bottom: .3mm solid #6b7683; }
-table.facts th { width: 38mm; color: #444c56; }
+table.facts th { width: 46mm; color: #444c56; }
 td.n, th.n { text-align: right; white-space: nowrap; padding-left: 3mm; }
 tr, figure, .task { break-inside: avoid; }
 thead { display: table-header-group; }
@@ -51,7 +61,7 @@ p { margin: 1.5mm 0; } .small { font-size: 9pt; color: #444c56; }
 
 std::string nicely(std::string text) {  // units as they are printed
   for (const auto& [plain, nice] :
-       {std::pair<std::string, std::string>{"+-", "±"}, {" um", " µm"}, {"degC", "°C"}})
+       {std::pair<std::string, std::string>{"+-", "±"}, {" um", " µm"}, {"um/m", "µm/m"}, {"degC", "°C"}})
     for (std::size_t at = text.find(plain); at != std::string::npos; at = text.find(plain, at + nice.size()))
       text.replace(at, plain.size(), nice);
   return text;
@@ -144,7 +154,7 @@ std::string parameterSection(const Calibration& c) {
     html += "<tr><td>" + shown(inWords(c.effects[static_cast<std::size_t>(v.effect)])) + "</td><td>" +
             shown(v.name) + "</td><td class=\"n\">" + format("%.*f", digits, value) +
             "</td><td class=\"n\">" + (v.fixed ? std::string("held") : format("%.*f", digits, expanded)) +
-            "</td><td>" + (v.unit == "um" ? "µm" : shown(v.unit)) + "</td></tr>\n";
+            "</td><td>" + (v.unit == "um" ? std::string("µm") : shown(v.unit)) + "</td></tr>\n";
   }
   return html + "</tbody></table></div>\n";
 }
@@ -164,8 +174,8 @@ std::string budgetTable(const QuantityUncertainty& q) {
     html += "<tr><td>" + shown(s.source) +
             format(
                 "</td><td class=\"share\"><span class=\"bar\" style=\"width:%.1fmm\"></span> %.0f %%</td>"
-                "<td class=\"n\">%.2g µm</td></tr>\n",
-                34.0 * s.share, 100.0 * s.share, s.std / kMicrometre);
+                "<td class=\"n\">%s µm</td></tr>\n",
+                34.0 * s.share, 100.0 * s.share, twoDigits(s.std / kMicrometre).c_str());
   }
   if (rest >= 0.005)
     html += format("<tr><td>others</td><td class=\"share\">%.0f %%</td><td></td></tr>\n", 100.0 * rest);
@@ -173,10 +183,8 @@ std::string budgetTable(const QuantityUncertainty& q) {
 }
 
 std::string figureText(const QuantityUncertainty& q) {
-  const bool small = q.quantity.nominal == 0.0;  // a form, an error
-  const std::string value =
-      small ? format("%.3g µm", q.mean / kMicrometre) : millimetres(q.mean, q.std) + " mm";
-  return "<b>" + value + "</b>, U = <b>" + format("%.2g µm", 2.0 * q.std / kMicrometre) + "</b> (k = 2)";
+  return "<b>" + nicely(figureOf(q)) + "</b>, U = <b>" + twoDigits(2.0 * q.std / kMicrometre) +
+         " µm</b> (k = 2)";
 }
 
 std::string taskSection(const CertifiedTask& task) {
@@ -293,7 +301,7 @@ std::string certificatePage(const Certificate& c) {
       "'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n<link "
       "rel=\"icon\" "
       "href=\"data:,\">\n<title>Calibration certificate " +
-      escapedHtml(k.id) + " – measuring machine certificate</title>\n<style>" + kStyle +
+      escapedHtml(k.id) + " – measuring machine certificate</title>\n<style>" + kStyle + footOfPage(k.id) +
       "</style>\n</head>\n<body>\n<main>\n<h1>Calibration certificate</h1>\n<p class=\"number\">No. " +
       escapedHtml(k.id) + "</p>\n";
   html += itemSection(c) + referenceSection(c) + environmentSection(k);

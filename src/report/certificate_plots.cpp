@@ -19,14 +19,15 @@ struct PlotScale {
   double low = 0.0, high = 1.0, step = 0.5;
 };
 
-PlotScale scaleOf(double low, double high) {
+/// @param least smallest step between marks: 1 for what is counted.
+PlotScale scaleOf(double low, double high, double least = 0.0) {
   PlotScale s;
   if (!(high > low)) {
     const double half = std::max(1e-3, 0.1 * std::abs(low));
     low -= half;
     high += half;
   }
-  const double raw = (high - low) / 5.0, power = std::pow(10.0, std::floor(std::log10(raw)));
+  const double raw = std::max(least, (high - low) / 5.0), power = std::pow(10.0, std::floor(std::log10(raw)));
   s.step = power * (raw / power < 1.5 ? 1.0 : raw / power < 3.5 ? 2.0 : raw / power < 7.5 ? 5.0 : 10.0);
   s.low = s.step * std::floor(low / s.step + 1e-9);
   s.high = s.step * std::ceil(high / s.step - 1e-9);
@@ -91,7 +92,7 @@ std::string curveOf(const PlotFrame& f, const PlotSeries& s) {
 }  // namespace
 
 std::string svgPlot(const std::string& x, const std::string& y, const std::vector<PlotSeries>& series,
-                    bool fromZero) {
+                    bool fromZero, bool counted) {
   double lowX = 1e300, highX = -1e300, lowY = 1e300, highY = -1e300;
   for (const PlotSeries& s : series)
     for (std::size_t i = 0; i < s.x.size(); ++i) {
@@ -103,7 +104,7 @@ std::string svgPlot(const std::string& x, const std::string& y, const std::vecto
     }
   if (fromZero) lowX = std::min(lowX, 0.0), lowY = std::min(lowY, 0.0);
   if (!(highX >= lowX) || !std::isfinite(lowY) || !std::isfinite(highY)) return {};
-  const PlotFrame f{scaleOf(lowX, highX), scaleOf(lowY, highY)};
+  const PlotFrame f{scaleOf(lowX, highX, counted ? 1.0 : 0.0), scaleOf(lowY, highY)};
   std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\">", kPlotWidth, kPlotHeight) + grid(f);
   double at = kPlotLeft;
   for (const PlotSeries& s : series) {
@@ -154,6 +155,7 @@ std::string lengthsPlot(const TaskUncertainty& lengths) {
 }
 
 std::string historyPlot(const std::vector<LedgerEntry>& ledger) {
+  if (ledger.size() < 2) return {};  // the table says it
   PlotSeries held{"RMS at measurements not used by the fit", kColours[0], {}, {}, {}, false},
       fitted{"RMS of the fit", kColours[2], {}, {}, {}, false};
   const auto add = [](PlotSeries& s, double step, double value) {
@@ -173,7 +175,7 @@ std::string historyPlot(const std::vector<LedgerEntry>& ledger) {
   std::vector<PlotSeries> series;
   for (PlotSeries* s : {&held, &fitted})
     if (s->x.size() >= 2) series.push_back(std::move(*s));
-  return svgPlot("step of the calibration", "µm", series, true);
+  return svgPlot("step of the calibration", "µm", series, true, true);
 }
 
 }  // namespace mm

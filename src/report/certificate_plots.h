@@ -15,10 +15,11 @@ struct PlotSeries {
   bool points = false;             // marks instead of a line
 };
 
-/// @param x, y labels of the axes with their units. @param fromZero both axes show zero. @return empty:
+/// @param x, y labels of the axes with their units. @param fromZero both axes show zero. @param counted
+/// x is marked at whole numbers. @return empty:
 /// nothing to draw.
 std::string svgPlot(const std::string& x, const std::string& y, const std::vector<PlotSeries>& series,
-                    bool fromZero = false);
+                    bool fromZero = false, bool counted = false);
 
 /// Correction over one axis: three components with their expanded uncertainty.
 std::string correctionPlot(const CorrectionCurve& curve);

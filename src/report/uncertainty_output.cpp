@@ -49,8 +49,7 @@ ResultJson verdictJson(const TaskVerdict& v) {
 }
 
 std::string figureLine(const QuantityUncertainty& q) {
-  const std::string um = format("%.2g", 2.0 * q.std / kMicrometre);
-  return millimetres(q.mean, q.std) + " mm, U = " + um + " um (k = 2)";
+  return figureOf(q) + ", U = " + twoDigits(2.0 * q.std / kMicrometre) + " um (k = 2)";
 }
 
 std::string budgetText(const QuantityUncertainty& q) {
@@ -60,7 +59,7 @@ std::string budgetText(const QuantityUncertainty& q) {
   for (const UncertaintyShare& s : q.budget)
     if (s.share >= 0.0005)
       text += format("  %5.1f %%  ", 100.0 * s.share) + s.source +
-              format(" (alone: u = %.2g um)\n", s.std / kMicrometre);
+              " (alone: u = " + twoDigits(s.std / kMicrometre) + " um)\n";
   return text;
 }
 
@@ -69,7 +68,17 @@ std::string budgetText(const QuantityUncertainty& q) {
 std::string millimetres(double value, double std) {
   const double in = std / kMillimetre;
   const int digits = in > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(in))), 0, 9) : 6;
-  return format("%.*f", digits, value / kMillimetre);
+  const std::string text = format("%.*f", digits, value / kMillimetre);
+  return text.find_first_of("123456789") == std::string::npos && text[0] == '-' ? text.substr(1) : text;
+}
+
+std::string twoDigits(double value) {
+  if (!(value > 0.0) || !std::isfinite(value)) return format("%g", value);
+  return format("%.*f", std::clamp(1 - static_cast<int>(std::floor(std::log10(value))), 0, 9), value);
+}
+
+std::string figureOf(const QuantityUncertainty& q) {
+  return q.quantity.oneSided ? format("%.3g um", q.mean / kMicrometre) : millimetres(q.mean, q.std) + " mm";
 }
 
 std::string uncertaintyJson(const TaskUncertainty& result, const std::vector<TaskVerdict>& verdicts,
@@ -106,7 +115,7 @@ std::string uncertaintyJson(const TaskUncertainty& result, const std::vector<Tas
 std::string uncertaintyText(const TaskUncertainty& result, const std::vector<TaskVerdict>& verdicts) {
   const QuantityUncertainty& headline = result.quantities[result.headline];
   std::string text = result.task + "\n" + headline.quantity.name + ": " + figureLine(headline) + "\n";
-  text += format("Standard uncertainty %.2g um; 95 %% between ", headline.std / kMicrometre) +
+  text += "Standard uncertainty " + twoDigits(headline.std / kMicrometre) + " um; 95 % between " +
           millimetres(headline.lower, headline.std) + " and " + millimetres(headline.upper, headline.std) +
           " mm; " + std::to_string(result.trials) + " trials, seed " + std::to_string(result.seed) + "\n";
   if (!result.stable)

@@ -15,5 +15,9 @@ std::string uncertaintyText(const TaskUncertainty& result, const std::vector<Tas
 
 /// A length in mm as its uncertainty allows, two digits of it: "28.28427".
 std::string millimetres(double value, double std);
+/// A positive number with two significant digits, zeros kept: "0.50", "12".
+std::string twoDigits(double value);
+/// A figure for people: "44.40721 mm", of a form or an error "1.31 um".
+std::string figureOf(const QuantityUncertainty& q);
 
 }  // namespace mm

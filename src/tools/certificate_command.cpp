@@ -100,6 +100,10 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
                      (c.calibration.empty() ? "a calibration file" : "-o, the file to write,") +
                      " is missing; write mm certificate c.yaml -o certificate.pdf, or mm certificate --check "
                      "certificate.pdf");
+  c.files.input(c.calibration);
+  c.files.input(c.bag);
+  c.files.output("-o", c.output, FileKind::kCertificate);
+  c.files.check();
   const bool pdf = endsWith(lower(c.output), ".pdf"), html = endsWith(lower(c.output), ".html");
   if (!pdf && !html)
     throw InputError("-o " + c.output + ": a certificate is .pdf or .html; name a file that ends so");
@@ -108,10 +112,6 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
     throw InputError("-o " + c.output +
                      ": no chromium on the path prints a PDF; install it (apt install chromium), or "
                      "write a page (-o certificate.html) and print it from any browser");
-  c.files.input(c.calibration);
-  c.files.input(c.bag);
-  c.files.output("-o", c.output, FileKind::kCertificate);
-  c.files.check();
   Certificate certificate;
   certificate.calibration = loadCalibration(c.calibration);
   const Calibration& calibration = certificate.calibration;

@@ -72,7 +72,7 @@ pid_t startedProcess(const std::vector<std::string>& words) {
 
 /// Waits for the end of a process, asked every tenth of a second whether to stop. @return false: it took too
 /// long.
-bool ended(pid_t process) {
+bool endedInTime(pid_t process) {
   for (int waited = 0; waited < kPatience; waited += kLook) {
     if (waitpid(process, nullptr, WNOHANG) == process) return true;
     if (Interrupt::asked()) break;
@@ -116,7 +116,7 @@ std::string printedPdf(const std::string& browser, const std::string& html) {
   // The page is this program's own, without scripts; as root the browser refuses its sandbox.
   if (geteuid() == 0) words.emplace_back("--no-sandbox");
   words.push_back("file://" + page.string());
-  const bool inTime = ended(startedProcess(words));
+  const bool inTime = endedInTime(startedProcess(words));
   std::error_code error;
   if (!inTime || !fs::is_regular_file(pdf, error) || fs::file_size(pdf, error) == 0)
     throw InputError(browser + (inTime ? " printed nothing" : " did not end within two minutes") +

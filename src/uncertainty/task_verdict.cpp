@@ -45,7 +45,8 @@ TaskVerdict judgedLengths(const TaskUncertainty& result, const PermissibleError&
     const TaskVerdict v = judged(q, q.mean, permissible.at(q.quantity.length / kMillimetre) * kMicrometre);
     if (v.probability < worst.probability) worst = v;
   }
-  worst.inWords = "MPE = " + permissible.inWords() + " (L in mm), least certain at " + worst.inWords;
+  worst.inWords = "MPE = " + permissible.inWords() + " (L in mm): " + nameOf(worst.conformity) +
+                  "; of all lengths nearest to failing: " + worst.inWords;
   return worst;
 }
 

@@ -25,7 +25,7 @@ TEST_F(UncertaintyOfTasks, IsPrintedAndRepeatsWithItsSeed) {
 TEST_F(UncertaintyOfTasks, OutsideTheVolumeAndNotConformingIsANo) {
   const Answer outside = typed("uncertainty c.yaml --task distance:-10,0,0:1000,0,0 --trials 1000 --json");
   EXPECT_EQ(outside.status, 1);
-  EXPECT_NE(outside.error.find("x = 1000 mm"), std::string::npos) << outside.error;
+  EXPECT_NE(outside.error.find("does not hold at (1000, 0, 0) mm: x = "), std::string::npos) << outside.error;
   EXPECT_FALSE(outside.json()["valid"].get<bool>());
   const std::string task =
       "uncertainty c.yaml --task distance:-10,0,0:10,0,0 --trials 1000 --tolerance-um 100 ";
@@ -81,6 +81,9 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   expectRefused("certificate --check tampered.html", {"tampered.html", "was changed"});
   expectRefused("certificate --check s.csv", {"s.csv", "no seal"});
   expectRefused("certificate c.yaml -o cert.txt", {"cert.txt", ".pdf or .html"});
+  expectRefused("certificate c.yaml s.bag -o s.bag", {"s.bag", "name another file"});
+  expectRefused("certificate c.yaml --force -o c.yaml", {"c.yaml", "name another file"});
+  expectRefused("certificate c.yaml -o plan.yaml", {"plan.yaml", "a measurement plan"});
   expectRefused("certificate c.yaml", {"-o"});
   expectRefused("certificate -o cert.pdf", {"calibration"});
   std::filesystem::remove(*folder_ / "cert.html");
