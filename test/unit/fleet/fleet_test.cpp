@@ -32,14 +32,14 @@ TEST(Fleet, twoHundredQuietMachinesRaiseHardlyAnAlarm) {
 }
 
 TEST(Fleet, theWornTheMovedAndTheReturnedAreNamed) {
-  MadeUpFleet made(3, 30, 24);
+  MadeUpFleet made(3, 30, 36);
   for (int k = 0; k < made.sessions; ++k) {
-    const double share = k / 23.0;
-    made.at(4, k).result.parameters[0].value += 2.0 * share;                // worn
-    if (k >= 10) made.at(7, k).result.parameters[1].value += 1.5;           // moved
-    if (k < 8 || k >= 16) made.at(9, k).result.parameters[2].value += 2.0;  // repaired, and back
-    made.at(11, k).result.parameters[3].value += 9.0;                       // never like its sisters
-    if (k < 8 || k >= 16) made.at(13, k).result.found.push_back("{type: lead_screw_periodic, axis: x}");
+    const double share = k / 35.0;
+    made.at(4, k).result.parameters[0].value += 2.0 * share;                 // worn
+    if (k >= 10) made.at(7, k).result.parameters[1].value += 1.5;            // moved
+    if (k < 12 || k >= 24) made.at(9, k).result.parameters[2].value += 2.0;  // repaired, and back
+    made.at(11, k).result.parameters[3].value += 9.0;                        // never like its sisters
+    if (k < 12 || k >= 24) made.at(13, k).result.found.push_back("{type: lead_screw_periodic, axis: x}");
   }
   const Fleet fleet = fleetOf(made.records, {});
   EXPECT_TRUE(says(fleet, "drifts", "m005", "axis: a0"));
