@@ -76,6 +76,15 @@ TEST(Fleet, sensorsThatWentBadAreNamed) {
   EXPECT_TRUE(says(fleet, "sensor", "m006", "sensor s2"));
 }
 
+TEST(Fleet, aMachineOfOneSessionIsNotTakenToBeKnownWell) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    MadeUpFleet made(seed, 30, 6);
+    made.records.resize(made.records.size() - 5);  // the last machine has one session
+    const Fleet fleet = fleetOf(made.records, {});
+    EXPECT_TRUE(fleet.findings.empty()) << fleetText(fleet);
+  }
+}
+
 TEST(Fleet, oneCauseIsToldOnce) {
   MadeUpFleet made(4, 12, 12);
   for (int k = 6; k < 12; ++k) {
