@@ -7,6 +7,7 @@
 #include "base/format.h"
 #include "fleet/fleet.h"
 #include "fleet/recurrence.h"
+#include "fleet/robust_numbers.h"
 
 namespace mm {
 namespace {
@@ -81,10 +82,35 @@ bool slopeIsKnown(const FleetSeries& s) {
   return s.points.size() >= kFewestForTrend && s.trend.slopeStd > 0.0;
 }
 
+/// A machine's own scatter, found from few sessions, may be small by chance: none is taken to be known better
+/// than its sisters would be with as many sessions. @param amount of information that each has: its
+/// uncertainty falls with its root.
+void knownNoBetterThanSisters(std::vector<Sister>& sisters, const std::vector<double>& amount) {
+  std::vector<double> ofOne;
+  for (std::size_t i = 0; i < sisters.size(); ++i) ofOne.push_back(sisters[i].std * std::sqrt(amount[i]));
+  const double usual = middleOf(ofOne);
+  for (std::size_t i = 0; i < sisters.size(); ++i)
+    sisters[i].std = std::max(sisters[i].std, usual / std::sqrt(amount[i]));
+}
+
+/// Sum of squares of the days about their mean: what a slope is known by.
+double leverOf(const FleetSeries& s) {
+  double mean = 0.0, sum = 0.0;
+  for (const TrendPoint& p : s.points) mean += p.day / static_cast<double>(s.points.size());
+  for (const TrendPoint& p : s.points) sum += (p.day - mean) * (p.day - mean);
+  return std::max(sum, 1e-9);
+}
+
 void compareLevels(const std::vector<const FleetSeries*>& group, double alpha,
                    std::vector<Finding>& findings) {
   std::vector<Sister> sisters;
-  for (const FleetSeries* s : group) sisters.push_back(presentOf(*s));
+  std::vector<double> sessions;
+  for (const FleetSeries* s : group) {
+    const TrendSegment& last = s->trend.segments.back();
+    sisters.push_back(presentOf(*s));
+    sessions.push_back(static_cast<double>(last.end - last.first));
+  }
+  knownNoBetterThanSisters(sisters, sessions);
   const Sisterhood all = sistersOf(sisters);
   for (std::size_t i = 0; i < group.size(); ++i) {
     if (!(all.p[i] < alpha)) continue;
@@ -103,11 +129,14 @@ void compareSlopes(const std::vector<const FleetSeries*>& group, double alpha,
                    std::vector<Finding>& findings) {
   std::vector<Sister> sisters;
   std::vector<const FleetSeries*> known;
+  std::vector<double> levers;
   for (const FleetSeries* s : group)
     if (slopeIsKnown(*s)) {
       known.push_back(s);
       sisters.push_back({s->machine, s->trend.slope, s->trend.slopeStd});
+      levers.push_back(leverOf(*s));
     }
+  knownNoBetterThanSisters(sisters, levers);
   const Sisterhood all = sistersOf(sisters);
   constexpr double kYear = 365.25;
   for (std::size_t i = 0; i < known.size(); ++i) {

@@ -118,15 +118,17 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
   fleet.machines = {machines.begin(), machines.end()};
   fleet.series = seriesOf(fleet.records);
   keepWanted(fleet, options);
-  // every question has the same share of the chance of a false alarm, whether it is shown or not
-  double trends = 0.0;
+  // half of the chance of a false alarm is for the values, half for what the diagnoses found; within each
+  // every question has the same share, whether it is shown or not
+  double values = sisterQuestions(fleet);
   for (const FleetSeries& s : fleet.series)
-    if (s.points.size() >= kFewestPoints) ++trends;
-  fleet.questions = std::max(1.0, trends + sisterQuestions(fleet) + recurrenceQuestions(fleet));
-  const double alpha = options.alarm / fleet.questions;
+    if (s.points.size() >= kFewestPoints) ++values;
+  const double recurrences = recurrenceQuestions(fleet), half = recurrences > 0.0 ? 0.5 : 1.0;
+  fleet.questions = std::max(1.0, values + recurrences);
+  const double alpha = half * options.alarm / std::max(1.0, values);
   findTrends(fleet, alpha);
   findSisters(fleet, alpha);
-  findRecurrences(fleet, alpha);
+  findRecurrences(fleet, half * options.alarm / std::max(1.0, recurrences));
   findBadSensors(fleet);
   condense(fleet);
   std::stable_sort(fleet.findings.begin(), fleet.findings.end(),

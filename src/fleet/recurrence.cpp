@@ -16,9 +16,10 @@ double logSum(double a, double b) {
   return larger + std::log1p(std::exp(smaller - larger));
 }
 
-/// Of `found` among `count` trials with one unknown probability: B(found + 1, count - found + 1).
+/// Of `found` among `count` trials with one unknown probability: B(found + 1/2, count - found + 1/2) / pi.
 double logEvidence(double found, double count) {
-  return std::lgamma(found + 1.0) + std::lgamma(count - found + 1.0) - std::lgamma(count + 2.0);
+  constexpr double kLogPi = 1.1447298858494002;
+  return std::lgamma(found + 0.5) + std::lgamma(count - found + 0.5) - std::lgamma(count + 1.0) - kLogPi;
 }
 
 }  // namespace

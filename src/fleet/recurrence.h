@@ -11,7 +11,7 @@ struct Recurrence {
 };
 
 /// Whether what was found in some sessions and not in others comes back. Three periods, each with a
-/// probability of its own to find it (uniform before the data), at unknown times, against one period and
+/// probability of its own to find it (Jeffreys' prior), at unknown times, against one period and
 /// against two; the marginal likelihoods are exact. Under either of these the chance that the odds exceed 1/a
 /// is at most a (Markov).
 /// @param found in the order of time.

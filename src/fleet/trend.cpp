@@ -35,6 +35,17 @@ class Sums {
     const double sum = wy_[b] - wy_[a];
     return std::max(0.0, wyy_[b] - wyy_[a] - sum * sum / weight(a, b));
   }
+  /// The same of [a, i) and [j, b) with one level.
+  double weightAround(std::size_t a, std::size_t i, std::size_t j, std::size_t b) const {
+    return weight(a, b) - weight(i, j);
+  }
+  double levelAround(std::size_t a, std::size_t i, std::size_t j, std::size_t b) const {
+    return origin_ + (wy_[b] - wy_[a] - wy_[j] + wy_[i]) / weightAround(a, i, j, b);
+  }
+  double chi2Around(std::size_t a, std::size_t i, std::size_t j, std::size_t b) const {
+    const double sum = wy_[b] - wy_[a] - wy_[j] + wy_[i];
+    return std::max(0.0, wyy_[b] - wyy_[a] - wyy_[j] + wyy_[i] - sum * sum / weightAround(a, i, j, b));
+  }
 
  private:
   std::vector<double> w_, wy_, wyy_;
@@ -79,7 +90,7 @@ double scaleOf(double chi2, double dof) { return std::max(1.0, chi2 / dof); }
 
 struct Candidate {
   double p = 1.0, bic = std::numeric_limits<double>::infinity();
-  std::size_t at = 0;  // of a step: first point after it
+  std::size_t at = 0, back = 0;  // of a step: first point after it; of one that is taken back: after that
 };
 
 class Search {
@@ -88,20 +99,31 @@ class Search {
       : points_(points), scatter_(scatter), alpha_(alpha), sums_(points, scatter, points.front().value) {}
 
   void look(std::size_t a, std::size_t b, Trend& trend) const {
-    const Candidate step = bestStep(a, b), drift = driftOf(a, b);
-    trend.p = std::min({trend.p, step.p, drift.p});
-    const bool stepped = step.p < alpha_, drifted = drift.p < alpha_;
+    const Candidate step = bestStep(a, b), bump = bestBump(a, b), drift = driftOf(a, b);
+    trend.p = std::min({trend.p, step.p, bump.p, drift.p});
     const bool whole = a == 0 && b == points_.size();
-    if (whole && drifted && (!stepped || drift.bic <= step.bic)) {
+    const auto worth = [&](const Candidate& c) {
+      return c.p < alpha_ ? c.bic : std::numeric_limits<double>::infinity();
+    };
+    const double ofDrift = whole ? worth(drift) : std::numeric_limits<double>::infinity();
+    const double best = std::min({ofDrift, worth(step), worth(bump)});
+    if (!std::isfinite(best)) {
+      trend.segments.push_back({a, b, sums_.level(a, b), stdOf(a, b)});
+    } else if (best == ofDrift) {
       trend.kind = Trend::Kind::kDrift;
-    } else if (stepped) {
+      trend.segments.push_back({a, b, sums_.level(a, b), stdOf(a, b)});
+    } else {
       trend.kind = Trend::Kind::kSteps;
-      look(a, step.at, trend);
-      trend.stepP.push_back(step.p);
-      look(step.at, b, trend);
-      return;
+      const bool single = best == worth(step);
+      const Candidate& found = single ? step : bump;
+      look(a, found.at, trend);
+      trend.stepP.push_back(found.p);
+      if (!single) {
+        look(found.at, found.back, trend);
+        trend.stepP.push_back(found.p);
+      }
+      look(single ? found.at : found.back, b, trend);
     }
-    trend.segments.push_back({a, b, sums_.level(a, b), stdOf(a, b)});
   }
 
  private:
@@ -112,10 +134,8 @@ class Search {
   }
   static std::size_t shortest(std::size_t count) { return count >= kLongSeries ? 3 : 2; }
 
-  /// How many hypotheses are looked at in [a, b): every place of a step, and the drift.
-  static double asked(std::size_t count) {
-    return static_cast<double>(count) - 2.0 * static_cast<double>(shortest(count)) + 2.0;
-  }
+  static constexpr double kFamilies = 3.0;  // steps, steps that are taken back, drifts share the chance
+
   static double bicOf(double chi2, std::size_t count, double unknowns) {
     const auto n = static_cast<double>(count);
     return n * std::log(std::max(chi2, 1e-12 * n) / n) + unknowns * std::log(n);
@@ -136,7 +156,32 @@ class Search {
       best.at = k;
       best.bic = bicOf(chi2, count, 3.0);  // two levels and the place
     }
-    if (largest > 0.0) best.p = std::min(1.0, asked(count) * twoSidedT(largest, dof));
+    const double places = static_cast<double>(count) - 2.0 * static_cast<double>(least) + 1.0;
+    if (largest > 0.0) best.p = std::min(1.0, kFamilies * places * twoSidedT(largest, dof));
+    return best;
+  }
+
+  /// Two steps of which the second takes the first back: neither of them alone may show.
+  Candidate bestBump(std::size_t a, std::size_t b) const {
+    const std::size_t count = b - a, least = shortest(count);
+    Candidate best;
+    if (count < 3 * least) return best;
+    const double dof = static_cast<double>(count) - 2.0;
+    double largest = -1.0, pairs = 0.0;
+    for (std::size_t i = a + least; i + 2 * least <= b; ++i)
+      for (std::size_t j = i + least; j + least <= b; ++j) {
+        ++pairs;
+        const double chi2 = sums_.chi2(i, j) + sums_.chi2Around(a, i, j, b);
+        const double variance =
+            scaleOf(chi2, dof) * (1.0 / sums_.weight(i, j) + 1.0 / sums_.weightAround(a, i, j, b));
+        const double t = std::abs(sums_.level(i, j) - sums_.levelAround(a, i, j, b)) / std::sqrt(variance);
+        if (t <= largest) continue;
+        largest = t;
+        best.at = i;
+        best.back = j;
+        best.bic = bicOf(chi2, count, 4.0);  // two levels and two places
+      }
+    if (largest > 0.0) best.p = std::min(1.0, kFamilies * pairs * twoSidedT(largest, dof));
     return best;
   }
 
@@ -148,7 +193,7 @@ class Search {
     if (!(line.std > 0.0)) return drift;
     const double dof = static_cast<double>(count) - 2.0;
     const double t = line.slope / (line.std * std::sqrt(scaleOf(line.chi2, dof)));
-    drift.p = std::min(1.0, asked(count) * twoSidedT(t, dof));
+    drift.p = std::min(1.0, kFamilies * twoSidedT(t, dof));
     drift.bic = bicOf(line.chi2, count, 2.0);
     return drift;
   }

@@ -107,13 +107,13 @@ def try_kills(fleet, work, first):
     """Killed at random moments, with all that runs for it, or alone."""
     folder = os.path.join(work, "killed")
     moments = random.Random(3)
-    reach = FIGURES["local_s"] / 2.0
+    reach = 0.1 + 1.2 * FIGURES["local_s"] / KILLS
     killed = 0
     for number in range(KILLS):
         process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--json"], stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL, start_new_session=True)
         try:
-            process.wait(moments.uniform(0.02, max(0.1, reach)))
+            process.wait(moments.uniform(0.02, reach))
         except subprocess.TimeoutExpired:
             process.send_signal(signal.SIGKILL if number % 3 else signal.SIGTERM)
             process.wait()
@@ -248,6 +248,33 @@ def try_stores(first, work):
     say(answer["machines"] == ["m01", "m02"] and answer["done"] == 2 * SESSIONS, "stores of several machines are read and compared", done.stderr)
 
 
+def try_prior(fleet, first, work):
+    """A sister and a machine that is none, with and without what the others say."""
+
+    def fit(bag, *words):
+        done = mm("calibrate", bag, "--model", fleet + "/model.yaml", "--method", "least_squares", "--json", *words)
+        return done, json.loads(done.stdout) if done.stdout else {"parameters": []}
+
+    prior = ["--prior", first, "--prior-except", "m01"]
+    bag = fleet + "/m01/000.bag"
+    alone, without = fit(bag)
+    done, both = fit(bag, *prior, "-o", os.path.join(work, "prior.yaml"))
+    narrower = [w["std"] > b["std"] for w, b in zip(without["parameters"], both["parameters"])]
+    say(done.returncode == 0 and both["prior"]["used"] and len(narrower) == 9 and all(narrower), "a prior of sisters narrows every parameter", done.stderr)
+    say("prior from at least" in done.stderr and "prior" not in alone.stderr and "prior" not in without, "it is said, and off unless asked for", done.stderr)
+    with open(os.path.join(work, "prior.yaml"), encoding="utf-8") as file:
+        say("prior of" in file.read(), "the calibration file tells of it")
+    odd = os.path.join(work, "odd.bag")
+    mm("simulate", "--machine", "three_axis", "--plan", fleet + "/plan.yaml", "--hide", "backlash:x=12um", "--seed", "9", "-o", odd)
+    _, without = fit(odd)
+    done, both = fit(odd, *prior)
+    same = [p["value"] for p in without["parameters"]] == [p["value"] for p in both["parameters"]]
+    say(both["prior"]["contradicted"] and not both["prior"]["used"] and same, "a machine that is no sister is told, and the prior is not used", done.stderr)
+    say("no sister" in done.stderr and done.stderr.count("no sister") == 1, "in one line that names what contradicts", done.stderr)
+    done, _ = fit(bag, "--prior", work + "/empty")
+    say(done.returncode == 2 and "fleet.db" in done.stderr, "a folder without sisters is refused", done.stderr)
+
+
 def try_several_pcs(work):
     """The launch file of docs/scale.md, as roslaunch reads it."""
     if shutil.which("roslaunch") is None:
@@ -283,6 +310,8 @@ def main():
         try_refusals(fleet, work)
         try_fleet(first, work)
         try_stores(first, work)
+        if MACHINES > 5:
+            try_prior(fleet, first, work)
         try_several_pcs(work)
         print(json.dumps(FIGURES))
         if keep:

@@ -155,8 +155,8 @@ TEST(Recurrence, isNotFoundInChanceInARepairOrInWear) {
     repaired[i] = false;
     appeared[i] = true;
   }
-  EXPECT_LT(recurrenceOf(repaired).logOdds, 0.0);
-  EXPECT_LT(recurrenceOf(appeared).logOdds, 0.0);
+  EXPECT_LE(recurrenceOf(repaired).logOdds, 0.0);
+  EXPECT_LE(recurrenceOf(appeared).logOdds, 0.0);
   std::mt19937_64 random(15);
   int alarms = 0;
   for (int i = 0; i < 4000; ++i) {
