@@ -66,7 +66,7 @@ def at_rest():
     last = [None, 0]
 
     def still():
-        now = (motors(), hal("getp", "motion.in-position"), [hal("getp", "joint.%d.in-position" % n) for n in range(3)])
+        now = (motors(), hal("getp", "motion.in-position"))
         last[1] = last[1] + 1 if now == last[0] and now[1] == "TRUE" else 0
         last[0] = now
         return now[0] if last[1] >= 5 else None

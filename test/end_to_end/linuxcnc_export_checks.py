@@ -136,13 +136,13 @@ def judge(work, made, steps, answers, most, what):
 
 
 def both_ways(degrees):
-    """Each axis alone over its travel, 41 places upwards and 41 downwards."""
+    """Each axis alone over its travel, eleven places upwards and eleven downwards."""
     steps = []
     travel = [(-11.0, 11.0), (-6.0, 26.0), (-8.0, 6.0)]
     for axis, (low, high) in enumerate(travel):
         for way in (1, -1):
-            for n in range(41):
-                share = n / 40.0 if way > 0 else 1 - n / 40.0
+            for n in range(11):
+                share = n / 10.0 if way > 0 else 1 - n / 10.0
                 place = [0.3, 5.2, -1.1]
                 place[axis] = round(low + share * (high - low), 3)
                 begin = [p - 0.4 for p in place]  # the other axes arrive upwards

