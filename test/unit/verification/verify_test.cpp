@@ -38,10 +38,7 @@ class Tally {
   int runs_ = 0, right_ = 0, certain_ = 0;
 };
 
-int runs() {
-  if (const char* n = std::getenv("RUNS")) return std::atoi(n);
-  return mm_test::longTests() ? 100 : 8;
-}
+int runs() { return mm_test::longTests() ? 100 : 8; }
 
 /// Every second run is rough: the machine wanders, and the noise is correlated.
 std::string roughOf(int run) { return run % 2 == 0 ? "" : "drift,correlated"; }
