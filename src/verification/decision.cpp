@@ -103,13 +103,17 @@ class Court {
       if (shapes.col(k).norm() > 0.0) shapes.col(k) *= std::sqrt(points_.rows()) / shapes.col(k).norm();
     return shapes;
   }
-  /// What the calibration itself left unexplained, in units of the noise.
+  /// What the calibration itself left unexplained, beside its noise and its drift: as much of each shape, in
+  /// units of the noise.
   double unexplainedOf() const {
     const bool linear = std::isfinite(calibration_.heldOutRms);
     const double left = linear ? calibration_.heldOutRms : calibration_.heldOutRmsAngular;
-    const double square = left * left - calibration_.repeatability * calibration_.repeatability;
+    double square = left * left - calibration_.repeatability * calibration_.repeatability;
+    constexpr double kDirections = 3.0;  // a residual sees a drift by its cosine, squared a third on average
+    for (const Wandering& w : calibration_.drift) square -= w.std * w.std / kDirections;
     if (!(square > 0.0) || !(calibration_.repeatability > 0.0)) return 0.0;
-    return std::sqrt(square) / (calibration_.repeatability * system_.white());
+    const double shapes = std::max<double>(1.0, static_cast<double>(points_.shapes().cols()));
+    return std::sqrt(square / shapes) / (calibration_.repeatability * system_.white());
   }
   double logMisfitOf(double left, int taken) const {
     const double all = points_.length() - static_cast<double>(system_.base().cols());

@@ -19,13 +19,13 @@ inline std::vector<std::string> loadedErrors(double backlash = 3.0, double warme
     return "scale:" + std::string(axis) + "=" + std::to_string(own + warmer) + "um/m";
   };
   return {scale("x", 150.0),        scale("y", -200.0),       scale("z", 120.0),
-          "squareness:y/x=250urad", "squareness:z/y=150urad", "backlash:x=" + std::to_string(backlash) + "um",
+          "squareness:y/x=250urad", "squareness:x/z=150urad", "backlash:x=" + std::to_string(backlash) + "um",
           "backlash:y=4um",         "backlash:z=2um"};
 }
 inline ModelSpec loadedModel() {
   return parseModelSpec(
       "effects: [{type: scale, axis: x}, {type: scale, axis: y}, {type: scale, axis: z}, {type: squareness, "
-      "axis: y, of: x}, {type: squareness, axis: z, of: y}, {type: backlash, axis: x}, {type: backlash, "
+      "axis: y, of: x}, {type: squareness, axis: x, of: z}, {type: backlash, axis: x}, {type: backlash, "
       "axis: "
       "y}, {type: backlash, axis: z}]",
       "model");
