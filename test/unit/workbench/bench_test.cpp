@@ -112,7 +112,8 @@ class BenchTest : public ::testing::Test {
     if (answer.status != 202) return {{"ok", answer.status == 200}, {"message", begun["message"]}};
     std::uint64_t seen = 0;
     for (;;) {
-      for (const json& e : live()["ended"])
+      const json state = live();
+      for (const json& e : state["ended"])
         if (e["number"] == begun["number"]) return e;
       std::unique_lock<std::mutex> lock(mutex_);
       if (!news_.wait_for(lock, 120s, [&] { return told_ > seen; }))

@@ -64,7 +64,7 @@ TEST(RequestBody, DepthAndLengthDoNotMatter) {
 TEST(RequestBody, AnythingIsReadOrRefused) {
   std::mt19937 random(7);
   const std::string letters = "{}[]\",:\\/ 0123456789eE+-.truefalsnu\x80\xc3\xa9\n\t";
-  for (int i = 0; i < 200000; ++i) {
+  for (int i = 0; i < 50000; ++i) {
     std::string text;
     for (std::size_t k = random() % 24; k > 0; --k) text += letters[random() % letters.size()];
     try {
