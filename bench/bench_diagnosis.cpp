@@ -22,7 +22,7 @@ struct Base {
   mm::Simulation simulation = [] {
     const mm::Machine machine = mm::Machine::load("three_axis");
     return mm::simulate(machine, mm::Plan::load("config/plans/nine_ball_plate.yaml", machine),
-                        {{"backlash:x=3um"}, 5, ""});
+                        {{"backlash:x=3um"}, 5, "", nullptr});
   }();
   mm::Model model{simulation.session.machine, mm::observedDomain(simulation.session),
                   std::vector<mm::EffectPtr>{}};

@@ -34,7 +34,7 @@ Certificate exampleCertificate() {
   c.facts.issued = "2026-03-02T08:00:00Z";
   const Model model(Machine::load("three_axis"), c.calibration.domain, c.calibration.effects);
   const auto task = makeTask("distance:-10,0,0:10,0,0", {}, model);
-  TrialOptions options;
+  MonteCarloOptions options;
   options.trials = 5000;
   CertifiedTask stated;
   stated.result = taskUncertainty(*task, VirtualMachine(c.calibration, *task, {}), options);
