@@ -103,8 +103,8 @@ def corrected(work, made, rows):
     sensors = sorted(rows[0][2])
     text = "time_s,x_mm,y_mm,z_mm,x_velocity_mm_s,y_velocity_mm_s,z_velocity_mm_s," + ",".join(s + "_degC" for s in sensors) + "\n"
     for n, (motors, directions, degrees) in enumerate(rows):
-        # A thousandth of a millimetre a second: a direction, and no speed that any effect would tell.
-        text += ",".join([str(n)] + ["%.9f" % m for m in motors] + ["%g" % (1e-3 * d) for d in directions] + ["%g" % degrees[s] for s in sensors]) + "\n"
+        # Any speed but standstill tells a direction; no effect of these models asks for more.
+        text += ",".join([str(n)] + ["%.9f" % m for m in motors] + ["%g" % (0.5 * d) for d in directions] + ["%g" % degrees[s] for s in sensors]) + "\n"
     states = os.path.join(work, "states.csv")
     with open(states, "w") as file:
         file.write(text)
