@@ -176,4 +176,4 @@ class Workbench(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("workbench_test")
-    rostest.rosrun("measuring_machine", "workbench", Workbench)
+    rostest.rosrun("measuring_machine", "workbench_live", Workbench)
