@@ -40,7 +40,7 @@ class Page:
                     self.states.append((time.time(), state))
                     self.changed.notify_all()
         except (OSError, ValueError):
-            pass
+            self.open = False
 
     def beat(self):
         while self.open and self.beats:
@@ -51,8 +51,9 @@ class Page:
             time.sleep(0.2)
 
     def close(self):
-        self.open = False
-        self.socket.socket.shutdown(2)
+        if self.open:
+            self.open = False
+            self.socket.socket.shutdown(2)
 
     def state(self):
         with self.changed:
