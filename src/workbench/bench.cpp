@@ -199,6 +199,7 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
   if (name == "use") return enqueue(name, who, [this, id] { return work_.use(id); });
   if (name == "promote") return enqueue(name, who, [this, id] { return work_.promote(id); });
   if (name == "rollback") return enqueue(name, who, [this, id] { return work_.rollback(id); });
+  if (name == "verify") return enqueue(name, who, [this] { return work_.verify(); });
   if (name == "report") return enqueue(name, who, [this] { return work_.report(); });
   if (name == "take_live") return enqueue(name, who, [this] { return work_.openLive(); });
   if (name == "calibrate") {

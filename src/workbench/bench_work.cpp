@@ -13,7 +13,9 @@
 #include "model/observed_domain.h"
 #include "report/json.h"
 #include "report/report_page.h"
+#include "report/verify_json.h"
 #include "session/session_summary.h"
+#include "verification/verify.h"
 #include "workbench/calibration_documents.h"
 #include "workbench/compact_json.h"
 #include "workflow/learning.h"
@@ -113,7 +115,8 @@ void BenchWork::take(Session session, const std::string& shownAs) {
     domain_ = std::make_shared<const Domain>(observedDomain(*taken));
   }
   earlier_ = {};
-  for (const char* name : {"points", "compare", "diagnosis", "moves", "report"}) documents_.remove(name);
+  for (const char* name : {"points", "compare", "diagnosis", "moves", "report", "verify"})
+    documents_.remove(name);
   session_ = std::move(taken);
   shownAs_ = shownAs;
   if (!store_) {
@@ -311,6 +314,17 @@ std::string BenchWork::rollback(const std::string& id) {
       live_ != nullptr ? live_->rollback(id) : store_->rollback(id) + " is active again";
   showStore();
   return message;
+}
+
+std::string BenchWork::verify() {
+  std::optional<Calibration> active;
+  if (store_) active = store_->active().calibration;
+  if (!active) throw InputError("no calibration is active; promote one, then measure a few fresh points");
+  VerifyOptions options;
+  options.calibrate = this->options();
+  const Verification found = mm::verify(session(), *active, options);
+  documents_.put("verify", verifyJson(found));
+  return found.inWords;
 }
 
 std::string BenchWork::report() {

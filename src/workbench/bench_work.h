@@ -58,6 +58,7 @@ class BenchWork {
   std::string use(const std::string& id);  ///< a calibration of the store, on this session
   std::string promote(const std::string& id);
   std::string rollback(const std::string& id);
+  std::string verify();  ///< the active calibration against this session, as `mm verify`
   std::string report();  ///< the page of `mm report`
 
   /// Whether a formula can be added, from any thread: `{"ok": …, "message": …, "effect": …}`.

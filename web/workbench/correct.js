@@ -28,7 +28,7 @@ function FieldFigures({ name, field }) {
 }
 
 export function CorrectView() {
-  const field = useDocument("correct"), session = useDocument("session"), c = useDocument("calibration");
+  const field = useDocument("correct"), session = useDocument("session"), c = useDocument("calibration"), verified = useDocument("verify");
   const live = state.live && state.live.machine;
   const fields = field ? [field.active, field.candidate].filter((f) => f && f.at_mm.length) : [];
   const drawn = useMemo(() => {
@@ -53,7 +53,9 @@ export function CorrectView() {
       live ? h(Tile, { label: "Corrected tip", value: live.corrected_mm ? live.corrected_mm.map((x) => num(value(x, "mm"), 5)).join(", ") + " " + unitOf("mm") : "–", note: live.corrected_mm ? "± " + text(2 * live.std_um, "um", 2) + " (k = 2)" : said(live.status) }) : null),
     h("p", { class: "controls" },
       h(Action, { label: "Promote", kind: "primary", disabled: !c.kept || same, title: c.kept ? "makes the calibration in hand the active one" : "only what was added here, or stands in the history, can be promoted", confirm: "Make " + c.id + " active", run: () => act("promote", { id: c.id }) }),
-      h(Action, { label: "Roll back", confirm: "Make active what was before", disabled: !field.active, run: () => act("rollback") })),
+      h(Action, { label: "Roll back", confirm: "Make active what was before", disabled: !field.active, run: () => act("rollback") }),
+      h(Action, { label: "Verify on this session", disabled: !field.active, title: "holds the active calibration against the session that is open: fresh points, measured after it", run: () => act("verify") })),
+    verified ? h("div", { class: "card", role: "status" }, h("h3", null, { helped: "It helped", no_change: "No change", worse: "It is worse", mixed: "Mixed" }[verified.verdict] || verified.verdict), h("p", null, said(verified.in_words))) : null,
     !c.kept ? h("p", { class: "note" }, "What is in hand was fitted on opening and is not kept; add an effect, or calibrate, and it can be promoted.") : same ? h("p", { class: "note" }, "What is in hand is active.") : null,
     h(Section, { title: "The correction in the volume" }, fields.length ? h(Space, { urdf: session && session.urdf, joints: session ? session.joints : [], readings: live ? live.readings : null, points: drawn.points, lines: drawn.lines, label: "Correction vectors on a grid over the calibrated volume",
       note: "Blue: active. Orange: in hand. Vectors are drawn " + String(drawn.times).replace(/\B(?=(\d{3})+$)/g, " ") + " times longer than they are." }) : h(Empty, null, "The correction is zero, or cannot be told without a state: ", (field.candidate && said(field.candidate.reason)) || "a model without effects corrects nothing.")),

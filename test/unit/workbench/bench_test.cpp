@@ -156,6 +156,9 @@ TEST_F(BenchTest, TheWholeLoop) {
   EXPECT_TRUE(data("history")["calibrations"][0]["active"]);
   EXPECT_EQ(data("correct")["active"]["id"], id);
   EXPECT_GT(data("correct")["active"]["at_mm"].size(), 100u);
+  const json verified = act("verify");
+  ASSERT_TRUE(verified["ok"]) << verified;
+  EXPECT_EQ(verified["message"], data("verify")["in_words"]);
 
   const json removed = act("remove", {{"effect", "{type: backlash, axis: x}"}});
   ASSERT_TRUE(removed["ok"]) << removed;
@@ -179,6 +182,7 @@ TEST_F(BenchTest, RefusalsAreTheServicesWords) {
   EXPECT_FALSE(act("remove", {{"effect", "{type: backlash, axis: x}"}})["ok"]);
   EXPECT_FALSE(act("use", {{"id", "../../etc/passwd"}})["ok"]);
   EXPECT_FALSE(act("promote", {{"id", "nosuch"}})["ok"]);
+  EXPECT_NE(act("verify")["message"].get<std::string>().find("no calibration is active"), std::string::npos);
   EXPECT_FALSE(act("calibrate", {{"model", "effects: [{type: nothing}]"}})["ok"]);
   EXPECT_FALSE(act("fly")["ok"]);
   EXPECT_THROW(bench_->post("/action/add", "", "{\"efect\": \"x\"}", "test"), InputError);
