@@ -36,18 +36,20 @@ class Server::Inside : public std::enable_shared_from_this<Server::Inside> {
   void stop();   ///< ends the connections and the thread
   void wake();   ///< sends the state now
 
-  const ServerOptions& options() const { return options_; }
-  WebHandler& handler() { return handler_; }
-  const std::vector<std::string>& hosts() const { return hosts_; }
-  unsigned port() const { return port_; }
-  RateLimit& rate() { return rate_; }
+  const ServerOptions& options() const { return options_; }         ///< with a token
+  WebHandler& handler() { return handler_; }                        ///< as given
+  const std::vector<std::string>& hosts() const { return hosts_; }  ///< under which it is reached
+  unsigned port() const { return port_; }                           ///< that it listens on
+  RateLimit& rate() { return rate_; }                               ///< of all clients together
 
   void joined(const std::shared_ptr<HttpConnection>& connection);  ///< has shown no token yet
   void trusted(HttpConnection* connection);                        ///< has shown it
-  void left(HttpConnection* connection);
+  void left(HttpConnection* connection);                           ///< has ended
+  /// Whether one more live connection is allowed.
   bool roomForSocket() const { return sockets_.size() < options_.mostSockets; }
-  void joined(const std::shared_ptr<LiveSocket>& socket);
-  void left(LiveSocket* socket);
+  void joined(const std::shared_ptr<LiveSocket>& socket);  ///< asks to be live
+  void left(LiveSocket* socket);                           ///< has ended; the handler is told
+  /// A number for a live connection.
   std::uint64_t nextClient() { return ++clients_; }
 
  private:
