@@ -18,7 +18,7 @@ struct SimulationRequest {
   std::vector<std::string> hide;  // as for hideSource
   std::uint64_t seed = 1;
   std::string rough;  // how the session is rougher than the plan says: words as for Roughness::change
-  std::shared_ptr<const CorrectionTable> correction;  // that the controller has loaded; null: none
+  std::shared_ptr<const CorrectionTable> correction = nullptr;  // that the controller has loaded; null: none
 };
 
 /// Standard deviation of one measured value of a plan, RMS over its measurements.
