@@ -82,8 +82,9 @@ TEST(Verify, saysRightlyWhatWasLoadedHow) {
     EXPECT_NE(later.inWords.find("the machine has drifted since"), std::string::npos) << later.inWords;
     EXPECT_FALSE(later.changed.empty()) << later.inWords;
     for (const ChangedEffect& c : later.changed)
-      if (c.effect == EffectSpec("backlash").set("axis", "x"))
+      if (c.effect == EffectSpec("backlash").set("axis", "x")) {
         EXPECT_NEAR(c.parameters[0].change, 2.0, 4.0 * c.parameters[0].std + 0.1) << later.inWords;
+      }
     raw.add(seed, judged(7, {}, loadedErrors(), false), VerifyVerdict::kHelped, "corrected", false);
   }
 }
