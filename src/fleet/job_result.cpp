@@ -207,4 +207,8 @@ void readStepFiles(const fs::path& folder, const BatchJob& job, JobResult& resul
   }
 }
 
+void writeJobFile(const std::filesystem::path& file, const std::string& text) {
+  writeFileAtomically(file, text);
+}
+
 }  // namespace mm

@@ -40,6 +40,9 @@ struct JobResult {
 };
 
 std::string resultText(const JobResult& result);  ///< of result.json
+/// Writes it, or another text of the job, so that it is complete or absent. @throw InputError naming the
+/// file.
+void writeJobFile(const std::filesystem::path& file, const std::string& text);
 /// @param source for messages. @throw InputError: damaged.
 JobResult parseResult(const std::string& text, const std::string& source);
 

@@ -16,8 +16,8 @@
 
 #include "calibration_file/calibration_store.h"
 #include "machine/machine.h"
-#include "workflow/job.h"
 #include "ros_bridge/live_session.h"
+#include "workflow/job.h"
 #include "workflow/recalibration.h"
 
 namespace mm {

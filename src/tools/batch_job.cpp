@@ -5,7 +5,6 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -96,7 +95,7 @@ int describeSession(const BatchJob& job, const fs::path& file) {
   about.sessionHash = sessionHash(session);
   about.observations = static_cast<long>(session.observations.size());
   about.sensors = sensorHealth(session);
-  std::ofstream(file) << resultText(about);
+  writeJobFile(file, resultText(about));
   return kDone;
 }
 
@@ -132,7 +131,7 @@ class JobRun {
 
  private:
   bool good() const { return result_.status == "done"; }
-  void writeText(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  void writeText(const char* name, const std::string& text) const { writeJobFile(folder_ / name, text); }
 
   void describe() {
     const fs::path file = folder_ / "session.json", log = folder_ / "session.log";
@@ -197,12 +196,7 @@ bool doJob(const BatchJob& job, const ResultsFolder& results, MmProgram program,
     fs::remove_all(folder);
     return false;
   }
-  std::ofstream out(folder / "result.json");
-  out << resultText(run.result());
-  out.close();
-  if (!out)
-    throw InputError((folder / "result.json").string() +
-                     ": cannot be written; make room on the disk and run again");
+  writeJobFile(folder / "result.json", resultText(run.result()));
   results.finish(folder, job.key);
   return true;
 }

@@ -194,7 +194,8 @@ void runNew(PlanOptions& o) {
 
 void addPlanCommand(CLI::App& app, int& /*exitStatus*/) {
   auto o = std::make_shared<PlanOptions>();
-  CLI::App* plan = app.add_subcommand("plan", "Measurement plans: a new one for a machine, a short one to verify");
+  CLI::App* plan =
+      app.add_subcommand("plan", "Measurement plans: a new one for a machine, a short one to verify");
   plan->require_subcommand(1);
   addPlanVerifyCommand(*plan);
   CLI::App* command =
