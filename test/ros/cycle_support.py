@@ -43,6 +43,8 @@ def record(plan, bag, seconds):
     finally:
         recorder.send_signal(signal.SIGINT)
         recorder.wait(20)
+        # rosbag's wrapper ends before what it started has given the bag its name
+        assert support.wait_until(lambda: os.path.exists(bag), 20), "the bag was not finished"
 
 
 def calibrate(bag, model):
