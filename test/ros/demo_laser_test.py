@@ -16,7 +16,7 @@ class DemoLaser(unittest.TestCase):
         self.addCleanup(support.remove, folder)
         demo = support.launch(support.free_port(), "demo.launch", "machine:=five_axis", "probe:=laser", "folder:=" + folder, *FAST)
         self.addCleanup(support.stop, demo)
-        output, _ = demo.communicate(timeout=110)
+        output, _ = demo.communicate(timeout=280)
         self.assertIn("demo: passed", output)
         self.assertIn("measured: 360 contacts", output)
         before, after = support.errors(output)

@@ -18,7 +18,7 @@ class Demo(unittest.TestCase):
         self.addCleanup(support.remove, folder)
         demo = support.launch(support.free_port(), "demo.launch", "folder:=" + folder, *FAST)
         self.addCleanup(support.stop, demo)
-        output, _ = demo.communicate(timeout=110)
+        output, _ = demo.communicate(timeout=280)
         self.assertEqual(demo.returncode, 0, output)
         self.assertIn("live session and bag give the same to the bit", output)
         self.assertIn("demo: passed", output)

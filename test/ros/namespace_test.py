@@ -20,7 +20,7 @@ class Namespace(unittest.TestCase):
         demo = support.launch(support.free_port(), "demo.launch", "folder:=" + folder, "plan:=" + plan, "time_factor:=25",
                               namespace="/machine1")
         self.addCleanup(support.stop, demo)
-        output, _ = demo.communicate(timeout=110)
+        output, _ = demo.communicate(timeout=280)
         self.assertIn("demo: passed", output, output[-3000:])
         bag = os.path.join(folder, "session.bag")
         with open(os.path.join(folder, "calibration.json")) as f:
