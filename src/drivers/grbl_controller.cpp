@@ -228,7 +228,9 @@ AxesState GrblController::poll(double) {
   }
   if (resetAsked_ && now - resetAt_ > kUnwelcome)
     throw Error(link_->address() + ": the control did not answer its reset; look at its power and its cable");
-  if (quiet || now - resetAt_ < kLinkSilence) state_.time = std::max(state_.time, now);
+  // At rest after a reset nothing is reported for a while; what moves has the time of its reports.
+  const bool beginsAnew = now - resetAt_ < kLinkSilence && task_ == Task::kNone;
+  if (quiet || beginsAnew) state_.time = std::max(state_.time, now);
   AxesState state = state_;
   state.moving = task_ != Task::kNone || stopAsked_;
   state.axisHomed = homed_;
