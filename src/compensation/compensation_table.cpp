@@ -83,9 +83,11 @@ std::string compensationTable(const Compensator& compensator, int points) {
     }
     // Limits of motion are the controller's: a node at the end of the travel may lie beyond by its
     // correction.
-    if (!found.correction.valid)
+    if (!found.correction.valid) {
+      place.pop_back();
       throw InputError("calibration '" + compensator.id() + "' at " + place +
                        " mm: " + (found.reason.empty() ? found.correction.reason : found.reason));
+    }
     for (const int joint : travels) place += format("%.0f,", state.travel[static_cast<std::size_t>(joint)]);
     out += place + added + "\n";
   }

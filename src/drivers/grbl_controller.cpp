@@ -11,7 +11,8 @@
 namespace mm {
 namespace {
 
-constexpr double kAgain = 0.3;        // s until a question is asked once more
+constexpr double kAgain = 0.3;     // s until a question is asked once more
+constexpr double kNoAnswer = 0.5;  // s until a question counts as one that was answered together with another
 constexpr double kUnwelcome = 1.5;    // s for the greeting after a soft reset
 constexpr double kStepSlack = 0.002;  // mm or deg: reports have three decimals
 
@@ -23,11 +24,12 @@ GrblController::~GrblController() { close(); }
 void GrblController::open(const ControllerSetup& setup) {
   refuseUnknownParametersOf(setup, "grbl",
                             {"address", "axes", "sign", "zero", "report_rate", "guard", "connect_timeout",
-                             "homing_timeout", "off_limit_mm"});
+                             "homing_timeout", "off_limit_mm", "silence"});
   map_ = std::make_unique<AxisMap>(setup, kControlLetters);
   reportPeriod_ = 1.0 / numberParameterOf(setup, "report_rate", 20.0, 1.0, 200.0);
   connectTimeout_ = numberParameterOf(setup, "connect_timeout", connectTimeout_, 0.1, 60.0);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
+  silence_ = numberParameterOf(setup, "silence", silence_, 0.1, 60.0);
   offLimit_ = numberParameterOf(setup, "off_limit_mm", offLimit_, 0.01, 100.0);
   const auto guard = setup.parameters.find("guard");
   if (guard != setup.parameters.end()) {
@@ -51,7 +53,8 @@ void GrblController::begin() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     forgetLines();
-    asked_ = lastAsked_ = lastReport_ = 0.0;
+    questions_.clear();
+    lastAsked_ = lastReport_ = 0.0;
     away_.clear();
     trouble_.clear();
     damaged_ = 0;
@@ -197,10 +200,26 @@ void GrblController::pump() {
 
 void GrblController::ask() {
   const double now = steadySeconds();
-  if (asked_ > 0.0 && now - lastAsked_ < kAgain) return;
+  if (!questions_.empty() && now - lastAsked_ < kAgain) return;
   link_->write("?");
   lastAsked_ = now;
-  if (asked_ == 0.0) asked_ = now;
+  questions_.push_back(now);
+}
+
+// Two questions that the control reads together have one answer. What is left open of them must not be taken
+// for the next one's: after an answer nothing is asked until the rest has come, or cannot come any more.
+bool GrblController::askNow(double now) const {
+  if (questions_.empty()) return now - lastAsked_ >= reportPeriod_;
+  return now - lastAsked_ > (lastReport_ > questions_.front() ? kNoAnswer : kAgain);
+}
+
+// When that was asked for which came at `time`: not later than it was asked, so that no report from before an
+// order is taken for one from after it.
+double GrblController::questionOf(double time) {
+  if (questions_.empty()) return std::min(lastAsked_, time);  // of its own accord
+  const double sent = questions_.front();
+  questions_.pop_front();
+  return sent;
 }
 
 void GrblController::forgetLines() {
@@ -216,11 +235,14 @@ AxesState GrblController::poll(double) {
   if (!link_->connected()) throw Error(link_->lost().empty() ? "not connected" : link_->lost());
   if (!away_.empty()) throw Error(away_);
   if (!trouble_.empty()) throw Error(link_->address() + ": " + trouble_);
-  if (asked_ == 0.0 ? now - lastAsked_ >= reportPeriod_ : now - lastAsked_ > kAgain) ask();
+  if (askNow(now)) {
+    if (now - lastAsked_ > kNoAnswer) questions_.clear();
+    ask();
+  }
   const bool quiet = task_ == Task::kHoming;  // grbl 1.1 does not report while it homes
   if (quiet && now - taskBegan_ > homingTimeout_) {
     finish(Outcome::kAlarm, "homing has not ended within its time");
-  } else if (!quiet && now - std::max({lastReport_, connected_, resetAt_.load()}) > kLinkSilence) {
+  } else if (!quiet && now - std::max({lastReport_, connected_, resetAt_.load()}) > silence_) {
     char text[120];
     std::snprintf(text, sizeof text, ": no status report for %.1f s; look at its power and its cable",
                   now - std::max(lastReport_, connected_));
@@ -229,7 +251,7 @@ AxesState GrblController::poll(double) {
   if (resetAsked_ && now - resetAt_ > kUnwelcome)
     throw Error(link_->address() + ": the control did not answer its reset; look at its power and its cable");
   // At rest after a reset nothing is reported for a while; what moves has the time of its reports.
-  const bool beginsAnew = now - resetAt_ < kLinkSilence && task_ == Task::kNone;
+  const bool beginsAnew = now - resetAt_ < silence_ && task_ == Task::kNone;
   if (quiet || beginsAnew) state_.time = std::max(state_.time, now);
   AxesState state = state_;
   state.moving = task_ != Task::kNone || stopAsked_;
@@ -264,16 +286,21 @@ std::string GrblController::block(const std::vector<double>& target, const std::
   return words + feed;
 }
 
+// The stop that is under way would end what is begun now, or be forgotten.
+void GrblController::requireNoStop() const {
+  if (emergency_) throw Error("emergency stop; reset it, then home again");
+  if (stopAsked_ || resetAsked_) throw Error("a stop is under way; wait until the axes rest");
+}
+
 void GrblController::move(const AxesMotion& motion) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (emergency_) throw Error("emergency stop; reset it, then home again");
+  requireNoStop();
   if (state_.alarm.present()) throw Error(state_.alarm.text + "; " + state_.alarm.remedy);
   double seconds = 0.0;
   for (std::size_t j = 0; j < map_->size(); ++j)
     if (motion.speed[j] > 0.0)
       seconds = std::max(seconds, std::abs(motion.target[j] - state_.position[j]) / motion.speed[j]);
   motion_ = motion;
-  stopAsked_ = false;
   state_.motion = motion.id;
   state_.outcome = Outcome::kUnderWay;
   state_.note.clear();
@@ -291,11 +318,10 @@ void GrblController::move(const AxesMotion& motion) {
 
 void GrblController::home(const std::vector<std::size_t>& axes) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (emergency_) throw Error("emergency stop; reset it, then home again");
+  requireNoStop();
   task_ = Task::kHoming;
   homes_ = true;
   homing_ = axes;
-  stopAsked_ = false;
   state_.outcome = Outcome::kUnderWay;
   answered_ = false;
   taskBegan_ = steadySeconds();
@@ -316,6 +342,7 @@ void GrblController::clearAlarm() {
 
 void GrblController::moveOffLimit() {
   const std::lock_guard<std::mutex> lock(mutex_);
+  requireNoStop();
   std::string words;
   for (std::size_t j = 0; j < map_->size(); ++j) {
     if (state_.limitSwitch[j] == 0) continue;
@@ -356,6 +383,7 @@ void GrblController::stop() {
 
 void GrblController::emergencyStop() {
   emergency_ = true;
+  resetAt_ = steadySeconds();
   link_->write(std::string(1, kGrblSoftReset));
 }
 

@@ -15,10 +15,12 @@ namespace mm {
 /// Positions come from status reports that are asked for; a probing motion is G38.3, and so is positioning
 /// unless `guard` is false: the control itself stops where the probe trips. Lines are sent by counting the
 /// characters that the control has not yet taken, so that real-time bytes never wait behind them.
-/// grbl has no clock: a state's time is the middle between question and answer on the host's steady clock.
+/// grbl has no clock: a state's time is the middle between question and answer on the host's steady clock. A
+/// report does not say which question it answers: it is taken for that of the oldest one that is open.
 /// What is latched at a trip are commanded positions, in steps.
 /// Parameters: `address`, `axes`, `sign`, `zero` (as AxisMap), `report_rate` (Hz), `guard` (true, false),
-/// `connect_timeout` (s, for the first answers), `homing_timeout` (s), `off_limit_mm`.
+/// `connect_timeout` (s, for the first answers), `homing_timeout` (s), `off_limit_mm`, `silence` (s without a
+/// report: lost).
 class GrblController final : public AxisController {
  public:
   GrblController();
@@ -58,9 +60,12 @@ class GrblController final : public AxisController {
   void send(const std::string& line);
   void pump();
   void ask();
+  bool askNow(double now) const;
+  double questionOf(double time);
   void finish(Outcome outcome, const std::string& note = {});
   void forgetLines();
   void endStop();
+  void requireNoStop() const;
   std::string block(const std::vector<double>& target, const std::vector<double>& from, double seconds) const;
   void begin();
   void awaitReady(double seconds);
@@ -69,6 +74,7 @@ class GrblController final : public AxisController {
   std::unique_ptr<AxisMap> map_;
   std::unique_ptr<DeviceLink> link_;
   double reportPeriod_ = 0.05, connectTimeout_ = kLinkConnect, homingTimeout_ = 120.0, offLimit_ = 2.0;
+  double silence_ = kLinkSilence;
   bool guard_ = true;
 
   mutable std::mutex mutex_;
@@ -77,7 +83,7 @@ class GrblController final : public AxisController {
   std::size_t buffer_ = 128;
   std::deque<std::string> waiting_;   // lines that the control has no room for yet
   std::deque<std::size_t> inFlight_;  // characters of lines that it has not answered
-  double asked_ = 0.0;                // s, of the last question; 0: answered
+  std::deque<double> questions_;      // s, of those that may still be answered
   double lastAsked_ = 0.0, lastReport_ = 0.0, connected_ = 0.0, roundTrip_ = 0.0;
   GrblReport report_;
   std::vector<double> offset_;  // WCO

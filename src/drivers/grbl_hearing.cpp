@@ -48,17 +48,13 @@ void GrblController::take(const std::string& line, double time) {
 void GrblController::takeReport(const GrblReport& report, double time) {
   damaged_ = 0;
   trouble_.clear();
+  const double sent = questionOf(time);
   std::vector<double> machine = report.machine;
   if (!report.offset.empty()) offset_ = report.offset;
   if (machine.empty()) {
-    if (offset_.size() != report.work.size()) {
-      asked_ = 0.0;
-      return;  // WCO comes with one of the next
-    }
+    if (offset_.size() != report.work.size()) return;  // WCO comes with one of the next
     for (std::size_t i = 0; i < report.work.size(); ++i) machine.push_back(report.work[i] + offset_[i]);
   }
-  const double sent = asked_ > 0.0 ? asked_ : time;
-  asked_ = 0.0;
   roundTrip_ = std::max(0.0, time - sent);
   lastReport_ = time;
   report_ = report;
@@ -182,7 +178,7 @@ void GrblController::takeAnswer(int code) {
   answered_ = true;
   taskBegan_ =
       task_ == Task::kHoming ? steadySeconds() : taskBegan_;  // a report from now on has the new zero
-  asked_ = task_ == Task::kHoming ? 0.0 : asked_;
+  if (task_ == Task::kHoming) questions_.clear();
 }
 
 void GrblController::takeAlarm(int code) {
@@ -201,12 +197,12 @@ void GrblController::takeAlarm(int code) {
 void GrblController::takeWelcome() {
   damaged_ = 0;
   forgetLines();
-  asked_ = 0.0;
+  questions_.clear();
   if (resetAsked_ || emergency_) {
     resetAsked_ = false;
     if (emergency_) homed_.assign(map_->size(), false);
-    stopAsked_ = false;
-    finish(Outcome::kStopped);  // what was asked for meanwhile went with the reset, too
+    if (stopSent_ <= resetAt_) stopAsked_ = false;  // else another feed hold is still on its way
+    finish(Outcome::kStopped);                      // what was asked for meanwhile went with the reset, too
     if (clearing_) send("$X");
     return;
   }

@@ -25,11 +25,12 @@ void LinuxCncController::open(const ControllerSetup& setup) {
   refuseUnknownParametersOf(
       setup, "linuxcnc",
       {"address", "axes", "sign", "zero", "coordinates", "connect_password", "enable_password", "poll_rate",
-       "servo_period", "connect_timeout", "homing_timeout"});
+       "servo_period", "connect_timeout", "homing_timeout", "silence"});
   map_ = std::make_unique<AxisMap>(setup, kControlLetters);
   pollPeriod_ = 1.0 / numberParameterOf(setup, "poll_rate", 50.0, 1.0, 500.0);
   servoPeriod_ = numberParameterOf(setup, "servo_period", servoPeriod_, 1e-6, 0.1);
   connectTimeout_ = numberParameterOf(setup, "connect_timeout", connectTimeout_, 0.1, 60.0);
+  silence_ = numberParameterOf(setup, "silence", silence_, 0.1, 60.0);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
   const auto text = [&](const char* name, std::string& value) {
     const auto found = setup.parameters.find(name);
@@ -55,13 +56,17 @@ void LinuxCncController::open(const ControllerSetup& setup) {
   handlers.answer = [this](const LinuxCncLine& line, double time) { take(line, time); };
   handlers.taken = [this](double time) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    taken_ = time;
+    if (!talk_->commanding()) taken_ = time;  // not the commands of a task that began just now
   };
   handlers.refused = [this](const std::string& command) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (task_ == Task::kNone || stopAsked_) return;
     failed_ = Outcome::kAlarm;
     note_ = "LinuxCNC refused it (" + command + ")";
+  };
+  handlers.stopRefused = [this](const std::string& command) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    trouble_ = "LinuxCNC refuses to " + command + "; use the machine's own emergency stop";
   };
   handlers.damaged = [this] { damaged(); };
   talk_ = std::make_unique<LinuxCncTalk>(address, hello, enable, handlers);
@@ -158,7 +163,7 @@ AxesState LinuxCncController::poll(double) {
   if (!talk_->connected()) throw Error(talk_->lost().empty() ? "not connected" : talk_->lost());
   if (!trouble_.empty()) throw Error(talk_->address() + ": " + trouble_);
   if (last_.came == 0.0) throw Error(talk_->address() + ": LinuxCNC has given no state yet");
-  if (now - last_.came > kLinkSilence) {
+  if (now - last_.came > silence_) {
     char text[120];
     std::snprintf(text, sizeof text, ": LinuxCNC has given no state for %.1f s; does it still run?",
                   now - last_.came);
@@ -218,11 +223,12 @@ void LinuxCncController::move(const AxesMotion& motion) {
 }
 
 void LinuxCncController::beginTask(Task task) {
+  if (stopAsked_) throw Error("a stop is under way; wait until the axes rest");
   task_ = task;
   state_.outcome = Outcome::kUnderWay;
   state_.note.clear();
-  stopAsked_ = false;
-  taken_ = tripSeen_ = 0.0;
+  taken_ = tripSeen_ = homedSince_ = 0.0;
+  fell_ = false;
   latched_.reset();
   failed_.reset();
   note_.clear();

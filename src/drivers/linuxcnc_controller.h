@@ -16,7 +16,7 @@ namespace mm {
 /// by itself where the probe trips outside of probing. Parameters:
 /// `address`, `axes`, `sign`, `zero` (as AxisMap), `coordinates` (letters in the order of its joints),
 /// `connect_password`, `enable_password`, `poll_rate` (Hz), `servo_period` (s), `connect_timeout` (s,
-/// for the first answers), `homing_timeout` (s).
+/// for the first answers), `homing_timeout` (s), `silence` (s without a state: lost).
 class LinuxCncController final : public AxisController {
  public:
   LinuxCncController();
@@ -51,6 +51,7 @@ class LinuxCncController final : public AxisController {
   void takeMessage(const std::string& text);
   void takeError(const std::string& text);
   void judge();
+  void judgeHoming();
   void judgeProbing();
   void ask();
   void finish(Outcome outcome, const std::string& note = {});
@@ -62,6 +63,7 @@ class LinuxCncController final : public AxisController {
   std::unique_ptr<LinuxCncTalk> talk_;
   std::string coordinates_ = "XYZABC";
   double pollPeriod_ = 0.02, servoPeriod_ = 1e-3, connectTimeout_ = kLinkConnect, homingTimeout_ = 120.0;
+  double silence_ = kLinkSilence;
 
   mutable std::mutex mutex_;       // everything below
   std::condition_variable heard_;  // a round has ended
@@ -73,8 +75,10 @@ class LinuxCncController final : public AxisController {
   AxesMotion motion_;
   std::vector<std::size_t> homing_;
   double taskBegan_ = 0.0, still_ = 0.0, tripSeen_ = 0.0;  // s; still_: since when nothing moves
-  double taken_ = 0.0;      // s: when LinuxCNC had taken all commands of the task; 0: not yet
-  bool resetting_ = false;  // the emergency stop, until it has taken that
+  double homedSince_ = 0.0;  // s, of the first round from which on all flags of the axes stand
+  bool fell_ = false;        // a flag was seen to fall since homing was asked for
+  double taken_ = 0.0;       // s: when LinuxCNC had taken all commands of the task; 0: not yet
+  bool resetting_ = false;   // the emergency stop, until it has taken that
   std::optional<std::vector<double>> latched_;
   std::optional<Outcome> failed_;
   std::string note_, trouble_;

@@ -11,6 +11,8 @@ constexpr double kChange = 2e-6;  // mm or deg: two of the last decimal of linux
 constexpr double kStill = 0.06;   // s without a change of position: at rest
 constexpr double kUntaken = 5.0;  // s for a command to be taken
 constexpr double kUnsaid = 1.0;   // s at rest after which nothing more is said of a motion
+constexpr double kHomed = 0.2;    // s that all flags must stand: between two sequences they may for a moment
+constexpr double kRefall = 1.0;   // s for the flags of axes that are homed already to fall
 
 }  // namespace
 
@@ -138,6 +140,7 @@ void LinuxCncController::judge() {
   const bool taken = taken_ > 0.0 && last_.asked > taken_;
   if (last_.emergency || (!last_.on && (taken || task_ != Task::kHoming)))  // homing switches it on
     return finish(Outcome::kStopped, "LinuxCNC was switched off");
+  if (task_ == Task::kHoming && taken && !failed_) return judgeHoming();
   if (!rests || state_.held) return;
   if (failed_) return finish(*failed_, note_);
   if (!taken) {
@@ -145,17 +148,27 @@ void LinuxCncController::judge() {
     trouble_ = "LinuxCNC does not take commands";  // nor would the next: the connections are made anew
     return finish(Outcome::kLost, trouble_);
   }
-  if (task_ == Task::kHoming) {
-    bool homed = true;
-    for (const std::size_t j : homing_) homed = homed && state_.axisHomed[j];
-    if (homed && last_.asked - taken_ > kStill) return finish(Outcome::kReached);
-    if (last_.asked - taskBegan_ > homingTimeout_)
-      finish(Outcome::kAlarm, "homing has not ended within its time");
-    return;
-  }
   if (!last_.idle) return;
   if (task_ == Task::kGo) return finish(Outcome::kReached);
   judgeProbing();
+}
+
+// Axes that were homed before keep their flags until it has begun; where it takes a moment only, their fall
+// may not be seen.
+void LinuxCncController::judgeHoming() {
+  const bool homed =
+      std::all_of(homing_.begin(), homing_.end(), [&](std::size_t j) { return state_.axisHomed[j]; });
+  if (!homed) {
+    fell_ = true;
+    homedSince_ = 0.0;
+  } else if (homedSince_ == 0.0) {
+    homedSince_ = last_.asked;
+  }
+  const bool rests = last_.came - still_ >= kStill;
+  if (homed && rests && last_.asked - homedSince_ > (fell_ ? kHomed : kRefall))
+    return finish(Outcome::kReached);
+  if (rests && last_.asked - taskBegan_ > homingTimeout_)
+    finish(Outcome::kAlarm, "homing has not ended within its time");
 }
 
 void LinuxCncController::judgeProbing() {

@@ -12,6 +12,7 @@ namespace {
 constexpr double kParsed =
     2e-3;  // s from the answer to `enable` until the server has taken the next line apart
 constexpr double kUrgent = 10e-3;            // s that a stop waits for another line to be taken apart
+constexpr int kTries = 5;                    // of a stop that is refused
 constexpr double kGreeting = 0.1;            // s that a greeting is waited for before the next
 constexpr double kForgotten = kLinkSilence;  // s after which a line is not waited for
 constexpr const char* kReception = "0.5";    // s that the server waits for a command to be received
@@ -136,10 +137,25 @@ void LinuxCncTalk::urgent(Link link, const std::string& line) {
   if (awaited_[link] >= 2) return;  // the second has not been read yet: it does what this one would
   const double end = steadySeconds() + kUrgent;
   while (!free() && steadySeconds() < end) freed_.wait_for(lock, std::chrono::milliseconds(1));
+  urgent_[link] = line;
+  tries_[link] = kTries;
+  sendUrgent(link);
+}
+
+void LinuxCncTalk::sendUrgent(Link link) {
   busySince_ = steadySeconds();
   ++awaited_[link];
+  --tries_[link];
   overtaken_ = awaited_[kCommanding] > 0;
-  links_[link]->write("set enable " + enable_ + "\r\nset " + line + "\r\n");
+  links_[link]->write("set enable " + enable_ + "\r\nset " + urgent_[link] + "\r\n");
+}
+
+// Another client, or a command of ours that came between, took the control that a stop needs.
+// @return false: it was refused as often as it may be.
+bool LinuxCncTalk::sayAgain(Link link) {
+  if (tries_[link] == 0) return false;
+  sendUrgent(link);
+  return true;
 }
 
 void LinuxCncTalk::take(Link link, const std::string& line, double time) {
@@ -170,19 +186,21 @@ void LinuxCncTalk::take(Link link, const std::string& line, double time) {
 }
 
 void LinuxCncTalk::takeAcknowledgement(Link link, const std::string& command, bool refused, double time) {
-  bool done = false;
+  bool done = false, deaf = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (awaited_[link] > 0) --awaited_[link];
     done = link == kCommanding && commands_.empty();
     if (link == kCommanding && overtaken_) refused = overtaken_ = false;  // the stop was what it met
     try {
+      if (link != kCommanding && refused && awaited_[link] == 0) deaf = !sayAgain(link);
       sendNext();
     } catch (const std::exception&) {
       // The connection is lost: said by `lost`.
     }
   }
   if (link == kCommanding && refused) handlers_.refused(command);
+  if (deaf) handlers_.stopRefused(command);
   if (done) handlers_.taken(time);
 }
 

@@ -26,8 +26,9 @@ class LinuxCncTalk {
     std::function<void(const LinuxCncLine& line, double time)> answer;
     /// LinuxCNC has taken every command that was given. @param time s, steady clock.
     std::function<void(double time)> taken;
-    std::function<void(const std::string& command)> refused;  ///< of a command, by its first word
-    std::function<void()> damaged;                            ///< a line that is no text
+    std::function<void(const std::string& command)> refused;      ///< of a command, by its first word
+    std::function<void(const std::string& command)> stopRefused;  ///< again and again
+    std::function<void()> damaged;                                ///< a line that is no text
   };
   /// @param address `tcp:<host>:<port>`. @param hello, enable passwords. @throw InputError for the address.
   LinuxCncTalk(const std::string& address, std::string hello, std::string enable, Handlers handlers);
@@ -62,6 +63,8 @@ class LinuxCncTalk {
   void greet(Link link);
   void takeAcknowledgement(Link link, const std::string& command, bool refused, double time);
   void urgent(Link link, const std::string& line);
+  void sendUrgent(Link link);
+  bool sayAgain(Link link);
   void sendNext();
   bool free() const;
 
@@ -70,10 +73,12 @@ class LinuxCncTalk {
   std::array<std::unique_ptr<DeviceLink>, kLinks> links_;
   mutable std::mutex mutex_;  // everything below
   std::condition_variable freed_;
-  double busySince_ = 0.0, freeAt_ = 0.0;  // s, steady clock: a line is taken apart since; not before
-  std::deque<std::string> commands_;       // not sent yet
-  std::array<int, kLinks> awaited_{};      // commands and stops that are sent and not acknowledged
-  bool overtaken_ = false;                 // the command under way, by a stop
+  double busySince_ = 0.0, freeAt_ = 0.0;   // s, steady clock: a line is taken apart since; not before
+  std::deque<std::string> commands_;        // not sent yet
+  std::array<int, kLinks> awaited_{};       // commands and stops that are sent and not acknowledged
+  std::array<std::string, kLinks> urgent_;  // what a stop said last
+  std::array<int, kLinks> tries_{};         // that are left to it
+  bool overtaken_ = false;                  // the command under way, by a stop
   std::array<bool, kLinks> greeted_{};
   std::string refusal_;  // of a password
 };

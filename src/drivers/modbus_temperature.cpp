@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace mm {
 namespace {
@@ -91,18 +92,28 @@ ModbusTemperatures::~ModbusTemperatures() = default;
 void ModbusTemperatures::add(const std::string& name, SensorKeys& keys) {
   using Type = RegisterLayout::Type;
   Sensor sensor;
-  sensor.unit = static_cast<int>(keys.number("unit", 1, 1, 247));
-  sensor.first = static_cast<int>(keys.number("register", 0, 0, 65535));
+  const std::string address = keys.text("modbus", address_);
+  if (!(parseModbusLine(address) == settings_))
+    keys.refuse("its line " + address + " is " + address_ + " for another sensor; one line has one setting");
+  sensor.unit = keys.wholeNumber("unit", 1, 1, 247);
   sensor.input = keys.word("function", "holding", {"holding", "input"}) == "input";
   const std::string type = keys.word("type", "int16", {"int16", "uint16", "int32", "float32"});
   sensor.layout.type = type == "int16"    ? Type::kInt16
                        : type == "uint16" ? Type::kUint16
                        : type == "int32"  ? Type::kInt32
                                           : Type::kFloat32;
+  sensor.first = keys.wholeNumber("register", 0, 0, 65536 - sensor.layout.count());
   sensor.layout.lowWordFirst = keys.word("words", "high", {"high", "low"}) == "low";
   sensor.scale = keys.number("scale", type == "float32" ? 1.0 : 0.1, -1e6, 1e6);
   sensor.offset = keys.number("offset", 0.0, -1e6, 1e6);
-  timeout_ = keys.number("timeout", timeout_, 0.01, 10.0);
+  const double timeout = keys.number("timeout", timeout_, 0.01, 10.0);
+  if (keys.has("timeout")) {
+    if (timeoutGiven_ && timeout != timeout_)
+      keys.refuse("its line has a timeout of " + format("%g", timeout_) +
+                  " s for another sensor; say it once");
+    timeoutGiven_ = true;
+    timeout_ = timeout;
+  }
   names_.push_back(name);
   sensors_.push_back(sensor);
 }
@@ -111,9 +122,10 @@ double ModbusTemperatures::readOne(const Sensor& sensor) {
   const auto failed = [&](const char* doing) {
     const int cause = errno;
     const bool late = cause == ETIMEDOUT;
+    const bool damaged = late || cause == EMBBADCRC || cause == EMBBADDATA || cause == EMBBADSLAVE;
     if (cause < MODBUS_ENOBASE && !late) {
       line_.reset();  // the device itself is gone
-    } else if (line_ != nullptr) {
+    } else if (line_ != nullptr && damaged) {
       // An answer that comes after its time would be taken for that of the next question: it bears no number.
       std::this_thread::sleep_for(std::chrono::duration<double>(timeout_));
       modbus_flush(line_->context);

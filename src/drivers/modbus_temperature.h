@@ -21,6 +21,10 @@ struct ModbusLine {
   std::string device;
   int baud = 9600, dataBits = 8, stopBits = 1;
   char parity = 'N';
+  bool operator==(const ModbusLine& other) const {
+    return device == other.device && baud == other.baud && dataBits == other.dataBits &&
+           stopBits == other.stopBits && parity == other.parity;
+  }
 };
 /// @throw InputError naming what is wrong with it.
 ModbusLine parseModbusLine(const std::string& address);
@@ -34,8 +38,9 @@ class ModbusTemperatures final : public TemperatureDevice {
   /// @throw InputError naming what is wrong with the address.
   ModbusTemperatures(std::string address, SensorKeys& keys);
   ~ModbusTemperatures() override;
-  /// @throw InputError naming the sensor.
+  /// @throw InputError naming the sensor: its keys, or a line that another sensor has with other settings.
   void add(const std::string& name, SensorKeys& keys);
+  const std::string& device() const { return settings_.device; }  ///< `/dev/ttyUSB0`
   std::string where() const override { return address_; }
   std::vector<TemperatureReading> read() override;
 
@@ -51,7 +56,8 @@ class ModbusTemperatures final : public TemperatureDevice {
 
   std::string address_;
   ModbusLine settings_;
-  double timeout_ = 0.5;  // s
+  double timeout_ = 0.5;       // s
+  bool timeoutGiven_ = false;  // by a sensor
   std::unique_ptr<Line> line_;
   std::vector<Sensor> sensors_;
 };

@@ -124,7 +124,7 @@ class MotionControl {
   };
 
   void withDevice(const std::function<void()>& call) const;
-  void owe(bool answer);
+  void owe(bool answer);                          // also while another call of the controller does not end
   double owing() const;                           // s that the controller has owed an answer; 0: it owes none
   static std::string shortSeconds(double value);  // for people, with its unit
   void loseDevice(const std::string& why);
@@ -138,7 +138,9 @@ class MotionControl {
   void sendStop();
   bool atRest() const;
   bool awaitRest(std::unique_lock<std::mutex>& lock, double seconds);
-  void requireReady(bool homedToo) const;
+  void requireAnswering(std::uint32_t stopsSeen) const;  // with `mutex_` held, as the next two
+  void requireReady(std::uint32_t stopsSeen) const;
+  void beginCurrent(bool armed);
   std::string faultText() const;
   void awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen);
   Report judge(const Current& current, bool cancelled) const;

@@ -5,6 +5,7 @@
 #include "drivers/motion_control.h"
 
 namespace mm {
+
 std::vector<std::vector<std::size_t>> MotionControl::stagesOf(const std::vector<std::string>& names) const {
   const auto index = [&](const std::string& name) {
     const auto found = std::find(axes_.begin(), axes_.end(), name);
@@ -49,14 +50,9 @@ void MotionControl::home(const std::vector<std::string>& names, const Mover& mov
     withDevice([&] {
       {
         const std::lock_guard<std::mutex> lock(mutex_);
-        const bool alarmed = lost_.empty() && !emergency_ && !state_.emergencyStop;
-        if (!alarmed) requireReady(false);  // an alarm may be what homing ends
-        if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy_);
-        Current current;
-        current.homing = true;
-        current.armed = !state_.probeClosed;
-        current.from = state_.position;
-        current_ = current;
+        requireAnswering(stopsSeen);
+        beginCurrent(!state_.probeClosed);
+        current_->homing = true;
       }
       controller_->home(stage);
     });
@@ -103,7 +99,13 @@ void MotionControl::moveOffLimit(const Mover& mover) {
   const std::uint32_t stopsSeen = stops_;
   owner_.begin(mover, "moving off a limit");
   const EndOfMotion end(*this);
-  withDevice([&] { controller_->moveOffLimit(); });
+  withDevice([&] {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      requireAnswering(stopsSeen);
+    }
+    controller_->moveOffLimit();
+  });
   if (stops_ != stopsSeen) sendStop();
   std::unique_lock<std::mutex> lock(mutex_);
   const std::uint64_t first = states_ + 1;
@@ -112,6 +114,7 @@ void MotionControl::moveOffLimit(const Mover& mover) {
       }))
     throw Error("the axes did not come off the limit within 60 s");
   if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy_);
+  if (!lost_.empty()) throw Error(faultText());
   for (std::size_t j = 0; j < state_.limitSwitch.size(); ++j)
     if (state_.limitSwitch[j] != 0) throw Error("the limit switch of " + axes_[j] + " is still closed");
 }

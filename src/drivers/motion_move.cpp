@@ -7,11 +7,27 @@
 #include "drivers/motion_control.h"
 
 namespace mm {
-void MotionControl::requireReady(bool homedToo) const {
+
+// An alarm is no reason: homing or the way off a limit may be what ends it.
+void MotionControl::requireAnswering(std::uint32_t stopsSeen) const {
   if (stopping_ > 0) throw Error("a stop is under way; wait until the axes rest");
+  if (!lost_.empty() || emergency_ || state_.emergencyStop) throw Error(faultText());
+  if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy_);
+  // Another motion's stop has not come through yet, or somebody moves them at the control.
+  if (state_.moving) throw Error("the axes still move; wait until they rest, or call ~stop");
+}
+
+void MotionControl::requireReady(std::uint32_t stopsSeen) const {
+  requireAnswering(stopsSeen);
   const std::string fault = faultText();
   if (!fault.empty()) throw Error(fault);
-  if (homedToo && !(state_.homed && homedHere_)) throw Error("not homed; call ~home first");
+  if (!(state_.homed && homedHere_)) throw Error("not homed; call ~home first");
+}
+
+void MotionControl::beginCurrent(bool armed) {
+  current_.emplace();
+  current_->armed = armed;
+  current_->from = state_.position;
 }
 
 MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover, std::uint32_t stopsSeen,
@@ -23,17 +39,13 @@ MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover,
   withDevice([&] {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      requireReady(true);
+      requireReady(stopsSeen);
       if (motion.probing && state_.probeClosed)
         throw Error("the probe is closed before the probing move; retract it, or check whether it sticks");
-      if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy_);
       motion.id = ++lastId_;
       motion.leaving = state_.probeClosed;
-      Current current;
-      current.motion = motion;
-      current.armed = !motion.leaving;
-      current.from = state_.position;
-      current_ = current;
+      beginCurrent(!motion.leaving);
+      current_->motion = motion;
     }
     controller_->move(motion);
   });

@@ -38,8 +38,8 @@ void MotionControl::regain() {
 std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, double host) {
   Observation seen;
   try {
-    const std::lock_guard<std::timed_mutex> device(device_);
     owe(true);
+    const std::lock_guard<std::timed_mutex> device(device_);
     seen.state = controller_->poll(elapsed);
     seen.edges = controller_->takeProbeEdges();
     owe(false);

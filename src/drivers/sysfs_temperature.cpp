@@ -70,7 +70,7 @@ void SysfsTemperatures::add(const std::string& name, SensorKeys& keys) {
     if (sensor.chip.empty() || sensor.channel.empty()) keys.refuse("the chip and its channel need names");
     if (sensor.channel.find('/') != std::string::npos)
       keys.refuse("'channel' is a name as temp1, not a path");
-    sensor.number = static_cast<std::size_t>(keys.number("number", 0.0, 0.0, 99.0));
+    sensor.number = static_cast<std::size_t>(keys.wholeNumber("number", 0, 0, 99));
   }
   sensor.scale = keys.number("scale", 1.0, -1e6, 1e6);
   sensor.offset = keys.number("offset", 0.0, -1e6, 1e6);

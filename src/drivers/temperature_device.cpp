@@ -34,6 +34,13 @@ double SensorKeys::number(const std::string& key, double standard, double lower,
   return value;
 }
 
+int SensorKeys::wholeNumber(const std::string& key, int standard, int lower, int upper) {
+  const double value = number(key, standard, lower, upper);
+  if (value != std::floor(value))
+    refuse(format("'%s' is %g, but must be a whole number", key.c_str(), value));
+  return static_cast<int>(value);
+}
+
 std::string SensorKeys::word(const std::string& key, const std::string& standard,
                              const std::vector<std::string>& words) {
   const std::string given = text(key, standard);
@@ -64,10 +71,10 @@ std::vector<std::unique_ptr<TemperatureDevice>> makeTemperatureDevices(
     if (!keys.has("modbus")) {
       files->add(setup.name, keys);
     } else {
-      const std::string address = keys.text("modbus", "");
-      auto& line = lines[address];
-      if (line == nullptr) line = std::make_unique<ModbusTemperatures>(address, keys);
-      line->add(setup.name, keys);
+      auto line = std::make_unique<ModbusTemperatures>(keys.text("modbus", ""), keys);
+      auto& known = lines[line->device()];  // however it is written: two would take each other's answers
+      if (known == nullptr) known = std::move(line);
+      known->add(setup.name, keys);
     }
     keys.finish();
   }

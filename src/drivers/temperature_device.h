@@ -51,6 +51,8 @@ class SensorKeys {
   std::string text(const std::string& key, const std::string& standard);         ///< standard where it is not
   /// @throw InputError where it is no number, or outside the bounds.
   double number(const std::string& key, double standard, double lower, double upper);
+  /// @throw InputError where it is no whole number, or outside the bounds.
+  int wholeNumber(const std::string& key, int standard, int lower, int upper);
   /// One of these words. @throw InputError.
   std::string word(const std::string& key, const std::string& standard,
                    const std::vector<std::string>& words);

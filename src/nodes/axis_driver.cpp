@@ -31,11 +31,12 @@ std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
 MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool clock) {
   refuseUnknownParameters(
       own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor", "clock", "hardware",
-            "tolerance", "rotary_tolerance", "silence", "rest_timeout", "hold_limit", "homing_order"});
+            "tolerance", "rotary_tolerance", "silence", "late", "rest_timeout", "hold_limit", "homing_order"});
   MotionControl::Settings settings;
   settings.tolerance = numberParameter(own, "tolerance", settings.tolerance, 1e-9, 1e-2);
   settings.rotaryTolerance = numberParameter(own, "rotary_tolerance", settings.rotaryTolerance, 1e-9, 0.1);
   settings.silence = numberParameter(own, "silence", settings.silence, 0.05, 60.0);
+  settings.late = numberParameter(own, "late", settings.late, 0.02, 60.0);
   settings.restTimeout = numberParameter(own, "rest_timeout", settings.restTimeout, 0.05, 600.0);
   settings.holdLimit = numberParameter(own, "hold_limit", settings.holdLimit, 0.1, 86400.0);
   settings.homingOrder = stagesOf(textParameter(own, "homing_order", ""));

@@ -184,9 +184,6 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
       continue;
     }
     if (measure(plan, move)) {
-      ++feedback_.contacts;
-      ++measured_;
-      tellMeasured();
       inARow = 0;
       continue;
     }
@@ -201,6 +198,13 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
   server_.publishFeedback(feedback_);
 }
 
+// Before the way back: a contact that was published counts, whatever comes then.
+void MeasureNode::countContact() {
+  ++feedback_.contacts;
+  ++measured_;
+  tellMeasured();
+}
+
 bool MeasureNode::measure(const Plan& plan, const PlanMove& move) {
   for (int attempt = 0; attempt <= retries_; ++attempt) {
     if (move.kind == MoveKind::kTouch) {
@@ -211,8 +215,10 @@ bool MeasureNode::measure(const Plan& plan, const PlanMove& move) {
     pauseFor(move.wait);
     const std::uint64_t before = contactsSeen();
     if (drive(plan, measuring_machine::MoveGoal::LASER, move.position, move.speed, feedback_.feature) &&
-        waitForContact(before))
+        waitForContact(before)) {
+      countContact();
       return true;
+    }
   }
   return false;
 }
@@ -225,6 +231,7 @@ bool MeasureNode::touch(const Plan& plan, const PlanMove& move) {
   const std::uint64_t before = contactsSeen();
   const bool tripped = drive(plan, Goal::PROBE, move.target, move.speed, feedback_.feature);
   const bool contact = tripped && waitForContact(before);
+  if (contact) countContact();
   drive(plan, Goal::GO, move.position, 0.0, {});
   return contact;
 }

@@ -58,6 +58,7 @@ class MeasureNode {
   void tell(const Plan& plan, std::size_t move);
   bool waitForContact(std::uint64_t before);
   std::uint64_t contactsSeen();
+  void countContact();
   void tellMeasured();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 

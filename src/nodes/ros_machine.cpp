@@ -19,11 +19,19 @@ constexpr double kStillMoving = 0.3;  // s after the last state that moved
 constexpr double kFrameKept = 1.0;    // s: an older frame is no longer told
 constexpr std::size_t kMostContacts = 100000;
 
+/// Waits on the wall's clock: that of ROS may stand still. @return whether it came true.
+template <typename Condition>
+bool awaitWall(double seconds, Condition condition) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  while (ros::ok() && !condition() && ros::WallTime::now() < end) ros::WallDuration(0.02).sleep();
+  return condition();
+}
+
 /// Calls a service that answers with success and message. @throw InputError: not there, or refused.
 template <typename Service>
 std::string ask(const ros::NodeHandle& node, const std::string& name, Service& service) {
   ros::NodeHandle handle(node);
-  if (!ros::service::waitForService(handle.resolveName(name), ros::Duration(3.0)))
+  if (!awaitWall(3.0, [&] { return ros::service::exists(handle.resolveName(name), false); }))
     throw InputError(handle.resolveName(name) + " is not there; is its node running?");
   if (!ros::service::call(handle.resolveName(name), service))
     throw InputError(handle.resolveName(name) + " did not answer; look at its node's log");
@@ -156,7 +164,7 @@ std::string RosMachine::pause(bool yes) {
 }
 
 std::string RosMachine::run(const std::string& yaml, const std::function<bool()>& cancelled) {
-  if (!measure_.waitForServer(ros::Duration(3.0)))
+  if (!awaitWall(3.0, [&] { return measure_.isServerConnected(); }))
     throw InputError(node_.resolveName("measure/run") + " is not there; is the node measure running?");
   measuring_machine::MeasureGoal goal;
   goal.plan = yaml;
@@ -168,8 +176,10 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
                  (feedback->paused ? ", paused" : "");
     share_ = feedback->progress;
   });
-  bool asked = false;
-  while (ros::ok() && !measure_.waitForResult(ros::Duration(0.1))) {
+  bool asked = false, gone = false;
+  while (ros::ok() && !gone && !measure_.getState().isDone()) {
+    ros::WallDuration(0.05).sleep();
+    gone = !measure_.isServerConnected();
     if (asked || !cancelled()) continue;
     measure_.cancelGoal();
     asked = true;
@@ -178,6 +188,10 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
     const std::lock_guard<std::mutex> lock(mutex_);
     measuring_.clear();
     share_ = 0.0;
+  }
+  if (gone) {
+    measure_.stopTrackingGoal();
+    throw InputError("the node measure has gone; what it measured is in the bag, run the plan again");
   }
   const auto result = measure_.getResult();
   const std::string message = result ? result->message : std::string("the plan ended without an answer");
@@ -202,9 +216,9 @@ void RosMachine::serveStops() {
     stopAsked_ = false;
     lock.unlock();
     try {
+      measure_.cancelAllGoals();
       std_srvs::Trigger service;
       ask(node_, "axis_driver/stop", service);
-      measure_.cancelAllGoals();
     } catch (const std::exception& e) {
       ROS_ERROR("workbench: stop: %s", e.what());
     }

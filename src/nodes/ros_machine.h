@@ -73,7 +73,6 @@ class RosMachine : public LiveMachine {
   std::condition_variable wake_;
 
   std::vector<ros::Subscriber> subscribers_;
-  ros::Subscriber axesIn_;
   Measure measure_;
   std::thread stopper_;  // a call of a service takes time, and a stop must not wait for the page
 };

@@ -75,7 +75,12 @@ TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
   fastest_ = numberParameter(own, "fastest", 1.0, 0.0, 1e6);
   const double period = 1.0 / numberParameter(own, "poll_rate", 2.0, 0.001, 100.0);
   for (auto& device : makeTemperatureDevices(sensorsParameter(own), textParameter(own, "sysfs", "/sys"))) {
-    for (const std::string& name : device->names()) own_[name] = true;
+    for (const std::string& name : device->names()) {
+      own_[name] = true;
+      if (!topicIsOf(name))
+        throw InputError("sensors '" + topics_[topicOf(name)] + "' and '" + name +
+                         "' would both be temperature/" + topicOf(name) + "; give one another name");
+    }
     pollers_.push_back(std::make_unique<Poller>());
     pollers_.back()->device = std::move(device);
   }
@@ -94,6 +99,11 @@ TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
 TemperatureNode::~TemperatureNode() {
   ends_ = true;
   for (auto& poller : pollers_) poller->thread.join();
+}
+
+/// Names differ in more than topics can: the first that comes has the topic.
+bool TemperatureNode::topicIsOf(const std::string& name) {
+  return topics_.emplace(topicOf(name), name).first->second == name;
 }
 
 /// In a thread of its own: a line that waits for its timeout keeps nothing else from being read.
@@ -142,6 +152,12 @@ void TemperatureNode::take(const measuring_machine::SensorReadings& readings) {
                      readings.name[i].c_str());
       continue;
     }
+    if (!topicIsOf(readings.name[i])) {
+      ROS_ERROR_ONCE(
+          "the controller's sensor '%s' has the topic of '%s'; it is left out, give one another name",
+          readings.name[i].c_str(), topics_[topicOf(readings.name[i])].c_str());
+      continue;
+    }
     takeOne(readings.name[i], {readings.temperature[i], {}}, now, back);
   }
 }
@@ -172,10 +188,11 @@ void TemperatureNode::takeOne(const std::string& name, const TemperatureReading&
   Sensor& sensor = sensors_[name];
   if (!sensor.out)
     sensor.out = node_.advertise<sensor_msgs::Temperature>("temperature/" + topicOf(name), 100);
-  if (sensor.seen.isZero() || back || reading.value != sensor.value) sensor.changed = now;
+  const bool number = std::isfinite(reading.value);  // a failed reading is no change
+  if (sensor.seen.isZero() || back || (number && reading.value != sensor.value)) sensor.changed = now;
   if (back) sensor.published = ros::Time();
   sensor.seen = now;
-  sensor.value = reading.value;
+  if (number) sensor.value = reading.value;
   const bool before = sensor.wrong.empty();
   sensor.wrong = doubtOf(name, sensor, reading, now);
   if (before && !sensor.wrong.empty()) {

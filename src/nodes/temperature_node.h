@@ -53,12 +53,14 @@ class TemperatureNode {
   std::string doubtOf(const std::string& name, const Sensor& sensor, const TemperatureReading& reading,
                       const ros::Time& now) const;
   void poll(Poller& poller, double period) const;
+  bool topicIsOf(const std::string& name);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle node_;
   double frozenAfter_, timeout_, variance_, fastest_;
   std::map<std::string, Sensor> sensors_;
-  std::map<std::string, bool> own_;  // names that the node reads itself
+  std::map<std::string, std::string> topics_;  // the sensor of each
+  std::map<std::string, bool> own_;            // names that the node reads itself
   ros::Time last_;
   std::atomic<bool> ends_{false};
   std::vector<std::unique_ptr<Poller>> pollers_;

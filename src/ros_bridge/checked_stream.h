@@ -30,7 +30,6 @@ class CheckedStream : public ros::serialization::Stream {
   void next(std::vector<T>& items) {
     const std::uint32_t length = nextLength();
     items.clear();
-    items.reserve(length);
     for (std::uint32_t i = 0; i < length; ++i) next(items.emplace_back());
   }
 

@@ -75,8 +75,8 @@ void LiveSession::beginAgainIfBack(std::int64_t stamp) {
 
 void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
   const ros::Time stamp = message.header.stamp;
+  std::unique_lock<std::mutex> lock(mutex_);
   if (!stamp.isZero() && stamp != artifact_) {
-    const std::lock_guard<std::mutex> lock(mutex_);
     const std::size_t before = collector_.observationCount();
     if (stamp < artifact_) collector_.dropAfter(nanoseconds(stamp));
     collector_.dropBefore(nanoseconds(stamp));
@@ -85,6 +85,7 @@ void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
     if (before > 0) ROS_INFO("a new session begins; the %zu contacts before it are forgotten", before);
   }
   if (!stamp.isZero()) artifact_ = stamp;
+  lock.unlock();
   take([&](SessionCollector& collector) { collector.addArtifact(message); });
 }
 

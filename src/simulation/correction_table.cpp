@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "base/number_text.h"
+#include "base/read_file.h"
 #include "base/text.h"
 #include "base/units.h"
 
@@ -151,12 +151,7 @@ CorrectionTable CorrectionTable::parse(const std::string& text, const std::strin
 }
 
 CorrectionTable CorrectionTable::load(const std::filesystem::path& file, const Machine& machine) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError(file.string() + ": the correction table cannot be read; check its path");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parse(text.str(), file.string(), machine);
+  return parse(readWholeFile(file, "check the path of the correction table"), file.string(), machine);
 }
 
 std::vector<double> CorrectionTable::drives(const std::vector<double>& command,

@@ -24,12 +24,13 @@ SLOW = 0.4         # s by which a slow device is late
 ANSWERING, SILENT = 1.0, 0.7  # s of an intermittent one
 WRONG = 5.0        # mm by which a wrong device is wrong
 TICK = 0.001       # s
+STALL = 0.02       # s of the world at most that pass at once
 
 
 class Machine:
     """Axes in mm or deg that go in straight lines with one acceleration; a ball that the tip of the probe may touch."""
 
-    def __init__(self, axes, ball, tip, scale, acceleration, play=None):
+    def __init__(self, axes, ball, tip, scale, acceleration):
         self.axes, self.acceleration = axes, acceleration
         self.position = [0.0] * axes
         self.ball, self.tip, self.scale = ball, tip, scale  # ball: x y z r; scale: true / shown of the first axes
@@ -38,7 +39,6 @@ class Machine:
         self.probe = "ok"
         self.limits = [0] * axes
         self.random = random.Random(1)
-        self.quiet = 0
 
     def move(self, target, feed):
         """@param feed units/s along the vector of all axes."""
@@ -210,6 +210,15 @@ class Double:
             if self.listener:
                 readers.append(self.listener)
             ready, _, _ = select.select(readers, [], [], TICK)
+            # The world is brought up to the present before it is asked for: what it answers is of now. Where this process was
+            # held up, its world stood still, as no real machine would jump.
+            now = time.monotonic()
+            last = max(last, now - STALL)
+            while last + TICK <= now:
+                last += TICK
+                if self.fault != "off":
+                    self.tick(TICK)
+                    self.deepest = max(self.deepest, self.machine.depth())
             for one in ready:
                 if one is self.control:
                     connection, _ = one.accept()
@@ -223,12 +232,6 @@ class Double:
                     self.connected(connection)
                 elif one in self.connections:
                     self.read(one)
-            now = time.monotonic()
-            while last + TICK <= now:
-                last += TICK
-                if self.fault != "off":
-                    self.tick(TICK)
-                    self.deepest = max(self.deepest, self.machine.depth())
             self.flush()
 
     def serve(self, one):

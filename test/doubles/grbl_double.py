@@ -225,6 +225,8 @@ class Grbl(device_double.Double):
         if line == "$H" or re.fullmatch(r"\$H[XYZABC]", line):
             if len(line) == 3 and not self.hal:
                 return self.out("error:3")
+            if self.state not in ("Idle", "Alarm"):
+                return self.out("error:8")
             axes = range(self.machine.axes) if len(line) == 2 else [LETTERS.index(line[2])]
             target = list(self.machine.position)
             for i in axes:
@@ -292,12 +294,12 @@ class Grbl(device_double.Double):
             if self.machine.closed():
                 return self.raise_alarm(4)
             self.job = {"kind": "probe", "strict": probe == "38.2"}
-            self.state = "Run"
         else:
             self.job = {"kind": "move"}
-            self.state = "Jog" if jog else "Run"
             self.out("ok")
-        self.machine.hold = False
+        if not self.held:  # in feed hold it is planned, and waits for ~
+            self.state = "Jog" if jog else "Run"
+        self.machine.hold = self.held
         self.machine.move(target, min(feed, 50.0))
         return None
 

@@ -14,6 +14,7 @@ LETTERS = "XYZABC"
 LIMIT = 200.0  # mm or deg
 TOP = 50.0     # units/s
 RECEPTION = 0.1  # s between two looks at whether a command was received
+HOMING_BEGINS = 0.25  # s after which homing begins on a busy computer
 
 
 class LinuxCnc(device_double.Double):
@@ -29,6 +30,8 @@ class LinuxCnc(device_double.Double):
         self.machine.halt()
         self.machine.share = 1.0
         self.queue, self.job, self.errors, self.display = [], None, [], []
+        self.refusals = 0
+        self.homing = None  # when the joints begin to home, and which
         self.lines, self.greeted, self.enabled = {}, set(), None
         self.verbose, self.waiting, self.number, self.timeout = set(), {}, 0, 0.0
         self.probed = [0.0] * self.machine.axes
@@ -131,7 +134,17 @@ class LinuxCnc(device_double.Double):
             return "ACK"
         return self.obeyed(what, value)
 
+    def command(self, words):
+        """refuse N: the next N aborts and emergency stops are refused, as when another client takes control between."""
+        if words[0] == "refuse":
+            self.refusals = int(words[1])
+            return {"refusals": self.refusals}
+        return {"error": "unknown"}
+
     def obeyed(self, what, value):
+        if self.refusals > 0 and (what == "abort" or (what == "estop" and value.lower() == "on")):
+            self.refusals -= 1
+            return "NAK"
         if what == "estop":
             if value.lower() == "on":
                 self.told.append(["reset", time.monotonic()])
@@ -166,7 +179,11 @@ class LinuxCnc(device_double.Double):
         if not self.on or self.mode != "MANUAL" or self.teleop:
             self.errors.append("must be in joint mode to home")
             return
-        joints = list(range(self.machine.axes)) if joint < 0 else [joint]
+        self.homing = (time.monotonic() + HOMING_BEGINS, list(range(self.machine.axes)) if joint < 0 else [joint])
+
+    def begin_homing(self):
+        """The flags of joints that were homed before stand until now."""
+        (_, joints), self.homing = self.homing, None
         target = list(self.machine.position)
         for j in joints:
             self.homed[j], target[j] = False, 0.0
@@ -175,10 +192,12 @@ class LinuxCnc(device_double.Double):
 
     def halt(self):
         self.machine.halt()
-        self.queue, self.job = [], None
+        self.queue, self.job, self.homing = [], None, None
 
     def tick(self, seconds):
         self.look()
+        if self.job is None and self.homing and time.monotonic() >= self.homing[0]:
+            self.begin_homing()
         if self.job is None and self.queue and self.fault != "stuck":
             self.begin_block(self.queue.pop(0))
         job = self.job

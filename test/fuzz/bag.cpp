@@ -9,6 +9,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static mm::fuzz::MemoryFile file;
   const auto& path = file.write(data, size);
   mm::fuzz::takes([&] { mm::readSessionBag(path, {}, &machine); });
-  mm::bagSpace(path);
+  mm::fuzz::takes([&] { mm::bagSpace(path); });
   return 0;
 }

@@ -29,23 +29,8 @@ def ready(seconds=60):
     assert support.wait_until(homed, 20), said[-1].message
 
 
-HELD_UP = "not homed"  # what a plan says after its controller was lost: on a computer that was held up, nobody's fault
-
-
-def record(plan, bag, seconds, attempts=3):
-    """@return the result of the plan; one that a busy computer ended is measured again."""
-    for _ in range(attempts - 1):
-        try:
-            return record_once(plan, bag, seconds)
-        except AssertionError as e:
-            if HELD_UP not in str(e):
-                raise
-            ready()
-            os.remove(bag)
-    return record_once(plan, bag, seconds)
-
-
-def record_once(plan, bag, seconds):
+def record(plan, bag, seconds):
+    """@return the result of the plan."""
     recorder = subprocess.Popen(["rosbag", "record", "-O", bag, "-e", "/" + TOPICS, "__name:=recorder"])
     try:
         assert support.wait_until(lambda: os.path.exists(bag + ".active"), 20)

@@ -187,6 +187,7 @@ class Faults(unittest.TestCase):
         spaced = []
         rospy.Subscriber("temperature/motor_left", Temperature, spaced.append)
         out = rospy.Publisher("axis_driver/temperatures", SensorReadings, queue_size=10, latch=True)
+        self.assertTrue(support.wait_until(lambda: out.get_num_connections() > 0))
         sent = 0
 
         def frozen():

@@ -89,6 +89,10 @@ class FakeController final : public AxisController {
     stop_ = true;
   }
   void feedHold(bool hold) override { hold_ = hold; }
+  std::vector<std::pair<std::string, double>> temperatures() override {
+    while (blockTemperatures && !ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return {};
+  }
 
   /// Changes the state between two polls.
   void set(const std::function<void(AxesState&)>& changed) {
@@ -97,6 +101,7 @@ class FakeController final : public AxisController {
   }
 
   std::atomic<bool> block{false}, ended{false}, away{false}, frozen{false}, homesByAxis{true};
+  std::atomic<bool> blockTemperatures{false};
   std::atomic<int> stops{0}, emergencies{0}, moves{0}, reconnects{0};
   std::atomic<Wall::time_point> emergencyAt{Wall::time_point()};
   double fastest = 0.0;

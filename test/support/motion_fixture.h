@@ -16,9 +16,10 @@
 
 namespace mm {
 
-/// s for a stop to come through: the machine's as much as the driver's. One that waits behind what blocks the
-/// device takes seconds.
-inline constexpr double kLate = 0.5;
+/// s for a stop to come through on a computer that others share. One that waits behind what blocks the device
+/// takes kConnect.
+inline constexpr double kLate = 1.5;
+inline constexpr double kConnect = 4.0;  // s for a device's first answers
 
 /// What tests of motions ask for again and again.
 class MotionFixture : public ::testing::Test {
@@ -55,8 +56,9 @@ class DeviceMotionFixture : public MotionFixture {
     controller->open(controllerSetup(machine_, parameters));
     MotionControl::Settings settings;
     settings.reconnect = 0.1;
-    settings.restTimeout = 0.8;
+    settings.restTimeout = 1.5;
     settings.rotaryTolerance = 1e-4;
+    settings.late = late_;
     control_ = std::make_unique<MotionControl>(controller, machine_, settings);
     loop_ = std::thread([this] {
       while (!ending_) {
@@ -92,7 +94,19 @@ class DeviceMotionFixture : public MotionFixture {
     return report;
   }
   void home() { control_->home({}, {"test", 0}); }
+  /// Homes and goes there; once more where the computer was held up for as long as a watch allows a device to
+  /// be.
+  MotionControl::Report arrive(const std::vector<double>& at) {
+    MotionControl::Report report;
+    report.outcome = Outcome::kLost;
+    for (int i = 0; i < 3 && report.outcome == Outcome::kLost; ++i) {
+      await([&] { return control_->view().lost.empty() && refusal([&] { home(); }).empty(); }, 10.0);
+      report = go(at);
+    }
+    return report;
+  }
 
+  double late_ = 5.0;  // s, Settings::late: the tests of that watch have their own
   Machine machine_;
   std::unique_ptr<DeviceDouble> double_;
   std::unique_ptr<MotionControl> control_;

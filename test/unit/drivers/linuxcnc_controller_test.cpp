@@ -24,18 +24,24 @@ class LinuxCncTest : public DeviceMotionFixture {
     control(std::make_shared<LinuxCncController>(), {{"address", double_->address()},
                                                      {"coordinates", "XYZAB"},
                                                      {"poll_rate", "100"},
-                                                     {"connect_timeout", "0.8"}});
+                                                     {"connect_timeout", std::to_string(kConnect)}});
   }
-  void ready() {
+  void readyAt(const std::vector<double>& at) {
     ASSERT_TRUE(await([&] { return refusal([&] { control_->resetEmergencyStop(); }).empty(); }));
-    ASSERT_TRUE(await([&] { return refusal([&] { home(); }).empty(); }, 10.0)) << control_->view().fault;
+    const MotionControl::Report report = arrive(at);
+    ASSERT_EQ(report.outcome, Outcome::kReached) << report.message << control_->view().fault;
   }
+  double shown(std::size_t j) { return 1e3 * control_->view().state.position[j]; }
+};
+
+class LinuxCncFaultsTest : public LinuxCncTest {
+ protected:
+  LinuxCncFaultsTest() { late_ = MotionControl::Settings{}.late; }
 };
 
 TEST_F(LinuxCncTest, HomesGoesProbesStops) {
   expectWords(refusal([&] { control_->home({}, {"test", 0}); }), "emergency stop");
-  ready();
-  ASSERT_EQ(go({20, 30, 17}).outcome, Outcome::kReached);
+  readyAt({20, 30, 17});
   MotionControl::Report report = go({20, 30, 14}, 3e-3, true);
   ASSERT_EQ(report.outcome, Outcome::kTripped) << report.message;
   ASSERT_TRUE(await([&] {
@@ -61,7 +67,36 @@ TEST_F(LinuxCncTest, HomesGoesProbesStops) {
   EXPECT_EQ(refusal([&] { control_->home({"z"}, {"test", 0}); }), "");
 }
 
-TEST_F(LinuxCncTest, EveryFaultOfTheLineIsSaidAndTheEmergencyStopComesThrough) {
+TEST_F(LinuxCncTest, AStopThatIsRefusedIsSaidAgain) {
+  readyAt({0, 0, 4});
+  auto moving = start({-90, 0, 4}, 0.01);
+  double_->tell("refuse 3");
+  control_->stop("/panel");
+  EXPECT_EQ(moving.get().outcome, Outcome::kStopped);
+  EXPECT_FALSE(double_->tell("machine")["moving"]);
+  moving = start({-90, 0, 4}, 0.01);
+  double_->tell("refuse 3");
+  EXPECT_EQ(control_->emergencyStop("/panel"), "");
+  EXPECT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); }));
+  EXPECT_NE(moving.get().outcome, Outcome::kReached);
+  // For ever refused: said, and the connections are made anew.
+  double_->tell("refuse 1000");
+  control_->emergencyStop("/panel");
+  EXPECT_TRUE(await([&] { return control_->view().lost.find("refuses to ESTOP") != std::string::npos; }))
+      << control_->view().lost;
+}
+
+// The flags of axes that were homed before stand until homing has begun.
+TEST_F(LinuxCncTest, HomingAgainEndsWhenTheAxesAreHomedAgain) {
+  readyAt({0, 0, 4});
+  home();
+  EXPECT_EQ(shown(2), 0.0) << "it has gone there";
+  EXPECT_TRUE(control_->view().state.homed);
+  const MotionControl::Report report = go({0, 0, 4});
+  EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
+}
+
+TEST_F(LinuxCncFaultsTest, EveryFaultOfTheLineIsSaidAndTheEmergencyStopComesThrough) {
   const std::vector<std::pair<std::string, std::string>> faults = {{"off", "the connection ended"},
                                                                    {"stuck", "has given no state"},
                                                                    {"garbage", "no language of linuxcncrsh"},
@@ -69,8 +104,7 @@ TEST_F(LinuxCncTest, EveryFaultOfTheLineIsSaidAndTheEmergencyStopComesThrough) {
                                                                    {"slow", "late"},
                                                                    {"intermittent", "has given no state"}};
   for (const auto& [fault, words] : faults) {
-    ready();
-    ASSERT_EQ(go({0, 0, 4}).outcome, Outcome::kReached) << fault;
+    readyAt({0, 0, 4});
     auto report = start({-90, 0, 4}, 0.01);
     double_->tell("fault " + fault);
     const MotionControl::Report ended = report.get();

@@ -20,8 +20,8 @@ class MotionControlTest : public MotionFixture {
   void begin(MotionControl::Settings settings) {
     finish();
     controller_ = std::make_shared<FakeController>();
-    settings.silence = 0.2;
-    settings.restTimeout = 0.5;
+    settings.silence = 1.0;
+    settings.restTimeout = 1.5;
     settings.reconnect = 0.02;
     control_ = std::make_unique<MotionControl>(controller_, machine_, settings);
     ending_ = false;
@@ -60,7 +60,10 @@ class MotionControlTest : public MotionFixture {
     auto report = std::async(std::launch::async, [this, motion, stops] {
       return control_->move(motion, {"test", 0}, stops);
     });
-    EXPECT_TRUE(await([&] { return controller_->moves > before && control_->view().state.moving; }));
+    EXPECT_TRUE(await([&] {
+      const bool over = report.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+      return controller_->moves > before && (over || control_->view().state.moving);
+    }));
     return report;
   }
   void home() { control_->home({}, {"test", 0}); }
@@ -202,6 +205,43 @@ TEST_F(MotionControlTest, AnEmergencyStopWaitsForNothing) {
   expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
 }
 
+TEST_F(MotionControlTest, NothingBeginsWhileTheAxesMoveOrInAnEmergencyStop) {
+  home();
+  controller_->set([](AxesState& state) { state.limitSwitch[0] = 1; });
+  ASSERT_TRUE(await([&] { return control_->view().state.limitSwitch[0] == 1; }));
+  EXPECT_EQ(control_->emergencyStop("/panel"), "");
+  expectWords(refusal([&] { control_->moveOffLimit({"test", 0}); }), "emergency stop");
+  EXPECT_EQ(control_->view().state.limitSwitch[0], 1) << "it was not moved";
+  controller_->set([](AxesState& state) { state.limitSwitch[0] = 0; });
+  control_->resetEmergencyStop();
+  home();
+  controller_->feedHold(true);  // else they would be there
+  controller_->set([](AxesState& state) { state.moving = true; });  // by hand, at the control's panel
+  ASSERT_TRUE(await([&] { return control_->view().state.moving; }));
+  for (const auto& begin : std::vector<std::function<void()>>{[&] { home(); },
+                                                              [&] {
+                                                                go({0.001, 0, 0});
+                                                              },
+                                                              [&] {
+                                                                control_->moveOffLimit({"test", 0});
+                                                              }})
+    expectWords(refusal(begin), "the axes still move");
+}
+
+// Whatever call of the controller it is that does not end.
+TEST_F(MotionControlTest, AReadingThatDoesNotEndIsALossThatIsSaid) {
+  home();
+  auto report = start({0.010, 0.0, 0.0}, 0.0005);
+  controller_->blockTemperatures = true;
+  std::thread reading([&] { control_->temperatures(); });
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kLost);
+  expectWords(ended.message, "has not answered");
+  EXPECT_GE(controller_->stops, 1);
+  controller_->blockTemperatures = false;
+  reading.join();
+}
+
 TEST_F(MotionControlTest, ABlockedPollIsALossThatIsSaid) {
   home();
   auto report = start({0.010, 0.0, 0.0});
@@ -272,7 +312,7 @@ TEST_F(MotionControlTest, FeedHoldAndResume) {
   begin(settings);
   home();
   expectWords(refusal([&] { control_->hold(true); }), "nothing moves");
-  auto report = start({0.004, 0.0, 0.0}, 0.01);
+  auto report = start({0.010, 0.0, 0.0}, 0.005);
   control_->hold(true);
   ASSERT_TRUE(await([&] { return control_->view().state.held; }));
   control_->hold(false);

