@@ -195,7 +195,7 @@ std::string taskSection(const CertifiedTask& task) {
   const std::vector<TestLength> lengths = testLengthsOf(r);
   if (lengths.size() > 1) {
     html += "<p class=\"result\">Each of the " + std::to_string(lengths.size()) +
-            " lengths keeps |E| + U within <b>" + shown(permissibleFor(lengths).inWords()) +
+            " lengths, for itself, keeps |E| + U within <b>" + shown(permissibleFor(lengths).inWords()) +
             "</b> (L in mm)" +
             (probingOf(r) ? "; probing form: " + figureText(*probingOf(r)) : std::string()) +
             "</p>\n<figure>" + lengthsPlot(r) + "</figure>\n";

@@ -124,7 +124,7 @@ std::string uncertaintyText(const TaskUncertainty& result, const std::vector<Tas
   const std::vector<TestLength> lengths = testLengthsOf(result);
   if (lengths.size() > 1) {
     text +=
-        wrapped("", "Each length keeps |E| + U within " + permissibleFor(lengths).inWords() + " (L in mm).");
+        wrapped("", "Each length, for itself, keeps |E| + U within " + permissibleFor(lengths).inWords() + " (L in mm).");
     if (const QuantityUncertainty* probing = probingOf(result))
       text += probing->quantity.name + ": " + figureLine(*probing) + "\n";
   } else {

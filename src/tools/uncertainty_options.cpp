@@ -1,6 +1,7 @@
 #include "tools/uncertainty_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "base/cancel_scope.h"
@@ -126,7 +127,7 @@ void declareDecision(CLI::App& command, UncertaintyOptions& c) {
       ->check(numberWithin(0.0, 1e6, "um"));
   command.add_option("--measured-mm", c.measuredMm, "value that was found (default: as is to be expected)")
       ->check(numberWithin(-1e6, 1e6, "mm"));
-  command.add_option("--mpe", c.mpe, "A,K: maximum permissible error A um + L/K of lengths (L in mm)");
+  command.add_option("--mpe", c.mpe, "A,K[,B]: maximum permissible error A um + L/K of lengths (L in mm), at most B um");
   command.add_option("--mpe-probing-um", c.mpeProbingUm, "maximum permissible probing error")
       ->check(numberWithin(0.0, 1e6, "um"));
   command.add_option("--seed", c.trials.seed, "of the random numbers")
@@ -189,12 +190,14 @@ ToleranceAsked UncertaintyOptions::asked() const {
   held.permissibleProbing = mpeProbingUm;
   if (mpe.empty()) return held;
   constexpr const char* kExample = "--mpe 1.5,250 for 1.5 um + L/250 (L in mm)";
-  const std::vector<double> v = listOfNumbers(mpe, "--mpe", 2, kExample);
-  if (!(v[0] >= 0.0) || !(v[1] > 0.0))
-    throw InputError("--mpe '" + mpe + "': A must not be negative, K must be above zero; write " + kExample);
+  const std::size_t given = std::count(mpe.begin(), mpe.end(), ',') == 2 ? 3 : 2;
+  const std::vector<double> v = listOfNumbers(mpe, "--mpe", given, kExample);
+  if (!(v[0] >= 0.0) || !(v[1] > 0.0) || (given == 3 && !(v[2] > 0.0)))
+    throw InputError("--mpe '" + mpe + "': A must not be negative, K and B must be above zero; write " + kExample);
   held.permissible = PermissibleError{};
   held.permissible->a = v[0];
   held.permissible->k = v[1];
+  if (given == 3) held.permissible->b = v[2];
   return held;
 }
 
@@ -202,7 +205,9 @@ TaskUncertainty taskUncertaintyOf(const Calibration& calibration, const Uncertai
   const TaskConditions conditions = options.conditionsFor(calibration.domain);
   const Model model(Machine(calibration.urdf, calibration.machineName), calibration.domain,
                     calibration.effects, calibration.networks);
-  const std::unique_ptr<MeasurementTask> task = makeTask(options.task, options.points, model);
+  TaskOptions how = options.points;
+  how.permissible = options.asked().permissible;
+  const std::unique_ptr<MeasurementTask> task = makeTask(options.task, how, model);
   const VirtualMachine machine(calibration, *task, conditions);
   TaskUncertainty result;
   const CancelScope cancel([] { return Interrupt::asked(); });

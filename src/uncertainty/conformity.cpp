@@ -72,22 +72,6 @@ std::string PermissibleError::inWords() const {
   return text;
 }
 
-std::vector<Conformity> judgeLengths(const std::vector<TestLength>& lengths,
-                                     const PermissibleError& permissible) {
-  std::vector<Conformity> each;
-  for (const TestLength& l : lengths) {
-    const double most = permissible.at(l.length);
-    each.push_back(judge(l.error, l.std, {-most, most}));
-  }
-  return each;
-}
-
-Conformity worstOf(const std::vector<Conformity>& each) {
-  Conformity worst = Conformity::kConforms;
-  for (const Conformity one : each) worst = std::max(worst, one);
-  return worst;
-}
-
 PermissibleError permissibleFor(const std::vector<TestLength>& lengths) {
   double n = 0.0, sumL = 0.0, sumE = 0.0, sumLL = 0.0, sumLE = 0.0;
   const auto most = [](const TestLength& l) { return std::abs(l.error) + 2.0 * l.std; };

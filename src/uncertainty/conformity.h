@@ -46,13 +46,8 @@ struct TestLength {
   double error = 0.0;   // um, measured minus calibrated
   double std = 0.0;     // um, standard uncertainty of the test value
 };
-/// Each error against the permissible one; the whole test conforms where all do, and does not where one does
-/// not.
-std::vector<Conformity> judgeLengths(const std::vector<TestLength>& lengths,
-                                     const PermissibleError& permissible);
-Conformity worstOf(const std::vector<Conformity>& each);
-
-/// The smallest A + L / K that no |error| + 2 std exceeds: slope by least squares, not negative; then A.
+/// An A + L / K that no |error| + 2 std exceeds, each length for itself: the slope by least squares, not
+/// negative, with the smallest A that does.
 PermissibleError permissibleFor(const std::vector<TestLength>& lengths);
 
 }  // namespace mm

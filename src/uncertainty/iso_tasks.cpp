@@ -47,7 +47,9 @@ std::vector<TestLine> linesOf(const Domain& domain) {
 class LengthTest : public MeasurementTask {
  public:
   /// @param radius m, of the ball; 0: none, as the volume has no room for one.
-  LengthTest(const std::vector<TestLine>& lines, const Eigen::Vector3d& middle, double radius) {
+  LengthTest(const std::vector<TestLine>& lines, const Eigen::Vector3d& middle, double radius,
+             std::optional<PermissibleError> permissible)
+      : permissible_(std::move(permissible)) {
     quantities_ = {{"largest |E|", 0.0, true, 0.0}};
     if (radius > 0.0) quantities_.push_back({kProbingForm, 0.0, true, 0.0});
     first_ = quantities_.size();
@@ -74,16 +76,32 @@ class LengthTest : public MeasurementTask {
     double largest = 0.0;
     for (std::size_t l = 0; l < along_.size(); ++l)
       for (std::size_t r = 0; r < kRepeats; ++r) {
-        const std::size_t first = 2 * (l * kRepeats + r);
-        const double length = (measured[first + 1] - measured[first]).dot(along_[l]);
-        if (r == 0) values[first_ + l] = length;
-        largest = std::max(largest, std::abs(length - quantities_[first_ + l].nominal));
+        const double error = errorOf(measured, l, r);
+        if (r == 0) values[first_ + l] = quantities_[first_ + l].nominal + error;
+        largest = std::max(largest, std::abs(error));
       }
     values[0] = largest;
     if (ball_) values[1] = ball_->fit(measured, firstOfBall_).form;
   }
+  /// The test of a machine asks it of every length, each time that it is measured (ISO 10360-2, 8.1).
+  std::optional<bool> passes(const std::vector<Eigen::Vector3d>& measured) const override {
+    if (!permissible_) return std::nullopt;
+    for (std::size_t l = 0; l < along_.size(); ++l) {
+      const double most = permissible_->at(quantities_[first_ + l].length / kMillimetre) * kMicrometre;
+      for (std::size_t r = 0; r < kRepeats; ++r)
+        if (std::abs(errorOf(measured, l, r)) > most) return false;
+    }
+    return true;
+  }
 
  private:
+  /// m, of one of the repeats of a length.
+  double errorOf(const std::vector<Eigen::Vector3d>& measured, std::size_t length, std::size_t repeat) const {
+    const std::size_t first = 2 * (length * kRepeats + repeat);
+    return (measured[first + 1] - measured[first]).dot(along_[length]) - quantities_[first_ + length].nominal;
+  }
+
+  std::optional<PermissibleError> permissible_;
   std::vector<Eigen::Vector3d> along_;
   std::size_t first_ = 1, firstOfBall_ = 0;  // of the lengths among the figures; of the ball's points
   std::optional<FittedFeature> ball_;
@@ -121,7 +139,8 @@ class PositioningOfAxis : public MeasurementTask {
 
 }  // namespace
 
-std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model) {
+std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model,
+                                                const std::optional<PermissibleError>& permissible) {
   const Domain& domain = model.domain();
   const std::vector<TestLine> lines = linesOf(domain);
   if (lines.empty())
@@ -135,7 +154,8 @@ std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model) {
   const double radius = usualBallRadius(domain);
   const bool room =
       !domain.features.empty() && (domain.tipUpper - domain.tipLower).minCoeff() >= 2.0 * radius;
-  return std::make_unique<LengthTest>(lines, 0.5 * (domain.tipLower + domain.tipUpper), room ? radius : 0.0);
+  return std::make_unique<LengthTest>(lines, 0.5 * (domain.tipLower + domain.tipUpper), room ? radius : 0.0,
+                                      permissible);
 }
 
 std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int targets, const Model& model) {

@@ -233,6 +233,9 @@ class NamedTask : public MeasurementTask {
   void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
     task_->evaluate(measured, values);
   }
+  std::optional<bool> passes(const std::vector<Eigen::Vector3d>& measured) const override {
+    return task_->passes(measured);
+  }
 
  private:
   std::unique_ptr<MeasurementTask> task_;
@@ -255,7 +258,7 @@ std::unique_ptr<MeasurementTask> unnamedTask(const TaskReader& read, const TaskO
   if (word == "plane" || word == "flatness" || word == "straightness") return flatTask(read);
   if (word == "iso10360-2") {
     read.expect(0);
-    return lengthTestTask(model);
+    return lengthTestTask(model, options.permissible);
   }
   if (word == "iso230-2") {
     read.expect(1);

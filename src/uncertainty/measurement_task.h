@@ -1,10 +1,12 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "model/model.h"
+#include "uncertainty/conformity.h"
 
 namespace mm {
 
@@ -39,6 +41,9 @@ class MeasurementTask {
   const std::vector<TaskQuantity>& quantities() const { return quantities_; }  ///< the first is the headline
   /// @param measured one a point, m, workpiece. @param values one a quantity, m.
   virtual void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const = 0;
+  /// Whether everything that the task tests is within what is permitted, all at once; nothing: no test has
+  /// limits of its own.
+  virtual std::optional<bool> passes(const std::vector<Eigen::Vector3d>&) const { return std::nullopt; }
 
  protected:
   std::string text_;
@@ -48,6 +53,7 @@ class MeasurementTask {
 
 struct TaskOptions {
   int points = 0;  // that are touched on a ball, circle, plane or line; targets of ISO 230-2; 0: as usual
+  std::optional<PermissibleError> permissible;  // of every length of ISO 10360-2
 };
 
 /// Makes a task from its words, lengths in mm, frame workpiece:

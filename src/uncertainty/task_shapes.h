@@ -30,7 +30,8 @@ std::vector<TaskPoint> linePoints(const Eigen::Vector3d& from, const Eigen::Vect
 std::vector<Eigen::Vector3d> placesOf(const std::vector<TaskPoint>& points);
 
 /// The tasks of the standards. @throw InputError: the calibrated volume is too small, or has no such axis.
-std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model);
+std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model,
+                                                const std::optional<PermissibleError>& permissible);
 /// @param targets 0: five.
 std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int targets, const Model& model);
 

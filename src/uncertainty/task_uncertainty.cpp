@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "base/parallel.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {
@@ -22,7 +23,10 @@ constexpr double kNothing = 1e-15;         // m: below it a figure is certain
 struct BatchFigure {
   double mean = 0.0, variance = 0.0, lower = 0.0, upper = 0.0;
 };
-using Batch = std::vector<BatchFigure>;  // a quantity each
+struct Batch {
+  std::vector<BatchFigure> figures;  // a quantity each
+  double passes = 0.0;               // share of the trials; NaN: the task has no limits of its own
+};
 
 /// The value below which a share of the sorted values lies, linear between them.
 double quantileOf(const std::vector<double>& sorted, double share) {
@@ -51,6 +55,7 @@ Batch runBatch(const MeasurementTask& task, const VirtualMachine& machine, std::
                const std::string& name, int only, std::size_t trials) {
   const std::size_t quantities = task.quantities().size();
   std::vector<std::vector<double>> values(quantities, std::vector<double>(trials));
+  std::vector<char> passed(trials, 0), limited(trials, 0);
   parallelFor(partsOf(trials, kPart), [&](std::size_t part) {
     CancelScope::check();
     const Part mine = partOf(trials, kPart, part);
@@ -62,12 +67,19 @@ Batch runBatch(const MeasurementTask& task, const VirtualMachine& machine, std::
       machine.draw(random, only, work, errors);
       for (std::size_t i = 0; i < errors.size(); ++i) errors[i] += task.points()[i].place;
       task.evaluate(errors, found.data());
+      const std::optional<bool> passes = task.passes(errors);
+      limited[t] = passes.has_value();
+      passed[t] = passes.value_or(false);
       for (std::size_t q = 0; q < quantities; ++q) values[q][t] = found[q];
     }
   });
   Batch batch;
   for (std::size_t q = 0; q < quantities; ++q)
-    batch.push_back(figureOf(std::move(values[q]), task.quantities()[q].nominal));
+    batch.figures.push_back(figureOf(std::move(values[q]), task.quantities()[q].nominal));
+  const auto countOf = [](const std::vector<char>& flags) {
+    return static_cast<double>(std::count(flags.begin(), flags.end(), 1));
+  };
+  batch.passes = countOf(limited) > 0.0 ? countOf(passed) / countOf(limited) : kNotMeasured;
   return batch;
 }
 
@@ -81,13 +93,13 @@ bool settled(const std::vector<Batch>& batches, std::size_t headline, int digits
   const auto h = static_cast<double>(batches.size());
   if (batches.size() < kFewestBatches) return false;
   double variance = 0.0;
-  for (const Batch& b : batches) variance += b[headline].variance / h;
+  for (const Batch& b : batches) variance += b.figures[headline].variance / h;
   if (std::sqrt(variance) < kNothing) return true;
   const double tolerance = toleranceOf(std::sqrt(variance), digits);
   const auto scatter = [&](auto of) {
     double mean = 0.0, squares = 0.0;
-    for (const Batch& b : batches) mean += of(b[headline]) / h;
-    for (const Batch& b : batches) squares += (of(b[headline]) - mean) * (of(b[headline]) - mean);
+    for (const Batch& b : batches) mean += of(b.figures[headline]) / h;
+    for (const Batch& b : batches) squares += std::pow(of(b.figures[headline]) - mean, 2);
     return std::sqrt(squares / (h * (h - 1.0)));
   };
   const double worst = std::max({scatter([](const BatchFigure& f) { return f.mean; }),
@@ -95,6 +107,20 @@ bool settled(const std::vector<Batch>& batches, std::size_t headline, int digits
                                  scatter([](const BatchFigure& f) { return f.lower; }),
                                  scatter([](const BatchFigure& f) { return f.upper; })});
   return 2.0 * worst < tolerance;
+}
+
+/// Of a position, the coordinate that is known worst; of another task its first figure.
+std::size_t worstCoordinate(const MeasurementTask& task, const std::vector<Batch>& batches) {
+  if (task.quantities().front().name != "x") return 0;
+  const auto variance = [&](std::size_t q) {
+    double sum = 0.0;
+    for (const Batch& b : batches) sum += b.figures[q].variance;
+    return sum;
+  };
+  std::size_t worst = 0;
+  for (std::size_t q = 1; q < task.quantities().size(); ++q)
+    if (variance(q) > variance(worst)) worst = q;
+  return worst;
 }
 
 std::size_t headlineOf(const MeasurementTask& task, const std::string& name) {
@@ -113,8 +139,9 @@ void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std:
   for (std::size_t s = 0; s < machine.sources().size(); ++s) {
     const Batch alone =
         runBatch(task, machine, seed, "alone " + std::to_string(s), static_cast<int>(s), trials);
-    for (std::size_t q = 0; q < alone.size(); ++q)
-      result.quantities[q].budget.push_back({machine.sources()[s], 0.0, std::sqrt(alone[q].variance)});
+    for (std::size_t q = 0; q < alone.figures.size(); ++q)
+      result.quantities[q].budget.push_back(
+          {machine.sources()[s], 0.0, std::sqrt(alone.figures[q].variance)});
   }
   for (QuantityUncertainty& q : result.quantities) {
     double sum = 0.0;
@@ -153,6 +180,8 @@ TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachin
       batches.push_back(
           runBatch(task, machine, options.seed, "batch " + std::to_string(batches.size()), -1, kBatch));
       result.trials += kBatch;
+      if (batches.size() == kFewestBatches && options.quantity.empty())
+        result.headline = worstCoordinate(task, batches);
       result.stable = settled(batches, result.headline, options.digits);
       tell(std::min(0.9, static_cast<double>(result.trials) / static_cast<double>(options.most)));
     }
@@ -163,10 +192,10 @@ TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachin
     const double share = 1.0 / static_cast<double>(batches.size()), nominal = one.quantity.nominal;
     double variance = 0.0, mean = 0.0, lower = 0.0, upper = 0.0;
     for (const Batch& b : batches) {
-      mean += share * (b[q].mean - nominal);
-      variance += share * b[q].variance;
-      lower += share * (b[q].lower - nominal);
-      upper += share * (b[q].upper - nominal);
+      mean += share * (b.figures[q].mean - nominal);
+      variance += share * b.figures[q].variance;
+      lower += share * (b.figures[q].lower - nominal);
+      upper += share * (b.figures[q].upper - nominal);
     }
     one.mean = nominal + mean;
     one.std = std::sqrt(variance);
@@ -174,10 +203,9 @@ TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachin
     one.upper = nominal + upper;
     result.quantities.push_back(std::move(one));
   }
-  // Of a position, the coordinate that is known worst.
-  if (options.quantity.empty() && result.quantities.front().quantity.name == "x")
-    for (std::size_t q = 1; q < result.quantities.size(); ++q)
-      if (result.quantities[q].std > result.quantities[result.headline].std) result.headline = q;
+  if (options.trials > 0 && options.quantity.empty()) result.headline = worstCoordinate(task, batches);
+  result.passes = 0.0;
+  for (const Batch& b : batches) result.passes += b.passes / static_cast<double>(batches.size());
   addBudgets(task, machine, options.seed, result);
   tell(1.0);
   return result;

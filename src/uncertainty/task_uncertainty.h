@@ -34,6 +34,7 @@ struct TaskUncertainty {
   std::size_t trials = 0;
   int digits = 0;      // significant digits of the standard uncertainty that were to be stable; 0: not asked
   bool stable = true;  // they are
+  double passes = kNotMeasured;  // share of the trials in which the whole test passes; NaN: it has no limits
   std::vector<std::string> outside;  // why the calibration does not hold there; empty: it holds
   std::vector<std::string> notes;
 };
@@ -50,7 +51,7 @@ struct MonteCarloOptions {
 /// Propagates the distributions of everything that is uncertain through a measurement (GUM Supplement 1, JCGM
 /// 101:2008, clauses 5 to 7): five or more batches of 10 000 trials until twice the standard deviation of the
 /// averages of mean, standard uncertainty and ends of the coverage interval of the headline are below half a
-/// unit of the last digit (7.9). Of a position the first coordinate is judged so. The result depends on the
+/// unit of the last digit (7.9). Of a position the coordinate is judged that is the least certain after five batches. The result depends on the
 /// seed and not on the number of threads. Shares: variance of the figure when one source acts alone, over
 /// their sum.
 /// @throw InputError: the task has no such quantity. Cancelled.

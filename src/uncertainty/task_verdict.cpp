@@ -36,7 +36,8 @@ TaskVerdict judged(const QuantityUncertainty& q, double value, double tolerance)
   return v;
 }
 
-/// Of all lengths the one that is nearest to failing.
+/// The whole test, by the share of the trials in which every length is within what is permitted; with the
+/// length that is nearest to failing. A task of one length is judged by its normal distribution.
 TaskVerdict judgedLengths(const TaskUncertainty& result, const PermissibleError& permissible) {
   TaskVerdict worst;
   worst.probability = 2.0;
@@ -45,7 +46,17 @@ TaskVerdict judgedLengths(const TaskUncertainty& result, const PermissibleError&
     const TaskVerdict v = judged(q, q.mean, permissible.at(q.quantity.length / kMillimetre) * kMicrometre);
     if (v.probability < worst.probability) worst = v;
   }
-  worst.inWords = "MPE = " + permissible.inWords() + " (L in mm): " + nameOf(worst.conformity) +
+  std::string whole;
+  if (std::isfinite(result.passes)) {
+    worst.of = "all lengths";
+    worst.probability = result.passes;
+    worst.conformity = result.passes >= kConformanceProbability         ? Conformity::kConforms
+                       : result.passes <= 1.0 - kConformanceProbability ? Conformity::kDoesNotConform
+                                                                        : Conformity::kUndecided;
+    whole = format("; the test with every length three times would pass with a probability of %.1f %%",
+                   100.0 * result.passes);
+  }
+  worst.inWords = "MPE = " + permissible.inWords() + " (L in mm): " + nameOf(worst.conformity) + whole +
                   "; of all lengths nearest to failing: " + worst.inWords;
   return worst;
 }
