@@ -128,8 +128,7 @@ class Demo:
     def go(self, names, position):
         goal = MoveGoal(kind=MoveGoal.GO, name=names, position=list(position), linear_speed=0.02, rotary_speed=0.35)
         self.axes.send_goal(goal)
-        self.axes.wait_for_result()
-        self.go_on()
+        self.end_of(self.axes)
         rospy.rostime.wallsleep(0.02)  # its last status may still be on the way
         if self.axes.get_state() != actionlib.GoalStatus.SUCCEEDED:
             raise RuntimeError("a check position was not reached: " + self.axes.get_goal_status_text())
@@ -147,6 +146,12 @@ class Demo:
                     return both[-1]
             rospy.rostime.wallsleep(0.02)
         raise RuntimeError("no frame '%s' arrives with the stamps of the joint states" % frame)
+
+    def end_of(self, client):
+        """The client's own wait_for_result never returns where the end came before send_goal did."""
+        while client.gh.get_comm_state() != actionlib.CommState.DONE:
+            rospy.rostime.wallsleep(0.02)
+            self.go_on()
 
     @staticmethod
     def go_on():
@@ -176,8 +181,7 @@ class Demo:
         try:
             self.measure.wait_for_server()
             self.measure.send_goal(MeasureGoal(plan=self.plan), feedback_cb=self.tell)
-            self.measure.wait_for_result()
-            self.go_on()
+            self.end_of(self.measure)
             result = self.measure.get_result()
             if self.measure.get_state() != actionlib.GoalStatus.SUCCEEDED:
                 raise RuntimeError("measurement: " + result.message)

@@ -29,9 +29,9 @@ std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
 }  // namespace
 
 MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool clock) {
-  refuseUnknownParameters(
-      own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor", "clock", "hardware",
-            "tolerance", "rotary_tolerance", "silence", "late", "rest_timeout", "hold_limit", "homing_order"});
+  refuseUnknownParameters(own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor",
+                                "clock", "hardware", "tolerance", "rotary_tolerance", "silence", "late",
+                                "rest_timeout", "hold_limit", "homing_order"});
   MotionControl::Settings settings;
   settings.tolerance = numberParameter(own, "tolerance", settings.tolerance, 1e-9, 1e-2);
   settings.rotaryTolerance = numberParameter(own, "rotary_tolerance", settings.rotaryTolerance, 1e-9, 0.1);

@@ -132,9 +132,13 @@ std::string environmentSection(const Calibration& c) {
   for (std::size_t v = 0; v < d.covariates.size(); ++v)
     html += factRow(d.covariates[v], rangeText(d.covariateLower[v], d.covariateUpper[v], ""));
   html += factRow("Duration", format("%.3g h", d.duration / 3600.0));
-  for (const Wandering& w : c.drift)
-    html += factRow("Drift seen, " + w.direction, format("standard deviation %.2g um, over %.3g min",
-                                                         w.std / kMicrometre, w.timeConstant / 60.0));
+  for (const Wandering& w : c.drift) {
+    const int j = d.findJoint(w.direction);
+    const bool rotary = j >= 0 && d.joints[static_cast<std::size_t>(j)].kind == JointKind::kRotary;
+    html += factRow("Drift seen, " + w.direction, format("standard deviation %.2g %s, over %.3g min",
+                                                         w.std / (rotary ? kArcsecond : kMicrometre),
+                                                         rotary ? "arcsec" : "µm", w.timeConstant / 60.0));
+  }
   return html +
          "</table>\n<p class=\"small\">The results hold within these ranges; what the machine does after the "
          "calibration is not covered.</p>\n";
@@ -250,20 +254,27 @@ std::string sessionSection(const CertifiedSession& s) {
   return html + "</tbody></table>\n";
 }
 
+const char* residualUnit(const Calibration& c) { return angularOnly(c) ? "arcsec" : "µm"; }
+
+/// In the unit of its residuals.
+std::string residualText(const Calibration& c, double v) {
+  return std::isfinite(v) ? format("%.3g", v / (angularOnly(c) ? kArcsecond : kMicrometre))
+                          : std::string("–");
+}
+
 std::string historySection(const Calibration& c) {
+  const std::string unit = residualUnit(c);
   std::string html = sectionHead("History of this calibration") +
-                     "<table><thead><tr><th>Time</th><th>Step</th><th>Effect</th><th class=\"n\">RMS, µm</th>"
-                     "<th class=\"n\">held out, µm</th></tr></thead><tbody>\n";
-  const auto um = [](double v) {
-    return std::isfinite(v) ? format("%.3g", v / kMicrometre) : std::string("–");
-  };
+                     "<table><thead><tr><th>Time</th><th>Step</th><th>Effect</th><th class=\"n\">RMS, " +
+                     unit + "</th><th class=\"n\">held out, " + unit + "</th></tr></thead><tbody>\n";
+  const auto um = [&](double v) { return residualText(c, v); };
   for (const LedgerEntry& e : c.ledger)
     html += "<tr><td>" + shown(e.time) + "</td><td>" + shown(e.action) + "</td><td>" +
             (e.effect.type.empty() ? std::string("all") : shown(inWords(e.effect))) +
             "</td><td class=\"n\">" + um(e.rmsBefore) + " → " + um(e.rmsAfter) + "</td><td class=\"n\">" +
             um(e.heldOutBefore) + " → " + um(e.heldOutAfter) + "</td></tr>\n";
   html += "</tbody></table>\n";
-  if (const std::string plot = historyPlot(c.ledger); !plot.empty())
+  if (const std::string plot = historyPlot(c.ledger, angularOnly(c)); !plot.empty())
     html += "<figure>" + plot + "</figure>\n";
   return html;
 }
@@ -312,12 +323,13 @@ std::string certificatePage(const Certificate& c) {
   html += decisionSection(c);
   if (c.session) html += sessionSection(*c.session);
   html += parameterSection(k);
-  const auto fixedFigure = [](double v) {
-    return std::isfinite(v) ? format("%.3g µm", v / kMicrometre) : std::string("–");
-  };
-  html += "<p>Residuals: RMS " + fixedFigure(k.rms) + ", at measurements that the fit did not use " +
-          fixedFigure(k.heldOutRms) + format("; χ²/ν %.3g; repeatability ", k.chi2PerDof) +
-          fixedFigure(k.repeatability) + " (" + escapedHtml(k.repeatabilityFrom) + ").</p>\n";
+  const bool angular = angularOnly(k);
+  const auto fixedFigure = [&](double v) { return residualText(k, v) + " " + residualUnit(k); };
+  html += "<p>Residuals: RMS " + fixedFigure(angular ? k.rmsAngular : k.rms) +
+          ", at measurements that the fit did not use " +
+          fixedFigure(angular ? k.heldOutRmsAngular : k.heldOutRms) +
+          format("; χ²/ν %.3g; repeatability ", k.chi2PerDof) + fixedFigure(k.repeatability) + " (" +
+          escapedHtml(k.repeatabilityFrom) + ").</p>\n";
   if (!c.curves.empty()) {
     html += sectionHead("Correction over the axes");
     for (const CorrectionCurve& curve : c.curves)

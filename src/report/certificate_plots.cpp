@@ -154,14 +154,14 @@ std::string lengthsPlot(const TaskUncertainty& lengths) {
   return svgPlot("length, mm", "µm", {test, line}, true);
 }
 
-std::string historyPlot(const std::vector<LedgerEntry>& ledger) {
+std::string historyPlot(const std::vector<LedgerEntry>& ledger, bool angular) {
   if (ledger.size() < 2) return {};  // the table says it
   PlotSeries held{"RMS at measurements not used by the fit", kColours[0], {}, {}, {}, false},
       fitted{"RMS of the fit", kColours[2], {}, {}, {}, false};
-  const auto add = [](PlotSeries& s, double step, double value) {
+  const auto add = [angular](PlotSeries& s, double step, double value) {
     if (!std::isfinite(value)) return;
     s.x.push_back(step);
-    s.y.push_back(value / kMicrometre);
+    s.y.push_back(value / (angular ? kArcsecond : kMicrometre));
   };
   for (std::size_t i = 0; i < ledger.size(); ++i) {
     if (i == 0) {
@@ -175,7 +175,7 @@ std::string historyPlot(const std::vector<LedgerEntry>& ledger) {
   std::vector<PlotSeries> series;
   for (PlotSeries* s : {&held, &fitted})
     if (s->x.size() >= 2) series.push_back(std::move(*s));
-  return svgPlot("step of the calibration", "µm", series, true, true);
+  return svgPlot("step of the calibration", angular ? "arcsec" : "µm", series, true, true);
 }
 
 }  // namespace mm

@@ -26,6 +26,6 @@ std::string correctionPlot(const CorrectionCurve& curve);
 /// Expanded uncertainty of each length of a test over its length, and the line A + L/K above them.
 std::string lengthsPlot(const TaskUncertainty& lengths);
 /// RMS after each step of the calibration.
-std::string historyPlot(const std::vector<LedgerEntry>& ledger);
+std::string historyPlot(const std::vector<LedgerEntry>& ledger, bool angular);
 
 }  // namespace mm

@@ -74,4 +74,8 @@ bool angularOnly(const CalibrationResult& result) {
   return !std::isfinite(result.figures.rms) && std::isfinite(result.figures.rmsAngular);
 }
 
+bool angularOnly(const Calibration& calibration) {
+  return !std::isfinite(calibration.rms) && std::isfinite(calibration.rmsAngular);
+}
+
 }  // namespace mm

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "base/format.h"
+#include "calibration_file/calibration.h"
 #include "diagnosis/diagnose.h"
 #include "effects/effect_spec.h"
 #include "estimation/calibrate.h"
@@ -31,5 +32,6 @@ std::string addCommand(const Diagnosis& diagnosis, const std::string& session,
 /// The line that writes the proposed moves as a plan.
 std::string movesCommand(const std::string& session, const std::string& calibration);
 bool angularOnly(const CalibrationResult& result);
+bool angularOnly(const Calibration& calibration);
 
 }  // namespace mm

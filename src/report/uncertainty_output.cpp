@@ -123,8 +123,8 @@ std::string uncertaintyText(const TaskUncertainty& result, const std::vector<Tas
   text += budgetText(headline);
   const std::vector<TestLength> lengths = testLengthsOf(result);
   if (lengths.size() > 1) {
-    text +=
-        wrapped("", "Each length, for itself, keeps |E| + U within " + permissibleFor(lengths).inWords() + " (L in mm).");
+    text += wrapped("", "Each length, for itself, keeps |E| + U within " + permissibleFor(lengths).inWords() +
+                            " (L in mm).");
     if (const QuantityUncertainty* probing = probingOf(result))
       text += probing->quantity.name + ": " + figureLine(*probing) + "\n";
   } else {

@@ -127,7 +127,8 @@ void declareDecision(CLI::App& command, UncertaintyOptions& c) {
       ->check(numberWithin(0.0, 1e6, "um"));
   command.add_option("--measured-mm", c.measuredMm, "value that was found (default: as is to be expected)")
       ->check(numberWithin(-1e6, 1e6, "mm"));
-  command.add_option("--mpe", c.mpe, "A,K[,B]: maximum permissible error A um + L/K of lengths (L in mm), at most B um");
+  command.add_option("--mpe", c.mpe,
+                     "A,K[,B]: maximum permissible error A um + L/K of lengths (L in mm), at most B um");
   command.add_option("--mpe-probing-um", c.mpeProbingUm, "maximum permissible probing error")
       ->check(numberWithin(0.0, 1e6, "um"));
   command.add_option("--seed", c.trials.seed, "of the random numbers")
@@ -193,7 +194,8 @@ ToleranceAsked UncertaintyOptions::asked() const {
   const std::size_t given = std::count(mpe.begin(), mpe.end(), ',') == 2 ? 3 : 2;
   const std::vector<double> v = listOfNumbers(mpe, "--mpe", given, kExample);
   if (!(v[0] >= 0.0) || !(v[1] > 0.0) || (given == 3 && !(v[2] > 0.0)))
-    throw InputError("--mpe '" + mpe + "': A must not be negative, K and B must be above zero; write " + kExample);
+    throw InputError("--mpe '" + mpe + "': A must not be negative, K and B must be above zero; write " +
+                     kExample);
   held.permissible = PermissibleError{};
   held.permissible->a = v[0];
   held.permissible->k = v[1];

@@ -15,7 +15,8 @@ namespace mm {
 namespace {
 
 constexpr int kLengths = 5, kRepeats = 3;  // ISO 10360-2: five lengths, three times, in seven positions
-constexpr int kTargets = 5, kRuns = 5;     // ISO 230-2, axes up to 2 m: at least five of each
+constexpr int kTargets = 5, kRuns = 5;     // ISO 230-2, 5.3, axes up to 2 m: five targets a metre and runs
+constexpr double kShift = 0.3;             // of an interval at most, of a target
 constexpr double kInset = 0.02;            // of a range, from its ends
 constexpr double kShortestLine = 1.0 * kMillimetre;
 constexpr int kProbingContacts = 25;
@@ -137,6 +138,18 @@ class PositioningOfAxis : public MeasurementTask {
   std::vector<double> at_;
 };
 
+/// Targets over a span about zero, each a part of an interval beside equal spacing, lest the period of a
+/// screw or of a scale is met at one phase only (ISO 230-2, 5.3: (i - 1) p + r).
+std::vector<double> shiftedTargets(int count, double span) {
+  const double interval = span / (count - 1 + kShift);
+  std::vector<double> at;
+  for (int i = 0; i < count; ++i) {
+    const double part = std::fmod(i * 0.618033988749895, 1.0);  // no two alike, and evenly spread
+    at.push_back(interval * (i + kShift * part) - 0.5 * span);
+  }
+  return at;
+}
+
 }  // namespace
 
 std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model,
@@ -167,9 +180,6 @@ std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int ta
   const std::string task = "--task 'iso230-2:" + axis + "': ";
   if (joint < 0 || domain.joints[static_cast<std::size_t>(joint)].kind != JointKind::kLinear)
     throw InputError(task + "'" + axis + "' is no linear axis of this machine; it has " + listOf(names));
-  if (targets != 0 && targets < kTargets)
-    throw InputError(task + "--points " + std::to_string(targets) +
-                     " is fewer than the 5 targets of ISO 230-2");
   std::vector<double> q;
   for (std::size_t j = 0; j < domain.joints.size(); ++j)
     q.push_back(0.5 * (domain.lower[j] + domain.upper[j]));
@@ -179,10 +189,11 @@ std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int ta
     throw InputError(task +
                      format("it was calibrated over %.3g mm, which is no travel; 1 mm or more is needed",
                             range / kMillimetre));
-  const int count = targets == 0 ? kTargets : targets;
-  std::vector<double> at;
-  for (int i = 0; i < count; ++i)
-    at.push_back((1.0 - 2.0 * kInset) * range * (static_cast<double>(i) / (count - 1) - 0.5));
+  const int least = std::max(kTargets, static_cast<int>(std::ceil(kTargets * range)));
+  if (targets != 0 && targets < least)
+    throw InputError(
+        task + format("--points %d is fewer than the five targets a metre of ISO 230-2: %d", targets, least));
+  const std::vector<double> at = shiftedTargets(targets == 0 ? least : targets, (1.0 - 2.0 * kInset) * range);
   const double beam = domain.laser ? 0.5 * (domain.readingLower + domain.readingUpper) : kNotMeasured;
   return std::make_unique<PositioningOfAxis>(joint, model.machine().nominal(q.data(), beam).position,
                                              model.machine().jacobian(q.data(), beam).block<3, 1>(0, joint),

@@ -51,9 +51,9 @@ struct MonteCarloOptions {
 /// Propagates the distributions of everything that is uncertain through a measurement (GUM Supplement 1, JCGM
 /// 101:2008, clauses 5 to 7): five or more batches of 10 000 trials until twice the standard deviation of the
 /// averages of mean, standard uncertainty and ends of the coverage interval of the headline are below half a
-/// unit of the last digit (7.9). Of a position the coordinate is judged that is the least certain after five batches. The result depends on the
-/// seed and not on the number of threads. Shares: variance of the figure when one source acts alone, over
-/// their sum.
+/// unit of the last digit (7.9). Of a position the coordinate is judged that is the least certain after five
+/// batches. The result depends on the seed and not on the number of threads. Shares: variance of the figure
+/// when one source acts alone, over their sum.
 /// @throw InputError: the task has no such quantity. Cancelled.
 TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachine& machine,
                                 const MonteCarloOptions& options);

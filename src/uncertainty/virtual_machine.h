@@ -58,6 +58,8 @@ class VirtualMachine {
   /// not known), with the reason.
   VirtualMachine(const Calibration& calibration, const MeasurementTask& task,
                  const TaskConditions& conditions);
+  VirtualMachine(const VirtualMachine&) = delete;  // its history refers to its temperatures
+  VirtualMachine& operator=(const VirtualMachine&) = delete;
 
   /// What makes a measurement uncertain: independent of each other, for people ("squareness of y to x").
   const std::vector<std::string>& sources() const { return names_; }

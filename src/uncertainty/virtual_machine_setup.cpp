@@ -52,7 +52,7 @@ std::string placeInWords(const Eigen::Vector3d& at) {
   return format("at (%.6g, %.6g, %.6g) mm", at.x() / kMillimetre, at.y() / kMillimetre, at.z() / kMillimetre);
 }
 
-/// Largest, over a contact's directions, of what a joint's motion does to the tip: 1, or m/rad.
+/// What a motion along a direction does to the tip: a unit vector, or m/rad.
 Eigen::Vector3d motionAlong(const std::string& direction, const Model& model, const State& state) {
   const int joint = model.domain().findJoint(direction);
   const double beam = model.domain().laser ? state.laserReading : kNotMeasured;
@@ -212,6 +212,11 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
     linear_ = linear_ && (model.effects()[e]->linear() || source.parameters.empty());
     if (!source.parameters.empty()) add(inWords(model.effects()[e]->spec()), std::move(source));
   }
+  if (calibration.degreesOfFreedom > 0.0 && calibration.degreesOfFreedom <= 2.0)
+    throw InputError(
+        format("calibration '%s' has %.3g degrees of freedom: the distribution of its parameters "
+               "has no variance; calibrate with more contacts",
+               calibration.id.c_str(), calibration.degreesOfFreedom));
   if (calibration.degreesOfFreedom > 0.0 && calibration.degreesOfFreedom < kNearlyNormalFrom)
     freedoms_ = calibration.degreesOfFreedom;
 }

@@ -37,7 +37,7 @@ def record(plan, bag, seconds):
         measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
         assert measure.wait_for_server(rospy.Duration(20))
         measure.send_goal(MeasureGoal(plan=plan))
-        assert measure.wait_for_result(rospy.Duration(seconds)), "the plan did not end"
+        assert support.ended(measure, seconds), "the plan did not end"
         assert measure.get_state() == GoalStatus.SUCCEEDED, measure.get_result().message
         return measure.get_result()
     finally:

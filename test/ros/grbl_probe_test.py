@@ -52,7 +52,7 @@ class GrblProbe(unittest.TestCase):
 
     def run_plan(self):
         self.measure.send_goal(MeasureGoal(plan=PLAN))
-        self.assertTrue(self.measure.wait_for_result(rospy.Duration(90)))
+        self.assertTrue(support.ended(self.measure, 90))
         return self.measure.get_state(), self.measure.get_result()
 
     def rests(self):
@@ -94,10 +94,10 @@ class GrblProbe(unittest.TestCase):
 
     def test_4_a_collision(self):
         self.axes.send_goal(MoveGoal(name=["x", "y", "z"], position=[0.030, 0.030, 0.031], linear_speed=0.02))
-        self.assertTrue(self.axes.wait_for_result(rospy.Duration(30)))
+        self.assertTrue(support.ended(self.axes, 30))
         self.assertEqual(self.axes.get_result().outcome, MoveResult.REACHED, self.axes.get_result().message)
         self.axes.send_goal(MoveGoal(name=["z"], position=[0.020], linear_speed=0.005))
-        self.assertTrue(self.axes.wait_for_result(rospy.Duration(30)))
+        self.assertTrue(support.ended(self.axes, 30))
         result = self.axes.get_result()
         print("collision: %s; went %.3f mm into the ball" % (result.message, self.double.tell("machine")["deepest"]))
         self.assertEqual(result.outcome, MoveResult.TRIPPED, result.message)
@@ -107,7 +107,7 @@ class GrblProbe(unittest.TestCase):
 
     def test_5_and_it_measures_again(self):
         self.axes.send_goal(MoveGoal(name=["z"], position=[0.031], linear_speed=0.005))
-        self.assertTrue(self.axes.wait_for_result(rospy.Duration(30)))
+        self.assertTrue(support.ended(self.axes, 30))
         state, result = self.run_plan()
         self.assertEqual((state, result.contacts, result.missed), (GoalStatus.SUCCEEDED, 20, 0), result.message)
 

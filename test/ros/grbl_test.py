@@ -48,7 +48,7 @@ class Grbl(unittest.TestCase):
         self.axes.send_goal(MoveGoal(name=list(joints), position=list(joints.values()), linear_speed=speed))
 
     def end(self):
-        self.assertTrue(self.axes.wait_for_result(rospy.Duration(20)))
+        self.assertTrue(support.ended(self.axes, 20))
         return self.axes.get_state(), self.axes.get_result()
 
     def test_1_six_axes_measured_recorded_calibrated(self):

@@ -81,7 +81,7 @@ class LinuxCnc(unittest.TestCase):
         self.axes.send_goal(MoveGoal(kind=kind, name=list(joints), position=list(joints.values()), linear_speed=speed))
 
     def end(self):
-        self.assertTrue(self.axes.wait_for_result(rospy.Duration(20)))
+        self.assertTrue(support.ended(self.axes, 20))
         return self.axes.get_state(), self.axes.get_result()
 
     def moves(self):

@@ -64,7 +64,7 @@ class Motion(unittest.TestCase):
         self.axes.send_goal(MoveGoal(name=["x", "y", "z"], position=position, **keys))
 
     def end(self, seconds=20.0):
-        self.assertTrue(self.axes.wait_for_result(rospy.Duration(seconds)))
+        self.assertTrue(support.ended(self.axes, seconds))
         return self.axes.get_state(), self.axes.get_result()
 
     def go(self, position, **keys):
@@ -83,7 +83,7 @@ class Motion(unittest.TestCase):
                             self.measure.get_goal_status_text())
             self.assertTrue(support.wait_until(lambda: "measure (waiting)" in self.motion[-1].owner), self.motion[-1].owner)
             self.assertTrue(self.call("axis_driver/stop").success)
-            self.assertTrue(self.measure.wait_for_result(rospy.Duration(5)), "the plan went on")
+            self.assertTrue(support.ended(self.measure, 5), "the plan went on")
             self.assertEqual(self.measure.get_state(), GoalStatus.ABORTED)
             self.assertIn("stopped by /motion", self.measure.get_result().message)
             self.assertAlmostEqual(self.place()[0], 0.001, delta=1e-9)

@@ -35,7 +35,7 @@ class ProbeFaults(unittest.TestCase):
         client = actionlib.SimpleActionClient("/%s/measure/run" % machine, MeasureAction)
         self.assertTrue(client.wait_for_server(rospy.Duration(20)))
         client.send_goal(MeasureGoal(plan=PLAN))
-        self.assertTrue(client.wait_for_result(rospy.Duration(60)))
+        self.assertTrue(support.ended(client, 60))
         self.assertEqual(client.get_state(), GoalStatus.ABORTED)
         return client.get_result().message
 

@@ -15,6 +15,7 @@ import xmlrpc.client
 import rosgraph
 import roslib.packages
 import rospy
+from actionlib import CommState
 from measuring_machine.msg import CompensationStatus
 from measuring_machine.srv import Calibrate, Promote
 from sensor_msgs.msg import JointState
@@ -47,6 +48,12 @@ def simulate(bag, plan="config/demo_plan.yaml", hide=(), seed=1, machine="three_
 
 def model(*effects):
     return "effects: [%s]" % ", ".join(effects)
+
+
+def ended(client, seconds):
+    """Waits for the end of the goal of an actionlib client. Its own wait_for_result never returns where the end came before
+    send_goal did, as of a goal that is refused at once."""
+    return wait_until(lambda: client.gh is not None and client.gh.get_comm_state() == CommState.DONE, seconds)
 
 
 def wait_until(true, seconds=10.0):

@@ -215,7 +215,7 @@ TEST_F(MotionControlTest, NothingBeginsWhileTheAxesMoveOrInAnEmergencyStop) {
   controller_->set([](AxesState& state) { state.limitSwitch[0] = 0; });
   control_->resetEmergencyStop();
   home();
-  controller_->feedHold(true);  // else they would be there
+  controller_->feedHold(true);                                      // else they would be there
   controller_->set([](AxesState& state) { state.moving = true; });  // by hand, at the control's panel
   ASSERT_TRUE(await([&] { return control_->view().state.moving; }));
   for (const auto& begin : std::vector<std::function<void()>>{[&] { home(); },

@@ -60,6 +60,25 @@ TEST(Certificate, SaysWhatACertificateMust) {
   EXPECT_EQ(page.find("nan"), std::string::npos);
 }
 
+// A session of angles: its residuals are arcseconds, and so is the drift of a rotary joint.
+TEST(Certificate, AnglesAreNotCalledMicrometres) {
+  Certificate c = exampleCertificate();
+  Calibration& k = c.calibration;
+  k.rms = k.heldOutRms = std::nan("");
+  k.rmsAngular = k.heldOutRmsAngular = 13.8 * kArcsecond;
+  k.repeatability = 1.25 * kArcsecond;
+  LedgerEntry step;
+  step.action = "add";
+  step.rmsBefore = step.heldOutBefore = 13.8 * kArcsecond;
+  step.rmsAfter = step.heldOutAfter = 1.0 * kArcsecond;
+  k.ledger = {step, step};
+  const std::string page = certificatePage(c);
+  for (const char* part : {"RMS, arcsec", "held out, arcsec", "13.8 → 1<", "RMS 13.8 arcsec",
+                           "repeatability 1.25 arcsec", "step of the calibration"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_EQ(page.find("66.9"), std::string::npos) << "13.8 arcsec are 66.9 urad, no micrometres";
+}
+
 TEST(Certificate, TheCorrectionOverAnAxisIsThatOfTheModel) {
   const std::vector<CorrectionCurve> curves = exampleCertificate().curves;
   ASSERT_EQ(curves.size(), 3U);
@@ -95,7 +114,7 @@ TEST(CertificatePlots, ShowRoundMarksAndNothingWithoutPoints) {
   for (const char* mark : {">-20<", ">0<", ">20<", "<polygon"})
     EXPECT_NE(svg.find(mark), std::string::npos) << mark;
   EXPECT_TRUE(svgPlot("x", "y", {}).empty());
-  EXPECT_TRUE(historyPlot({}).empty());
+  EXPECT_TRUE(historyPlot({}, false).empty());
 }
 
 TEST(UncertaintyJson, HasTheKeysOfTheCommand) {

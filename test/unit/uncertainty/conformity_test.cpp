@@ -73,8 +73,8 @@ TEST(Iso10360, HandWorkedLengths) {
   EXPECT_DOUBLE_EQ(mpe.at(500.0), 2.0);
 }
 
-// White noise of a length of 1 um, 105 times: with MPE = 2.5 um each length passes with 98.76 %, the whole test
-// with 0.9876^105 = 27 %; where the lengths of a line share their first points, a little oftener.
+// White noise of a length of 1 um, 105 times: with MPE = 2.5 um each length passes with 98.76 %, the whole
+// test with 0.9876^105 = 27 %; where the lengths of a line share their first points, a little oftener.
 TEST(Iso10360, TheWholeTestIsJudgedAtOnce) {
   Calibration c = test::bareCalibration({});
   test::setNoise(c, 1e-6 / std::sqrt(2.0));
@@ -160,6 +160,26 @@ TEST(Iso230, PositioningFiguresByHand) {
   EXPECT_DOUBLE_EQ(f.accuracy, 3.0);
   EXPECT_DOUBLE_EQ(f.reversal, 1.0);
   EXPECT_DOUBLE_EQ(f.repeatability, 1.0);
+}
+
+// Equal spacing would meet a screw at one phase where its pitch divides the spacing.
+TEST(Iso230, TargetsMeetAScrewAtDifferentPhases) {
+  const Calibration c = test::bareCalibration({});
+  const auto task = test::taskOf("iso230-2:x", c);
+  std::vector<double> at;
+  for (int i = 0; i < 5; ++i) at.push_back(task->points()[static_cast<std::size_t>(i)].place.x());
+  const double spacing = (at.back() - at.front()) / 4.0;
+  double lowest = 1.0, highest = -1.0;
+  for (int i = 0; i < 5; ++i) {
+    const double phase = (at[static_cast<std::size_t>(i)] - at.front()) / spacing - i;
+    lowest = std::min(lowest, phase);
+    highest = std::max(highest, phase);
+  }
+  EXPECT_GT(highest - lowest, 0.1);
+  EXPECT_TRUE(std::is_sorted(at.begin(), at.end()));
+  const double range = c.domain.upper[0] - c.domain.lower[0];
+  EXPECT_GT(at.back() - at.front(), 0.85 * range);
+  EXPECT_LT(at.back() - at.front(), range);
 }
 
 // An uncertain play of u = 0.6 um is a reversal of its absolute value: mean 0.6 sqrt(2 / pi).
