@@ -31,20 +31,22 @@ std::string triplets(const LineTable& table, int joint) {
   return text;
 }
 
-/// HAL lines that start the component and wire it. @param joints number of each letter's joint.
-std::string offsetsHal(const OffsetGrid& grid, const std::vector<const ExportAxis*>& axes) {
+/// HAL lines that start the component and wire it. The axes' positions are those without offsets, so that an
+/// offset does not ask for another one.
+std::string offsetsHal(const OffsetGrid& grid) {
   std::string text =
       "# What joint tables cannot hold. The temperatures must be wired to signals of yours: mm-<sensor>.\n"
+      "# A pin of LinuxCNC can have one signal: where yours has one already, name it here instead.\n"
       "loadusr -Wn mm-offsets linuxcnc_offsets external_offsets.json\n"
-      "net mm-homed motion.is-all-homed => mm-offsets.enable\n";
+      "net mm-motion-enabled motion.motion-enabled => mm-offsets.motion-enabled\n"
+      "net mm-all-homed motion.is-all-homed => mm-offsets.all-homed\n";
   for (const std::string& letter : grid.letters()) {
-    std::size_t n = 0;
-    while (n < axes.size() && axes[n]->letter != letter) ++n;
     const char* l = letter.c_str();
-    text += format("net mm-%s-position joint.%zu.pos-cmd => mm-offsets.%s-position\n", l, n, l);
-    text += format("net mm-%s-counts mm-offsets.%s-counts => axis.%s.eoffset-counts\n", l, l, l);
-    text += format("net mm-%s-scale mm-offsets.%s-scale => axis.%s.eoffset-scale\n", l, l, l);
-    text += format("net mm-%s-enable mm-offsets.%s-enable => axis.%s.eoffset-enable\n", l, l, l);
+    text += format("net mm-%s-position axis.%s.pos-cmd => mm-offsets.%s-position\n", l, l, l);
+    text += format("net mm-%s-request axis.%s.eoffset-request => mm-offsets.%s-request\n", l, l, l);
+    text += format("net mm-%s-offset axis.%s.eoffset => mm-offsets.%s-offset\n", l, l, l);
+    for (const char* pin : {"counts", "scale", "enable", "clear"})
+      text += format("net mm-%s-%s mm-offsets.%s-%s => axis.%s.eoffset-%s\n", l, pin, l, pin, l, pin);
   }
   for (const std::string& sensor : grid.sensors())
     text += "net mm-" + sensor + " mm-offsets." + sensor + "-degC\n";
@@ -53,8 +55,7 @@ std::string offsetsHal(const OffsetGrid& grid, const std::vector<const ExportAxi
 
 constexpr double kLeastOffset = 2e-8;  // m: less is not worth a program
 
-void addOffsets(const NeededCorrection& needed, const std::vector<LineTable>& own,
-                const std::vector<const ExportAxis*>& axes, Exported& out) {
+void addOffsets(const NeededCorrection& needed, const std::vector<LineTable>& own, Exported& out) {
   const auto grid = std::make_shared<const OffsetGrid>(needed, own);
   if (grid->largest() < kLeastOffset) {
     out.notes.push_back("Nothing is left for external offsets.");
@@ -63,7 +64,7 @@ void addOffsets(const NeededCorrection& needed, const std::vector<LineTable>& ow
   out.files.push_back({"external_offsets.json",
                        "what joint tables cannot hold, for the HAL component linuxcnc_offsets",
                        grid->json()});
-  out.files.push_back({"external_offsets.hal", "starts the component and wires it", offsetsHal(*grid, axes)});
+  out.files.push_back({"external_offsets.hal", "starts the component and wires it", offsetsHal(*grid)});
   out.alsoAdds = [grid](const State& state) {
     std::map<std::string, double> added;
     const std::vector<double> values = grid->at(state);
@@ -71,14 +72,18 @@ void addOffsets(const NeededCorrection& needed, const std::vector<LineTable>& ow
     return added;
   };
   out.load.push_back(
-      "For the cross-axis and thermal parts, too: copy external_offsets.json beside the INI file, add "
-      "HALFILE = "
-      "external_offsets.hal, and OFFSET_AV_RATIO = 0.1 to each linear [AXIS_l]; put the folder of "
+      "For the cross-axis and thermal parts, too: copy external_offsets.json and external_offsets.hal beside "
+      "the INI file, add HALFILE = external_offsets.hal, and OFFSET_AV_RATIO = 0.1 to each linear [AXIS_l] "
+      "(a tenth of its velocity and acceleration is then kept for offsets); put the folder of "
       "linuxcnc_offsets "
-      "(lib/measuring_machine) on PATH. Axes are homed with offsets off; the component turns them on when "
-      "all are.");
+      "(lib/measuring_machine) on PATH, and wire the temperatures. Offsets are given while the machine is on "
+      "and all joints are homed; pin mm-offsets.arrived tells that all are there.");
   out.notes.push_back(
-      "External offsets follow the commanded position about fifty times a second, at rest exactly.");
+      "External offsets follow the commanded position about fifty times a second; at rest they stand within "
+      "0.03 um of what external_offsets.json says. LinuxCNC holds position and offset together within the "
+      "soft limits of [AXIS_l]: the last of the way there, by as much as the offset, is not corrected. A "
+      "joint that an offset moves last, moves like any other: its direction is the one that counts for the "
+      "table and the backlash.");
 }
 
 }  // namespace
@@ -121,7 +126,7 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions&) {
       "Positions are those of the homed joint, in mm. Every table is zero at joint position 0 (mean of both "
       "directions), or at the end of the calibrated range that is nearest to it.";
   out.notes = {"LinuxCNC allows 256 points a joint; those here follow the curve within 0.02 um or are 241."};
-  addOffsets(needed, own, axes, out);
+  addOffsets(needed, own, out);
   return out;
 }
 

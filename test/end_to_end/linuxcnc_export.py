@@ -1,6 +1,7 @@
 """Drives a headless LinuxCNC with exported tables, as an ordinary user: linuxcnc_export.py folder steps.json
-The folder holds machine.ini and what it names. Each step commands a place (mm) and temperatures; printed, one JSON a line, is
-where the motors stand when it has come to rest. Ends LinuxCNC whatever happens."""
+The folder holds machine.ini and what it names. A step may do something to the machine (`first`), sets signals of temperatures (`sets`)
+and goes `through` places (mm); printed, one JSON a line, is where the motors stand when it has come to rest, where the axes are
+commanded, in which direction each joint moved last, and what is told of the offsets. Ends LinuxCNC whatever happens."""
 import json
 import os
 import signal
@@ -31,7 +32,18 @@ def hal(*words):
     done = subprocess.run(["/usr/bin/halcmd", "-s"] + list(words), capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit("halcmd %s: %s" % (" ".join(words), done.stderr))
-    return done.stdout.strip()
+
+
+def pin(name):
+    """Its value, to the last digit (halcmd prints seven)."""
+    import hal as hal_library
+    if pin.watch is None:
+        pin.watch = hal_library.component("mm-watch")
+        pin.watch.ready()
+    return hal_library.get_value(name)
+
+
+pin.watch = None
 
 
 class Shell:
@@ -58,7 +70,7 @@ class Shell:
 
 
 def motors():
-    return [float(hal("getp", "joint.%d.motor-pos-cmd" % n)) for n in range(3)]
+    return [pin("joint.%d.motor-pos-cmd" % n) for n in range(3)]
 
 
 def at_rest():
@@ -66,55 +78,102 @@ def at_rest():
     last = [None, 0]
 
     def still():
-        now = (motors(), hal("getp", "motion.in-position"))
-        last[1] = last[1] + 1 if now == last[0] and now[1] == "TRUE" else 0
+        now = (motors(), pin("motion.in-position"))
+        last[1] = last[1] + 1 if now == last[0] and now[1] else 0
         last[0] = now
         return now[0] if last[1] >= 5 else None
 
     return wait_until(still, 20, "the machine does not come to rest")
 
 
+def offsets_arrive():
+    """Three periods of the component after now, all offsets are there."""
+    begin = pin("mm-offsets.cycles")
+    wait_until(lambda: pin("mm-offsets.cycles") >= begin + 3 and pin("mm-offsets.arrived"), 20, "the offsets do not arrive")
+
+
+class Machine:
+    def __init__(self, folder):
+        import linuxcnc
+        self.shell, self.commands, self.manual = Shell(), linuxcnc.command(), linuxcnc.MODE_MANUAL  # linuxcncrsh cannot unhome
+        self.offsets = os.path.exists(os.path.join(folder, "external_offsets.hal"))
+
+    def on(self):
+        self.shell.send("set machine on")
+        wait_until(lambda: pin("motion.motion-enabled"), 20, "the machine does not turn on")
+
+    def off(self):
+        self.shell.send("set machine off")
+        wait_until(lambda: not pin("motion.motion-enabled"), 20, "the machine does not turn off")
+
+    def home(self):
+        self.shell.send("set mode manual")
+        self.shell.send("set home -1")
+        wait_until(lambda: pin("motion.is-all-homed"), 20, "the joints do not home")
+
+    def cleared(self):
+        if self.offsets:
+            wait_until(lambda: pin("mm-offsets.x-clear"), 10, "offsets that are off are not cleared")
+
+    def do(self, what):
+        if what == "off and on":
+            self.off()
+            self.cleared()
+            self.on()
+        elif what == "off and on unseen":  # by the component, which is stopped meanwhile
+            pid = int(subprocess.run(["pgrep", "-f", "linuxcnc_offsets external_offsets.json"], capture_output=True, text=True).stdout.split()[0])
+            os.kill(pid, signal.SIGSTOP)
+            self.off()
+            self.on()
+            os.kill(pid, signal.SIGCONT)
+        elif what == "unhome and home":
+            for command in (lambda: self.commands.mode(self.manual), lambda: self.commands.teleop_enable(0), lambda: self.commands.unhome(-1)):
+                command()
+                self.commands.wait_complete()
+            wait_until(lambda: not pin("motion.is-all-homed"), 20, "the joints stay homed")
+            self.cleared()
+            self.home()
+        else:
+            raise SystemExit("what is '%s'?" % what)
+        self.shell.send("set mode mdi")
+
+    def go(self, places):
+        for place in places:
+            self.shell.send("set mdi G1 X%.4f Y%.4f Z%.4f F1500" % tuple(place))
+            wait_until(lambda: all(abs(pin("axis.%s.pos-cmd" % a) - p) < 1e-6 for a, p in zip("xyz", place)), 30,
+                       "the machine does not go to %s" % (place,))
+
+    def told(self):
+        if self.offsets:
+            offsets_arrive()
+        stands = at_rest()
+        answer = {"motors": stands, "commanded": [pin("axis.%s.pos-cmd" % a) for a in "xyz"],
+                  "directions": [1 if pin("comp.%d.out" % n) else -1 for n in range(3)]}
+        if self.offsets:
+            answer["offsets"] = [pin("axis.%s.eoffset" % a) for a in "xyz"]
+            answer["held"] = pin("mm-offsets.held")
+        return answer
+
+
 def drive(folder, steps):
-    shell = Shell()
-    shell.send("set estop off")
-    shell.send("set machine on")
-    wait_until(lambda: hal("getp", "motion.motion-enabled") == "TRUE", 20, "the machine does not turn on")
-    shell.send("set mode manual")
-    shell.send("set home -1")
-    wait_until(lambda: hal("getp", "motion.is-all-homed") == "TRUE", 20, "the joints do not home")
-    offsets = os.path.exists(os.path.join(folder, "external_offsets.hal"))
-    if offsets:
-        wait_until(lambda: hal("getp", "mm-offsets.enable") == "TRUE", 10, "the offsets are not enabled")
-    shell.send("set mode mdi")
+    machine = Machine(folder)
+    machine.shell.send("set estop off")
+    machine.on()
+    machine.home()
+    machine.shell.send("set mode mdi")
     for step in steps:
-        for sensor, degrees in step.get("degC", {}).items():
-            if offsets and sensor in step.get("sensors", []):
-                hal("sets", "mm-" + sensor, repr(degrees))
-        for x, y, z in step["through"]:
-            shell.send("set mdi G1 X%.4f Y%.4f Z%.4f F1500" % (x, y, z))
-            target = (x, y, z)
-            wait_until(lambda: all(abs(float(hal("getp", "joint.%d.pos-cmd" % n)) - target[n]) < 0.05 for n in range(3)), 30, "the machine does not go to %s" % (target,))
-        # An offset follows within some cycles of the component.
-        if offsets:
-            seen = [0]
-
-            def followed():
-                counts = [hal("getp", "mm-offsets.%s-counts" % a) for a in "xyz"]
-                seen[0] = seen[0] + 1 if counts == drive.counts else 0
-                drive.counts = counts
-                return seen[0] >= 10
-
-            wait_until(followed, 10, "the offsets do not settle")
-        print(json.dumps({"target": step["through"][-1], "motors": at_rest()}), flush=True)
-
-
-drive.counts = None
+        if "first" in step:
+            machine.do(step["first"])
+        for signal_name, value in step.get("sets", {}).items():
+            hal("sets", signal_name, value)
+        machine.go(step.get("through", []))
+        print(json.dumps(machine.told()), flush=True)
 
 
 def main():
     folder, steps = sys.argv[1], json.load(open(sys.argv[2]))
     log = open(os.path.join(folder, "log"), "w")
-    process = subprocess.Popen(["/usr/bin/linuxcnc", os.path.join(folder, "machine.ini")], cwd=folder, stdout=log, stderr=log,
+    process = subprocess.Popen(["/usr/bin/linuxcnc", "-r", os.path.join(folder, "machine.ini")], cwd=folder, stdout=log, stderr=log,
                                stdin=subprocess.DEVNULL, start_new_session=True)
     try:
         wait_until(lambda: listens() or process.poll() is not None, 40, "LinuxCNC does not start")
@@ -122,6 +181,8 @@ def main():
             raise SystemExit("LinuxCNC ended: " + open(os.path.join(folder, "log")).read()[-2000:])
         drive(folder, steps)
     finally:
+        if pin.watch is not None:
+            pin.watch.exit()
         # Its display ends, and LinuxCNC tidies up.
         found = subprocess.run(["pgrep", "-f", "linuxcncrsh.*-ini " + os.path.join(folder, "machine.ini")], capture_output=True, text=True)
         for pid in found.stdout.split():
