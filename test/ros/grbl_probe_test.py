@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """What the nodes make of the probe's switch at a controller: no contact is made up where it chatters, is stuck or dead; a stop at a
 collision; and after all of it the machine measures again."""
-import json
 import math
 import os
 import unittest
@@ -20,20 +19,10 @@ PLAN = os.path.join(support.PACKAGE, "test/ros/grbl_plan.yaml")
 CENTRE, DISTANCE, SCALE = (0.030, 0.030, 0.020), 0.009, (1.0005, 1.0, 1.0)  # m, of the double: ball and tip
 
 
-class Double:
-    def __init__(self, port):
-        self.line = support.connect(port).makefile("rw")
-
-    def tell(self, command):
-        self.line.write(command + "\n")
-        self.line.flush()
-        return json.loads(self.line.readline())
-
-
 class GrblProbe(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.double, cls.contacts, cls.said = Double(25918), [], []
+        cls.double, cls.contacts, cls.said = support.Double(25918), [], []
         rospy.Subscriber("probe/contact", ProbeContact, cls.contacts.append)
         rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: cls.said.extend(s.message for s in m.status))
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)

@@ -2,7 +2,6 @@
 """The axes of grblHAL under the nodes: the whole way on six axes, every fault of the device, the emergency stop under each."""
 import json
 import os
-import socket
 import time
 import unittest
 
@@ -20,22 +19,12 @@ LATE = 3000.0  # ms for a stop to come through: the machine's as much as the dri
 PLAN = os.path.join(support.PACKAGE, "test/ros/grbl_plan.yaml")
 
 
-class Double:
-    def __init__(self, port):
-        self.line = socket.create_connection(("127.0.0.1", port)).makefile("rw")
-
-    def tell(self, command):
-        self.line.write(command + "\n")
-        self.line.flush()
-        return json.loads(self.line.readline())
-
-
 class Grbl(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         assert cls.axes.wait_for_server(rospy.Duration(60))
-        cls.double, cls.motion = Double(25908), []
+        cls.double, cls.motion = support.Double(25908), []
         rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motion.append)
         cls.work = support.folder()
 

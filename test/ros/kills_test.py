@@ -10,7 +10,6 @@ import rosgraph
 import rospy
 import rostest
 from sensor_msgs.msg import JointState
-from std_srvs.srv import Trigger
 
 import support
 
@@ -22,14 +21,7 @@ WRONG = 1e-9  # m: a frame of another state, or of another calibration, is furth
 
 class Kills(unittest.TestCase):
     def home(self):
-        def homed():
-            try:
-                rospy.wait_for_service("axis_driver/home", 20)
-                return rospy.ServiceProxy("axis_driver/home", Trigger)().success
-            except rospy.ServiceException:
-                return False  # still the one that died
-
-        self.assertTrue(support.wait_until(homed, 40))
+        self.assertTrue(support.home_again())
 
     def take(self, message):
         with self.lock:

@@ -6,7 +6,6 @@ import unittest
 import rospy
 import rostest
 from sensor_msgs.msg import JointState
-from std_srvs.srv import Trigger
 
 import support
 
@@ -16,14 +15,7 @@ CORRECTED = "probe_tip_corrected"
 
 class Respawn(unittest.TestCase):
     def home(self):
-        def homed():
-            try:
-                rospy.wait_for_service("axis_driver/home", 20)
-                return rospy.ServiceProxy("axis_driver/home", Trigger)().success
-            except rospy.ServiceException:
-                return False  # still the one that died
-
-        self.assertTrue(support.wait_until(homed, 30))
+        self.assertTrue(support.home_again())
 
     def test_no_frame_of_a_machine_that_is_not_homed(self):
         folder = support.folder()

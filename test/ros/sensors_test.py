@@ -1,8 +1,5 @@
 #!/usr/bin/env python3
 """Sensors of the kernel and on Modbus RTU: what they read, and what the user sees of each fault of each device."""
-import json
-import socket
-import time
 import unittest
 
 import rospy
@@ -17,20 +14,10 @@ KERNEL = {"bed": (0.0, 0.001), "air": (0.0, 0.003), "hot_end": (2.0, 0.001)}
 MODBUS = {"spindle": (0.0, 0.01), "motor": (1.0, 0.001), "coolant": (0.0, 0.1)}
 
 
-class Double:
-    def __init__(self, port):
-        self.line = support.connect(port).makefile("rw")
-
-    def tell(self, command):
-        self.line.write(command + "\n")
-        self.line.flush()
-        return json.loads(self.line.readline())
-
-
 class Sensors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.doubles = {"modbus": Double(25913), "kernel": Double(25914)}
+        cls.doubles = {"modbus": support.Double(25913), "kernel": support.Double(25914)}
         cls.said, cls.heard = [], {name: [] for name in list(KERNEL) + list(MODBUS) + ["broken", "gone", "nobody"]}
         cls.listeners = [rospy.Subscriber("temperature/" + name, Temperature, cls.heard[name].append) for name in cls.heard]
         rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: cls.said.extend(s.message for s in m.status))

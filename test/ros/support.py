@@ -19,6 +19,7 @@ from actionlib import CommState
 from measuring_machine.msg import CompensationStatus
 from measuring_machine.srv import Calibrate, Promote
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 PACKAGE = roslib.packages.get_pkg_dir("measuring_machine")
@@ -240,6 +241,30 @@ class Joints:
         message.header.stamp = self.stamp
         self.publisher.publish(message)
         return self.stamp.to_nsec()
+
+
+class Double:
+    """A double's control line."""
+
+    def __init__(self, port):
+        self.line = connect(port).makefile("rw")
+
+    def tell(self, command):
+        self.line.write(command + "\n")
+        self.line.flush()
+        return json.loads(self.line.readline())
+
+
+def home_again(seconds=40):
+    """Homes an axis driver that may just have died and not be back yet. @return whether it is homed."""
+    def homed():
+        try:
+            rospy.wait_for_service("axis_driver/home", 20)
+            return rospy.ServiceProxy("axis_driver/home", Trigger)().success
+        except rospy.ServiceException:
+            return False  # still the one that died
+
+    return wait_until(homed, seconds)
 
 
 def connect(port, seconds=20):
