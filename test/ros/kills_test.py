@@ -5,6 +5,7 @@ import os
 import threading
 import time
 import unittest
+from bisect import bisect, insort
 
 import rosgraph
 import rospy
@@ -16,6 +17,7 @@ import support
 KILLS = int(os.environ.get("MM_KILLS", "100" if support.long_tests() else "4"))
 NODES = ("axis_driver", "probe", "temperature", "measure", "calibration_server", "compensation")
 CORRECTED = "probe_tip_corrected"
+NEXT = int(5e6)  # ns between joint states of one driver, which gives 500 a second
 WRONG = 1e-9  # m: a frame of another state, or of another calibration, is further off
 
 
@@ -26,6 +28,7 @@ class Kills(unittest.TestCase):
     def take(self, message):
         with self.lock:
             position = dict(zip(message.name, message.position))
+            insort(self.stamps, message.header.stamp.to_nsec())
             self.states[message.header.stamp.to_nsec()] = (message.header.frame_id != "not homed", position["x"], position["y"])
 
     def check(self):
@@ -36,6 +39,8 @@ class Kills(unittest.TestCase):
         frames = self.frames.taken(CORRECTED)
         frames.update(self.unmatched)
         self.unmatched = {s: f for s, f in frames.items() if s not in states and s > self.newest - int(2e9)}
+        with self.lock:
+            self.orphans += sum(self.between(s) for s in frames if s not in states and s not in self.unmatched)
         for stamp, (x, y, z) in frames.items():
             if stamp not in states:
                 continue
@@ -46,6 +51,11 @@ class Kills(unittest.TestCase):
         with self.lock:  # the newest may still be on their way
             newest = max(states, default=0) - int(2e9)
             self.states.update({s: v for s, v in states.items() if s > newest})
+
+    def between(self, stamp):
+        """Whether joint states were heard shortly before and after it: one of its own would have been, too."""
+        at = bisect(self.stamps, stamp)
+        return 0 < at < len(self.stamps) and self.stamps[at] - self.stamps[at - 1] < NEXT
 
     def last(self):
         """Stamp of the newest corrected frame so far."""
@@ -66,6 +76,7 @@ class Kills(unittest.TestCase):
         self.scale = support.scale(answer.json, "x")
         self.frames, self.states, self.lock = support.Frames(CORRECTED), {}, threading.Lock()
         self.unmatched, self.newest, self.wrong, self.unhomed, self.compared = {}, 0, 0, 0, 0
+        self.stamps, self.orphans = [], 0
         rospy.Subscriber("joint_states", JointState, self.take, queue_size=None, buff_size=1 << 24, tcp_nodelay=True)
         self.home()
         self.assertTrue(support.wait_until(lambda: self.frames.of(CORRECTED), 30))
@@ -86,9 +97,10 @@ class Kills(unittest.TestCase):
             print("%-20s %d kills in %.0f s: %d frames compared" % (name, KILLS, time.time() - began, self.compared - before))
         support.wait_until(lambda: False, 1.0)
         self.check()
-        print("%d frames compared with their joint states: %d wrong, %d unhomed" % (self.compared, self.wrong, self.unhomed))
+        print("%d frames compared with their joint states: %d wrong, %d unhomed, %d of no joint state" % (self.compared, self.wrong,
+                                                                                                     self.unhomed, self.orphans))
         self.assertGreater(self.compared, 100 * KILLS)
-        self.assertEqual((self.wrong, self.unhomed), (0, 0))
+        self.assertEqual((self.wrong, self.unhomed, self.orphans), (0, 0, 0))
 
 
 if __name__ == "__main__":
