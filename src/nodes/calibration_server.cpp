@@ -126,8 +126,7 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
                                    &fallback, {node_.getNamespace(), false});
   lastSpace_ = bagSpace(bag, node_.getNamespace());
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
-  for (const SetAside& aside : session.setAside)
-    ROS_WARN("%s: %s", bag.c_str(), setAsideText(session, aside).c_str());
+  for (const std::string& line : setAsideLines(session)) ROS_WARN("%s: %s", bag.c_str(), line.c_str());
   return last_ = std::make_shared<const Session>(std::move(session));
 }
 

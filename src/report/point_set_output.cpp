@@ -140,7 +140,7 @@ std::string pointSetText(const PointSet& set) {
   const Session& session = set.problem->session();
   const std::string assumed = assumedText(session);
   std::string notes = assumed.empty() ? assumed : assumed + "\n";
-  for (const SetAside& aside : session.setAside) notes += setAsideText(session, aside) + "\n";
+  for (const std::string& line : setAsideLines(session)) notes += line + "\n";
   return first +
          format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
                 static_cast<long long>(set.contacts), static_cast<long long>(set.references), set.duration,

@@ -105,7 +105,7 @@ std::string summarize(const Session& session) {
   text += seriesLines(session.temperatures) + seriesLines(session.covariates);
   const std::string assumed = assumedText(session);
   if (!assumed.empty()) text += assumed + "\n";
-  for (const SetAside& aside : session.setAside) text += setAsideText(session, aside) + "\n";
+  for (const std::string& line : setAsideLines(session)) text += line + "\n";
   if (!session.warning.empty()) text += "warning: " + session.warning + "\n";
   return text;
 }
@@ -140,6 +140,17 @@ std::string setAsideText(const Session& session, const SetAside& aside) {
   return (aside.row > 0 ? session.rowText(aside.row) + ": " : "") +
          (aside.observation ? "the row is set aside: " : "a value is set aside: ") + aside.field + " = " +
          aside.value + ": " + aside.why;
+}
+
+std::vector<std::string> setAsideLines(const Session& session) {
+  constexpr std::size_t kCopiesTold = 3;
+  std::vector<std::string> lines;
+  std::size_t copies = 0;
+  for (const SetAside& aside : session.setAside)
+    if (aside.field != "row" || ++copies <= kCopiesTold) lines.push_back(setAsideText(session, aside));
+  if (copies > kCopiesTold)
+    lines.push_back(std::to_string(copies - kCopiesTold) + " more rows are there twice, and count once");
+  return lines;
 }
 
 }  // namespace mm

@@ -19,4 +19,8 @@ std::string lossText(const Session& session);
 /// "line 17 of plate.csv is set aside: x = -1236.4 mm; all others are within …".
 std::string setAsideText(const Session& session, const SetAside& aside);
 
+/// A line for each that is set aside; of rows that are there twice, which come by the hundred, the first
+/// three and how many more.
+std::vector<std::string> setAsideLines(const Session& session);
+
 }  // namespace mm

@@ -23,8 +23,8 @@ Session loadSession(const std::string& bag, const Machine* fallback, const std::
   Interrupt::check();
   if (!session.warning.empty())
     std::cerr << "mm: warning: " << oneLine(bag + ": " + session.warning) << std::endl;
-  for (const SetAside& aside : session.setAside)
-    std::cerr << "mm: warning: " << oneLine(bag + ": " + setAsideText(session, aside)) << std::endl;
+  for (const std::string& line : setAsideLines(session))
+    std::cerr << "mm: warning: " << oneLine(bag + ": " + line) << std::endl;
   return session;
 }
 

@@ -73,6 +73,28 @@ TEST_F(GrossRows, AMistypedReadingIsSetAsideByItsLine) {
 }
 
 /// A smaller slip stays within the machine's reach, but not on the ball.
+// The same contact at the same time is one contact; one that was touched again is another.
+TEST_F(GrossRows, ARowThatIsThereTwiceCountsOnce) {
+  const std::vector<PlateRow> rows = test::plateRows();
+  std::vector<PlateRow> with = rows;
+  with.push_back(rows[17]);
+  for (int i = 100; i < 120; ++i) with.push_back(rows[static_cast<std::size_t>(i)]);
+  PlateRow again = rows[5];
+  again.time += 1e-3;
+  with.push_back(again);
+  const Session once = read(test::plateCsv(rows, true)), s = read(test::plateCsv(with, true));
+  EXPECT_EQ(s.setAside.size(), 21u);
+  EXPECT_EQ(s.observations.size(), once.observations.size() + 1);
+  const std::vector<std::string> lines = setAsideLines(s);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_THAT(lines[0], AllOf(HasSubstr("the row is set aside"), HasSubstr("is line 19 of c.csv once more")));
+  EXPECT_EQ(lines[3], "18 more rows are there twice, and count once");
+  Session prepared = s;
+  prepared.prepare();
+  EXPECT_EQ(sessionHash(prepared), sessionHash(s));
+  EXPECT_EQ(prepared.setAside.size(), 21u);
+}
+
 TEST_F(GrossRows, AReadingThatIsNotNearItsBallIsSetAside) {
   for (const double factor : {10.0, -1.0, 0.1}) {
     std::vector<PlateRow> rows = test::plateRows();

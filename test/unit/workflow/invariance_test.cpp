@@ -32,6 +32,7 @@ struct Writing {
   std::vector<std::size_t> order;                           // of the rows; empty: as measured
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  // of the artifact's own coordinates, mm
   int copies = 1;
+  bool later = true;  // each copy a minute after the one before, with times of its own
 };
 
 std::string number(double value) {
@@ -48,7 +49,8 @@ std::string csvOf(const std::vector<PlateRow>& rows, const Writing& w) {
   for (int copy = 0; copy < w.copies; ++copy)
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const PlateRow& r = rows[w.order.empty() ? i : w.order[i]];
-      csv += number(r.time + copy * (rows.back().time + 60.0)) + "," + r.feature + "," + number(r.bed);
+      csv += number(r.time + (w.later ? copy * (rows.back().time + 60.0) : 0.0)) + "," + r.feature + "," +
+             number(r.bed);
       for (int j = 0; j < 3; ++j)
         csv += "," + number(r.position[j] * w.perMillimetre) + "," + number(r.velocity[j] * w.perMillimetre);
       csv += "\n";
@@ -203,6 +205,18 @@ RC_GTEST_PROP(Invariance, HowTheAxesAreCalled, ()) {
   for (int j = 0; j < 3; ++j)
     w.names[static_cast<std::size_t>(j)] += "abc"[(j + *rc::gen::inRange(0, 1)) % 3];
   const Session session = sessionOf(measured(), w);
+  expectSame(reference(), calibrated(session, effectsFor(w)));
+  RC_ASSERT(diagnosisOf(session, w) == verdict());
+}
+
+// A file or a topic that holds every row twice: to the same time, so that it is known.
+RC_GTEST_PROP(Invariance, EveryRowTwiceAtItsOwnTime, ()) {
+  Writing w;
+  w.copies = *rc::gen::inRange(2, 4);
+  w.later = false;
+  if (*rc::gen::arbitrary<bool>()) w.order = anyOrder();
+  const Session session = sessionOf(measured(), w);
+  RC_ASSERT(session.setAside.size() == (static_cast<std::size_t>(w.copies) - 1) * measured().size());
   expectSame(reference(), calibrated(session, effectsFor(w)));
   RC_ASSERT(diagnosisOf(session, w) == verdict());
 }
