@@ -181,8 +181,8 @@ std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineT
     const double left = table.left[static_cast<std::size_t>(output)];
     if (left < kToldLeft) continue;
     told.push_back(
-        format("the correction of %s by the position of %s bends between the points of any table "
-               "that fits (here %zu, every %.4g mm): up to %.3g um of it are left",
+        format("the correction of %s by the position of %s bends between the points even of the finest table "
+               "(%zu are written, every %.4g mm): up to %.3g um of it are left",
                letter(output).c_str(), letter(table.input).c_str(), table.at.size(),
                (table.at[1] - table.at[0]) / kMillimetre, left / kMicrometre));
   }

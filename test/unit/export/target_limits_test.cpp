@@ -72,7 +72,8 @@ Representability judged(const std::string& target, const Calibration& calibratio
 }
 
 TEST(TargetLimits, WhatNoTableFollowsIsTold) {
-  const Representability fine = judged("linuxcnc", screw(610, 2)), coarse = judged("linuxcnc", screw(300, 5));
+  const Representability fine = judged("heidenhain", screw(610, 2)),
+                         coarse = judged("heidenhain", screw(300, 5));
   ASSERT_EQ(fine.notFollowed.size(), 1u);
   EXPECT_THAT(fine.notFollowed[0],
               AllOf(HasSubstr("of X by the position of X"), HasSubstr("um of it are left")));
@@ -83,14 +84,14 @@ TEST(TargetLimits, WhatNoTableFollowsIsTold) {
   // Four points a wave: of a screw of 5 mm over 300 mm a tenth is left.
   EXPECT_LT(coarse.figures.exported, 0.15 * coarse.figures.uncorrected);
   EXPECT_TRUE(
-      judged("linuxcnc", with(EffectSpec("scale").set("axis", "x"), "scale", 1e-4)).notFollowed.empty());
+      judged("heidenhain", with(EffectSpec("scale").set("axis", "x"), "scale", 1e-4)).notFollowed.empty());
 }
 
 TEST(TargetLimits, WhatTheModelDoesNotExplainIsInEveryExpectation) {
   Calibration c = with(EffectSpec("backlash").set("axis", "x"), "gap", 4e-6);
   c.heldOutRms = 0.5e-6;
   c.repeatability = 0.3e-6;
-  const Representability r = judged("linuxcnc", c);
+  const Representability r = judged("heidenhain", c);
   EXPECT_DOUBLE_EQ(r.unexplained(), 0.4e-6);
   EXPECT_DOUBLE_EQ(r.expected(0.3e-6), 0.5e-6);
   const auto json = representabilityJson(r);
@@ -99,9 +100,9 @@ TEST(TargetLimits, WhatTheModelDoesNotExplainIsInEveryExpectation) {
   EXPECT_EQ(json.at("rms_um").at("full"), 0.0);
   EXPECT_THAT(representabilityText(r), HasSubstr("the 0.4 um that the model does not explain"));
   c.repeatability = 0.6e-6;  // a session luckier than its contacts
-  EXPECT_DOUBLE_EQ(judged("linuxcnc", c).unexplained(), 0.0);
+  EXPECT_DOUBLE_EQ(judged("heidenhain", c).unexplained(), 0.0);
   c.heldOutRms = c.rms = std::nan("");
-  EXPECT_TRUE(representabilityJson(judged("linuxcnc", c)).at("expected_rms_um").at("full").is_null());
+  EXPECT_TRUE(representabilityJson(judged("heidenhain", c)).at("expected_rms_um").at("full").is_null());
 }
 
 TEST(TargetLimits, FanucIsNeverGivenBytesOfOtherPurposes) {
