@@ -3,7 +3,9 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <cmath>
+#include <random>
+
+#include "base/unit_random.h"
 
 namespace mm {
 namespace {
@@ -22,6 +24,7 @@ Eigen::SparseMatrix<double> hats(const std::vector<double>& points, const std::v
 }
 
 constexpr double kHardlyLess = 0.98;
+constexpr unsigned kPlacesSeed = 71;
 
 /// Every second row, from the one of that number.
 std::pair<std::vector<double>, Eigen::MatrixXd> everySecond(const std::vector<double>& at,
@@ -45,14 +48,13 @@ std::pair<std::size_t, double> placeAmong(const std::vector<double>& at, double 
 }
 
 std::vector<double> samplesWithin(const std::vector<double>& points, int aStep) {
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+  // Not by a rule such as the golden section: a period may agree with that, too, and pass for a slow curve.
+  std::mt19937_64 random(kPlacesSeed);
   const std::size_t count = (points.size() - 1) * static_cast<std::size_t>(aStep);
   const double part = (points.back() - points.front()) / static_cast<double>(count);
   std::vector<double> at;
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto n = static_cast<double>(k);
-    at.push_back(points.front() + (n + std::fmod((n + 0.5) * golden, 1.0)) * part);
-  }
+  for (std::size_t k = 0; k < count; ++k)
+    at.push_back(points.front() + (static_cast<double>(k) + unitRandom(random)) * part);
   return at;
 }
 

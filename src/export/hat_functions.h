@@ -10,7 +10,7 @@ namespace mm {
 std::pair<std::size_t, double> placeAmong(const std::vector<double>& at, double position);
 
 /// Positions inside each step between ascending, equally spaced points, `aStep` of them in parts of equal
-/// size. Where in its part each lies goes on by the golden section, so that no period falls on them.
+/// size, each anywhere in its part (the same every time), so that no period falls on them.
 std::vector<double> samplesWithin(const std::vector<double>& points, int aStep);
 
 /// Values at `points` whose straight connections come nearest to samples: least squares by hat functions.

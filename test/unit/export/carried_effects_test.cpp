@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/format.h"
 #include "compensation_support.h"
 #include "export/export_target.h"
 #include "export/representability.h"
@@ -112,6 +113,8 @@ TEST_P(EachTarget, LeavesNoPeriodicErrorWorse) {
   // Pitches that divide the steps of a table: seen at its points alone they are straight.
   for (const auto& [travel, pitch] : {std::pair(300.0, 5.0), {30.0, 1.0}, {30.3, 1.0}, {610.0, 2.0}}) {
     const ExportFigures f = judge(GetParam(), screwOver(travel, pitch)).figures;
+    const std::string name = format("left_nm_%.0f_%.0f", 10 * travel, 10 * pitch);
+    RecordProperty(name, static_cast<int>(std::lround(f.exported * 1e9)));
     EXPECT_LE(f.exported, kNotWorse * f.uncorrected) << travel << " mm, pitch " << pitch << " mm";
     EXPECT_LE(f.unalignedExported, kNotWorse * f.unalignedUncorrected) << travel << ", pitch " << pitch;
     if (std::isfinite(f.withOffsets)) {
