@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/units.h"
+#include "compensation/middle_state.h"
 #include "effects/inputs.h"
 #include "machine/linear_inverse.h"
 
@@ -12,22 +13,6 @@ namespace mm {
 namespace {
 
 double between(double lower, double upper, double share) { return lower + share * (upper - lower); }
-
-/// Everything that the table does not run over, in the middle of the calibrated range.
-State middleOf(const Compensator& compensator) {
-  const Domain& domain = compensator.model().domain();
-  State state = compensator.blankState();
-  for (std::size_t j = 0; j < domain.joints.size(); ++j) {
-    state.position[j] = between(domain.lower[j], domain.upper[j], 0.5);
-    state.velocity[j] = 0.0;
-  }
-  for (std::size_t s = 0; s < domain.sensors.size(); ++s)
-    state.temperature[s] = between(domain.sensorLower[s], domain.sensorUpper[s], 0.5);
-  for (std::size_t c = 0; c < domain.covariates.size(); ++c)
-    state.covariate[c] = between(domain.covariateLower[c], domain.covariateUpper[c], 0.5);
-  if (domain.laser) state.laserReading = between(domain.readingLower, domain.readingUpper, 0.5);
-  return state;
-}
 
 std::set<int> travelsOf(const Model& model) {
   std::set<int> joints;
@@ -56,7 +41,7 @@ std::string compensationTable(const Compensator& compensator, int points) {
 
   std::size_t nodes = std::size_t{1} << travels.size();
   for (std::size_t i = 0; i < linear.size(); ++i) nodes *= static_cast<std::size_t>(points);
-  State state = middleOf(compensator);
+  State state = middleState(compensator);
   for (std::size_t node = 0; node < nodes; ++node) {
     std::size_t rest = node;
     for (const int joint : travels) {

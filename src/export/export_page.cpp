@@ -22,10 +22,7 @@ SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, 
   const auto interpreter = interpret(target.name, folder.path());
   SignCheck best;
   for (const State& state : needed.states(128, 51)) {
-    CommandedState command = needed.commandOf(state);
-    for (const auto& [there, here] : exported.sensors)
-      if (command.temperature.count(here) != 0) command.temperature[there] = command.temperature[here];
-    const std::map<std::string, double> motors = interpreter->motors(command);
+    const std::map<std::string, double> motors = interpreter->motors(commandTo(needed, state, exported));
     for (const int joint : needed.linear()) {
       const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
       const double added = motors.at(axis.letter) - state.position[static_cast<std::size_t>(joint)];

@@ -47,6 +47,19 @@ const ExportTarget& exportTarget(const std::string& name) {
                    "; take one of " + listOf(exportTargetNames()));
 }
 
+void addNotFollowed(const std::vector<std::string>& told, Exported& out) {
+  out.notFollowed.insert(out.notFollowed.end(), told.begin(), told.end());
+}
+
+CommandedState commandTo(const NeededCorrection& needed, const State& state, const Exported& exported) {
+  CommandedState command = needed.commandOf(state);
+  for (const auto& [there, here] : exported.sensors) {
+    const auto found = command.temperature.find(here);
+    if (found != command.temperature.end()) command.temperature[there] = found->second;
+  }
+  return command;
+}
+
 std::string fixed(double value, int digits) {
   std::string text = format("%.*f", digits, value);
   if (text.find_first_not_of("-0.") == std::string::npos && text[0] == '-') text.erase(0, 1);

@@ -16,20 +16,27 @@ struct ExportedFile {
 /// What an exporter makes of a calibration: tables in the target's own form, and what its page must say.
 struct Exported {
   std::vector<ExportedFile> files;
-  std::string holds;                    // what this target has a place for, in one sentence
-  std::vector<std::string> load;        // what to load where, in this order
-  std::string reference;                // from which point positions count
-  std::vector<std::string> unverified;  // what public documents do not say
-  std::vector<std::string> notes;       // what else was decided
+  std::string holds;                     // what this target has a place for, in one sentence
+  std::vector<std::string> load;         // what to load where, in this order
+  std::string reference;                 // from which point positions count
+  std::vector<std::string> unverified;   // what public documents do not say
+  std::vector<std::string> notes;        // what else was decided
+  std::vector<std::string> notFollowed;  // curves that bend between the points of any table that fits
   /// What a program of ours adds beside the tables: m, an axis' letter each. Null: there is none.
   std::function<std::map<std::string, double>(const State&)> alsoAdds;
   std::map<std::string, std::string> sensors;  // the controller's name of a sensor -> the calibration's
 };
 
+/// Takes over what notFollowed() tells of a table.
+void addNotFollowed(const std::vector<std::string>& told, Exported& out);
+/// The state as the controller knows it, sensors by its names, too.
+CommandedState commandTo(const NeededCorrection& needed, const State& state, const Exported& exported);
+
 /// What a user may choose.
 struct ExportOptions {
   std::map<std::string, std::string> letters;  // joint -> letter of the controller's axis
   double detectionUnit = 1e-6;                 // m, of Fanuc's pitch error data
+  double rapidRate = 0.0;                      // m/s, of Fanuc; 0: the velocity limit of each joint
 };
 
 /// One controller.

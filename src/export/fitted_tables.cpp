@@ -4,24 +4,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/format.h"
 #include "base/units.h"
+#include "export/export_target.h"
+#include "export/hat_functions.h"
 
 namespace mm {
 namespace {
 
-constexpr int kTableOthers = 32;    // states of everything else, over which a table is the mean
+constexpr int kTableOthers = 16;    // states of everything else, over which a table is the mean
+constexpr int kTableProbes = 3;     // of them, by which the steps are chosen
+constexpr int kProbesAStep = 8;     // of the finest steps
+constexpr int kSamplesAStep = 4;    // of the steps chosen
+constexpr int kCoarsest = 16;       // finest steps
 constexpr int kTableStates = 600;   // of the straight part
 constexpr double kFollowed = 2e-8;  // m
+constexpr double kToldLeft = 3e-8;  // m: no less is told as not followed
+constexpr double kHardlyMore = 1.02;
+constexpr double kStandsOut = 4.0;  // standard errors
 constexpr double kStepUnit = 1e-7;  // m
 constexpr unsigned kTableSeed = 11, kPlaneSeed = 12, kStraightSeed = 13;
-
-/// Where `position` lies among ascending points: the one before it, and the share of the way to the next.
-std::pair<std::size_t, double> placeAmong(const std::vector<double>& at, double position) {
-  if (at.size() < 2 || position <= at.front()) return {0, 0.0};
-  if (position >= at.back()) return {at.size() - 2, 1.0};
-  const auto i = static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), position) - at.begin()) - 1;
-  return {i, (position - at[i]) / (at[i + 1] - at[i])};
-}
 
 double between(const std::vector<double>& at, const std::vector<double>& values, double position) {
   if (values.size() == 1) return values[0];
@@ -41,12 +43,44 @@ Eigen::VectorXd meanAt(const NeededCorrection& needed, std::vector<State>& other
   return sum / static_cast<double>(others.size());
 }
 
-/// Largest distance of the points of odd number from the straight line between their neighbours.
-double bend(const std::vector<Eigen::VectorXd>& values) {
-  double largest = 0.0;
-  for (std::size_t i = 1; i + 1 < values.size(); i += 2)
-    largest = std::max(largest, (values[i] - 0.5 * (values[i - 1] + values[i + 1])).cwiseAbs().maxCoeff());
-  return largest;
+/// How coarse a table is.
+struct Stride {
+  int steps = 1;  // finest steps that one of its own takes: 16, 8, 4, 2 or 1
+  bool followed = false;
+};
+
+/// Judged by the displacements of the probe in few states, at places between the finest points where no
+/// period is hidden.
+Stride strideOf(const NeededCorrection& needed, int input, const std::vector<double>& finest) {
+  std::vector<State> probes = needed.states(kTableOthers, kTableSeed);
+  probes.resize(kTableProbes);
+  const std::vector<double> at = samplesWithin(finest, kProbesAStep);
+  Eigen::MatrixXd curves(static_cast<Eigen::Index>(at.size()), 6 * kTableProbes);
+  for (std::size_t n = 0; n < at.size(); ++n)
+    for (int p = 0; p < 2 * kTableProbes; ++p) {
+      State& state = probes[static_cast<std::size_t>(p / 2)];
+      state.position[static_cast<std::size_t>(input)] = at[n];
+      state.travel[static_cast<std::size_t>(input)] = p % 2 == 0 ? 1.0 : -1.0;
+      curves.block<1, 3>(static_cast<Eigen::Index>(n), 3 * p) = needed.displacement(state).transpose();
+    }
+  const auto left = [&](int stride) {
+    std::vector<double> points;
+    for (std::size_t i = 0; i < finest.size(); i += static_cast<std::size_t>(stride))
+      points.push_back(finest[i]);
+    return hatHeldOut(points, at, curves);
+  };
+  const auto follows = [](const Eigen::MatrixXd& remainder) {
+    return remainder.cwiseAbs().maxCoeff() < kFollowed;
+  };
+  const Eigen::MatrixXd least = left(1);
+  for (int stride = kCoarsest; stride > 1; stride /= 2) {
+    const Eigen::MatrixXd here = left(stride);
+    bool enough = true;
+    for (Eigen::Index c = 0; c < here.cols() && enough; ++c)
+      enough = follows(here.col(c)) || here.col(c).norm() < kHardlyMore * least.col(c).norm();
+    if (enough) return {stride, follows(here)};
+  }
+  return {1, follows(least)};
 }
 
 void subtractReference(LineTable& table, double reference) {
@@ -103,49 +137,56 @@ double LineTable::largest(int output) const {
 
 LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints) {
   const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(input)];
-  std::vector<State> others = needed.states(kTableOthers, kTableSeed);
-  int intervals = std::max(1, (mostPoints - 1) / 16);
-  const int most = intervals * 16;
+  const int most = std::max(1, (mostPoints - 1) / kCoarsest) * kCoarsest;
   const std::vector<double> finest = evenSteps(axis.lower, axis.upper, most);
-  std::vector<Eigen::VectorXd> up, down;
-  int stride = 16;
-  const auto sample = [&](std::size_t i, double travel) {
-    return meanAt(needed, others, input, finest[i], travel);
-  };
-  for (std::size_t i = 0; i < finest.size(); i += 16) {
-    up.push_back(sample(i, 1.0));
-    down.push_back(sample(i, -1.0));
-  }
-  while (stride > 1) {
-    const int half = stride / 2;
-    std::vector<Eigen::VectorXd> finerUp, finerDown;
-    for (std::size_t i = 0; i < finest.size(); i += static_cast<std::size_t>(half)) {
-      const std::size_t k = i / static_cast<std::size_t>(stride);
-      const bool known = i % static_cast<std::size_t>(stride) == 0;
-      finerUp.push_back(known ? up[k] : sample(i, 1.0));
-      finerDown.push_back(known ? down[k] : sample(i, -1.0));
-    }
-    // Eight intervals or more have been seen before a curve is believed to be followed.
-    const bool followed = up.size() > 8 && std::max(bend(finerUp), bend(finerDown)) < kFollowed;
-    if (followed) break;
-    up = std::move(finerUp);
-    down = std::move(finerDown);
-    stride = half;
-  }
+  const Stride stride = strideOf(needed, input, finest);
   LineTable table;
   table.input = input;
-  for (std::size_t i = 0; i < finest.size(); i += static_cast<std::size_t>(stride))
+  table.samplesAStep = stride.followed ? kSamplesAStep : kSamplesAStep * stride.steps;
+  for (std::size_t i = 0; i < finest.size(); i += static_cast<std::size_t>(stride.steps))
     table.at.push_back(finest[i]);
-  const std::size_t joints = needed.axes().size();
-  table.positive.resize(joints);
-  table.negative.resize(joints);
-  for (std::size_t j = 0; j < joints; ++j)
-    for (std::size_t i = 0; i < table.at.size(); ++i) {
-      table.positive[j].push_back(up[i][static_cast<Eigen::Index>(j)]);
-      table.negative[j].push_back(down[i][static_cast<Eigen::Index>(j)]);
-    }
+  std::vector<State> others = needed.states(kTableOthers, kTableSeed);
+  const std::vector<double> at = samplesWithin(table.at, table.samplesAStep);
+  const auto joints = static_cast<Eigen::Index>(needed.axes().size());
+  Eigen::MatrixXd curves(static_cast<Eigen::Index>(at.size()), 2 * joints);  // upwards, downwards
+  for (std::size_t n = 0; n < at.size(); ++n) {
+    const auto row = static_cast<Eigen::Index>(n);
+    curves.row(row).head(joints) = meanAt(needed, others, input, at[n], 1.0).transpose();
+    curves.row(row).tail(joints) = meanAt(needed, others, input, at[n], -1.0).transpose();
+  }
+  const Eigen::MatrixXd values = hatOrLineFit(table.at, at, curves);
+  const Eigen::MatrixXd left = hatRemainder(table.at, values, at, curves).cwiseAbs();
+  for (Eigen::Index j = 0; j < joints; ++j) {
+    const Eigen::VectorXd up = values.col(j), down = values.col(joints + j);
+    table.positive.emplace_back(up.begin(), up.end());
+    table.negative.emplace_back(down.begin(), down.end());
+    table.left.push_back(std::max(left.col(j).maxCoeff(), left.col(joints + j).maxCoeff()));
+  }
   subtractReference(table, needed.reference(input));
   return table;
+}
+
+Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double position) {
+  std::vector<State> others = needed.states(kTableOthers, kTableSeed);
+  return 0.5 * (meanAt(needed, others, input, position, 1.0) + meanAt(needed, others, input, position, -1.0));
+}
+
+std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineTable& table,
+                                     const std::vector<int>& outputs) {
+  std::vector<std::string> told;
+  const auto letter = [&](int joint) {
+    return capital(needed.axes()[static_cast<std::size_t>(joint)].letter);
+  };
+  for (const int output : outputs) {
+    const double left = table.left[static_cast<std::size_t>(output)];
+    if (left < kToldLeft) continue;
+    told.push_back(
+        format("the correction of %s by the position of %s bends between the points even of the finest table "
+               "(%zu are written, every %.4g mm): up to %.3g um of it are left",
+               letter(output).c_str(), letter(table.input).c_str(), table.at.size(),
+               (table.at[1] - table.at[0]) / kMillimetre, left / kMicrometre));
+  }
+  return told;
 }
 
 double PlaneTable::interpolated(int output, double a, double b) const {
@@ -218,6 +259,11 @@ StraightPart straightPart(const NeededCorrection& needed) {
   solver.setThreshold(1e-9);
   solver.compute(inputs);
   Eigen::MatrixXd by = solver.solve(outputs);
+  // The columns are all but orthogonal, so that this is the standard error of each.
+  const Eigen::RowVectorXd error = (outputs - inputs * by).colwise().norm() / kTableStates;
+  for (Eigen::Index c = 1; c < by.rows(); ++c)
+    for (Eigen::Index j = 0; j < joints; ++j)
+      if (std::abs(by(c, j)) < kStandsOut * error[j]) by(c, j) = 0.0;
   for (Eigen::Index c = 1; c < by.rows(); ++c)
     by.row(c) = size[c] > 1e-9 ? Eigen::RowVectorXd(by.row(c) / size[c]) : Eigen::RowVectorXd::Zero(joints);
   StraightPart part;

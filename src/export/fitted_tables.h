@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "export/needed_correction.h"
@@ -13,6 +14,8 @@ struct LineTable {
   int input = 0;                                        // joint
   std::vector<double> at;                               // m or rad, equal steps, ascending
   std::vector<std::vector<double>> positive, negative;  // a joint that is corrected; m, one a point
+  int samplesAStep = 0;                                 // inside each step, to which the points were fitted
+  std::vector<double> left;  // a joint: the most that the table leaves of the curve, m
 
   double mean(int output, std::size_t point) const {
     const auto j = static_cast<std::size_t>(output);
@@ -24,9 +27,20 @@ struct LineTable {
   double largest(int output) const;
 };
 
-/// At most `mostPoints` of them: as many as the curve needs to be followed within 0.02 um by straight lines.
-/// The steps are whole tenths of a micrometre, and cover the observed range.
+/// At most `mostPoints` of them: as few as follow the curve within 0.02 um by straight lines; where not even
+/// the most do, as few as leave hardly more of it than those. Points are fitted to samples between them
+/// (hatOrLineFit): what no table of so many points can follow is left as it is, never made worse. The steps
+/// are whole tenths of a micrometre, and cover the observed range.
 LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints);
+
+/// What lineTable's curve is at a position, both directions together: m, a joint each, not less its value at
+/// the reference.
+Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double position);
+
+/// For people: which of `outputs` the table does not follow, how many points it has and what it leaves.
+/// Empty: all are followed.
+std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineTable& table,
+                                     const std::vector<int>& outputs);
 
 /// Correction of every joint over the positions of two axes: the mean over everything else, less its value at
 /// the reference. SI.
@@ -41,7 +55,8 @@ struct PlaneTable {
 PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std::vector<double> atFirst,
                       std::vector<double> atSecond);
 
-/// The straight part of the correction, by least squares over the calibrated volume: m/m, m, m/K.
+/// The straight part of the correction, by least squares over the calibrated volume: m/m, m, m/K. What does
+/// not stand out of the rest by four standard errors is chance, and 0.
 struct StraightPart {
   Eigen::MatrixXd byPosition;  // row: corrected joint, column: joint that moves
   Eigen::MatrixXd byTravel;    // half of what a reversal of the column's joint changes

@@ -22,8 +22,7 @@ std::vector<double> millimetres(const std::vector<double>& metres) {
 
 }  // namespace
 
-OffsetGrid::OffsetGrid(const NeededCorrection& needed, const std::vector<LineTable>& own)
-    : joints_(needed.linear()) {
+OffsetGrid::OffsetGrid(const NeededCorrection& needed) : joints_(needed.linear()) {
   const Domain& d = needed.model().domain();
   std::vector<std::size_t> strides(joints_.size(), 1);
   std::size_t count = 1;
@@ -33,6 +32,10 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, const std::vector<LineTab
     at_.push_back(evenSteps(axis.lower, axis.upper, kGridPoints - 1));
     count *= kGridPoints;
   }
+  std::vector<std::vector<double>> own(joints_.size());  // what the joint tables are fitted to
+  for (std::size_t a = 0; a < joints_.size(); ++a)
+    for (const double position : at_[a])
+      own[a].push_back(meanCorrection(needed, joints_[a], position)[joints_[a]]);
   for (std::size_t a = joints_.size(); a-- > 1;) strides[a - 1] = strides[a] * kGridPoints;
   std::vector<double> middle;
   for (std::size_t k = 0; k < d.sensors.size(); ++k)
@@ -54,8 +57,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, const std::vector<LineTab
   for (std::size_t point = 0; point < count; ++point) {
     const Eigen::VectorXd value = mean(point, -1, 0.0);
     for (std::size_t a = 0; a < joints_.size(); ++a)
-      base_[a][point] =
-          value[joints_[a]] - own[a].value(joints_[a], at_[a][point / strides[a] % kGridPoints], 0.0);
+      base_[a][point] = value[joints_[a]] - own[a][point / strides[a] % kGridPoints];
   }
   State reference = others[0];
   for (const int joint : joints_)

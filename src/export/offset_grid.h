@@ -11,9 +11,9 @@ namespace mm {
 /// LinuxCNC's external offsets can take, as the file of the HAL component `linuxcnc_offsets`.
 class OffsetGrid {
  public:
-  /// @param own table of each linear joint that the controller has already, in the order of needed.linear();
-  /// its mean of both directions is left out here.
-  OffsetGrid(const NeededCorrection& needed, const std::vector<LineTable>& own);
+  /// What the position of an axis alone does to it, both directions together, is left to the joint's table,
+  /// also what no table can follow.
+  explicit OffsetGrid(const NeededCorrection& needed);
 
   /// Added to each linear axis, m, in the order of needed.linear(). Temperatures that are not known count as
   /// the reference ones.

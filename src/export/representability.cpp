@@ -1,6 +1,7 @@
 #include "export/representability.h"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "base/format.h"
@@ -42,15 +43,6 @@ double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d
   return rms(errors - rigid * solver.solve(errors));
 }
 
-CommandedState commandWith(const NeededCorrection& needed, const State& state, const Exported& exported) {
-  CommandedState command = needed.commandOf(state);
-  for (const auto& [there, here] : exported.sensors) {
-    const auto found = command.temperature.find(here);
-    if (found != command.temperature.end()) command.temperature[there] = found->second;
-  }
-  return command;
-}
-
 ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported,
                         const Interpreter& interpreter) {
   const std::vector<State> states = needed.states(kJudgeStates, kJudgeSeed);
@@ -58,7 +50,7 @@ ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported
   std::vector<Eigen::Vector3d> places;
   for (int n = 0; n < kJudgeStates; ++n) {
     const State& state = states[static_cast<std::size_t>(n)];
-    const std::map<std::string, double> driven = interpreter.motors(commandWith(needed, state, exported));
+    const std::map<std::string, double> driven = interpreter.motors(commandTo(needed, state, exported));
     std::vector<double> motors = state.position;
     for (const ExportAxis& axis : needed.axes())
       motors[static_cast<std::size_t>(axis.joint)] = driven.at(axis.letter);
@@ -176,10 +168,20 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
   result.carried = exact ? "exact" : share < kNoneShare ? "approximate" : "none";
   result.why = whatItDoes(needed) + "; " + target.title + " holds " + exported.holds +
                format(": %.3g of %.3g um are left", f.exported / kMicrometre, f.uncorrected / kMicrometre);
+  for (const std::string& told : exported.notFollowed) result.why += "; " + told;
   return result;
 }
 
 }  // namespace
+
+double Representability::unexplained() const {
+  return std::isfinite(heldOut) ? std::sqrt(std::max(0.0, heldOut * heldOut - repeatability * repeatability))
+                                : heldOut;
+}
+
+double Representability::expected(double left) const {
+  return std::isfinite(heldOut) ? std::hypot(left, unexplained()) : left;
+}
 
 bool Representability::carriesNothing() const {
   return !(figures.exported < kNoneShare * figures.uncorrected);
@@ -197,7 +199,9 @@ Representability representability(const Calibration& calibration, const ExportTa
   };
   result.figures = judged(target.name, needed, exported);
   tell("all effects", 0);
-  result.full = std::isfinite(calibration.heldOutRms) ? calibration.heldOutRms : calibration.rms;
+  result.heldOut = std::isfinite(calibration.heldOutRms) ? calibration.heldOutRms : calibration.rms;
+  result.repeatability = calibration.repeatability;
+  result.notFollowed = exported.notFollowed;
   for (int e = 0; e < count; ++e) {
     result.effects.push_back(carriedEffect(calibration, e, target, options));
     tell(result.effects.back().effect.type, e + 1);

@@ -33,10 +33,18 @@ struct CarriedEffect {
 struct Representability {
   std::string target;
   ExportFigures figures;
-  double full =
-      0.0;  // m: what the full model left of the session, held out where that is known; NaN: no lengths
+  double heldOut = 0.0;        // m: RMS that the full model left of the session, held out where that is known
+  double repeatability = 0.0;  // m, of a contact of the session
   std::vector<CarriedEffect> effects;
+  std::vector<std::string> notFollowed;  // Exported::notFollowed
   std::vector<ExportedFile> files;
+
+  /// What the full model does not explain of the session beyond the scatter of a contact:
+  /// sqrt(max(0, held out^2 - repeatability^2)), m; NaN: the session has no lengths.
+  double unexplained() const;
+  /// RMS to be expected at the probe where `left` of the model is left: with what the model does not explain,
+  /// where that is known. m.
+  double expected(double left) const;
   bool carriesNothing() const;  ///< the export is no better than no correction
 };
 
@@ -49,7 +57,9 @@ Representability representability(const Calibration& calibration, const ExportTa
                                   const ExportOptions& options, const NeededCorrection& needed,
                                   const Exported& exported, const ExportProgress& progress = {});
 
-/// `{"target": …, "rms_um": {"uncorrected": …, "exported": …, "full": …}, "effects": […], "files": […]}`.
+/// `{"target": …, "rms_um": {"uncorrected": …, "exported": …, "full": 0}, "expected_rms_um": {the same},
+/// "unexplained_um": …, "effects": […], "files": […]}`: rms_um is of what the model says, of which the full
+/// model leaves nothing.
 nlohmann::ordered_json representabilityJson(const Representability& judged);
 /// The same for people.
 std::string representabilityText(const Representability& judged);

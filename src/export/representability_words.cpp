@@ -28,20 +28,39 @@ std::string um(double metres) {
   return std::isfinite(metres) ? format("%.3g um", metres / kMicrometre) : std::string("not known");
 }
 
+std::string expectedWords(const Representability& judged) {
+  if (!std::isfinite(judged.heldOut))
+    return "What the model does not explain of the session is not known: it has no lengths.\n";
+  return "Expected: together with the " + um(judged.unexplained()) +
+         " that the model does not explain of its session, the root of the difference of squares of\n"
+         "what was left there (" +
+         um(judged.heldOut) + ") and the repeatability of a contact (" + um(judged.repeatability) + ").\n";
+}
+
 }  // namespace
 
 ordered_json representabilityJson(const Representability& judged) {
   const ExportFigures& f = judged.figures;
-  ordered_json json{{"target", judged.target},
-                    {"rms_um",
-                     {{"uncorrected", micrometres(f.uncorrected)},
-                      {"exported", micrometres(f.exported)},
-                      {"full", micrometres(judged.full)}}},
-                    {"rms_not_aligned_um",
-                     {{"uncorrected", micrometres(f.unalignedUncorrected)},
-                      {"exported", micrometres(f.unalignedExported)}}},
-                    {"carries_nothing", judged.carriesNothing()}};
-  if (std::isfinite(f.withOffsets)) json["rms_with_offsets_um"] = micrometres(f.withOffsets);
+  ordered_json json{
+      {"target", judged.target},
+      {"rms_um",
+       {{"uncorrected", micrometres(f.uncorrected)}, {"exported", micrometres(f.exported)}, {"full", 0.0}}},
+      {"expected_rms_um",
+       {{"uncorrected", micrometres(judged.expected(f.uncorrected))},
+        {"exported", micrometres(judged.expected(f.exported))},
+        {"full", micrometres(judged.unexplained())}}},
+      {"unexplained_um", micrometres(judged.unexplained())},
+      {"held_out_rms_um", micrometres(judged.heldOut)},
+      {"repeatability_um", micrometres(judged.repeatability)},
+      {"rms_not_aligned_um",
+       {{"uncorrected", micrometres(f.unalignedUncorrected)},
+        {"exported", micrometres(f.unalignedExported)}}},
+      {"carries_nothing", judged.carriesNothing()}};
+  if (std::isfinite(f.withOffsets)) {
+    json["rms_with_offsets_um"] = micrometres(f.withOffsets);
+    json["expected_rms_um"]["with_offsets"] = micrometres(judged.expected(f.withOffsets));
+  }
+  json["not_followed"] = judged.notFollowed;
   json["effects"] = ordered_json::array();
   for (const CarriedEffect& e : judged.effects)
     json["effects"].push_back({{"effect", effectJson(e.effect)},
@@ -59,12 +78,20 @@ ordered_json representabilityJson(const Representability& judged) {
 std::string representabilityText(const Representability& judged) {
   const ExportFigures& f = judged.figures;
   std::string text =
-      "RMS of a coordinate over the calibrated volume, temperatures and directions of travel:\n";
-  text += "  uncorrected          " + um(f.uncorrected) + "\n  with this export     " + um(f.exported);
-  if (std::isfinite(f.withOffsets)) text += "\n  and external offsets " + um(f.withOffsets);
-  text += "\n  with the full model  " + um(judged.full) + " (what it left of the session)\n";
-  text += "An alignment of the workpiece is taken out; without that " + um(f.unalignedUncorrected) + " and " +
-          um(f.unalignedExported) + ".\n\n";
+      "RMS of a coordinate over the calibrated volume, temperatures and directions of travel:\n"
+      "                       left of the model   expected at the probe\n";
+  const auto line = [&](const char* what, double left) {
+    text += format("  %-20s %-19s ", what, um(left).c_str()) + um(judged.expected(left)) + "\n";
+  };
+  line("uncorrected", f.uncorrected);
+  line("with this export", f.exported);
+  if (std::isfinite(f.withOffsets)) line("and external offsets", f.withOffsets);
+  line("with the full model", 0.0);
+  text += expectedWords(judged);
+  text += "An alignment of the workpiece is taken out of what is left of the model; without that " +
+          um(f.unalignedUncorrected) + " and " + um(f.unalignedExported) + ".\n";
+  for (const std::string& told : judged.notFollowed) text += "Not followed: " + told + ".\n";
+  text += "\n";
   for (const CarriedEffect& e : judged.effects)
     text += format("%-12s ", e.carried.c_str()) + e.effect.yaml() + "\n             " + e.why + "\n";
   if (judged.effects.empty()) text += "The calibration has no effects: there is nothing to carry.\n";

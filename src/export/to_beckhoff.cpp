@@ -35,24 +35,31 @@ PlaneTable planeOf(const NeededCorrection& needed, int first, int second) {
   return planeTable(needed, first, second, steps(a), steps(b));
 }
 
+/// Takes out of the plane what the position of its two axes alone does to them: their own tables have that.
+void leaveToOwn(const NeededCorrection& needed, PlaneTable& plane) {
+  const auto own = [&](int joint, const std::vector<double>& at) {
+    const double zero = meanCorrection(needed, joint, needed.reference(joint))[joint];
+    Eigen::VectorXd curve(static_cast<Eigen::Index>(at.size()));
+    for (std::size_t i = 0; i < at.size(); ++i)
+      curve[static_cast<Eigen::Index>(i)] = meanCorrection(needed, joint, at[i])[joint] - zero;
+    return curve;
+  };
+  plane.value[static_cast<std::size_t>(plane.first)].colwise() -= own(plane.first, plane.atFirst);
+  plane.value[static_cast<std::size_t>(plane.second)].rowwise() -=
+      own(plane.second, plane.atSecond).transpose();
+}
+
 /// What the tables of one axis add to it.
 struct AxisTables {
   const LineTable* own = nullptr;
   const PlaneTable* plane = nullptr;
   const LineTable* cross = nullptr;
 
-  /// The plane without what the axis' own table has of it already.
-  double planeValue(int output, double a, double b) const {
-    double value = plane->interpolated(output, a, b);
-    if (own != nullptr && plane->first == output) value -= own->value(output, a, 0.0);
-    if (own != nullptr && plane->second == output) value -= own->value(output, b, 0.0);
-    return value;
-  }
   double at(const State& s, int output) const {
     const auto read = [&](int joint) { return s.position[static_cast<std::size_t>(joint)]; };
     double sum = 0.0;
     if (own != nullptr) sum += own->value(output, read(output), s.travel[static_cast<std::size_t>(output)]);
-    if (plane != nullptr) sum += planeValue(output, read(plane->first), read(plane->second));
+    if (plane != nullptr) sum += plane->interpolated(output, read(plane->first), read(plane->second));
     if (cross != nullptr) sum += cross->value(output, read(cross->input), 0.0);
     return sum;
   }
@@ -70,8 +77,10 @@ struct Pool {
         lines[static_cast<std::size_t>(joint)] = lineTable(needed, joint, kBeckhoffMostPoints);
     for (std::size_t a = 0; a < linear.size(); ++a)
       for (std::size_t b = a + 1; b < linear.size(); ++b)
-        if (needed.moved(linear[a]) && needed.moved(linear[b]))
+        if (needed.moved(linear[a]) && needed.moved(linear[b])) {
           planes.push_back(planeOf(needed, linear[a], linear[b]));
+          leaveToOwn(needed, planes.back());
+        }
   }
   const LineTable* line(int joint) const {
     const auto& found = lines[static_cast<std::size_t>(joint)];
@@ -148,7 +157,8 @@ std::string planeList(const AxisTables& tables, int joint, int master1, int mast
   for (std::size_t k = 0; k < plane.atSecond.size(); ++k)
     for (std::size_t i = 0; i < plane.atFirst.size(); ++i)
       text += format("kw.crosscomp2.table[%zu][%zu].correction %ld\n", k, i,
-                     units(tables.planeValue(joint, plane.atFirst[i], plane.atSecond[k])));
+                     units(plane.value[static_cast<std::size_t>(joint)](static_cast<Eigen::Index>(i),
+                                                                        static_cast<Eigen::Index>(k))));
   return text;
 }
 
@@ -168,10 +178,12 @@ Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions&) {
         format("kopf.log_achs_nr %d\nkopf.log_achs_name %s\n", of(joint), capital(axis.letter).c_str());
     std::string set;
     if (tables.own != nullptr) {
+      addNotFollowed(notFollowed(needed, *tables.own, {joint}), out);
       list += leadscrew(*tables.own, joint);
       set += "lr_param.ssfk 1\n";
     }
     if (tables.cross != nullptr) {
+      addNotFollowed(notFollowed(needed, *tables.cross, {joint}), out);
       list += cross(*tables.cross, joint, of(tables.cross->input));
       set += "lr_param.crosscomp 1\n";
     }

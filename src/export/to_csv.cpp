@@ -7,6 +7,7 @@
 #include "base/format.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
+#include "export/hat_functions.h"
 
 namespace mm {
 namespace {
@@ -120,6 +121,36 @@ std::vector<std::array<CarriageError, 2>> errorsOf(const NeededCorrection& neede
   return errors;
 }
 
+/// The same at the points of a table, zero at the reference, from samples between them: a period that is
+/// shorter than the steps is left alone.
+std::vector<std::array<CarriageError, 2>> fittedErrors(const NeededCorrection& needed, const Chain& chain,
+                                                       const LineTable& table) {
+  const std::vector<double>& points = table.at;
+  const int joint = table.input;
+  const std::vector<double> at = samplesWithin(points, table.samplesAStep);
+  const std::vector<std::array<CarriageError, 2>> sampled = errorsOf(needed, chain, joint, at);
+  Eigen::MatrixXd curves(static_cast<Eigen::Index>(at.size()), 12);
+  for (std::size_t n = 0; n < at.size(); ++n)
+    curves.row(static_cast<Eigen::Index>(n)) << sampled[n][0].translation.transpose(),
+        sampled[n][0].rotation.transpose(), sampled[n][1].translation.transpose(),
+        sampled[n][1].rotation.transpose();
+  Eigen::MatrixXd values = hatOrLineFit(points, at, curves);
+  const auto [place, share] = placeAmong(points, needed.reference(joint));
+  const auto before = static_cast<Eigen::Index>(place);
+  const Eigen::RowVectorXd there = (1.0 - share) * values.row(before) + share * values.row(before + 1);
+  const Eigen::RowVectorXd zero = 0.5 * (there.head(6) + there.tail(6));
+  values.leftCols(6).rowwise() -= zero;
+  values.rightCols(6).rowwise() -= zero;
+  std::vector<std::array<CarriageError, 2>> errors(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t way = 0; way < 2; ++way) {
+      const auto row = static_cast<Eigen::Index>(i), first = static_cast<Eigen::Index>(6 * way);
+      errors[i][way].translation = values.block<1, 3>(row, first).transpose();
+      errors[i][way].rotation = values.block<1, 3>(row, first + 3).transpose();
+    }
+  return errors;
+}
+
 std::string chainTable(const NeededCorrection& needed, const Chain& chain) {
   std::string text =
       "joint,kind,direction_x,direction_y,direction_z,origin_x_mm,origin_y_mm,origin_z_mm,rotation_about\n";
@@ -166,9 +197,10 @@ Exported toCsv(const NeededCorrection& needed, const ExportOptions&) {
   const Chain chain(needed);
   for (const int joint : needed.linear()) {
     if (!needed.moved(joint)) continue;
-    const std::vector<double> at = lineTable(needed, joint, kCsvMostPoints).at;
-    addErrorTables(needed.axes()[static_cast<std::size_t>(joint)], at, errorsOf(needed, chain, joint, at),
-                   out);
+    const LineTable table = lineTable(needed, joint, kCsvMostPoints);
+    addNotFollowed(notFollowed(needed, table, needed.linear()), out);
+    addErrorTables(needed.axes()[static_cast<std::size_t>(joint)], table.at,
+                   fittedErrors(needed, chain, table), out);
   }
   out.files.push_back({"chain.csv", "the kinematic chain from workpiece to tip, in the axes of the workpiece",
                        chainTable(needed, chain)});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/format.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
@@ -12,46 +13,107 @@ namespace {
 
 constexpr int kFanucSections = 120;  // of at most 128 an axis
 constexpr int kNumbersAnAxis = 128;
-constexpr long kMostIncrement = 7;  // of one point; the magnification is 1 to 100
+constexpr long kMostIncrement = 7;  // of one point
+constexpr long kMostMagnification = 100;
+constexpr double kLeastIntervalSeconds = 60.0 / 7500.0;  // of the rapid rate: mm/min / 7500 are mm
+constexpr int kCellSamples = 16;
+constexpr double kHardlyHeld = 0.5;  // of a curve: more than this left by the steps is told
 
 /// Pitch error data of one axis.
 struct Pitch {
   double interval = 0.0;    // m
   int first = 0, last = 0;  // grid points by their distance from the reference position, in intervals
   long magnification = 1;
-  std::vector<long> increments;  // of the sections that end at first + 1 … last
+  std::vector<long> increments;     // of the sections that end at first + 1 … last
+  double mean = 0.0;                // of the curve over the range, m
+  double before = 0.0, left = 0.0;  // RMS of the curve about its mean, and of what steps leave of it, m
 };
 
-/// Whole multiples whose sum follows the curve: each takes over what the one before left.
-std::vector<long> incrementsOf(const std::vector<double>& curve, double unit) {
+/// Whole multiples whose sums follow the curve: each takes over what the one before left. Rounded about the
+/// curve's mean, so that rounding never makes it worse.
+std::vector<long> incrementsOf(const std::vector<double>& curve, double mean, double unit) {
   std::vector<long> increments;
-  long sum = 0;
-  for (std::size_t i = 1; i < curve.size(); ++i) {
-    const long wanted = std::lround((curve[i] - curve[0]) / unit);
-    increments.push_back(wanted - sum);
-    sum = wanted;
-  }
+  for (std::size_t i = 1; i < curve.size(); ++i)
+    increments.push_back(std::lround((curve[i] - mean) / unit) - std::lround((curve[i - 1] - mean) / unit));
   return increments;
 }
 
-Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, double unit) {
+/// The mean of the table over the places of the range that are nearest to each point: what steps in the
+/// middle between the points follow best.
+std::vector<double> cellMeans(const LineTable& table, const ExportAxis& axis, Pitch& pitch) {
+  std::vector<double> means;
+  double sum = 0.0, squares = 0.0, within = 0.0;
+  int count = 0;
+  for (int n = pitch.first; n <= pitch.last; ++n) {
+    const double from = std::clamp((n - 0.5) * pitch.interval, axis.lower, axis.upper);
+    const double to = std::clamp((n + 0.5) * pitch.interval, axis.lower, axis.upper);
+    double mean = 0.0, square = 0.0;
+    for (int i = 0; i < kCellSamples; ++i) {
+      const double value = table.value(axis.joint, from + (i + 0.5) / kCellSamples * (to - from), 0.0);
+      mean += value / kCellSamples;
+      square += value * value / kCellSamples;
+    }
+    means.push_back(mean);
+    if (!(to > from)) continue;
+    ++count;
+    sum += mean;
+    squares += square;
+    within += square - mean * mean;
+  }
+  if (count == 0) return means;
+  pitch.mean = sum / count;
+  pitch.before = std::sqrt(std::max(0.0, squares / count - pitch.mean * pitch.mean));
+  pitch.left = std::sqrt(std::max(0.0, within / count));
+  return means;
+}
+
+/// @param least interval that the control can follow at its rapid rate, m. @throw InputError where the
+/// increments are larger than the control takes.
+Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, double unit, double least,
+              Exported& out) {
   const LineTable table = lineTable(needed, axis.joint, 481);
+  addNotFollowed(notFollowed(needed, table, {axis.joint}), out);
   const double from = std::min(0.0, axis.lower), to = std::max(0.0, axis.upper);
   Pitch pitch;
-  pitch.interval = std::ceil((to - from) / (kFanucSections - 1) / kMicrometre - 1e-6) * kMicrometre;
+  const double interval = std::max((to - from) / (kFanucSections - 1), least);
+  pitch.interval = std::ceil(interval / kMicrometre - 1e-6) * kMicrometre;
   pitch.first = static_cast<int>(std::floor(from / pitch.interval + 1e-9));
   pitch.last = static_cast<int>(std::ceil(to / pitch.interval - 1e-9));
-  std::vector<double> curve;
-  for (int n = pitch.first; n <= pitch.last; ++n)
-    curve.push_back(table.value(axis.joint, n * pitch.interval, 0.0));
-  for (pitch.magnification = 1; pitch.magnification < 100; ++pitch.magnification) {
-    pitch.increments = incrementsOf(curve, unit * static_cast<double>(pitch.magnification));
-    const auto most = std::max_element(pitch.increments.begin(), pitch.increments.end(),
-                                       [](long a, long b) { return std::abs(a) < std::abs(b); });
-    if (most == pitch.increments.end() || std::abs(*most) <= kMostIncrement) break;
+  const std::vector<double> curve = cellMeans(table, axis, pitch);
+  long most = 0;
+  for (pitch.magnification = 1; pitch.magnification <= kMostMagnification; ++pitch.magnification) {
+    pitch.increments = incrementsOf(curve, pitch.mean, unit * static_cast<double>(pitch.magnification));
+    most = 0;
+    for (const long increment : pitch.increments) most = std::max(most, std::abs(increment));
+    if (most <= kMostIncrement) return pitch;
   }
-  return pitch;
+  throw InputError(
+      format("--to fanuc: axis %s: the correction rises by %ld x 100 detection units within %.4g mm, at "
+             "most 7 x 100 can be told (3623); take a larger --detection-unit-um than %.4g, where the "
+             "control has it",
+             capital(axis.letter).c_str(), most, pitch.interval / kMillimetre, unit / kMicrometre));
 }
+
+/// Bits of 1013 for the least command increment, and 1820 for the detection unit. @throw InputError where
+/// 1820 has no number for it.
+struct Units {
+  std::string increment;
+  int multiplier = 2;
+
+  explicit Units(double unit) {
+    const bool fine = unit < 0.5e-6;  // IS-C, 0.1 um; else IS-B, 1 um
+    increment = fine ? "00000010" : "00000000";
+    const double ratio = (fine ? 1e-7 : 1e-6) / unit;
+    const double value = ratio > 0.499999 ? 2.0 * ratio : 100.0 + 1.0 / ratio;
+    multiplier = static_cast<int>(std::lround(value));
+    const bool there = ratio > 0.499999 ? multiplier <= 96 : multiplier <= 127;
+    if (!there || std::abs(value - multiplier) > 1e-6)
+      throw InputError(
+          format("--detection-unit-um %.4g: the command multiplier (1820) has no number for it; take 1, "
+                 "0.5, 0.1, 0.05 or what the control has",
+                 unit / kMicrometre));
+  }
+};
 
 /// Lines of one parameter, an axis each.
 class Parameter1 {
@@ -64,23 +126,61 @@ class Parameter1 {
   std::string text_;
 };
 
+/// What the page says whatever the calibration is.
+void addFanucWords(Exported& out) {
+  out.holds = "each axis by its own position, in whole detection units; one reversal an axis";
+  out.load = {
+      "Back up parameters and pitch error data.",
+      "Compare the control's parameters with compare.txt: 1013#1 (increment system), 1020 (names of the "
+      "axes; "
+      "A1, A2 … must be its axes), 1820 (detection unit), 3605#0. Only these bits count: never read the file "
+      "in, "
+      "for the other bits of these bytes are the machine's. Where the detection unit is another, export "
+      "again "
+      "with --detection-unit-um.",
+      "Set PWE, read parameters.txt in EDIT mode (data N10000 is pitch error number 0).",
+      "Parameters 3620 to 3624 and the data take effect after power off, and a return to the reference "
+      "position."};
+  out.reference =
+      "Number 3620 stands at the reference position, which is taken as machine position 0 of each axis. "
+      "Where the reference return leaves another coordinate (1240), shift 3620 to 3622 by it.";
+  out.unverified = {
+      "That a positive value moves the axis further in the positive direction is how the examples of the "
+      "manual read; check with one move.",
+      "Where in its section an increment is put out: the manual draws the numbers between the ends of the "
+      "sections, so the middle is taken.",
+      "The least interval, rapid traverse rate (mm/min) / 7500 (mm): compare it with 3624 in the control's "
+      "own "
+      "manual. The rapid rate is the velocity limit of the joint in the URDF unless --rapid-mm-min says it.",
+      "3624 is written in mm with a decimal point (0i-D, 30i); 16i and older take it in units of the "
+      "increment system without one."};
+  out.notes.push_back(
+      "Between two numbers the control adds the increment in one step, and so does the figure "
+      "(interpolated only with the option for it); straightness compensation (5700 ff.) and bidirectional "
+      "data (3605#0) are options that are not used.");
+}
+
 }  // namespace
 
 Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
   Exported out;
   const double unit = options.detectionUnit;
   const StraightPart part = straightPart(needed);
-  Parameter1 units(1013), names(1020), backlash(1851), reference(3620), lowest(3621), highest(3622),
-      magnify(3623), interval(3624), both(3605);
+  const Units as(unit);
+  Parameter1 units(1013), names(1020), multiplier(1820), backlash(1851), reference(3620), lowest(3621),
+      highest(3622), magnify(3623), interval(3624), both(3605);
   std::string data;
   int n = 0;
   for (const int joint : needed.linear()) {
     const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
     if (!needed.moved(joint)) continue;
     ++n;
-    const Pitch pitch = pitchOf(needed, axis, unit);
+    const double limit = needed.model().machine().joints()[static_cast<std::size_t>(joint)].maxVelocity;
+    const double rapid = options.rapidRate > 0.0 ? options.rapidRate : limit;
+    const Pitch pitch = pitchOf(needed, axis, unit, rapid * kLeastIntervalSeconds, out);
     const int zero = (n - 1) * kNumbersAnAxis - pitch.first;
-    units.add(n, unit < 0.5e-6 ? "00000010" : "00000000");
+    units.add(n, as.increment);
+    multiplier.add(n, std::to_string(as.multiplier));
     names.add(n, std::to_string(static_cast<int>(capital(axis.letter)[0])));
     both.add(n, "00000000");
     backlash.add(n, std::to_string(std::lround(2.0 * part.byTravel(joint, joint) / unit)));
@@ -92,38 +192,32 @@ Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
     for (std::size_t i = 0; i < pitch.increments.size(); ++i)
       data +=
           format("N%05d P%ld\n", 10000 + zero + pitch.first + 1 + static_cast<int>(i), pitch.increments[i]);
+    const std::string letter = capital(axis.letter);
+    out.notes.push_back(
+        format("%s: %zu sections of %.4g mm; the least at a rapid rate of %.4g mm/min is %.4g mm.",
+               letter.c_str(), pitch.increments.size(), pitch.interval / kMillimetre,
+               rapid / kMillimetre * 60.0, rapid * kLeastIntervalSeconds / kMillimetre));
+    if (pitch.left > kHardlyHeld * pitch.before)
+      out.notFollowed.push_back(format(
+          "the correction of %s bends within the sections of %.4g mm: %.3g of %.3g um of it (RMS) are left",
+          letter.c_str(), pitch.interval / kMillimetre, pitch.left / kMicrometre,
+          pitch.before / kMicrometre));
     if (pitch.magnification > 1)
       out.notes.push_back(
           format("%s rises by more than 7 detection units between two points: magnification %ld.",
-                 capital(axis.letter).c_str(), pitch.magnification));
+                 letter.c_str(), pitch.magnification));
   }
-  const std::string parameters = units.line() + names.line() + backlash.line() + both.line() +
-                                 reference.line() + lowest.line() + highest.line() + magnify.line() +
-                                 interval.line();
-  out.files = {{"parameters.txt",
-                "parameters and pitch error data in detection units, as the control punches them",
-                "%\n" + parameters + data + "%\n"}};
-  out.holds = "each axis by its own position, in whole detection units; one reversal an axis";
-  out.load = {
-      "Back up parameters and pitch error data.",
-      "Compare 1013 (increment system) and 1020 (names of the axes) with the control's; they are there to be "
-      "compared, and A1, A2 … must be its axes. Where its detection unit is another, export again with "
-      "--detection-unit-um.",
-      "Set PWE, read parameters.txt in EDIT mode (data N10000 is pitch error number 0).",
-      "Parameters 3620 to 3624 and the data take effect after power off, and a return to the reference "
-      "position."};
-  out.reference =
-      "Number 3620 stands at the reference position, which is taken as machine position 0 of each axis. "
-      "Where the reference return leaves another coordinate (1240), shift 3620 to 3622 by it.";
-  out.unverified = {
-      "That a positive value moves the axis further in the positive direction is how the examples of the "
-      "manual read; check with one move.",
-      "3624 is written in mm with a decimal point (0i-D, 30i); 16i and older take it in units of the "
-      "increment system without one."};
-  out.notes.push_back(
-      "Between two numbers the control adds the increment in one step (interpolated only with the "
-      "option for it); straightness compensation (5700 ff.) and bidirectional data (3605#0) are options "
-      "that are not used.");
+  const std::string parameters =
+      backlash.line() + reference.line() + lowest.line() + highest.line() + magnify.line() + interval.line();
+  out.files = {
+      {"parameters.txt", "parameters and pitch error data in detection units, as the control punches them",
+       "%\n" + parameters + data + "%\n"},
+      {"compare.txt",
+       "what the control must have already, to be compared and never read in: 1013#1 (increment "
+       "system), 1020 (names of the axes), 1820 (detection unit), 3605#0 (one table for both "
+       "directions)",
+       "%\n" + units.line() + names.line() + multiplier.line() + both.line() + "%\n"}};
+  addFanucWords(out);
   return out;
 }
 

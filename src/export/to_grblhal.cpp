@@ -4,7 +4,7 @@
 
 #include "base/format.h"
 #include "base/units.h"
-#include "export/fitted_tables.h"
+#include "export/printer_terms.h"
 
 namespace mm {
 namespace {
@@ -17,14 +17,9 @@ Exported toGrblhal(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
   const StraightPart part = straightPart(needed);
   const std::string order = "xyzabc";
-  std::string text, negative;
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    const ExportAxis* axis = needed.findAxis(order.substr(n, 1));
-    if (axis == nullptr || axis->kind != JointKind::kLinear) continue;
-    const double gap = 2.0 * part.byTravel(axis->joint, axis->joint);
-    if (gap < -kGrblhalLeast) negative += " " + capital(axis->letter);
-    text += format("$%zu=%s\n", 160 + n, fixed((gap > kGrblhalLeast ? gap : 0.0) / kMillimetre, 4).c_str());
-  }
+  std::string text;
+  for (const auto& [axis, gap] : reversals(needed, part, order, kGrblhalLeast, "grblHAL", out))
+    text += format("$%zu=%s\n", 160 + order.find(axis->letter), fixed(gap / kMillimetre, 4).c_str());
   out.files.push_back({"settings.txt", "backlash of each axis in mm, as $$ prints it", text});
   out.holds = "one reversal a joint";
   out.load = {"Use a build with ENABLE_BACKLASH_COMPENSATION; without it the settings do not exist.",
@@ -34,10 +29,6 @@ Exported toGrblhal(const NeededCorrection& needed, const ExportOptions&) {
   out.unverified = {
       "That the numbers of the settings are 160 and following is read from the sources; boards whose "
       "driver renames them were not looked at."};
-  if (!negative.empty())
-    out.notes.push_back(
-        "The reversal of" + negative +
-        " is negative (the slide leads its drive), which grblHAL cannot hold; it is left out.");
   return out;
 }
 

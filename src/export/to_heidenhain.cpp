@@ -40,10 +40,12 @@ Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions&) {
   for (const ExportAxis* axis : axes) {
     if (!needed.moved(axis->joint)) continue;
     const std::string name = capital(axis->letter) + ".COM", file = axis->letter + ".com";
+    const LineTable table = lineTable(needed, axis->joint, kHeidenhainMostPoints);
+    addNotFollowed(notFollowed(needed, table, needed.linear()), out);
     out.files.push_back({file,
                          "errors of the axes by the position of " + capital(axis->letter) +
                              " in mm; BACKLASH: of " + capital(axis->letter) + " itself, downwards",
-                         comTable(lineTable(needed, axis->joint, kHeidenhainMostPoints), name, axes)});
+                         comTable(table, name, axes)});
     columns += " " + capital(axis->letter);
     line += " " + file;
   }

@@ -4,7 +4,7 @@
 
 #include "base/format.h"
 #include "base/units.h"
-#include "export/fitted_tables.h"
+#include "export/printer_terms.h"
 
 namespace mm {
 namespace {
@@ -18,12 +18,6 @@ constexpr double kLeastByHeat = 1e-9;  // m/K
 std::string lengths(double factor) {
   const double s = std::sin(std::atan(factor));
   return format("%.9f,%.9f,%.9f", kSide * std::sqrt(2.0 + 2.0 * s), kSide * std::sqrt(2.0 - 2.0 * s), kSide);
-}
-
-double squareSkew(const NeededCorrection& needed, const StraightPart& part, const char* output,
-                  const char* input) {
-  const ExportAxis *o = needed.findAxis(output), *i = needed.findAxis(input);
-  return o == nullptr || i == nullptr ? 0.0 : part.square(o->joint, i->joint);
 }
 
 /// The mesh of z over x and y. What of z is straight over x or y is the angle between axes, which skew holds
@@ -50,8 +44,9 @@ std::string mesh(const NeededCorrection& needed, const StraightPart& part, const
   if (largest < kMeshLeast) return {};
   const auto mm = [](double v) { return fixed(v / kMillimetre, 4); };
   const std::string ends = mm(plane.atFirst.front()) + ", " + mm(plane.atSecond.front());
-  return "[bed_mesh]\nspeed: 50\nhorizontal_move_z: 5\nmesh_min: " + ends +
-         "\nmesh_max: " + mm(plane.atFirst.back()) + ", " + mm(plane.atSecond.back()) +
+  return "[bed_mesh]\nspeed: 50\nhorizontal_move_z: 5\nsplit_delta_z: 0.01\nmove_check_distance: "
+         "3\nmesh_min: " +
+         ends + "\nmesh_max: " + mm(plane.atFirst.back()) + ", " + mm(plane.atSecond.back()) +
          format("\nprobe_count: %d, %d\nmesh_pps: 0, 0\nalgorithm: bicubic\n\n", kMeshPoints, kMeshPoints) +
          "[bed_mesh calibration]\nversion: 1\npoints:" + points +
          format("\nx_count: %d\ny_count: %d\nmesh_x_pps: 0\nmesh_y_pps: 0\nalgo: direct\ntension: 0.2\n",
@@ -83,14 +78,22 @@ Exported toKlipper(const NeededCorrection& needed, const ExportOptions&) {
   const ExportAxis *x = needed.findAxis("x"), *y = needed.findAxis("y"), *z = needed.findAxis("z");
   std::string config = "[skew_correction]\n\n", start;
   // Klipper subtracts: x - xy y - (xz - xy yz) z, y - yz z.
-  const double xy = -squareSkew(needed, part, "x", "y"), yz = -squareSkew(needed, part, "y", "z");
-  const double xz = -squareSkew(needed, part, "x", "z") + xy * yz;
+  const double xy = -squareness(needed, part, "x", "y"), yz = -squareness(needed, part, "y", "z");
+  const double xz = -squareness(needed, part, "x", "z") + xy * yz;
   start += "SET_SKEW XY=" + lengths(xy) + " XZ=" + lengths(xz) + " YZ=" + lengths(yz) + "\n";
   out.holds = "the angles between the axes";
   if (z != nullptr && x != nullptr && y != nullptr && needed.moved(x->joint) && needed.moved(y->joint)) {
     const std::string text = mesh(needed, part, *x, *y, *z);
     config += text;
-    if (!text.empty()) start += "BED_MESH_PROFILE LOAD=calibration\n";
+    if (!text.empty()) {
+      start += "BED_MESH_PROFILE LOAD=calibration\n";
+      out.notes.push_back(
+          "The figure of the mesh is for the end points of moves. Klipper splits a move, looking every "
+          "move_check_distance (3 mm, its least), only where the mesh has changed by split_delta_z (0.01 mm, "
+          "its "
+          "least): within a move over a mesh that changes less, z goes straight. Break long moves up in the "
+          "G-code.");
+    }
     out.holds += "; z over x and y";
   }
   const int sensor = z == nullptr ? -1 : hottest(needed, part, z->joint);
@@ -129,9 +132,7 @@ Exported toKlipper(const NeededCorrection& needed, const ExportOptions&) {
       "its modules start; between corrections of micrometres that is beyond the last digit.",
       "Klipper does not hold a thermal change smaller than one step of z."};
   out.notes.push_back("Backlash is left out: Klipper has no compensation of it.");
-  out.notes.push_back(
-      "Squareness is an angle: it is corrected by moving the first axis of each pair. What that turns "
-      "the workpiece's frame is taken up when the workpiece is aligned.");
+  out.notes.push_back(kSquarenessNote);
   return out;
 }
 

@@ -55,8 +55,8 @@ std::string offsetsHal(const OffsetGrid& grid) {
 
 constexpr double kLeastOffset = 2e-8;  // m: less is not worth a program
 
-void addOffsets(const NeededCorrection& needed, const std::vector<LineTable>& own, Exported& out) {
-  const auto grid = std::make_shared<const OffsetGrid>(needed, own);
+void addOffsets(const NeededCorrection& needed, Exported& out) {
+  const auto grid = std::make_shared<const OffsetGrid>(needed);
   if (grid->largest() < kLeastOffset) {
     out.notes.push_back("Nothing is left for external offsets.");
     return;
@@ -75,9 +75,11 @@ void addOffsets(const NeededCorrection& needed, const std::vector<LineTable>& ow
       "For the cross-axis and thermal parts, too: copy external_offsets.json and external_offsets.hal beside "
       "the INI file, add HALFILE = external_offsets.hal, and OFFSET_AV_RATIO = 0.1 to each linear [AXIS_l] "
       "(a tenth of its velocity and acceleration is then kept for offsets); put the folder of "
-      "linuxcnc_offsets "
-      "(lib/measuring_machine) on PATH, and wire the temperatures. Offsets are given while the machine is on "
-      "and all joints are homed; pin mm-offsets.arrived tells that all are there.");
+      "linuxcnc_offsets (lib/measuring_machine) on PATH, and wire the temperatures. Where the machine's HAL "
+      "has motion.is-all-homed, or another pin that is read here, on a signal of its own already, that line "
+      "net fails: take that signal's name instead of mm-all-homed, and leave the pin of LinuxCNC out. "
+      "Offsets are given while the machine is on and all joints are homed; pin mm-offsets.arrived tells that "
+      "all are there.");
   out.notes.push_back(
       "External offsets follow the commanded position about fifty times a second; at rest they stand within "
       "0.03 um of what external_offsets.json says. LinuxCNC holds position and offset together within the "
@@ -103,6 +105,7 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions&) {
     const std::string file = format("joint%zu.comp", n);
     const auto table =
         std::find_if(own.begin(), own.end(), [&](const LineTable& t) { return t.input == axis.joint; });
+    addNotFollowed(notFollowed(needed, *table, {axis.joint}), out);
     joints += "COMP_FILE = " + file + "\nCOMP_FILE_TYPE = 1\n";
     out.files.push_back({file,
                          format("joint %zu (%s): position in mm, what is added to the motor upwards and "
@@ -125,8 +128,9 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions&) {
   out.reference =
       "Positions are those of the homed joint, in mm. Every table is zero at joint position 0 (mean of both "
       "directions), or at the end of the calibrated range that is nearest to it.";
-  out.notes = {"LinuxCNC allows 256 points a joint; those here follow the curve within 0.02 um or are 241."};
-  addOffsets(needed, own, out);
+  out.notes.push_back(
+      "LinuxCNC allows 256 points a joint: here are as few as follow its curve within 0.02 um, at most 241.");
+  addOffsets(needed, out);
   return out;
 }
 

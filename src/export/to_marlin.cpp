@@ -2,18 +2,24 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "base/units.h"
-#include "export/fitted_tables.h"
+#include "export/printer_terms.h"
 
 namespace mm {
 namespace {
 
-constexpr double kMostSkew = 1.0;  // SKEW_FACTOR_MIN, SKEW_FACTOR_MAX
+constexpr double kMostSkew = 1.0;      // SKEW_FACTOR_MIN, SKEW_FACTOR_MAX
+constexpr double kMarlinLeast = 1e-9;  // m: the last digit of M425
 
-double squareOf(const NeededCorrection& needed, const StraightPart& part, const char* output,
-                const char* input) {
-  const ExportAxis *o = needed.findAxis(output), *i = needed.findAxis(input);
-  return o == nullptr || i == nullptr ? 0.0 : part.square(o->joint, i->joint);
+/// @throw InputError where Marlin would refuse the factor.
+std::string skewFactor(char letter, double factor, const char* axes) {
+  if (!(std::abs(factor) <= kMostSkew))
+    throw InputError("--to marlin: M852 " + std::string(1, letter) + ", the skew of " + axes + ", is " +
+                     fixed(factor, 6) +
+                     ", not within -1 to 1 (SKEW_FACTOR_MIN, SKEW_FACTOR_MAX): square these axes "
+                     "first, and measure again");
+  return " " + std::string(1, letter) + fixed(factor, 9);
 }
 
 }  // namespace
@@ -22,19 +28,13 @@ Exported toMarlin(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
   const StraightPart part = straightPart(needed);
   // Marlin subtracts: x - I y - (J - I K) z, y - K z.
-  const double i = -squareOf(needed, part, "x", "y"), k = -squareOf(needed, part, "y", "z");
-  const double j = -squareOf(needed, part, "x", "z") + i * k;
-  std::string text = "G21\n", backlash;
-  std::string negative;
-  for (const char* letter : {"x", "y", "z"}) {
-    const ExportAxis* axis = needed.findAxis(letter);
-    if (axis == nullptr || axis->kind != JointKind::kLinear) continue;
-    const double gap = 2.0 * part.byTravel(axis->joint, axis->joint);
-    if (gap < -1e-8) negative += " " + capital(letter);
-    backlash += " " + capital(letter) + fixed((gap > 0.0 ? gap : 0.0) / kMillimetre, 6);
-  }
-  text += "M425 F1" + backlash + "\n";
-  text += "M852 I" + fixed(i, 9) + " J" + fixed(j, 9) + " K" + fixed(k, 9) + "\nM500\n";
+  const double i = -squareness(needed, part, "x", "y"), k = -squareness(needed, part, "y", "z");
+  const double j = -squareness(needed, part, "x", "z") + i * k;
+  std::string text = "G21\nM425 F1";
+  for (const auto& [axis, gap] : reversals(needed, part, "xyz", kMarlinLeast, "Marlin", out))
+    text += " " + capital(axis->letter) + fixed(gap / kMillimetre, 6);
+  text += "\nM852" + skewFactor('I', i, "x and y") + skewFactor('J', j, "x and z") +
+          skewFactor('K', k, "y and z") + "\nM500\n";
   out.files.push_back(
       {"compensation.gcode", "backlash in mm (M425), skew factors (M852), kept by M500", text});
   out.holds = "one reversal an axis; the angles between the axes";
@@ -48,15 +48,7 @@ Exported toMarlin(const NeededCorrection& needed, const ExportOptions&) {
       "Y_MIN_POS to Y_MAX_POS.";
   out.unverified = {
       "Marlin keeps the factors as 32 bit numbers and moves in whole steps; that is not in the figure."};
-  if (std::abs(i) > kMostSkew || std::abs(j) > kMostSkew || std::abs(k) > kMostSkew)
-    out.notes.push_back("A factor is beyond -1 to 1, which Marlin refuses: square the machine first.");
-  if (!negative.empty())
-    out.notes.push_back(
-        "The reversal of" + negative +
-        " is negative (the slide leads its drive), which Marlin cannot hold; it is left out.");
-  out.notes.push_back(
-      "Squareness is an angle: it is corrected by moving the first axis of each pair. What that turns "
-      "the workpiece's frame is taken up when the workpiece is aligned.");
+  out.notes.push_back(kSquarenessNote);
   return out;
 }
 

@@ -7,20 +7,25 @@
 namespace mm {
 namespace {
 
-constexpr int kSiemensMostPoints = 241;
-constexpr double kSiemensLeast = 1e-8;  // m: a table whose values are all less is left out
+constexpr int kSiemensMostPoints = 200;  // a table of the 828D
+constexpr double kSiemensLeast = 1e-8;   // m: a table whose values are all less is left out
 
 std::string machineAxis(const ExportAxis& axis) { return "(" + capital(axis.letter) + "1)"; }
+
+/// "X by Y, upwards, 193 points".
+std::string nameOf(const ExportAxis& in, const ExportAxis& out, int direction, std::size_t points) {
+  return format("%s by %s%s, %zu points", capital(out.letter).c_str(), capital(in.letter).c_str(),
+                direction > 0   ? ", upwards"
+                : direction < 0 ? ", downwards"
+                                : "",
+                points);
+}
 
 /// One table $AN_CEC: values are errors, which the control takes off (a positive value moves the axis back).
 /// @param direction of the input's travel for which it counts; 0: both.
 std::string cecTable(int number, const ExportAxis& in, const ExportAxis& out, int direction,
                      const std::vector<double>& at, const std::vector<double>& values) {
-  std::string text =
-      format("\n; table %d: %s by %s%s\n", number, capital(out.letter).c_str(), capital(in.letter).c_str(),
-             direction > 0   ? ", upwards"
-             : direction < 0 ? ", downwards"
-                             : "");
+  std::string text = format("\n; table %d: %s\n", number, nameOf(in, out, direction, values.size()).c_str());
   for (std::size_t i = 0; i < values.size(); ++i)
     text += format("$AN_CEC[%d,%zu]=", number, i) + fixed(-values[i] / kMillimetre, 6) + "\n";
   const double step = at[1] - at[0];
@@ -33,7 +38,7 @@ std::string cecTable(int number, const ExportAxis& in, const ExportAxis& out, in
 
 /// What is collected while tables are numbered.
 struct Tables {
-  std::string cec, memory, enable;
+  std::string cec, memory, enable, list;
   int count = 0;
 
   void add(const ExportAxis& in, const ExportAxis& out, int direction, const std::vector<double>& at,
@@ -41,6 +46,8 @@ struct Tables {
     cec += cecTable(count, in, out, direction, at, values);
     memory += format("$MN_MM_CEC_MAX_POINTS[%d]=%zu\n", count, values.size());
     enable += format("$SN_CEC_TABLE_ENABLE[%d]=1\n", count);
+    list +=
+        format("%s%d: %s", count == 0 ? "" : "; ", count, nameOf(in, out, direction, values.size()).c_str());
     ++count;
   }
 };
@@ -68,6 +75,7 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
   for (const int input : needed.linear()) {
     if (!needed.moved(input)) continue;
     const LineTable table = lineTable(needed, input, kSiemensMostPoints);
+    addNotFollowed(notFollowed(needed, table, needed.linear()), out);
     for (const int output : needed.linear())
       addTables(table, needed.axes()[static_cast<std::size_t>(input)],
                 needed.axes()[static_cast<std::size_t>(output)], tables);
@@ -99,10 +107,10 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
       "of "
       "two positions would need tables that are nothing by themselves. What depends on two positions at once "
       "(roll, twist) is therefore left.",
-      "828D has eight tables of 200 points; where there are more here, leave out the smallest."};
-  out.notes = {
-      format("%d tables. Axes are named X1, Y1 … as machine axes; change the names where yours differ.",
-             tables.count)};
+      "828D has eight tables of 200 points, which no table here exceeds; where there are more tables here, "
+      "leave out the smallest, and leave cec_1_memory.mpf out: its points are fixed."};
+  out.notes = {format("%d tables%s%s.", tables.count, tables.count == 0 ? "" : ": ", tables.list.c_str()),
+               "Axes are named X1, Y1 … as machine axes; change the names where yours differ."};
   return out;
 }
 

@@ -1,9 +1,9 @@
 // FANUC: Parameter Manual B-63980EN, page 100 (3620 to 3625, example of increments by section), A-77810E
-// (3605#0, 3626, 3627, both directions). An increment belongs to the section before its number; one after the
-// other they are the absolute compensation, 0 at the reference position. Assumed, for the pages that can be
-// read leave it open: that an increment is spread evenly over its section; that a positive one moves the axis
-// in the positive direction; that backlash (1851) is first taken up against the direction of the return to
-// the reference position (1006#5).
+// (3605#0, 3626, 3627, both directions). An increment belongs to the section before its number and is put out
+// in one step; one after the other they are the absolute compensation, 0 at the reference position. Assumed,
+// for the pages that can be read leave it open: that the step is in the middle of the section, between whose
+// ends the manual draws the number; that a positive one moves the axis in the positive direction; that
+// backlash (1851) is first taken up against the direction of the return to the reference position (1006#5).
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -29,8 +29,11 @@ struct FanucValue {
 /// Parameters of a file by number and axis (0: of no axis).
 class FanucParameters {
  public:
-  explicit FanucParameters(const std::filesystem::path& file) : file_(file) {
+  /// @param compare values that the control must have already; may be missing.
+  FanucParameters(const std::filesystem::path& file, const std::filesystem::path& compare) : file_(file) {
     for (const TextLine& line : textLines(file)) readLine(line);
+    if (!std::filesystem::exists(compare)) return;
+    for (const TextLine& line : textLines(compare)) readLine(line);
   }
 
   const FanucValue* find(int number, int axis) const {
@@ -107,6 +110,7 @@ class FanucAxis {
       : p_(parameters), axis_(axis), joint_(std::move(joint)) {
     unit_ = jointUnit(joint_);
     increment_ = p_.bit(1013, axis_, 1) ? 1e-4 : 1e-3;  // IS-C, IS-B
+    detection_ = increment_ / commandMultiplier();
     rotary_ = p_.bit(1006, axis_, 0) || unit_ == kDegree;
     returnsToMinus_ = p_.bit(1006, axis_, 5);
   }
@@ -114,7 +118,7 @@ class FanucAxis {
   std::vector<AxisTable> tables() {
     std::vector<AxisTable> tables;
     constexpr int kMostBacklash = 9999;
-    const double backlash = p_.integer(1851, axis_, -kMostBacklash, kMostBacklash, 0) * increment_ * unit_;
+    const double backlash = p_.integer(1851, axis_, -kMostBacklash, kMostBacklash, 0) * detection_ * unit_;
     if (backlash != 0.0)
       tables.push_back({joint_, joint_, Curve(returnsToMinus_ ? backlash : 0.0),
                         Curve(returnsToMinus_ ? 0.0 : -backlash)});
@@ -127,11 +131,19 @@ class FanucAxis {
     AxisTable pitch{joint_, joint_, curve(0, 0.0, interval), {}};
     pitch.negative = pitch.positive;
     if (p_.bit(3605, axis_, 0)) twoWays(pitch, interval);
-    tables.push_back(std::move(pitch));
+    tables.push_back({joint_, joint_, pitch.positive.stepped(), pitch.negative.stepped()});
     return tables;
   }
 
  private:
+  /// 1820: twice the ratio of the least command increment to the detection unit, of a ratio below 0.5 its
+  /// inverse + 100.
+  double commandMultiplier() const {
+    constexpr int kMostMultiplier = 127, kInverse = 100, kOne = 2;
+    const int value = p_.integer(1820, axis_, 1, kMostMultiplier, kOne);
+    return value > kInverse ? 1.0 / (value - kInverse) : 0.5 * value;
+  }
+
   int point(int number) const {
     if (p_.find(number, axis_) == nullptr)
       refuse(p_.place(3620, axis_), FanucParameters::name(number, axis_) + " is missing");
@@ -160,14 +172,14 @@ class FanucAxis {
                  std::to_string(last_ + shift) + ", at most " + std::to_string(kLastFanucPoint));
     constexpr int kMostAtReference = 32767;
     const double atReference =
-        p_.integer(3627, axis_, -kMostAtReference, kMostAtReference, 0) * increment_ * unit_;
+        p_.integer(3627, axis_, -kMostAtReference, kMostAtReference, 0) * detection_ * unit_;
     pitch.positive = curve(0, returnsToMinus_ ? atReference : 0.0, interval);
     pitch.negative = curve(shift, returnsToMinus_ ? 0.0 : atReference, interval);
   }
 
   double increment(int number) const {
     const int value = p_.integer(kFirstFanucIncrement + number, 0, -kMostIncrement, kMostIncrement, 0);
-    return value * magnification_ * increment_ * unit_;
+    return value * magnification_ * detection_ * unit_;
   }
 
   Curve curve(int shift, double atReference, double interval) const {
@@ -201,7 +213,7 @@ class FanucAxis {
   const FanucParameters& p_;
   int axis_;
   std::string joint_;
-  double unit_ = 1.0, increment_ = 1e-3;
+  double unit_ = 1.0, increment_ = 1e-3, detection_ = 1e-3;
   bool rotary_ = false, returnsToMinus_ = false;
   int reference_ = 0, first_ = 0, last_ = 0, magnification_ = 1;
 };
@@ -218,7 +230,7 @@ std::string fanucJoint(const FanucParameters& parameters, int axis) {
 }  // namespace
 
 std::unique_ptr<Interpreter> interpretFanuc(const std::filesystem::path& folder) {
-  const FanucParameters parameters(folder / "parameters.txt");
+  const FanucParameters parameters(folder / "parameters.txt", folder / "compare.txt");
   std::vector<AxisTable> tables;
   for (int axis = 1; axis <= kMostFanucAxes; ++axis) {
     const bool any = parameters.find(3620, axis) != nullptr || parameters.find(1851, axis) != nullptr;

@@ -9,6 +9,12 @@
 
 namespace mm {
 
+Curve Curve::stepped() const {
+  Curve curve = *this;
+  curve.steps_ = true;
+  return curve;
+}
+
 double Curve::at(double position) const {
   if (values_.empty()) return 0.0;
   if (period_ > 0.0) {
@@ -21,6 +27,7 @@ double Curve::at(double position) const {
   const auto above = std::upper_bound(positions_.begin(), positions_.end(), position);
   const auto i = static_cast<std::size_t>(above - positions_.begin());
   const double part = (position - positions_[i - 1]) / (positions_[i] - positions_[i - 1]);
+  if (steps_) return part < 0.5 ? values_[i - 1] : values_[i];
   return values_[i - 1] + part * (values_[i] - values_[i - 1]);
 }
 

@@ -8,7 +8,8 @@
 
 namespace mm {
 
-/// Values at ascending positions: straight lines between them, the values at the ends beyond. SI.
+/// Values at ascending positions: straight lines between them, or the value of the nearest; the values at the
+/// ends beyond. SI.
 class Curve {
  public:
   Curve() = default;
@@ -18,12 +19,15 @@ class Curve {
   /// period).
   Curve(std::vector<double> positions, std::vector<double> values, double period = 0.0)
       : positions_(std::move(positions)), values_(std::move(values)), period_(period) {}
+  /// The same points with steps in the middle between them instead of straight lines.
+  Curve stepped() const;
   /// 0 of a curve without points.
   double at(double position) const;
 
  private:
   std::vector<double> positions_, values_;
   double period_ = 0.0;
+  bool steps_ = false;
 };
 
 /// What the position of one axis adds to the motor of another, or to its own.

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/units.h"
-#include "compensation/compensator.h"
+#include "compensation/middle_state.h"
 
 namespace mm {
 namespace {
@@ -16,18 +16,9 @@ std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration) {
   std::vector<CorrectionCurve> curves;
   const Compensator compensator(calibration);
   const Domain& d = compensator.model().domain();
-  State middle = compensator.blankState();
+  State middle = middleState(compensator);
   middle.time = d.duration;
-  for (std::size_t j = 0; j < d.joints.size(); ++j) {
-    middle.position[j] = 0.5 * (d.lower[j] + d.upper[j]);
-    middle.velocity[j] = 0.0;
-    middle.travel[j] = 1.0;
-  }
-  for (std::size_t s = 0; s < d.sensors.size(); ++s)
-    middle.temperature[s] = 0.5 * (d.sensorLower[s] + d.sensorUpper[s]);
-  for (std::size_t c = 0; c < d.covariates.size(); ++c)
-    middle.covariate[c] = 0.5 * (d.covariateLower[c] + d.covariateUpper[c]);
-  if (d.laser) middle.laserReading = 0.5 * (d.readingLower + d.readingUpper);
+  middle.travel.assign(d.joints.size(), 1.0);
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     const double range = d.upper[j] - d.lower[j];
     if (!(range > kStoodStill)) continue;

@@ -24,6 +24,7 @@ struct ExportCommand {
   std::string calibration, target, folder;
   std::vector<std::string> axes;
   double detectionUnit = 1.0;  // um
+  double rapidRate = 0.0;      // mm/min; 0: not told
   bool json = false;
   OutputFiles files;
 };
@@ -50,6 +51,7 @@ int runExport(ExportCommand& c) {
   ExportOptions options;
   options.letters = lettersOf(c.axes);
   options.detectionUnit = c.detectionUnit * kMicrometre;
+  options.rapidRate = c.rapidRate * kMillimetre / 60.0;
   const NeededCorrection needed(calibration, options.letters);
   const Exported exported = target.write(needed, options);
   Representability judged;
@@ -94,6 +96,12 @@ void addExportCommand(CLI::App& app, int& exitStatus) {
   command->add_option("--detection-unit-um", c->detectionUnit, "fanuc: unit of pitch error data, um")
       ->check(numberWithin(0.01, 10.0, "um"))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--rapid-mm-min", c->rapidRate,
+          "fanuc: rapid traverse rate, which bounds the interval of pitch error data below [the velocity "
+          "limit of each joint]")
+      ->check(numberWithin(1.0, 1e6, "mm/min"));
   command->add_flag("--json", c->json, "prints representability.json");
   c->files.declare(*command);
   command->footer(

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
-#include "compensation/compensator.h"
+#include "compensation/middle_state.h"
 #include "effects/catalogue.h"
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
@@ -48,21 +48,6 @@ Json rangesJson(const Domain& domain) {
   return out;
 }
 
-/// A state in the middle of what was calibrated, everything upwards.
-State middleState(const Compensator& compensator, const Domain& domain) {
-  State state = compensator.blankState();
-  for (std::size_t j = 0; j < domain.joints.size(); ++j) {
-    state.position[j] = 0.5 * (domain.lower[j] + domain.upper[j]);
-    state.velocity[j] = 0.0;
-    state.travel[j] = 1.0;
-  }
-  for (std::size_t s = 0; s < state.temperature.size() && s < domain.sensorLower.size(); ++s)
-    state.temperature[s] = 0.5 * (domain.sensorLower[s] + domain.sensorUpper[s]);
-  for (std::size_t c = 0; c < state.covariate.size() && c < domain.covariateLower.size(); ++c)
-    state.covariate[c] = 0.5 * (domain.covariateLower[c] + domain.covariateUpper[c]);
-  return state;
-}
-
 /// The linear joints that were moved, at most three: the grid runs over them.
 std::vector<std::size_t> gridJoints(const Domain& domain) {
   std::vector<std::size_t> joints;
@@ -75,7 +60,8 @@ std::vector<std::size_t> gridJoints(const Domain& domain) {
 Json fieldJson(const Calibration& calibration) {
   const Compensator compensator(calibration);
   const Domain& domain = calibration.domain;
-  State state = middleState(compensator, domain);
+  State state = middleState(compensator);
+  state.travel.assign(state.position.size(), 1.0);
   const std::vector<std::size_t> joints = gridJoints(domain);
   Compensator::Workspace work;
   Json at = Json::array(), move = Json::array(), sigma = Json::array();

@@ -183,6 +183,8 @@ const std::vector<Row>& rows() {
       {"export c.yaml --to csv -o out --axis x", {"'x'", "table=x"}},
       {"export c.yaml --to csv -o out --axis x=spindle", {"'spindle'"}},
       {"export c.yaml --to fanuc -o out --detection-unit-um 0", {"--detection-unit-um", "'0'"}},
+      {"export c.yaml --to fanuc -o out --detection-unit-um 0.07", {"--detection-unit-um 0.07", "1820"}},
+      {"export c.yaml --to fanuc -o out --rapid-mm-min 0", {"--rapid-mm-min", "'0'"}},
       {"benchmark --plan none.yaml", {"none.yaml"}},
       {"benchmark --plan plan.yaml --only gremlin --trials 1", {"gremlin"}},
       {"machine new -o new.urdf", {"--axis"}},

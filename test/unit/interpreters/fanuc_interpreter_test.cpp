@@ -32,7 +32,9 @@ TEST(FanucInterpreter, IncrementsAddUpFromTheReferenceBothWays) {
   EXPECT_NEAR(moved(folder, -50), 1.0, kNanometre);   // less 40
   EXPECT_NEAR(moved(folder, -250), 4.0, kNanometre);  // less 40 to 36
   EXPECT_NEAR(moved(folder, -400), 0.0, kNanometre);  // less 40 to 33
-  EXPECT_NEAR(moved(folder, 25), 1.0, kNanometre);    // spread over the section
+  EXPECT_NEAR(moved(folder, 24), 0.0, kNanometre);    // in one step, in the middle of its section
+  EXPECT_NEAR(moved(folder, 26), 2.0, kNanometre);
+  EXPECT_NEAR(moved(folder, -26), 1.0, kNanometre);
   EXPECT_NEAR(moved(folder, 9000), 2.0, kNanometre);  // beyond the last point
   EXPECT_NEAR(moved(folder, -9000), 0.0, kNanometre);
 }
@@ -41,6 +43,19 @@ TEST(FanucInterpreter, MagnificationAndDetectionUnitMultiply) {
   TableFolder folder;
   folder.file("parameters.txt", linearExample("N03623 A1 P10\nN01013 A1 P00000010\nN03624 A1 P50.0\n"));
   EXPECT_NEAR(moved(folder, 50), 2.0, kNanometre);  // 2 x 10 x 0.1 um
+}
+
+TEST(FanucInterpreter, WhatTheControlHasIsReadBesideWhatItIsGiven) {
+  TableFolder folder;
+  folder.file("parameters.txt", linearExample("N03624 A1 P50.0\nN01851 A1 P6\n"));
+  folder.file("compare.txt", "%\nN01013 A1 P00000010\nN01820 A1 P4\n%\n");  // 0.1 um / 2
+  EXPECT_NEAR(moved(folder, 50), 2 * 0.05, kNanometre);
+  EXPECT_NEAR(moved(folder, 0, -1), -6 * 0.05, kNanometre);
+  folder.file("compare.txt", "N01820 A1 P110\n");  // 1 um x 10
+  EXPECT_NEAR(moved(folder, 50), 20.0, kNanometre);
+  folder.file("compare.txt", "N01820 A1 P200\n");
+  EXPECT_THAT(refusal("fanuc", folder),
+              AllOf(HasSubstr("compare.txt:1"), HasSubstr("1820"), HasSubstr("200")));
 }
 
 TEST(FanucInterpreter, TheOtherDirectionHasATableOfItsOwn) {
