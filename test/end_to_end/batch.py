@@ -143,7 +143,7 @@ def try_kills(fleet, work, first):
     """Killed at random moments: the batch that was typed by either signal, its process group, or one worker alone."""
     folder = os.path.join(work, "killed")
     moments = random.Random(3)
-    reach = 0.1 + 1.2 * FIGURES["local_s"] / KILLS
+    reach = 0.1 + FIGURES["local_s"] / KILLS
     killed, alone = 0, 0
     for number in range(KILLS):
         process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--json"], stdout=subprocess.DEVNULL,
@@ -151,12 +151,12 @@ def try_kills(fleet, work, first):
         try:
             process.wait(moments.uniform(0.02, reach))
         except subprocess.TimeoutExpired:
-            if number % 4 == 0:
+            if number == KILLS - 1:  # the batch ends the rest
                 alone += kill_worker(process, folder)
-            elif number % 4 == 1:
+            elif number % 3 == 0:
                 os.killpg(process.pid, signal.SIGKILL)
             else:
-                process.send_signal(signal.SIGTERM if number % 4 == 2 else signal.SIGKILL)
+                process.send_signal(signal.SIGTERM if number % 3 == 1 else signal.SIGKILL)
             process.wait()
             killed += 1
             for text in results(folder).values():  # whole, whenever one looks
@@ -312,7 +312,7 @@ def try_fleet(first, work):
 def try_faults(work):
     """Machines to which something happened are named, with what; the others are not."""
     fleet, folder = os.path.join(work, "faults"), os.path.join(work, "faults_results")
-    made = subprocess.run([os.path.join(ROOT, "scripts/fleet_simulation"), "-o", fleet, "--sessions", "10", "--steps", "calibrate", "--only",
+    made = subprocess.run([os.path.join(ROOT, "scripts/fleet_simulation"), "-o", fleet, "--sessions", "16", "--steps", "calibrate", "--only",
                            "m01,m02,m03,m04,m05,m08,m12,m21"], capture_output=True, text=True)
     batch(fleet + "/manifest.yaml", folder)
     done = mm("fleet", folder, "--json")
@@ -378,6 +378,7 @@ def try_several_pcs(work):
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job has it ignored, and so would what is started here
     keep = os.environ.get("PROOF")
     work = keep or tempfile.mkdtemp()
     os.makedirs(work, exist_ok=True)

@@ -60,7 +60,7 @@ class PriorFigures : public testing::Test {
       r.key = jobs[m].key;
       r.status = "done";
       for (const std::string& effect : kEffects)
-        r.parameters.push_back({effect, effect.find("scale") != std::string::npos ? "s" : "c", "um/m",
+        r.parameters.push_back({effect, effect.find("scale") != std::string::npos ? "scale" : "slope", "um/m",
                                 spread * normal(random), 0.01 * spread, false});
       all.push_back(r);
     }
