@@ -29,6 +29,7 @@ double pairSpread(const std::vector<double>& values) {
   const std::size_t n = values.size();
   if (n < 2) return std::numeric_limits<double>::quiet_NaN();
   std::vector<double> apart;
+  apart.reserve(n * (n - 1) / 2);
   for (std::size_t i = 1; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j) apart.push_back(std::abs(values[i] - values[j]));
   const std::size_t half = n / 2 + 1, order = half * (half - 1) / 2;

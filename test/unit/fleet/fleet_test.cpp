@@ -36,7 +36,7 @@ TEST(Fleet, coarseSensorsInQuietRoomsRaiseHardlyAnAlarm) {
     int alarms = 0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed)
       for (const int sessions : {6, 24}) {
-        MadeUpFleet made(seed, 100, sessions);
+        MadeUpFleet made(seed, 50, sessions);
         made.readInSteps(seed + 50, step);
         const Fleet fleet = fleetOf(made.records, {});
         alarms += !fleet.findings.empty();
