@@ -131,10 +131,15 @@ void PriorOfSisters::judgeAnew(const CalibrationResult& alone, CalibrationResult
   const Problem& problem = *alone.problem;
   joined.figures.heldOutRms = rmsOf(problem, joined.heldOut, alone.weight, false);
   joined.figures.heldOutRmsAngular = rmsOf(problem, joined.heldOut, alone.weight, true);
-  if (alone.figures.degreesOfFreedom <= 0) return;
-  const Eigen::ArrayXd data = joined.residuals.array() * inverseOf(alone.sigma, alone.weight).array();
+  const double dof = alone.figures.degreesOfFreedom;
+  if (!(dof > 0.0)) return;
+  const Eigen::VectorXd inverse = inverseOf(alone.sigma, alone.weight);
+  double grown = 0.0;
+  for (Eigen::Index i = 0; i < inverse.size(); ++i)
+    if (inverse[i] > 0.0)  // the others may not even have a residual
+      grown += std::pow(joined.residuals[i] * inverse[i], 2) - std::pow(alone.residuals[i] * inverse[i], 2);
   joined.figures.chi2PerDof =
-      (data.square().sum() + priors) / static_cast<double>(alone.figures.degreesOfFreedom + count);
+      (alone.figures.chi2PerDof * dof + grown + priors) / (dof + static_cast<double>(count));
 }
 
 void PriorOfSisters::tell(std::size_t fewest) const {
