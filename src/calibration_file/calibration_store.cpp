@@ -273,7 +273,11 @@ std::vector<CalibrationStore::Entry> CalibrationStore::history() const {
     entry.id = item.path().stem().string();
     entry.active = entry.id == active;
     entry.candidate = entry.id == candidate && !entry.active;
-    for (const Promotion& p : made) entry.promotions += p.id == entry.id;
+    for (std::size_t i = 0; i < made.size(); ++i)
+      if (made[i].id == entry.id) {
+        ++entry.promotions;
+        entry.lastPromotion = static_cast<int>(i) + 1;
+      }
     try {
       const Calibration c = loadCalibration(item.path());
       entry.created = c.created;

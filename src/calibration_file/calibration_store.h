@@ -28,6 +28,7 @@ class CalibrationStore {
     std::size_t effects = 0;
     bool active = false, candidate = false;
     int promotions = 0;   // how often it was made active
+    int lastPromotion = 0;  // the last time among all promotions of the store, from 1; 0: never
     std::string damaged;  // why it cannot be read; empty: it can
   };
 

@@ -7,13 +7,17 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
+#include <thread>
 #include <utility>
 
 #include "base/error.h"
+#include "base/text.h"
+#include "calibration_file/atomic_file.h"
 
 namespace mm {
 namespace {
@@ -90,6 +94,15 @@ void ChildProcess::end(int signal) {
   status_ = statusOf(wait);
 }
 
+bool ChildProcess::ask(int signal, double seconds) {
+  if (!running()) return true;
+  ::kill(pid_, signal);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (running() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return status_ >= 0;
+}
+
 std::string outputOf(const std::vector<std::string>& words, int& status) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) throw InputError(words.front() + ": cannot be started: no pipe is left");
@@ -117,6 +130,17 @@ bool onPath(const std::string& program) {
   for (std::string folder; std::getline(folders, folder, ':');)
     if (::access((folder + "/" + program).c_str(), X_OK) == 0) return true;
   return false;
+}
+
+std::string lastWordsOf(const std::filesystem::path& log) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(log, ignored) || std::filesystem::file_size(log, ignored) == 0)
+    return {};
+  const std::string text = readFile(log), trimmed(trim(text));
+  std::string line = trimmed.substr(trimmed.find_last_of('\n') + 1);
+  for (const char* head : {"mm: error: ", "mm: "})
+    if (startsWith(line, head)) line = line.substr(std::string(head).size());
+  return line;
 }
 
 }  // namespace mm

@@ -18,8 +18,11 @@ class ChildProcess {
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&& other) noexcept;
 
-  bool running();                                            ///< whether it has not ended yet
-  void end(int signal);                                      ///< sends it to the whole group and waits
+  bool running();        ///< whether it has not ended yet
+  void end(int signal);  ///< sends it to the whole group and waits
+  /// Sends it to the program alone (not to its group), and waits for its end for so many seconds at most.
+  /// @return whether it has ended.
+  bool ask(int signal, double seconds);
   int status() const { return status_; }                     ///< exit status, or 128 + signal; -1: it runs
   const std::filesystem::path& log() const { return log_; }  ///< of what it printed
 
@@ -34,5 +37,8 @@ std::string outputOf(const std::vector<std::string>& words, int& status);
 
 /// Whether a program of this name is on the PATH.
 bool onPath(const std::string& program);
+
+/// The last line of what a program printed: why it ended. Without the "mm: error:" of this one; empty: none.
+std::string lastWordsOf(const std::filesystem::path& log);
 
 }  // namespace mm

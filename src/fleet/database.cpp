@@ -6,32 +6,62 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace mm {
 namespace {
 
 constexpr int kPatience = 60'000;  // ms that a writer waits for another
 
+/// The file as a URI of SQLite that tells that nobody writes it.
+std::string asItIs(const std::filesystem::path& file) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(file).string()) {
+    if (c == '%' || c == '?' || c == '#')
+      uri += format("%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    else
+      uri += c;
+  }
+  return uri + "?immutable=1";
+}
+
+/// Whether SQLite could not read for want of the files that it keeps beside a database with a log.
+bool wantsFilesBeside(int status) {
+  return (status & 0xff) == SQLITE_READONLY || (status & 0xff) == SQLITE_CANTOPEN;
+}
+
 }  // namespace
+
+int Database::open(const std::string& name, int flags) {
+  sqlite3* handle = nullptr;
+  const int status = sqlite3_open_v2(name.c_str(), &handle, flags, nullptr);
+  handle_ = {handle, [](sqlite3* h) { sqlite3_close_v2(h); }};
+  if (status != SQLITE_OK) return status;
+  sqlite3_busy_timeout(handle, kPatience);
+  return sqlite3_exec(handle, "PRAGMA schema_version", nullptr, nullptr, nullptr);
+}
 
 Database::Database(const std::filesystem::path& file, Use use) : file_(file) {
   std::error_code ignored;
   if (use == Use::kWrite && !std::filesystem::exists(file, ignored))  // the log of a file that was removed
     for (const char* part : {"-wal", "-shm"}) std::filesystem::remove(file.string() + part, ignored);
-  sqlite3* handle = nullptr;
   const int flags = use == Use::kWrite ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY;
-  const int status = sqlite3_open_v2(file.c_str(), &handle, flags, nullptr);
-  handle_ = {handle, [](sqlite3* h) { sqlite3_close_v2(h); }};
+  int status = open(file.string(), flags);
+  if (use == Use::kRead && wantsFilesBeside(status) && std::filesystem::is_regular_file(file, ignored) &&
+      !std::filesystem::exists(file.string() + "-wal", ignored))
+    status = open(asItIs(file), flags | SQLITE_OPEN_URI);
   if (status != SQLITE_OK) fail("cannot be opened");
-  sqlite3_busy_timeout(handle, kPatience);
   if (use == Use::kWrite) run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;");
 }
 
 void Database::fail(const std::string& what) const {
   const std::string cause = handle_ ? sqlite3_errmsg(handle_.get()) : "no memory";
+  const int status = handle_ ? sqlite3_errcode(handle_.get()) & 0xff : SQLITE_NOMEM;
+  const bool damaged = status == SQLITE_CORRUPT || status == SQLITE_NOTADB;
   throw InputError(file_.string() + ": " + what + ": " + cause +
-                   "; check the path and the disk; the tables are made anew from the folder 'jobs' beside it "
-                   "when it is removed and mm batch runs again");
+                   (damaged ? "; remove it and run mm batch with the manifests again: it enters what is "
+                              "finished in the folder 'jobs' beside it, and does no job twice"
+                            : "; check the path, its permissions and the disk"));
 }
 
 void Database::run(const std::string& sql) const {

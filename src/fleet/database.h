@@ -15,7 +15,8 @@ namespace mm {
 class Database {
  public:
   enum class Use { kRead, kWrite };
-  /// @param use kRead: the file must exist, and nothing is written.
+  /// @param use kRead: the file must exist, and nothing is written. One of a folder in which SQLite may not
+  /// keep the files of its log beside it is read as it is where it has no log.
   Database(const std::filesystem::path& file, Use use);
 
   /// One statement with its values; prepared once a run.
@@ -43,6 +44,7 @@ class Database {
   void together(const std::function<void()>& work) const;
 
  private:
+  int open(const std::string& name, int flags);
   [[noreturn]] void fail(const std::string& what) const;
   std::filesystem::path file_;
   std::shared_ptr<sqlite3> handle_;

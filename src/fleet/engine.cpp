@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "base/error.h"
@@ -21,19 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLargestChunk = 50;   // jobs: what a lost process costs at most
-constexpr int kChunksAProcess = 8;  // so that the last ones end at about the same time
+constexpr int kLargestChunk = 50;          // jobs: what a lost process costs at most
+constexpr int kChunksAProcess = 8;         // so that the last ones end at about the same time
+constexpr double kParallelPatience = 2.5;  // s, with GNU parallel: its own way to SIGKILL takes 0.4 s
+constexpr auto kCancelPatience = std::chrono::seconds(30);  // for an array of Slurm to leave the queue
 
 int jobsAtATime(const EngineOptions& options) {
   return options.jobs > 0 ? options.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
-/// The last line that a program printed: why it ended.
-std::string lastLine(const fs::path& log) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(log, ignored) || fs::file_size(log, ignored) == 0) return {};
-  const std::string text = readFile(log), trimmed(trim(text));
-  return trimmed.substr(trimmed.find_last_of('\n') + 1);
 }
 
 /// GNU parallel, on this computer or over hosts that see the same folders under the same names.
@@ -64,13 +59,24 @@ class Parallel : public Engine {
     child_ = ChildProcess(words, work_ / "engine.log");
   }
   bool running() override { return child_.running(); }
-  void stop() override { child_.end(SIGKILL); }  // what it runs ends with it
-  std::string complaint() const override { return child_.status() > 0 ? lastLine(child_.log()) : ""; }
+  /// Each job, and each ssh, is in a process group of its own: only parallel knows them. At SIGTERM it ends
+  /// them (TERM, then KILL) and then itself; at one that comes while it starts it does nothing. Killed, it
+  /// leaves the clients of ssh; the mm of this computer end with it (see doChunk).
+  void stop() override {
+    stopped_ = true;
+    for (int i = 0; i < 2; ++i)
+      if (child_.ask(SIGTERM, kParallelPatience)) return;
+    child_.end(SIGKILL);
+  }
+  std::string complaint() const override {
+    return child_.status() > 0 && !stopped_ ? lastWordsOf(child_.log()) : "";
+  }
 
  private:
   EngineOptions options_;
   fs::path work_;
   ChildProcess child_;
+  bool stopped_ = false;
 };
 
 /// One job array of Slurm. It lives on when mm is killed; the next run ends what it left.
@@ -114,7 +120,7 @@ class Slurm : public Engine {
     const fs::path log = work_ / "engine.log";
     ChildProcess submit(words, log);
     while (submit.running()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    const std::string said = lastLine(log);
+    const std::string said = lastWordsOf(log);
     if (submit.status() != 0) throw InputError("--engine slurm: sbatch refuses: " + said);
     id_ = said.substr(0, said.find(';'));
     writeFileAtomically(idFile(), id_);
@@ -132,34 +138,53 @@ class Slurm : public Engine {
     return false;
   }
   void stop() override {
-    if (!id_.empty()) cancel(id_);
+    if (id_.empty()) return;
+    if (cancel(id_))
+      fs::remove(idFile());
+    else
+      complaint_ =
+          "array " + id_ + " may still run: Slurm does not answer, or does not end it; the next run ends it";
     id_.clear();
-    fs::remove(idFile());
   }
   int mostChunks() const override { return most_; }
+  std::string complaint() const override { return complaint_; }
 
  private:
   fs::path idFile() const { return work_ / "slurm_job"; }
+  /// Asked for all arrays: of one that ended a while ago it says the same as of none at all, by an error, and
+  /// an error may as well be a controller that restarts. Then it is taken to run still.
   static bool inQueue(const std::string& id) {
     int status = 0;
-    const std::string rows = outputOf({"squeue", "--noheader", "--jobs=" + id}, status);
-    return status == 0 && !trim(rows).empty();  // an id that it does not know any more is an error
+    std::istringstream ids(outputOf({"squeue", "--noheader", "--format=%F"}, status));
+    if (status != 0) return true;
+    for (std::string one; ids >> one;)
+      if (one == id) return true;
+    return false;
   }
-  static void cancel(const std::string& id) {
+  /// @return whether it has left the queue.
+  static bool cancel(const std::string& id) {
     int status = 0;
     outputOf({"scancel", id}, status);
-    while (inQueue(id)) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const auto until = std::chrono::steady_clock::now() + kCancelPatience;
+    while (inQueue(id)) {
+      if (std::chrono::steady_clock::now() > until) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+    return true;
   }
   void endLeftover() const {
     std::error_code ignored;
     if (!fs::is_regular_file(idFile(), ignored)) return;
-    cancel(std::string(trim(readFile(idFile()))));
+    const std::string id(trim(readFile(idFile())));
+    if (!cancel(id))
+      throw InputError("--engine slurm: array " + id + " of an earlier run is in the queue still; scancel " +
+                       id + ", wait until squeue does not list it, and run again");
     fs::remove(idFile());
   }
 
   EngineOptions options_;
   fs::path work_;
-  std::string id_;
+  std::string id_, complaint_;
   std::chrono::steady_clock::time_point asked_;
   int most_ = 1000;
 };

@@ -27,12 +27,12 @@ struct Chunk {
 /// Cuts the jobs into chunks and writes their files. @param most chunks that the engine takes at a time.
 std::vector<Chunk> writeChunks(const ResultsFolder& folder, const std::vector<BatchJob>& jobs,
                                const EngineOptions& options, int most);
-/// What `writeChunks` wrote, and the folder of the results. @throw InputError: damaged.
+/// What a file of `writeChunks` holds.
 struct ChunkToDo {
-  std::filesystem::path folder;
+  std::filesystem::path folder;  // of the results
   Chunk chunk;
 };
-ChunkToDo readChunk(const std::filesystem::path& file);  ///< see ChunkToDo
+ChunkToDo readChunk(const std::filesystem::path& file);  ///< @throw InputError: damaged
 
 /// A program that runs chunks: it is started once, and looked at until it has ended.
 class Engine {
@@ -40,8 +40,10 @@ class Engine {
   virtual ~Engine() = default;
   /// @param program path of mm. @throw InputError: the engine is not installed, or refuses.
   virtual void start(const std::vector<Chunk>& chunks, const std::string& program) = 0;
-  virtual bool running() = 0;                           ///< asks it; cheap enough for ten times a second
-  virtual void stop() = 0;                              ///< ends what it runs, and waits for that
+  virtual bool running() = 0;  ///< cheap enough for twenty times a second
+  /// Ends what it runs and waits for that, some seconds at most; what it says if that was not enough is the
+  /// complaint.
+  virtual void stop() = 0;
   virtual int mostChunks() const { return 1'000'000; }  ///< at a time
   /// What it said when it ended in an unusual way; empty: nothing.
   virtual std::string complaint() const { return {}; }

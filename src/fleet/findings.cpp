@@ -39,6 +39,9 @@ Finding findingOf(const std::string& kind, const FleetSeries& s, double before, 
 
 std::string fromTo(const Finding& f) { return measure(f.before, f.unit) + " to " + measure(f.after, f.unit); }
 
+/// Whether a sensor could tell this change at all: less than its resolution is rounding.
+bool resolved(const FleetSeries& s, double change) { return !(std::abs(change) <= s.resolution); }
+
 /// Two steps of which the second takes the first back, by half of it at least.
 bool backAgain(const TrendSegment& first, const TrendSegment& between, const TrendSegment& last) {
   const double away = std::abs(between.level - first.level);
@@ -48,7 +51,9 @@ bool backAgain(const TrendSegment& first, const TrendSegment& between, const Tre
 void addSteps(const FleetSeries& s, std::vector<Finding>& findings) {
   const std::vector<TrendSegment>& parts = s.trend.segments;
   for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
+    if (!resolved(s, parts[i + 1].level - parts[i].level)) continue;
     Finding f = findingOf("changed", s, parts[i].level, parts[i + 1].level, s.trend.stepP[i]);
+    f.change = true;
     f.date = s.dates[parts[i + 1].first];
     f.inWords = "Machine " + s.machine + ": " + s.quantity + " changed from " + fromTo(f) + " between " +
                 dayText(s.dates[parts[i].end - 1]) + " and " + dayText(f.date) + ".";
@@ -60,15 +65,6 @@ void addSteps(const FleetSeries& s, std::vector<Finding>& findings) {
     }
     findings.push_back(f);
   }
-}
-
-/// The value of a machine now: the level of its last segment; of a drift its end.
-Sister presentOf(const FleetSeries& s) {
-  if (s.trend.kind == Trend::Kind::kDrift && s.points.size() >= kFewestForTrend) {
-    const double reach = s.points.back().day - s.points.front().day;
-    return {s.machine, s.trend.end, std::hypot(s.trend.segments.back().std, 0.5 * reach * s.trend.slopeStd)};
-  }
-  return {s.machine, s.trend.segments.back().level, s.trend.segments.back().std};
 }
 
 /// Series of one quantity, a machine each.
@@ -113,8 +109,8 @@ void compareLevels(const std::vector<const FleetSeries*>& group, double alpha,
   knownNoBetterThanSisters(sisters, sessions);
   const Sisterhood all = sistersOf(sisters);
   for (std::size_t i = 0; i < group.size(); ++i) {
-    if (!(all.p[i] < alpha)) continue;
     const FleetSeries& s = *group[i];
+    if (!(all.p[i] < alpha) || !resolved(s, sisters[i].value - all.centre)) continue;
     Finding f = findingOf("apart", s, all.centre, sisters[i].value, all.p[i]);
     f.date = s.dates.back();
     f.inWords =
@@ -140,8 +136,9 @@ void compareSlopes(const std::vector<const FleetSeries*>& group, double alpha,
   const Sisterhood all = sistersOf(sisters);
   constexpr double kYear = 365.25;
   for (std::size_t i = 0; i < known.size(); ++i) {
-    if (!(all.p[i] < alpha)) continue;
     const FleetSeries& s = *known[i];
+    const double reach = s.points.back().day - s.points.front().day;
+    if (!(all.p[i] < alpha) || !resolved(s, reach * (sisters[i].value - all.centre))) continue;
     Finding f = findingOf("drifts_apart", s, kYear * all.centre, kYear * sisters[i].value, all.p[i]);
     if (s.unit == "ln K") {  // a rate of a logarithm stays one
       f.before = kYear * all.centre;
@@ -193,21 +190,49 @@ bool follows(const Finding& f, const Finding& cause) {
   return false;
 }
 
-/// How sensors were found: by a change first, else by what they are now.
-int rankOf(const Finding& f) { return f.inWords.find(" changed from ") != std::string::npos ? 0 : 1; }
-
 bool isOffset(const Finding& f) { return f.kind == "sensor" && f.quantity.rfind("offset of ", 0) == 0; }
 
 bool followsSensor(const Finding& f, const Finding& cause) {
   if (&f == &cause || f.machine != cause.machine || f.kind != "sensor" || cause.kind != "sensor")
     return false;
-  if (f.quantity == cause.quantity) return rankOf(f) > rankOf(cause);
+  // a change tells more than what they are now
+  if (f.quantity == cause.quantity) return cause.change && !f.change;
   if (!isOffset(f) || !isOffset(cause)) return false;
-  if (rankOf(f) != rankOf(cause)) return rankOf(f) > rankOf(cause);
+  if (f.change != cause.change) return cause.change;
   return f.date == cause.date && std::abs(f.after - f.before) < std::abs(cause.after - cause.before);
 }
 
+/// Whether a sensor that moved by some of its steps in every session is still in the last two, at one value.
+/// A coarse sensor in a quiet room never moved so, and a session in which nothing got warmer is but one.
+/// @param all of one sensor, in the order of time.
+bool isStuck(const std::vector<const SensorHealth*>& all) {
+  constexpr int kValues = 10;                                 // that say anything
+  constexpr std::size_t kFewestStill = 2, kFewestBefore = 2;  // sessions
+  constexpr double kSteps = 5.0;                              // by which it moved, at least
+  const auto still = [&](const SensorHealth& h) {
+    return h.values >= kValues && h.span == 0.0 && h.mean == all.back()->mean;
+  };
+  std::size_t run = 0;
+  while (run < all.size() && still(*all[all.size() - 1 - run])) ++run;
+  const std::size_t before = all.size() - run;
+  if (run < kFewestStill || before < kFewestBefore) return false;
+  double step = std::numeric_limits<double>::infinity();
+  for (const SensorHealth* h : all)
+    if (std::isfinite(h->step)) step = std::min(step, h->step);
+  for (std::size_t i = 0; i < before; ++i)
+    if (!(all[i]->span >= kSteps * step)) return false;
+  return true;
+}
+
 }  // namespace
+
+Sister presentOf(const FleetSeries& s) {
+  if (s.trend.kind == Trend::Kind::kDrift && s.points.size() >= kFewestForTrend) {
+    const double reach = s.points.back().day - s.points.front().day;
+    return {s.machine, s.trend.end, std::hypot(s.trend.segments.back().std, 0.5 * reach * s.trend.slopeStd)};
+  }
+  return {s.machine, s.trend.segments.back().level, s.trend.segments.back().std};
+}
 
 void condense(Fleet& fleet) {
   std::vector<Finding> kept;
@@ -222,7 +247,7 @@ void findTrends(Fleet& fleet, double alpha) {
   for (FleetSeries& s : fleet.series) {
     s.trend = trendOf(s.points, s.points.size() >= kFewestForTrend ? alpha : 0.0);
     if (s.trend.kind == Trend::Kind::kSteps) addSteps(s, fleet.findings);
-    if (s.trend.kind != Trend::Kind::kDrift) continue;
+    if (s.trend.kind != Trend::Kind::kDrift || !resolved(s, s.trend.end - s.trend.start)) continue;
     Finding f = findingOf("drifts", s, s.trend.start, s.trend.end, s.trend.p);
     f.date = s.dates.back();
     f.inWords = "Machine " + s.machine + ": " + s.quantity + " drifts, from " + fromTo(f) + " between " +
@@ -269,13 +294,13 @@ void findRecurrences(Fleet& fleet, double alpha) {
 }
 
 void findBadSensors(Fleet& fleet) {
-  constexpr int kStuckValues = 10;    // logged values that are all the same
   constexpr double kMostAside = 0.1;  // share of values that cannot be right
   std::map<std::string, const FleetRecord*> last;
-  std::map<std::string, std::set<std::string>> sensors;  // of a machine, ever
+  std::map<std::string, std::map<std::string, std::vector<const SensorHealth*>>>
+      sensors;  // of a machine, ever
   for (const FleetRecord& r : fleet.records) {
     last[r.machine] = &r;  // by date
-    for (const SensorHealth& h : r.result.sensors) sensors[r.machine].insert(h.sensor);
+    for (const SensorHealth& h : r.result.sensors) sensors[r.machine][h.sensor].push_back(&h);
   }
   for (const auto& [machine, record] : last) {
     const auto add = [&, name = machine, at = record](const std::string& sensor, const std::string& what) {
@@ -289,15 +314,16 @@ void findBadSensors(Fleet& fleet) {
                   dayText(at->date) + ".";
       fleet.findings.push_back(f);
     };
+    std::map<std::string, std::vector<const SensorHealth*>> lost = sensors[machine];
     for (const SensorHealth& h : record->result.sensors) {
-      sensors[machine].erase(h.sensor);
-      if (h.values >= kStuckValues && h.span == 0.0)
+      lost.erase(h.sensor);
+      if (isStuck(sensors[machine][h.sensor]))
         add(h.sensor, "is stuck: all " + std::to_string(h.values) + " values are " + measure(h.mean, "degC"));
       else if (h.setAside > kMostAside * (h.setAside + h.values))
         add(h.sensor, "gave " + std::to_string(h.setAside) + " of " + std::to_string(h.setAside + h.values) +
                           " values that cannot be right");
     }
-    for (const std::string& lost : sensors[machine]) add(lost, "is not there any more");
+    for (const auto& [sensor, history] : lost) add(sensor, "is not there any more");
   }
 }
 

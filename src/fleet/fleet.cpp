@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
@@ -17,11 +18,16 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kFewestPoints = 5;  // of a series that is asked for a trend
 
-/// The model of most records; where several have as many, the first by name.
+/// A calibration that could not be read: of which model is not known.
+bool modelUnknown(const FleetRecord& r) { return r.model.empty() && r.result.status != "done"; }
+
+/// The model that is wanted by its whole path, else the one of most records; where several have as many, the
+/// first by name.
 std::string mostUsed(const std::vector<FleetRecord>& records, const std::string& wanted,
                      std::vector<std::string>& others) {
   std::map<std::string, int> count;
-  for (const FleetRecord& r : records) ++count[r.model];
+  for (const FleetRecord& r : records)
+    if (!modelUnknown(r)) ++count[r.model];
   std::string best;
   int most = 0;
   for (const auto& [model, n] : count)
@@ -29,24 +35,34 @@ std::string mostUsed(const std::vector<FleetRecord>& records, const std::string&
       best = model;
       most = n;
     }
+  if (const auto whole = count.find(wanted); whole != count.end() && !wanted.empty()) best = wanted;
   for (const auto& [model, n] : count)
     if (model != best) others.push_back(model);
   if (most == 0 && !wanted.empty())
-    throw InputError("--model: no job has a model with '" + wanted + "' in its path; there are " +
+    throw InputError("--model: no session has a model with '" + wanted + "' in its name; there are " +
                      listOf(others));
   return best;
 }
 
+/// Leaves the quantities that are asked for: series, and effects that diagnoses found.
 void keepWanted(Fleet& fleet, const FleetOptions& options) {
-  std::set<std::string> quantities;
-  for (const FleetSeries& s : fleet.series) quantities.insert(s.quantity);
   if (options.parameter.empty()) return;
+  const auto other = [&](const std::string& name) {
+    return name.find(options.parameter) == std::string::npos;
+  };
+  std::set<std::string> quantities;
+  bool any = false;
+  for (const FleetSeries& s : fleet.series) quantities.insert(s.quantity);
+  for (FleetRecord& r : fleet.records) {
+    std::vector<std::string>& found = r.result.found;
+    quantities.insert(found.begin(), found.end());
+    found.erase(std::remove_if(found.begin(), found.end(), other), found.end());
+    any = any || !found.empty();
+  }
   fleet.series.erase(std::remove_if(fleet.series.begin(), fleet.series.end(),
-                                    [&](const FleetSeries& s) {
-                                      return s.quantity.find(options.parameter) == std::string::npos;
-                                    }),
+                                    [&](const FleetSeries& s) { return other(s.quantity); }),
                      fleet.series.end());
-  if (fleet.series.empty())
+  if (fleet.series.empty() && !any)
     throw InputError("--parameter: no quantity has '" + options.parameter + "' in its name; there are " +
                      listOf({quantities.begin(), quantities.end()}));
 }
@@ -67,9 +83,36 @@ double dayOf(const std::string& date) {
   return days + (hour + (minute + second / 60.0) / 60.0) / 24.0;
 }
 
+namespace {
+
+/// Of each machine the coarsest resolution of its temperature sensors, K: of one sensor the smallest step
+/// between two readings of a session, or between two sessions in which it did not move.
+std::map<std::string, double> resolutions(const std::vector<FleetRecord>& records) {
+  std::map<std::pair<std::string, std::string>, std::pair<double, std::set<double>>> ofSensor;
+  for (const FleetRecord& record : records)
+    for (const SensorHealth& h : record.result.sensors) {
+      auto& [step, still] =
+          ofSensor.try_emplace({record.machine, h.sensor}, HUGE_VAL, std::set<double>{}).first->second;
+      if (std::isfinite(h.step)) step = std::min(step, h.step);
+      if (h.span == 0.0 && std::isfinite(h.mean)) still.insert(h.mean);
+    }
+  std::map<std::string, double> ofMachine;
+  for (auto& [name, known] : ofSensor) {
+    auto& [step, still] = known;
+    for (auto at = still.begin(); at != still.end() && std::next(at) != still.end(); ++at)
+      if (*std::next(at) - *at > 1e-9) step = std::min(step, *std::next(at) - *at);
+    double& coarsest = ofMachine[name.first];
+    if (std::isfinite(step)) coarsest = std::max(coarsest, step);
+  }
+  return ofMachine;
+}
+
+}  // namespace
+
 std::vector<FleetSeries> seriesOf(const std::vector<FleetRecord>& records) {
   std::map<std::tuple<std::string, std::string>, FleetSeries> all;  // quantity, machine
-  std::map<std::string, double> ordinal;                            // of records without a date
+  std::map<std::string, double> resolution = resolutions(records);
+  std::map<std::string, double> ordinal;  // of records without a date
   for (const FleetRecord& record : records) {
     double day = dayOf(record.date);
     if (!std::isfinite(day)) day = ordinal[record.machine]++;
@@ -81,17 +124,22 @@ std::vector<FleetSeries> seriesOf(const std::vector<FleetRecord>& records) {
       s.machine = record.machine;
       s.quantity = quantity;
       s.unit = unit;
+      if (kind == SeriesKind::kSensor && unit == "K") s.resolution = resolution[record.machine];
       s.points.push_back({day, value, std});
       s.dates.push_back(record.date);
     };
-    for (const FleetParameter& p : record.result.parameters)
-      if (!p.fixed && p.std > 0.0)
-        add(SeriesKind::kParameter, p.name + " of " + p.effect, p.unit, p.value, p.std);
-    add(SeriesKind::kFigure, "held-out RMS", "um", record.result.heldOutRms, 0.0);
+    if (record.result.converged) {
+      for (const FleetParameter& p : record.result.parameters)
+        if (!p.fixed && p.std > 0.0)
+          add(SeriesKind::kParameter, p.name + " of " + p.effect, p.unit, p.value, p.std);
+      add(SeriesKind::kFigure, "held-out RMS", record.result.angular ? "urad" : "um",
+          record.result.heldOutRms, 0.0);
+    }
     for (const SensorHealth& h : record.result.sensors) {
       add(SeriesKind::kSensor, "offset of sensor " + h.sensor, "K", h.offset, 0.0);
       if (h.noise > 0.0)
-        add(SeriesKind::kSensor, "noise of sensor " + h.sensor, "ln K", std::log(h.noise), 0.0);
+        add(SeriesKind::kSensor, "noise of sensor " + h.sensor, "ln K",
+            std::log(std::isfinite(h.step) ? std::max(h.noise, h.step) : h.noise), 0.0);
     }
   }
   std::vector<FleetSeries> list;
@@ -105,10 +153,11 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
   fleet.model = mostUsed(records, options.model, fleet.otherModels);
   std::set<std::string> machines;
   for (FleetRecord& r : records) {
-    if (r.model != fleet.model) continue;
+    if (r.model != fleet.model && !modelUnknown(r)) continue;
     machines.insert(r.machine);
     const bool done = r.result.status == "done";
     ++(done ? fleet.done : fleet.failed);
+    fleet.open += done && !r.result.converged;
     (done ? fleet.records : fleet.failures).push_back(std::move(r));
   }
   std::stable_sort(fleet.records.begin(), fleet.records.end(),
@@ -131,6 +180,11 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options) {
   findRecurrences(fleet, half * options.alarm / std::max(1.0, recurrences));
   findBadSensors(fleet);
   condense(fleet);
+  fleet.findings.erase(std::remove_if(fleet.findings.begin(), fleet.findings.end(),
+                                      [&](const Finding& f) {
+                                        return f.quantity.find(options.parameter) == std::string::npos;
+                                      }),
+                       fleet.findings.end());
   std::stable_sort(fleet.findings.begin(), fleet.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.p < b.p; });
   if (options.machine.empty()) return fleet;

@@ -2,13 +2,15 @@
 
 #include <cmath>
 #include <ctime>
+#include <type_traits>
 
 #include "base/error.h"
+#include "fleet/fields.h"
 
 namespace mm {
 namespace {
 
-constexpr int kFleetSchema = 1;
+constexpr int kFleetSchema = 2;
 
 const char* const kTables = R"(
 CREATE TABLE IF NOT EXISTS jobs(
@@ -17,7 +19,7 @@ CREATE TABLE IF NOT EXISTS jobs(
   status TEXT NOT NULL DEFAULT 'waiting', failed TEXT, why TEXT, verdict TEXT, sentence TEXT, asked INTEGER,
   converged INTEGER, observations INTEGER, rms_um REAL, held_out_rms_um REAL, chi2_per_dof REAL,
   repeatability_um REAL, verified TEXT, verified_before_um REAL, verified_after_um REAL, software TEXT,
-  session_hash TEXT, folder TEXT) WITHOUT ROWID;
+  session_hash TEXT, folder TEXT, angular INTEGER) WITHOUT ROWID;
 CREATE INDEX IF NOT EXISTS jobs_of_machine ON jobs(machine, date);
 CREATE INDEX IF NOT EXISTS jobs_of_session ON jobs(session, model);
 CREATE INDEX IF NOT EXISTS jobs_of_status ON jobs(status);
@@ -28,7 +30,11 @@ CREATE TABLE IF NOT EXISTS found(
   job TEXT NOT NULL REFERENCES jobs(key), effect TEXT NOT NULL, PRIMARY KEY(job, effect)) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS sensors(
   job TEXT NOT NULL REFERENCES jobs(key), sensor TEXT NOT NULL, logged INTEGER, set_aside INTEGER,
-  mean_degC REAL, noise_K REAL, span_K REAL, offset_K REAL, PRIMARY KEY(job, sensor)) WITHOUT ROWID;
+  mean_degC REAL, noise_K REAL, span_K REAL, offset_K REAL, step_K REAL, PRIMARY KEY(job, sensor)) WITHOUT ROWID;
+)";
+const char* const kSinceSchema1 = R"(
+ALTER TABLE jobs ADD COLUMN angular INTEGER;
+ALTER TABLE sensors ADD COLUMN step_K REAL;
 )";
 
 std::string stampOf(double epoch) {
@@ -40,6 +46,29 @@ std::string stampOf(double epoch) {
   return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc));
 }
 
+const JobResult kNothing;  // for the names of its fields
+
+/// As eachField, of what the table `jobs` keeps.
+template <class Result, class F>
+void eachStored(Result& r, F&& f) {
+  JobResult::stored(r, f);
+}
+
+template <class Field>
+void bindField(Database::Statement& s, int place, const Field& field) {
+  if constexpr (std::is_integral_v<Field>)
+    s.bind(place, static_cast<long long>(field));
+  else
+    s.bind(place, field);
+}
+
+void readField(const Database::Statement& s, int column, std::string& field) { field = s.text(column); }
+void readField(const Database::Statement& s, int column, double& field) { field = s.number(column); }
+template <class Whole>
+void readField(const Database::Statement& s, int column, Whole& field) {
+  field = static_cast<Whole>(s.whole(column));
+}
+
 }  // namespace
 
 FleetDatabase::FleetDatabase(const std::filesystem::path& file, Database::Use use) : database_(file, use) {
@@ -49,9 +78,12 @@ FleetDatabase::FleetDatabase(const std::filesystem::path& file, Database::Use us
     throw InputError(file.string() + ": was written by a newer version of the package (schema " +
                      std::to_string(version.whole(0)) + ", this one reads " + std::to_string(kFleetSchema) +
                      "); use that version");
+  schema_ = version.whole(0);
   version.reset();
   if (use == Database::Use::kRead) return;
   database_.together([&] {
+    if (schema_ == 1) database_.run(kSinceSchema1);
+    schema_ = kFleetSchema;
     database_.run(kTables);
     database_.run("PRAGMA user_version=" + std::to_string(kFleetSchema));
   });
@@ -68,8 +100,6 @@ std::set<std::string> FleetDatabase::plan(const std::vector<BatchJob>& jobs) {
         "ON CONFLICT(key) DO UPDATE SET machine=?2, serial=iif(?3='',serial,?3), date=iif(?4='',date,?4), "
         "session=?5, model=?6, calibration=?7, source=?8, current=1");
     Database::Statement status = database_.prepare("SELECT status FROM jobs WHERE key=?1");
-    std::set<std::string> keys;
-    for (const BatchJob& job : jobs) keys.insert(job.key);
     for (const BatchJob& job : jobs) {
       retire.bind(1, job.bag.string()).bind(2, job.model.string()).bind(3, job.key).step();
       retire.reset();
@@ -89,22 +119,20 @@ std::set<std::string> FleetDatabase::plan(const std::vector<BatchJob>& jobs) {
 
 void FleetDatabase::enter(const std::vector<JobResult>& results, const ResultsFolder& folder) {
   database_.together([&] {
-    Database::Statement job = database_.prepare(
-        "UPDATE jobs SET status=?2, failed=?3, why=?4, verdict=?5, sentence=?6, asked=?7, converged=?8, "
-        "observations=?9, rms_um=?10, held_out_rms_um=?11, chi2_per_dof=?12, repeatability_um=?13, "
-        "verified=?14, "
-        "verified_before_um=?15, verified_after_um=?16, software=?17, session_hash=?18, folder=?19, "
-        "serial=iif(coalesce(serial,'')='',?20,serial), date=iif(coalesce(date,'')='',?21,date) WHERE "
-        "key=?1");
+    std::string set =
+        "UPDATE jobs SET folder=?2, serial=iif(coalesce(serial,'')='',?3,serial), "
+        "date=iif(coalesce(date,'')='',?4,date)";
+    int place = 4;
+    eachStored(kNothing, [&](const char* name, const auto& /*field*/) {
+      set += std::string(", ") + name + "=?" + std::to_string(++place);
+    });
+    Database::Statement job = database_.prepare(set + " WHERE key=?1");
     for (const JobResult& r : results) {
-      job.bind(1, r.key).bind(2, r.status).bind(3, r.failed).bind(4, r.why).bind(5, r.verdict);
-      job.bind(6, r.sentence).bind(7, static_cast<long long>(r.asked));
-      job.bind(8, static_cast<long long>(r.converged)).bind(9, static_cast<long long>(r.observations));
-      job.bind(10, r.rms).bind(11, r.heldOutRms).bind(12, r.chi2PerDof).bind(13, r.repeatability);
-      job.bind(14, r.verified).bind(15, r.verifiedBefore).bind(16, r.verifiedAfter).bind(17, r.software);
-      job.bind(18, r.sessionHash)
-          .bind(19, folder.jobFolder(r.key).lexically_relative(folder.path()).string());
-      job.bind(20, r.serial).bind(21, stampOf(r.epoch)).step();
+      job.bind(1, r.key).bind(2, folder.jobFolder(r.key).lexically_relative(folder.path()).string());
+      job.bind(3, r.serial).bind(4, stampOf(r.epoch));
+      place = 4;
+      eachStored(r, [&](const char* /*name*/, const auto& field) { bindField(job, ++place, field); });
+      job.step();
       job.reset();
     }
     enterLists(results);
@@ -116,22 +144,20 @@ void FleetDatabase::enterLists(const std::vector<JobResult>& results) const {
       database_.prepare("INSERT OR REPLACE INTO parameters VALUES(?1,?2,?3,?4,?5,?6,?7)");
   Database::Statement found = database_.prepare("INSERT OR REPLACE INTO found VALUES(?1,?2)");
   Database::Statement sensor =
-      database_.prepare("INSERT OR REPLACE INTO sensors VALUES(?1,?2,?3,?4,?5,?6,?7,?8)");
+      database_.prepare("INSERT OR REPLACE INTO sensors VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9)");
+  const auto add = [](Database::Statement& row, const std::string& key, const auto& thing) {
+    int place = 1;
+    row.bind(1, key);
+    eachField(thing, [&](const char* /*name*/, const auto& field) { bindField(row, ++place, field); });
+    row.step();
+    row.reset();
+  };
   for (const JobResult& r : results) {
-    for (const FleetParameter& p : r.parameters) {
-      parameter.bind(1, r.key).bind(2, p.effect).bind(3, p.name).bind(4, p.unit).bind(5, p.value);
-      parameter.bind(6, p.std).bind(7, static_cast<long long>(p.fixed)).step();
-      parameter.reset();
-    }
+    for (const FleetParameter& p : r.parameters) add(parameter, r.key, p);
+    for (const SensorHealth& h : r.sensors) add(sensor, r.key, h);
     for (const std::string& effect : r.found) {
       found.bind(1, r.key).bind(2, effect).step();
       found.reset();
-    }
-    for (const SensorHealth& h : r.sensors) {
-      sensor.bind(1, r.key).bind(2, h.sensor).bind(3, static_cast<long long>(h.values));
-      sensor.bind(4, static_cast<long long>(h.setAside)).bind(5, h.mean).bind(6, h.noise).bind(7, h.span);
-      sensor.bind(8, h.offset).step();
-      sensor.reset();
     }
   }
 }
@@ -150,38 +176,21 @@ long FleetDatabase::count(const std::string& status) const {
   return static_cast<long>(s.whole(0));
 }
 
-std::vector<FleetRecord> FleetDatabase::records(const std::string& machine) const {
+std::vector<FleetRecord> FleetDatabase::records() const {
   std::vector<FleetRecord> all;
+  std::string columns = "machine,date,session,model,key,serial";
+  eachStored(kNothing, [&](const std::string& name, const auto& /*field*/) {
+    columns += schema_ < 2 && name == "angular" ? ",0" : "," + name;
+  });
   Database::Statement s = database_.prepare(
-      "SELECT "
-      "key,machine,serial,date,session,model,status,failed,why,verdict,sentence,asked,converged,observations,"
-      "rms_um,held_out_rms_um,chi2_per_dof,repeatability_um,verified,verified_before_um,verified_after_um,"
-      "software,"
-      "session_hash FROM jobs WHERE current=1 AND status<>'waiting' AND (?1='' OR machine=?1) "
-      "ORDER BY machine,date,session,model");
-  s.bind(1, machine);
+      "SELECT " + columns +
+      " FROM jobs WHERE current=1 AND status<>'waiting' ORDER BY machine,date,session,model");
   while (s.step()) {
-    FleetRecord record{s.text(1), s.text(3), s.text(4), s.text(5), {}};
-    JobResult& r = record.result;
-    r.key = s.text(0);
-    r.serial = s.text(2);
-    r.status = s.text(6);
-    r.failed = s.text(7);
-    r.why = s.text(8);
-    r.verdict = s.text(9);
-    r.sentence = s.text(10);
-    r.asked = s.whole(11) != 0;
-    r.converged = s.whole(12) != 0;
-    r.observations = static_cast<long>(s.whole(13));
-    r.rms = s.number(14);
-    r.heldOutRms = s.number(15);
-    r.chi2PerDof = s.number(16);
-    r.repeatability = s.number(17);
-    r.verified = s.text(18);
-    r.verifiedBefore = s.number(19);
-    r.verifiedAfter = s.number(20);
-    r.software = s.text(21);
-    r.sessionHash = s.text(22);
+    FleetRecord record{s.text(0), s.text(1), s.text(2), s.text(3), {}};
+    record.result.key = s.text(4);
+    record.result.serial = s.text(5);
+    int column = 5;
+    eachStored(record.result, [&](const char* /*name*/, auto& field) { readField(s, ++column, field); });
     all.push_back(std::move(record));
   }
   addLists(all);
@@ -192,22 +201,25 @@ void FleetDatabase::addLists(std::vector<FleetRecord>& records) const {
   Database::Statement parameters =
       database_.prepare("SELECT effect,name,unit,value,std,fixed FROM parameters WHERE job=?1");
   Database::Statement found = database_.prepare("SELECT effect FROM found WHERE job=?1");
-  Database::Statement sensors = database_.prepare(
-      "SELECT sensor,logged,set_aside,mean_degC,noise_K,span_K,offset_K FROM sensors WHERE job=?1");
+  Database::Statement sensors =
+      database_.prepare(std::string("SELECT sensor,logged,set_aside,mean_degC,noise_K,span_K,offset_K,") +
+                        (schema_ < 2 ? "NULL" : "step_K") + " FROM sensors WHERE job=?1");
+  const auto read = [](Database::Statement& row, auto& things) {
+    while (row.step()) {
+      int column = -1;
+      eachField(things.emplace_back(),
+                [&](const char* /*name*/, auto& field) { readField(row, ++column, field); });
+    }
+  };
   for (FleetRecord& record : records) {
     JobResult& r = record.result;
     for (Database::Statement* s : {&parameters, &found, &sensors}) {
       s->reset();
       s->bind(1, r.key);
     }
-    while (parameters.step())
-      r.parameters.push_back({parameters.text(0), parameters.text(1), parameters.text(2),
-                              parameters.number(3), parameters.number(4), parameters.whole(5) != 0});
+    read(parameters, r.parameters);
+    read(sensors, r.sensors);
     while (found.step()) r.found.push_back(found.text(0));
-    while (sensors.step())
-      r.sensors.push_back({sensors.text(0), static_cast<int>(sensors.whole(1)),
-                           static_cast<int>(sensors.whole(2)), sensors.number(3), sensors.number(4),
-                           sensors.number(5), sensors.number(6)});
   }
 }
 

@@ -16,8 +16,9 @@ struct FleetRecord {
 };
 
 /// The tables of a folder of results (docs/formats.md): jobs, parameters, found, sensors. Written by one
-/// `mm batch` at a time, read by anybody meanwhile. What is in the folder `jobs` is the truth: a file that is
-/// lost is made anew from it.
+/// `mm batch` at a time, read by anybody meanwhile. What is in the folder `jobs` is the truth: after a file
+/// was lost, `mm batch` enters from it what its manifest names, and nothing else (machine, date and session
+/// of other jobs stand in their own manifests alone).
 class FleetDatabase {
  public:
   /// @throw InputError: cannot be opened, or of a newer version.
@@ -32,14 +33,14 @@ class FleetDatabase {
   void takeOut(const std::string& key);
 
   /// All current jobs that ended, done or failed, by machine and date.
-  /// @param machine of one machine only; empty: of all.
-  std::vector<FleetRecord> records(const std::string& machine = {}) const;
+  std::vector<FleetRecord> records() const;
   long count(const std::string& status) const;  ///< current jobs: "waiting", "done", "failed"
 
  private:
   void enterLists(const std::vector<JobResult>& results) const;
   void addLists(std::vector<FleetRecord>& records) const;
   Database database_;
+  long long schema_ = 0;  // of the file
 };
 
 }  // namespace mm

@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
 #include <set>
 
-#include "base/error.h"
 #include "base/format.h"
-#include "calibration_file/atomic_file.h"
 #include "fleet/fleet.h"
+#include "report/web_files.h"
 
 namespace mm {
 namespace {
@@ -31,16 +29,6 @@ std::string escaped(const std::string& text) {
       out += c;
   }
   return out;
-}
-
-std::string styleSheet() {
-  for (const char* folder : {MM_SOURCE_WEB, MM_INSTALLED_WEB}) {
-    const std::filesystem::path file = std::filesystem::path(folder) / "fleet.css";
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(file, ignored)) return readFile(file);
-  }
-  throw InputError(std::string("the page's fleet.css is neither in ") + MM_SOURCE_WEB + " nor in " +
-                   MM_INSTALLED_WEB + "; install the package again");
 }
 
 /// One scale for all machines of a quantity, so that they can be compared at a look.
@@ -124,8 +112,7 @@ std::string panel(const FleetSeries& s, const Scale& scale, const Sisterhood& si
 
 Sisterhood levelsOf(const std::vector<const FleetSeries*>& group) {
   std::vector<Sister> sisters;
-  for (const FleetSeries* s : group)
-    sisters.push_back({s->machine, s->trend.segments.back().level, s->trend.segments.back().std});
+  for (const FleetSeries* s : group) sisters.push_back(presentOf(*s));
   return sistersOf(sisters);
 }
 
@@ -200,11 +187,12 @@ std::string fleetPage(const Fleet& fleet) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<title>Fleet: measuring machine report</title><style>\n" +
-      styleSheet() + "</style></head><body><main>\n<h1>" +
+      webFile("fleet.css") + "</style></head><body><main>\n<h1>" +
       format("%zu machines, %ld sessions", fleet.machines.size(), fleet.done) + "</h1>";
   html += "<p class=\"soft\">" + escaped(fleet.source) +
           (fleet.model.empty() ? "" : "; model " + escaped(fleet.model)) +
           (fleet.failed > 0 ? format("; %ld jobs failed", fleet.failed) : "") +
+          (fleet.open > 0 ? format("; %ld fits did not converge and are not used", fleet.open) : "") +
           (fleet.waiting > 0 ? format("; %ld jobs wait", fleet.waiting) : "") + "</p>\n";
   html += "<h2>What stands out</h2>" + findingsHtml(fleet) +
           "\n<h2>Every machine over time</h2>"

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/format.h"
+#include "base/json_number.h"
 #include "base/number_text.h"
 #include "fleet/fleet.h"
 
@@ -10,8 +11,6 @@ namespace mm {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-
-OrderedJson numberJson(double value) { return std::isfinite(value) ? OrderedJson(value) : OrderedJson(); }
 
 const char* kindOf(const Trend& trend) {
   return trend.kind == Trend::Kind::kDrift ? "drift" : trend.kind == Trend::Kind::kSteps ? "steps" : "quiet";
@@ -22,21 +21,21 @@ OrderedJson seriesJson(const FleetSeries& s, bool everything) {
   for (const TrendSegment& part : s.trend.segments)
     segments.push_back({{"from", s.dates[part.first]},
                         {"to", s.dates[part.end - 1]},
-                        {"level", numberJson(part.level)},
-                        {"std", numberJson(part.std)}});
+                        {"level", number(part.level)},
+                        {"std", number(part.std)}});
   OrderedJson json = {{"machine", s.machine},
                       {"quantity", s.quantity},
                       {"unit", s.unit},
                       {"sessions", s.points.size()},
                       {"trend", kindOf(s.trend)},
-                      {"p_value", numberJson(s.trend.p)},
-                      {"scatter", numberJson(s.trend.scatter)},
-                      {"slope_a_year", numberJson(365.25 * s.trend.slope)},
-                      {"slope_std_a_year", numberJson(365.25 * s.trend.slopeStd)},
+                      {"p_value", number(s.trend.p)},
+                      {"scatter", number(s.trend.scatter)},
+                      {"slope_a_year", number(365.25 * s.trend.slope)},
+                      {"slope_std_a_year", number(365.25 * s.trend.slopeStd)},
                       {"segments", segments}};
   if (!everything) return json;
   for (std::size_t i = 0; i < s.points.size(); ++i)
-    points.push_back({s.dates[i], numberJson(s.points[i].value), numberJson(s.points[i].std)});
+    points.push_back({s.dates[i], number(s.points[i].value), number(s.points[i].std)});
   json["points"] = points;
   return json;
 }
@@ -57,6 +56,7 @@ std::string fleetText(const Fleet& fleet) {
   std::string text = format("%zu machines, %ld sessions", fleet.machines.size(), fleet.done);
   if (fleet.failed > 0) text += format(", %ld jobs failed", fleet.failed);
   if (fleet.waiting > 0) text += format(", %ld jobs wait", fleet.waiting);
+  if (fleet.open > 0) text += format(", %ld fits did not converge and are not used", fleet.open);
   text += "\n";
   if (!fleet.model.empty()) text += "model         " + fleet.model + "\n";
   for (const std::string& other : fleet.otherModels) text += "also there    " + other + "; --model chooses\n";
@@ -76,9 +76,10 @@ std::string fleetText(const Fleet& fleet) {
 
 std::string fleetJson(const Fleet& fleet, bool everything) {
   OrderedJson json = {
-      {"folder", fleet.source},     {"model", fleet.model},         {"other_models", fleet.otherModels},
-      {"done", fleet.done},         {"failed", fleet.failed},       {"waiting", fleet.waiting},
-      {"machines", fleet.machines}, {"questions", fleet.questions}, {"alarm", fleet.alarm}};
+      {"folder", fleet.source},      {"model", fleet.model},       {"other_models", fleet.otherModels},
+      {"done", fleet.done},          {"failed", fleet.failed},     {"waiting", fleet.waiting},
+      {"not_converged", fleet.open}, {"machines", fleet.machines}, {"questions", fleet.questions},
+      {"alarm", fleet.alarm}};
   json["findings"] = OrderedJson::array();
   for (const Finding& f : fleet.findings)
     json["findings"].push_back({{"kind", f.kind},
@@ -86,9 +87,9 @@ std::string fleetJson(const Fleet& fleet, bool everything) {
                                 {"quantity", f.quantity},
                                 {"unit", f.unit},
                                 {"date", f.date},
-                                {"before", numberJson(f.before)},
-                                {"after", numberJson(f.after)},
-                                {"p_value", numberJson(f.p)},
+                                {"before", number(f.before)},
+                                {"after", number(f.after)},
+                                {"p_value", number(f.p)},
                                 {"in_words", f.inWords}});
   json["failures"] = OrderedJson::array();
   for (const FleetRecord& r : fleet.failures)
@@ -96,7 +97,7 @@ std::string fleetJson(const Fleet& fleet, bool everything) {
         {{"machine", r.machine}, {"session", r.session}, {"step", r.result.failed}, {"why", r.result.why}});
   json["series"] = OrderedJson::array();
   for (const FleetSeries& s : fleet.series) json["series"].push_back(seriesJson(s, everything));
-  return json.dump(2);
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 std::string fleetCsv(const Fleet& fleet) {

@@ -1,25 +1,76 @@
 #include "fleet/job.h"
 
+#include <openssl/evp.h>
+
 #include <algorithm>
-#include <boost/uuid/name_generator_sha1.hpp>
-#include <boost/uuid/nil_generator.hpp>
-#include <boost/uuid/uuid_io.hpp>
+#include <array>
+#include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
+#include "fleet/fields.h"
 
 namespace mm {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// One text with its length before it, so that no two lists of texts give the same bytes.
-void addPart(std::string& bytes, const std::string& part) {
-  bytes += std::to_string(part.size()) + ':' + part;
-}
+/// SHA-1 of parts, each with its length before it, so that no two lists of parts give the same bytes.
+class PartsHash {
+ public:
+  PartsHash() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha1(), nullptr) != 1)
+      throw InputError("OpenSSL has no SHA-1 here; jobs cannot be named: use a build of it that has");
+  }
+  void part(const std::string& text) {
+    length(text.size());
+    bytes(text.data(), text.size());
+  }
+  /// A file's bytes, which may be many.
+  void file(const fs::path& path) {
+    std::error_code failed;
+    const auto size = fs::file_size(path, failed);
+    std::ifstream in(path, std::ios::binary);
+    if (failed || !in)
+      throw InputError(path.string() + ": cannot be read; check the path and its permissions");
+    length(size);
+    std::vector<char> block(kBlock);
+    std::uintmax_t read = 0;
+    while (in.read(block.data(), kBlock) || in.gcount() > 0) {
+      bytes(block.data(), static_cast<std::size_t>(in.gcount()));
+      read += static_cast<std::uintmax_t>(in.gcount());
+    }
+    if (in.bad() || read != size)
+      throw InputError(path.string() + ": " + std::to_string(read) + " of its " + std::to_string(size) +
+                       " bytes could be read; wait until it is complete, and run again");
+  }
+  /// The first 32 hexadecimal digits.
+  std::string digits() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr);
+    static const char* const kDigits = "0123456789abcdef";
+    std::string text;
+    for (std::size_t i = 0; i < 16; ++i) {
+      text += kDigits[digest[i] >> 4];
+      text += kDigits[digest[i] & 15];
+    }
+    return text;
+  }
+  void bytes(const char* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+
+ private:
+  void length(std::uintmax_t size) {
+    const std::string head = std::to_string(size) + ':';
+    bytes(head.data(), head.size());
+  }
+  static constexpr std::streamsize kBlock = 1 << 18;
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+};
 
 /// The URDF that a model names by a path; empty: it names none, or one of the package.
 std::string machineFileOf(const std::string& model, const fs::path& file) {
@@ -43,56 +94,45 @@ bool BatchJob::does(const std::string& step) const {
 }
 
 std::string keyOf(const BatchJob& job) {
-  std::string bytes = "mm job 1\n";
-  addPart(bytes, MM_VERSION);
-  addPart(bytes, readFile(job.bag));
+  PartsHash hash;
+  static const std::string kKind = "mm job 2\n";
+  hash.bytes(kKind.data(), kKind.size());
+  hash.part(MM_VERSION);
+  hash.file(job.bag);
   const std::string model = job.model.empty() ? std::string() : readFile(job.model);
-  addPart(bytes, model);
-  addPart(bytes, job.model.empty() ? std::string() : machineFileOf(model, job.model));
-  addPart(bytes, job.calibration.empty() ? std::string() : readFile(job.calibration));
-  addPart(bytes, job.space);
-  for (const std::string& step : job.steps) addPart(bytes, step);
-  addPart(bytes, job.method);
-  addPart(bytes, std::to_string(job.seed));
-  addPart(bytes, numberText(job.repeatability));
-  addPart(bytes, job.does("report") ? job.serial : std::string());
-  boost::uuids::name_generator_sha1 generator(boost::uuids::nil_uuid());
-  std::string digits = boost::uuids::to_string(generator(bytes.data(), bytes.size()));
-  digits.erase(std::remove(digits.begin(), digits.end(), '-'), digits.end());
-  return digits;
+  hash.part(model);
+  hash.part(job.model.empty() ? std::string() : machineFileOf(model, job.model));
+  hash.part(job.calibration.empty() ? std::string() : readFile(job.calibration));
+  hash.part(job.space);
+  for (const std::string& step : job.steps) hash.part(step);
+  hash.part(job.method);
+  hash.part(std::to_string(job.seed));
+  hash.part(numberText(job.repeatability));
+  hash.part(job.does("verify") && job.loaded ? "loaded" : "");
+  hash.part(job.does("report") ? job.serial : std::string());
+  return hash.digits();
 }
 
 nlohmann::json jobJson(const BatchJob& job) {
-  return {{"key", job.key},
-          {"bag", job.bag.string()},
-          {"model", job.model.string()},
-          {"calibration", job.calibration.string()},
-          {"namespace", job.space},
-          {"steps", job.steps},
-          {"method", job.method},
-          {"seed", job.seed},
-          {"repeatability_um", job.repeatability},
-          {"serial", job.serial},
-          {"machine", job.machine},
-          {"date", job.date},
-          {"source", job.source}};
+  nlohmann::json json;
+  eachField(job, [&](const char* name, const auto& field) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(field)>, fs::path>)
+      json[name] = field.string();
+    else
+      json[name] = field;
+  });
+  return json;
 }
 
 BatchJob jobOf(const nlohmann::json& json) {
   BatchJob job;
-  job.key = json.at("key").get<std::string>();
-  job.bag = json.at("bag").get<std::string>();
-  job.model = json.at("model").get<std::string>();
-  job.calibration = json.at("calibration").get<std::string>();
-  job.space = json.at("namespace").get<std::string>();
-  job.steps = json.at("steps").get<std::vector<std::string>>();
-  job.method = json.at("method").get<std::string>();
-  job.seed = json.at("seed").get<std::uint64_t>();
-  job.repeatability = json.at("repeatability_um").get<double>();
-  job.serial = json.at("serial").get<std::string>();
-  job.machine = json.at("machine").get<std::string>();
-  job.date = json.at("date").get<std::string>();
-  job.source = json.at("source").get<std::string>();
+  eachField(job, [&](const char* name, auto& field) {
+    using Field = std::decay_t<decltype(field)>;
+    if constexpr (std::is_same_v<Field, fs::path>)
+      field = json.at(name).template get<std::string>();
+    else
+      field = json.at(name).template get<Field>();
+  });
   return job;
 }
 

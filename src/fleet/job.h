@@ -22,16 +22,37 @@ struct BatchJob {
   std::string method = "least_squares";
   std::uint64_t seed = 1;
   double repeatability = 0.0;  // um; 0: not stated
+  bool loaded = false;         // the controller corrected while the session was measured (verify --loaded)
   std::string serial;          // for the report's head
   // Labels, which no result depends on: of the tables only.
   std::string machine, date;  // date: ISO 8601, UTC; empty: the start of the session
   std::string source;         // "manifest.yaml:12", for messages
 
   bool does(const std::string& step) const;  ///< whether the step is among its steps
+
+  /// See eachField; in the order of the JSON.
+  template <class Self, class F>
+  static void fields(Self& self, F& f) {
+    f("key", self.key);
+    f("bag", self.bag);
+    f("model", self.model);
+    f("calibration", self.calibration);
+    f("namespace", self.space);
+    f("steps", self.steps);
+    f("method", self.method);
+    f("seed", self.seed);
+    f("repeatability_um", self.repeatability);
+    f("loaded", self.loaded);
+    f("serial", self.serial);
+    f("machine", self.machine);
+    f("date", self.date);
+    f("source", self.source);
+  }
 };
 
 /// The key of a job: 32 hexadecimal digits of a SHA-1 over the bytes of its files (the model's URDF, too),
-/// its options and the version of the package. @throw InputError: a file cannot be read.
+/// its options and the version of the package. The bag is read in blocks. @throw InputError: a file cannot be
+/// read, or grows or shrinks meanwhile.
 std::string keyOf(const BatchJob& job);
 
 /// For the files that tell a process of an engine what to do.
@@ -42,7 +63,7 @@ BatchJob jobOf(const nlohmann::json& json);  ///< @throw nlohmann::json::excepti
 ///
 ///     fleet.db            the tables (fleet_database.h)
 ///     jobs/ab/ab12…/      one finished job: result.json, calibration.yaml, what the steps printed
-///     work/               of jobs that run: removed by the next run where they were killed
+///     work/               of jobs that run: removed by a later run where they were killed
 ///
 /// A job's folder is made in `work` and renamed when it is complete, so that whoever is killed at any moment
 /// leaves a whole folder or none.
@@ -56,16 +77,18 @@ class ResultsFolder {
   std::filesystem::path jobFolder(const std::string& key) const;           ///< of a finished job
   bool finished(const std::string& key) const;                             ///< done or failed
   std::optional<std::string> result(const std::string& key) const;         ///< text of result.json
-  /// Makes the folders. @throw InputError: no permission, or a file is in the way.
+  /// Makes the folders. @throw InputError: no permission, a file is in the way, or the path is not UTF-8.
   void prepare() const;
   /// A new, empty folder for the work on a job by this process.
   std::filesystem::path begin(const std::string& key) const;
-  /// Makes it the job's folder. @return false: another process was first, and ours is removed.
+  /// Makes it the job's folder. One that is there without a result is put aside. @return false: another
+  /// process was first, and ours is removed. @throw InputError.
   bool finish(const std::filesystem::path& begun, const std::string& key) const;
   /// Puts a finished job aside, so that it is done again.
   void forget(const std::string& key) const;
-  /// Removes what processes of this host left in `work` that do not live any more. @return how many jobs.
-  int removeLeftovers() const;
+  /// Removes what processes left in `work`: those of this host that do not live any more, and those of
+  /// others that wrote nothing for `patience` s. @return how many jobs.
+  int removeLeftovers(double patience) const;
 
  private:
   std::filesystem::path folder_;
@@ -74,7 +97,7 @@ class ResultsFolder {
 /// One run of `mm batch` at a time writes to a folder of results. Ends with the process, however that ends.
 class ResultsLock {
  public:
-  /// @throw InputError: another process has it.
+  /// @throw InputError: another process has it, or the file system has no locks.
   explicit ResultsLock(const ResultsFolder& folder);
   ~ResultsLock();
   ResultsLock(const ResultsLock&) = delete;

@@ -3,8 +3,10 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <ctime>
 #include <map>
 #include <regex>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
@@ -12,22 +14,30 @@
 #include "base/text.h"
 #include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
+#include "fleet/utf8.h"
 
 namespace mm {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kOptions{"steps",  "model", "models",           "calibration",
-                                        "method", "seed",  "repeatability_um", "namespace"};
+const std::vector<std::string> kOptions{
+    "steps", "model", "models", "calibration", "method", "seed", "repeatability_um", "namespace", "loaded"};
 
 /// What is said once for all sessions, or for one entry.
 struct Choices {
   std::vector<std::string> steps{"check", "calibrate", "diagnose"};
   std::vector<fs::path> models;
   fs::path calibration;
-  BatchJob job;  // method, seed, repeatability, namespace
+  BatchJob job;  // method, seed, repeatability, namespace, loaded
 };
+
+/// Names go into JSON and into the tables, which hold UTF-8 and nothing else.
+const std::string& utf8(const YamlMapping& entry, const std::string& key, const std::string& name,
+                        const char* remedy = "save the manifest as UTF-8") {
+  if (!isUtf8(name)) entry.fail(key, readable(name) + " is not UTF-8; " + remedy);
+  return name;
+}
 
 /// A file that an entry names, relative to the manifest.
 fs::path fileOf(const YamlMapping& entry, const std::string& key, const std::string& name,
@@ -37,6 +47,7 @@ fs::path fileOf(const YamlMapping& entry, const std::string& key, const std::str
   if (!fs::is_regular_file(file, ignored))
     entry.fail(key, "'" + name + "' is not a file (looked for " + file.string() +
                         "); paths are relative to the manifest");
+  utf8(entry, key, file.string(), "rename the file or its folder");
   return file;
 }
 
@@ -72,7 +83,18 @@ void readChoices(const YamlMapping& entry, const fs::path& folder, Choices& c) {
   }
   if (entry.has("seed")) c.job.seed = static_cast<std::uint64_t>(entry.count("seed", 0));
   if (entry.has("repeatability_um")) c.job.repeatability = entry.number("repeatability_um", 1.0, 1e-6, 1e6);
-  if (entry.has("namespace")) c.job.space = entry.text("namespace");
+  if (entry.has("namespace")) c.job.space = utf8(entry, "namespace", entry.text("namespace"));
+  if (entry.has("loaded")) c.job.loaded = entry.flag("loaded");
+}
+
+/// A path of which glob takes every character as it is.
+std::string literally(const fs::path& path) {
+  std::string pattern;
+  for (const char c : path.string()) {
+    if (std::string_view("*?[]{}\\~").find(c) != std::string_view::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
 }
 
 /// The files of a pattern, sorted by name.
@@ -80,33 +102,41 @@ std::vector<fs::path> bagsOf(const YamlMapping& entry, const fs::path& folder) {
   std::vector<fs::path> files;
   for (const std::string& pattern : entry.texts("bags")) {
     glob_t found{};
-    const std::string whole = (folder / pattern).string();
+    const bool complete = startsWith(pattern, "/") || startsWith(pattern, "~");
+    const std::string whole = complete ? pattern : literally(folder) + "/" + pattern;
     if (::glob(whole.c_str(), GLOB_BRACE | GLOB_TILDE, nullptr, &found) == 0)
       for (std::size_t i = 0; i < found.gl_pathc; ++i) {
         const fs::path file = fs::absolute(found.gl_pathv[i]).lexically_normal();
-        if (fs::is_regular_file(file)) files.push_back(file);
+        if (!fs::is_regular_file(file)) continue;
+        utf8(entry, "bags", file.string(), "rename the file or its folder");
+        files.push_back(file);
       }
     ::globfree(&found);
     if (files.empty())
-      entry.fail("bags", "'" + pattern + "' fits no file (looked for " + whole +
-                             "); paths and patterns (*, ?, [a-z], {a,b}) are relative to the manifest");
+      entry.fail("bags",
+                 "'" + pattern + "' fits no file (looked for " +
+                     (complete ? fs::path(pattern) : folder / pattern).string() +
+                     "); paths and patterns (*, ?, [a-z], {a,b}) are relative to the manifest; ~ is the "
+                     "home folder");
   }
   return files;
 }
 
-/// "2026-01-05" or "2026-01-05T08:30:00Z", in full.
+/// "2026-01-05" or "2026-01-05T08:30:00Z", in full; a time that the calendar and the clock have.
 std::string dateOf(const YamlMapping& entry) {
-  const std::string text = entry.text("date");
-  static const std::regex day(R"((\d{4})-(\d\d)-(\d\d))"), stamp(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)");
-  std::smatch part;
-  const bool whole = std::regex_match(text, stamp);
-  const std::string date = text.substr(0, 10);
-  const bool real = (whole || text.size() == 10) && std::regex_match(date, part, day) &&
-                    std::stoi(part[2]) >= 1 && std::stoi(part[2]) <= 12 && std::stoi(part[3]) >= 1 &&
-                    std::stoi(part[3]) <= 31;
+  const std::string text = entry.text("date"), whole = text.size() == 10 ? text + "T00:00:00Z" : text;
+  static const std::regex stamp(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)");
+  std::tm told{};
+  bool real =
+      std::regex_match(whole, stamp) && ::strptime(whole.c_str(), "%Y-%m-%dT%H:%M:%SZ", &told) != nullptr;
+  if (real) {
+    std::tm normal = told;  // the 31st of February becomes the 3rd of March
+    ::timegm(&normal);
+    real = normal.tm_mday == told.tm_mday && normal.tm_mon == told.tm_mon && normal.tm_sec == told.tm_sec;
+  }
   if (!real)
     entry.fail("date", "'" + text + "' is not a date; write it as 2026-01-05 or 2026-01-05T08:30:00Z (UTC)");
-  return whole ? text : text + "T00:00:00Z";
+  return whole;
 }
 
 /// What the steps of an entry need and do not have.
@@ -129,13 +159,13 @@ void addJobs(const YamlMapping& entry, const fs::path& folder, Choices c, std::v
   BatchJob job = c.job;
   job.steps = c.steps;
   job.source = entry.source() + ":" + std::to_string(entry.line());
-  if (entry.has("serial")) job.serial = entry.text("serial");
+  if (entry.has("serial")) job.serial = utf8(entry, "serial", entry.text("serial"));
   if (entry.has("date")) job.date = dateOf(entry);
   const bool several = job.does("calibrate") && !c.models.empty();
   if (job.does("verify") || !job.does("calibrate")) job.calibration = c.calibration;
   for (const fs::path& bag : bagsOf(entry, folder)) {
     job.bag = bag;
-    job.machine = entry.has("machine")  ? entry.text("machine")
+    job.machine = entry.has("machine")  ? utf8(entry, "machine", entry.text("machine"))
                   : !job.serial.empty() ? job.serial
                                         : bag.parent_path().filename().string();
     for (const fs::path& model : several ? c.models : std::vector<fs::path>{{}}) {
@@ -168,6 +198,7 @@ void takeOnce(std::vector<BatchJob>& all, Manifest& manifest) {
 
 Manifest loadManifest(const fs::path& file) {
   const std::string source = file.string();
+  if (!isUtf8(source)) throw InputError(readable(source) + ": the name is not UTF-8; rename the manifest");
   std::vector<std::string> known = kOptions;
   known.insert(known.end(), {"name", "sessions"});
   const YamlMapping root(YamlMapping::load(readFile(file), source), source, "the manifest", known);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "base/error.h"
@@ -71,24 +72,25 @@ PopulationPrior predictiveOf(const std::vector<Sister>& sisters) {
 }
 
 std::vector<PopulationPrior> populationPriors(const std::string& folder, const std::string& except) {
-  const Fleet fleet = loadFleet(folder, {});
+  return populationPriors(loadFleet(folder, {}), except);
+}
+
+std::vector<PopulationPrior> populationPriors(const Fleet& fleet, const std::string& except) {
   using Key = std::tuple<std::string, std::string, std::string>;  // effect, name, unit
-  std::map<Key, std::map<std::string, std::vector<const FleetParameter*>>> all;
+  std::map<Key, std::set<std::string>> all;                       // machines that have it
   for (const FleetRecord& r : fleet.records)
     for (const FleetParameter& p : r.result.parameters)
-      if (!p.fixed && p.std > 0.0 && r.machine != except)
-        all[{p.effect, p.name, p.unit}][r.machine].push_back(&p);
+      if (r.machine != except) all[{p.effect, p.name, p.unit}].insert(r.machine);
   std::map<std::pair<std::string, std::string>, const FleetSeries*> series;
   for (const FleetSeries& s : fleet.series) series[{s.quantity, s.machine}] = &s;
   std::vector<PopulationPrior> priors;
   for (const auto& [key, machines] : all) {
-    if (machines.size() < kFewestForPrior) continue;
     const auto& [effect, name, unit] = key;
     std::vector<Sister> sisters;
-    for (const auto& [machine, values] : machines) {
-      const TrendSegment& now = series.at({name + " of " + effect, machine})->trend.segments.back();
-      sisters.push_back({machine, now.level, now.std});
-    }
+    for (const std::string& machine : machines)  // without a series: fixed, or never determined
+      if (const auto at = series.find({name + " of " + effect, machine}); at != series.end())
+        sisters.push_back(presentOf(*at->second));
+    if (sisters.size() < kFewestForPrior) continue;
     PopulationPrior prior = predictiveOf(sisters);
     prior.effect = effect;
     prior.name = name;
@@ -96,7 +98,7 @@ std::vector<PopulationPrior> populationPriors(const std::string& folder, const s
     if (prior.std > 0.0) priors.push_back(prior);
   }
   if (priors.empty())
-    throw InputError(folder + ": no parameter is known of " + std::to_string(kFewestForPrior) +
+    throw InputError(fleet.source + ": no parameter is known of " + std::to_string(kFewestForPrior) +
                      " machines or more; a population prior needs as many sisters");
   return priors;
 }

@@ -24,9 +24,11 @@ inline constexpr std::size_t kFewestForPrior = 5;
 /// out.
 PopulationPrior predictiveOf(const std::vector<Sister>& sisters);
 
-/// For every parameter that enough machines have. @param folder as of loadFleet. @param except machine that
-/// is left out: the new one itself. @throw InputError: no parameter of enough machines.
+/// For every parameter that enough machines have; of converged fits. @param folder as of loadFleet. @param
+/// except machine that is left out: the new one itself. @throw InputError: no parameter of enough machines.
 std::vector<PopulationPrior> populationPriors(const std::string& folder, const std::string& except);
+/// The same of a fleet that was read.
+std::vector<PopulationPrior> populationPriors(const Fleet& fleet, const std::string& except);
 
 /// Chance that a machine of the population has what the session says: the prior predictive p-value of the
 /// smallest sum of squares, which grows by `chi2` when the `count` priors are added (Box, J. R. Statist. Soc.

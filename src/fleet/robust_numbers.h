@@ -9,6 +9,13 @@ double middleOf(std::vector<double> values);
 /// 1.4826). NaN of none.
 double robustSpread(const std::vector<double>& values);
 
+/// Standard deviation of normal numbers from the distances of all pairs: their lower quartile, nearly (Qn;
+/// Rousseeuw and Croux, J. Amer. Statist. Assoc. 88 (1993) 1273, with the factors for small samples of Croux
+/// and Rousseeuw, Computational Statistics 1 (1992) 411). Up to half of them may be wrong, as for the median
+/// deviation, and of normal numbers it is known twice as well. Time goes with the square of their number. NaN
+/// below two.
+double pairSpread(const std::vector<double>& values);
+
 /// Probability that Student's t with `dof` degrees of freedom is farther from 0 than `t`, on either side;
 /// accurate far out (1e-300). @param dof may be infinite: the normal distribution.
 double twoSidedT(double t, double dof);

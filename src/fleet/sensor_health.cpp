@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fleet/robust_numbers.h"
 
@@ -19,6 +20,17 @@ double noiseOf(const std::vector<double>& value) {
     bends.push_back(value[i] - 2.0 * value[i - stride] + value[i - 2 * stride]);
   if (bends.empty()) return kNotMeasured;
   return robustSpread(bends) / std::sqrt(6.0);
+}
+
+/// Values of one decimal text differ in the last bits after arithmetic: not a step of the sensor.
+double stepOf(std::vector<double> value) {
+  std::sort(value.begin(), value.end());
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < value.size(); ++i) {
+    const double apart = value[i] - value[i - 1];
+    if (apart > 1e-9) least = std::min(least, apart);
+  }
+  return std::isfinite(least) ? least : kNotMeasured;
 }
 
 }  // namespace
@@ -39,6 +51,7 @@ std::vector<SensorHealth> sensorHealth(const Session& session) {
       const auto [low, high] = std::minmax_element(series.value.begin(), series.value.end());
       h.span = *high - *low;
     }
+    h.step = stepOf(series.value);
     all.push_back(h);
   }
   for (SensorHealth& h : all) {

@@ -18,9 +18,10 @@ struct Sisterhood {
 };
 
 /// Random effects: a machine's value is the common centre, what machines differ by, and the uncertainty of
-/// its own value. Centre and spread are the median and the scaled median deviation, so that up to half of the
-/// machines may be wrong; their uncertainty is allowed for by Student's t with the degrees of freedom that a
-/// median deviation has, 37 % of those of a standard deviation. Below four machines nothing is said.
+/// its own value. Centre and spread are the median and the lower quartile of the distances of pairs
+/// (`pairSpread`; of more than 200 machines the median deviation), so that up to half of the machines may be
+/// wrong; their uncertainty is allowed for by Student's t with half as many degrees of freedom as there are
+/// machines. Below four machines nothing is said.
 Sisterhood sistersOf(const std::vector<Sister>& sisters);
 
 }  // namespace mm

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <map>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "calibration_file/calibration_store.h"
 #include "fleet/fleet.h"
 #include "machine/machine.h"
@@ -9,37 +11,70 @@
 namespace mm {
 namespace {
 
-/// One store's calibrations; damaged ones as failed records.
+/// A calibration's record, and how much it counts among those of its session.
+struct Stored {
+  std::string session;    // hash; empty: the file does not tell
+  int lastPromotion = 0;  // see CalibrationStore::Entry
+  FleetRecord record;
+};
+
+/// The effects in the order of their names: parameters of other models mean something else.
+std::string effectsOf(const Calibration& c) {
+  std::vector<std::string> effects;
+  for (const EffectSpec& effect : c.effects) effects.push_back(effect.yaml());
+  std::sort(effects.begin(), effects.end());
+  return joined(effects, ", ");
+}
+
+Stored storedOf(const CalibrationStore& store, const CalibrationStore::Entry& entry,
+                const std::string& name) {
+  Stored stored;
+  FleetRecord& record = stored.record;
+  record.session = entry.file.string();
+  record.result.key = entry.id;
+  if (!entry.damaged.empty()) {
+    record.machine = name.empty() ? "?" : name;
+    record.result.status = "failed";
+    record.result.failed = "calibration";
+    record.result.why = entry.damaged;
+    return stored;
+  }
+  const Calibration c = store.load(entry.id);
+  const std::string serial = serialOf(Machine(c.urdf, c.machineName));
+  stored.session = c.sessionHash;
+  stored.lastPromotion = entry.lastPromotion;
+  record.machine = !name.empty() ? name : !serial.empty() ? serial : c.machineName;
+  record.date = c.created;
+  record.model = effectsOf(c);
+  record.result.status = "done";
+  record.result.serial = serial;
+  record.result.software = c.software;
+  record.result.sessionHash = c.sessionHash;
+  record.result.observations = static_cast<long>(c.observations);
+  takeFigures(c, record.result);
+  return stored;
+}
+
+/// One store's calibrations, one a session: every effect that was added to a calibration kept one more of the
+/// same session. What was made active last counts, else the last. Damaged ones are failed records.
 void addStore(const std::filesystem::path& folder, const std::string& name,
               std::vector<FleetRecord>& records) {
   const CalibrationStore store(folder);
-  for (const CalibrationStore::Entry& entry : store.history()) {
-    FleetRecord record;
-    record.session = entry.file.string();
-    record.result.key = entry.id;
-    if (!entry.damaged.empty()) {
-      record.machine = name.empty() ? "?" : name;
-      record.result.status = "failed";
-      record.result.failed = "calibration";
-      record.result.why = entry.damaged;
-      records.push_back(std::move(record));
+  std::vector<Stored> kept;
+  std::map<std::string, std::size_t> ofSession;
+  for (const CalibrationStore::Entry& entry : store.history()) {  // the oldest first
+    Stored stored = storedOf(store, entry, name);
+    if (stored.session.empty()) {
+      kept.push_back(std::move(stored));
       continue;
     }
-    const Calibration c = store.load(entry.id);
-    const std::string serial = serialOf(Machine(c.urdf, c.machineName));
-    record.machine = !name.empty() ? name : !serial.empty() ? serial : c.machineName;
-    record.date = c.created;
-    record.result.status = "done";
-    record.result.serial = serial;
-    record.result.software = c.software;
-    record.result.observations = static_cast<long>(c.observations);
-    record.result.rms = 1e6 * c.rms;
-    record.result.heldOutRms = 1e6 * c.heldOutRms;
-    record.result.parameters = parametersOf(c);
-    for (const LedgerEntry& step : c.ledger)
-      if (step.action == "add") record.result.found.push_back(step.effect.yaml());
-    records.push_back(std::move(record));
+    const auto [at, isNew] = ofSession.emplace(stored.session, kept.size());
+    if (isNew)
+      kept.push_back(std::move(stored));
+    else if (stored.lastPromotion >= kept[at->second].lastPromotion)
+      kept[at->second] = std::move(stored);
   }
+  for (Stored& stored : kept) records.push_back(std::move(stored.record));
 }
 
 }  // namespace

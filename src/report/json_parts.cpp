@@ -22,8 +22,6 @@ Json scalar(const std::string& text) {
 
 }  // namespace
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json rounded(double value, double step) {
   // by division where the step is one over a whole number: 0.3, not 0.30000000000000004
   const double inverse = std::round(1.0 / step);

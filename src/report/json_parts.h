@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_number.h"
 #include "calibration_file/calibration.h"
 #include "diagnosis/diagnose.h"
 #include "effects/effect_spec.h"
@@ -12,9 +13,6 @@
 namespace mm {
 
 // Pieces that the JSON of several commands and of the workbench shares.
-
-/// A number, or null where it is NaN or infinite.
-nlohmann::ordered_json number(double value);
 
 // For pictures: no more digits than can be seen.
 constexpr double kPlaceStep = 1e-4;      // mm or deg

@@ -9,9 +9,9 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "base/text.h"
 #include "base/utc_now.h"
 #include "calibration_file/atomic_file.h"
+#include "fleet/child_process.h"
 #include "fleet/engine.h"
 #include "machine/machine_fit.h"
 #include "model/model_spec.h"
@@ -46,6 +46,7 @@ std::vector<std::string> wordsOf(const std::string& step, const BatchJob& job, c
   if (step == "diagnose" || step == "add_all") add({"--calibration", calibrationFor(job, folder).string()});
   if (step == "add_all") add({"--all", "-o", (folder / kAddedFile).string()});
   if (step == "verify") add({"--calibration", job.calibration.string()});
+  if (step == "verify" && job.loaded) add({"--loaded"});
   if (step == "report") {
     const fs::path added = folder / kAddedFile;
     add({"--calibration", (fs::exists(added) ? added : calibrationFor(job, folder)).string(), "-o",
@@ -68,17 +69,6 @@ fs::path productOf(const std::string& step, const fs::path& folder) {
   return folder / (step + ".json");
 }
 
-/// The last line on standard error, without the program's name.
-std::string lastWordsOf(const fs::path& log) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(log, ignored) || fs::file_size(log, ignored) == 0) return {};
-  const std::string text = readFile(log), trimmed(trim(text));
-  std::string line = trimmed.substr(trimmed.find_last_of('\n') + 1);
-  for (const char* head : {"mm: error: ", "mm: "})
-    if (startsWith(line, head)) line = line.substr(std::string(head).size());
-  return line;
-}
-
 /// What the tables want of the session itself: a step of its own that is not typed.
 int describeSession(const BatchJob& job, const fs::path& file) {
   std::optional<Machine> machine;
@@ -95,7 +85,7 @@ int describeSession(const BatchJob& job, const fs::path& file) {
   about.sessionHash = sessionHash(session);
   about.observations = static_cast<long>(session.observations.size());
   about.sensors = sensorHealth(session);
-  writeJobFile(file, resultText(about));
+  writeFileAtomically(file, resultText(about));
   return kDone;
 }
 
@@ -131,7 +121,9 @@ class JobRun {
 
  private:
   bool good() const { return result_.status == "done"; }
-  void writeText(const char* name, const std::string& text) const { writeJobFile(folder_ / name, text); }
+  void writeText(const char* name, const std::string& text) const {
+    writeFileAtomically(folder_ / name, text);
+  }
 
   void describe() {
     const fs::path file = folder_ / "session.json", log = folder_ / "session.log";
@@ -189,14 +181,14 @@ bool doJob(const BatchJob& job, const ResultsFolder& results, MmProgram program,
   JobRun run(job, folder, program, limit);
   try {
     run.run();
-  } catch (const InputError& e) {
+  } catch (const std::exception& e) {
     run.fail("results", e.what(), true);
   }
   if (Interrupt::asked()) {
     fs::remove_all(folder);
     return false;
   }
-  writeJobFile(folder / "result.json", resultText(run.result()));
+  writeFileAtomically(folder / "result.json", resultText(run.result()));
   results.finish(folder, job.key);
   return true;
 }
@@ -208,12 +200,18 @@ int doChunk(const fs::path& file, MmProgram program, int limit) {
   const ChunkToDo todo = readChunk(file);
   const ResultsFolder results(todo.folder);
   const int ended = ::open(todo.chunk.ended.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  std::string unwritten;
   for (const BatchJob& job : todo.chunk.jobs) {
-    if (!results.finished(job.key) && !doJob(job, results, program, limit)) return kStopped;
+    try {
+      if (!results.finished(job.key) && !doJob(job, results, program, limit)) return kStopped;
+    } catch (const std::exception& e) {  // the others' places may be writable
+      unwritten = e.what();
+    }
     const std::string line = job.key + "\n";
     if (ended >= 0 && ::write(ended, line.data(), line.size()) < 0) continue;  // found in its folder then
   }
   if (ended >= 0) ::close(ended);
+  if (!unwritten.empty()) throw InputError(unwritten);
   return kDone;
 }
 

@@ -1,5 +1,6 @@
 #include "tools/batch_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <set>
@@ -16,9 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
+/// Seconds without a new file after which a job of another host is taken for dead: a day, or two steps.
+double patienceOf(int limit) { return std::max(86'400.0, 2.0 * limit); }
+
 /// What an earlier run left in `work`; only under the lock, with no engine running.
-void tidy(const ResultsFolder& results) {
-  results.removeLeftovers();
+void tidy(const ResultsFolder& results, int limit) {
+  results.removeLeftovers(patienceOf(limit));
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(results.work(), ignored)) {
     const std::string name = entry.path().filename().string();
@@ -66,10 +70,14 @@ class Bookkeeping {
   void collect(const std::vector<Chunk>& chunks) {
     std::vector<JobResult> ended;
     for (const Chunk& chunk : chunks) {
-      std::streamoff& read = read_[chunk.ended.string()];
+      Read& read = read_[chunk.ended.string()];
+      if (read.jobs >= chunk.jobs.size()) continue;  // all of it has ended
       std::ifstream in(chunk.ended);
-      if (!in.seekg(read)) continue;
-      for (std::string key; std::getline(in, key) && !in.eof(); read = in.tellg()) take(key, ended);
+      if (!in.seekg(read.bytes)) continue;
+      for (std::string key; std::getline(in, key) && !in.eof(); read.bytes = in.tellg()) {
+        ++read.jobs;
+        take(key, ended);
+      }
     }
     enter(ended);
   }
@@ -106,7 +114,11 @@ class Bookkeeping {
   const ResultsFolder& results_;
   FleetDatabase tables_;
   std::map<std::string, std::string> sources_;
-  std::map<std::string, std::streamoff> read_;
+  struct Read {
+    std::streamoff bytes = 0;
+    std::size_t jobs = 0;
+  };
+  std::map<std::string, Read> read_;  // of each chunk's file of ended jobs
   std::set<std::string> waiting_;
   std::vector<BatchJob> toDo_;
   BatchSummary summary_;
@@ -126,7 +138,7 @@ BatchSummary runBatch(const Manifest& manifest, const ResultsFolder& results, co
   results.prepare();
   const ResultsLock lock(results);
   const std::unique_ptr<Engine> engine = engineOf(options, results);
-  tidy(results);
+  tidy(results, options.limit);
   Bookkeeping books(manifest, results, again);
   const auto begun = Clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
@@ -143,10 +155,13 @@ BatchSummary runBatch(const Manifest& manifest, const ResultsFolder& results, co
         engine->stop();
         break;
       }
+      const auto asked = Clock::now();
       books.collect(chunks);
       const auto all = static_cast<double>(books.summary().jobs);
       bar.show(1.0 - static_cast<double>(books.waiting()) / all, note(books.summary(), seconds()));
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      // of thousands of chunks on a slow disk at most half of the time is for looking
+      std::this_thread::sleep_for(
+          std::max<Clock::duration>(std::chrono::milliseconds(50), Clock::now() - asked));
     }
     while (!books.summary().stopped && engine->running()) {  // its last words
       if (Interrupt::asked()) engine->stop();
@@ -155,7 +170,7 @@ BatchSummary runBatch(const Manifest& manifest, const ResultsFolder& results, co
     books.summary().complaint = engine->complaint();
   }
   books.collectAll();
-  results.removeLeftovers();
+  results.removeLeftovers(patienceOf(options.limit));
   books.summary().seconds = seconds();
   return books.summary();
 }

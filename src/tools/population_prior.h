@@ -35,6 +35,8 @@ class PriorOfSisters {
   void match(const CalibrationResult& result);
   void judge(const CalibrationResult& result);
   void update(CalibrationResult& result) const;
+  /// Held-out residuals and chi2 of the values with the prior, its rows among the data.
+  void judgeAnew(const CalibrationResult& alone, CalibrationResult& joined) const;
   void tell(std::size_t fewest) const;
   std::string folder_;
   std::vector<PopulationPrior> all_;

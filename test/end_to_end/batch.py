@@ -76,9 +76,13 @@ def try_local(fleet, work):
     done, answer, seconds = batch(fleet + "/manifest.yaml", first)
     say(done.returncode == 0 and answer.get("done") == 0 and answer.get("done_before") == count, "what is done is not done again")
     FIGURES["nothing_to_do_s"] = seconds
+    before = results(first)
+    os.remove(glob.glob(os.path.join(first, "jobs", "*", "*", "result.json"))[0])
+    done, answer, seconds = batch(fleet + "/manifest.yaml", first)
+    say(done.returncode == 0 and answer.get("done") == 1 and results(first) == before, "a folder without a result is not in the way", done.stderr)
     os.remove(first + "/fleet.db")
     batch(fleet + "/manifest.yaml", first)
-    say(whole(first, count) == "", "tables that are lost are made anew from the folders", whole(first, count))
+    say(whole(first, count) == "", "tables that are lost are filled again from the folders", whole(first, count))
     return first
 
 
@@ -94,28 +98,65 @@ def try_one_process(fleet, work, first):
             inside += sum(json.load(file)["seconds"].values())
     FIGURES["overhead_ms_a_job"] = 1000.0 * (seconds - inside) / (MACHINES * SESSIONS)
     bags = sorted(glob.glob(fleet + "/m*/*.bag"))[:12]
-    begun = time.monotonic()
+    begun, wrong = time.monotonic(), []
     for bag in bags:
         typed = os.path.join(work, "typed.yaml")
-        mm("check", bag, "--model", fleet + "/model.yaml", "--json")
-        mm("calibrate", bag, "--model", fleet + "/model.yaml", "-o", typed, "--method", "least_squares", "--threads", "1", "--json", "--force")
-        mm("diagnose", bag, "--calibration", typed, "--threads", "1", "--json")
+        steps = [mm("check", bag, "--model", fleet + "/model.yaml", "--json"),
+                 mm("calibrate", bag, "--model", fleet + "/model.yaml", "-o", typed, "--method", "least_squares", "--threads", "1", "--json",
+                    "--force"),
+                 mm("diagnose", bag, "--calibration", typed, "--threads", "1", "--json")]
+        wrong += [done.stderr for done in steps if done.returncode > 1]  # 1: the answer is no
+    say(not wrong, "the same steps can be typed", "".join(wrong))
     FIGURES["typed_s_a_session"] = (time.monotonic() - begun) / len(bags)
 
 
+def workers(folder):
+    """Processes that do a chunk of this folder, without the steps that they forked."""
+    found = {}
+    for path in glob.glob("/proc/[0-9]*/cmdline"):
+        try:
+            with open(path, "rb") as file:
+                words = file.read().split(b"\0")
+            with open(os.path.join(os.path.dirname(path), "stat"), "rb") as file:
+                parent = int(file.read().rsplit(b")", 1)[1].split()[1])
+        except (OSError, IndexError):
+            continue  # it has ended
+        if b"--job" in words and any(word.startswith(os.path.join(folder, "work").encode()) for word in words):
+            found[int(path.split("/")[2])] = parent
+    return [pid for pid, parent in found.items() if parent not in found]
+
+
+def kill_worker(process, folder):
+    """One process of the engine alone; the batch goes on without it. Returns whether there was one."""
+    while process.poll() is None:
+        for pid in workers(folder):
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
+            process.wait()
+            return True
+    return False
+
+
 def try_kills(fleet, work, first):
-    """Killed at random moments, with all that runs for it, or alone."""
+    """Killed at random moments: the batch that was typed by either signal, its process group, or one worker alone."""
     folder = os.path.join(work, "killed")
     moments = random.Random(3)
-    reach = 0.1 + 1.2 * FIGURES["local_s"] / KILLS
-    killed = 0
+    reach = 0.1 + FIGURES["local_s"] / KILLS
+    killed, alone = 0, 0
     for number in range(KILLS):
         process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--json"], stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL, start_new_session=True)
         try:
             process.wait(moments.uniform(0.02, reach))
         except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL if number % 3 else signal.SIGTERM)
+            if number == KILLS - 1:  # the batch ends the rest
+                alone += kill_worker(process, folder)
+            elif number % 3 == 0:
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.send_signal(signal.SIGTERM if number % 3 == 1 else signal.SIGKILL)
             process.wait()
             killed += 1
             for text in results(folder).values():  # whole, whenever one looks
@@ -125,6 +166,7 @@ def try_kills(fleet, work, first):
     wrong = whole(folder, count)
     say(done.returncode == 0 and wrong == "", f"killed {killed} times, nothing is lost and nothing is there twice", wrong + done.stderr)
     say(results(folder) == results(first), "and the results are the same bits")
+    say(killed > 0 and alone > 0, f"killed {killed} times, {alone} of them one worker alone")
     FIGURES["killed"] = killed
 
 
@@ -154,6 +196,36 @@ def try_ssh(fleet, work, first):
     log = open(work + "/ssh.log", encoding="utf-8").read() if os.path.exists(work + "/ssh.log") else ""
     say(done.returncode == 0 and results(folder) == results(first), "ssh: the same bits", done.stderr)
     say("pc1" in log and "pc2" in log, "ssh: both hosts were used", log[:200])
+
+
+def alive(pid):
+    try:
+        with open(f"/proc/{pid}/stat", "rb") as file:
+            return file.read().rsplit(b")", 1)[1].split()[0] not in (b"Z", b"X")
+    except OSError:
+        return False
+
+
+def try_interrupt_of_ssh(fleet, work):
+    """Ctrl-C while hosts do not answer: no client of ssh is left."""
+    ssh, log = os.path.join(work, "ssh_hangs"), os.path.join(work, "ssh_clients")
+    with open(ssh, "w", encoding="utf-8") as file:
+        file.write(f'#!/bin/sh\necho $$ >>"{log}"\nexec sleep 600\n')
+    os.chmod(ssh, 0o755)
+    process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", os.path.join(work, "ssh_interrupted"), "--engine", "ssh", "--hosts", "pc1,pc2",
+                                "--jobs", "1"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ, PARALLEL_SSH=ssh))
+    clients = []
+    while process.poll() is None and len(clients) < 2:
+        if os.path.exists(log):
+            with open(log, encoding="utf-8") as file:
+                clients = [int(line) for line in file.read().splitlines()]
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate()
+    left = [pid for pid in clients if alive(pid)]
+    say(process.returncode == 130 and len(clients) == 2 and not left, "ssh: Ctrl-C leaves no client behind", f"{left} of {clients}; {said}")
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
 
 
 def try_slurm(fleet, work, first):
@@ -237,6 +309,21 @@ def try_fleet(first, work):
     say(len(lines) == 1 + 9 * MACHINES * SESSIONS, "the CSV has every parameter of every session", len(lines))
 
 
+def try_faults(work):
+    """Machines to which something happened are named, with what; the others are not."""
+    fleet, folder = os.path.join(work, "faults"), os.path.join(work, "faults_results")
+    made = subprocess.run([os.path.join(ROOT, "scripts/fleet_simulation"), "-o", fleet, "--sessions", "16", "--steps", "calibrate", "--only",
+                           "m01,m02,m03,m04,m05,m08,m12,m21"], capture_output=True, text=True)
+    batch(fleet + "/manifest.yaml", folder)
+    done = mm("fleet", folder, "--json")
+    found = [(f["machine"], f["kind"], f["in_words"]) for f in json.loads(done.stdout)["findings"]] if done.stdout else []
+    for machine, kind, words in (("m03", "drifts", "backlash, axis: x"), ("m08", "changed", "squareness"), ("m12", "sensor", "sensor bed is stuck"),
+                                 ("m21", "sensor", "offset of sensor frame changed")):
+        say(any(f[0] == machine and f[1] == kind and words in f[2] for f in found), f"{machine} is named: {words}", made.stderr + done.stderr + str(found))
+    quiet = [f[2] for f in found if f[0] not in ("m03", "m08", "m12", "m21")]
+    say(not quiet, "and no other machine", quiet)
+
+
 def try_stores(first, work):
     """Calibrations of several machines, promoted into a store each."""
     stores = os.path.join(work, "stores")
@@ -261,6 +348,8 @@ def try_prior(fleet, first, work):
     done, both = fit(bag, *prior, "-o", os.path.join(work, "prior.yaml"))
     narrower = [w["std"] > b["std"] for w, b in zip(without["parameters"], both["parameters"])]
     say(done.returncode == 0 and both["prior"]["used"] and len(narrower) == 9 and all(narrower), "a prior of sisters narrows every parameter", done.stderr)
+    same = [key for key in ("rms_um", "held_out_rms_um", "chi2_per_dof") if both[key] == without[key]]
+    say(not same, "the figures are those with the prior", same)
     say("prior from at least" in done.stderr and "prior" not in alone.stderr and "prior" not in without, "it is said, and off unless asked for", done.stderr)
     with open(os.path.join(work, "prior.yaml"), encoding="utf-8") as file:
         say("prior of" in file.read(), "the calibration file tells of it")
@@ -289,6 +378,7 @@ def try_several_pcs(work):
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job has it ignored, and so would what is started here
     keep = os.environ.get("PROOF")
     work = keep or tempfile.mkdtemp()
     os.makedirs(work, exist_ok=True)
@@ -305,10 +395,12 @@ def main():
         try_kills(fleet, work, first)
         try_interrupt(fleet, work, first)
         try_ssh(fleet, work, first)
+        try_interrupt_of_ssh(fleet, work)
         try_slurm(fleet, work, first)
         try_failures(fleet, work)
         try_refusals(fleet, work)
         try_fleet(first, work)
+        try_faults(work)
         try_stores(first, work)
         if MACHINES > 5:
             try_prior(fleet, first, work)

@@ -1,8 +1,12 @@
 #include "fleet/fleet_database.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <iostream>
 
 #include "base/error.h"
 #include "fleet_support.h"
@@ -110,6 +114,68 @@ TEST_F(FleetDatabaseTest, aFileThatWasRemovedWhileItsLogWasLeftIsMadeAnew) {
   EXPECT_EQ(FleetDatabase(folder_ / "fleet.db", Database::Use::kRead).count("waiting"), 1);
 }
 
+TEST_F(FleetDatabaseTest, isReadFromAFolderThatNobodyMayWriteTo) {
+  {
+    FleetDatabase tables(folder_ / "fleet.db", Database::Use::kWrite);
+    tables.plan({job("a", "/a.bag")});
+  }
+  ::chmod((folder_ / "fleet.db").c_str(), 0444);
+  ::chmod(folder_.c_str(), 0555);
+  const pid_t child = ::fork();
+  if (child == 0) {  // root may write anywhere: another user reads
+    long waiting = -1;
+    if (::geteuid() != 0 || ::setuid(65534) == 0) try {
+        waiting = FleetDatabase(folder_ / "fleet.db", Database::Use::kRead).count("waiting");
+      } catch (const InputError& e) {
+        std::cerr << e.what() << std::endl;
+      }
+    ::_exit(waiting == 1 ? 0 : 1);
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  fs::permissions(folder_, fs::perms::owner_all);
+}
+
+TEST_F(FleetDatabaseTest, tablesOfTheFirstSchemaAreReadAndCompleted) {
+  {
+    FleetDatabase tables(folder_ / "fleet.db", Database::Use::kWrite);
+    tables.plan({job("a", "/a.bag")});
+    tables.enter({resultOf("a")}, ResultsFolder(folder_));
+    const Database old(folder_ / "fleet.db", Database::Use::kWrite);
+    old.run(
+        "ALTER TABLE jobs DROP COLUMN angular; ALTER TABLE sensors DROP COLUMN step_K; PRAGMA "
+        "user_version=1");
+  }
+  const FleetDatabase read(folder_ / "fleet.db", Database::Use::kRead);
+  ASSERT_EQ(read.records().size(), 1u);
+  EXPECT_FALSE(read.records()[0].result.angular);
+  EXPECT_TRUE(std::isnan(read.records()[0].result.sensors.at(0).step));
+  FleetDatabase tables(folder_ / "fleet.db", Database::Use::kWrite);
+  JobResult b = resultOf("b");
+  b.angular = true;
+  b.sensors[0].step = 0.125;
+  tables.plan({job("b", "/b.bag")});
+  tables.enter({b}, ResultsFolder(folder_));
+  ASSERT_EQ(tables.records().size(), 2u);
+  EXPECT_TRUE(tables.records()[1].result.angular);
+  EXPECT_EQ(tables.records()[1].result.sensors.at(0).step, 0.125);
+}
+
+TEST_F(FleetDatabaseTest, onlyADamagedFileIsToBeRemoved) {
+  const auto said = [&](const fs::path& file) {
+    try {
+      FleetDatabase(file, Database::Use::kRead).records();
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("was read");
+  };
+  EXPECT_EQ(said(folder_ / "none.db").find("remove"), std::string::npos) << said(folder_ / "none.db");
+  std::ofstream(folder_ / "fleet.db") << std::string(4096, 'x');
+  EXPECT_NE(said(folder_ / "fleet.db").find("remove"), std::string::npos) << said(folder_ / "fleet.db");
+}
+
 TEST_F(FleetDatabaseTest, anotherFileIsRefusedByName) {
   std::ofstream(folder_ / "fleet.db")
       << "this is no database, however long it may be, and it is longer than a header "
@@ -120,6 +186,15 @@ TEST_F(FleetDatabaseTest, anotherFileIsRefusedByName) {
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("fleet.db"), std::string::npos);
   }
+}
+
+TEST(JobResultText, aForeignNameInAMessageIsReplaced) {
+  JobResult r = MadeUpFleet(2, 1, 1).records[0].result;
+  r.status = "failed";
+  r.why = "geh\xE4use.csv: no contacts";
+  EXPECT_EQ(parseResult(resultText(r), "r").why, "geh\uFFFDuse.csv: no contacts");
+  FleetRecord failed{"m1", "2026-01-05", "/s.bag", "/model.yaml", r};
+  EXPECT_NO_THROW(fleetJson(fleetOf({failed}, {}), true));
 }
 
 TEST(JobResultText, isReadBackToTheBit) {

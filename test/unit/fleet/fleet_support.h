@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <random>
 #include <string>
 #include <vector>
@@ -25,7 +26,6 @@ struct MadeUpFleet {
       for (int k = 0; k < sessions; ++k) {
         FleetRecord r;
         r.machine = format("m%03d", m + 1);
-        r.date = format("2025-%02d-%02dT00:00:00Z", 1 + (k * 28 / 27) % 12, 1 + k * 17 % 28);
         r.date = format("20%02d-%02d-15T00:00:00Z", 20 + k / 12, 1 + k % 12);
         r.session = format("/data/%s/%03d.bag", r.machine.c_str(), k);
         r.model = "/data/model.yaml";
@@ -43,9 +43,31 @@ struct MadeUpFleet {
         if (normal(random) > 1.5) j.found.push_back("{type: speed_lag}");
         for (int s = 0; s < 3; ++s)
           j.sensors.push_back({format("s%d", s), 20, 0, 21.0, 0.02 * std::exp(0.2 * normal(random)), 0.5,
-                               sensorOwn[static_cast<std::size_t>(s)] + 0.05 * normal(random)});
+                               sensorOwn[static_cast<std::size_t>(s)] + 0.05 * normal(random), 1e-3});
         records.push_back(std::move(r));
       }
+    }
+  }
+  /// The sensors of a quiet room, read in steps of `step` K; machines stand in places of their own
+  /// temperature, and the room's differs from one session to the next.
+  void readInSteps(std::uint64_t seed, double step) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Session session(Machine::load("three_axis"));
+    for (const char* name : {"s0", "s1", "s2"}) session.temperatures.push_back({name, "degC", {}, {}});
+    double place[3] = {};
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      if (i % static_cast<std::size_t>(sessions) == 0)
+        for (double& p : place) p = 20.0 + 0.3 * normal(random);
+      const double room = 0.15 * normal(random), swing = 0.1 * normal(random);
+      for (int s = 0; s < 3; ++s) {
+        std::vector<double>& value = session.temperatures[static_cast<std::size_t>(s)].value;
+        value.clear();
+        for (int k = 0; k < 40; ++k)
+          value.push_back(step *
+                          std::round((place[s] + room + swing * k / 40 + 0.02 * normal(random)) / step));
+      }
+      records[i].result.sensors = sensorHealth(session);
     }
   }
   FleetRecord& at(int machine, int session) {

@@ -31,6 +31,80 @@ TEST(Fleet, twoHundredQuietMachinesRaiseHardlyAnAlarm) {
   EXPECT_LE(alarms, 1);
 }
 
+TEST(Fleet, coarseSensorsInQuietRoomsRaiseHardlyAnAlarm) {
+  for (const double step : {0.5, 0.1, 0.0625}) {
+    int alarms = 0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed)
+      for (const int sessions : {6, 24}) {
+        MadeUpFleet made(seed, 50, sessions);
+        made.readInSteps(seed + 50, step);
+        const Fleet fleet = fleetOf(made.records, {});
+        alarms += !fleet.findings.empty();
+        for (const Finding& f : fleet.findings)
+          EXPECT_EQ(f.inWords.find("is stuck"), std::string::npos) << f.inWords;
+      }
+    EXPECT_LE(alarms, 1) << "steps of " << step << " K";
+  }
+}
+
+TEST(Fleet, aSensorIsStuckWhereItMovedBefore) {
+  MadeUpFleet made(4, 12, 6);
+  const auto still = [&](int machine, int from) {
+    for (int k = from; k < 6; ++k) made.at(machine, k).result.sensors[1].span = 0.0;
+  };
+  still(2, 4);
+  still(3, 5);  // one still session
+  still(5, 4);  // at two values
+  made.at(5, 4).result.sensors[1].mean = 20.5;
+  still(7, 4);  // never moved by more than some steps
+  for (int k = 0; k < 6; ++k) made.at(7, k).result.sensors[1].step = 0.25;
+  std::string stuck;
+  for (const Finding& f : fleetOf(made.records, {}).findings)
+    if (f.inWords.find("is stuck") != std::string::npos) stuck += f.machine + " " + f.quantity + ";";
+  EXPECT_EQ(stuck, "m003 sensor s1;");
+}
+
+TEST(Fleet, valuesOfAFitThatDidNotConvergeAreNotUsedAndCounted) {
+  MadeUpFleet made(5, 6, 10);
+  for (int k = 5; k < 10; ++k) {
+    made.at(1, k).result.converged = false;
+    for (FleetParameter& p : made.at(1, k).result.parameters) p.value += 50.0;
+    made.at(1, k).result.heldOutRms *= 30.0;
+  }
+  const Fleet fleet = fleetOf(made.records, {});
+  EXPECT_TRUE(fleet.findings.empty()) << fleetText(fleet);
+  EXPECT_EQ(fleet.open, 5);
+  EXPECT_NE(fleetText(fleet).find("5 fits did not converge"), std::string::npos);
+  for (const FleetSeries& s : fleet.series) {
+    if (s.machine != "m002") continue;
+    EXPECT_EQ(s.points.size(), s.kind == SeriesKind::kSensor ? 10u : 5u) << s.quantity;
+  }
+}
+
+TEST(Fleet, aParameterThatIsAskedForLeavesOutAllOtherFindings) {
+  MadeUpFleet made(3, 12, 36);
+  for (int k = 0; k < made.sessions; ++k) {
+    if (k >= 10) made.at(7, k).result.parameters[1].value += 1.5;
+    if (k < 12 || k >= 24) made.at(9, k).result.found.push_back("{type: lead_screw_periodic, axis: x}");
+    if (k > 20) made.at(5, k).result.sensors.pop_back();
+  }
+  EXPECT_EQ(fleetOf(made.records, {}).findings.size(), 3u);
+  FleetOptions options;
+  for (const char* name : {"axis: a1", "lead_screw", "sensor s2"}) {
+    options.parameter = name;
+    const Fleet fleet = fleetOf(made.records, options);
+    ASSERT_EQ(fleet.findings.size(), 1u) << fleetText(fleet);
+    EXPECT_NE(fleet.findings[0].quantity.find(name), std::string::npos);
+  }
+}
+
+TEST(Fleet, figuresOfAnAngularMachineAreAngles) {
+  MadeUpFleet made(6, 4, 6);
+  for (FleetRecord& r : made.records) r.result.angular = true;
+  for (const FleetSeries& s : fleetOf(made.records, {}).series)
+    EXPECT_EQ(s.unit == "urad", s.kind == SeriesKind::kFigure) << s.quantity;
+}
+
 TEST(Fleet, theWornTheMovedAndTheReturnedAreNamed) {
   MadeUpFleet made(3, 30, 36);
   for (int k = 0; k < made.sessions; ++k) {
@@ -64,7 +138,7 @@ TEST(Fleet, sensorsThatWentBadAreNamed) {
   for (int k = 6; k < 12; ++k) {
     made.at(1, k).result.sensors[0].offset += 2.0;
     made.at(2, k).result.sensors[1].noise = 0.5;
-    made.at(3, k).result.sensors[2].span = 0.0;
+    made.at(3, k).result.sensors[2].span = 0.0;  // at one value
     made.at(4, k).result.sensors[0].setAside = 15;
     made.at(5, k).result.sensors.pop_back();
   }

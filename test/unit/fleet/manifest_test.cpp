@@ -1,8 +1,13 @@
 #include "fleet/manifest.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 
@@ -75,6 +80,66 @@ TEST_F(ManifestTest, theKeyIsOfTheContentAndNothingElse) {
   EXPECT_EQ(load(text).jobs[0].key, key);
 }
 
+TEST_F(ManifestTest, theCorrectionThatIsLoadedIsPartOfAVerification) {
+  const std::string entry = "sessions:\n  - {bags: m2/c.bag, calibration: c.yaml, steps: [verify], loaded: ";
+  const BatchJob loaded = load(entry + "true}\n").jobs[0], raw = load(entry + "false}\n").jobs[0];
+  EXPECT_TRUE(loaded.loaded);
+  EXPECT_TRUE(jobOf(jobJson(loaded)).loaded);
+  EXPECT_FALSE(raw.loaded);
+  EXPECT_NE(loaded.key, raw.key);
+}
+
+TEST_F(ManifestTest, aBagIsNotHeldInMemoryForItsKey) {
+  constexpr long kSize = 96L << 20;
+  fs::resize_file(folder_ / "m2/c.bag", kSize);  // sparse: only what reads it needs memory
+  BatchJob job;
+  job.bag = folder_ / "m2/c.bag";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto most = [] {
+      rusage used{};
+      ::getrusage(RUSAGE_SELF, &used);
+      return used.ru_maxrss;  // kB
+    };
+    const long before = most();
+    const bool named = keyOf(job).size() == 32;
+    ::_exit(named && most() - before < kSize / 1024 / 4 ? 0 : 1);
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(ManifestTest, aNameThatIsNoUtf8IsRefusedWithItsLineAndKey) {
+  const std::string latin = "geh\xE4use";
+  const std::string why =
+      refusal("model: model.yaml\nsessions:\n  - {bags: m2/c.bag, machine: " + latin + "}\n");
+  for (const char* part : {"manifest.yaml:3", "machine", "geh\\xE4use", "UTF-8"})
+    EXPECT_NE(why.find(part), std::string::npos) << why;
+  write("m3/" + latin + ".bag", "fourth");
+  const std::string file = refusal("model: model.yaml\nsessions:\n  - {bags: 'm3/*.bag', machine: mill}\n");
+  for (const char* part : {"manifest.yaml:3", "bags", "geh\\xE4use.bag", "rename"})
+    EXPECT_NE(file.find(part), std::string::npos) << file;
+  EXPECT_EQ(load("model: model.yaml\nsessions:\n  - {bags: m2/c.bag, machine: gehäuse}\n").jobs[0].machine,
+            "gehäuse");
+}
+
+TEST_F(ManifestTest, itsOwnFolderIsNoPatternAndTheHomeFolderIsKnown) {
+  const fs::path odd = folder_ / "year [2026] {a,b} *";
+  fs::create_directories(odd);
+  for (const char* name : {"m1", "model.yaml"})
+    fs::copy(folder_ / name, odd / name, fs::copy_options::recursive);
+  std::ofstream(odd / "manifest.yaml") << "model: model.yaml\nsessions:\n  - {bags: 'm1/{a,b}.bag'}\n";
+  const Manifest m = loadManifest(odd / "manifest.yaml");
+  ASSERT_EQ(m.jobs.size(), 2u);
+  EXPECT_EQ(m.jobs[0].bag, odd / "m1/a.bag");
+  const std::string home = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
+  ::setenv("HOME", folder_.c_str(), 1);
+  EXPECT_EQ(load("model: model.yaml\nsessions:\n  - {bags: '~/m2/*.bag'}\n").jobs[0].bag,
+            folder_ / "m2/c.bag");
+  ::setenv("HOME", home.c_str(), 1);
+}
+
 TEST_F(ManifestTest, aMachineIsNamedByItsFolderWhereNothingElseIsTold) {
   EXPECT_EQ(load("model: model.yaml\nsessions:\n  - {bags: m2/c.bag}\n").jobs[0].machine, "m2");
 }
@@ -111,6 +176,11 @@ TEST_F(ManifestTest, whatIsWrongIsNamedByFileLineAndKey) {
        {"manifest.yaml:4", "steps", "did you mean 'calibrate'"}},
       {head + "  - {bags: m2/c.bag, date: yesterday}\n", {"manifest.yaml:4", "date", "2026-01-05"}},
       {head + "  - {bags: m2/c.bag, date: 2026-13-05}\n", {"manifest.yaml:4", "date", "2026-13-05"}},
+      {head + "  - {bags: m2/c.bag, date: 2026-02-31}\n", {"manifest.yaml:4", "date", "2026-02-31"}},
+      {head + "  - {bags: m2/c.bag, date: '2026-02-03T99:99:99Z'}\n",
+       {"manifest.yaml:4", "date", "99:99:99"}},
+      {head + "  - {bags: m2/c.bag, date: '2026-02-03T23:59:60Z'}\n", {"manifest.yaml:4", "date"}},
+      {head + "  - {bags: m2/c.bag, loaded: maybe}\n", {"manifest.yaml:4", "loaded", "true"}},
       {head + "  - {bags: m2/c.bag, method: newton}\n", {"manifest.yaml:4", "method", "least_squares"}},
       {head + "  - {bags: m2/c.bag, repeatability_um: -1}\n", {"manifest.yaml:4", "repeatability_um"}},
       {head + "  - {bags: m2/c.bag, steps: [verify]}\n", {"manifest.yaml:4", "verify", "calibration"}},
