@@ -15,7 +15,7 @@ constexpr int kSendBuffer = 64 << 10;          // bytes
 }  // namespace
 
 LiveSocket::LiveSocket(beast::tcp_stream stream, Server::Inside& server, std::uint64_t client)
-    : server_(server), socket_(std::move(stream)), client_(client) {}
+    : server_(server), socket_(std::move(stream)), client_(client), rate_(server.options().messagesASecond) {}
 
 void LiveSocket::begin(const http::request<http::string_body>& request) {
   // the socket has times of its own from here on
@@ -47,7 +47,7 @@ void LiveSocket::read() {
     if (error) return self->leave();
     const std::string text = beast::buffers_to_string(self->buffer_.data());
     self->buffer_.consume(self->buffer_.size());
-    if (self->server_.rate().take(std::chrono::steady_clock::now())) {
+    if (self->rate_.take(std::chrono::steady_clock::now())) {
       try {
         self->server_.handler().heard(self->client_, text);
       } catch (const std::exception&) {
