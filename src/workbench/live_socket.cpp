@@ -35,6 +35,7 @@ void LiveSocket::begin(const http::request<http::string_body>& request) {
     if (error) return self->leave();
     self->open_ = true;
     self->socket_.text(true);
+    self->server_.handler().came(self->client_);
     self->offer(std::make_shared<const std::string>("{\"client\":" + std::to_string(self->client_) + "}"));
     self->read();
     self->server_.wake();

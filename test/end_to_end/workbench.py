@@ -95,6 +95,26 @@ def loop(browser, bench, folder):
     check("in the folder of calibrations", "active" in links, links)
 
 
+def hiccups(browser, bench):
+    """A document that is refused is asked for again; a task that is cancelled while it waits has an end."""
+    go(browser, "compare")
+    before = tile(browser, "RMS, this calibration")
+    module = "import('/t/%s/app/server.js')" % urllib.parse.parse_qs(urllib.parse.urlparse(bench.url).query)["token"][0]
+    browser.evaluate("""(() => { const real = window.fetch; window.refused = 0;
+        window.fetch = (path, how) => (String(path).startsWith("/data/compare") && window.refused < 2
+            ? (window.refused += 1, Promise.resolve(new Response('{"message": "too many requests"}', { status: 429, headers: { "Content-Type": "application/json" } })))
+            : real(path, how)); })()""")
+    browser.evaluate("%s.then((m) => m.act('calibrate', { method: 'least_squares' })).then((end) => { window.calibrated = end; }), true" % module)
+    ended = browser.wait("window.calibrated && window.refused === 2 && window.calibrated", 120)
+    check("calibrated anew", ended["ok"], ended)
+    check("a document that was refused is asked for again", tile(browser, "RMS, this calibration") == before, before)
+    browser.evaluate("%s.then((m) => { const both = [m.act('diagnose'), m.act('diagnose')]; Promise.all(both).then((ends) => { window.ends = ends; }); }), true" % module)
+    browser.wait("document.querySelector('.running') && document.querySelector('.running').innerText.includes('1 waiting')")
+    browser.click("Cancel")
+    ends = browser.wait("window.ends", 120)
+    check("what was cancelled while it waited is said", [e["ok"] for e in ends] == [False, False] and ends[1]["message"] == "cancelled before it began", ends)
+
+
 def formula(browser):
     go(browser, "diagnose")
     for typed, good in (("k1*x*", False), ("k1*x*y", True)):
@@ -172,9 +192,9 @@ def many_contacts(folder):
                   "machine %.1f ms; heap of the page %.0f MB; server at most %.0f MB"
                   % (loaded, ", ".join("%.0f" % t for t in times), drawn, frame, heap, bench.peak_megabytes()))
             check("16,310 contacts: no error on the page", not browser.errors, browser.errors)
-            # five times what is wanted of a computer that does nothing else: these tests share theirs
-            check("16,310 contacts: there within 2 s", loaded < 10000, loaded)
-            check("16,310 contacts: a change within 100 ms", sorted(times)[len(times) // 2] < 500, times)
+            # five times what is wanted of a computer that does nothing else, 2 s and 100 ms: these tests share theirs
+            check("16,310 contacts: there within 10 s", loaded < 10000, loaded)
+            check("16,310 contacts: a change within 500 ms", sorted(times)[len(times) // 2] < 500, times)
             check("16,310 contacts: below 500 MB", bench.peak_megabytes() < 500 and heap < 500, (bench.peak_megabytes(), heap))
     finally:
         bench.stop()
@@ -191,6 +211,7 @@ def main():
         try:
             with Browser() as browser:
                 loop(browser, bench, folder)
+                hiccups(browser, bench)
                 formula(browser)
                 units(browser)
                 keys(browser)

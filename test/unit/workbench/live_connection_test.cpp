@@ -32,6 +32,7 @@ TEST_F(LiveConnectionTest, AHeartbeatIsHeardHoweverManyPagesAreAsked) {
   LiveClient client(*server_, "", server_->token());
   ASSERT_TRUE(client.open());
   EXPECT_NE(client.read().find("\"client\":1"), std::string::npos);
+  EXPECT_EQ(handler_.lastCame, 1u);
   std::string refused;
   while (status(refused) != 429)
     refused = answerTo(request("GET " + withToken("/x"), "Connection: close\r\n"));

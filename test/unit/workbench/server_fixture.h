@@ -40,6 +40,7 @@ class CountingHandler : public WebHandler {
     return "\"load\":\"" + std::string(load, 'x') + "\"";
   }
   std::chrono::milliseconds period() override { return 2ms; }
+  void came(std::uint64_t client) override { lastCame = client; }
   void heard(std::uint64_t client, const std::string& text) override {
     if (text != "heartbeat") throw InputError("unknown");
     const std::lock_guard<std::mutex> lock(mutex);
@@ -58,6 +59,7 @@ class CountingHandler : public WebHandler {
   }
   std::atomic<int> gets{0}, posts{0};
   std::atomic<std::size_t> load{10};
+  std::atomic<std::uint64_t> lastCame{0};
   std::atomic<bool> throws{false};
   std::uint64_t states = 0;  // asked for
   WebAnswer big;
