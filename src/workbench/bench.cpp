@@ -219,7 +219,7 @@ WebAnswer Bench::post(const std::string& path, const std::string& query, std::st
 
 WebAnswer Bench::action(const std::string& name, const std::string& json, const std::string& peer) {
   const RequestBody body(json);
-  body.refuseOthers(name, {"who", "client", "effect", "id", "model", "method", "seed", "plan"});
+  body.refuseOthers(name, {"who", "client", "effect", "id", "model", "method", "seed", "plan", "controller"});
   const std::string who = personOf(body.text("who"), peer);
   const std::string effect = body.text("effect"), id = body.text("id");
   if (name == "diagnose") return enqueue(name, who, [this] { return work_.diagnose(); });
@@ -231,6 +231,10 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
   if (name == "rollback") return enqueue(name, who, [this, id] { return work_.rollback(id); });
   if (name == "verify") return enqueue(name, who, [this] { return work_.verify(); });
   if (name == "report") return enqueue(name, who, [this] { return work_.report(); });
+  if (name == "export") {
+    const std::string controller = body.text("controller");
+    return enqueue(name, who, [this, controller] { return work_.exportTo(controller); });
+  }
   if (name == "take_live") return enqueue(name, who, [this] { return work_.openLive(); });
   if (name == "calibrate") {
     const std::string model = body.text("model"), method = body.text("method");

@@ -12,11 +12,7 @@
 #include "import/import_file.h"
 #include "model/observed_domain.h"
 #include "report/json.h"
-#include "report/report_page.h"
-#include "report/verify_json.h"
-#include "session/session_hash.h"
 #include "session/session_summary.h"
-#include "verification/verify.h"
 #include "workbench/calibration_documents.h"
 #include "workbench/compact_json.h"
 #include "workbench/sent_yaml.h"
@@ -249,7 +245,7 @@ void BenchWork::keep(Recalibration& done) {
   store_->add(done.calibration);
   calibration_ = done.calibration;  // add all goes on from it
   kept_ = true;
-  forget({"diagnosis", "moves", "report"});
+  forget({"diagnosis", "moves", "report", "export"});
   show();
 }
 
@@ -305,66 +301,6 @@ std::string BenchWork::addAll() {
     throw Cancelled("stopped after " + std::to_string(learned.steps) + " steps, which are kept");
   if (learned.diagnosis) showDiagnosis(*learned.diagnosis);
   return learned.sentence;
-}
-
-std::string BenchWork::use(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  Calibration chosen = store_->load(id);
-  checkMachine(chosen, session());
-  calibration_ = std::move(chosen);
-  kept_ = true;
-  forget({"diagnosis", "moves", "report"});
-  show();
-  return id + " is in use";
-}
-
-std::string BenchWork::promote(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  std::string message;
-  if (live_ != nullptr) {
-    message = live_->promote(id);
-  } else {
-    message = store_->promote(id) + " is active";
-  }
-  forget({"verify"});  // it was said of the one that was active before
-  showStore();
-  return message;
-}
-
-std::string BenchWork::rollback(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  const std::string message =
-      live_ != nullptr ? live_->rollback(id) : store_->rollback(id) + " is active again";
-  forget({"verify"});
-  showStore();
-  return message;
-}
-
-std::string BenchWork::verify() {
-  std::optional<Calibration> active;
-  if (store_) active = store_->active().calibration;
-  if (!active) throw InputError("no calibration is active; promote one, then measure a few fresh points");
-  if (active->sessionHash == sessionHash(session()))
-    throw InputError(
-        "the active calibration was fitted to this very session, so none of its points is fresh; "
-        "measure a few others (mm plan verify says which) and open them");
-  VerifyOptions options;
-  options.calibrate = this->options();
-  const Verification found = mm::verify(session(), *active, options);
-  documents_.put("verify", verifyJson(found));
-  return found.inWords;
-}
-
-std::string BenchWork::report() {
-  const ReportFiles files = loadReportFiles();
-  ReportOptions options;
-  options.diagnose = diagnoseOptions();
-  options.sessionPath = shownAs_;
-  options.calibrationPath = calibration().id.empty() ? "calibration.yaml" : calibration().id + ".yaml";
-  const ReportContents contents = makeReport(session(), calibration(), options);
-  documents_.put("report", reportPage(contents, files), "text/html; charset=utf-8");
-  showDiagnosis(contents.diagnosis);
-  return contents.diagnosis.sentence;
 }
 
 std::string BenchWork::judgeFormula(const std::string& direction, const std::string& formula,

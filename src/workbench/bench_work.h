@@ -67,6 +67,9 @@ class BenchWork {
   std::string verify();
   std::string report();  ///< the page of `mm report`
 
+  /// The tables for a controller, as a tar: `mm export` without options of its own. @param controller as `mm
+  /// export --to` calls it.
+  std::string exportTo(const std::string& controller);
   /// Where it is kept who did what: in the folder of calibrations; empty: that is not known yet.
   std::filesystem::path logFile() const;
 

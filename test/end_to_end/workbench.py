@@ -1,14 +1,17 @@
 """The workbench in a browser: the whole loop by its buttons, every view, its limits. Prints `ok …` and `not ok …` lines.
 MM_SCREENSHOTS=<folder> keeps a picture of each view in both widths and both colours."""
+import io
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import tarfile
 import tempfile
 import threading
 import urllib.parse
+import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from browser import Browser  # noqa: E402
@@ -80,7 +83,8 @@ def loop(browser, bench, folder):
     steps = [number(t) for t in browser.evaluate("[...document.querySelectorAll('.bars .figure')].map((x) => x.innerText)")]
     check("the error falls", steps[1] < 0.5 * steps[0], steps)
     go(browser, "compare")
-    after = number(tile(browser, "RMS, this calibration"))
+    after = number(browser.wait("""(() => { const t = [...document.querySelectorAll(".tile")].find((x) => x.querySelector(".label").textContent.startsWith("RMS, this calibration"));
+        const value = t && t.querySelector(".value").textContent; return value && parseFloat(value) < %g && value; })()""" % (0.5 * before)))
     check("and is seen where it was compared", after < 0.5 * before, (before, after))
     go(browser, "diagnose")
     browser.click("Diagnose")
@@ -93,6 +97,16 @@ def loop(browser, bench, folder):
     check("it is promoted", said.endswith("is active"), said)
     links = os.listdir(os.path.join(folder, "store"))
     check("in the folder of calibrations", "active" in links, links)
+
+
+def export(browser):
+    go(browser, "correct")
+    browser.click("Export", "document.querySelector('#controller').closest('section')")
+    address = browser.wait("[...document.querySelectorAll('a.button')].filter((a) => a.innerText === 'Keep the export').map((a) => a.href)[0]", 120)
+    with urllib.request.urlopen(address, timeout=60) as answer:
+        tar = tarfile.open(fileobj=io.BytesIO(answer.read()))
+    names = [os.path.basename(n) for n in tar.getnames()]
+    check("the export is one file", "README.md" in names and "representability.json" in names, names)
 
 
 def hiccups(browser, bench):
@@ -211,6 +225,7 @@ def main():
         try:
             with Browser() as browser:
                 loop(browser, bench, folder)
+                export(browser)
                 hiccups(browser, bench)
                 formula(browser)
                 units(browser)

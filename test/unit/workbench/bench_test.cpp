@@ -208,6 +208,27 @@ TEST_F(BenchTest, WithoutAFolderNamedEachMachineHasItsOwn) {
   EXPECT_NE(log.find("add: "), std::string::npos) << log;
 }
 
+TEST_F(BenchTest, AnExportIsOneFileThatIsUnpacked) {
+  start();
+  EXPECT_GT(data("catalogue")["controllers"].size(), 5u);
+  ASSERT_TRUE(act("add", {{"effect", "{type: backlash, axis: x}"}})["ok"]);
+  EXPECT_FALSE(act("export", {{"controller", "../../etc"}})["ok"]);
+  EXPECT_EQ(bench_->get("/download/export").status, 404u);
+  const json done = act("export", {{"controller", "linuxcnc"}});
+  ASSERT_TRUE(done["ok"]) << done;
+  const WebAnswer sent = bench_->get("/download/export");
+  ASSERT_EQ(sent.status, 200u);
+  const std::string id = data("calibration")["id"];
+  EXPECT_EQ(sent.fileName, id + "_linuxcnc.tar");
+  const auto tar = folder_.write("sent.tar", *sent.body);
+  ASSERT_EQ(std::system(("tar -xf " + tar.string() + " -C " + folder_.path("").string()).c_str()), 0);
+  const std::filesystem::path folder = folder_.path(id + "_linuxcnc");
+  EXPECT_NE(test::readAll(folder / "README.md").find("LinuxCNC"), std::string::npos);
+  EXPECT_EQ(json::parse(test::readAll(folder / "representability.json"))["target"], "linuxcnc");
+  ASSERT_TRUE(act("remove", {{"effect", "{type: backlash, axis: x}"}})["ok"]);
+  EXPECT_EQ(bench_->get("/download/export").status, 404u) << "an export of another calibration stayed";
+}
+
 TEST_F(BenchTest, WhatIsShownIsOfTheModelThatIsThere) {
   start();
   const json all = act("add_all");
