@@ -1,5 +1,10 @@
 #include <ros/console.h>
+#include <ros/network.h>
+#include <ros/xmlrpc_manager.h>
 
+#include <chrono>
+#include <cmath>
+#include <csignal>
 #include <sstream>
 
 #include "nodes/ros_machine.h"
@@ -24,12 +29,33 @@ mm::BenchSources sources() {
   return sources;
 }
 
+volatile std::sig_atomic_t endAsked = 0;
+
+void askForEnd(int /*signal*/) { endAsked = 1; }
+
+/// From here on Ctrl-C, SIGTERM and `rosnode kill` only ask for the end. A machine that moves is stopped by
+/// a service, and none is answered any more when ROS has been shut down.
+void endWhileRosLives() {
+  struct sigaction ours {};
+  ours.sa_handler = askForEnd;
+  sigemptyset(&ours.sa_mask);
+  sigaction(SIGINT, &ours, nullptr);
+  sigaction(SIGTERM, &ours, nullptr);
+  ros::XMLRPCManager::instance()->unbind("shutdown");
+  ros::XMLRPCManager::instance()->bind("shutdown",
+                                       [](XmlRpc::XmlRpcValue& /*request*/, XmlRpc::XmlRpcValue& answer) {
+                                         endAsked = 1;
+                                         answer = ros::xmlrpc::responseInt(1, "", 0);
+                                       });
+}
+
 /// `~port`, `~address`, `~hosts` (separated by spaces), `~store`, `~threads`, `~bag` (a recorded session to
-/// begin with), `~open` (a browser), `~frame_prefix`. Sets `~url`.
+/// begin with), `~open` (a browser), `~heartbeat` (s, without one for so long the machine is stopped),
+/// `~frame_prefix`. Sets `~url`.
 void serve() {
   ros::NodeHandle node, own("~");
-  mm::refuseUnknownParameters(
-      own, {"port", "address", "hosts", "store", "threads", "bag", "open", "frame_prefix", "url"});
+  mm::refuseUnknownParameters(own, {"port", "address", "hosts", "store", "threads", "bag", "open",
+                                    "heartbeat", "frame_prefix", "url"});
   mm::loadEffectPlugins([](const std::string& line) { ROS_WARN("%s", line.c_str()); });
   const mm::Machine machine = mm::machineFromParameter(node);
   ros::AsyncSpinner spinner(3);
@@ -39,6 +65,8 @@ void serve() {
   options.bag = mm::textParameter(own, "bag", "");
   options.store = mm::storeFolder(own, machine);
   options.threads = static_cast<unsigned>(mm::numberParameter(own, "threads", 0, 0, 1024));
+  options.heartbeat =
+      std::chrono::milliseconds(std::lround(1e3 * mm::numberParameter(own, "heartbeat", 1.0, 0.5, 10.0)));
   mm::ServerOptions listen;
   listen.address = mm::textParameter(own, "address", "127.0.0.1");
   listen.port = static_cast<unsigned>(mm::numberParameter(own, "port", 0, 0, 65535));
@@ -47,13 +75,14 @@ void serve() {
   listen.token = mm::newToken();
   mm::Bench bench(options, sources(), listen.token, &live);
   bench.begin();
+  endWhileRosLives();
   mm::Server server(listen, bench);
   bench.onNews([&server] { server.wake(); });
   own.setParam("url", server.url());
   ROS_INFO("workbench: %s", server.url().c_str());
   if (mm::flagParameter(own, "open", false) && !mm::openBrowser(server.url()))
     ROS_WARN("no browser could be opened; open the address above yourself");
-  ros::waitForShutdown();
+  while (endAsked == 0 && ros::ok()) ros::WallDuration(0.05).sleep();
   bench.onNews({});
 }
 

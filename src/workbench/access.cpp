@@ -1,16 +1,22 @@
 #include "workbench/access.h"
 
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+
 #include <algorithm>
 #include <cctype>
 #include <fstream>
 #include <optional>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace mm {
 namespace {
 
-constexpr std::size_t kLongestTarget = 512;
+constexpr std::size_t kLongestTarget = 1024;
 
 std::string smallLetters(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -69,18 +75,49 @@ bool sameToken(const std::string& a, const std::string& b) {
   return different == 0;
 }
 
+std::string withPort(const std::string& host, unsigned port) {
+  const auto colons = std::count(host.begin(), host.end(), ':');
+  const std::string end = ":" + std::to_string(port);
+  if (colons == 0 || (!host.empty() && host.back() == ']')) return host + end;
+  if (colons > 1 && host.front() != '[') return "[" + host + "]" + end;
+  return host;
+}
+
+std::vector<std::string> addressesOfThisComputer() {
+  std::vector<std::string> addresses;
+  ifaddrs* list = nullptr;
+  if (::getifaddrs(&list) != 0) list = nullptr;
+  for (const int family : {AF_INET, AF_INET6})
+    for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
+      if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != family) continue;
+      if ((i->ifa_flags & IFF_LOOPBACK) != 0 || (i->ifa_flags & IFF_UP) == 0) continue;
+      char text[INET6_ADDRSTRLEN];
+      const void* address =
+          family == AF_INET
+              ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in*>(i->ifa_addr)->sin_addr)
+              : static_cast<const void*>(&reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)->sin6_addr);
+      if (::inet_ntop(family, address, text, sizeof text) == nullptr) continue;
+      if (std::string(text).rfind("fe80:", 0) != 0) addresses.emplace_back(text);  // needs a zone
+    }
+  if (list != nullptr) ::freeifaddrs(list);
+  for (const char* loopback : {"127.0.0.1", "::1", "localhost"}) addresses.emplace_back(loopback);
+  return addresses;
+}
+
 std::vector<std::string> hostsOf(const std::string& address, unsigned port,
                                  const std::vector<std::string>& further) {
   std::vector<std::string> names = further;
-  names.push_back(address.find(':') == std::string::npos ? address : "[" + address + "]");
+  names.push_back(address);
   if (isLoopback(address)) {
     names.push_back("localhost");
     names.push_back("127.0.0.1");
   }
   std::vector<std::string> hosts;
   for (const std::string& name : names) {
-    hosts.push_back(smallLetters(name) + ":" + std::to_string(port));
-    if (port == 80) hosts.push_back(smallLetters(name));
+    hosts.push_back(smallLetters(withPort(name, port)));
+    const std::string& host = hosts.back();
+    // a browser leaves out the port that everybody knows
+    if (endsWith(host, ":80")) hosts.push_back(host.substr(0, host.size() - 3));
   }
   return hosts;
 }

@@ -14,8 +14,16 @@ std::string newToken();
 /// Whether two texts are the same; takes equally long wherever they differ.
 bool sameToken(const std::string& a, const std::string& b);
 
+/// A name or address of a host with the port, as a browser writes it: "bench:8123", "[::1]:8123". What has a
+/// port already keeps it.
+std::string withPort(const std::string& host, unsigned port);
+
+/// Addresses that this computer has, those first that others reach it by; the loopback last. Never empty.
+std::vector<std::string> addressesOfThisComputer();
+
 /// Names under which a server on `address` and `port` is reached: the address itself, for the loopback also
-/// localhost, and those of `further`; each with its port, in small letters.
+/// localhost, and those of `further`; each with its port, in small letters. One of `further` may have a port
+/// of its own: that of the near end of a tunnel.
 std::vector<std::string> hostsOf(const std::string& address, unsigned port,
                                  const std::vector<std::string>& further);
 
@@ -31,7 +39,7 @@ struct Target {
   std::string query;  // what stands behind the question mark, as it came
   bool wellFormed = false;
 };
-/// A target with `..`, a backslash, a control character, an unfinished percent sign or more than 512 letters
+/// A target with `..`, a backslash, a control character, an unfinished percent sign or more than 1024 letters
 /// is not well formed.
 Target targetOf(const std::string& target);
 

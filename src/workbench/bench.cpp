@@ -19,8 +19,8 @@ using Json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
 constexpr auto kMoving = 33ms, kWorking = 100ms, kAtRest = 500ms;  // between two states: 30, 10 and 2 Hz
-constexpr auto kHeartbeat = 1000ms;  // without one for so long, the machine is stopped
 constexpr std::size_t kMostTasks = 4, kEndedTold = 8;
+const std::string kOpen = "open";
 // What the report may do within the page: draw itself.
 const char* const kReportPolicy =
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -30,15 +30,7 @@ Json placeJson(const Eigen::Vector3d& at) {
   return at.allFinite() ? roundedList(at / kMillimetre, 1e-5) : Json(nullptr);
 }
 
-WebAnswer contactsAnswer(const std::vector<Eigen::Vector3d>& contacts) {
-  Json at = Json::array();
-  for (const Eigen::Vector3d& tip : contacts) at.push_back(roundedList(tip / kMillimetre, kPlaceStep));
-  return WebAnswer::text(compact({{"at_mm", std::move(at)}}), "application/json");
-}
-
-Json machineJson(LiveMachine& live) {
-  const LiveMachine::State s = live.state();
-  const std::vector<Joint>& joints = live.machine().joints();
+Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s) {
   Json readings = Json::array();
   for (std::size_t j = 0; j < joints.size() && j < s.readings.size(); ++j)
     readings.push_back(
@@ -56,29 +48,51 @@ Json machineJson(LiveMachine& live) {
           {"share", number(s.share)}};
 }
 
+bool isMotion(const std::string& name) {
+  static const std::set<std::string> motions = {"arm", "disarm", "stop", "home", "run", "pause", "continue"};
+  return motions.count(name) > 0;
+}
+
+std::string personOf(const std::string& given, const std::string& peer) {
+  const std::string person = personsName(given);
+  return (person.empty() ? "somebody" : person) + " (" + peer + ")";
+}
+
 }  // namespace
 
 Bench::Bench(BenchOptions options, BenchSources sources, std::string token, LiveMachine* live)
     : token_(std::move(token)),
       job_([this](const Job::State&) { news(); }),
       live_(live),
-      work_(options, std::move(sources), documents_, job_, live),
-      log_(options.store.empty() ? std::filesystem::path() : options.store / "workbench.log") {
-  worker_ = std::thread([this] { serve(); });
-  if (live_ != nullptr) watcher_ = std::thread([this] { watch(); });
+      heartbeat_(options.heartbeat),
+      work_(std::move(options), std::move(sources), documents_, job_, live) {
+  log_.goOnIn(work_.logFile());
+  worker_ = std::thread([this] { serve(tasks_); });
+  if (live_ == nullptr) return;
+  aside_ = std::thread([this] { serve(asides_); });
+  watcher_ = std::thread([this] { watch(); });
 }
 
 Bench::~Bench() {
   onNews({});
+  std::string holder;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ending_ = true;
     tasks_.clear();
-    if (armed_) disarm("the workbench ends");
+    asides_.clear();
+    if (armed_) holder = release();
   }
+  if (!holder.empty()) log_.add(holder, "the workbench ends: the machine is stopped");
   job_.cancel();
   changed_.notify_all();
   worker_.join();
+  if (aside_.joinable()) aside_.join();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    over_ = true;  // until here the watcher stops what was on its way
+  }
+  changed_.notify_all();
   if (watcher_.joinable()) watcher_.join();
 }
 
@@ -93,58 +107,75 @@ void Bench::news() {
 }
 
 void Bench::begin() {
-  job_.run("open", [this] { log_.add("mm workbench", work_.begin()); });
+  std::string done;
+  job_.run("open", [&] { done = work_.begin(); });
+  log_.goOnIn(work_.logFile());
+  log_.add("mm workbench", done);
 }
 
-void Bench::serve() {
+void Bench::serve(std::deque<Task>& tasks) {
+  const bool aside = &tasks == &asides_;
   for (;;) {
     Task task;
     {
       std::unique_lock<std::mutex> lock(mutex_);
-      changed_.wait(lock, [this] { return ending_ || !tasks_.empty(); });
+      changed_.wait(lock, [&] { return ending_ || !tasks.empty(); });
       if (ending_) return;
-      task = std::move(tasks_.front());
-      tasks_.pop_front();
-      running_ = task.who;
+      task = std::move(tasks.front());
+      tasks.pop_front();
+      if (!aside) running_ = task.who;
     }
-    Ended ended{task.number, task.name, {}, false};
-    try {
-      job_.run(task.name, [&] { ended.message = task.work(); });
-      ended.ok = true;
-    } catch (const std::exception& e) {
-      ended.message = e.what();
-    }
+    Ended ended = carryOut(task, aside);
     log_.add(task.who, task.name + ": " + (ended.ok ? "" : "refused: ") + ended.message);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      running_.clear();
-      ended_.push_back(std::move(ended));
-      if (ended_.size() > kEndedTold) ended_.pop_front();
+      if (!aside) running_.clear();
+      end(std::move(ended));
     }
     news();
   }
 }
 
-/// A machine that is left alone is stopped whether or not anybody asks for the state.
-void Bench::watch() {
-  std::unique_lock<std::mutex> lock(mutex_);
-  while (!ending_) {
-    changed_.wait_for(lock, 50ms, [this] { return ending_; });
-    if (armed_ && Clock::now() - armed_->heard > kHeartbeat)
-      disarm("no heartbeat of the page for " + std::to_string(kHeartbeat.count()) +
-             " ms: the machine is stopped");
+Bench::Ended Bench::carryOut(const Task& task, bool aside) {
+  Ended ended{task.number, task.name, {}, false};
+  try {
+    if (aside)
+      ended.message = task.work();
+    else
+      job_.run(task.name, [&] { ended.message = task.work(); });
+    ended.ok = true;
+  } catch (const std::exception& e) {
+    ended.message = e.what();
   }
+  if (!aside) log_.goOnIn(work_.logFile());  // it may have opened a session of another machine
+  return ended;
+}
+
+void Bench::end(Ended ended) {
+  pending_.erase(ended.number);
+  ended_.push_back(std::move(ended));
+  if (ended_.size() > kEndedTold) ended_.pop_front();
 }
 
 WebAnswer Bench::enqueue(const std::string& name, const std::string& who, std::function<std::string()> work) {
+  return enqueue(tasks_, name, who, std::move(work));
+}
+
+WebAnswer Bench::enqueue(std::deque<Task>& tasks, const std::string& name, const std::string& who,
+                         std::function<std::string()> work) {
   std::uint64_t number = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (tasks_.size() >= kMostTasks)
-      return WebAnswer::say(409, "'" + job_.state().task + "' runs and " + std::to_string(tasks_.size()) +
+    if (tasks.size() >= kMostTasks)
+      return WebAnswer::say(409, "'" + job_.state().task + "' runs and " + std::to_string(tasks.size()) +
                                      " tasks wait; wait for them, or cancel");
+    const bool another =
+        std::any_of(tasks.begin(), tasks.end(), [](const Task& t) { return t.name == kOpen; });
+    if (name == kOpen && another)  // each waits with its file in memory
+      return WebAnswer::say(409, "another file waits to be read; send this one again when that is open");
     number = ++numbers_;
-    tasks_.push_back({number, name, who, std::move(work)});
+    pending_.insert(number);
+    tasks.push_back({number, name, who, std::move(work)});
   }
   changed_.notify_all();
   WebAnswer answer =
@@ -156,7 +187,7 @@ WebAnswer Bench::enqueue(const std::string& name, const std::string& who, std::f
 WebAnswer Bench::get(const std::string& path) {
   if (path == "/") return page_.index(token_);
   if (std::optional<WebAnswer> part = page_.part(path)) return *part;
-  if (path == "/data/contacts" && live_ != nullptr) return contactsAnswer(live_->contacts());
+  if (path == "/data/contacts" && live_ != nullptr) return contacts_.of(live_->contacts());
   if (path == "/data/log") return WebAnswer::text(log_.json(), "application/json");
   if (startsWith(path, "/data/"))
     if (std::optional<WebAnswer> found = documents_.find(path.substr(6))) {
@@ -188,9 +219,8 @@ WebAnswer Bench::post(const std::string& path, const std::string& query, std::st
 
 WebAnswer Bench::action(const std::string& name, const std::string& json, const std::string& peer) {
   const RequestBody body(json);
-  body.refuseOthers(name, {"who", "client", "effect", "id", "model", "method", "seed", "plan"});
-  const std::string person = personsName(body.text("who"));
-  const std::string who = (person.empty() ? "somebody" : person) + " (" + peer + ")";
+  body.refuseOthers(name, {"who", "client", "effect", "id", "model", "method", "seed", "plan", "controller"});
+  const std::string who = personOf(body.text("who"), peer);
   const std::string effect = body.text("effect"), id = body.text("id");
   if (name == "diagnose") return enqueue(name, who, [this] { return work_.diagnose(); });
   if (name == "add") return enqueue(name, who, [this, effect] { return work_.add(effect); });
@@ -201,6 +231,10 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
   if (name == "rollback") return enqueue(name, who, [this, id] { return work_.rollback(id); });
   if (name == "verify") return enqueue(name, who, [this] { return work_.verify(); });
   if (name == "report") return enqueue(name, who, [this] { return work_.report(); });
+  if (name == "export") {
+    const std::string controller = body.text("controller");
+    return enqueue(name, who, [this, controller] { return work_.exportTo(controller); });
+  }
   if (name == "take_live") return enqueue(name, who, [this] { return work_.openLive(); });
   if (name == "calibrate") {
     const std::string model = body.text("model"), method = body.text("method");
@@ -211,92 +245,43 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
 }
 
 WebAnswer Bench::immediately(const std::string& name, const RequestBody& body, const std::string& who) {
-  if (name == "cancel") {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      tasks_.clear();
-    }
-    const Job::State running = job_.cancel();
-    log_.add(who, "cancel");
-    return WebAnswer::say(
-        200, running.task.empty() ? "nothing is running" : "'" + running.task + "' was asked to stop");
-  }
-  if (name == "stop") {  // anybody may stop a machine, armed or not
-    if (live_ == nullptr)
-      return WebAnswer::say(409, "no machine is there: this workbench shows a recorded session");
-    live_->stop();
-    log_.add(who, "stop");
-    return WebAnswer::say(200, "every axis was told to stop");
-  }
+  if (name == "cancel") return cancel(who);
+  if (live_ == nullptr && isMotion(name))
+    return WebAnswer::say(409, "no machine is there: this workbench shows a recorded session");
+  if (name == "stop") return stop(who);
   if (name == "arm") return arm(body.number("client"), who);
-  if (name == "disarm") {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (armed_ && armed_->client == body.number("client")) disarm("disarmed");
-    return WebAnswer::say(200, "disarmed: what moved was stopped");
-  }
-  if (name == "home" || name == "run" || name == "pause" || name == "continue")
-    return motion(name, body, who);
+  if (name == "disarm") return disarm(body.number("client"));
+  if (isMotion(name)) return motion(name, body, who);
   return WebAnswer::say(404, "there is no action '" + name.substr(0, 40) + "'");
 }
 
-WebAnswer Bench::arm(std::uint64_t client, const std::string& who) {
-  if (live_ == nullptr)
-    return WebAnswer::say(409, "no machine is there: this workbench shows a recorded session");
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (client == 0)
-    return WebAnswer::say(409, "this page has no live connection, so nobody would notice if it went");
-  if (armed_ && armed_->client != client)
-    return WebAnswer::say(
-        409, armed_->who + " holds the machine; it is free when that page is disarmed or closed");
-  armed_ = Armed{client, who, Clock::now()};
-  log_.add(who, "armed");
-  return WebAnswer::say(200, "armed: the machine moves as long as this page is open");
-}
-
-void Bench::disarm(const std::string& why) {
-  if (!armed_) return;
-  log_.add(armed_->who, why);
-  armed_.reset();
-  if (live_ != nullptr) live_->stop();
-}
-
-WebAnswer Bench::motion(const std::string& name, const RequestBody& body, const std::string& who) {
+WebAnswer Bench::cancel(const std::string& who) {
+  std::deque<Task> dropped;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (live_ == nullptr)
-      return WebAnswer::say(409, "no machine is there: this workbench shows a recorded session");
-    if (!armed_ || armed_->client != body.number("client"))
-      return WebAnswer::say(409, "the machine is not armed from this page; arm it first");
+    dropped.swap(tasks_);
+    for (const Task& task : dropped) end({task.number, task.name, "cancelled before it began", false});
   }
-  if (name == "pause" || name == "continue") {
-    log_.add(who, name);
-    return WebAnswer::say(200, live_->pause(name == "pause"));
-  }
-  const std::uint64_t client = body.number("client");
-  const std::string plan = body.text("plan");
-  return enqueue(name, who, [this, name, client, plan] {
-    requireArmed(client);  // it may have waited behind other tasks
-    if (name == "home") return live_->home();
-    const std::string measured = live_->run(plan, [this] { return job_.cancelled(); });
-    return measured + "; " + work_.openLive();
-  });
-}
-
-void Bench::requireArmed(std::uint64_t client) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!armed_ || armed_->client != client)
-    throw InputError("the machine is not armed any more from the page that asked; nothing was moved");
+  const Job::State running = job_.cancel();
+  log_.add(who, "cancel");
+  for (const Task& task : dropped) log_.add(task.who, task.name + ": cancelled before it began, by " + who);
+  news();
+  std::string said = running.task.empty() ? "nothing is running" : "'" + running.task + "' was asked to stop";
+  if (!dropped.empty()) said += "; " + std::to_string(dropped.size()) + " that waited do not begin";
+  return WebAnswer::say(200, said);
 }
 
 WebAnswer Bench::upload(const std::string& query, std::string body, const std::string& peer) {
-  const std::string name = personsName(queryValue(query, "name"));
-  const std::string kind = name.size() > 4 ? name.substr(name.size() - 4) : "";
+  const std::string given = queryValue(query, "name"), name = shownFileName(given);
+  const std::string kind = lower(given.substr(given.size() - std::min<std::size_t>(4, given.size())));
   if (kind != ".bag" && kind != ".csv")
     return WebAnswer::say(415, "'" + name + "' is neither a bag nor a CSV; its name ends in .bag or .csv");
   if (body.empty()) return WebAnswer::say(400, "'" + name + "' is empty");
-  const auto file = std::make_shared<TemporaryFile>(kind, body);
-  return enqueue("open", "somebody (" + peer + ")", [this, file, name, kind] {
-    return kind == ".bag" ? work_.open(file->path(), name) : work_.importTable(file->path(), name);
+  const auto content = std::make_shared<std::string>(std::move(body));
+  return enqueue(kOpen, personOf(queryValue(query, "who"), peer), [this, content, name, kind] {
+    const TemporaryFile file(kind, *content);
+    std::string().swap(*content);
+    return kind == ".bag" ? work_.open(file.path(), name) : work_.importTable(file.path(), name);
   });
 }
 
@@ -304,11 +289,12 @@ std::string Bench::live() {
   const Job::State running = job_.state();
   Json out;
   out["documents"] = documents_.numbers();
+  out["machine"] = nullptr;
   if (live_ != nullptr) {
-    const std::size_t contacts = live_->state().observations;
-    if (contacts > 0) out["documents"]["contacts"] = contacts;
+    const LiveMachine::State state = live_->state();
+    if (state.observations > 0) out["documents"]["contacts"] = state.observations;
+    out["machine"] = machineJson(live_->machine().joints(), state);
   }
-  out["machine"] = live_ != nullptr ? machineJson(*live_) : Json(nullptr);
   const std::lock_guard<std::mutex> lock(mutex_);
   out["task"] = running.task.empty() ? Json(nullptr)
                                      : Json{{"name", running.task},
@@ -317,6 +303,8 @@ std::string Bench::live() {
                                             {"seconds", rounded(running.seconds, 0.1)},
                                             {"who", running_}};
   out["waiting"] = tasks_.size();
+  out["asked"] = numbers_;
+  out["pending"] = pending_;
   out["ended"] = Json::array();
   for (const Ended& e : ended_)
     out["ended"].push_back({{"number", e.number}, {"name", e.name}, {"ok", e.ok}, {"message", e.message}});
@@ -328,17 +316,6 @@ std::string Bench::live() {
 std::chrono::milliseconds Bench::period() {
   if (live_ != nullptr && live_->state().moving) return kMoving;
   return job_.state().task.empty() ? kAtRest : kWorking;
-}
-
-void Bench::heard(std::uint64_t client, const std::string& text) {
-  if (text != "heartbeat") throw InputError("a page says 'heartbeat' and nothing else");
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (armed_ && armed_->client == client) armed_->heard = Clock::now();
-}
-
-void Bench::gone(std::uint64_t client) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (armed_ && armed_->client == client) disarm("the page that held the machine has gone: it is stopped");
 }
 
 }  // namespace mm

@@ -16,18 +16,58 @@ std::string oneLineOf(std::string text) {
 
 }  // namespace
 
-void BenchLog::add(const std::string& who, const std::string& what) {
+BenchLog::BenchLog() : writer_([this] { write(); }) {}
+
+BenchLog::~BenchLog() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  writer_.join();
+}
+
+void BenchLog::goOnIn(const std::filesystem::path& file) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  lines_.push_front({utcNow(), oneLineOf(who), oneLineOf(what)});
-  if (lines_.size() > kKept) lines_.pop_back();
-  if (file_.empty()) return;
-  std::error_code failed;
-  std::filesystem::create_directories(file_.parent_path(), failed);
-  std::ofstream out(file_, std::ios::app);
-  const Line& line = lines_.front();
-  out << line.time << "  " << line.who << "  " << line.what << '\n';
-  if (out.flush()) return;
-  lines_.front().what += " (this line could not be written to " + file_.string() + ")";
+  file_ = file;
+}
+
+void BenchLog::add(const std::string& who, const std::string& what) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    lines_.push_front({++numbers_, utcNow(), oneLineOf(who), oneLineOf(what)});
+    if (lines_.size() > kKept) lines_.pop_back();
+    if (file_.empty()) return;
+    Waiting next{lines_.front(), file_};
+    if (waiting_.size() >= kMostWaiting) return markUnwritten(next);
+    waiting_.push_back(std::move(next));
+  }
+  changed_.notify_all();
+}
+
+void BenchLog::write() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    const Waiting next = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    std::error_code failed;
+    std::filesystem::create_directories(next.file.parent_path(), failed);
+    std::ofstream out(next.file, std::ios::app);
+    out << next.line.time << "  " << next.line.who << "  " << next.line.what << '\n';
+    const bool written = static_cast<bool>(out.flush());
+    out.close();
+    lock.lock();
+    if (!written) markUnwritten(next);
+  }
+}
+
+void BenchLog::markUnwritten(const Waiting& lost) {
+  for (Line& line : lines_)
+    if (line.number == lost.line.number)
+      line.what += " (this line could not be written to " + lost.file.string() + ")";
 }
 
 std::string BenchLog::json() const {

@@ -12,12 +12,10 @@
 #include "import/import_file.h"
 #include "model/observed_domain.h"
 #include "report/json.h"
-#include "report/report_page.h"
-#include "report/verify_json.h"
 #include "session/session_summary.h"
-#include "verification/verify.h"
 #include "workbench/calibration_documents.h"
 #include "workbench/compact_json.h"
+#include "workbench/sent_yaml.h"
 #include "workflow/learning.h"
 
 namespace mm {
@@ -98,7 +96,9 @@ std::string BenchWork::begin() {
     if (store_) showStore();
     try {
       return openLive();
-    } catch (const InputError& e) {
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& e) {
       return e.what();  // what is measured from now on can be taken later
     }
   }
@@ -109,20 +109,16 @@ void BenchWork::take(Session session, const std::string& shownAs) {
   // a fit without effects is of its own session alone
   if (calibration_ && !kept_ && calibration_->effects.empty()) calibration_.reset();
   if (calibration_) checkMachine(*calibration_, session);
+  chooseStore(session);
   auto taken = std::make_shared<const Session>(std::move(session));
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     domain_ = std::make_shared<const Domain>(observedDomain(*taken));
   }
   earlier_ = {};
-  for (const char* name : {"points", "compare", "diagnosis", "moves", "report", "verify"})
-    documents_.remove(name);
+  forget({"points", "compare", "diagnosis", "moves", "report", "verify"});
   session_ = std::move(taken);
   shownAs_ = shownAs;
-  if (!store_) {
-    const std::filesystem::path part = folderOf(session_->machine, space_);
-    store_.emplace(options_.store.empty() ? CalibrationStore::defaultFolder() / part : options_.store);
-  }
   job_.step("checking the point set", 0.0);
   documents_.put("session", sessionDocument(*session_, shownAs_));
   documents_.put("heat", heatDocument(*session_));
@@ -132,6 +128,23 @@ void BenchWork::take(Session session, const std::string& shownAs) {
   } else {
     firstFit();
   }
+}
+
+/// Of the folders that are not named by the options, the one of the machine that measured.
+void BenchWork::chooseStore(const Session& session) {
+  if (!options_.store.empty()) return;
+  const std::filesystem::path folder = CalibrationStore::defaultFolder() / folderOf(session.machine, space_);
+  if (store_ && store_->folder() == folder) return;
+  store_.emplace(folder);
+  kept_ = false;  // the calibration in hand is not in this one
+}
+
+std::filesystem::path BenchWork::logFile() const {
+  return store_ ? store_->folder() / "workbench.log" : std::filesystem::path();
+}
+
+void BenchWork::forget(std::initializer_list<const char*> documents) {
+  for (const char* name : documents) documents_.remove(name);
 }
 
 std::string BenchWork::open(const std::filesystem::path& bag, const std::string& shownAs) {
@@ -230,9 +243,9 @@ void BenchWork::keep(Recalibration& done) {
   done.calibration.sessionSpace = space_;
   if (done.result.cancelled) throw Cancelled("stopped before the model was refitted; nothing was changed");
   store_->add(done.calibration);
-  calibration_ = std::move(done.calibration);
+  calibration_ = done.calibration;  // add all goes on from it
   kept_ = true;
-  for (const char* name : {"diagnosis", "moves", "report"}) documents_.remove(name);
+  forget({"diagnosis", "moves", "report", "export"});
   show();
 }
 
@@ -240,11 +253,11 @@ std::string BenchWork::calibrate(const std::string& model, const std::string& me
   ModelSpec spec;
   if (model.empty()) {
     spec.effects = calibration().effects;
-    spec.machine = calibration().machineName;
+    spec.machine = calibration().machineName;  // only its name: take() compared the machines
   } else {
-    spec = parseModelSpec(model, "model");
+    spec = sentModel(model);
+    checkMachine(spec, {}, session());
   }
-  checkMachine(spec, {}, session());
   CalibrateOptions fit = options();
   fit.method = methodOf(method.empty() ? "least_squares" : method);
   if (seed != 0) fit.seed = seed;
@@ -253,14 +266,18 @@ std::string BenchWork::calibrate(const std::string& model, const std::string& me
   return withDoubt("candidate " + calibration_->id, done.result);
 }
 
-std::string BenchWork::diagnose() {
-  const Diagnosis diagnosis = diagnoseCalibration(session(), calibration(), diagnoseOptions());
+void BenchWork::showDiagnosis(const Diagnosis& diagnosis) {
   documents_.put("diagnosis", diagnoseJson(diagnosis));
   const std::string plan = movesYaml(diagnosis.nextMeasurement, session());
   if (plan.empty())
     documents_.remove("moves");
   else
     documents_.put("moves", plan, "application/yaml", "moves.yaml");
+}
+
+std::string BenchWork::diagnose() {
+  const Diagnosis diagnosis = diagnoseCalibration(session(), calibration(), diagnoseOptions());
+  showDiagnosis(diagnosis);
   return diagnosis.sentence;
 }
 
@@ -282,61 +299,8 @@ std::string BenchWork::addAll() {
                                    [this](const Diagnosis&, Recalibration& step) { keep(step); });
   if (learned.stopped)
     throw Cancelled("stopped after " + std::to_string(learned.steps) + " steps, which are kept");
+  if (learned.diagnosis) showDiagnosis(*learned.diagnosis);
   return learned.sentence;
-}
-
-std::string BenchWork::use(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  Calibration chosen = store_->load(id);
-  checkMachine(chosen, session());
-  calibration_ = std::move(chosen);
-  kept_ = true;
-  for (const char* name : {"diagnosis", "moves", "report"}) documents_.remove(name);
-  show();
-  return id + " is in use";
-}
-
-std::string BenchWork::promote(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  std::string message;
-  if (live_ != nullptr) {
-    message = live_->promote(id);
-  } else {
-    message = store_->promote(id) + " is active";
-  }
-  showStore();
-  return message;
-}
-
-std::string BenchWork::rollback(const std::string& id) {
-  if (!store_) throw InputError("no session is open");
-  const std::string message =
-      live_ != nullptr ? live_->rollback(id) : store_->rollback(id) + " is active again";
-  showStore();
-  return message;
-}
-
-std::string BenchWork::verify() {
-  std::optional<Calibration> active;
-  if (store_) active = store_->active().calibration;
-  if (!active) throw InputError("no calibration is active; promote one, then measure a few fresh points");
-  VerifyOptions options;
-  options.calibrate = this->options();
-  const Verification found = mm::verify(session(), *active, options);
-  documents_.put("verify", verifyJson(found));
-  return found.inWords;
-}
-
-std::string BenchWork::report() {
-  const ReportFiles files = loadReportFiles();
-  ReportOptions options;
-  options.diagnose = diagnoseOptions();
-  options.sessionPath = shownAs_;
-  options.calibrationPath = calibration().id.empty() ? "calibration.yaml" : calibration().id + ".yaml";
-  const ReportContents contents = makeReport(session(), calibration(), options);
-  documents_.put("report", reportPage(contents, files), "text/html; charset=utf-8");
-  documents_.put("diagnosis", diagnoseJson(contents.diagnosis));
-  return contents.diagnosis.sentence;
 }
 
 std::string BenchWork::judgeFormula(const std::string& direction, const std::string& formula,

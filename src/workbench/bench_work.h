@@ -1,6 +1,8 @@
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,9 +31,10 @@ struct BenchSources {
 
 /// What `mm workbench` is started with.
 struct BenchOptions {
-  std::filesystem::path bag, calibration;  // empty: none
-  std::filesystem::path store;             // empty: the machine's own folder of calibrations
-  unsigned threads = 0;                    // 0: all cores
+  std::filesystem::path bag, calibration;     // empty: none
+  std::filesystem::path store;                // empty: the machine's own folder of calibrations
+  unsigned threads = 0;                       // 0: all cores
+  std::chrono::milliseconds heartbeat{1000};  // without one for so long, the machine is stopped
 };
 
 /// The loop on one session: what `mm` does from one command to the next, with what it needs kept. Every task
@@ -49,7 +52,8 @@ class BenchWork {
   /// A table of measurements of the same machine and artifact.
   std::string importTable(const std::filesystem::path& file, const std::string& shownAs);
   std::string openLive();  ///< what the machine has measured so far
-  /// @param model YAML: {effects: […]}; empty: the effects of the calibration in use.
+  /// @param model YAML: {effects: […]}; empty: the effects of the calibration in use. No file that it names
+  /// is opened.
   std::string calibrate(const std::string& model, const std::string& method, std::uint64_t seed);
   std::string diagnose();
   std::string add(const std::string& effect);     ///< YAML
@@ -58,8 +62,16 @@ class BenchWork {
   std::string use(const std::string& id);  ///< a calibration of the store, on this session
   std::string promote(const std::string& id);
   std::string rollback(const std::string& id);
-  std::string verify();  ///< the active calibration against this session, as `mm verify`
+  /// The active calibration against this session, as `mm verify`. @throw InputError too when it was fitted to
+  /// this very session.
+  std::string verify();
   std::string report();  ///< the page of `mm report`
+
+  /// The tables for a controller, as a tar: `mm export` without options of its own. @param controller as `mm
+  /// export --to` calls it.
+  std::string exportTo(const std::string& controller);
+  /// Where it is kept who did what: in the folder of calibrations; empty: that is not known yet.
+  std::filesystem::path logFile() const;
 
   /// Whether a formula can be added, from any thread: `{"ok": …, "message": …, "effect": …}`.
   std::string judgeFormula(const std::string& direction, const std::string& formula,
@@ -68,11 +80,14 @@ class BenchWork {
  private:
   using Change = Recalibration (*)(const Session&, const Calibration&, const EffectSpec&,
                                    const CalibrateOptions&);
-  std::string change(const std::string& effect, Change change, const char* preposition);
+  std::string change(const std::string& effect, Change change, const char* done);
   void take(Session session, const std::string& shownAs);
   void keep(Recalibration& done);
   void show();
   void showStore();
+  void showDiagnosis(const Diagnosis& diagnosis);
+  void forget(std::initializer_list<const char*> documents);
+  void chooseStore(const Session& session);
   void nominalResiduals();
   void firstFit();
   const Session& session() const;

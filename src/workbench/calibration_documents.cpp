@@ -8,6 +8,7 @@
 #include "compensation/middle_state.h"
 #include "effects/catalogue.h"
 #include "effects/effect_words.h"
+#include "export/export_target.h"
 #include "report/json_parts.h"
 #include "workbench/compact_json.h"
 
@@ -157,7 +158,10 @@ std::string catalogueDocument() {
                     {"shown_by", e.shownBy},
                     {"cause", e.cause},
                     {"composite", e.composite}});
-  return compact({{"effects", std::move(list)}});
+  Json controllers = Json::array();
+  for (const ExportTarget& target : exportTargets())
+    controllers.push_back({{"name", target.name}, {"title", target.title}});
+  return compact({{"effects", std::move(list)}, {"controllers", std::move(controllers)}});
 }
 
 }  // namespace mm

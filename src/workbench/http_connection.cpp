@@ -1,5 +1,6 @@
 #include "workbench/http_connection.h"
 
+#include <boost/beast/http/span_body.hpp>
 #include <boost/beast/websocket.hpp>
 #include <sstream>
 
@@ -17,7 +18,11 @@ const char* const kUpload = "/upload";
 const char* const kNothing =
     "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 
-using Response = http::response<http::string_body>;
+/// An answer on its way. Its body is shared with whoever gave it and with others that take the same one.
+struct Sending {
+  http::response<http::span_body<const char>> response;
+  std::shared_ptr<const std::string> body;
+};
 
 }  // namespace
 
@@ -60,7 +65,9 @@ std::string HttpConnection::header(http::field name) const {
 WebAnswer HttpConnection::refusal(const Target& target) const {
   const auto& request = parser_->get();
   if (request.count(http::field::host) != 1 || !hostAllowed(header(http::field::host), server_.hosts()))
-    return WebAnswer::say(421, "the request names another host than this server");
+    return WebAnswer::say(421, "the request names '" + header(http::field::host).substr(0, 100) +
+                                   "' as its host, and this server is not known under it; open the address "
+                                   "that it printed, or start it with that name (--host, or hosts:=)");
   if (request.count(http::field::origin) > 1 || !originAllowed(header(http::field::origin), server_.hosts()))
     return WebAnswer::say(403, "the request comes from a page of another origin");
   if (!target.wellFormed) return WebAnswer::say(400, "the request's target is not well formed");
@@ -92,14 +99,21 @@ void HttpConnection::headerRead(beast::error_code error) {
 }
 
 void HttpConnection::readBody(const Target& target) {
-  if (target.path != kUpload) parser_->body_limit(server_.options().largestBody);
+  if (target.path == kUpload) {
+    upload_ = server_.placeForUpload();
+    if (!upload_) return turnAway(409, "another file is being sent; send this one again when that is there");
+  } else {
+    parser_->body_limit(server_.options().largestBody);
+  }
   stream_.expires_after(server_.options().bodyTime);
   auto self = shared_from_this();
   http::async_read(stream_, buffer_, *parser_, [self, target](beast::error_code error, std::size_t) {
     if (error == http::error::body_limit && target.path != kUpload)
       return self->turnAway(413, "the request's body is too long");
     if (error) return self->failed(error);
-    self->send(self->answerOf(target), false);
+    const WebAnswer answer = self->answerOf(target);
+    self->upload_ = nullptr;
+    self->send(answer, false);
   });
 }
 
@@ -129,26 +143,28 @@ void HttpConnection::turnAway(unsigned status, const std::string& message) {
 }
 
 void HttpConnection::send(const WebAnswer& answer, bool last) {
-  auto response = std::make_shared<Response>();
-  response->version(11);
-  response->result(answer.status);
-  response->set(http::field::content_type, answer.type);
-  response->set(http::field::cache_control, "no-store");
-  response->set("X-Content-Type-Options", "nosniff");
-  response->set("Referrer-Policy", "no-referrer");
-  response->set("Cross-Origin-Resource-Policy", "same-origin");
-  response->set("Cross-Origin-Opener-Policy", "same-origin");
-  response->set("Content-Security-Policy", answer.policy.empty() ? kNothing : answer.policy);
+  const auto sending = std::make_shared<Sending>();
+  auto& response = sending->response;
+  response.version(11);
+  response.result(answer.status);
+  response.set(http::field::content_type, answer.type);
+  response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  response.set("Cross-Origin-Opener-Policy", "same-origin");
+  response.set("Content-Security-Policy", answer.policy.empty() ? kNothing : answer.policy);
   if (!answer.fileName.empty())
-    response->set(http::field::content_disposition, "attachment; filename=\"" + answer.fileName + "\"");
-  if (answer.body) response->body() = *answer.body;
+    response.set(http::field::content_disposition, "attachment; filename=\"" + answer.fileName + "\"");
+  sending->body = answer.body;
+  if (answer.body) response.body() = {answer.body->data(), answer.body->size()};
   const bool keep = !last && parser_ && parser_->is_done() && parser_->get().keep_alive();
-  response->keep_alive(keep);
-  response->prepare_payload();
-  sending_ = response;
+  response.keep_alive(keep);
+  response.prepare_payload();
+  sending_ = sending;
   stream_.expires_after(server_.options().answerTime);
   auto self = shared_from_this();
-  http::async_write(stream_, *response, [self, keep](beast::error_code error, std::size_t) {
+  http::async_write(stream_, response, [self, keep](beast::error_code error, std::size_t) {
     self->sending_ = nullptr;
     if (error || !keep) return self->leave();
     self->readHeader();
@@ -163,6 +179,7 @@ void HttpConnection::close() {
 void HttpConnection::leave() {
   if (left_) return;
   left_ = true;
+  upload_ = nullptr;
   beast::error_code ignored;
   stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
   stream_.close();

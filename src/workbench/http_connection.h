@@ -41,6 +41,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   boost::beast::flat_buffer buffer_;
   std::optional<Parser> parser_;
   std::shared_ptr<void> sending_;  // the answer, until it is taken
+  std::shared_ptr<void> upload_;   // the place for the file that is being sent
   std::string peer_;
   bool trusted_ = false, left_ = false;
 };

@@ -15,7 +15,7 @@ constexpr int kSendBuffer = 64 << 10;          // bytes
 }  // namespace
 
 LiveSocket::LiveSocket(beast::tcp_stream stream, Server::Inside& server, std::uint64_t client)
-    : server_(server), socket_(std::move(stream)), client_(client) {}
+    : server_(server), socket_(std::move(stream)), client_(client), rate_(server.options().messagesASecond) {}
 
 void LiveSocket::begin(const http::request<http::string_body>& request) {
   // the socket has times of its own from here on
@@ -35,6 +35,7 @@ void LiveSocket::begin(const http::request<http::string_body>& request) {
     if (error) return self->leave();
     self->open_ = true;
     self->socket_.text(true);
+    self->server_.handler().came(self->client_);
     self->offer(std::make_shared<const std::string>("{\"client\":" + std::to_string(self->client_) + "}"));
     self->read();
     self->server_.wake();
@@ -47,7 +48,7 @@ void LiveSocket::read() {
     if (error) return self->leave();
     const std::string text = beast::buffers_to_string(self->buffer_.data());
     self->buffer_.consume(self->buffer_.size());
-    if (self->server_.rate().take(std::chrono::steady_clock::now())) {
+    if (self->rate_.take(std::chrono::steady_clock::now())) {
       try {
         self->server_.handler().heard(self->client_, text);
       } catch (const std::exception&) {

@@ -33,6 +33,7 @@ class LiveSocket : public std::enable_shared_from_this<LiveSocket> {
   boost::beast::flat_buffer buffer_;
   std::shared_ptr<const std::string> sending_, next_;
   std::uint64_t client_;
+  RateLimit rate_;  // its own: whoever asks for many pages does not silence a heartbeat
   bool open_ = false, left_ = false;
 };
 

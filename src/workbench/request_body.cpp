@@ -8,7 +8,7 @@
 namespace mm {
 namespace {
 
-constexpr std::size_t kMostKeys = 32, kLongestName = 40;
+constexpr std::size_t kMostKeys = 32, kLongestName = 40, kLongestFileName = 120;
 
 /// Reads one flat object as it comes: nothing is built that a client could make deep.
 class FlatObject : public nlohmann::json_sax<nlohmann::json> {
@@ -57,6 +57,16 @@ class FlatObject : public nlohmann::json_sax<nlohmann::json> {
   std::string key_;
 };
 
+std::string printable(const std::string& given) {
+  std::string text;
+  for (const char c : given)
+    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f) text += c;
+  return text;
+}
+
+/// Whether this byte goes on with a letter of UTF-8 that began before it.
+bool insideLetter(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
+
 }  // namespace
 
 RequestBody::RequestBody(const std::string& json) {
@@ -89,10 +99,18 @@ void RequestBody::refuseOthers(const std::string& action, const std::vector<std:
 }
 
 std::string personsName(const std::string& given) {
-  std::string name;
-  for (const char c : given)
-    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f && name.size() < kLongestName) name += c;
-  return name;
+  const std::string name = printable(given);
+  std::size_t end = std::min(name.size(), kLongestName);
+  while (end > 0 && end < name.size() && insideLetter(name[end])) --end;
+  return name.substr(0, end);
+}
+
+std::string shownFileName(const std::string& given) {
+  const std::string name = printable(given);
+  if (name.size() <= kLongestFileName) return name;
+  std::size_t begin = name.size() - kLongestFileName;
+  while (begin < name.size() && insideLetter(name[begin])) ++begin;
+  return "…" + name.substr(begin);
 }
 
 }  // namespace mm

@@ -27,7 +27,9 @@ class RequestBody {
   std::map<std::string, Value> values_;
 };
 
-/// A name as a person gives it: at most 40 letters, no control characters.
+/// A name as a person gives it: at most 40 bytes, no letter cut in two, no control characters.
 std::string personsName(const std::string& given);
+/// A file's name as it is shown: at most 120 bytes, of a longer one the end; no control characters.
+std::string shownFileName(const std::string& given);
 
 }  // namespace mm

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "workbench/access.h"
 #include "workbench/http_connection.h"
 #include "workbench/live_socket.h"
 #include "workbench/server_inside.h"
@@ -15,6 +16,7 @@ using boost::asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kWithoutHandles{200};  // until an accept is tried again
 constexpr std::chrono::milliseconds kShortest{30};         // between two states, however much is new
+constexpr std::chrono::milliseconds kAfterFailure{500};    // until a state is tried again
 
 }  // namespace
 
@@ -61,7 +63,10 @@ Server::Inside::Inside(ServerOptions options, WebHandler& handler)
                      " cannot be listened on (" + failed.message() +
                      "); choose another, or 0 for any that is free");
   port_ = acceptor_.local_endpoint().port();
-  hosts_ = hostsOf(options_.address, port_, options_.hosts);
+  std::vector<std::string> names = options_.hosts;
+  if (address.is_unspecified())  // each of these leads here
+    for (const std::string& own : addressesOfThisComputer()) names.push_back(own);
+  hosts_ = hostsOf(options_.address, port_, names);
 }
 
 void Server::Inside::begin() {
@@ -101,13 +106,13 @@ void Server::Inside::accept() {
         if (!stopped) accept();
       });
     }
+    accept();  // before anything that may throw
     auto connection = std::make_shared<HttpConnection>(std::move(socket), *this);
     joined(connection);
     if (waiting_.size() + trusted_.size() + sockets_.size() > options_.mostConnections)
       connection->turnAway(503, "too many connections; close other pages of the workbench");
     else
       connection->begin();
-    accept();
   });
 }
 
@@ -130,6 +135,13 @@ void Server::Inside::left(HttpConnection* connection) {
   trusted_.remove_if(same);
 }
 
+std::shared_ptr<void> Server::Inside::placeForUpload() {
+  if (!upload_.expired()) return nullptr;
+  const auto place = std::make_shared<char>();
+  upload_ = place;
+  return place;
+}
+
 void Server::Inside::joined(const std::shared_ptr<LiveSocket>& socket) { sockets_.push_back(socket); }
 
 void Server::Inside::left(LiveSocket* socket) {
@@ -140,6 +152,7 @@ void Server::Inside::left(LiveSocket* socket) {
 
 void Server::Inside::tick() {
   told_ = std::chrono::steady_clock::now();
+  tickAt(told_ + kAfterFailure);  // the handler may throw, and the next state is due all the same
   if (!sockets_.empty()) {
     std::string state = "{\"sequence\":" + std::to_string(++sequence_) +
                         ",\"clients\":" + std::to_string(sockets_.size()) + "," + handler_.live() + "}";
@@ -165,7 +178,7 @@ void Server::Inside::wake() {
 }
 
 Server::Server(ServerOptions options, WebHandler& handler)
-    : inside_(std::make_shared<Inside>(std::move(options), handler)) {
+    : inside_(std::make_unique<Inside>(std::move(options), handler)) {
   inside_->begin();
 }
 
@@ -175,10 +188,17 @@ unsigned Server::port() const { return inside_->port(); }
 const std::string& Server::token() const { return inside_->options().token; }
 void Server::wake() { inside_->wake(); }
 
-std::string Server::url() const {
-  const std::string& address = inside_->options().address;
-  const std::string host = address.find(':') == std::string::npos ? address : "[" + address + "]";
-  return "http://" + host + ":" + std::to_string(port()) + "/?token=" + token();
+std::string Server::url() const { return inside_->url(); }
+
+std::string Server::Inside::url() const {
+  boost::system::error_code failed;
+  const auto address = boost::asio::ip::make_address(options_.address, failed);
+  std::string host = options_.address;
+  if (!options_.hosts.empty())
+    host = options_.hosts.front();
+  else if (!failed && address.is_unspecified())
+    host = addressesOfThisComputer().front();
+  return "http://" + withPort(host, port_) + "/?token=" + options_.token;
 }
 
 }  // namespace mm

@@ -16,7 +16,8 @@ struct ServerOptions {
   std::vector<std::string> hosts;  // further names under which it is reached
   std::size_t largestBody = 64 << 10, largestUpload = 256 << 20, largestHeader = 8 << 10;  // bytes
   std::size_t mostConnections = 128, mostWaiting = 32, mostSockets = 24;
-  double requestsASecond = 200.0;               // of all clients that showed the token
+  double requestsASecond = 1000.0;              // of all clients that showed the token
+  double messagesASecond = 20.0;                // of each live connection; what is more is not heard
   std::chrono::milliseconds headerTime{5000};   // from its first to its last letter
   std::chrono::milliseconds bodyTime{60000};    // the same of a body
   std::chrono::milliseconds answerTime{30000};  // until a client has taken its answer
@@ -37,14 +38,16 @@ class Server {
 
   unsigned port() const;             ///< that it listens on
   const std::string& token() const;  ///< that each request shows
-  std::string url() const;           ///< of the page, with the token
+  /// Of the page, with the token; where every address is listened on, by a name or address that another
+  /// computer can use too.
+  std::string url() const;
   /// A state is due now, not only after the period. From any thread.
   void wake();
 
   class Inside;  ///< private to the sources of this folder
 
  private:
-  std::shared_ptr<Inside> inside_;
+  std::unique_ptr<Inside> inside_;
 };
 
 }  // namespace mm

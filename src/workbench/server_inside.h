@@ -28,7 +28,7 @@ class RateLimit {
 };
 
 /// What the connections of a server share. Everything but `wake` and `stop` is for its own thread.
-class Server::Inside : public std::enable_shared_from_this<Server::Inside> {
+class Server::Inside {
  public:
   Inside(ServerOptions options, WebHandler& handler);
 
@@ -40,7 +40,8 @@ class Server::Inside : public std::enable_shared_from_this<Server::Inside> {
   WebHandler& handler() { return handler_; }                        ///< as given
   const std::vector<std::string>& hosts() const { return hosts_; }  ///< under which it is reached
   unsigned port() const { return port_; }                           ///< that it listens on
-  RateLimit& rate() { return rate_; }                               ///< of all clients together
+  RateLimit& rate() { return rate_; }                               ///< of all requests together
+  std::string url() const;                                          ///< of the page, with the token
 
   void joined(const std::shared_ptr<HttpConnection>& connection);  ///< has shown no token yet
   void trusted(HttpConnection* connection);                        ///< has shown it
@@ -49,6 +50,8 @@ class Server::Inside : public std::enable_shared_from_this<Server::Inside> {
   bool roomForSocket() const { return sockets_.size() < options_.mostSockets; }
   void joined(const std::shared_ptr<LiveSocket>& socket);  ///< asks to be live
   void left(LiveSocket* socket);                           ///< has ended; the handler is told
+  /// The place for a file that is sent, kept as long as it is held; null: another has it.
+  std::shared_ptr<void> placeForUpload();
   /// A number for a live connection.
   std::uint64_t nextClient() { return ++clients_; }
 
@@ -67,6 +70,7 @@ class Server::Inside : public std::enable_shared_from_this<Server::Inside> {
   RateLimit rate_;
   std::list<std::shared_ptr<HttpConnection>> waiting_, trusted_;  // oldest first
   std::list<std::shared_ptr<LiveSocket>> sockets_;
+  std::weak_ptr<void> upload_;
   std::uint64_t clients_ = 0, sequence_ = 0;
   std::chrono::steady_clock::time_point told_;  // the last state
   std::atomic<bool> waking_{false};

@@ -35,6 +35,8 @@ class WebHandler {
   virtual std::string live() = 0;
   /// How long it is until the next state is due.
   virtual std::chrono::milliseconds period() = 0;
+  /// The live connection of this number is open.
+  virtual void came(std::uint64_t client) = 0;
   /// A message of the client whose live connection has this number.
   virtual void heard(std::uint64_t client, const std::string& text) = 0;
   /// Its live connection has ended, however.

@@ -19,7 +19,8 @@ Learned learnAll(const Session& session, const Calibration& calibration, const D
   Calibration now = calibration;
   try {
     for (;;) {
-      const Diagnosis diagnosis = diagnoseCalibration(session, now, options);
+      learned.diagnosis.reset();
+      const Diagnosis& diagnosis = learned.diagnosis.emplace(diagnoseCalibration(session, now, options));
       learned.sentence = diagnosis.sentence;
       const EffectSpec* next = nextToAdd(diagnosis);
       // What is in the model already and is still named is no step forward: somebody has to look at it.

@@ -11,9 +11,10 @@ namespace mm {
 struct Learned {
   std::optional<Recalibration> last;  // of the last step; empty: nothing was added
   std::size_t steps = 0;
-  std::string sentence;   // the verdict of the last diagnosis, in words
-  bool complete = false;  // the last diagnosis found nothing more to add
-  bool stopped = false;   // asked to; what was added before is kept
+  std::optional<Diagnosis> diagnosis;  // the last, of the model as it is now; empty: stopped before
+  std::string sentence;                // the verdict of the last diagnosis, in words
+  bool complete = false;               // the last diagnosis found nothing more to add
+  bool stopped = false;                // asked to; what was added before is kept
 };
 
 /// The effect that a diagnosis says to add next: what is missing, else a profile, else a formula; null: none.

@@ -1,14 +1,17 @@
 """The workbench in a browser: the whole loop by its buttons, every view, its limits. Prints `ok …` and `not ok …` lines.
 MM_SCREENSHOTS=<folder> keeps a picture of each view in both widths and both colours."""
+import io
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import tarfile
 import tempfile
 import threading
 import urllib.parse
+import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from browser import Browser  # noqa: E402
@@ -80,7 +83,8 @@ def loop(browser, bench, folder):
     steps = [number(t) for t in browser.evaluate("[...document.querySelectorAll('.bars .figure')].map((x) => x.innerText)")]
     check("the error falls", steps[1] < 0.5 * steps[0], steps)
     go(browser, "compare")
-    after = number(tile(browser, "RMS, this calibration"))
+    after = number(browser.wait("""(() => { const t = [...document.querySelectorAll(".tile")].find((x) => x.querySelector(".label").textContent.startsWith("RMS, this calibration"));
+        const value = t && t.querySelector(".value").textContent; return value && parseFloat(value) < %g && value; })()""" % (0.5 * before)))
     check("and is seen where it was compared", after < 0.5 * before, (before, after))
     go(browser, "diagnose")
     browser.click("Diagnose")
@@ -93,6 +97,36 @@ def loop(browser, bench, folder):
     check("it is promoted", said.endswith("is active"), said)
     links = os.listdir(os.path.join(folder, "store"))
     check("in the folder of calibrations", "active" in links, links)
+
+
+def export(browser):
+    go(browser, "correct")
+    browser.click("Export", "document.querySelector('#controller').closest('section')")
+    address = browser.wait("[...document.querySelectorAll('a.button')].filter((a) => a.innerText === 'Keep the export').map((a) => a.href)[0]", 120)
+    with urllib.request.urlopen(address, timeout=60) as answer:
+        tar = tarfile.open(fileobj=io.BytesIO(answer.read()))
+    names = [os.path.basename(n) for n in tar.getnames()]
+    check("the export is one file", "README.md" in names and "representability.json" in names, names)
+
+
+def hiccups(browser, bench):
+    """A document that is refused is asked for again; a task that is cancelled while it waits has an end."""
+    go(browser, "compare")
+    before = tile(browser, "RMS, this calibration")
+    module = "import('/t/%s/app/server.js')" % urllib.parse.parse_qs(urllib.parse.urlparse(bench.url).query)["token"][0]
+    browser.evaluate("""(() => { const real = window.fetch; window.refused = 0;
+        window.fetch = (path, how) => (String(path).startsWith("/data/compare") && window.refused < 2
+            ? (window.refused += 1, Promise.resolve(new Response('{"message": "too many requests"}', { status: 429, headers: { "Content-Type": "application/json" } })))
+            : real(path, how)); })()""")
+    browser.evaluate("%s.then((m) => m.act('calibrate', { method: 'least_squares' })).then((end) => { window.calibrated = end; }), true" % module)
+    ended = browser.wait("window.calibrated && window.refused === 2 && window.calibrated", 120)
+    check("calibrated anew", ended["ok"], ended)
+    check("a document that was refused is asked for again", tile(browser, "RMS, this calibration") == before, before)
+    browser.evaluate("%s.then((m) => { const both = [m.act('diagnose'), m.act('diagnose')]; Promise.all(both).then((ends) => { window.ends = ends; }); }), true" % module)
+    browser.wait("document.querySelector('.running') && document.querySelector('.running').innerText.includes('1 waiting')")
+    browser.click("Cancel")
+    ends = browser.wait("window.ends", 120)
+    check("what was cancelled while it waited is said", [e["ok"] for e in ends] == [False, False] and ends[1]["message"] == "cancelled before it began", ends)
 
 
 def formula(browser):
@@ -172,9 +206,9 @@ def many_contacts(folder):
                   "machine %.1f ms; heap of the page %.0f MB; server at most %.0f MB"
                   % (loaded, ", ".join("%.0f" % t for t in times), drawn, frame, heap, bench.peak_megabytes()))
             check("16,310 contacts: no error on the page", not browser.errors, browser.errors)
-            # five times what is wanted of a computer that does nothing else: these tests share theirs
-            check("16,310 contacts: there within 2 s", loaded < 10000, loaded)
-            check("16,310 contacts: a change within 100 ms", sorted(times)[len(times) // 2] < 500, times)
+            # five times what is wanted of a computer that does nothing else, 2 s and 100 ms: these tests share theirs
+            check("16,310 contacts: there within 10 s", loaded < 10000, loaded)
+            check("16,310 contacts: a change within 500 ms", sorted(times)[len(times) // 2] < 500, times)
             check("16,310 contacts: below 500 MB", bench.peak_megabytes() < 500 and heap < 500, (bench.peak_megabytes(), heap))
     finally:
         bench.stop()
@@ -191,6 +225,8 @@ def main():
         try:
             with Browser() as browser:
                 loop(browser, bench, folder)
+                export(browser)
+                hiccups(browser, bench)
                 formula(browser)
                 units(browser)
                 keys(browser)

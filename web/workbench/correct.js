@@ -1,9 +1,9 @@
 // What the machine is corrected by: the active calibration and the one in hand.
 
 import { h } from "preact";
-import { useMemo } from "preact/hooks";
-import { act, state, useDocument } from "./server.js";
-import { Action, Empty, Section, Table, Tile, Tiles } from "./parts.js";
+import { useMemo, useState } from "preact/hooks";
+import { act, downloadAddress, state, useDocument, useNumber } from "./server.js";
+import { Action, Choice, Empty, Section, Table, Tile, Tiles } from "./parts.js";
 import { Space, rgb } from "./machine.js";
 import { measured, text, unitOf, value } from "./units.js";
 
@@ -25,6 +25,17 @@ function FieldFigures({ name, field }) {
   if (!field) return h(Tile, { label: name, value: "none" });
   const sizes = field.at_mm.length ? field.move_um.map((m) => Math.hypot(...m)) : [], sigma = field.at_mm.length ? rmsOf(field.std_um) : null;
   return h(Tile, { label: name + (field.id ? ", " + field.id : ""), value: sizes.length ? measured(rmsOf(sizes), sigma, "um") : "–", note: sizes.length ? "RMS of the correction over the volume (k = 2), largest " + text(Math.max(...sizes), "um") : said(field.reason || "") });
+}
+
+/** The tables for a controller, to be kept as a file. */
+function Export() {
+  const catalogue = useDocument("catalogue"), exported = useNumber("export"), [chosen, choose] = useState("");
+  const controllers = catalogue ? catalogue.controllers : [];
+  if (!controllers.length) return null;
+  const controller = chosen || controllers[0].name;
+  return h(Section, { title: "Export", lead: "The calibration in hand as the tables of a controller, with what to load where and what of it the controller carries (mm export)." },
+    h("p", { class: "controls" }, h(Choice, { id: "controller", label: "Controller", value: controller, options: controllers.map((t) => [t.name, t.title]), onChange: choose }),
+      h(Action, { label: "Export", run: () => act("export", { controller }) }), exported ? h("a", { class: "button", href: downloadAddress("export"), download: "" }, "Keep the export") : null));
 }
 
 export function CorrectView() {
@@ -59,5 +70,6 @@ export function CorrectView() {
     !c.kept ? h("p", { class: "note" }, "What is in hand was fitted on opening and is not kept; add an effect, or calibrate, and it can be promoted.") : same ? h("p", { class: "note" }, "What is in hand is active.") : null,
     h(Section, { title: "The correction in the volume" }, fields.length ? h(Space, { urdf: session && session.urdf, joints: session ? session.joints : [], readings: live ? live.readings : null, points: drawn.points, lines: drawn.lines, label: "Correction vectors on a grid over the calibrated volume",
       note: "Blue: active. Orange: in hand. Vectors are drawn " + String(drawn.times).replace(/\B(?=(\d{3})+$)/g, " ") + " times longer than they are." }) : h(Empty, null, "The correction is zero, or cannot be told without a state: ", (field.candidate && said(field.candidate.reason)) || "a model without effects corrects nothing.")),
+    h(Export),
     h(Section, { title: "Where it holds" }, h(Table, { caption: "Readings and temperatures that the calibration in hand has seen", columns: [["Input"], ["from", "n"], ["to", "n"]], rows: c.ranges.map((r) => [r.name, text(r.lower, r.unit, 5), text(r.upper, r.unit, 5)]) })));
 }

@@ -10,6 +10,7 @@ export const state = { connected: false, client: 0, live: null, frames: 0, seque
 const documents = new Map(); // name -> { number, value, wanted }
 const listeners = new Set();
 const ends = new Map(); // number of a task -> who waits for it
+const kAskAgain = 500; // ms after a document could not be had
 let socket = null, retry = 0, drawn = false;
 
 /** Everybody draws once a frame of the screen, however many states came meanwhile. */
@@ -41,24 +42,27 @@ export function useDocument(name) {
   return entry.value;
 }
 
+/** Asks for a document that has changed; for one at a time of each name, and after it for what is newer. */
 async function look(name) {
   const entry = documents.get(name);
   const number = state.live ? state.live.documents[name] || 0 : 0;
-  if (!entry || !entry.wanted || !state.live || entry.number === number || entry.asking === number) return;
+  if (!entry || !entry.wanted || !state.live || entry.number === number || entry.asking >= 0) return;
   if (!number) {
-    Object.assign(entry, { number: 0, value: null, asking: -1 });
+    Object.assign(entry, { number: 0, value: null });
     return changed();
   }
   entry.asking = number;
+  let pause = 0;
   try {
     const answer = await fetch(address("/data/" + name), { headers });
+    if (!answer.ok && answer.status !== 404) throw new Error("the server answered " + answer.status);
     const value = answer.ok ? await ((answer.headers.get("Content-Type") || "").includes("json") ? answer.json() : answer.text()) : null;
-    if (entry.asking === number) Object.assign(entry, { number, value });
+    Object.assign(entry, { number, value });
   } catch (error) {
-    entry.number = 0;
+    pause = kAskAgain; // what is shown stays until then
   }
-  entry.asking = -1;
   changed();
+  setTimeout(() => { entry.asking = -1; look(name); }, pause);
 }
 
 /** Number of a document that is not read here, 0 as long as there is none. */
@@ -81,7 +85,7 @@ export async function act(action, body = {}) {
 
 /** Sends a file. */
 export async function upload(file) {
-  return finish(await send("/upload?name=" + encodeURIComponent(file.name), file));
+  return finish(await send("/upload?name=" + encodeURIComponent(file.name) + "&who=" + encodeURIComponent(name.get()), file));
 }
 
 async function finish(answer) {
@@ -117,6 +121,12 @@ function take(message) {
       wait(end);
     }
   }
+  // whose end came while this page was not connected, and is not told any more
+  for (const [number, wait] of ends)
+    if (number <= news.asked && !news.pending.includes(number)) {
+      ends.delete(number);
+      wait({ ok: false, message: "how it ended was not heard here; the log on the view History tells it" });
+    }
   for (const name of documents.keys()) look(name);
   changed();
 }

@@ -28,6 +28,14 @@ TEST(Access, TheHostIsThisServersWithItsPort) {
   EXPECT_TRUE(hostAllowed("[::1]:80", hostsOf("::1", 80, {})));
   EXPECT_TRUE(hostAllowed("localhost", hostsOf("::1", 80, {})));
   EXPECT_FALSE(hostAllowed("localhost:8123", hostsOf("10.0.0.7", 8123, {})));
+  // the near end of a tunnel: ssh -L 9000:localhost:8123
+  const auto tunnel =
+      hostsOf("127.0.0.1", 8123, {"localhost:9000", "near:80", "2001:db8::7", "[2001:db8::8]:9000"});
+  for (const char* good :
+       {"localhost:9000", "localhost:8123", "near:80", "near", "[2001:db8::7]:8123", "[2001:db8::8]:9000"})
+    EXPECT_TRUE(hostAllowed(good, tunnel)) << good;
+  EXPECT_FALSE(hostAllowed("localhost:9000:8123", tunnel));
+  EXPECT_FALSE(hostAllowed("near:8123", tunnel));
 }
 
 TEST(Access, TheOriginIsThisServersWhereABrowserTellsIt) {
@@ -59,7 +67,7 @@ TEST(Access, TargetsThatLeadElsewhereAreNotWellFormed) {
        {"", "data", "http://127.0.0.1/", "/../etc/passwd", "/app/..%2f..%2fetc/passwd", "/%2e%2e/x", "/a\\b",
         "/a%5cb", "/a%00b", "/a%", "/a%2", "/a%zz", "/t/abc", "/a%0d%0aHost:%20evil"})
     EXPECT_FALSE(targetOf(bad).wellFormed) << bad;
-  EXPECT_FALSE(targetOf("/" + std::string(600, 'a')).wellFormed);
+  EXPECT_FALSE(targetOf("/" + std::string(1100, 'a')).wellFormed);
 }
 
 }  // namespace

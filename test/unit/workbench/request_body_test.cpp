@@ -77,6 +77,11 @@ TEST(RequestBody, AnythingIsReadOrRefused) {
 TEST(RequestBody, NamesAreShortAndPrintable) {
   EXPECT_EQ(personsName("Ada\n\x1b[2J"), "Ada[2J");
   EXPECT_EQ(personsName(std::string(99, 'a')).size(), 40u);
+  EXPECT_EQ(personsName(std::string(39, 'a') + "\xC3\xA9"), std::string(39, 'a'))
+      << "a letter was cut in two";
+  EXPECT_EQ(shownFileName("plate\n.bag"), "plate.bag");
+  const std::string shown = shownFileName("\xC3\xA9" + std::string(119, 'a') + ".bag");
+  EXPECT_EQ(shown, "…" + std::string(116, 'a') + ".bag");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <string>
 
 namespace mm::test {
@@ -34,7 +35,7 @@ class RawClient {
     }
     return true;
   }
-  /// Reads until the other side closes; at most 20 s.
+  /// Reads until the other side closes; at most 20 s of silence, see closed().
   std::string readToEnd() {
     while (readSome()) {
     }
@@ -47,6 +48,8 @@ class RawClient {
     return got_;
   }
   void forget() { got_.clear(); }
+  /// Whether the other side has ended the connection, as far as was read.
+  bool closed() const { return closed_; }
 
  private:
   bool readSome() {
@@ -54,12 +57,13 @@ class RawClient {
     if (::poll(&wait, 1, 20000) <= 0) return false;
     char buffer[65536];
     const ssize_t n = ::recv(socket_, buffer, sizeof buffer, 0);
+    if (n == 0 || (n < 0 && errno == ECONNRESET)) closed_ = true;
     if (n <= 0) return false;
     got_.append(buffer, static_cast<std::size_t>(n));
     return true;
   }
   int socket_;
-  bool connected_ = false;
+  bool connected_ = false, closed_ = false;
   std::string got_;
 };
 

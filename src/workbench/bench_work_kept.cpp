@@ -1,0 +1,93 @@
+// What is done with a calibration that is there: made active, judged, reported, exported.
+#include "base/error.h"
+#include "calibration_file/calibration_yaml.h"
+#include "export/export_page.h"
+#include "export/representability.h"
+#include "report/report_page.h"
+#include "report/verify_json.h"
+#include "session/session_hash.h"
+#include "verification/verify.h"
+#include "workbench/bench_work.h"
+#include "workbench/tar.h"
+
+namespace mm {
+
+std::string BenchWork::use(const std::string& id) {
+  if (!store_) throw InputError("no session is open");
+  Calibration chosen = store_->load(id);
+  checkMachine(chosen, session());
+  calibration_ = std::move(chosen);
+  kept_ = true;
+  forget({"diagnosis", "moves", "report", "export"});
+  show();
+  return id + " is in use";
+}
+
+std::string BenchWork::promote(const std::string& id) {
+  if (!store_) throw InputError("no session is open");
+  std::string message;
+  if (live_ != nullptr) {
+    message = live_->promote(id);
+  } else {
+    message = store_->promote(id) + " is active";
+  }
+  forget({"verify"});  // it was said of the one that was active before
+  showStore();
+  return message;
+}
+
+std::string BenchWork::rollback(const std::string& id) {
+  if (!store_) throw InputError("no session is open");
+  const std::string message =
+      live_ != nullptr ? live_->rollback(id) : store_->rollback(id) + " is active again";
+  forget({"verify"});
+  showStore();
+  return message;
+}
+
+std::string BenchWork::verify() {
+  std::optional<Calibration> active;
+  if (store_) active = store_->active().calibration;
+  if (!active) throw InputError("no calibration is active; promote one, then measure a few fresh points");
+  if (active->sessionHash == sessionHash(session()))
+    throw InputError(
+        "the active calibration was fitted to this very session, so none of its points is fresh; "
+        "measure a few others (mm plan verify says which) and open them");
+  VerifyOptions options;
+  options.calibrate = this->options();
+  const Verification found = mm::verify(session(), *active, options);
+  documents_.put("verify", verifyJson(found));
+  return found.inWords;
+}
+
+std::string BenchWork::report() {
+  const ReportFiles files = loadReportFiles();
+  ReportOptions options;
+  options.diagnose = diagnoseOptions();
+  options.sessionPath = shownAs_;
+  options.calibrationPath = calibration().id.empty() ? "calibration.yaml" : calibration().id + ".yaml";
+  const ReportContents contents = makeReport(session(), calibration(), options);
+  documents_.put("report", reportPage(contents, files), "text/html; charset=utf-8");
+  showDiagnosis(contents.diagnosis);
+  return contents.diagnosis.sentence;
+}
+
+std::string BenchWork::exportTo(const std::string& controller) {
+  const ExportTarget& target = exportTarget(controller);
+  Calibration whole = calibration();
+  completeCalibration(whole);
+  const ExportOptions options;
+  const NeededCorrection needed(whole, options.letters);
+  const Exported exported = target.write(needed, options);
+  Representability judged = representability(
+      whole, target, options, needed, exported,
+      [this](const std::string& what, double share) { job_.step("exporting: " + what, share); });
+  const std::vector<ExportedFile> files = exportFolderOf(whole, target, needed, exported, judged);
+  const std::string folder = whole.id + "_" + target.name;
+  documents_.put("export", tarOf(folder, files), "application/x-tar", folder + ".tar");
+  const std::string done = folder + ".tar: " + std::to_string(files.size()) + " files, README.md first";
+  if (!judged.carriesNothing()) return done;
+  return done + "; " + target.title + " can carry nothing of this calibration: it holds " + exported.holds;
+}
+
+}  // namespace mm
