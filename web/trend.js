@@ -9,7 +9,7 @@ function lineOf(t) {
   const points = t.points.filter((p) => p.comparable && p.k2 > 0);
   const weights = points.map((p) => 1 / p.k2 ** 2);
   const sum = weights.reduce((a, b) => a + b, 0);
-  const at = points.map((p) => Date.parse(p.created) / kDay);
+  const at = points.map((p) => Date.parse(p.measured) / kDay);
   const middle = (values) => values.reduce((s, v, i) => s + v * weights[i], 0) / sum;
   const day = middle(at), value = middle(points.map((p) => p.value));
   const ends = [Math.min(...at), Math.max(...at)];
@@ -22,7 +22,7 @@ function trendFigure(t) {
     name: title, label: title + " in " + t.points.length + " calibrations: " + t.in_words,
     caption: known(t.per_30_days) ? (t.significant ? "" : "No significant trend: ") + plusMinus(t.per_30_days, t.per_30_days_k2 / 2, t.unit) + " in 30 days (k = 2), p " + pValue(t.p_value) : "No trend can be told.",
     make: (c) => {
-      const points = (list, hollow) => ({ x: list.map((p) => p.created), y: list.map((p) => p.value), error_y: { type: "data", array: list.map((p) => p.k2), color: c.soft, thickness: 1.2, width: 3 },
+      const points = (list, hollow) => ({ x: list.map((p) => p.measured), y: list.map((p) => p.value), error_y: { type: "data", array: list.map((p) => p.k2), color: c.soft, thickness: 1.2, width: 3 },
         mode: "markers", type: "scatter", marker: { size: 8, color: hollow ? c.card : c.accent, line: { color: c.accent, width: 1.5 } }, text: list.map((p) => plain(p.id)),
         hovertemplate: "%{text}<br>%{y:.4g} " + plain(unitText(t.unit)) + "<extra></extra>" });
       const same = t.points.filter((p) => p.comparable), other = t.points.filter((p) => !p.comparable);
@@ -36,7 +36,7 @@ function trendFigure(t) {
 
 function page() {
   const significant = data.trends.filter((t) => t.significant);
-  const times = data.trends.flatMap((t) => t.points.map((p) => p.created)).sort();
+  const times = data.trends.flatMap((t) => t.points.map((p) => p.measured)).sort();
   main.replaceChildren(
     el("header", {}, el("h1", {}, "Trend of " + data.machine.split("/").pop()),
       el("p", { class: "meta" }, (times.length ? clock(times[0]) + " to " + clock(times[times.length - 1]) + ", " : "") + data.store),

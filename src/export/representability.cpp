@@ -192,6 +192,9 @@ Representability representability(const Calibration& calibration, const ExportTa
                                   const Exported& exported, const ExportProgress& progress) {
   Representability result;
   result.target = target.name;
+  result.calibration = calibration.id;
+  for (const ExportAxis& axis : needed.axes()) result.letters[axis.name] = axis.letter;
+  result.sensors = exported.sensors;
   result.files = exported.files;
   const auto count = static_cast<int>(calibration.effects.size());
   const auto tell = [&](const std::string& what, int done) {

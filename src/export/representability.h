@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -31,7 +32,9 @@ struct CarriedEffect {
 };
 
 struct Representability {
-  std::string target;
+  std::string target, calibration;             // the controller; id of what was exported
+  std::map<std::string, std::string> letters;  // joint -> the controller's axis
+  std::map<std::string, std::string> sensors;  // the controller's name of a sensor -> the calibration's
   ExportFigures figures;
   double heldOut = 0.0;        // m: RMS that the full model left of the session, held out where that is known
   double repeatability = 0.0;  // m, of a contact of the session

@@ -69,6 +69,9 @@ ordered_json representabilityJson(const Representability& judged) {
                                {"rms_um",
                                 {{"uncorrected", micrometres(e.figures.uncorrected)},
                                  {"exported", micrometres(e.figures.exported)}}}});
+  json["calibration"] = judged.calibration;
+  json["axes"] = judged.letters;
+  json["sensors"] = judged.sensors;
   json["files"] = ordered_json::array();
   for (const ExportedFile& file : judged.files)
     json["files"].push_back({{"path", file.path}, {"what", file.what}});

@@ -7,6 +7,7 @@
 #include "ros_bridge/node_support.h"
 #include "session/session_summary.h"
 #include "verification/verify.h"
+#include "verification/verify_words.h"
 
 namespace mm {
 
@@ -37,6 +38,8 @@ bool CalibrationServer::verify(measuring_machine::Verify::Request& request,
       const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
       VerifyOptions how;
       how.loaded = request.loaded != 0;
+      if (!request.export_folder.empty())
+        how.exported = std::make_shared<const LoadedExport>(request.export_folder, calibration);
       how.calibrate = options();
       const Verification found = mm::verify(*session, calibration, how);
       job_.step("answering", 1.0);  // a verdict that was cut short is none
@@ -44,8 +47,8 @@ bool CalibrationServer::verify(measuring_machine::Verify::Request& request,
       response.message = found.inWords;
       if (request.automatic_rollback != 0 && found.verdict != VerifyVerdict::kHelped) {
         bool done = true;
-        response.message += "; " + (found.better ? "kept, the machine is better with it than without"
-                                                 : takenBack(calibration.id, done));
+        const std::string kept = whyKept(found);
+        response.message += "; " + (kept.empty() ? takenBack(calibration.id, done) : kept);
         response.success = done;
       }
       const std::string lost = lossText(*session);

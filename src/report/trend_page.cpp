@@ -26,6 +26,7 @@ Json trendObject(const ParameterTrend& t) {
   for (const ParameterPoint& p : t.points)
     points.push_back({{"id", p.id},
                       {"created", p.created},
+                      {"measured", p.measured},
                       {"value", number(p.value)},
                       {"k2", number(2.0 * p.std)},
                       {"comparable", p.comparable}});
@@ -128,6 +129,7 @@ std::string changesJson(const CalibrationChanges& c) {
   object["before"] = c.before;
   object["after"] = c.after;
   object["in_words"] = c.inWords;
+  object["same_session"] = c.sameSession;
   object["tip"] = {{"rms_um", number(c.rms / kMicrometre)},
                    {"largest_um", number(c.largest / kMicrometre)},
                    {"by_chance_um", number(c.byChance / kMicrometre)}};
@@ -166,9 +168,11 @@ std::string changesText(const CalibrationChanges& c) {
                   (inWords(p.effect) + ", " + p.name).c_str(),
                   expanded(p.before, p.beforeStd, p.unit).c_str(),
                   expanded(p.after, p.afterStd, p.unit).c_str(),
-                  p.comparable ? expanded(p.change, p.std, p.unit).c_str() : "other range",
-                  p.comparable ? shortNumber(p.pValue).c_str() : "-");
-  out << "  * significant: below 1 % by chance among all parameters asked\n";
+                  !p.comparable          ? "other range"
+                  : std::isfinite(p.std) ? expanded(p.change, p.std, p.unit).c_str()
+                                         : (shortNumber(p.change) + " " + p.unit).c_str(),
+                  p.comparable && std::isfinite(p.pValue) ? shortNumber(p.pValue).c_str() : "-");
+  if (!c.sameSession) out << "  * significant: below 1 % by chance among all parameters asked\n";
   return out.str();
 }
 

@@ -58,6 +58,13 @@ std::string verifyJson(const Verification& v) {
   object["finding"] = v.finding;
   object["drifted"] = v.drifted;
   object["loaded"] = v.loaded;
+  object["export"] = v.target.empty() ? Json(nullptr) : Json(v.target);
+  object[v.angular ? "not_carried_arcsec" : "not_carried_um"] =
+      v.target.empty() ? Json(nullptr) : number(v.notCarried * unit);
+  object[v.angular ? "unforeseen_arcsec" : "unforeseen_um"] = number(v.unforeseen * unit);
+  object[v.angular ? "calibrated_arcsec" : "calibrated_um"] =
+      v.calibratedRms > 0.0 ? number(v.calibratedRms * unit) : Json(nullptr);
+  object["more_left_p_value"] = number(v.moreLeftPValue);
   object["points"] = v.observations;
   object[v.angular ? "noise_arcsec" : "noise_um"] = number(v.noise * unit);
   object["axes"] = Json::array();
@@ -69,7 +76,8 @@ std::string verifyJson(const Verification& v) {
         {{"of", c.of}, {"on", c.on}, {"share", number(c.share)}, {"k2", number(2.0 * c.std)}});
   object["effects"] = Json::array();
   for (const RemainingOfEffect& e : v.effects)
-    object["effects"].push_back(shareJson({{"effect", effectJson(e.effect)}}, e, v));
+    object["effects"].push_back(
+        shareJson({{"effect", effectJson(e.effect)}, {"not_carried", number(e.notCarried)}}, e, v));
   object["changed"] = Json::array();
   for (const ChangedEffect& c : v.changed) object["changed"].push_back(changedJson(c));
   object["unexplained_p_value"] = number(v.unexplainedPValue);

@@ -127,6 +127,8 @@ void trend(const HistoryOptions& options) {
   }
   for (const std::string& other : ofOtherMachines(calibrations))
     left.push_back(other + ": of another machine");
+  for (const std::string& again : refitted(calibrations))
+    left.push_back(again + ": of a session that was calibrated again later");
   for (const std::string& one : left) std::cerr << "mm: warning: left out: " << one << std::endl;
   const std::vector<ParameterTrend> trends = trendsOf(calibrations);
   if (options.json)

@@ -3,7 +3,6 @@
 #include <iostream>
 #include <memory>
 
-#include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "tools/commands.h"
@@ -14,21 +13,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where the nodes of the calibration's machine look: its own folder in the default one, where it has one.
-CalibrationStore storeFor(const Calibration& calibration, const StoreOptions& options) {
-  const std::string part =
-      folderOf(Machine(calibration.urdf, calibration.machineName), calibration.sessionSpace);
-  if (!options.folder.empty() || part.empty()) return options.store();
-  return CalibrationStore(CalibrationStore::defaultFolder() / part);
-}
-
 void promote(const StoreOptions& options) {
   CalibrationStore store = options.store();
   std::string id = options.id;
   const bool file = id.find('/') != std::string::npos || fs::path(id).extension() == ".yaml";
   if (file) {  // one that `mm calibrate -o` wrote: it is kept first
     Calibration calibration = loadCalibration(id);
-    store = storeFor(calibration, options);
+    store = options.storeFor(calibration);
     id = store.add(calibration);
   }
   id = store.promote(id);

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "calibration_file/calibration_fit.h"
+
 namespace mm {
 
 void StoreOptions::declare(CLI::App& command) {
@@ -13,6 +15,13 @@ void StoreOptions::declare(CLI::App& command) {
 
 CalibrationStore StoreOptions::store() const {
   return CalibrationStore(folder.empty() ? CalibrationStore::defaultFolder() : std::filesystem::path(folder));
+}
+
+CalibrationStore StoreOptions::storeFor(const Calibration& calibration) const {
+  const std::string part =
+      folderOf(Machine(calibration.urdf, calibration.machineName), calibration.sessionSpace);
+  if (!folder.empty() || part.empty()) return store();
+  return CalibrationStore(CalibrationStore::defaultFolder() / part);
 }
 
 }  // namespace mm

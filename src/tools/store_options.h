@@ -19,6 +19,9 @@ struct StoreOptions {
   void declare(CLI::App& command);
   /// The folder asked for, else the default one. @throw InputError: neither is known.
   CalibrationStore store() const;
+  /// Where the nodes of the calibration's machine look: the folder asked for, else the machine's own one in
+  /// the default, where it has one. @throw InputError.
+  CalibrationStore storeFor(const Calibration& calibration) const;
 };
 
 }  // namespace mm

@@ -9,20 +9,37 @@
 #include "tools/exit_status.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "tools/store_options.h"
 #include "verification/verify.h"
+#include "verification/verify_words.h"
 
 namespace mm {
 namespace {
 
 struct VerifyCommand : SessionAndCalibration {
-  bool loaded = false;
+  bool loaded = false, rollBack = false;
+  std::string exported;  // folder
+  StoreOptions store;
 };
+
+/// What was active before becomes active again where this calibration does not help. @return in words.
+std::string takenBack(const VerifyCommand& c, const Calibration& calibration, const Verification& found) {
+  const std::string kept = whyKept(found);
+  if (!kept.empty()) return kept;
+  CalibrationStore store = c.store.storeFor(calibration);
+  if (store.linked("active") != calibration.id)
+    return "calibration " + calibration.id + " is not the active one in " + store.folder().string() +
+           ", nothing is rolled back";
+  const std::string before = store.rollback();
+  return "rolled back: " + before + " is active again in " + store.folder().string();
+}
 
 int runVerify(const VerifyCommand& c) {
   VerifyOptions options;
   options.loaded = c.loaded;
   options.calibrate = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
+  if (!c.exported.empty()) options.exported = std::make_shared<const LoadedExport>(c.exported, calibration);
   const Session session = loadSession(c.bag, calibration, c.fit.space);
   std::optional<Verification> found;
   {
@@ -31,7 +48,9 @@ int runVerify(const VerifyCommand& c) {
     found = verify(session, calibration, options);
   }
   std::cout << (c.json ? verifyJson(*found) + "\n" : verifyText(*found));
-  return found->verdict == VerifyVerdict::kHelped ? kDone : kAnswerIsNo;
+  if (found->verdict == VerifyVerdict::kHelped) return kDone;
+  if (c.rollBack) std::cerr << "mm: " << takenBack(c, calibration, *found) << std::endl;
+  return kAnswerIsNo;
 }
 
 }  // namespace
@@ -42,13 +61,20 @@ void addVerifyCommand(CLI::App& app, int& exitStatus) {
       app.add_subcommand("verify", "Did the correction help? Says so from a few fresh points");
   c->declare(*command, "the fresh session: ten places that were not used for the calibration are enough");
   command->add_flag("--loaded", c->loaded, "the controller corrected while the session was measured");
+  command->add_option("--export", c->exported,
+                      "the folder of mm export whose tables were loaded (with --loaded): what they cannot "
+                      "carry is no fault of the machine");
+  command->add_flag("--roll-back", c->rollBack,
+                    "where the machine is not better with it: what was active before becomes active again");
+  c->store.declare(*command);
   c->fit.declare(*command, false);
   command->footer(
       "Nothing of the calibration is refitted. With --loaded the readings should be free of error; without,\n"
       "they are raw, and the correction should take their error away. The answer names a table that is not\n"
       "loaded, has the wrong sign or stands at another axis, and what changed since the calibration.\n"
       "Examples:\n  mm plan verify plan.yaml --calibration c.yaml -o verify.yaml\n"
-      "  mm verify fresh.bag --calibration c.yaml --loaded");
+      "  mm verify fresh.bag --calibration c.yaml --loaded --export for_linuxcnc\n"
+      "  mm verify fresh.bag --calibration c.yaml --roll-back");
   command->callback([c, &exitStatus] { exitStatus = runVerify(*c); });
 }
 

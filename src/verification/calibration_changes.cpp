@@ -76,8 +76,10 @@ std::string sentenceOf(const CalibrationChanges& c) {
       said.push_back(inWords(p.effect) + ", " + p.name + " " + (p.change >= 0.0 ? "+" : "") +
                      expanded(p.change, p.std, p.unit));
   }
-  std::string text = significant == 0
-                         ? "no parameter changed significantly"
+  std::string text =
+      c.sameSession      ? "both are of the same session: what differs is the model or the fit, not the "
+                           "machine, and no change is judged"
+      : significant == 0 ? "no parameter changed significantly"
                          : std::to_string(significant) + " of " + std::to_string(c.parameters.size()) +
                                " parameters changed significantly: " + joined(said, "; ");
   if (significant > said.size()) text += " and others";
@@ -108,7 +110,11 @@ CalibrationChanges changesBetween(const Calibration& before, const Calibration& 
     if (other == nullptr || v.fixed || other->fixed) continue;
     changes.parameters.push_back(changeOf(before, v, after, *other));
   }
-  correctForMany(changes.parameters);
+  changes.sameSession = !before.sessionHash.empty() && before.sessionHash == after.sessionHash;
+  if (changes.sameSession)
+    for (ParameterChange& p : changes.parameters) p.std = p.pValue = std::nan("");
+  else
+    correctForMany(changes.parameters);
   for (const EffectSpec& effect : before.effects)
     if (sameIn(after, effect) == nullptr) changes.onlyBefore.push_back(effect);
   for (const EffectSpec& effect : after.effects)

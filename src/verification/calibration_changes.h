@@ -14,7 +14,9 @@ struct ParameterChange {
   std::string name, unit;
   double before = 0.0, beforeStd = 0.0, after = 0.0, afterStd = 0.0;  // NaN: not in that calibration
   double change = 0.0, std = 0.0;
-  double pValue = 1.0;       // of such a change by chance, corrected for all parameters asked (Holm 1979)
+  /// Of such a change by chance, corrected for all parameters asked (Holm 1979). NaN: not asked, both are of
+  /// one session.
+  double pValue = 1.0;
   bool significant = false;  // pValue below 0.01
   /// The effect counts from the observed range, and the ranges differ: the same number means another error.
   bool comparable = true;
@@ -24,6 +26,9 @@ struct ParameterChange {
 struct CalibrationChanges {
   std::string before, after;  // ids or files
   std::string beforeTime, afterTime;
+  /// Both were fitted to the same measurements: their estimates have the same noise in them, the standard
+  /// deviation of a change is not known from theirs, and no change is judged.
+  bool sameSession = false;
   std::vector<ParameterChange> parameters;  // most significant first
   std::vector<EffectSpec> onlyBefore, onlyAfter;
   /// At the tip, over the volume that both hold for: RMS and largest change of the corrected position less a
@@ -32,7 +37,8 @@ struct CalibrationChanges {
   std::string inWords;
 };
 
-/// Compares parameter by parameter (they are independent estimates: the variances add), and at the tip.
+/// Compares parameter by parameter (of two sessions they are independent estimates: the variances add), and
+/// at the tip.
 /// @throw InputError: of different machines.
 CalibrationChanges changesBetween(const Calibration& before, const Calibration& after);
 

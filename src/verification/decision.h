@@ -19,6 +19,11 @@ struct Decision {
 Decision decide(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
                 bool loaded);
 
+/// What the calibration left of its own session beyond its noise and its drift, or the noise of these points
+/// where that is larger: RMS, m (rad where it has no
+/// residuals in m).
+double leftUnexplained(const FreshPoints& points, const PointSystem& system, const Calibration& calibration);
+
 /// The shares that remain, by the axes, by the effects, and across the axes, under the hypothesis's freedom:
 /// least squares of the raw readings on the columns. Fills axes, effects and crossed of `found`.
 void fillShares(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,

@@ -13,7 +13,7 @@ constexpr int kProbes = 64;  // else its trace comes from so many random vectors
 /// The rows of one kind, in m or rad.
 class Rows {
  public:
-  Rows(const FreshPoints& points, const PointSystem& system) : system_(system) {
+  explicit Rows(const FreshPoints& points) {
     const Problem& problem = *points.fitted().problem;
     const std::vector<int>& used = points.space().used();
     const auto angular = [&](int row) { return problem.rows()[static_cast<std::size_t>(row)].angular; };
@@ -34,11 +34,11 @@ class Rows {
     return sigma_.asDiagonal() * whitened.topRows(sigma_.size());
   }
   /// Covariance of the noise times m, in m^2 or rad^2.
-  Eigen::MatrixXd noiseTimes(const Eigen::MatrixXd& m) const {
-    return sigma_.asDiagonal() * system_.covarianceTimes(sigma_.asDiagonal() * m);
+  Eigen::MatrixXd noiseTimes(const PointSystem& system, const Eigen::MatrixXd& m) const {
+    return sigma_.asDiagonal() * system.covarianceTimes(sigma_.asDiagonal() * m);
   }
   /// Traces of the covariance and of its square.
-  void traces(double& trace, double& ofSquare) const {
+  void traces(const PointSystem& system, double& trace, double& ofSquare) const {
     const Eigen::Index n = sigma_.size();
     Eigen::MatrixXd probes = Eigen::MatrixXd::Identity(n, n);
     double share = 1.0;
@@ -53,13 +53,12 @@ class Rows {
       }
       share = 1.0 / kProbes;
     }
-    const Eigen::MatrixXd times = noiseTimes(probes);
+    const Eigen::MatrixXd times = noiseTimes(system, probes);
     trace = share * probes.cwiseProduct(times).sum();
     ofSquare = share * times.squaredNorm();
   }
 
  private:
-  const PointSystem& system_;
   Eigen::VectorXd sigma_;
   bool angular_ = false;
   int count_ = 0;
@@ -68,52 +67,48 @@ class Rows {
 }  // namespace
 
 BeforeAndAfter beforeAndAfter(const FreshPoints& points, const PointSystem& system,
-                              const Eigen::MatrixXd& covariance, bool loaded) {
-  const Rows rows(points, system);
+                              const LoadedHow& hypothesis, bool loaded) {
+  const Rows rows(points);
   const double n = rows.count();
   const Eigen::VectorXd raw = rows.sized(points.raw());
-  const Eigen::VectorXd field = rows.sized(points.whole());
   double trace = 0.0, ofSquare = 0.0;
-  rows.traces(trace, ofSquare);
+  rows.traces(system, trace, ofSquare);
   // variance of the sum of squares of a signal under noise
   const auto variance = [&](const Eigen::VectorXd& signal) {
-    return 2.0 * ofSquare + 4.0 * signal.dot(rows.noiseTimes(signal).col(0));
+    return 2.0 * ofSquare + 4.0 * signal.dot(rows.noiseTimes(system, signal).col(0));
   };
-  const auto quieter = [&](const Eigen::VectorXd& measured) {  // the signal in what was measured with noise
+  const auto figure = [&](const Eigen::VectorXd& measured) {
     const double square = measured.squaredNorm();
-    return square > 0.0 ? Eigen::VectorXd(measured * std::sqrt(std::max(0.0, 1.0 - trace / square)))
-                        : measured;
-  };
-  const auto figure = [&](double sum, double itsVariance) {
+    // the signal in what was measured with noise
+    const double share = square > 0.0 ? std::sqrt(std::max(0.0, 1.0 - trace / square)) : 1.0;
     Figure f;
-    f.rms = std::sqrt(std::max(0.0, sum) / n);
-    f.std = f.rms > 0.0 ? std::sqrt(itsVariance) / (2.0 * n * f.rms) : 0.0;
+    f.rms = std::sqrt(square / n);
+    f.std = f.rms > 0.0 ? std::sqrt(variance(share * measured)) / (2.0 * n * f.rms) : 0.0;
     return f;
   };
   BeforeAndAfter found;
   found.angular = rows.angular();
   found.residuals = rows.count();
   found.noise = std::sqrt(trace / n);
-  const double freeShare = std::max(0.0, 1.0 - points.space().baseRank() / std::max(1.0, n));
-  if (loaded) {
-    const Eigen::VectorXd byParameters = rows.sized(points.byParameter()).transpose() * field;
-    const double ofCalibration = 4.0 * byParameters.dot(covariance * byParameters);
-    const double expected = field.squaredNorm() + trace * freeShare, measured = raw.squaredNorm();
-    const double ofExpected = ofCalibration + variance(field), ofMeasured = variance(quieter(raw));
-    found.before = figure(expected, ofExpected);
-    found.after = figure(measured, ofMeasured);
-    found.improvement = (expected - measured) / std::sqrt(ofCalibration + 2.0 * ofSquare + ofMeasured);
-    return found;
-  }
-  const Eigen::VectorXd left = raw - field;
-  const Eigen::VectorXd uncorrected = raw + rows.sized(points.measuring());
-  found.before = figure(uncorrected.squaredNorm(), variance(quieter(uncorrected)));
-  found.after = figure(left.squaredNorm(), variance(quieter(left)));
-  // The noise of both is the same: only its part along the field differs.
-  const double ofDifference = 4.0 * field.dot(rows.noiseTimes(field).col(0));
-  found.improvement =
-      ofDifference > 0.0 ? (raw.squaredNorm() - left.squaredNorm()) / std::sqrt(ofDifference) : 0.0;
+  found.freedoms = std::max(1.0, n - points.space().baseRank());
+  if (ofSquare > 0.0) found.freedoms *= std::min(1.0, trace * trace / ofSquare / n);
+  found.unforeseen = std::sqrt(rows.sized(points.raw() - hypothesis.field).squaredNorm() / n);
+  // What the correction takes away, there where it is: the noise of both sides is the same.
+  const Eigen::VectorXd taken = rows.sized(loaded ? points.whole() - hypothesis.field : points.whole());
+  const Eigen::VectorXd before = loaded ? raw + taken : raw, after = loaded ? raw : raw - taken;
+  found.before = figure(loaded ? before : Eigen::VectorXd(raw + rows.sized(points.measuring())));
+  found.after = figure(after);
+  const double ofDifference = 4.0 * taken.dot(rows.noiseTimes(system, taken).col(0));
+  constexpr double kRounding = 1e-9;  // of what was measured
+  if (ofDifference > 0.0 && taken.norm() > kRounding * raw.norm())
+    found.improvement = (before.squaredNorm() - after.squaredNorm()) / std::sqrt(ofDifference);
   return found;
+}
+
+Eigen::VectorXd rmsOf(const FreshPoints& points, const Eigen::MatrixXd& whitened) {
+  const Rows rows(points);
+  return rows.sized(whitened).colwise().norm().transpose() /
+         std::sqrt(std::max(1.0, static_cast<double>(rows.count())));
 }
 
 }  // namespace mm

@@ -1,4 +1,5 @@
 #pragma once
+#include "verification/hypotheses.h"
 #include "verification/point_system.h"
 #include "verification/verify.h"
 
@@ -10,13 +11,21 @@ struct BeforeAndAfter {
   bool angular = false;      // in rad: there are no residuals in m
   int residuals = 0;         // of that kind
   double noise = 0.0;        // m or rad
+  double freedoms = 0.0;     // of the sum of squares after, its noise correlated as these points show it
   double improvement = 0.0;  // difference of the squares over its standard deviation
+  double unforeseen = 0.0;   // m or rad: RMS of what the hypothesis leaves
 };
 
-/// @param loaded: after is what was measured, before what the calibration expects of the uncorrected machine
-/// there, with the noise of these points; else before is what was measured, after what the correction leaves.
-/// @param covariance of the calibration's parameters of the machine's effects, SI.
+/// What was measured stands on one side; on the other the same points with the correction taken back (loaded:
+/// what the controller added is the table's, not the machine's, and known exactly) or applied. Errors that
+/// the calibration does not explain are in both.
+/// @param hypothesis of what was loaded how, for what the controller added. @param loaded: after is what was
+/// measured; else before is.
 BeforeAndAfter beforeAndAfter(const FreshPoints& points, const PointSystem& system,
-                              const Eigen::MatrixXd& covariance, bool loaded);
+                              const LoadedHow& hypothesis, bool loaded);
+
+/// RMS of whitened columns (length x k) over the rows that the figures tell: m, or rad where there are none
+/// in m.
+Eigen::VectorXd rmsOf(const FreshPoints& points, const Eigen::MatrixXd& whitened);
 
 }  // namespace mm

@@ -70,7 +70,9 @@ bool isOfTheMachine(const Effect& effect, const Domain& domain) {
 }
 
 FreshPoints::FreshPoints(const Session& session, const Calibration& calibration,
-                         const CalibrateOptions& options, int factor, const Eigen::VectorXd& weights) {
+                         const CalibrateOptions& options, int factor, const Eigen::VectorXd& weights,
+                         TablesAdd tables)
+    : tables_(std::move(tables)) {
   checkMachine(calibration, session);
   sort(calibration, modelOf(calibration));
   fit(session, calibration, options, factor, weights);
@@ -153,28 +155,11 @@ void FreshPoints::fillColumns(const Calibration& calibration) {
         byEffect(row, e) = at.slotGradients().row(row).dot(slots);
       all += slots;
     }
-    change.row(o) = perJoint(machine, problem.state(o), beamOf(problem.model(), problem.state(o)), all);
+    change.row(o) = takenAway(problem.state(o), all);
   }
   byEffect_ = space_->whiten(byEffect);
   space_->project(byEffect_);
-
-  const double size = change.array().isFinite().select(change, 0.0).cwiseAbs().maxCoeff();
-  for (int j = 0; j < joints; ++j)
-    if (change.col(j).array().isFinite().select(change.col(j), 0.0).cwiseAbs().maxCoeff() > 1e-6 * size) {
-      axisJoints_.push_back(j);
-      axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
-    }
-  const int count = static_cast<int>(axes_.size());
-  Eigen::MatrixXd crossed(problem.rowCount(), count * count);
-  for (int i = 0; i < problem.rowCount(); ++i)
-    for (int a = 0; a < count; ++a)
-      for (int b = 0; b < count; ++b)
-        crossed(i, a * count + b) =
-            at.slotGradients()(i, layout.axis(axisJoints_[static_cast<std::size_t>(a)])) *
-            change(problem.rows()[static_cast<std::size_t>(i)].observation,
-                   axisJoints_[static_cast<std::size_t>(b)]);
-  crossed_ = space_->whiten(crossed);
-  space_->project(crossed_);
+  fillAxes(change);
   fillMisplaced(values);
 
   Eigen::MatrixXd byParameter(problem.rowCount(), static_cast<Eigen::Index>(parameters_.size()));
@@ -200,6 +185,40 @@ void FreshPoints::fillColumns(const Calibration& calibration) {
   Eigen::MatrixXd whitened = space_->whiten(measuring);
   space_->project(whitened);
   measuring_ = whitened.col(0);
+}
+
+Eigen::VectorXd FreshPoints::takenAway(const State& state, Eigen::VectorXd slots) const {
+  if (tables_) return -tables_(state);
+  const Model& model = space_->linearisation().problem().model();
+  return perJoint(model.machine(), state, beamOf(model, state), std::move(slots));
+}
+
+void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
+  const Linearisation& at = space_->linearisation();
+  const Problem& problem = at.problem();
+  const Machine& machine = problem.model().machine();
+  const ErrorLayout layout = machine.layout();
+  const double size = change.array().isFinite().select(change, 0.0).cwiseAbs().maxCoeff();
+  for (int j = 0; j < machine.jointCount(); ++j)
+    if (change.col(j).array().isFinite().select(change.col(j), 0.0).cwiseAbs().maxCoeff() > 1e-6 * size) {
+      axisJoints_.push_back(j);
+      axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
+    }
+  if (axes_.empty() && tables_)
+    throw InputError(problem.session().source +
+                     ": the tables add nothing at these points: there is nothing to verify; mm plan verify "
+                     "chooses points that show what was corrected");
+  const int count = static_cast<int>(axes_.size());
+  Eigen::MatrixXd crossed(problem.rowCount(), count * count);
+  for (int i = 0; i < problem.rowCount(); ++i)
+    for (int a = 0; a < count; ++a)
+      for (int b = 0; b < count; ++b)
+        crossed(i, a * count + b) =
+            at.slotGradients()(i, layout.axis(axisJoints_[static_cast<std::size_t>(a)])) *
+            change(problem.rows()[static_cast<std::size_t>(i)].observation,
+                   axisJoints_[static_cast<std::size_t>(b)]);
+  crossed_ = space_->whiten(crossed);
+  space_->project(crossed_);
 }
 
 void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) {
@@ -230,7 +249,7 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
         Eigen::VectorXd slots = Eigen::VectorXd::Zero(layout.size());
         for (std::size_t e = 0; e < machineEffects_.size(); ++e)
           slots += slotsOf(*machineEffects_[e], values[e], state, layout.size());
-        const Eigen::VectorXd change = perJoint(machine, state, beamOf(model, state), slots);
+        const Eigen::VectorXd change = takenAway(state, std::move(slots));
         for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row) {
           columns(row, 0) = at.slotGradients()(row, layout.axis(first)) * change[second];
           columns(row, 1) = at.slotGradients()(row, layout.axis(second)) * change[first];
@@ -241,6 +260,12 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
       misplaced_.push_back({static_cast<int>(b), static_cast<int>(a), whitened.col(0)});
       misplaced_.push_back({static_cast<int>(a), static_cast<int>(b), whitened.col(1)});
     }
+}
+
+Eigen::VectorXd FreshPoints::rest() const {
+  Eigen::VectorXd rest = whole();
+  for (int a = 0; a < static_cast<int>(axes_.size()); ++a) rest -= own(a);
+  return rest;
 }
 
 Eigen::VectorXd FreshPoints::own(int axis) const {

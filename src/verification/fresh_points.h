@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ struct MisplacedTable {
   Eigen::VectorXd column;  // length rows: what the table says, as an error of the axis `on`
 };
 
+/// What the tables of a controller add to its joints at a state, m or rad a joint.
+using TablesAdd = std::function<Eigen::VectorXd(const State& state)>;
+
 /// What the points of a fresh session could show of a calibration's correction: the residuals of the raw
 /// readings, and a column for each way in which the correction enters them. The effects of the probe and of
 /// the artifact are applied throughout with the calibration's values: no controller corrects them. Rows are
@@ -25,10 +29,11 @@ class FreshPoints {
  public:
   /// Linearises where the machine's effects are `factor` of the calibration's values, which should be near
   /// to what the readings show. @param session, calibration must outlive it. @param weights a data row: 0
-  /// leaves it out; empty: all. @throw InputError: another machine; the calibration corrects nothing of the
-  /// machine. NumericalError: too few points.
+  /// leaves it out; empty: all. @param tables what the controller adds where it was given less than the whole
+  /// correction; empty: all of it. @throw InputError: another machine; the calibration corrects nothing of
+  /// the machine, or the tables add nothing at these points. NumericalError: too few points.
   FreshPoints(const Session& session, const Calibration& calibration, const CalibrateOptions& options,
-              int factor, const Eigen::VectorXd& weights = {});
+              int factor, const Eigen::VectorXd& weights = {}, TablesAdd tables = {});
 
   const CalibrationResult& fitted() const { return *fitted_; }               ///< at the factor
   const ResidualSpace& space() const { return *space_; }                     ///< of `fitted`
@@ -41,7 +46,11 @@ class FreshPoints {
   const Eigen::VectorXd& raw() const { return raw_; }            ///< to be explained: the machine uncorrected
   const Eigen::MatrixXd& byEffect() const { return byEffect_; }  ///< each effect at its calibrated size
   Eigen::VectorXd whole() const { return byEffect_.rowwise().sum(); }  ///< all of them
-  /// Column a * axes + b: what the calibration says of axis b, as an error of axis a.
+  bool tabled() const { return static_cast<bool>(tables_); }           ///< tables were named
+  /// What no axis is corrected by: of the whole correction, beyond that of every axis.
+  Eigen::VectorXd rest() const;
+  /// Column a * axes + b: what the calibration (where tables were named: they) says of axis b, as an error of
+  /// axis a.
   const Eigen::MatrixXd& crossed() const { return crossed_; }
   Eigen::VectorXd own(int axis) const;                                         ///< crossed(a, a)
   const std::vector<MisplacedTable>& misplaced() const { return misplaced_; }  ///< of every pair of axes
@@ -59,9 +68,13 @@ class FreshPoints {
   void fit(const Session& session, const Calibration& calibration, CalibrateOptions options, int factor,
            const Eigen::VectorXd& weights);
   void fillColumns(const Calibration& calibration);
+  void fillAxes(const Eigen::MatrixXd& change);
+  /// The error of each joint that the correction takes away at a state. @param slots what the effects say.
+  Eigen::VectorXd takenAway(const State& state, Eigen::VectorXd slots) const;
   void fillMisplaced(const std::vector<std::vector<double>>& values);
   void fillShapes();
 
+  TablesAdd tables_;
   std::unique_ptr<CalibrationResult> fitted_;
   std::unique_ptr<ResidualSpace> space_;
   std::vector<EffectPtr> machineEffects_, measuringEffects_;

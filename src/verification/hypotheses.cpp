@@ -9,7 +9,8 @@ namespace {
 constexpr AxisState kStates[] = {AxisState::kCorrected, AxisState::kNotCorrected, AxisState::kWrongSign,
                                  AxisState::kTwice};
 // Odds before any data: that everything is right or that nothing was loaded is what mostly happens; one axis
-// of its own is a mistake, two are two.
+// of its own is a mistake, two are two. That some tables are exchanged is shared by all the ways in which
+// they can be.
 constexpr double kUniform = -1.0, kOneAxis = -4.0, kExchange = -3.0;
 
 /// How much of an error the raw readings show. @param remains share that remains after the correction.
@@ -17,17 +18,14 @@ double shown(double remains, bool loaded) { return loaded ? remains : 1.0 - rema
 
 class Maker {
  public:
-  Maker(const FreshPoints& points, bool loaded) : points_(points), loaded_(loaded) {
-    rest_ = points.whole();
-    for (int a = 0; a < count(); ++a) rest_ -= points.own(a);
-  }
+  Maker(const FreshPoints& points, bool loaded) : points_(points), loaded_(loaded), rest_(points.rest()) {}
 
   int count() const { return static_cast<int>(points_.axes().size()); }
 
   /// @param rest state of what no axis can show.
   LoadedHow of(std::vector<AxisState> axes, double logPrior, AxisState rest) const {
     LoadedHow h;
-    h.field = shown(remainingOf(rest), loaded_) * rest_;
+    h.field = (points_.tabled() ? 1.0 : shown(remainingOf(rest), loaded_)) * rest_;  // no table has it
     for (int a = 0; a < count(); ++a)
       h.field += shown(remainingOf(axes[static_cast<std::size_t>(a)]), loaded_) * points_.own(a);
     h.axes = std::move(axes);
@@ -105,6 +103,7 @@ std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, cons
     }
     if (!uniform) all.push_back(maker.of(axes, kOneAxis * static_cast<double>(other), AxisState::kCorrected));
   }
+  const std::size_t firstExchange = all.size();
   for (int a = 0; a < static_cast<int>(count); ++a)
     for (int b = a + 1; b < static_cast<int>(count); ++b) {
       if (!seen[static_cast<std::size_t>(a)] && !seen[static_cast<std::size_t>(b)]) continue;
@@ -118,6 +117,8 @@ std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, cons
         all.push_back(maker.exchanged({back}));
       }
     }
+  const auto asked = static_cast<double>(std::max<std::size_t>(1, all.size() - firstExchange));
+  for (std::size_t h = firstExchange; h < all.size(); ++h) all[h].logPrior -= std::log(asked);
   return all;
 }
 

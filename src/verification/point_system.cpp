@@ -15,6 +15,7 @@ constexpr double kForMemory = 25;      // fewer residuals beyond the unknowns do
 constexpr double kApart = 5.0;         // standard deviations
 constexpr double kMostApart = 0.1;     // of the rows; more than these are no outliers
 constexpr double kDriftPrice = 3.0;    // as a calibration's: log evidence that a memory must earn
+constexpr double kKnown = 2.0;  // log evidence by which another memory must be better than the known one
 constexpr int kMostRows = 1500;
 
 double median(std::vector<double> values) {
@@ -52,7 +53,18 @@ Eigen::MatrixXd spanOf(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more
   return all.leftCols(count);
 }
 
-PointSystem::PointSystem(const FreshPoints& points) : points_(points) {
+std::vector<DriftTerm> PointSystem::knownDrift(const Calibration& calibration) const {
+  std::vector<DriftTerm> terms;
+  for (const Wandering& w : calibration.drift) {
+    const auto found = std::find(rows_.directions.begin(), rows_.directions.end(), w.direction);
+    if (found == rows_.directions.end() || !(w.std > 0.0) || !(w.timeConstant > 0.0)) continue;
+    const auto d = static_cast<std::size_t>(found - rows_.directions.begin());
+    terms.push_back({static_cast<int>(d), w.std / rows_.directionScale[d], w.timeConstant, false});
+  }
+  return terms;
+}
+
+PointSystem::PointSystem(const FreshPoints& points, const Calibration& calibration) : points_(points) {
   const ResidualSpace& space = points.space();
   const int length = space.length();
   // What could be wrong, in the order in which it is asked; as much of it as leaves the noise to be seen.
@@ -80,7 +92,15 @@ PointSystem::PointSystem(const FreshPoints& points) : points_(points) {
   NoiseFitOptions options;
   options.driftPrice = kDriftPrice;
   options.addDrift = length - static_cast<double>(all.cols()) >= kForMemory;
-  const NoiseFitResult fit = fitNoise(rows_.rows, {}, noise, options, kMostRows);
+  NoiseFitResult fit = fitNoise(rows_.rows, {}, noise, options, kMostRows);
+  // The memory that the calibration knows of is there without a price.
+  noise.drift = knownDrift(calibration);
+  if (!noise.drift.empty()) {
+    options.addDrift = options.dropDrift = options.refine = false;
+    options.driftPrice = options.smoothPrice = 0.0;
+    NoiseFitResult known = fitNoise(rows_.rows, {}, noise, options, kMostRows);
+    if (known.logEvidence + kKnown > fit.logEvidence) fit = std::move(known);
+  }
   noise_ = fit.noise;
   white_ = fit.white;
   whitener_ =
@@ -109,6 +129,13 @@ Eigen::MatrixXd PointSystem::whiten(const Eigen::MatrixXd& columns) const {
   RowMatrix m = columns;
   whitener_->whiten(m);
   return m / white_;
+}
+
+Eigen::VectorXd PointSystem::variances() const {
+  Eigen::VectorXd variance = noise_.variance;
+  for (const DriftTerm& t : noise_.drift)
+    variance += t.ratio * t.ratio * rows_.rows.factors.col(t.direction).cwiseAbs2();
+  return white_ * white_ * variance;
 }
 
 Eigen::MatrixXd PointSystem::covarianceTimes(const Eigen::MatrixXd& m) const {

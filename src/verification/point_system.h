@@ -11,13 +11,15 @@ namespace mm {
 /// the machine could explain, and taken out of every column.
 class PointSystem {
  public:
-  /// @param points must outlive it. @throw NumericalError: fewer residuals than the noise needs.
-  explicit PointSystem(const FreshPoints& points);
+  /// @param points must outlive it. @param calibration whose drift is known beforehand.
+  /// @throw NumericalError: fewer residuals than the noise needs.
+  PointSystem(const FreshPoints& points, const Calibration& calibration);
   PointSystem(const PointSystem&) = delete;
   PointSystem& operator=(const PointSystem&) = delete;
 
   double white() const { return white_; }        ///< white noise, in units of the stated one
   double freedoms() const { return freedoms_; }  ///< residuals beyond everything that was let free
+  Eigen::VectorXd variances() const;             ///< of each row's noise, in units of the stated one
   /// Columns (length x k) with unit noise.
   Eigen::MatrixXd whiten(const Eigen::MatrixXd& columns) const;
   /// Covariance of the rows' noise times m, in units of the stated noise. @param m rows x k
@@ -27,11 +29,13 @@ class PointSystem {
   /// What everything leaves: the session's own unknowns, the correction along every axis, each of its
   /// parameters, and shapes. Squared, in units of the noise; `freedoms` are left.
   double leftByAll() const { return leftByAll_; }
+  double noise() const { return leftByAll_ / freedoms_; }  ///< variance, in units of the noise: about 1
   /// Rows (of FreshPoints::space) that stand apart from all the others by more than five standard
   /// deviations.
   const std::vector<int>& outliers() const { return outliers_; }
 
  private:
+  std::vector<DriftTerm> knownDrift(const Calibration& calibration) const;
   void findOutliers(const Eigen::MatrixXd& all);
 
   const FreshPoints& points_;

@@ -8,6 +8,7 @@
 #include "base/format.h"
 #include "diagnosis/wording.h"
 #include "effects/effect_words.h"
+#include "estimation/residual_space.h"
 #include "machine/machine_fit.h"
 #include "verification/parameter_meaning.h"
 #include "workflow/recalibration.h"
@@ -26,6 +27,35 @@ std::vector<const Calibration*> ofOneMachine(const std::vector<Calibration>& all
   for (const Calibration& c : all)
     if (differenceOf(last, Machine(c.urdf, c.machineName), "").empty()) same.push_back(&c);
   return same;
+}
+
+/// Days since 1970 of what was measured: by the session's own clock, else when the calibration was made.
+double dayOf(const Calibration& c) {
+  constexpr double kDay = 86400.0;
+  return hasDate(c) ? c.sessionEpoch / kDay : daysOf(c.created);
+}
+
+std::string utcOf(double epoch) {
+  const auto seconds = static_cast<std::time_t>(std::floor(epoch));
+  std::tm utc = {};
+  char text[32];
+  if (::gmtime_r(&seconds, &utc) == nullptr || std::strftime(text, sizeof text, "%FT%TZ", &utc) == 0)
+    return {};
+  return text;
+}
+
+/// As time goes; of the calibrations of one session the last that was made: they are not independent.
+std::vector<const Calibration*> oneASession(const std::vector<const Calibration*>& all) {
+  std::vector<const Calibration*> kept;
+  for (auto c = all.begin(); c != all.end(); ++c) {
+    const bool again = std::any_of(c + 1, all.end(), [&](const Calibration* later) {
+      return !(*c)->sessionHash.empty() && later->sessionHash == (*c)->sessionHash;
+    });
+    if (!again) kept.push_back(*c);
+  }
+  std::stable_sort(kept.begin(), kept.end(),
+                   [](const Calibration* a, const Calibration* b) { return dayOf(*a) < dayOf(*b); });
+  return kept;
 }
 
 /// The weighted line, by least squares about the weighted middle.
@@ -54,9 +84,11 @@ void fitLine(ParameterTrend& t) {
   for (const ParameterPoint& p : t.points)
     if (p.comparable && p.std > 0.0)
       chi2 += std::pow((p.value - t.atMiddle - t.slope * (p.day - t.middleDay)) / p.std, 2);
-  const double birge = count > 2 ? std::max(1.0, chi2 / (count - 2)) : 1.0;
-  t.slopeStd = std::sqrt(birge / square);
-  t.pValue = std::erfc(std::abs(t.slope) / (t.slopeStd * kSqrt2));
+  const double freedoms = count - 2, birge = count > 2 ? chi2 / freedoms : 0.0;
+  t.slopeStd = std::sqrt(std::max(1.0, birge) / square);
+  const double z = std::abs(t.slope) / t.slopeStd;
+  // A scale that the points themselves gave is as uncertain as they are few: Student's t, squared it is F.
+  t.pValue = birge > 1.0 ? std::exp(logPValueF(z * z, 1.0, freedoms)) : std::erfc(z / kSqrt2);
 }
 
 void correctForMany(std::vector<ParameterTrend>& trends) {
@@ -97,6 +129,19 @@ double daysOf(const std::string& time) {
   return (static_cast<double>(::timegm(&utc)) + seconds) / kDay;
 }
 
+bool hasDate(const Calibration& c) {
+  constexpr double kEarliest = 1.2e9;  // s; stamps from before 2008 have the made-up date of an import
+  return c.sessionEpoch > kEarliest;
+}
+
+std::vector<std::string> refitted(const std::vector<Calibration>& calibrations) {
+  const std::vector<const Calibration*> same = ofOneMachine(calibrations), kept = oneASession(same);
+  std::vector<std::string> ids;
+  for (const Calibration* c : same)
+    if (std::find(kept.begin(), kept.end(), c) == kept.end()) ids.push_back(c->id);
+  return ids;
+}
+
 std::vector<std::string> ofOtherMachines(const std::vector<Calibration>& calibrations) {
   const std::vector<const Calibration*> kept = ofOneMachine(calibrations);
   std::vector<std::string> others;
@@ -106,11 +151,11 @@ std::vector<std::string> ofOtherMachines(const std::vector<Calibration>& calibra
 }
 
 std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibrations) {
-  const std::vector<const Calibration*> kept = ofOneMachine(calibrations);
+  const std::vector<const Calibration*> kept = oneASession(ofOneMachine(calibrations));
   std::vector<ParameterTrend> trends;
   if (kept.empty()) return trends;
   const Calibration& last = *kept.back();
-  const double first = daysOf(kept.front()->created);
+  const double first = dayOf(*kept.front());
   for (auto c = kept.rbegin(); c != kept.rend(); ++c)
     for (const Calibration::Value& v : (*c)->values) {
       if (v.fixed) continue;
@@ -128,7 +173,8 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
       ParameterPoint point;
       point.id = (*c)->id;
       point.created = (*c)->created;
-      point.day = daysOf(point.created) - first;
+      point.measured = hasDate(**c) ? utcOf((*c)->sessionEpoch) : point.created;
+      point.day = dayOf(**c) - first;
       point.value = v.value * v.toUnit;
       point.std = v.std * v.toUnit;
       point.comparable = *c == &last || found->points.empty() || meansTheSame(effect, **c, last);

@@ -10,7 +10,8 @@ namespace mm {
 /// One parameter in one calibration, in its unit for people.
 struct ParameterPoint {
   std::string id, created;  // of the calibration; ISO 8601, UTC
-  double day = 0.0;         // since the first of all calibrations
+  std::string measured;     // start of its session; where that has no date, `created`
+  double day = 0.0;         // of the measurement (without a date: of the calibration) since the first of all
   double value = 0.0, std = 0.0;
   bool comparable = true;  // false: the effect counts from another observed range than in the last one
 };
@@ -21,7 +22,8 @@ struct ParameterTrend {
   std::string name, unit;
   std::vector<ParameterPoint> points;  // as time goes
   /// Weighted straight line through the comparable points, unit/day; where they scatter more than their
-  /// uncertainties say, these are taken larger (Birge 1932). NaN: fewer than two, or all of one time.
+  /// uncertainties say, these are taken larger (Birge 1932), and their chance is that of Student's t. NaN:
+  /// fewer than two, or all of one time.
   double slope = std::numeric_limits<double>::quiet_NaN(), slopeStd = slope;
   double atMiddle = 0.0, middleDay = 0.0;  // the line goes through here
   double change = 0.0, changeStd = 0.0;    // of the last against the first comparable point
@@ -30,9 +32,15 @@ struct ParameterTrend {
   std::string inWords;
 };
 
-/// @param calibrations as time goes; those of another machine than the last are left out.
+/// @param calibrations as they were made; those of another machine than the last are left out, and of several
+/// of one session all but the last.
 /// @return by effect and name, as in the last calibration and then those that are no longer in it.
 std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibrations);
+
+/// Ids of the calibrations that a later one of the same session (and machine) takes the place of.
+std::vector<std::string> refitted(const std::vector<Calibration>& calibrations);
+/// Whether the session's stamps are those of a clock: an import and a simulation have none.
+bool hasDate(const Calibration& calibration);
 
 /// Ids of the calibrations that are not of the machine of the last one.
 std::vector<std::string> ofOtherMachines(const std::vector<Calibration>& calibrations);

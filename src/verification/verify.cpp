@@ -1,10 +1,12 @@
 #include "verification/verify.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <set>
 
 #include "base/error.h"
+#include "estimation/residual_space.h"
 #include "verification/decision.h"
 #include "verification/figures.h"
 #include "verification/verify_words.h"
@@ -13,8 +15,7 @@
 namespace mm {
 namespace {
 
-constexpr double kNearer = 0.8;     // of the residual: below, another point to linearise at is nearer
-constexpr double kDifferent = 3.3;  // standard deviations by which two figures differ
+constexpr double kNearer = 0.8;  // of the residual: below, another point to linearise at is nearer
 constexpr int kOutlierRounds = 3;
 
 bool isLinear(const FreshPoints& points) {
@@ -26,10 +27,12 @@ bool isLinear(const FreshPoints& points) {
 /// Linearised where the readings are: with nothing corrected, as calibrated, or to the other side.
 std::unique_ptr<FreshPoints> nearestPoints(const Session& session, const Calibration& calibration,
                                            const VerifyOptions& options, const Eigen::VectorXd& weights) {
+  TablesAdd tables;
+  if (options.exported) tables = [&](const State& state) { return options.exported->adds(state); };
   const auto at = [&](int factor) {
     if (options.calibrate.cancelled && options.calibrate.cancelled())
       throw Cancelled("stopped before the points were judged; nothing was changed");
-    return std::make_unique<FreshPoints>(session, calibration, options.calibrate, factor, weights);
+    return std::make_unique<FreshPoints>(session, calibration, options.calibrate, factor, weights, tables);
   };
   std::unique_ptr<FreshPoints> best = at(options.loaded ? 0 : 1);
   std::vector<int> others = {options.loaded ? 1 : 0};
@@ -58,21 +61,29 @@ std::string findingOf(const Decision& decision) {
   return "corrected";
 }
 
-VerifyVerdict verdictOf(const Verification& v, double improvement) {
-  const bool better = v.better, worse = improvement < -kDifferent;
-  if (worse) return VerifyVerdict::kWorse;
-  if (v.finding == "too_small" && !v.drifted) return VerifyVerdict::kNoChange;
-  if (v.finding == "corrected" && !v.drifted)
-    return better ? VerifyVerdict::kHelped : VerifyVerdict::kNoChange;
-  const bool asBefore = v.finding == "not_corrected" || (v.loaded && v.finding == "corrected_twice");
-  return asBefore && !better ? VerifyVerdict::kNoChange : VerifyVerdict::kMixed;
+/// Whether more is left than the calibration left of its own session.
+void compareWithCalibrated(const Calibration& calibration, const BeforeAndAfter& figures,
+                           Verification& found) {
+  constexpr double kMore = 1e-3;  // chance
+  found.unforeseen = figures.unforeseen;
+  found.calibratedRms = figures.angular ? calibration.heldOutRmsAngular : calibration.heldOutRms;
+  if (!(found.calibratedRms > 0.0) || !(figures.unforeseen > 0.0) || !(calibration.degreesOfFreedom > 0.0))
+    return;
+  // Correlated noise has fewer freedoms than residuals, there as here.
+  const double share = figures.freedoms / std::max<double>(1.0, figures.residuals);
+  found.moreLeftPValue = std::exp(logPValueF(std::pow(figures.unforeseen / found.calibratedRms, 2),
+                                             figures.freedoms, share * calibration.degreesOfFreedom));
+  found.moreLeft = found.moreLeftPValue < kMore;
 }
 
 }  // namespace
 
 Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options) {
+  if (options.exported && !options.loaded)
+    throw InputError("tables of an export say what the controller corrected while " + session.source +
+                     " was measured: name them with --loaded, or leave them away");
   std::unique_ptr<FreshPoints> points = nearestPoints(session, calibration, options, {});
-  auto system = std::make_unique<PointSystem>(*points);
+  auto system = std::make_unique<PointSystem>(*points, calibration);
   Eigen::VectorXd weights = points->fitted().weight;
   Verification found;
   for (int round = 0; round < kOutlierRounds && !system->outliers().empty(); ++round) {
@@ -83,11 +94,10 @@ Verification verify(const Session& session, const Calibration& calibration, cons
     }
     system.reset();
     points = nearestPoints(session, calibration, options, weights);
-    system = std::make_unique<PointSystem>(*points);
+    system = std::make_unique<PointSystem>(*points, calibration);
   }
   const Decision decision = decide(*points, *system, calibration, options.loaded);
-  const BeforeAndAfter figures =
-      beforeAndAfter(*points, *system, covarianceOf(*points, calibration), options.loaded);
+  const BeforeAndAfter figures = beforeAndAfter(*points, *system, decision.hypothesis, options.loaded);
   found.loaded = options.loaded;
   found.finding = findingOf(decision);
   found.drifted = decision.drifted;
@@ -104,7 +114,12 @@ Verification verify(const Session& session, const Calibration& calibration, cons
     observations.insert(points->fitted().problem->rows()[static_cast<std::size_t>(row)].observation);
   found.observations = static_cast<int>(observations.size());
   fillShares(*points, *system, calibration, options.loaded, found);
-  found.better = figures.improvement > kDifferent;
+  found.better = figures.improvement > kFiguresDiffer;
+  compareWithCalibrated(calibration, figures, found);
+  if (options.exported) {
+    found.target = options.exported->target();
+    found.notCarried = rmsOf(*points, points->rest())[0];
+  }
   found.verdict = verdictOf(found, figures.improvement);
   for (std::size_t r = 0; r < decision.rivals.size() && r < 4; ++r)
     found.rivals.push_back({inWords(decision.rivals[r], points->axes(), options.loaded), decision.odds[r]});

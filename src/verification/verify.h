@@ -1,5 +1,7 @@
 #pragma once
 #include <Eigen/Core>
+#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -7,6 +9,7 @@
 #include "estimation/calibrate.h"
 #include "session/session.h"
 #include "verification/hypotheses.h"
+#include "verification/loaded_export.h"
 
 namespace mm {
 
@@ -15,7 +18,8 @@ enum class VerifyVerdict { kHelped, kNoChange, kWorse, kMixed };
 std::string nameOf(VerifyVerdict verdict);  ///< "helped", "no_change", "worse", "mixed"
 
 struct VerifyOptions {
-  bool loaded = false;  // the controller corrected while the session was measured
+  bool loaded = false;                           // the controller corrected while the session was measured
+  std::shared_ptr<const LoadedExport> exported;  // with these tables; null: with the whole correction
   CalibrateOptions calibrate;
 };
 
@@ -31,6 +35,7 @@ struct RemainingOfAxis : RemainingShare {
 };
 struct RemainingOfEffect : RemainingShare {
   EffectSpec effect;
+  double notCarried = 0.0;  // share that the tables of an export leave: no fault of the loading, no drift
 };
 
 /// A share of one axis's correction that appears as an error of another axis.
@@ -69,7 +74,16 @@ struct Verification {
   std::string inWords;  // one to three sentences
   bool loaded = false, drifted = false, angular = false;
   Figure before, after;
-  bool better = false;  // after is significantly below before
+  double unforeseen = 0.0;  // m (rad): RMS of what the finding leaves of the points
+  bool better = false;      // after is significantly below before
+  std::string target;       // of the export that was named; empty: none
+  double notCarried = 0.0;  // m (rad): RMS of what its tables do not correct at these points
+  double calibratedRms =
+      0.0;  // m (rad): what the calibration left of its own session, held out; NaN: not known
+  /// Chance of as much beyond what was foreseen where the machine is as the calibration left it (F test
+  /// against calibratedRms); NaN: not known.
+  double moreLeftPValue = std::numeric_limits<double>::quiet_NaN();
+  bool moreLeft = false;  // that chance is below 0.001
   int residuals = 0, observations = 0;
   LoadedHow hypothesis;
   std::vector<RemainingOfAxis> axes;

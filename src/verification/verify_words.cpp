@@ -61,31 +61,95 @@ std::string changesInWords(const Verification& v) {
   return list(all) + (more > 0 ? " and " + std::to_string(more) + " more" : "");
 }
 
+/// What follows the verdict "helped".
+std::string helpedInWords(const Verification& v, const std::string& figures) {
+  std::string text = (v.loaded ? "it helped: " : "it helps: ") + figures;
+  if (v.finding == "too_small") text += "; these points do not tell which axis";
+  return text;
+}
+
+std::string noChangeInWords(const Verification& v, const std::string& figures) {
+  if (v.finding == "too_small")
+    return v.loaded ? "no change is to be seen: these points cannot tell whether it is loaded, " + figures
+                    : "no change: the correction is too small to be seen at these points, " + figures;
+  if (v.finding == "not_corrected")
+    return v.loaded ? "no change: is it loaded? " + figures
+                    : "no change: the machine does not have these errors; was it corrected already while "
+                      "this was measured (--loaded)? " +
+                          figures;
+  if (v.finding == "corrected_twice")
+    return "no change: corrected twice, the errors are as large as before, to the other side, " + figures;
+  return std::string("no change: ") + (v.loaded ? "it is loaded" : "the errors are as calibrated") +
+         ", but the correction is too small to show in the figure, " + figures;
+}
+
+/// What is loaded how, of a correction that neither helps nor leaves everything as it is.
+std::string causeInWords(const Verification& v, const std::vector<std::string>& names) {
+  if (v.finding == "wrong_sign")
+    return v.loaded ? "sign is wrong" : "sign is wrong: the machine errs to the other side";
+  if (v.finding == "too_small")
+    return v.loaded ? "these points cannot tell whether it is loaded"
+                    : "the correction is too small to be told axis by axis";
+  if (v.finding == "not_corrected")
+    return v.loaded ? "it is not loaded"
+                    : "the machine does not have these errors (was it corrected already while this was "
+                      "measured: --loaded?)";
+  if (v.finding == "corrected_twice")
+    return v.loaded ? "corrected twice: the errors are there to the other side"
+                    : "the errors are twice as large as calibrated";
+  if (v.finding == "corrected") return v.loaded ? "it is loaded" : "it still fits in part";
+  return (v.finding == "exchanged" ? "axes are exchanged: " : "not every axis alike: ") +
+         inWords(v.hypothesis, names, v.loaded);
+}
+
+std::string moreLeftInWords(const Verification& v) {
+  const double unit = v.angular ? kArcsecond : kMicrometre;
+  return format(
+      "; but %.3g %s are left, where the calibration left %.3g of its own session (held out): the "
+      "machine may have changed, or measures less well than then; mm diagnose says what is new",
+      v.unforeseen / unit, v.angular ? "arcsec" : "um", v.calibratedRms / unit);
+}
+
 std::string headOf(const Verification& v, const std::vector<std::string>& names) {
   const std::string figures = figuresInWords(v);
-  if (v.finding == "too_small")
-    return "no change: the correction is too small to be seen at these points, " + figures;
-  if (v.finding == "corrected" && !v.drifted) {
-    if (v.verdict == VerifyVerdict::kHelped) return (v.loaded ? "it helped: " : "it helps: ") + figures;
-    return "as it should be, but no better: the correction is too small to show in the figure, " + figures;
-  }
-  if (v.finding == "corrected")
-    return std::string(v.loaded ? "it is loaded, " : "it still fits in part, ") +
-           "but the machine has drifted since: " + figures;
-  if (v.finding == "not_corrected")
-    return v.loaded
-               ? "no change: is it loaded? " + figures
-               : "the machine does not have these errors, applied it gets worse: was it corrected already "
-                 "while this was measured (--loaded)? " +
-                     figures;
-  if (v.finding == "wrong_sign")
-    return v.loaded ? "sign is wrong: it got twice as bad, " + figures
-                    : "sign is wrong: the machine errs to the other side, applied it gets worse, " + figures;
-  if (v.finding == "corrected_twice")
-    return v.loaded ? "corrected twice: the errors are as large as before, to the other side, " + figures
-                    : "the errors are twice as large as calibrated, " + figures;
-  const std::string kind = v.finding == "exchanged" ? "axes are exchanged: " : "not every axis alike: ";
-  return kind + inWords(v.hypothesis, names, v.loaded) + ", " + figures;
+  if (v.verdict == VerifyVerdict::kHelped) return helpedInWords(v, figures);
+  if (v.verdict == VerifyVerdict::kNoChange) return noChangeInWords(v, figures);
+  std::string text = causeInWords(v, names);
+  constexpr double kTwice = 1.7;  // times, that people call twice
+  if (v.verdict == VerifyVerdict::kWorse)
+    text += !v.loaded                             ? ", applied it gets worse"
+            : v.after.rms > kTwice * v.before.rms ? ", it got twice as bad"
+                                                  : ", it got worse";
+  else if (v.finding == "corrected" || v.finding == "too_small")
+    text += ", but the machine has drifted since";
+  else if (v.better)
+    text += ", yet less is left than without";
+  return text + ": " + figures;
+}
+
+/// Whether an effect that is said to have changed is there as if nobody corrected it.
+bool mayBeNotCarried(const Verification& v) {
+  const auto whole = [&](const ChangedEffect& changed) {
+    return std::any_of(v.effects.begin(), v.effects.end(), [&](const RemainingOfEffect& effect) {
+      return effect.effect == changed.effect && effect.inWords == "not corrected";
+    });
+  };
+  return v.loaded && v.target.empty() && std::any_of(v.changed.begin(), v.changed.end(), whole);
+}
+
+/// What the tables of an export leave by their nature.
+std::string notCarriedInWords(const Verification& v) {
+  constexpr double kMostly = 0.5;   // share of an effect
+  constexpr double kNothing = 0.1;  // of the noise
+  if (v.target.empty() || v.notCarried < kNothing * v.noise) return {};
+  std::vector<std::string> effects;
+  for (const RemainingOfEffect& effect : v.effects)
+    if (effect.notCarried > kMostly && effect.size > kNothing * v.noise)
+      effects.push_back(inWords(effect.effect));
+  return "; the tables for " + v.target +
+         format(" do not carry %.3g %s of it", v.notCarried / (v.angular ? kArcsecond : kMicrometre),
+                v.angular ? "arcsec" : "um") +
+         (effects.empty() ? "" : " (" + list(effects) + ")") + ", which is no drift";
 }
 
 }  // namespace
@@ -102,6 +166,23 @@ std::string nameOf(VerifyVerdict verdict) {
       break;
   }
   return "mixed";
+}
+
+VerifyVerdict verdictOf(const Verification& v, double improvement) {
+  const bool better = improvement > kFiguresDiffer, worse = improvement < -kFiguresDiffer;
+  const bool seen = v.finding != "too_small";
+  // Of a correction that these points cannot show nobody knows whether it is loaded, nor what it did.
+  if (!seen && v.loaded && !v.drifted) return VerifyVerdict::kNoChange;
+  if (worse) return VerifyVerdict::kWorse;
+  if ((!seen || v.finding == "corrected") && !v.drifted)
+    return better ? VerifyVerdict::kHelped : VerifyVerdict::kNoChange;
+  const bool asBefore = v.finding == "not_corrected" || (v.loaded && v.finding == "corrected_twice");
+  return asBefore && !better ? VerifyVerdict::kNoChange : VerifyVerdict::kMixed;
+}
+
+std::string whyKept(const Verification& v) {
+  if (v.loaded && v.finding == "too_small") return "kept, these points cannot tell whether it is loaded";
+  return v.better ? "kept, the machine is better with it than without" : "";
 }
 
 std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>& axes, bool loaded) {
@@ -143,18 +224,34 @@ std::string inWords(const RemainingShare& share) {
   return format("%.0f %% remain", 100.0 * share.remaining);
 }
 
+std::string inWords(const RemainingOfEffect& effect) {
+  constexpr double kSome = 0.1;
+  const RemainingShare& whole = effect;
+  if (std::abs(effect.notCarried) < kSome) return inWords(whole);
+  RemainingShare loadedPart = effect;
+  loadedPart.remaining -= effect.notCarried;
+  const std::string words = inWords(loadedPart);
+  const std::string carried = effect.notCarried > 1.0 - kSome
+                                  ? std::string("no table carries it")
+                                  : format("%.0f %% of it in no table", 100.0 * effect.notCarried);
+  return words == "corrected" || std::abs(loadedPart.remaining) < std::max(kCertain * effect.std, 0.05)
+             ? carried
+             : inWords(whole) + ", " + carried;
+}
+
 std::string sentenceOf(const Verification& v) {
   std::vector<std::string> names;
   for (const RemainingOfAxis& axis : v.axes) names.push_back(axis.axis);
   std::string text = headOf(v, names);
-  if (!v.changed.empty()) {
-    text += std::string(v.finding == "corrected" ? "; " : "; and the machine has drifted since: ") +
-            "changed since the calibration: " + changesInWords(v);
-  } else if (v.drifted) {
-    text += v.finding == "corrected"
-                ? "; no effect of the calibration says how"
-                : "; and the machine has drifted since, in a way that no effect of the calibration says";
-  }
+  const bool told = text.find("the machine has drifted since") != std::string::npos;
+  if (v.drifted)
+    text += (told ? std::string("; ") : std::string("; and the machine has drifted since: ")) +
+            (v.changed.empty() ? "no effect of the calibration says how"
+                               : "changed since the calibration: " + changesInWords(v));
+  text += notCarriedInWords(v);
+  if (v.moreLeft && !v.drifted) text += moreLeftInWords(v);
+  if (v.drifted && mayBeNotCarried(v))
+    text += "; where tables of mm export were loaded, which may carry less, name them with --export";
   if (v.drifted) text += "; calibrate again, mm diagnose says what is new";
   if (!v.rivals.empty()) text += "; not excluded by these points: " + v.rivals.front().inWords;
   return text;

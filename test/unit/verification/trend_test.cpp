@@ -41,6 +41,55 @@ TEST(Trend, ofPointsThatScatterMoreThanTheySayIsLessCertain) {
   EXPECT_FALSE(trends[0].significant);
 }
 
+TEST(Trend, ofFewPointsThatScatterIsJudgedByStudent) {
+  // Residuals of the line -1, 2, -1: chi squared 6, one freedom; t = 2 / sqrt(6 / 50) has Cauchy's
+  // distribution.
+  const std::vector<ParameterTrend> trends =
+      trendsOf({calibrated(1, 49.0), calibrated(6, 62.0), calibrated(11, 69.0)});
+  ASSERT_EQ(trends.size(), 1u);
+  const double slope = 2.0, std = std::sqrt(6.0 / 50.0);
+  EXPECT_NEAR(trends[0].slope, slope, 1e-9);
+  EXPECT_NEAR(trends[0].pValue, 1.0 - 2.0 / M_PI * std::atan(slope / std), 1e-9);  // 0.11, not 1e-8
+  EXPECT_FALSE(trends[0].significant);
+}
+
+TEST(Trend, ofOneSessionTakesTheLastCalibration) {
+  Calibration first = calibrated(1, 50.0), again = calibrated(2, 52.0), later = calibrated(11, 60.0);
+  first.sessionHash = again.sessionHash = "a";
+  later.sessionHash = "b";
+  const std::vector<ParameterTrend> trends = trendsOf({first, again, later});
+  ASSERT_EQ(trends.size(), 1u);
+  ASSERT_EQ(trends[0].points.size(), 2u);
+  EXPECT_EQ(trends[0].points[0].id, "day2");
+  EXPECT_EQ(refitted({first, again, later}), std::vector<std::string>{"day1"});
+}
+
+TEST(Trend, goesByTheTimeOfTheMeasurement) {
+  // Calibrated late and in another order; an imported session has no date of its own.
+  Calibration march = calibrated(20, 60.0), february = calibrated(21, 50.0), imported = calibrated(22, 62.0);
+  constexpr double kDay = 86400.0;
+  february.sessionEpoch = daysOf("2026-02-01T00:00:00Z") * kDay;
+  march.sessionEpoch = daysOf("2026-03-01T00:00:00Z") * kDay;
+  imported.sessionEpoch = 1e9;
+  const std::vector<ParameterTrend> trends = trendsOf({march, february, imported});
+  ASSERT_EQ(trends[0].points.size(), 3u);
+  EXPECT_EQ(trends[0].points[0].id, "day21");
+  EXPECT_NEAR(trends[0].points[1].day, 28.0, 1e-9);
+  EXPECT_EQ(trends[0].points[1].measured, "2026-03-01T00:00:00Z");
+  EXPECT_NEAR(trends[0].points[2].day, 49.0, 1e-9);
+  EXPECT_EQ(trends[0].points[2].measured, "2026-03-22T00:00:00Z");
+}
+
+TEST(CalibrationChanges, ofOneSessionAreNotJudged) {
+  Calibration first = calibrated(1, 50.0), again = calibrated(2, 60.0);
+  first.sessionHash = again.sessionHash = "a";
+  const CalibrationChanges changes = changesBetween(first, again);
+  ASSERT_EQ(changes.parameters.size(), 1u);
+  EXPECT_TRUE(std::isnan(changes.parameters[0].pValue));
+  EXPECT_FALSE(changes.parameters[0].significant);
+  EXPECT_EQ(changes.inWords.find("both are of the same session"), 0u) << changes.inWords;
+}
+
 TEST(CalibrationChanges, areJudgedByBothUncertainties) {
   const CalibrationChanges same = changesBetween(calibrated(1, 50.0), calibrated(2, 52.0));
   ASSERT_EQ(same.parameters.size(), 1u);

@@ -1,0 +1,57 @@
+#pragma once
+#include <vector>
+
+#include "verification/hypotheses.h"
+#include "verification/point_system.h"
+#include "verification/verify.h"
+
+namespace mm {
+
+/// The effects that changed since the calibration under one hypothesis, taken one by one.
+struct Changes {
+  std::vector<ChangedEffect> effects;  // most certain first
+  double unexplainedPValue = 1.0;      // of what they leave
+  double score = 0.0;                  // of the hypothesis with them: comparable to Court::scores
+};
+
+/// What a decision is made in: the points with unit noise, and what is known of the calibration beforehand.
+class Court {
+ public:
+  /// @param points, system, calibration must outlive it.
+  Court(const FreshPoints& points, const PointSystem& system, const Calibration& calibration);
+
+  /// As calibrated, to within its uncertainty and what it left unexplained.
+  const Projection& asCalibrated() const { return asCalibrated_; }
+  /// Changed since, by as much as machines do.
+  Projection changedSince() const;
+
+  /// Log likelihood of each hypothesis, with its prior; the scale of the noise integrated out.
+  std::vector<double> scores(const Projection& projection, const std::vector<LoadedHow>& all) const;
+  /// Each effect taken costs the logarithm of the number asked and half that of the residuals a parameter
+  /// (Schwarz 1978).
+  Changes changes(const LoadedHow& h) const;
+
+ private:
+  Eigen::MatrixXd misses(const std::vector<LoadedHow>& all) const;
+  Eigen::MatrixXd scattering(const Eigen::MatrixXd& covariance) const;
+  Eigen::MatrixXd unitShapes() const;
+  double unexplainedOf() const;
+  double freedoms() const { return points_.length() - static_cast<double>(system_.base().cols()); }
+  double logMisfitOf(double left, int taken) const;
+  Eigen::MatrixXd ofEffect(std::size_t e) const;
+
+  const FreshPoints& points_;
+  const PointSystem& system_;
+  const Calibration& calibration_;
+  Eigen::MatrixXd covariance_, byParameter_;
+  Projection asCalibrated_;
+};
+
+/// Shares of columns in another one.
+struct Shares {
+  Eigen::VectorXd value, std;
+};
+/// Least squares of one column on others that a projection has left, with unit noise and a wide prior.
+Shares sharesOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+
+}  // namespace mm

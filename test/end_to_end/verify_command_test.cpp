@@ -1,0 +1,78 @@
+// mm verify against a store and against the tables of an export.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "run_mm.h"
+
+namespace mm {
+namespace {
+
+class VerifyCommandTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string plan = "simulate --machine three_axis --plan config/demo_plan.yaml ";
+    run(plan + "--seed 1 -o " + bag_);
+    run(plan + "--seed 2 -o " + fresh_);
+    run(plan + "--seed 3 --hide scale:x=-0.002 -o " + worn_);  // x errs to the other side by now
+    calibrate("one", "{type: scale, axis: x}");
+    calibrate("two",
+              "{type: scale, axis: x}, {type: scale, axis: y}, {type: scale, axis: z}, "
+              "{type: squareness, axis: x, of: y}, {type: backlash, axis: x}");
+  }
+  void run(const std::string& arguments) {
+    const Answer answer = mmRun(folder_, arguments);
+    ASSERT_EQ(answer.status, 0) << arguments << ": " << answer.error;
+  }
+  void calibrate(const std::string& name, const std::string& effects) {
+    const std::string model =
+        folder_.write(name + "_model.yaml", "machine: three_axis\neffects: [" + effects + "]\n");
+    run("calibrate " + bag_ + " --model " + model + " --method least_squares -o " +
+        folder_ / (name + ".yaml"));
+    run("promote " + folder_ / (name + ".yaml") + " --store " + store_);
+  }
+  std::string active() const { return std::filesystem::read_symlink(store_ + "/active").filename().string(); }
+
+  TestFolder folder_;
+  std::string bag_ = folder_ / "s.bag", fresh_ = folder_ / "fresh.bag", worn_ = folder_ / "worn.bag",
+              store_ = folder_ / "kept";
+};
+
+TEST_F(VerifyCommandTest, takesBackWhatDoesNotHelp) {
+  const std::string two = active(),
+                    how = " --calibration " + folder_ / "two.yaml" + " --roll-back --store " + store_;
+  const Answer helps = mmRun(folder_, "verify " + fresh_ + how);
+  EXPECT_EQ(helps.status, 0) << helps.out << helps.error;
+  EXPECT_EQ(active(), two);
+  const Answer worse = mmRun(folder_, "verify " + worn_ + how);
+  EXPECT_EQ(worse.status, 1);
+  EXPECT_NE(worse.error.find("rolled back: "), std::string::npos) << worse.error;
+  EXPECT_NE(active(), two);
+  const std::string one = active();
+  const Answer again = mmRun(folder_, "verify " + worn_ + how);
+  EXPECT_EQ(again.status, 1);
+  EXPECT_NE(again.error.find("nothing is rolled back"), std::string::npos) << again.error;
+  EXPECT_EQ(active(), one);
+}
+
+TEST_F(VerifyCommandTest, knowsWhatWasExported) {
+  const std::string how = " --calibration " + folder_ / "two.yaml", out = folder_ / "linuxcnc";
+  run("export " + folder_ / "two.yaml" + " --to linuxcnc -o " + out);
+  const Answer raw = mmRun(folder_, "verify " + fresh_ + how + " --export " + out);
+  EXPECT_EQ(raw.status, 2);
+  EXPECT_NE(raw.error.find("--loaded"), std::string::npos) << raw.error;
+  const Answer loaded = mmRun(folder_, "verify " + fresh_ + how + " --loaded --json --export " + out);
+  ASSERT_EQ(loaded.status, 1) << loaded.error;
+  const nlohmann::json found = loaded.json();
+  EXPECT_EQ(found["finding"], "not_corrected") << loaded.out;
+  EXPECT_EQ(found["verdict"], "no_change");
+  EXPECT_EQ(found["export"], "linuxcnc");
+  EXPECT_GT(found["not_carried_um"].get<double>(), 1.0);  // the squareness, 500 urad
+  const Answer other = mmRun(
+      folder_, "verify " + fresh_ + " --calibration " + folder_ / "one.yaml" + " --loaded --export " + out);
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.error.find("was made of calibration"), std::string::npos) << other.error;
+}
+
+}  // namespace
+}  // namespace mm
