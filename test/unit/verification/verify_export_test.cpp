@@ -64,7 +64,7 @@ Verification judged(const LoadedController& controller, const Session& session,
 }
 
 TEST(VerifyExport, whatNoTableCarriesIsNoDrift) {
-  const std::uint64_t runs = mm_test::longTests() ? 50 : 2;
+  const std::uint64_t runs = mm_test::longTests() ? 20 : 2;
   for (std::uint64_t seed = 6000; seed < 6000 + 10 * runs; seed += 10) {
     const LoadedController controller(seed, roughly(seed));
     const Folder folder;
@@ -82,7 +82,8 @@ TEST(VerifyExport, whatNoTableCarriesIsNoDrift) {
     for (const RemainingOfEffect& effect : v.effects) {
       const bool carried = effect.effect.type != "squareness";
       EXPECT_NEAR(effect.notCarried, carried ? 0.0 : 1.0, 0.1) << effect.effect.yaml();
-      if (effect.std < 0.2 || !carried) {
+      // A machine that wanders does so by a share of an effect.
+      if (!carried || (effect.std < 0.2 && roughly(seed).empty())) {
         EXPECT_EQ(effect.inWords, carried ? "corrected" : "no table carries it") << effect.effect.yaml();
       }
     }
