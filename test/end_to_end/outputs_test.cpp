@@ -159,6 +159,8 @@ TEST(OutputFilesRule, NoCommandWritesByItself) {
   for (const auto& entry : std::filesystem::directory_iterator("src/tools")) {
     const std::string name = entry.path().filename().string(), text = textOf(entry.path().string());
     if (name == "output_files.cpp") continue;
+    if (name == "batch_job.cpp")
+      continue;  // a job's own files, in a folder that gets its name when it is whole
     if (name == "pdf_printer.cpp") continue;  // a page for the browser, in a folder that is gone afterwards
     for (const char* writer :
          {"ofstream", "writeFileAtomically", "saveCalibration", "writeSessionBag", "fopen"})
