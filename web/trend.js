@@ -36,11 +36,12 @@ function trendFigure(t) {
 
 function page() {
   const significant = data.trends.filter((t) => t.significant);
+  const told = data.trends.some((t) => known(t.per_30_days));
   const times = data.trends.flatMap((t) => t.points.map((p) => p.measured)).sort();
   main.replaceChildren(
     el("header", {}, el("h1", {}, "Trend of " + data.machine.split("/").pop()),
       el("p", { class: "meta" }, (times.length ? clock(times[0]) + " to " + clock(times[times.length - 1]) + ", " : "") + data.store),
-      el("div", { class: "verdict " + (significant.length ? "scatter" : "explained") }, el("div", { class: "badge" }, significant.length ? "Changing" : "Steady"),
+      el("div", { class: "verdict " + (significant.length ? "scatter" : told ? "explained" : "insufficient_data") }, el("div", { class: "badge" }, significant.length ? "Changing" : told ? "Steady" : "Not known"),
         el("p", { class: "sentence" }, said(data.in_words)))));
   if (data.left_out.length) main.append(el("p", { class: "warning" }, "Left out: " + data.left_out.join("; ")));
   const grid = (id, title, list) => list.length && main.append(el("section", { "aria-labelledby": id }, el("h2", { id }, title), el("div", { class: "grid" }, list.map(trendFigure))));

@@ -27,9 +27,9 @@ class CalibrationStore {
     double rms = 0.0, heldOutRms = 0.0;  // m; NaN: none
     std::size_t effects = 0;
     bool active = false, candidate = false;
-    int promotions = 0;   // how often it was made active
+    int promotions = 0;     // how often it was made active
     int lastPromotion = 0;  // the last time among all promotions of the store, from 1; 0: never
-    std::string damaged;  // why it cannot be read; empty: it can
+    std::string damaged;    // why it cannot be read; empty: it can
   };
 
   /// @param folder made when something is first written. A folder that does not exist is an empty store.

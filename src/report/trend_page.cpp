@@ -77,6 +77,12 @@ std::string trendSentence(const std::vector<ParameterTrend>& trends) {
   }
   if (trends.empty()) return "No calibration is kept: there is nothing to follow.";
   if (points < 2) return "One calibration is kept: a trend needs two.";
+  if (std::none_of(trends.begin(), trends.end(),
+                   [](const ParameterTrend& t) { return std::isfinite(t.slope); }))
+    return format(
+        "No trend can be told: the %zu calibrations are of one time, or of ranges that do not compare; "
+        "compare two with --compare.",
+        points);
   if (said.empty())
     return format("None of %zu parameters has a significant trend over %zu calibrations.", trends.size(),
                   points);
