@@ -375,14 +375,20 @@ std::vector<ProbeEdge> GrblController::takeProbeEdges() {
 
 // These take no lock but that of writing a byte. A feed hold does not end homing, a reset does.
 void GrblController::stop() {
+  if (homes_) {
+    stopAsked_ = true;
+    stopSent_ = steadySeconds();
+    return endStop();
+  }
+  const std::lock_guard<std::mutex> lock(byteMutex_);
   stopAsked_ = true;
   stopSent_ = steadySeconds();
-  if (homes_) return endStop();
   link_->write("!");
 }
 
 void GrblController::emergencyStop() {
   emergency_ = true;
+  const std::lock_guard<std::mutex> lock(byteMutex_);
   resetAt_ = steadySeconds();
   link_->write(std::string(1, kGrblSoftReset));
 }

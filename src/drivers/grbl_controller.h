@@ -77,6 +77,8 @@ class GrblController final : public AxisController {
   double silence_ = kLinkSilence;
   bool guard_ = true;
 
+  std::mutex
+      byteMutex_;  // times of stops and resets follow each other as their bytes do; never held for long
   mutable std::mutex mutex_;
   std::map<int, double> settings_;
   bool hal_ = false;

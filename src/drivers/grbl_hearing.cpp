@@ -125,6 +125,8 @@ void GrblController::judge(const std::string& state, int substate, double sent) 
     }
     return;
   }
+  // A feed hold that nobody waits for would keep the next motion from beginning.
+  if (state == "Hold" && substate <= 0 && task_ == Task::kNone && !resetAsked_) return endStop();
   if (state == "Run" || state == "Jog") begun_ = true;
   // A motion has ended when its line was answered and a report that was asked for later says Idle.
   const bool rests = state == "Idle" && sent > taskBegan_;
@@ -224,6 +226,7 @@ void GrblController::finish(Outcome outcome, const std::string& note) {
 
 // At rest in feed hold: what is left of the motion is thrown away by a soft reset, which keeps the position.
 void GrblController::endStop() {
+  const std::lock_guard<std::mutex> lock(byteMutex_);
   resetAsked_ = true;
   resetAt_ = steadySeconds();
   link_->write(std::string(1, kGrblSoftReset));
