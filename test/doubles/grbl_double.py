@@ -307,6 +307,9 @@ class Grbl(device_double.Double):
         if words[0] == "alarm":
             self.raise_alarm(int(words[1]))
             return {"alarm": int(words[1])}
+        if words[0] == "hold":  # at its panel
+            self.received(None, b"!")
+            return {"state": self.state}
         return {"error": "unknown"}
 
 

@@ -153,6 +153,18 @@ TEST_F(GrblTest, AReportFromBeforeAStopDoesNotEndIt) {
   }
 }
 
+TEST_F(GrblTest, AFeedHoldThatNobodyWaitsForIsEnded) {
+  begin();
+  ASSERT_EQ(arrive(kNear).outcome, Outcome::kReached);
+  double_->tell("hold");
+  ASSERT_TRUE(await([&] {
+    const auto told = double_->tell("machine")["told"];
+    return told.back()[0] == "reset";
+  }));
+  ASSERT_TRUE(await([&] { return refusal([&] { go(kBeside); }).empty(); }));
+  EXPECT_NEAR(shown(0), kBeside[0], 1e-3) << "it went there";
+}
+
 TEST_F(GrblTest, HoldResumeOverride) {
   begin();
   ASSERT_EQ(arrive(kNear).outcome, Outcome::kReached);
