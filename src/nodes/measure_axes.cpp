@@ -59,8 +59,12 @@ void MeasureNode::giveAxes() {
   take_.call(give);
 }
 
+// Whoever cancels does not want the tip to stay on the ball: what leaves a surface is not cancelled, only
+// stopped.
+bool MeasureNode::cancelAsked() { return !ros::ok() || (server_.isPreemptRequested() && !leaving_); }
+
 void MeasureNode::goOn() {
-  if (server_.isPreemptRequested() || !ros::ok()) throw Cancelled("cancelled");
+  if (cancelAsked()) throw Cancelled("cancelled");
   const std::lock_guard<std::mutex> lock(mutex_);
   if (motion_ && motion_->stops != stopsBefore_)
     throw Error("the plan was ended: stopped by " + motion_->stopped_by);
@@ -102,14 +106,14 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
       });
   // On the wall clock: simulated time stops when the one who makes it dies.
   while (!waitForArrival(0.2)) {
-    if (server_.isPreemptRequested() || !ros::ok()) {
+    if (cancelAsked()) {
       axes_.cancelGoal();
       waitForArrival(2.0);
       throw Cancelled("cancelled");
     }
     if (!axes_.isServerConnected()) throw Error(kDriverGone);
   }
-  if (server_.isPreemptRequested()) throw Cancelled("cancelled");
+  if (cancelAsked()) throw Cancelled("cancelled");
   const actionlib::SimpleClientGoalState state = axes_.getState();
   if (state == actionlib::SimpleClientGoalState::SUCCEEDED) {
     lost_ = 0;

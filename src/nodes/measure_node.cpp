@@ -232,6 +232,11 @@ bool MeasureNode::touch(const Plan& plan, const PlanMove& move) {
   const bool tripped = drive(plan, Goal::PROBE, move.target, move.speed, feedback_.feature);
   const bool contact = tripped && waitForContact(before);
   if (contact) countContact();
+  struct Leaving {
+    bool& leaving;
+    explicit Leaving(bool& flag) : leaving(flag) { leaving = true; }
+    ~Leaving() { leaving = false; }
+  } const leaves(leaving_);
   drive(plan, Goal::GO, move.position, 0.0, {});
   return contact;
 }

@@ -52,6 +52,7 @@ class MeasureNode {
   void giveAxes();
   /// Ends the plan when it was cancelled, or the axes were stopped. @throw Cancelled, Error
   void goOn();
+  bool cancelAsked();
   void requireOpenProbe(const std::string& when);
   void pauseFor(double seconds);
   void holdWhilePaused();
@@ -69,6 +70,7 @@ class MeasureNode {
   measuring_machine::MeasureFeedback feedback_;
   std::atomic<bool> paused_{false};
   std::uint32_t measured_ = 0;  // contacts in the session
+  bool leaving_ = false;        // the way back from a touch
   ros::Time announced_;         // the stamp of the session
   std::string announcedPlan_;   // its text
   std::mutex mutex_;
