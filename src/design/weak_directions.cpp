@@ -45,10 +45,11 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
                       : i + 1 == one.direction.size() ? " and "
                                                       : ", ") +
                      displayName(*result.problem, one.direction[i].first) +
-                     format(" (± %.2g%s%s)", result.std(one.direction[i].first) * u.toUnit,
+                     format(" (± %.2g%s%s)", 2.0 * result.std(one.direction[i].first) * u.toUnit,
                             u.unit == "1" ? "" : " ", u.unit == "1" ? "" : u.unit.c_str());
     }
-    one.inWords += one.direction.size() > 1 ? " are strongly correlated" : " is weakly determined";
+    one.inWords += one.direction.size() > 1 ? " are strongly correlated (± with k = 2)"
+                                            : " is weakly determined (± with k = 2)";
     weak.push_back(std::move(one));
   }
   return weak;

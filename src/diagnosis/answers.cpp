@@ -15,6 +15,9 @@
 namespace mm {
 namespace {
 
+constexpr double kMoreThanRepeatability =
+    1.3;  // repeatability from five runs is known to a third (ISO 230-2)
+
 constexpr std::size_t kMostRivals = 4;
 constexpr double kMostNats = 650.0;  // of which a double holds the exponential and its inverse
 constexpr double kCounts = 4.5;      // standard deviations: a further shape of a family is told as well
@@ -127,8 +130,15 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
   for (const EffectPtr& e : q.space->problem().model().effects()) taken.push_back(e->spec());
   for (std::size_t j = 0; j < found.members.size(); ++j) {
     const Member& m = found.members[j];
+    // one with a curve for what it leaves is as it would be without: how both share it says nothing
+    std::vector<Member> alone = search.beside(*evidence, found.members, j);
+    const bool hasCurve = alone.size() + 1 < found.members.size();
+    if (hasCurve) alone.push_back(m);
+    const Evidence::Fit own = hasCurve ? evidence->fit(alone) : Evidence::Fit();
+    const Eigen::VectorXd& values = hasCurve ? own.values.back() : fit.values[j];
+    const Eigen::MatrixXd& covariance = hasCurve ? own.covariance.back() : fit.covariance[j];
     for (const EffectSpec& spec :
-         specsOf(q, m, fit.values[j], fit.covariance[j], m.size * found.white * unitOf(*q.space), taken)) {
+         specsOf(q, m, values, covariance, m.size * found.white * unitOf(*q.space), taken)) {
       Answer a;
       a.effect = createEffect(spec, domain);
       a.member = static_cast<int>(j);
@@ -362,19 +372,28 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
   }
 }
 
+const ArtifactScatter* beyondTheFile(const Diagnosis& d) {
+  if (!(d.base.repeatability > 0.0) || d.base.repeatabilityFrom == "estimated") return nullptr;
+  for (const ArtifactScatter& scatter : d.artifactScatter)
+    if ((scatter.what == "centres" || scatter.what == "radii") &&
+        scatter.std > kMoreThanRepeatability * d.base.repeatability)
+      return &scatter;
+  return nullptr;
+}
+
 void decide(Diagnosis& out) {
   const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {
     return std::any_of(m.confusableWith.begin(), m.confusableWith.end(),
                        [](const Confusable& c) { return !c.same; });
   });
-  constexpr double kMoreThanRepeatability =
-      1.3;  // repeatability from five runs is known to a third (ISO 230-2)
   const bool known = out.base.repeatabilityFrom != "estimated";
-  out.verdict = !out.profiles.empty()  ? Verdict::kUnknownEffect
-                : confusable           ? Verdict::kConfusable
-                : !out.missing.empty() ? Verdict::kMissingEffect
-                : known && out.noise < kMoreThanRepeatability * out.base.repeatability ? Verdict::kExplained
-                                                                                       : Verdict::kScatter;
+  out.verdict =
+      !out.profiles.empty()  ? Verdict::kUnknownEffect
+      : confusable           ? Verdict::kConfusable
+      : !out.missing.empty() ? Verdict::kMissingEffect
+      : known && out.noise < kMoreThanRepeatability * out.base.repeatability && beyondTheFile(out) == nullptr
+          ? Verdict::kExplained
+          : Verdict::kScatter;
 }
 
 }  // namespace mm

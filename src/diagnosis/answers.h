@@ -52,5 +52,8 @@ void describeProfiles(const Search& search, const Explanation& found, const Held
                       Diagnosis& out);
 /// The verdict, from everything else.
 void decide(Diagnosis& out);
+/// Centres or radii of the balls that scatter beyond the repeatability, where that is known: null where none
+/// do.
+const ArtifactScatter* beyondTheFile(const Diagnosis& diagnosis);
 
 }  // namespace mm

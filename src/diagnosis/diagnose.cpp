@@ -65,7 +65,7 @@ class Diagnoser {
     Look look;
     for (int round = 0; round < kMostLooks; ++round) {
       look = lookAt(fitted, round);
-      if (look.found.members.empty()) break;
+      if (look.found.members.empty() || round + 1 == kMostLooks) break;  // a look is of the fit that it had
       std::vector<EffectPtr> effects;
       const Eigen::VectorXd with = startOf(look, effects);
       CalibrationResult refitted;
@@ -285,9 +285,37 @@ class Diagnoser {
     try {
       const CalibrationResult full = calibrate(session, modelWith(model_, effects), again, start);
       takeParameters(full, model_.parameterCount(), effects, out_);
+      if (!curveForTheRest(look)) return;
+      std::vector<EffectPtr> named;
+      Eigen::VectorXd startOfNamed = start.head(model_.parameterCount());
+      int at = model_.parameterCount();
+      for (const EffectPtr& e : effects) {
+        const int count = e->parameterCount();
+        const bool profile = std::any_of(out_.profiles.begin(), out_.profiles.end(),
+                                         [&](const ProfileResult& p) { return p.effect == e->spec(); });
+        if (!profile) {
+          named.push_back(e);
+          const auto before = startOfNamed.size();
+          startOfNamed.conservativeResize(before + count);
+          startOfNamed.tail(count) = start.segment(at, count);
+        }
+        at += count;
+      }
+      const CalibrationResult without = calibrate(session, modelWith(model_, named), again, startOfNamed);
+      takeParameters(without, model_.parameterCount(), named, out_);
     } catch (const NumericalError&) {
       // what the linearised fit says stands
     }
+  }
+
+  /// Whether a free curve was found for what a cause with a name leaves: the size of the cause is that
+  /// without the curve.
+  static bool curveForTheRest(const Look& look) {
+    const Search search(look.questions);
+    const auto evidence = search.evidenceAt(look.found);
+    for (std::size_t j = 0; j < look.found.members.size(); ++j)
+      if (search.hasCurve(*evidence, look.found.members, j)) return true;
+    return false;
   }
 
   const Session& session_;

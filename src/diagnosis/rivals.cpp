@@ -30,6 +30,10 @@ std::vector<Member> Search::beside(const Evidence& evidence, const std::vector<M
   return others;
 }
 
+bool Search::hasCurve(const Evidence& evidence, const std::vector<Member>& members, std::size_t j) const {
+  return beside(evidence, members, j).size() + 1 < members.size();
+}
+
 Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains,
                       const std::vector<Member>& there) const {
   constexpr double kByShape = 10.0;  // nats: what the freedom of a shape may cost where the noise is small
@@ -80,7 +84,7 @@ Explanation Search::settled(Explanation best) const {
     better.worth = best.worth + kBetter;
     const auto evidence = evidenceAt(best);
     for (std::size_t j = 0; j < best.members.size(); ++j) {
-      if (q_.groups.groups[best.members[j].group].profile) continue;
+      if (q_.groups.groups[best.members[j].group].profile || hasCurve(*evidence, best.members, j)) continue;
       std::vector<Member> others = best.members;
       others.erase(others.begin() + static_cast<long>(j));
       const Evidence::Given given = evidence->given(others);

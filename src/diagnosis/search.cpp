@@ -16,7 +16,12 @@ constexpr int kTrials = 3;              // candidates whose noise is fitted agai
 constexpr double kFiner = 1e-3;         // nats that a step of a nonlinear parameter must bring
 constexpr double kClearlyBetter = 0.5;  // nats by which another cause must be better to take a place
 constexpr double kExchange = 1.0;       // nats that an exchange of one for two must bring
-constexpr double kWorthTrying = 6.0;    // nats below its price: a candidate is not refitted
+/// Drift or scatter, in units of the white noise, that may be several causes together: what hides in less is
+/// no larger than the noise when it is shared among several, and the search costs as much again.
+constexpr double kHidesSeveral = 1.0;
+constexpr double kAsQuiet =
+    1.5;  // white noise that causes alone may leave, over that beside drift and scatter
+constexpr double kWorthTrying = 6.0;  // nats below its price: a candidate is not refitted
 
 std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
   std::string id = std::to_string(group) + "/" + std::to_string(shape);
@@ -243,16 +248,11 @@ Explanation Search::exchanged(Explanation best) const {
   return best;
 }
 
-Explanation Search::grown(Explanation best) const {
+Explanation Search::grown(Explanation best, bool bare) const {
   while (static_cast<int>(best.members.size()) < kMostMembers) {
     // drift and scatter that were fitted without a cause have absorbed it: ask from none of them, too
     std::vector<Explanation> starts = {best};
-    Explanation bare = best;
-    bare.noise.drift.clear();
-    bool scatters = false;
-    for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-      if (!q_.scatter[b].fixed && bare.scatter[b] > 0.0) bare.scatter[b] = 0.0, scatters = true;
-    if (!best.noise.drift.empty() || scatters) starts.push_back(std::move(bare));
+    if (driftsOrScatters(best)) starts.push_back(withoutDriftAndScatter(best));
     Explanation next;
     next.worth = -1e300;
     for (std::size_t s = 0; s < starts.size(); ++s) {
@@ -275,12 +275,43 @@ Explanation Search::grown(Explanation best) const {
       }
     }
     if (!(next.worth > best.worth)) break;
-    next = refitted(next.members, next, true);
+    next = refitted(next.members, next, !bare);
     next = exchanged(std::move(next));
     if (!(next.worth > best.worth)) break;
     best = std::move(next);
   }
   return best;
+}
+
+bool Search::driftsOrScatters(const Explanation& found) const {
+  bool scatters = false;
+  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+    scatters = scatters || (!q_.scatter[b].fixed && found.scatter[b] > 0.0);
+  return scatters || !found.noise.drift.empty();
+}
+
+bool Search::couldHideSeveral(const Explanation& found) const {
+  double most = 0.0;
+  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+    if (!q_.scatter[b].fixed) most = std::max(most, found.scatter[b]);
+  for (const DriftTerm& term : found.noise.drift) most = std::max(most, term.ratio);
+  return most > kHidesSeveral;
+}
+
+Explanation Search::withoutDriftAndScatter(Explanation found) const {
+  found.noise.drift.clear();
+  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+    if (!q_.scatter[b].fixed) found.scatter[b] = 0.0;
+  return found;
+}
+
+Explanation Search::bothWays(Explanation found) const {
+  if (!couldHideSeveral(found)) return found;
+  const Explanation bare = refitted({}, withoutDriftAndScatter(found), false);
+  const Explanation causes = grown(bare, true);
+  if (causes.white > kAsQuiet * found.white) return found;  // something drifts or scatters whatever acts
+  Explanation other = pruned(grown(refitted(causes.members, causes, true)));
+  return other.worth > found.worth ? std::move(other) : std::move(found);
 }
 
 Explanation Search::pruned(Explanation best) const {
@@ -319,7 +350,9 @@ Explanation Search::none(const Eigen::VectorXd& variance) const {
   return refitted({}, start, true);
 }
 
-Explanation Search::run(const Eigen::VectorXd& variance) const { return pruned(grown(none(variance))); }
+Explanation Search::run(const Eigen::VectorXd& variance) const {
+  return bothWays(pruned(grown(none(variance))));
+}
 
 Explanation Search::improved(const Explanation& start) const {
   return pruned(grown(refitted(start.members, start, true)));

@@ -95,6 +95,9 @@ class Search {
   /// would seem to do nothing.
   std::vector<Member> beside(const Evidence& evidence, const std::vector<Member>& members,
                              std::size_t j) const;
+  /// Whether a curve stands beside this member, which has a name, for what it leaves: asked beside that curve
+  /// any other would do as well.
+  bool hasCurve(const Evidence& evidence, const std::vector<Member>& members, std::size_t j) const;
   /// Two causes have the same column in this session: what their evidence differs by is the freedom of their
   /// shapes.
   bool actAlike(int group, int shape, int otherGroup, int otherShape) const;
@@ -110,7 +113,15 @@ class Search {
   /// in the catalogue, which goes from the common to the rare: their evidence differs by the freedom of their
   /// shapes alone.
   Gain commoner(const Gain& best, const std::vector<Gain>& gains, const std::vector<Member>& there) const;
-  Explanation grown(Explanation best) const;
+  /// @param bare with neither drift nor scatter.
+  Explanation grown(Explanation best, bool bare = false) const;
+  bool driftsOrScatters(const Explanation& found) const;
+  bool couldHideSeveral(const Explanation& found) const;
+  Explanation withoutDriftAndScatter(Explanation found) const;
+  /// What was found, or what causes alone explain where that is worth more: found as if nothing drifted and
+  /// the artifact were as its file says, after which drift and scatter must earn their place beside all of
+  /// them. One at a time, causes that act together would never get past a scatter that imitates them all.
+  Explanation bothWays(Explanation found) const;
   Explanation exchanged(Explanation best) const;
   Explanation pruned(Explanation best) const;
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;

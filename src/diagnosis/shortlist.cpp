@@ -15,13 +15,6 @@ bool isMember(const Explanation& found, long group) {
                      [&](const Member& m) { return m.group == group; });
 }
 
-struct Candidate {
-  std::size_t order;
-  double gain;  // less the price
-  bool fresh;   // its best shape is not among those that are asked
-  Groups one;
-};
-
 /// The shapes of a group that gain most, ascending.
 std::vector<int> bestOf(const std::vector<double>& gains) {
   constexpr std::size_t kMostShapes = 12;
@@ -33,7 +26,37 @@ std::vector<int> bestOf(const std::vector<double>& gains) {
   return best;
 }
 
+/// The questions of the given groups, beside one another.
+Groups together(std::vector<Groups> ones, Eigen::Index length) {
+  Groups all;
+  int columns = 0;
+  for (const Groups& one : ones) columns += static_cast<int>(one.columns.cols());
+  all.columns.resize(length, columns);
+  int at = 0;
+  for (Groups& one : ones) {
+    all.columns.middleCols(at, one.columns.cols()) = one.columns;
+    for (Shape& s : one.groups[0].shapes) s.first += at;
+    at += static_cast<int>(one.columns.cols());
+    all.causes += !one.groups[0].profile;
+    all.groups.push_back(std::move(one.groups[0]));
+  }
+  return all;
+}
+
+/// Whether one of the group's shapes is this one.
+bool hasShape(const Group& group, const Shape& shape) {
+  return std::any_of(group.shapes.begin(), group.shapes.end(),
+                     [&](const Shape& s) { return s.spec == shape.spec && s.nonlinear == shape.nonlinear; });
+}
+
 }  // namespace
+
+struct Shortlist::Candidate {
+  std::size_t order;
+  double gain;  // less the price
+  bool fresh;   // its best shape is not among those that are asked
+  Groups one;
+};
 
 Shortlist::Shortlist(const ResidualSpace& space, Questions& q) : q_(q) {
   lists_.push_back(QuestionList::causes(space));
@@ -44,6 +67,22 @@ Shortlist::Shortlist(const ResidualSpace& space, Questions& q) : q_(q) {
 
 bool Shortlist::extend(Explanation& found) {
   const Search search(q_);
+  std::vector<Candidate> candidates = bestCandidates(search, found);
+  first_ = false;
+  if (candidates.empty()) return false;
+  const bool any = std::any_of(candidates.begin(), candidates.end(),
+                               [](const Candidate& c) { return c.fresh && c.gain > 0.0; });
+  std::vector<std::string> keyOfMember;
+  for (const Member& m : found.members) keyOfMember.push_back(q_.groups.groups[m.group].key);
+  take(std::move(candidates));
+  for (std::size_t j = 0; j < found.members.size(); ++j)
+    for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
+      if (q_.groups.groups[g].key == keyOfMember[j])
+        found.members[j] = search.moved(std::move(found.members[j]), static_cast<int>(g));
+  return any;
+}
+
+std::vector<Shortlist::Candidate> Shortlist::bestCandidates(const Search& search, const Explanation& found) {
   const auto noise = search.evidenceAt(found);
   std::vector<Candidate> candidates;
   const std::size_t most = first_ ? kMostAtFirst : kMostLater;
@@ -53,39 +92,41 @@ bool Shortlist::extend(Explanation& found) {
       end = list.endOfPart(first, kShapesTogether);
       const Groups part = list.made(first, end - first);
       if (first_) notShown_.insert(notShown_.end(), part.notShown.begin(), part.notShown.end());
-      const Evidence evidence = noise->ofGroups(part);
-      const Evidence::Given given = evidence.given(found.members);
-      for (const Gain& g : evidence.gains(given)) {
-        if (g.group < 0) continue;
-        const Group& group = part.groups[static_cast<std::size_t>(g.group)];
-        const auto& asked = q_.groups.groups;
-        const auto same =
-            std::find_if(asked.begin(), asked.end(), [&](const Group& o) { return o.key == group.key; });
-        // one that is asked already may have other shapes, now that something was found
-        bool fresh = same == asked.end();
-        if (!fresh) {
-          if (same->shapes.size() == group.shapes.size() || isMember(found, same - asked.begin())) continue;
-          fresh = std::none_of(same->shapes.begin(), same->shapes.end(), [&](const Shape& s) {
-            return s.spec == group.shapes[g.shape].spec && s.nonlinear == group.shapes[g.shape].nonlinear;
-          });
-        }
-        const double gain = g.value - search.priceOfOne(group);
-        if (!first_ && gain < -kNear) continue;
-        std::vector<double> ofShapes;
-        evidence.gainOf(given, g.group, &ofShapes);
-        candidates.push_back({before + first + static_cast<std::size_t>(g.group), gain, fresh,
-                              oneOf(part, static_cast<std::size_t>(g.group), bestOf(ofShapes))});
-      }
+      addCandidates(search, noise->ofGroups(part), part, before + first, found, candidates);
       std::stable_sort(candidates.begin(), candidates.end(),
                        [](const Candidate& a, const Candidate& b) { return a.gain > b.gain; });
       if (candidates.size() > most) candidates.resize(most);
     }
     before += list.size();
   }
-  first_ = false;
-  if (candidates.empty()) return false;
+  return candidates;
+}
 
-  // all in the order of the lists: of causes that act alike the first is named
+void Shortlist::addCandidates(const Search& search, const Evidence& evidence, const Groups& part,
+                              std::size_t before, const Explanation& found,
+                              std::vector<Candidate>& candidates) const {
+  const std::vector<Group>& asked = q_.groups.groups;
+  const Evidence::Given given = evidence.given(found.members);
+  for (const Gain& g : evidence.gains(given)) {
+    if (g.group < 0) continue;
+    const std::size_t place = static_cast<std::size_t>(g.group);
+    const Group& group = part.groups[place];
+    const auto same =
+        std::find_if(asked.begin(), asked.end(), [&](const Group& o) { return o.key == group.key; });
+    // one that is asked already may have other shapes, now that something was found
+    if (same != asked.end() &&
+        (same->shapes.size() == group.shapes.size() || isMember(found, same - asked.begin())))
+      continue;
+    const bool fresh = same == asked.end() || !hasShape(*same, group.shapes[g.shape]);
+    const double gain = g.value - search.priceOfOne(group);
+    if (!first_ && gain < -kNear) continue;
+    std::vector<double> ofShapes;
+    evidence.gainOf(given, g.group, &ofShapes);
+    candidates.push_back({before + place, gain, fresh, oneOf(part, place, bestOf(ofShapes))});
+  }
+}
+
+void Shortlist::take(std::vector<Candidate> candidates) {
   struct Place {
     std::size_t order;
     Groups one;
@@ -93,36 +134,18 @@ bool Shortlist::extend(Explanation& found) {
   std::vector<Place> places;
   for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
     places.push_back({order_[g], oneOf(q_.groups, g)});
-  bool any = false;
-  for (Candidate& c : candidates) {
-    any = any || (c.fresh && c.gain > 0.0);
-    places.push_back({c.order, std::move(c.one)});
-  }
+  for (Candidate& c : candidates) places.push_back({c.order, std::move(c.one)});
   std::stable_sort(places.begin(), places.end(),
                    [](const Place& a, const Place& b) { return a.order < b.order; });
-  std::vector<std::string> keyOfMember;
-  for (const Member& m : found.members) keyOfMember.push_back(q_.groups.groups[m.group].key);
-  Groups all;
   order_.clear();
-  int columns = 0;
-  for (const Place& p : places) columns += static_cast<int>(p.one.columns.cols());
-  all.columns.resize(q_.space->length(), columns);
-  int at = 0;
+  std::vector<Groups> ones;
   for (Place& p : places) {
-    all.columns.middleCols(at, p.one.columns.cols()) = p.one.columns;
-    for (Shape& s : p.one.groups[0].shapes) s.first += at;
-    at += static_cast<int>(p.one.columns.cols());
-    all.groups.push_back(std::move(p.one.groups[0]));
     order_.push_back(p.order);
+    ones.push_back(std::move(p.one));
   }
-  for (const Group& g : all.groups) all.causes += !g.profile;
+  Groups all = together(std::move(ones), q_.space->length());
   all.notShown = notShown_;
   q_.groups = std::move(all);
-  for (std::size_t j = 0; j < found.members.size(); ++j)
-    for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
-      if (q_.groups.groups[g].key == keyOfMember[j])
-        found.members[j] = search.moved(std::move(found.members[j]), static_cast<int>(g));
-  return any;
 }
 
 }  // namespace mm

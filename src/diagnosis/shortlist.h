@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <vector>
 
 #include "diagnosis/question_list.h"
@@ -20,6 +21,17 @@ class Shortlist {
   const std::vector<NotShown>& notShown() const { return notShown_; }
 
  private:
+  struct Candidate;
+
+  std::vector<Candidate> bestCandidates(const Search& search, const Explanation& found);
+  /// Those of one part of a list that are not asked yet, or with other shapes.
+  /// @param before groups in all lists before this part.
+  void addCandidates(const Search& search, const Evidence& evidence, const Groups& part, std::size_t before,
+                     const Explanation& found, std::vector<Candidate>& candidates) const;
+  /// Puts them among the questions, all in the order of the lists: of causes that act alike the first is
+  /// named.
+  void take(std::vector<Candidate> candidates);
+
   Questions& q_;
   std::vector<QuestionList> lists_;  // causes, profiles
   std::vector<std::size_t> order_;   // a group of the questions: its place in all lists

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "diagnosis/answers.h"
 
 namespace mm {
 namespace {
@@ -208,7 +209,19 @@ std::string noiseWords(const Diagnosis& d) {
       expanded(d.noise / unitOf(d.angular), d.noiseStd / unitOf(d.angular), nameOfUnit(d.angular)));
 }
 
+std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter) {
+  const std::string what = scatter.what == "centres" ? "positions" : "radii";
+  return "No effect and no structure is left" +
+         (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) + ", but the balls' " +
+         scatter.what + " scatter by " + length(scatter.std, d.angular) + " about the " + what +
+         " in the artifact file: that is wrong, or the machine errs as this session cannot show. Calibrate "
+         "the "
+         "artifact, or turn it by 90 degrees and measure it again: its own errors turn with it, those of the "
+         "machine do not.";
+}
+
 std::string scatterSentence(const Diagnosis& d) {
+  if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
   const std::string twenty = d.angular ? "Point at one target twenty times" : "Touch one point twenty times";
   const std::string scatter = positive(d.noise) ? "the scatter of " + noiseWords(d) : "the scatter";
   if (d.base.repeatabilityFrom.empty() || d.base.repeatabilityFrom == "estimated" ||

@@ -281,8 +281,8 @@ Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd
   if (!(found.dof > 0.0)) found = repeats.runs();
   if (!(found.dof > 0.0) || !(found.value > 0.0)) return {};
   char uncertain[64];
-  std::snprintf(uncertain, sizeof uncertain, ": %.3g degrees of freedom, ± %.2g %%", found.dof,
-                100.0 * found.relativeStd());
+  std::snprintf(uncertain, sizeof uncertain, ": %.3g degrees of freedom, ± %.2g %% (k = 2)", found.dof,
+                200.0 * found.relativeStd());
   found.inWords = "from " + found.inWords + uncertain;
   return found;
 }

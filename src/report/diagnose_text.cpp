@@ -138,8 +138,12 @@ std::string addCommand(const Diagnosis& d, const std::string& session, const std
          " -o " + quoted(nextName(calibration));
 }
 
+std::string diagnoseCommand(const std::string& session, const std::string& calibration) {
+  return "mm diagnose " + quoted(session) + " --calibration " + quoted(calibration);
+}
+
 std::string movesCommand(const std::string& session, const std::string& calibration) {
-  return "mm diagnose " + quoted(session) + " --calibration " + quoted(calibration) + " --moves moves.yaml";
+  return diagnoseCommand(session, calibration) + " --moves moves.yaml";
 }
 
 std::string diagnoseText(const Diagnosis& d, const std::string& session, const std::string& calibration) {

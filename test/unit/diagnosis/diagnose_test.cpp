@@ -67,6 +67,55 @@ TEST(Diagnose, FindsTwoEffectsOneAfterTheOther) {
     EXPECT_EQ(d.missing[i].heldOutBefore, d.missing[i - 1].heldOutAfter);
 }
 
+TEST(Diagnose, SeveralLargeEffectsAreNotTakenForBallsThatScatter) {
+  // five balls, whose centres could be anywhere, and five errors of the machine: one at a time each explains
+  // less than the scatter of all
+  const Machine machine = Machine::load("three_axis");
+  for (const std::uint64_t seed : {1, 5}) {
+    const Simulation s =
+        simulate(machine, Plan::load("config/demo_plan.yaml", machine), {{"backlash:x=3um"}, seed, ""});
+    const Diagnosis d = diagnosed(s.session);
+    EXPECT_TRUE(names(d, "scale", "axis", "x")) << d.sentence;
+    EXPECT_TRUE(names(d, "scale", "axis", "y")) << d.sentence;
+    EXPECT_TRUE(names(d, "backlash", "axis", "x")) << d.sentence;
+    EXPECT_TRUE(names(d, "squareness", "axis", "x") || names(d, "squareness", "axis", "y")) << d.sentence;
+    EXPECT_FALSE(names(d, "probe_lobing", "order", "2")) << d.sentence;
+    EXPECT_TRUE(d.artifactScatter.empty()) << d.sentence;
+    for (const CandidateResult& m : d.missing) {
+      if (m.effect.type != "backlash") continue;
+      EXPECT_NEAR(m.parameters[0].value, 7.0, 3.0 * m.parameters[0].std) << "4 of the plan and 3 hidden, um";
+    }
+  }
+}
+
+TEST(Diagnose, ACauseWithACurveForItsRestKeepsItsName) {
+  // a guideway whose straightness the polynomials of its effect follow only in part
+  const Simulation s = measured({"straightness:z/x=3um"}, 6626);
+  const Diagnosis d = diagnosed(s.session);
+  EXPECT_TRUE(names(d, "straightness", "axis", "z")) << d.sentence;
+  for (const CandidateResult& m : d.missing) {
+    EXPECT_EQ(m.effect.type, "straightness") << d.sentence;
+    EXPECT_GT(m.odds, 0.5) << "what is proposed is likelier than not: " << d.sentence;
+  }
+}
+
+TEST(Diagnose, BallsThatAreNotWhereTheFileSaysAreNotExplained) {
+  Simulation s = measured({}, 21);
+  // a plate that somebody else calibrated: every ball is beside its place
+  const double away[9][3] = {{3, -2, 1}, {-2, 4, -3}, {1, 3, 2},  {-4, -1, 3}, {2, -3, -2},
+                             {3, 1, -4}, {-3, 2, 2},  {4, -4, 1}, {-1, -2, -3}};
+  for (std::size_t f = 0; f < s.session.artifact.features.size(); ++f)
+    for (int k = 0; k < 3; ++k) s.session.artifact.features[f].position[k] += 1.5e-6 * away[f][k];
+  s.session.prepare();
+  const Diagnosis d = diagnosed(s.session);
+  EXPECT_TRUE(d.missing.empty() && d.profiles.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::kScatter) << d.sentence;
+  EXPECT_NE(d.sentence.find("turn it by 90 degrees"), std::string::npos) << d.sentence;
+  ASSERT_FALSE(d.artifactScatter.empty()) << d.sentence;
+  EXPECT_EQ(d.artifactScatter[0].what, "centres");
+  EXPECT_NEAR(d.artifactScatter[0].std, 3.8e-6, 1.2e-6);
+}
+
 TEST(Diagnose, OutliersNeitherHideAnEffectNorBecomeOne) {
   Simulation s = measured({"backlash:x=3um"}, 7);
   int steep = 0;  // 20 um in z on every twentieth contact that meets its ball steeply enough to see it

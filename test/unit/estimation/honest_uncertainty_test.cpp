@@ -7,37 +7,13 @@
 #include <random>
 
 #include "compensation/compensator.h"
+#include "known_plate.h"
 #include "long_tests.h"
 #include "simulation/simulate.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
-
-/// Nine balls of a plate that lies where it is said to, 40 contacts each, every axis in both directions.
-constexpr const char* kPlan = R"(
-artifact:
-  name: plate
-  pose: known
-  probe: {tip_radius_mm: 1.0, repeatability_um: %s}
-  balls:
-    - {name: b0, centre_mm: [-13, -8, -9], radius_mm: 3.9685}
-    - {name: b1, centre_mm: [0, -8, -2], radius_mm: 3.9685}
-    - {name: b2, centre_mm: [13, -8, 5], radius_mm: 3.9685}
-    - {name: b3, centre_mm: [-13, 10, 5], radius_mm: 3.9685}
-    - {name: b4, centre_mm: [0, 10, -9], radius_mm: 3.9685}
-    - {name: b5, centre_mm: [13, 10, -2], radius_mm: 3.9685}
-    - {name: b6, centre_mm: [-13, 28, -2], radius_mm: 3.9685}
-    - {name: b7, centre_mm: [0, 28, 5], radius_mm: 3.9685}
-    - {name: b8, centre_mm: [13, 28, -9], radius_mm: 3.9685}
-speeds: {rapid_mm_s: 10, approach_mm_s: 2}
-approach: {distance_mm: 1.5, overtravel_mm: 1.0}
-clearance: {z_mm: 14}
-touch: {features: all, points: 40, cone_deg: 105, order: interleaved}
-instrument:
-  noise: {repeatability_um: 0.3}
-  thermal: {ambient: {start_degC: 20}}
-)";
 
 struct Coverage {
   int inside = 0, asked = 0;
@@ -47,25 +23,18 @@ struct Coverage {
 
 Coverage coverageOver(int sessions, const std::string& repeatability, const std::string& rough) {
   const Machine machine = Machine::load("three_axis");
-  char yaml[4096];
-  std::snprintf(yaml, sizeof(yaml), kPlan, repeatability.c_str());
-  const Plan plan = Plan::parse(yaml, "plan.yaml", ".", machine);
-  ModelSpec model;
-  for (const char* axis : {"x", "y", "z"}) {
-    model.effects.push_back(EffectSpec("scale").set("axis", axis));
-    model.effects.push_back(EffectSpec("backlash").set("axis", axis));
-  }
-  for (const auto& [axis, of] : {std::pair("x", "y"), std::pair("x", "z"), std::pair("y", "z")})
-    model.effects.push_back(EffectSpec("squareness").set("axis", axis).set("of", of));
+  const Plan plan = Plan::parse(test::knownPlatePlan(repeatability), "plan.yaml", ".", machine);
+  test::GeometryAndReversal known;
+  ModelSpec& model = known.model;
   model.effects.push_back(EffectSpec("time_drift").set("direction", "z"));
+  known.hidden.push_back("time_drift:z");
 
   Coverage coverage;
   for (int s = 0; s < sessions; ++s) {
     SimulationRequest request;
     request.seed = 1000 + static_cast<std::uint64_t>(s);
     request.rough = rough;
-    request.hide = {"scale:x",    "scale:y",        "scale:z",        "backlash:x",     "backlash:y",
-                    "backlash:z", "squareness:x/y", "squareness:x/z", "squareness:y/z", "time_drift:z"};
+    request.hide = known.hidden;
     const Simulation simulation = simulate(machine, plan, request);
     CalibrateOptions options;
     options.method = Method::kLeastSquares;

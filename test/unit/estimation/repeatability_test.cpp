@@ -73,7 +73,8 @@ TEST(Repeatability, OfRunsIsTheScatterWithinTheTargets) {
   EXPECT_NEAR(std::sqrt(squares / kTrials) / one.relativeStd(), 1.0, 0.3);
   EXPECT_EQ(one.from, "runs");
   EXPECT_EQ(one.inWords,
-            "from 5 runs over 18 targets, without what shifts a whole run: 46.5 degrees of freedom, ± 10 %");
+            "from 5 runs over 18 targets, without what shifts a whole run: 46.5 degrees of freedom, ± 21 % "
+            "(k = 2)");
 }
 
 TEST(Repeatability, IsNotBentByOneBadReading) {
