@@ -78,7 +78,7 @@ const fixed = (value) => (known(value) ? minus(value.toFixed(2)) : "–");
 const percent = (share, digits = 0) => (known(share) ? (100 * share).toFixed(digits) + " %" : "–");
 
 /** A sentence of the diagnosis with the signs of print. */
-const said = (text) => text.replace(/(?<![\w-])um\b/g, "µm").replace(/\bdegC\b/g, "°C").replace(/->/g, "→").replace(/(^|[ (])-(?=\d)/g, "$1−");
+const said = (text) => text.replace(/(?<![\w-])um\b/g, "µm").replace(/\bdegC\b/g, "°C").replace(/->/g, "→").replace(/(^|[ (])-(?=\d)/g, "$1−").replace(/ ± (?=\d)/g, "\u00a0±\u00a0").replace(/\bk = 2\b/g, "k\u00a0=\u00a02");
 /** A time in the unit that reads best. */
 const duration = (s) => (s < 90 ? num(s, 2) + " s" : s < 5400 ? num(s / 60, 2) + " min" : s < 172800 ? num(s / 3600, 2) + " h" : num(s / 86400, 2) + " days");
 /** A variable as formulas call it, for people. */

@@ -11,6 +11,7 @@
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/effect_plugins.h"
 #include "ros_bridge/node_support.h"
+#include "ros_bridge/package_folder.h"
 #include "workbench/access.h"
 #include "workbench/bench.h"
 #include "workbench/open_browser.h"
@@ -26,6 +27,7 @@ mm::BenchSources sources() {
     return mm::readSessionBag(bag, progress, fallback, {space, false});
   };
   sources.spaceOf = [space](const std::filesystem::path& bag) { return mm::bagSpace(bag, space); };
+  sources.packageFolder = mm::packageFolder;
   return sources;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "ros_bridge/bag_session.h"
+#include "ros_bridge/package_folder.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
@@ -31,6 +32,7 @@ BenchSources sourcesOf(const std::string& space) {
     return readSessionBag(bag, progress, fallback, {space, !space.empty()});
   };
   sources.spaceOf = [space](const std::filesystem::path& bag) { return bagSpace(bag, space); };
+  sources.packageFolder = packageFolder;
   return sources;
 }
 

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kMoving = 33ms, kWorking = 100ms, kAtRest = 500ms;  // between two states: 30, 10 and 2 Hz
 constexpr std::size_t kMostTasks = 4, kEndedTold = 8;
-const std::string kOpen = "open";
+const std::string kOpen = "open", kLook = "look";
 // What the report may do within the page: draw itself.
 const char* const kReportPolicy =
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -68,6 +68,7 @@ Bench::Bench(BenchOptions options, BenchSources sources, std::string token, Live
       work_(std::move(options), std::move(sources), documents_, job_, live) {
   log_.goOnIn(work_.logFile());
   worker_ = std::thread([this] { serve(tasks_); });
+  looker_ = std::thread([this] { serve(looks_); });
   if (live_ == nullptr) return;
   aside_ = std::thread([this] { serve(asides_); });
   watcher_ = std::thread([this] { watch(); });
@@ -81,12 +82,14 @@ Bench::~Bench() {
     ending_ = true;
     tasks_.clear();
     asides_.clear();
+    looks_.clear();
     if (armed_) holder = release();
   }
   if (!holder.empty()) log_.add(holder, "the workbench ends: the machine is stopped");
   job_.cancel();
   changed_.notify_all();
   worker_.join();
+  looker_.join();
   if (aside_.joinable()) aside_.join();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -114,7 +117,7 @@ void Bench::begin() {
 }
 
 void Bench::serve(std::deque<Task>& tasks) {
-  const bool aside = &tasks == &asides_;
+  const bool aside = &tasks != &tasks_;
   for (;;) {
     Task task;
     {
@@ -126,7 +129,8 @@ void Bench::serve(std::deque<Task>& tasks) {
       if (!aside) running_ = task.who;
     }
     Ended ended = carryOut(task, aside);
-    log_.add(task.who, task.name + ": " + (ended.ok ? "" : "refused: ") + ended.message);
+    if (task.name != kLook)
+      log_.add(task.who, task.name + ": " + (ended.ok ? "" : "refused: ") + ended.message);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       if (!aside) running_.clear();
@@ -234,6 +238,10 @@ WebAnswer Bench::action(const std::string& name, const std::string& json, const 
   if (name == "export") {
     const std::string controller = body.text("controller");
     return enqueue(name, who, [this, controller] { return work_.exportTo(controller); });
+  }
+  if (name == kLook) {
+    const std::string plan = body.text("plan");
+    return enqueue(looks_, name, who, [this, plan] { return work_.lookAt(plan); });
   }
   if (name == "take_live") return enqueue(name, who, [this] { return work_.openLive(); });
   if (name == "calibrate") {

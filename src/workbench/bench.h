@@ -102,6 +102,7 @@ class Bench : public WebHandler {
   std::mutex wakeMutex_;  // guards the next alone
   std::function<void()> wake_;
   std::deque<Task> tasks_, asides_;  // what must not wait for a plan: pausing it
+  std::deque<Task> looks_;           // what only looks, at any time: at a plan that is being written
   std::set<std::uint64_t> pending_;  // what waits or runs
   std::deque<Ended> ended_;
   std::set<std::uint64_t> clients_;  // with a live connection
@@ -110,7 +111,7 @@ class Bench : public WebHandler {
   std::uint64_t moving_ = 0;  // the arming under which it moves; 0: it does not
   std::string running_;       // who asked for what runs
   bool ending_ = false, over_ = false;
-  std::thread worker_, aside_, watcher_;
+  std::thread worker_, aside_, looker_, watcher_;
 };
 
 }  // namespace mm

@@ -1,6 +1,9 @@
 #include "workbench/bench_log.h"
 
-#include <fstream>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <nlohmann/json.hpp>
 
 #include "base/utc_now.h"
@@ -12,6 +15,24 @@ std::string oneLineOf(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   return text;
+}
+
+/// Appends a line. One that the disk cut short before stays as it is: the next begins behind it. @return
+/// whether all of it was written.
+bool append(const std::filesystem::path& file, std::string line) {
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) return false;
+  char last = '\n';
+  const off_t size = ::lseek(descriptor, 0, SEEK_END);
+  if (size > 0 && ::pread(descriptor, &last, 1, size - 1) == 1 && last != '\n') line.insert(0, 1, '\n');
+  std::size_t done = 0;
+  while (done < line.size()) {
+    const ssize_t more = ::write(descriptor, line.data() + done, line.size() - done);
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) break;
+    done += static_cast<std::size_t>(more);
+  }
+  return ::close(descriptor) == 0 && done == line.size();
 }
 
 }  // namespace
@@ -55,10 +76,8 @@ void BenchLog::write() {
     lock.unlock();
     std::error_code failed;
     std::filesystem::create_directories(next.file.parent_path(), failed);
-    std::ofstream out(next.file, std::ios::app);
-    out << next.line.time << "  " << next.line.who << "  " << next.line.what << '\n';
-    const bool written = static_cast<bool>(out.flush());
-    out.close();
+    const bool written =
+        append(next.file, next.line.time + "  " + next.line.who + "  " + next.line.what + "\n");
     lock.lock();
     if (!written) markUnwritten(next);
   }

@@ -93,6 +93,7 @@ std::string BenchWork::begin() {
   }
   if (!options_.bag.empty()) return open(options_.bag, options_.bag.filename().string());
   if (live_ != nullptr) {
+    showMachine(live_->machine());
     if (store_) showStore();
     try {
       return openLive();
@@ -119,6 +120,7 @@ void BenchWork::take(Session session, const std::string& shownAs) {
   forget({"points", "compare", "diagnosis", "moves", "report", "verify"});
   session_ = std::move(taken);
   shownAs_ = shownAs;
+  showMachine(session_->machine);
   job_.step("checking the point set", 0.0);
   documents_.put("session", sessionDocument(*session_, shownAs_));
   documents_.put("heat", heatDocument(*session_));
@@ -154,7 +156,9 @@ std::string BenchWork::open(const std::filesystem::path& bag, const std::string&
   Session session = sources_.readBag(
       bag, [this](double share) { job_.step("reading the bag", share); }, fallback ? &*fallback : nullptr);
   space_ = sources_.spaceOf(bag);
-  if (bag.filename() != shownAs) session.source = shownAs;  // a file that was sent, and will be gone
+  const bool sent = bag.filename() != shownAs;
+  if (sent) session.source = shownAs;  // the file will be gone
+  origin_ = sent ? UrdfOrigin::kSent : UrdfOrigin::kThisComputer;
   take(std::move(session), shownAs);
   const std::string loss = lossText(*session_);
   return shownAs + ": " + std::to_string(session_->observations.size()) + " observations" +
@@ -177,6 +181,7 @@ std::string BenchWork::importTable(const std::filesystem::path& file, const std:
 std::string BenchWork::openLive() {
   if (live_ == nullptr) throw InputError("no machine is there: this workbench shows a recorded session");
   space_ = live_->space();
+  origin_ = UrdfOrigin::kThisComputer;
   take(live_->session(), "live session");
   return "live session: " + std::to_string(session_->observations.size()) + " observations";
 }

@@ -14,6 +14,7 @@
 #include "session/progress.h"
 #include "workbench/documents.h"
 #include "workbench/live_machine.h"
+#include "workbench/machine_meshes.h"
 #include "workbench/session_documents.h"
 #include "workflow/job.h"
 #include "workflow/recalibration.h"
@@ -27,6 +28,8 @@ struct BenchSources {
       readBag;
   /// Namespace of the nodes that measured a bag; empty: none.
   std::function<std::string(const std::filesystem::path&)> spaceOf;
+  /// Where the meshes are that a machine's URDF names by a package; empty: no package is known.
+  PackageFolder packageFolder;
 };
 
 /// What `mm workbench` is started with.
@@ -66,6 +69,8 @@ class BenchWork {
   /// this very session.
   std::string verify();
   std::string report();  ///< the page of `mm report`
+  /// From any thread: publishes what a plan (YAML) would do on the machine, as planDocument(); nothing moves.
+  std::string lookAt(const std::string& plan) const;
 
   /// The tables for a controller, as a tar: `mm export` without options of its own. @param controller as `mm
   /// export --to` calls it.
@@ -84,6 +89,7 @@ class BenchWork {
   void take(Session session, const std::string& shownAs);
   void keep(Recalibration& done);
   void show();
+  void showMachine(const Machine& machine);
   void showStore();
   void showDiagnosis(const Diagnosis& diagnosis);
   void forget(std::initializer_list<const char*> documents);
@@ -102,12 +108,16 @@ class BenchWork {
   LiveMachine* live_;
   std::shared_ptr<const Session> session_;
   std::string shownAs_, space_;
+  UrdfOrigin origin_ = UrdfOrigin::kThisComputer;  // of the session's machine
+  std::string drawnUrdf_;                          // whose meshes are published
+  UrdfOrigin drawnOrigin_ = UrdfOrigin::kThisComputer;
   std::optional<Calibration> calibration_;
   bool kept_ = false;
   EarlierResiduals earlier_;
   std::optional<CalibrationStore> store_;
-  mutable std::mutex mutex_;              // guards the next
-  std::shared_ptr<const Domain> domain_;  // of the session
+  mutable std::mutex mutex_;                // guards the next
+  std::shared_ptr<const Domain> domain_;    // of the session
+  std::shared_ptr<const Machine> machine_;  // that is shown
 };
 
 }  // namespace mm

@@ -1,4 +1,5 @@
-// What is done with a calibration that is there: made active, judged, reported, exported.
+// What is done with a calibration that is there: made active, judged, reported, exported; and what the page
+// draws of the machine and of a plan.
 #include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
 #include "export/export_page.h"
@@ -8,6 +9,7 @@
 #include "session/session_hash.h"
 #include "verification/verify.h"
 #include "workbench/bench_work.h"
+#include "workbench/plan_document.h"
 #include "workbench/tar.h"
 
 namespace mm {
@@ -88,6 +90,35 @@ std::string BenchWork::exportTo(const std::string& controller) {
   const std::string done = folder + ".tar: " + std::to_string(files.size()) + " files, README.md first";
   if (!judged.carriesNothing()) return done;
   return done + "; " + target.title + " can carry nothing of this calibration: it holds " + exported.holds;
+}
+
+/// Of a running machine its own, whatever session is looked at; the meshes are those of the session's URDF.
+void BenchWork::showMachine(const Machine& machine) {
+  auto shown = std::make_shared<const Machine>(live_ != nullptr ? live_->machine() : machine);
+  documents_.put("machine", machineDocument(*shown));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    machine_ = std::move(shown);
+  }
+  if (machine.urdf() == drawnUrdf_ && origin_ == drawnOrigin_) return;
+  drawnUrdf_ = machine.urdf();
+  drawnOrigin_ = origin_;
+  std::string meshes = meshesDocument(drawnUrdf_, drawnOrigin_, sources_.packageFolder);
+  if (meshes.empty())
+    documents_.remove("meshes");
+  else
+    documents_.put("meshes", std::move(meshes), "application/octet-stream");
+}
+
+std::string BenchWork::lookAt(const std::string& plan) const {
+  std::shared_ptr<const Machine> machine;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    machine = machine_;
+  }
+  if (!machine) throw InputError("no machine is shown, so there is nothing to draw the plan on");
+  documents_.put("plan", planDocument(plan, *machine));
+  return "the plan is drawn; nothing moves";
 }
 
 }  // namespace mm

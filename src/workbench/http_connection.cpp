@@ -100,6 +100,9 @@ void HttpConnection::headerRead(beast::error_code error) {
 
 void HttpConnection::readBody(const Target& target) {
   if (target.path == kUpload) {
+    // a body that only grows would be copied whenever it has outgrown its place, and everybody would wait
+    if (!parser_->content_length())
+      return turnAway(411, "a file is sent with its length (Content-Length), as browsers do");
     upload_ = server_.placeForUpload();
     if (!upload_) return turnAway(409, "another file is being sent; send this one again when that is there");
   } else {

@@ -14,6 +14,8 @@ namespace {
 
 using boost::asio::ip::tcp;
 
+// that the kernel holds for us: one that finds no place tries again after a second, whoever took them
+constexpr int kBacklog = 1024;
 constexpr std::chrono::milliseconds kWithoutHandles{200};  // until an accept is tried again
 constexpr std::chrono::milliseconds kShortest{30};         // between two states, however much is new
 constexpr std::chrono::milliseconds kAfterFailure{500};    // until a state is tried again
@@ -57,7 +59,7 @@ Server::Inside::Inside(ServerOptions options, WebHandler& handler)
   acceptor_.open(endpoint.protocol(), failed);
   if (!failed) acceptor_.set_option(boost::asio::socket_base::reuse_address(true), failed);
   if (!failed) acceptor_.bind(endpoint, failed);
-  if (!failed) acceptor_.listen(64, failed);
+  if (!failed) acceptor_.listen(kBacklog, failed);
   if (failed)
     throw InputError("port " + std::to_string(options_.port) + " of " + options_.address +
                      " cannot be listened on (" + failed.message() +

@@ -208,6 +208,14 @@ std::string sessionDocument(const Session& session, const std::string& shownAs) 
   return compact(out);
 }
 
+std::string machineDocument(const Machine& machine) {
+  Json out;
+  out["name"] = machine.name();
+  out["urdf"] = machine.urdf();
+  out["joints"] = jointsJson(machine);
+  return compact(out);
+}
+
 std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals& earlier) {
   const Rows rows(fit);
   const auto person = [&](std::size_t r, double value) {

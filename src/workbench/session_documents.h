@@ -13,6 +13,9 @@ namespace mm {
 /// @param shownAs its name for people.
 std::string sessionDocument(const Session& session, const std::string& shownAs);
 
+/// The machine as the page draws it: name, URDF, joints with their limits.
+std::string machineDocument(const Machine& machine);
+
 /// One more set of residuals, of the same rows.
 struct EarlierResiduals {
   std::string name;        // "without backlash of x"

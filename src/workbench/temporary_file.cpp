@@ -15,20 +15,23 @@ TemporaryFile::TemporaryFile(const std::string& ending, const std::string& conte
   const int file = mkstemps(name.data(), static_cast<int>(ending.size()));  // readable by its owner alone
   if (file < 0) throw InputError(name + " cannot be made (" + std::strerror(errno) + ")");
   path_ = name;
+  const auto refuse = [this](int cause) {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+    throw InputError(path_.string() + " cannot be written (" + std::strerror(cause) + "); is the disk full?");
+  };
   std::size_t written = 0;
   while (written < content.size()) {
     const ssize_t more = ::write(file, content.data() + written, content.size() - written);
     if (more < 0 && errno == EINTR) continue;
     if (more <= 0) {
-      const std::string why = std::strerror(errno);
+      const int cause = errno;
       ::close(file);
-      std::error_code ignored;
-      std::filesystem::remove(path_, ignored);
-      throw InputError(path_.string() + " cannot be written (" + why + "); is the disk full?");
+      refuse(cause);
     }
     written += static_cast<std::size_t>(more);
   }
-  ::close(file);
+  if (::close(file) != 0) refuse(errno);
 }
 
 TemporaryFile::~TemporaryFile() {

@@ -141,6 +141,63 @@ def formula(browser):
         check("a formula is checked as it is typed: %s" % typed, said, said)
 
 
+def plan(browser, bench, folder):
+    """A plan is drawn before it runs; meshes of the machine's URDF by their package alone."""
+    go(browser, "measure")
+    with open("config/demo_plan.yaml") as f:
+        text = f.read()
+    typing = """(() => { const p = document.querySelector("#plan"); p.value = %s; p.dispatchEvent(new Event("input", { bubbles: true })); })()"""
+    browser.evaluate(typing % json.dumps(text.replace("touch:", "touches:")))
+    refused = browser.wait("document.querySelector('.warning') && document.querySelector('.warning').innerText")
+    check("a plan is judged as it is typed", "touches" in refused, refused)
+    browser.evaluate(typing % json.dumps(text))
+    check("a plan is drawn with its measurements", tile(browser, "Measurements") == "120", tile(browser, "Measurements"))
+    browser.wait("document.querySelector('.plan .canvas') && document.querySelector('.plan .canvas').dataset.frameMs")
+    pixels = """(() => { const c = document.querySelector('.plan canvas'), d = document.createElement('canvas'); d.width = c.width; d.height = c.height;
+        const p = d.getContext('2d'); p.drawImage(c, 0, 0); let n = 0; const v = p.getImageData(0, 0, d.width, d.height).data;
+        for (let i = 0; i < v.length; i += 4) if (v[i + 3] > 0) n += 1; return n; })()"""
+    check("and it can be seen", browser.evaluate(pixels) > 5000, browser.evaluate(pixels))
+    browser.evaluate("""(() => { const s = document.querySelector("#step"); s.value = 30; s.dispatchEvent(new Event("input", { bubbles: true })); })()""")
+    said = browser.wait("document.querySelector('.plan [role=status]').innerText.startsWith('30 of 120') && document.querySelector('.plan [role=status]').innerText")
+    check("each measurement can be looked at", re.search(r"30 of 120: b\d at .* mm, line \d+", said), said)
+
+
+def meshes(browser, folder):
+    """A machine whose bed is drawn by a file of a package, and another that is not there."""
+    package = os.path.join(folder, "drawn", "cell")
+    os.makedirs(os.path.join(package, "meshes"))
+    with open(os.path.join(package, "package.xml"), "w") as f:
+        f.write('<package format="2"><name>cell</name><version>1.0.0</version><description>d</description>'
+                '<maintainer email="a@b.c">a</maintainer><license>l</license></package>')
+    corners = [(0, 0, 0), (0.03, 0, 0), (0.03, 0.04, 0), (0, 0.04, 0), (0.015, 0.02, 0.03)]
+    faces = [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    with open(os.path.join(package, "meshes", "bed.stl"), "w") as f:
+        f.write("solid bed\n" + "".join("facet normal 0 0 0\nouter loop\n%sendloop\nendfacet\n" % "".join("vertex %g %g %g\n" % corners[i] for i in face)
+                                        for face in faces) + "endsolid bed\n")
+    with open("urdf/three_axis.urdf") as f:
+        urdf = f.read()
+    more = "".join("<visual><geometry><mesh filename=\"package://cell/meshes/%s\"/></geometry></visual>" % name for name in ("bed.stl", "none.stl"))
+    machine = os.path.join(folder, "cell.urdf")
+    with open(machine, "w") as f:
+        f.write(urdf.replace("<visual>", more + "<visual>", 1))
+    bag = os.path.join(folder, "cell.bag")
+    mm("simulate", "--machine", machine, "--plan", "config/demo_plan.yaml", "-o", bag)
+    before = os.environ.get("ROS_PACKAGE_PATH", "")
+    os.environ["ROS_PACKAGE_PATH"] = os.path.join(folder, "drawn") + (":" + before if before else "")
+    bench = Workbench(bag, "--store", os.path.join(folder, "store_cell"))
+    os.environ["ROS_PACKAGE_PATH"] = before
+    try:
+        browser.open("about:blank")
+        browser.open(bench.url + "#session")
+        browser.wait("document.querySelector('.canvas') && document.querySelector('.canvas').dataset.frameMs")
+        said = browser.wait("document.querySelector('figcaption .missing') && document.querySelector('figcaption .missing').innerText")
+        check("a mesh that is not there is said", "none.stl" in said and "bed.stl" not in said, said)
+        check("a mesh of a package is drawn", browser.wait("document.querySelector('.canvas').dataset.meshes") == "1")
+        check("it is asked for by no path", not [r for r in browser.requests if "bed.stl" in r or "cell" in r])
+    finally:
+        bench.stop()
+
+
 def every_view(browser, bench):
     pictures = os.environ.get("MM_SCREENSHOTS")
     for width in (1280, 400):
@@ -230,6 +287,7 @@ def main():
                 formula(browser)
                 units(browser)
                 keys(browser)
+                plan(browser, bench, folder)
                 go(browser, "history")
                 browser.click("Make the report")
                 check("the report opens on the page", browser.wait("document.querySelector('iframe.report')", 180) is not None)
@@ -238,6 +296,7 @@ def main():
                 foreign = [r for r in browser.requests if not r.startswith(("http://" + host, "ws://" + host, "data:", "blob:", "about:"))]
                 check("nothing is asked from another host", not foreign, foreign[:3])
                 check("no error on the page", not browser.errors, browser.errors[:3])
+                meshes(browser, folder)
         finally:
             status = bench.stop()
         check("Ctrl-C ends it with status 0 or 130", status in (0, 130), status)

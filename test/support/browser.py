@@ -40,13 +40,15 @@ class Socket:
         return taken
 
     def send(self, text):
-        data = text.encode()
+        self._send(text.encode(), 1)
+
+    def _send(self, data, kind):
         size = struct.pack("!B", 128 | len(data)) if len(data) < 126 else struct.pack("!BH", 128 | 126, len(data)) if len(data) < 65536 \
             else struct.pack("!BQ", 128 | 127, len(data))
         mask = os.urandom(4)
         repeated = mask * (len(data) // 4 + 1)
         masked = (int.from_bytes(data, "big") ^ int.from_bytes(repeated[:len(data)], "big")).to_bytes(len(data), "big") if data else b""
-        self.socket.sendall(b"\x81" + size + mask + masked)
+        self.socket.sendall(struct.pack("!B", 128 | kind) + size + mask + masked)
 
     def receive(self):
         message = b""
@@ -60,6 +62,8 @@ class Socket:
             data = self._take(length)
             if first & 15 == 8:
                 raise IOError("the other side ended the connection")
+            if first & 15 == 9:  # asks whether anybody is there
+                self._send(data, 10)
             if first & 15 in (0, 1):
                 message += data
                 if first & 128:

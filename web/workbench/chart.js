@@ -6,7 +6,7 @@ import uPlot from "uplot";
 import { colours, useTheme } from "./parts.js";
 
 /** An axis in the colours of the page. */
-export const axis = (c, label, more) => Object.assign({ size: 32, stroke: c.soft, grid: { stroke: c.line, width: 1 }, ticks: { stroke: c.line, width: 1 }, label, labelSize: 20, labelGap: 2, labelFont: "12px system-ui, sans-serif", font: "12px system-ui, sans-serif" }, more);
+export const axis = (c, label, more) => Object.assign({ values: (u, splits, at, space, step) => splits.map((v) => (known(v) ? minus(String(Number(v.toPrecision(12)))) : "")), size: 32, stroke: c.soft, grid: { stroke: c.line, width: 1 }, ticks: { stroke: c.line, width: 1 }, label, labelSize: 20, labelGap: 2, labelFont: "12px system-ui, sans-serif", font: "12px system-ui, sans-serif" }, more);
 
 /** @param make colours → [options of uPlot, data]; called again when one of `inputs` changes. */
 export function Chart({ make, inputs, label, tall, onReady }) {

@@ -83,9 +83,9 @@ export function CompareView() {
   const names = columns.map((c) => [c.name, c.name]);
     return h("div", null,
     h(Tiles, null,
-      before ? h(Tile, { label: "RMS, " + points.before_name, value: rms(before[0], before[1], unit), note: "k = 2" }) : null,
-      h(Tile, { label: "RMS, this calibration", value: rms(compare["rms" + suffix], points.rows, unit), note: "values held; k = 2" }),
-      h(Tile, { label: "Held-out RMS", value: rms(compare["held_out_rms" + suffix], points.rows, unit), note: "of blocks of time that the fit did not see; k = 2" }),
+      before ? h(Tile, { label: "RMS, " + points.before_name, value: rms(before[0], before[1], unit), note: "k\u00a0=\u00a02" }) : null,
+      h(Tile, { label: "RMS, this calibration", value: rms(compare["rms" + suffix], points.rows, unit), note: "values held; k\u00a0=\u00a02" }),
+      h(Tile, { label: "Held-out RMS", value: rms(compare["held_out_rms" + suffix], points.rows, unit), note: "of blocks of time that the fit did not see; k\u00a0=\u00a02" }),
       h(Tile, { label: "Repeatability, " + compare.repeatability_from, value: text(compare["repeatability" + suffix], unit) }),
       h(Tile, { label: "χ²/ν", value: compare.repeatability_from === "estimated" ? "–" : num(compare.chi2_per_dof), note: "1: nothing but noise" })),
     h(Section, { title: "Residual against anything" },
@@ -97,7 +97,7 @@ export function CompareView() {
         fc ? h(Choice, { id: "word", label: "where it is", value: String(word), options: [[kAll, "anything"], ...(words ? words.map((w, i) => [String(i), w]) : ["in its lowest quarter", "in its second", "in its third", "in its highest"].map((t, i) => [String(i), t]))], onChange: setWord }) : null),
       h(Legend, { column: cc, c: colours() }),
       h(Scatter, { x: xc, y: yc, colour: cc, rows, onPick: setPicked, label: yc.name + " against " + xc.name + " of " + count + " residuals" }),
-      h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + count + " of " + points.rows + " residuals" + (yc.error ? ", those of touches within 60° of " + yc.name.slice(-1) : "") + "; RMS " + rms(shownRms, count, unit) + " (k = 2). The marks with bars are means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click tells of one point."),
+      h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + count + " of " + points.rows + " residuals" + (yc.error ? ", those of touches within 60° of " + yc.name.slice(-1) : "") + "; RMS " + rms(shownRms, count, unit) + " (k\u00a0=\u00a02). The marks with bars are means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click tells of one point."),
       picked >= 0 ? h(PickedRow, { points, columns, row: picked }) : null),
     h(Section, { title: "Where the model fails" }, h(Table, { caption: "Share of the residual's variance that one variable explains, in any direction; p is corrected for the number of variables", columns: [["Variable"], ["share", "nowrap"], ["p", "n"], ["", "n"]],
       rows: compare.where.map((w) => [w.variable, [h(Meter, { share: w.share }), percent(w.share)], pValue(w.p_value), h("button", { onClick: () => { setX(w.variable === "ball" ? "feature" : w.variable); scrollTo({ top: 0, behavior: "smooth" }); } }, "Draw")]) })),
@@ -118,6 +118,6 @@ function Worst({ points, columns }) {
   const residual = points.columns[0].values;
   const worst = useMemo(() => residual.map((v, r) => r).filter((r) => known(residual[r])).sort((a, b) => Math.abs(residual[b]) - Math.abs(residual[a])).slice(0, 25), [points]);
   const more = columns.filter((c) => ["feature", "component", "time"].includes(c.name) || /travel direction/.test(c.name));
-  return h(Table, { caption: "Largest residuals ± the noise taken for one (k = 2)", columns: [["Row", "n"], ["residual", "n"], ["× noise", "n"], ...more.map((c) => [c.name, "n"])],
+  return h(Table, { caption: "Largest residuals ± the noise taken for one (k\u00a0=\u00a02)", columns: [["Row", "n"], ["residual", "n"], ["× noise", "n"], ...more.map((c) => [c.name, "n"])],
     rows: worst.map((r) => [String(points.row[r]) + (points.outlier[r] ? " (outlier)" : ""), measured(residual[r], points.sigma[r], points.unit), num(Math.abs(residual[r]) / points.sigma[r], 2), ...more.map((c) => cell(c, r))]), most: 10 });
 }

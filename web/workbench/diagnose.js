@@ -31,10 +31,10 @@ function Card({ found, unit, observations, first }) {
   const key = "held_out_rms_" + unit, yaml = yamlOf(found.effect), pair = found[key];
   return h("article", { class: "card effect", "aria-label": found.in_words },
     h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: first ? "primary" : "", title: yaml, run: () => act("add", { effect: yaml }) })),
-    h("p", { class: "size" }, found.parameters.length <= 3 ? found.parameters.map((p) => p.name + " = " + measured(p.value, p.std, p.unit)).join(", ") + " (k = 2)" : "size " + text(found["size_" + unit], unit) + " RMS, " + found.parameters.length + " constants"),
+    h("p", { class: "size" }, found.parameters.length <= 3 ? found.parameters.map((p) => p.name + " = " + measured(p.value, p.std, p.unit)).join(", ") + " (k\u00a0=\u00a02)" : "size " + text(found["size_" + unit], unit) + " RMS, " + found.parameters.length + " constants"),
     h("dl", null,
       h("dt", null, "Odds"), h("dd", null, found.odds_in_words + " that it acts, against its rivals and chance"),
-      pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k = 2)")] : null,
+      pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k\u00a0=\u00a02)")] : null,
       h("dt", null, "Rivals"), h(Rivals, { list: found.confusable_with }),
       h("dt", null, "Cause"), h("dd", null, said(found.cause)),
       h("dt", null, "Remedy"), h("dd", null, said(found.remedy)),
@@ -50,8 +50,8 @@ function Profile({ found, observations, unit }) {
   return h("article", { class: "card effect", "aria-label": found.in_words },
     h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: "primary", title: yaml, run: () => act("add", { effect: yaml }) })),
     one ? h(Figure, { make, inputs: [found, factor], label: "Curve of " + found.in_words + " with its band", caption: "The curve ± 2 standard deviations: what no effect of the catalogue explains." }) :
-      h(Table, { caption: "Error along " + found.direction + " ± expanded uncertainty (k = 2)", columns: [...found.variables.map((v, i) => [variableName(v, found.units[i]) + ", " + unitText(found.units[i]), "n"]), ["error", "n"]], rows: found.curve.map((p) => [num(p[0], 4), num(p[1], 4), measured(p[2], p[3], found.unit)]) }),
-    h("dl", null, h("dt", null, "Odds"), h("dd", null, found.odds_in_words), pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k = 2)")] : null));
+      h(Table, { caption: "Error along " + found.direction + " ± expanded uncertainty (k\u00a0=\u00a02)", columns: [...found.variables.map((v, i) => [variableName(v, found.units[i]) + ", " + unitText(found.units[i]), "n"]), ["error", "n"]], rows: found.curve.map((p) => [num(p[0], 4), num(p[1], 4), measured(p[2], p[3], found.unit)]) }),
+    h("dl", null, h("dt", null, "Odds"), h("dd", null, found.odds_in_words), pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k\u00a0=\u00a02)")] : null));
 }
 
 /** One's own physics in one line, checked as it is typed. */
@@ -91,12 +91,12 @@ export function DiagnoseView() {
     h("div", { class: "verdict " + d.verdict, role: "status" }, h("div", { class: "badge" }, kVerdicts[d.verdict] || d.verdict), h("p", { class: "sentence" }, first), rest.map((r) => h("p", { key: r }, r)), h("p", { class: "note" }, again)),
     d.missing.length ? h(Section, { title: d.verdict === "confusable" ? "Named, not separated" : "Missing", action: h(Action, { label: "Add all until nothing is missing", run: () => act("add_all") }) }, d.missing.map((m, i) => h(Card, { key: yamlOf(m.effect), found: m, unit, observations: n, first: i === 0 }))) : null,
     d.profiles.length || d.formulas.length ? h(Section, { title: "What no effect of the catalogue explains" }, d.profiles.map((p) => h(Profile, { key: yamlOf(p.effect), found: p, observations: n, unit })),
-      d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => act("add", { effect: yaml }) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k = 2)") : null); })) : null,
+      d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => act("add", { effect: yaml }) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k\u00a0=\u00a02)") : null); })) : null,
     d.next_measurement.length ? h(Section, { title: "What to measure next", action: h("a", { class: "button", href: downloadAddress("moves"), download: "moves.yaml" }, "Keep the plan") }, h("p", null, d.next_measurement.length + " targets that best separate what these data do not" + (moves ? "; the view Measure runs them." : "."))) : null,
     h(Section, { title: "Your own formula", lead: "A formula is one effect more: added, refitted, and in the ledger like any other." }, h(OwnFormula, { directions })),
     h(Section, { title: "Drift" }, h(Drift, { d })),
     d.missing_inputs.length ? h(Section, { title: "Inputs that were not recorded" }, h(Table, { caption: "What could act unseen without them", columns: [["Input"], ["in its place", "text"], ["cannot be excluded", "text"]], rows: d.missing_inputs.map((i) => [i.input, i.assumed ? "assumed " + i.assumed : "–", i.assumed ? "–" : i.in_words || "–"]) })) : null,
-    byOdds.length ? h(Section, { title: "Other causes that were asked", lead: "Each alone, everything refitted with it." }, h(Table, { caption: d.candidates.length + " causes asked, best first", columns: [["Cause"], ["odds", "nowrap"], ["held-out RMS after (k = 2)", "nowrap"], ["", "n"]],
+    byOdds.length ? h(Section, { title: "Other causes that were asked", lead: "Each alone, everything refitted with it." }, h(Table, { caption: d.candidates.length + " causes asked, best first", columns: [["Cause"], ["odds", "nowrap"], ["held-out RMS after (k\u00a0=\u00a02)", "nowrap"], ["", "n"]],
       rows: byOdds.map((c) => [c.in_words, c.odds_in_words, c[key] && c[key][0] !== c[key][1] ? [h(Meter, { share: 1 - c[key][1] / c[key][0] }), rms(c[key][1], n, unit)] : "–", h(Action, { label: "Add", run: () => act("add", { effect: yamlOf(c.effect) }) })]), most: 8 })) : null,
     d.cannot_show.length ? h(Section, { title: "What this session could not have shown" }, h(Table, { caption: "Effects, why they stay hidden, and what would show them", columns: [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], rows: d.cannot_show.map((c) => [c.in_words, said(c.why), said(c.moves)]), most: 8 })) : null);
 }

@@ -5,7 +5,7 @@ import { useMemo } from "preact/hooks";
 import { useDocument } from "./server.js";
 import { Empty, Section, Table } from "./parts.js";
 import { Chart, axis } from "./chart.js";
-import { kWords } from "./scatter.js";
+import { wordColours } from "./scatter.js";
 import { shown, text, unitOf } from "./units.js";
 
 const hours = (list) => list.map((s) => s / 3600);
@@ -18,12 +18,12 @@ function together(series) {
 
 function Courses({ series, label, unit }) {
   const data = useMemo(() => together(series), [series]);
-  const make = (c) => [{
+  const make = (c) => { const words = wordColours(c); return [{
     legend: { show: true, live: false },
     scales: { x: { time: false } },
     axes: [axis(c, "time, h"), axis(c, unit, { size: 60 })],
-    series: [{ label: "time" }, ...series.map((s, i) => ({ label: s.name, stroke: kWords[i % kWords.length], width: 1.5, dash: [[], [6, 3], [2, 3]][Math.floor(i / kWords.length) % 3], spanGaps: true, points: { show: s.time_s.length < 30 } }))],
-  }, data];
+    series: [{ label: "time" }, ...series.map((s, i) => ({ label: s.name, stroke: words[i % words.length], width: 1.5, dash: [[], [6, 3], [2, 3]][Math.floor(i / words.length) % 3], spanGaps: true, points: { show: s.time_s.length < 30 } }))],
+  }, data]; };
   return h("figure", null, h(Chart, { make, inputs: [series], label, tall: true }));
 }
 

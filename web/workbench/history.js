@@ -25,7 +25,7 @@ function Beside({ list }) {
   const names = [...new Set([...pa.keys(), ...pb.keys()])];
   const cell = (v) => (v ? (v.held ? text(v.value, v.unit, 5) + " (held)" : measured(v.value, v.std, v.unit)) : "not in the model");
   return h("div", null, h("div", { class: "controls" }, h(Choice, { id: "first", label: "Compare", value: a.id, options, onChange: setFirst }), h(Choice, { id: "second", label: "with", value: b.id, options, onChange: setSecond })),
-    h(Table, { caption: "Parameters ± expanded uncertainty (k = 2), and their difference in standard uncertainties of it", columns: [["Parameter"], [a.id, "n"], [b.id, "n"], ["difference", "n"]],
+    h(Table, { caption: "Parameters ± expanded uncertainty (k\u00a0=\u00a02), and their difference in standard uncertainties of it", columns: [["Parameter"], [a.id, "n"], [b.id, "n"], ["difference", "n"]],
       rows: [["held-out RMS", rms(a.held_out_rms_um, a.observations, "um"), rms(b.held_out_rms_um, b.observations, "um"), "–"], ...names.map((n) => [n, cell(pa.get(n)), cell(pb.get(n)), differ(pa.get(n), pb.get(n))])], most: 40 }));
 }
 
@@ -40,7 +40,7 @@ function Trend({ list }) {
   const low = Math.min(...y.map((v, i) => v - half[i])), high = Math.max(...y.map((v, i) => v + half[i])), room = 0.08 * (high - low) || Math.abs(high) * 0.1 || 1;
   const make = (c) => [{ scales: { x: { time: false, range: [0.5, x.length + 0.5] }, y: { range: [low - room, high + room] } }, axes: [axis(c, "calibration", { splits: () => x, values: () => x.map(String) }), axis(c, (what || "held-out RMS") + ", " + unitOf(unit), { size: 64 })], series: [{}, { stroke: c.accent, width: 1.5, points: { show: true, size: 7, fill: c.accent } }], hooks: { draw: [bars(c)] } }, [x, y]];
   return h(Section, { title: "Trend" }, h(Choice, { id: "what", label: "Trend of", value: what, options: [["", "held-out RMS"], ...all.map((n) => [n, n])], onChange: setWhat }),
-    drawn.length ? h("figure", null, h(Chart, { make, inputs: [list, what, factor], label: "Trend of " + (what || "held-out RMS") + " over " + drawn.length + " calibrations" }), h("figcaption", null, "Oldest first; the bars are the expanded uncertainty, k = 2. Different sessions and models are beside each other here.")) : null);
+    drawn.length ? h("figure", null, h(Chart, { make, inputs: [list, what, factor], label: "Trend of " + (what || "held-out RMS") + " over " + drawn.length + " calibrations" }), h("figcaption", null, "Oldest first; the bars are the expanded uncertainty, k\u00a0=\u00a02. Different sessions and models are beside each other here.")) : null);
 }
 
 export function HistoryView() {
@@ -48,7 +48,7 @@ export function HistoryView() {
   if (!history) return h(Empty, null, "No calibration is kept yet.");
   const list = history.calibrations;
   return h("div", null,
-    h(Section, { title: "Calibrations", lead: "Kept in " + history.store }, list.length ? h(Table, { caption: list.length + (list.length === 1 ? " calibration" : " calibrations, latest first"), columns: [["Id", "nowrap"], ["state", "nowrap"], ["created (UTC)", "nowrap"], ["effects", "text"], ["held-out RMS (k = 2)", "n"], ["", "n"]],
+    h(Section, { title: "Calibrations", lead: "Kept in " + history.store }, list.length ? h(Table, { caption: list.length + (list.length === 1 ? " calibration" : " calibrations, latest first"), columns: [["Id", "nowrap"], ["state", "nowrap"], ["created (UTC)", "nowrap"], ["effects", "text"], ["held-out RMS (k\u00a0=\u00a02)", "n"], ["", "n"]],
       rows: [...list].reverse().map((c) => Object.assign([c.id, c.damaged ? "damaged" : c.active ? "active" : c.candidate ? "candidate" : "", (c.created || "").replace("T", " ").replace("Z", ""), c.damaged ? said(c.damaged) : c.effects.map((e) => said(e.in_words)).join("; ") || "none", rms(c.held_out_rms_um, c.observations, "um"),
         c.damaged ? "" : h("span", { class: "pair-of-buttons" }, h(Action, { label: "Use", title: "takes it in hand on this session", run: () => act("use", { id: c.id }) }), c.active ? null : h(Action, { label: "Promote", confirm: "Make it active", run: () => act("promote", { id: c.id }) }))], { chosen: c.active })) }) : h(Empty, null, "None yet: what is added, or calibrated, is kept here.")),
     h(Section, { title: "Two beside each other" }, h(Beside, { list })),
@@ -61,5 +61,5 @@ export function HistoryView() {
 function Log() {
   const [lines, setLines] = useState(null);
   const ask = async () => { const answer = await fetch(documentAddress("log")); if (answer.ok) setLines((await answer.json()).lines); };
-  return h("div", null, h("button", { onClick: ask }, lines ? "Read again" : "Show the log"), lines ? h(Table, { caption: "Latest first", columns: [["When (UTC)", "nowrap"], ["who", "nowrap"], ["what", "text"]], rows: lines.map((l) => [l.time.replace("T", " ").replace("Z", ""), l.who, said(l.what)]), most: 30 }) : null);
+  return h("div", null, h("p", { class: "controls" }, h("button", { onClick: ask }, lines ? "Read again" : "Show the log")), lines ? h(Table, { caption: "Latest first", columns: [["When (UTC)", "nowrap"], ["who", "nowrap"], ["what", "text"]], rows: lines.map((l) => [l.time.replace("T", " ").replace("Z", ""), l.who, said(l.what)]), most: 30 }) : null);
 }

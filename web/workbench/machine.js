@@ -1,16 +1,27 @@
 // The machine and what was measured on it, in three dimensions. Turned by drag or arrow keys, nearer with the wheel or + and −.
 
 import { h } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { colours, useTheme } from "./parts.js";
+import { useDocument } from "./server.js";
+import { text } from "./units.js";
 
 const kMillimetre = 1000;
 let THREE = null; // fetched when something is to be drawn: the other views are there sooner without it
 
 const numbers = (text, count) => { const list = (text || "").trim().split(/\s+/).map(Number); return list.length === count && list.every(Number.isFinite) ? list : Array(count).fill(0); };
 
-/** A URDF as a tree of three's objects, lengths in mm. Meshes of other files are not drawn. */
-export function readMachine(urdf, c) {
+/** The meshes that the server found for a URDF: name there → corners in m, three numbers each, or why there are none. */
+function readMeshes(file) {
+  const meshes = new Map();
+  if (!file) return meshes;
+  const size = new DataView(file).getUint32(0, true), head = JSON.parse(new TextDecoder().decode(new Uint8Array(file, 4, size)));
+  for (const m of head.meshes) meshes.set(m.name, m.why ? { why: m.why } : { corners: new Float32Array(file, 4 + size + 4 * m.first, m.count) });
+  return meshes;
+}
+
+/** A URDF as a tree of three's objects, lengths in mm. A mesh that the server has not found is not drawn. */
+export function readMachine(urdf, c, meshes) {
   const xml = new DOMParser().parseFromString(urdf, "application/xml");
   const links = new Map(), moving = new Map(), children = new Set();
   const place = (node, element) => {
@@ -22,7 +33,7 @@ export function readMachine(urdf, c) {
   for (const link of xml.querySelectorAll("robot > link")) {
     const group = new THREE.Group();
     for (const visual of link.querySelectorAll(":scope > visual")) {
-      const shape = shapeOf(visual);
+      const shape = shapeOf(visual, meshes);
       if (!shape) continue;
       const rgba = numbers((visual.querySelector("material > color") || { getAttribute: () => "" }).getAttribute("rgba"), 4);
       const mesh = new THREE.Mesh(shape, new THREE.MeshLambertMaterial({ color: rgba[3] ? new THREE.Color(rgba[0], rgba[1], rgba[2]) : new THREE.Color(c.soft) }));
@@ -64,7 +75,14 @@ export function readMachine(urdf, c) {
   return { root, set, settle };
 }
 
-function shapeOf(visual) {
+function shapeOf(visual, meshes) {
+  const file = visual.querySelector("geometry > mesh"), found = file && meshes.get(file.getAttribute("filename"));
+  if (found && found.corners) {
+    const scale = file.hasAttribute("scale") ? numbers(file.getAttribute("scale"), 3) : [1, 1, 1], geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(found.corners.map((v, i) => v * scale[i % 3] * kMillimetre), 3));
+    geometry.computeVertexNormals();
+    return geometry;
+  }
   const box = visual.querySelector("geometry > box"), cylinder = visual.querySelector("geometry > cylinder"), sphere = visual.querySelector("geometry > sphere");
   if (box) return new THREE.BoxGeometry(...numbers(box.getAttribute("size"), 3).map((v) => v * kMillimetre));
   if (cylinder) return new THREE.CylinderGeometry(...[0, 1].map(() => Number(cylinder.getAttribute("radius")) * kMillimetre), Number(cylinder.getAttribute("length")) * kMillimetre, 20);
@@ -72,11 +90,46 @@ function shapeOf(visual) {
   return null;
 }
 
-/** Points: { at: [x…, y…, z…] interleaved, colours: rgb interleaved 0…1 }; lines: the same, two ends each. */
-export function Space({ urdf, joints, readings, points, lines, balls, label, note }) {
+/** A word in the picture, of the same size however far it is. */
+function word(text, at, c) {
+  const canvas = document.createElement("canvas"), pen = canvas.getContext("2d"), font = "600 36px system-ui, sans-serif";
+  pen.font = font;
+  canvas.width = Math.ceil(pen.measureText(text).width) + 16;
+  canvas.height = 52;
+  pen.font = font;
+  pen.fillStyle = c.card;
+  pen.globalAlpha = 0.75;
+  pen.fillRect(0, 0, canvas.width, canvas.height);
+  pen.globalAlpha = 1;
+  pen.fillStyle = c.ink;
+  pen.textBaseline = "middle";
+  pen.fillText(text, 8, 27);
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: new THREE.CanvasTexture(canvas), sizeAttenuation: false, depthTest: false }));
+  sprite.material.map.colorSpace = THREE.SRGBColorSpace;
+  sprite.scale.set((0.032 * canvas.width) / canvas.height, 0.032, 1);
+  sprite.position.set(...at);
+  return sprite;
+}
+
+/** The next length below that is 1, 2 or 5 times a power of ten. */
+function roundLength(x) {
+  const power = 10 ** Math.floor(Math.log10(x));
+  return power * [5, 2, 1].find((n) => n * power <= x * (1 + 1e-9));
+}
+
+function discard(object) {
+  if (object.geometry) object.geometry.dispose();
+  if (!object.material) return;
+  if (object.material.map) object.material.map.dispose();
+  object.material.dispose();
+}
+
+/** Points: { at: [x…, y…, z…] interleaved, colours: rgb interleaved 0…1 }; lines: the same, two ends each. A ball with `label` has
+ * its name beside it. `mark`: where a tip stands now, { at, radius_mm }. */
+export function Space({ urdf, joints, readings, points, lines, balls, mark, label, note }) {
   const place = useRef(null), world = useRef(null);
-  const [without, setWithout] = useState(false), [ready, setReady] = useState(THREE !== null);
-  const theme = useTheme();
+  const [without, setWithout] = useState(false), [arrow, setArrow] = useState(null), [ready, setReady] = useState(THREE !== null);
+  const theme = useTheme(), file = useDocument("meshes"), meshes = useMemo(() => readMeshes(file), [file]);
   useEffect(() => {
     let here = true;
     if (!ready) import("three").then((library) => { THREE = library; if (here) setReady(true); });
@@ -102,18 +155,17 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
     const view = { turn: -0.6, tilt: 0.45, far: 120, centre: new THREE.Vector3() };
     const w = { renderer, scene, camera, view, c, frame: 0, times: [], machine: null, content: new THREE.Group() };
     scene.add(w.content);
+    const drawNow = () => {
+      const began = performance.now(), { turn, tilt, far, centre } = view;
+      camera.position.set(centre.x + far * Math.cos(tilt) * Math.sin(turn), centre.y - far * Math.cos(tilt) * Math.cos(turn), centre.z + far * Math.sin(tilt));
+      camera.lookAt(centre);
+      renderer.render(scene, camera);
+      w.times.push(performance.now() - began);
+      if (w.times.length > 120) w.times.shift();
+      if (place.current) place.current.dataset.frameMs = (w.times.reduce((a, b) => a + b, 0) / w.times.length).toFixed(2);
+    };
     w.draw = () => {
-      if (w.frame) return;
-      w.frame = requestAnimationFrame(() => {
-        w.frame = 0;
-        const began = performance.now(), { turn, tilt, far, centre } = view;
-        camera.position.set(centre.x + far * Math.cos(tilt) * Math.sin(turn), centre.y - far * Math.cos(tilt) * Math.cos(turn), centre.z + far * Math.sin(tilt));
-        camera.lookAt(centre);
-        renderer.render(scene, camera);
-        w.times.push(performance.now() - began);
-        if (w.times.length > 120) w.times.shift();
-        if (place.current) place.current.dataset.frameMs = (w.times.reduce((a, b) => a + b, 0) / w.times.length).toFixed(2);
-      });
+      if (!w.frame) w.frame = requestAnimationFrame(() => { w.frame = 0; drawNow(); });
     };
     const size = () => {
       if (!place.current) return;
@@ -122,7 +174,7 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
       renderer.setSize(width, height);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
-      w.draw();
+      drawNow(); // another size empties the canvas: nobody shall see it empty
     };
     const watch = new ResizeObserver(size);
     watch.observe(place.current);
@@ -144,7 +196,7 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
     return () => {
       watch.disconnect();
       cancelAnimationFrame(w.frame);
-      scene.traverse((o) => { if (o.geometry) o.geometry.dispose(); if (o.material) o.material.dispose(); });
+      scene.traverse(discard);
       renderer.dispose();
       canvas.remove();
       world.current = null;
@@ -154,12 +206,13 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
   useEffect(() => { // the machine
     const w = world.current;
     if (!w || !urdf) return;
-    if (w.machine) w.scene.remove(w.machine.root);
-    w.machine = readMachine(urdf, w.c);
+    if (w.machine) { w.scene.remove(w.machine.root); w.machine.root.traverse(discard); }
+    w.machine = readMachine(urdf, w.c, meshes);
     w.scene.add(w.machine.root);
+    if (place.current) place.current.dataset.meshes = [...meshes].filter(([name, m]) => m.corners && urdf.includes(name)).length;
     w.machine.settle();
     w.draw();
-  }, [urdf, theme, ready]);
+  }, [urdf, theme, ready, meshes]);
 
   useEffect(() => {
     const w = world.current;
@@ -168,12 +221,12 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
     w.machine.root.matrix.identity();
     w.machine.settle();
     w.draw();
-  }, [readings, urdf, theme, ready]);
+  }, [readings, urdf, theme, ready, meshes]);
 
   useEffect(() => { // what was measured
     const w = world.current;
     if (!w) return;
-    for (const child of [...w.content.children]) { w.content.remove(child); child.geometry.dispose(); child.material.dispose(); }
+    for (const child of [...w.content.children]) { w.content.remove(child); discard(child); }
     const box = new THREE.Box3(), sets = [points, lines].filter((s) => s && s.at.length);
     for (const set of sets) {
       const geometry = new THREE.BufferGeometry();
@@ -187,18 +240,33 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
       const sphere = new THREE.Mesh(new THREE.SphereGeometry(ball.radius_mm, 24, 16), new THREE.MeshLambertMaterial({ color: w.c.soft, transparent: true, opacity: 0.28, depthWrite: false }));
       sphere.position.set(...ball.centre_mm);
       w.content.add(sphere);
+      if (ball.label) w.content.add(word(ball.label, [ball.centre_mm[0], ball.centre_mm[1], ball.centre_mm[2] + 1.6 * ball.radius_mm], w.c));
     }
     if (!box.isEmpty()) {
       const span = box.getSize(new THREE.Vector3()).length() || 1;
       box.getCenter(w.view.centre);
       w.view.far = 1.9 * span;
-      const frame = new THREE.AxesHelper(0.2 * span);
-      frame.setColors(new THREE.Color("#d55e00"), new THREE.Color("#009e73"), new THREE.Color("#0072b2"));
-      frame.position.copy(box.min);
+      const long = roundLength(0.2 * span), frame = new THREE.AxesHelper(long);
+      frame.setColors(new THREE.Color("#d55e00"), new THREE.Color("#009e73"), new THREE.Color(w.c.blue));
+      const corner = box.min.clone().addScalar(-0.06 * span); // beside what was measured, not in it
+      frame.position.copy(corner);
       w.content.add(frame);
+      ["x", "y", "z"].forEach((name, k) => w.content.add(word(name, corner.toArray().map((v, i) => v + (i === k ? 1.12 * long : 0)), w.c)));
+      setArrow(long);
     }
     w.draw();
   }, [points, lines, balls, theme, ready]);
+
+  useEffect(() => {
+    const w = world.current;
+    if (!w) return undefined;
+    const ball = mark ? new THREE.Mesh(new THREE.SphereGeometry(mark.radius_mm, 20, 14), new THREE.MeshLambertMaterial({ color: new THREE.Color(w.c.accent) })) : null;
+    if (ball) { ball.position.set(...mark.at); w.scene.add(ball); }
+    w.draw();
+    return () => { if (ball) { w.scene.remove(ball); discard(ball); } };
+  }, [mark, theme, ready]);
+
+  const missing = urdf ? [...meshes].filter(([name, m]) => m.why && urdf.includes(name)) : [];
 
   const key = (e) => {
     const w = world.current;
@@ -212,7 +280,8 @@ export function Space({ urdf, joints, readings, points, lines, balls, label, not
   };
   if (without) return h("p", { class: "empty" }, "This browser has no WebGL, so the machine is not drawn; every figure stands in the tables.");
   return h("figure", { class: "space" }, h("div", { class: "canvas", ref: place, tabindex: 0, role: "img", "aria-label": label + ". Arrow keys turn it, plus and minus come nearer.", onKeyDown: key }),
-    h("figcaption", null, note ? note + " " : "", "Red, green, blue: x, y, z. Drag or arrow keys turn it, + and − come nearer."));
+    h("figcaption", null, note ? note + " " : "", arrow ? "The arrows x, y, z are " + text(arrow, "mm", 2) + " long. " : "", "Drag or arrow keys turn it, + and − come nearer.",
+      missing.length ? h("span", { class: "missing" }, " Not drawn: " + missing.map(([name, m]) => name + " (" + m.why + ")").join("; ") + ".") : null));
 }
 
 /** A colour "#rrggbb" as three of them from 0 to 1, as the screen adds light. */

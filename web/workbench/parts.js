@@ -26,7 +26,7 @@ export function useTheme() {
 export function colours() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue("--" + name).trim();
-  return { ink: of("ink"), soft: of("soft"), line: of("line"), card: of("card"), accent: of("accent"), warm: of("warm"), good: of("good"), bar: of("bar"), paper: of("paper") };
+  return { ink: of("ink"), soft: of("soft"), line: of("line"), card: of("card"), accent: of("accent"), warm: of("warm"), good: of("good"), bar: of("bar"), paper: of("paper"), blue: of("blue") };
 }
 
 export const Tile = ({ label, value, note }) => h("div", { class: "tile" }, h("div", { class: "label" }, label), h("div", { class: "value" }, value), note ? h("div", { class: "label" }, note) : null);

@@ -7,7 +7,9 @@ import { Chart, axis } from "./chart.js";
 import { shown, unitOf } from "./units.js";
 
 // Okabe and Ito's colours: told apart with any colour vision, on white and on black.
-export const kWords = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#b8a800"];
+const kWords = ["#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#999999", "#b8a800"];
+/** Colours of words, told apart by whoever sees few of them; the first is the theme's own blue. */
+export const wordColours = (c) => [c.blue, ...kWords];
 // Cividis: even in lightness for everybody.
 const kScale = [[0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 113, 115], [138, 134, 120], [165, 156, 116], [195, 179, 105], [225, 204, 85], [254, 232, 56]];
 const kLevels = 24;
@@ -29,7 +31,7 @@ export function rangeOf(values) {
 export function colouring(column, c) {
   if (!column) return { of: () => 0, palette: [c.accent], names: [] };
   if (column.words) {
-    const palette = column.words.map((w, i) => kWords[i % kWords.length]);
+    const all = wordColours(c), palette = column.words.map((w, i) => all[i % all.length]);
     return { of: (r) => column.values[r] ?? palette.length, palette: [...palette, c.line], names: column.words.map((w, i) => [w, palette[i]]) };
   }
   const [low, high] = rangeOf(column.values), factor = shown(column.unit)[0];

@@ -56,7 +56,8 @@ async function look(name) {
   try {
     const answer = await fetch(address("/data/" + name), { headers });
     if (!answer.ok && answer.status !== 404) throw new Error("the server answered " + answer.status);
-    const value = answer.ok ? await ((answer.headers.get("Content-Type") || "").includes("json") ? answer.json() : answer.text()) : null;
+    const type = answer.headers.get("Content-Type") || "";
+    const value = !answer.ok ? null : await (type.includes("json") ? answer.json() : type.includes("octet-stream") ? answer.arrayBuffer() : answer.text());
     Object.assign(entry, { number, value });
   } catch (error) {
     pause = kAskAgain; // what is shown stays until then

@@ -54,6 +54,16 @@ inline Session withSerial(const std::string& serial) {
   return session;
 }
 
+/// The plate, measured on a machine whose bed is drawn by a file.
+inline Session withMesh(const std::string& name) {
+  Session session = plate();
+  std::string urdf = session.machine.urdf();
+  urdf.insert(urdf.find("<visual>"),
+              "<visual><geometry><mesh filename=\"" + name + "\"/></geometry></visual>\n");
+  session.machine = Machine(urdf, session.machine.name());
+  return session;
+}
+
 /// A machine that does as it is told, and counts.
 class ObedientMachine : public LiveMachine {
  public:
@@ -158,9 +168,13 @@ class BenchTest : public ::testing::Test {
       const std::string content = readAll(file);
       if (content == "fresh points") return fresh();
       if (startsWith(content, "serial ")) return withSerial(content.substr(7));
+      if (startsWith(content, "mesh ")) return withMesh(content.substr(5));
       throw InputError(file.string() + ": is not a bag");
     };
     sources.spaceOf = [](const std::filesystem::path&) { return std::string(); };
+    sources.packageFolder = [this](const std::string&) {
+      return std::filesystem::path(folder_.path("package"));
+    };
     bench_ = std::make_unique<Bench>(options, sources, "secret", live ? &machine_ : nullptr);
     bench_->onNews([this] {
       const std::lock_guard<std::mutex> lock(mutex_);

@@ -12,7 +12,18 @@ namespace {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
-using BenchMotionTest = test::BenchTest;
+class BenchMotionTest : public test::BenchTest {
+ protected:
+  /// A plan that the machine runs until it is cancelled. @return the answer to who asked for it.
+  WebAnswer runningPlan() {
+    machine_.runsUntilCancelled = true;
+    start(true);
+    arm();
+    const WebAnswer plan = bench_->post("/action/run", "", R"({"client": 1, "plan": "name: p"})", "test");
+    EXPECT_TRUE(machine_.waitForOrders(1));
+    return plan;
+  }
+};
 
 TEST_F(BenchMotionTest, WithoutAMachineNothingMoves) {
   start();
@@ -110,21 +121,13 @@ TEST_F(BenchMotionTest, AnOrderThatWasOnItsWayWhenItWasStoppedIsStoppedToo) {
 }
 
 TEST_F(BenchMotionTest, APlanEndsWithItsArming) {
-  machine_.runsUntilCancelled = true;
-  start(true);
-  arm();
-  const WebAnswer plan = bench_->post("/action/run", "", R"({"client": 1, "plan": "name: p"})", "test");
-  ASSERT_TRUE(machine_.waitForOrders(1));
+  const WebAnswer plan = runningPlan();
   act("stop");
   EXPECT_EQ(ended(plan)["message"], "the plan was cancelled");
 }
 
 TEST_F(BenchMotionTest, APauseHoldsNobodyUp) {
-  machine_.runsUntilCancelled = true;
-  start(true);
-  arm();
-  bench_->post("/action/run", "", R"({"client": 1, "plan": "name: p"})", "test");
-  ASSERT_TRUE(machine_.waitForOrders(1));
+  runningPlan();
   machine_.pauseHeldUp = true;
   const WebAnswer pause = bench_->post("/action/pause", "", R"({"client": 1})", "test");
   EXPECT_EQ(pause.status, 202u);
@@ -174,11 +177,7 @@ TEST_F(BenchMotionTest, ADiskThatDoesNotAnswerStopsNoStop) {
 }
 
 TEST_F(BenchMotionTest, WhatIsCancelledBeforeItBeganIsSaid) {
-  machine_.runsUntilCancelled = true;
-  start(true);
-  arm();
-  const WebAnswer plan = bench_->post("/action/run", "", R"({"client": 1, "plan": "name: p"})", "test");
-  ASSERT_TRUE(machine_.waitForOrders(1));
+  const WebAnswer plan = runningPlan();
   const WebAnswer waits = bench_->post("/action/diagnose", "", R"({"who": "Ada"})", "test");
   EXPECT_EQ(live()["pending"], json::parse("[1,2]"));
   EXPECT_EQ(live()["asked"], 2);

@@ -97,7 +97,7 @@ TEST_F(ServerTest, BodiesAreBounded) {
       413);
   EXPECT_EQ(
       status(answerTo(request("POST " + withToken("/upload"), "Transfer-Encoding: chunked\r\n", chunks))),
-      413);
+      411);
   EXPECT_EQ(handler_.posts, 0);
   const std::string fits =
       answerTo(request("POST " + withToken("/upload"), "Content-Length: 2000\r\nConnection: close\r\n",

@@ -1,0 +1,164 @@
+#include "workbench/machine_meshes.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/read_file.h"
+#include "base/text.h"
+#include "workbench/compact_json.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kMostMeshes = 64;
+constexpr std::uintmax_t kLargestFile = 32u << 20;  // bytes
+constexpr std::size_t kMostValues = 9u * 500000u;   // of all meshes together: half a million triangles
+const std::string kPackageScheme = "package://", kFileScheme = "file://";
+
+void collectNames(const tinyxml2::XMLElement* element, bool visual, std::vector<std::string>& names) {
+  for (; element != nullptr; element = element->NextSiblingElement()) {
+    const std::string kind = element->Name();
+    const char* name = element->Attribute("filename");
+    if (visual && kind == "mesh" && name != nullptr &&
+        std::find(names.begin(), names.end(), name) == names.end())
+      names.emplace_back(name);
+    collectNames(element->FirstChildElement(), visual || kind == "visual", names);
+  }
+}
+
+bool isWithin(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  const auto ends = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  return ends.first == folder.end();
+}
+
+std::filesystem::path inPackage(const std::string& name, const PackageFolder& packages) {
+  const std::string rest = name.substr(kPackageScheme.size());
+  const std::size_t slash = rest.find('/');
+  const std::string package = rest.substr(0, slash);
+  if (slash == std::string::npos || package.empty())
+    throw InputError("names no file; write package://<package>/<path within it>");
+  const std::filesystem::path folder = packages ? packages(package) : std::filesystem::path();
+  if (folder.empty())
+    throw InputError("no package '" + package.substr(0, 80) +
+                     "' is known here; source the workspace that has it");
+  std::error_code failed;
+  const std::filesystem::path home = std::filesystem::canonical(folder, failed);
+  if (failed) throw InputError("the folder of the package cannot be read: " + failed.message());
+  const std::filesystem::path within = std::filesystem::path(rest.substr(slash)).relative_path();
+  const std::filesystem::path file = std::filesystem::canonical(home / within, failed);
+  if (failed == std::errc::no_such_file_or_directory)
+    throw InputError("the package has no such file; correct the URDF, or add the file");
+  if (failed) throw InputError("cannot be read: " + failed.message());
+  if (!isWithin(file, home)) throw InputError("leads out of the folder of its package");
+  return file;
+}
+
+std::string kindOf(const std::filesystem::path& file) { return lower(file.extension().string()); }
+
+}  // namespace
+
+std::vector<std::string> meshNames(const std::string& urdf) {
+  tinyxml2::XMLDocument document;
+  std::vector<std::string> names;
+  if (document.Parse(urdf.data(), urdf.size()) == tinyxml2::XML_SUCCESS)
+    collectNames(document.RootElement(), false, names);
+  return names;
+}
+
+std::filesystem::path meshFile(const std::string& name, UrdfOrigin origin, const PackageFolder& packages) {
+  std::filesystem::path file;
+  if (startsWith(name, kPackageScheme)) {
+    file = inPackage(name, packages);
+  } else {
+    const std::string path = startsWith(name, kFileScheme) ? name.substr(kFileScheme.size()) : name;
+    if (path.empty() || path.front() != '/')
+      throw InputError("is neither package:// nor file:///; a path that begins nowhere cannot be found");
+    if (origin == UrdfOrigin::kSent)
+      throw InputError("is a path of another computer, maybe: the file was sent; name it by its package");
+    std::error_code failed;
+    file = std::filesystem::canonical(path, failed);
+    if (failed) throw InputError("cannot be read: " + failed.message());
+  }
+  const std::string kind = kindOf(file);
+  if (kind != ".stl" && kind != ".dae" && kind != ".obj")
+    throw InputError("is no mesh that is drawn; .stl, .dae and .obj are");
+  if (!std::filesystem::is_regular_file(file)) throw InputError("is no file");
+  return file;
+}
+
+std::vector<float> meshTriangles(const std::filesystem::path& file) {
+  std::error_code failed;
+  const std::uintmax_t size = std::filesystem::file_size(file, failed);
+  if (failed) throw InputError("cannot be read: " + failed.message());
+  if (size > kLargestFile)
+    throw InputError("has " + std::to_string(size >> 20) + " MB, and at most " +
+                     std::to_string(kLargestFile >> 20) + " are drawn; simplify it");
+  const std::string bytes = readWholeFile(file, "check the mesh");
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as RViz does
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  // from memory: a material or a part in another file is not looked for
+  const aiScene* scene = importer.ReadFileFromMemory(
+      bytes.data(), bytes.size(),
+      aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType,
+      kindOf(file).c_str() + 1);
+  if (scene == nullptr) throw InputError(std::string("is not read: ") + importer.GetErrorString());
+  std::vector<float> values;
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene->mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      if (mesh.mFaces[f].mNumIndices != 3) continue;
+      for (unsigned k = 0; k < 3; ++k) {
+        const aiVector3D& at = mesh.mVertices[mesh.mFaces[f].mIndices[k]];
+        if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z))
+          throw InputError("has a corner that is nowhere");
+        values.insert(values.end(), {at.x, at.y, at.z});
+      }
+    }
+  }
+  if (values.empty()) throw InputError("has no triangles");
+  return values;
+}
+
+std::string meshesDocument(const std::string& urdf, UrdfOrigin origin, const PackageFolder& packages) {
+  const std::vector<std::string> names = meshNames(urdf);
+  if (names.empty()) return {};
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::vector<float> values;
+  for (const std::string& name : names) {
+    try {
+      if (list.size() >= kMostMeshes)
+        throw InputError("is one more than the " + std::to_string(kMostMeshes) + " that are drawn");
+      const std::vector<float> triangles = meshTriangles(meshFile(name, origin, packages));
+      if (values.size() + triangles.size() > kMostValues)
+        throw InputError("has " + std::to_string(triangles.size() / 9) + " triangles, and at most " +
+                         std::to_string(kMostValues / 9) + " are drawn in all; simplify it");
+      list.push_back({{"name", name}, {"first", values.size()}, {"count", triangles.size()}});
+      values.insert(values.end(), triangles.begin(), triangles.end());
+    } catch (const Error& e) {
+      list.push_back({{"name", name}, {"why", e.what()}});
+    }
+  }
+  std::string head = compact({{"meshes", std::move(list)}});
+  head.resize((head.size() + 3) / 4 * 4, ' ');  // the numbers begin where numbers may
+  std::string document;
+  for (int byte = 0; byte < 4; ++byte) document += static_cast<char>(head.size() >> (8 * byte) & 0xff);
+  document += head;
+  static_assert(sizeof(float) == 4 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "as the page reads them");
+  const std::size_t begin = document.size();
+  document.resize(begin + 4 * values.size());
+  if (!values.empty()) std::memcpy(document.data() + begin, values.data(), 4 * values.size());
+  return document;
+}
+
+}  // namespace mm
