@@ -36,6 +36,7 @@ CommandedState commandTo(const NeededCorrection& needed, const State& state, con
 struct ExportOptions {
   std::map<std::string, std::string> letters;  // joint -> letter of the controller's axis
   double detectionUnit = 1e-6;                 // m, of Fanuc's pitch error data
+  bool tablesAlone = false;                    // of LinuxCNC: without external offsets
   double rapidRate = 0.0;                      // m/s, of Fanuc; 0: the velocity limit of each joint
 };
 

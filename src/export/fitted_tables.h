@@ -17,6 +17,7 @@ struct LineTable {
   int samplesAStep = 0;                                 // inside each step, to which the points were fitted
   std::vector<double> left;  // a joint: the most that the table leaves of the curve, m
 
+  /// Of both directions of travel at a point of a joint that is corrected; m.
   double mean(int output, std::size_t point) const {
     const auto j = static_cast<std::size_t>(output);
     return 0.5 * (positive[j][point] + negative[j][point]);
@@ -49,6 +50,7 @@ struct PlaneTable {
   std::vector<double> atFirst, atSecond;  // equal steps, ascending
   std::vector<Eigen::MatrixXd> value;     // a joint that is corrected: rows by first, columns by second
 
+  /// Of a joint that is corrected, at positions of both joints: bilinear, the borders held; m.
   double interpolated(int output, double first, double second) const;
 };
 /// @param atFirst, atSecond ascending positions, at least two each.

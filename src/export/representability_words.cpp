@@ -25,7 +25,9 @@ ordered_json effectJson(const EffectSpec& spec) {
 }
 
 std::string um(double metres) {
-  return std::isfinite(metres) ? format("%.3g um", metres / kMicrometre) : std::string("not known");
+  constexpr double kNothing = 1e-9;  // m: less than any controller or instrument resolves
+  if (!std::isfinite(metres)) return "not known";
+  return metres > 0.0 && metres < kNothing ? "below 0.001 um" : format("%.3g um", metres / kMicrometre);
 }
 
 std::string expectedWords(const Representability& judged) {

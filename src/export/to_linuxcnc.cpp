@@ -90,7 +90,7 @@ void addOffsets(const NeededCorrection& needed, Exported& out) {
 
 }  // namespace
 
-Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions&) {
+Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions& options) {
   Exported out;
   const std::vector<const ExportAxis*> axes = inOrder(needed);
   std::vector<LineTable> own;
@@ -130,7 +130,10 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions&) {
       "directions), or at the end of the calibrated range that is nearest to it.";
   out.notes.push_back(
       "LinuxCNC allows 256 points a joint: here are as few as follow its curve within 0.02 um, at most 241.");
-  addOffsets(needed, out);
+  if (options.tablesAlone)
+    out.notes.push_back("Without external offsets, as asked for: tables alone.");
+  else
+    addOffsets(needed, out);
   return out;
 }
 

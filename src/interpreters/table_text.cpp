@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/read_file.h"
 #include "base/text.h"
 
 namespace mm {
@@ -95,8 +96,7 @@ class SectionReader {
 }  // namespace
 
 std::vector<TextLine> textLines(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw InputError(file.string() + ": cannot be read");
+  std::istringstream stream(readWholeFile(file, "check the path"));
   std::vector<TextLine> lines;
   std::string text;
   while (std::getline(stream, text)) {

@@ -6,6 +6,7 @@
 #include "report/verify_json.h"
 #include "ros_bridge/node_support.h"
 #include "session/session_summary.h"
+#include "verification/kept_answer.h"
 #include "verification/verify.h"
 #include "verification/verify_words.h"
 
@@ -51,8 +52,8 @@ bool CalibrationServer::verify(measuring_machine::Verify::Request& request,
         response.message += "; " + (kept.empty() ? takenBack(calibration.id, done) : kept);
         response.success = done;
       }
-      const std::string lost = lossText(*session);
-      if (!lost.empty()) response.message += "; " + lost;
+      for (const std::string& more : {lossText(*session), keepAnswer(store_, calibration, *session, found)})
+        if (!more.empty()) response.message += "; " + more;
     });
   });
   return true;

@@ -1,7 +1,10 @@
 #include "report/certificate.h"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "base/format.h"
 #include "base/units.h"
 #include "compensation/middle_state.h"
 
@@ -10,7 +13,40 @@ namespace {
 
 constexpr int kCurvePoints = 41;
 
+std::string verifiedInWords(const CalibrationStore::Verified& v) {
+  const double unit = v.angular ? kArcsecond : kMicrometre;
+  std::string verdict = v.verdict;
+  std::replace(verdict.begin(), verdict.end(), '_', ' ');
+  return "verified: " + verdict +
+         format(", %.3g ± %.1g → %.3g ± %.1g %s (k = 2) at %d points", v.before / unit,
+                2.0 * v.beforeStd / unit, v.after / unit, 2.0 * v.afterStd / unit,
+                v.angular ? "arcsec" : "um", v.points) +
+         (v.session.empty() ? "" : " (" + v.session + ")");
+}
+
 }  // namespace
+
+std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Calibration& calibration) {
+  if (calibration.id.empty() || !store.keeps(calibration.id)) return std::nullopt;
+  StoreRecord record;
+  record.folder = store.folder().string();
+  record.active = store.linked("active") == calibration.id;
+  std::set<std::string> others;  // of another machine
+  for (const CalibrationStore::Entry& entry : store.history())
+    if (entry.damaged.empty() && entry.machine != calibration.machineName) others.insert(entry.id);
+  const auto promotions = store.promotions();
+  for (std::size_t i = 0; i < promotions.size(); ++i) {
+    if (others.count(promotions[i].id) > 0) continue;
+    record.events.push_back({promotions[i].time, promotions[i].id,
+                             promotions[i].action == "rollback" ? "made active again" : "made active",
+                             i + 1 < promotions.size() ? promotions[i + 1].time : std::string()});
+  }
+  for (const CalibrationStore::Verified& v : store.verifications())
+    if (others.count(v.id) == 0) record.events.push_back({v.time, v.id, verifiedInWords(v), {}});
+  std::stable_sort(record.events.begin(), record.events.end(),
+                   [](const StoreEvent& a, const StoreEvent& b) { return a.time < b.time; });
+  return record;
+}
 
 std::vector<CorrectionCurve> correctionCurves(const Calibration& calibration) {
   std::vector<CorrectionCurve> curves;

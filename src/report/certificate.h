@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibration_file/calibration.h"
+#include "calibration_file/calibration_store.h"
 #include "report/report_positioning.h"
 #include "session/session.h"
 #include "uncertainty/task_verdict.h"
@@ -40,6 +41,24 @@ struct CertifiedSession {
   std::vector<AxisPositioning> positioning;
 };
 
+/// Something that happened to the calibrations of a machine in their store.
+struct StoreEvent {
+  std::string time, id;  // ISO 8601, UTC; of the calibration
+  std::string what;  // "made active", "verified: helped, 3.12 ± 0.08 → 0.31 ± 0.06 um (k = 2) at 54 points"
+  std::string until;  // of what was made active: when another one was; empty: it still is, or none
+};
+
+/// What the store knows of a calibration and of those before and after it.
+struct StoreRecord {
+  std::string folder;
+  bool active = false;             // at the time of issue
+  std::vector<StoreEvent> events;  // oldest first
+};
+
+/// @return empty where the store does not keep the calibration. Calibrations of other machines in the store
+/// are left out. @throw InputError: the store cannot be read.
+std::optional<StoreRecord> storeRecord(const CalibrationStore& store, const Calibration& calibration);
+
 /// Everything that stands on a certificate.
 struct Certificate {
   Calibration calibration;
@@ -48,6 +67,8 @@ struct Certificate {
   std::vector<CertifiedTask> tasks;
   std::vector<CorrectionCurve> curves;
   std::optional<CertifiedSession> session;
+  std::optional<StoreRecord> store;  // empty: no store keeps it
+  std::string checksum;  // CRC-64 of the calibration's file; empty: of the file that it would make
 };
 
 /// Curves of the correction over each axis that was calibrated over a range; none where an input is not

@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "base/utc_now.h"
-#include "calibration_file/calibration_yaml.h"
 #include "effects/effect_words.h"
 #include "report/certificate.h"
 #include "report/certificate_plots.h"
+#include "report/certificate_seal.h"
 #include "report/report_page.h"
 #include "report/text_parts.h"
 #include "report/uncertainty_output.h"
@@ -40,8 +41,9 @@ th { text-align: left; font-weight: 600; vertical-align: top; }
 td, th { padding: .9mm 2mm .9mm 0; border-bottom: .2mm solid #d5dae0; vertical-align: top; overflow-wrap: anywhere; }
 thead th { border-bottom: .3mm solid #6b7683; }
 table.facts th { width: 46mm; color: #444c56; }
+tr.own td.which { font-weight: 600; } .when { white-space: nowrap; } th.which, td.which { min-width: 32mm; }
 td.n, th.n { text-align: right; white-space: nowrap; padding-left: 3mm; }
-tr, figure, .task { break-inside: avoid; }
+tr, figure, .task, .together { break-inside: avoid; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
 figcaption { font-size: 9pt; color: #444c56; }
@@ -279,10 +281,34 @@ std::string historySection(const Calibration& c) {
   return html;
 }
 
-/// As the first line of the calibration's file states it.
-std::string checksumInFile(const Calibration& c) {
-  constexpr const char* kFirst = "checksum: crc64-";
-  return calibrationYaml(c).substr(std::string(kFirst).size(), 16);
+constexpr std::size_t kMostEvents = 24;  // of the store, the last ones
+
+/// What the store knows: which calibration was active when, and what fresh points said.
+std::string storeSection(const Certificate& c) {
+  std::string html = sectionHead("History of use");
+  if (!c.store)
+    return html +
+           "<p>This calibration is in no store of calibrations that was named: when it was active, and "
+           "how it was verified, is not recorded.</p>\n";
+  const std::vector<StoreEvent>& events = c.store->events;
+  html += "<p>In the store " + shown(c.store->folder) + ". At the time of issue this calibration is " +
+          (c.store->active ? "<b>active</b>" : "<b>not active</b>") + ".</p>\n";
+  if (events.empty())
+    return html + "<p>It was not made active there yet, and no verification was recorded.</p>\n";
+  const std::size_t first = events.size() > kMostEvents ? events.size() - kMostEvents : 0;
+  if (first > 0) html += format("<p class=\"small\">%zu earlier entries are not listed.</p>\n", first);
+  html +=
+      "<table><thead><tr><th>Time</th><th class=\"which\">Calibration</th><th>What</th><th "
+      "class=\"when\">Active until</th></tr></thead>"
+      "<tbody>\n";
+  for (std::size_t i = first; i < events.size(); ++i) {
+    const StoreEvent& e = events[i];
+    const bool own = e.id == c.calibration.id, use = startsWith(e.what, "made active");
+    html += "<tr" + std::string(own ? " class=\"own\"" : "") + "><td class=\"when\">" + shown(e.time) +
+            "</td><td class=\"which\">" + (own ? "this one" : shown(e.id)) + "</td><td>" + shown(e.what) +
+            "</td><td class=\"when\">" + (use && e.until.empty() ? "today" : shown(e.until)) + "</td></tr>\n";
+  }
+  return html + "</tbody></table>\n";
 }
 
 std::string decisionSection(const Certificate& c) {
@@ -337,14 +363,16 @@ std::string certificatePage(const Certificate& c) {
               ", the others in the middle of their ranges, travelling upwards; band: U (k = "
               "2).</figcaption></figure>\n";
   }
-  html += historySection(k);
-  html += sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " + checksumInFile(k) +
-          ". The last line of this file is the SHA-256 of everything before it; <code>mm certificate "
-          "--check</code> "
-          "refuses a certificate that was changed.</p>\n<div class=\"sign\"><div>Date</div><div>" +
+  html += historySection(k) + storeSection(c);
+  html += "<section class=\"together\">" + sectionHead("Authenticity") + "<p>Calibration file: CRC-64 " +
+          escapedHtml(c.checksum.empty() ? checksumOf(k) : c.checksum) +
+          ". The last line of this file holds it, the hash of the session, and the SHA-256 of everything "
+          "before it; <code>mm certificate --check</code> refuses a certificate that was changed, and one "
+          "whose calibration or session, where they are at hand, are others.</p>\n<div "
+          "class=\"sign\"><div>Date</div><div>" +
           (c.facts.operatorName.empty() ? std::string("Signature")
                                         : "Signature, " + shown(c.facts.operatorName)) +
-          "</div></div>\n</main>\n</body>\n</html>\n";
+          "</div></div>\n</section>\n</main>\n</body>\n</html>\n";
   return html;
 }
 

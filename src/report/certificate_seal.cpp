@@ -6,15 +6,40 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "calibration_file/calibration_yaml.h"
 
 namespace mm {
 namespace {
 
 constexpr const char* kSealMark = "mm-certificate: calibration ";
+constexpr const char* kChecksumMark = " crc64 ";
+constexpr const char* kSessionMark = " session ";
 constexpr const char* kDigestMark = " sha256 ";
+constexpr const char* kChecksumLine = "checksum: crc64-";
+constexpr std::size_t kChecksumLength = 16;
 constexpr std::size_t kDigestLength = 64;
 
+/// Takes what stands behind a mark off the end of a text; empty: the mark is not there.
+std::string takenOff(std::string& text, const char* mark) {
+  const std::size_t at = text.find(mark);
+  if (at == std::string::npos) return {};
+  const std::string behind = text.substr(at + std::string(mark).size());
+  text.resize(at);
+  return behind;
+}
+
 }  // namespace
+
+std::string checksumIn(const std::string& file, const std::string& source) {
+  const std::string line = file.substr(0, file.find('\n'));
+  if (!startsWith(line, kChecksumLine) || line.size() < std::string(kChecksumLine).size() + kChecksumLength)
+    throw InputError(source + ": its first line is no checksum: it is no calibration's file");
+  return line.substr(std::string(kChecksumLine).size(), kChecksumLength);
+}
+
+std::string checksumOf(const Calibration& calibration) {
+  return checksumIn(calibrationYaml(calibration), calibration.id);
+}
 
 std::string sha256Of(const std::string& bytes) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
@@ -29,12 +54,15 @@ std::string sha256Of(const std::string& bytes) {
   return text;
 }
 
-std::string sealedCertificate(const std::string& content, const std::string& calibration) {
+std::string sealedCertificate(const std::string& content, const CertificateSeal& seal) {
   const bool pdf = startsWith(content, "%PDF-");
   std::string sealed = content;
   if (sealed.empty() || sealed.back() != '\n') sealed += '\n';
-  sealed += std::string(pdf ? "%" : "<!-- ") + kSealMark + calibration + kDigestMark;
-  // of all that stands before the digest, the calibration's id too
+  sealed += std::string(pdf ? "%" : "<!-- ") + kSealMark + seal.calibration;
+  if (!seal.checksum.empty()) sealed += kChecksumMark + seal.checksum;
+  if (!seal.session.empty()) sealed += kSessionMark + seal.session;
+  sealed += kDigestMark;
+  // of all that stands before the digest, what the seal says of the calibration too
   return sealed + sha256Of(sealed) + (pdf ? "\n" : " -->\n");
 }
 
@@ -47,6 +75,8 @@ CertificateSeal checkCertificate(const std::string& content, const std::string& 
   const std::size_t id = mark + std::string(kSealMark).size(),
                     value = digest + std::string(kDigestMark).size();
   seal.calibration = content.substr(id, digest - id);
+  seal.session = takenOff(seal.calibration, kSessionMark);
+  seal.checksum = takenOff(seal.calibration, kChecksumMark);
   seal.sha256 = content.substr(value, kDigestLength);
   const std::string actual = sha256Of(content.substr(0, value));
   const std::string after = content.substr(std::min(content.size(), value + kDigestLength));

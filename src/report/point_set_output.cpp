@@ -68,8 +68,8 @@ std::string modelText(const PointSet& set) {
                                : "") +
               "; " + l.wouldShow + "\n";
   for (const WeakParameter& w : set.weak)
-    text += "  weak: " + w.name + " only to ± " + sixDigits(std::stod(format("%.2g", w.std))) +
-            (w.unit == "1" ? "" : " " + w.unit) + "\n";
+    text += "  weak: " + w.name + " only to ± " + sixDigits(std::stod(format("%.2g", 2.0 * w.std))) +
+            (w.unit == "1" ? "" : " " + w.unit) + " (k = 2)\n";
   return text;
 }
 
@@ -100,8 +100,8 @@ std::string adviceText(const PointSet& set) {
   for (const ProposedPosture& p : set.advice.postures)
     text += "    " + postureText(set.problem->session().machine, p) + "\n";
   for (const PostureAdvice::Gain& g : set.advice.gains)
-    text += format("    %s: from ± %.2g to ± %.2g %s\n", g.parameter.c_str(), g.before, g.after,
-                   g.unit == "1" ? "" : g.unit.c_str());
+    text += format("    %s: from ± %.2g to ± %.2g%s%s (k = 2)\n", g.parameter.c_str(), 2.0 * g.before,
+                   2.0 * g.after, g.unit == "1" ? "" : " ", g.unit == "1" ? "" : g.unit.c_str());
   return text;
 }
 

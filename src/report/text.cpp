@@ -111,8 +111,8 @@ std::string featuresText(const CalibrationResult& r) {
     ++shown;
     text += "  " + padded(f.name, 12) +
             format("%11.5f %11.5f %11.5f mm   ± %.2g %.2g %.2g um\n", f.position.x() / kMillimetre,
-                   f.position.y() / kMillimetre, f.position.z() / kMillimetre, f.std.x() / kMicrometre,
-                   f.std.y() / kMicrometre, f.std.z() / kMicrometre);
+                   f.position.y() / kMillimetre, f.position.z() / kMillimetre, 2.0 * f.std.x() / kMicrometre,
+                   2.0 * f.std.y() / kMicrometre, 2.0 * f.std.z() / kMicrometre);
   }
   if (text.empty()) return {};
   if (all > shown) text += format("  and %d more (--json lists them)\n", all - shown);
@@ -145,11 +145,14 @@ std::string calibrateText(const CalibrationResult& r) {
   const std::string assumed = assumedText(r.problem->session());
   if (!assumed.empty()) text += assumed + "\n";
   text += "\nError                nominal machine     calibrated\n" + figuresText(r) + noiseText(r);
-  text += "\nParameters\n" + parametersText(r);
+  const std::string parameters = parametersText(r);
+  text += "\nParameters\n" + parameters;
   const std::string lost = lostText(r), features = featuresText(r), outliers = outliersText(r);
   if (!lost.empty()) text += "\n" + lost;
   for (const WeakDirection& w : weakDirections(r)) text += "Weak: " + w.inWords + "\n";
   if (!features.empty()) text += "\n" + features;
+  if (parameters.find("±") != std::string::npos || features.find("±") != std::string::npos)
+    text += "\n± is the expanded uncertainty, k = 2\n";
   if (!outliers.empty()) text += "\n" + outliers;
   text += "\nSearch\n";
   if (r.genetic)
@@ -167,6 +170,24 @@ std::string calibrateText(const CalibrationResult& r) {
   if (r.genetic && r.genetic->curve.size() > 1) text += curveText(*r.genetic, angular);
   if (r.cancelled) text += "Stopped early: these are the best values found so far.\n";
   return text;
+}
+
+std::string nextText(const CalibrationResult& r, const std::string& session, const std::string& calibration) {
+  constexpr double kMore = 1.5;  // times what may be left, or held out more than fitted
+  const bool angular = angularOnly(r);
+  const double rms = angular ? r.figures.rmsAngular : r.figures.rms;
+  const double held = angular ? r.figures.heldOutRmsAngular : r.figures.heldOutRms;
+  const double left = r.repeatabilityFrom == "estimated" ? 0.0 : std::sqrt(r.figures.chi2PerDof);
+  std::string why;
+  if (left > kMore)
+    why = format("The model leaves %.*f times the repeatability", left < 10.0 ? 1 : 0, left);
+  else if (held > kMore * rms)
+    why = format("Held out, the model leaves %.1f times what it leaves where it was fitted", held / rms);
+  const std::string typed = diagnoseCommand(session, calibration.empty() ? "c.yaml" : calibration) +
+                            (calibration.empty() ? ", once it is written with -o c.yaml," : "");
+  return (why.empty() ? "Next: " + typed + " says whether the model lacks anything"
+                      : why + ": " + typed + " says what it lacks") +
+         "\n";
 }
 
 std::string compareText(const CalibrationResult& c, const std::vector<WhereItFails>& where) {

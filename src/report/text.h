@@ -12,6 +12,10 @@ namespace mm {
 
 /// Parameters with their uncertainty, what the session does not determine, before and after, outliers by row.
 std::string calibrateText(const CalibrationResult& result);
+/// One line: how far from the repeatability the model is, and what to type next.
+/// @param session, calibration paths; the calibration empty: it was not written.
+std::string nextText(const CalibrationResult& result, const std::string& session,
+                     const std::string& calibration);
 /// Size of the residuals, and where the model fails.
 std::string compareText(const CalibrationResult& compared, const std::vector<WhereItFails>& where);
 /// Verdict in a sentence, where it fails, what is missing with cause and remedy, and what to type next.

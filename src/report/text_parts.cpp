@@ -16,10 +16,11 @@ std::string length(double value, bool angular) {
 std::string withUncertainty(double value, double std, const std::string& unit) {
   const std::string suffix = unit.empty() || unit == "1" ? "" : " " + unit;
   if (!std::isfinite(std) || !(std > 0.0)) return sixDigits(value) + suffix;
-  const int decimals = 1 - static_cast<int>(std::floor(std::log10(std)));
+  const double wide = 2.0 * std;
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(wide)));
   if (decimals > 6 || decimals < -4 || std::abs(value) >= 1e7)
-    return format("%.6g ± %.2g", value, std) + suffix;
-  return format("%.*f ± %.*f", std::max(0, decimals), value, std::max(0, decimals), std) + suffix;
+    return format("%.6g ± %.2g", value, wide) + suffix;
+  return format("%.*f ± %.*f", std::max(0, decimals), value, std::max(0, decimals), wide) + suffix;
 }
 
 std::string spoken(const EffectSpec& effect) {

@@ -14,7 +14,7 @@ namespace mm {
 
 /// "3.42 um", or "12.1 arcsec" where `angular`; "-" for what does not exist.
 std::string length(double value, bool angular);
-/// Value and uncertainty, the uncertainty with two digits: "25.41 ± 0.11 um".
+/// Value and expanded uncertainty (k = 2, twice `std`), this with two digits: "25.41 ± 0.11 um".
 std::string withUncertainty(double value, double std, const std::string& unit);
 /// "x: backlash" for people is the spec itself without its braces: "backlash, axis x".
 std::string spoken(const EffectSpec& effect);
@@ -29,6 +29,8 @@ std::string whereText(const std::vector<WhereItFails>& where);
 /// nothing to add.
 std::string addCommand(const Diagnosis& diagnosis, const std::string& session,
                        const std::string& calibration);
+/// The line that asks what a calibration lacks.
+std::string diagnoseCommand(const std::string& session, const std::string& calibration);
 /// The line that writes the proposed moves as a plan.
 std::string movesCommand(const std::string& session, const std::string& calibration);
 bool angularOnly(const CalibrationResult& result);

@@ -24,6 +24,27 @@ Json shareJson(Json object, const RemainingShare& share, const Verification& v) 
   return object;
 }
 
+/// How the external offsets of an export are loaded; null where it has none.
+Json offsetsJson(const Verification& v) {
+  if (!v.offsets) return nullptr;
+  std::string state = "not_told";
+  if (v.hypothesis.offsets) switch (*v.hypothesis.offsets) {
+      case AxisState::kCorrected:
+        state = "loaded";
+        break;
+      case AxisState::kNotCorrected:
+        state = "not_loaded";
+        break;
+      case AxisState::kWrongSign:
+        state = "wrong_sign";
+        break;
+      case AxisState::kTwice:
+        state = "loaded_twice";
+        break;
+    }
+  return shareJson({{"state", state}}, *v.offsets, v);
+}
+
 Json changedJson(const ChangedEffect& changed) {
   Json parameters = Json::array();
   for (const ChangedEffect::Parameter& p : changed.parameters)
@@ -70,6 +91,7 @@ std::string verifyJson(const Verification& v) {
   object["axes"] = Json::array();
   for (const RemainingOfAxis& axis : v.axes)
     object["axes"].push_back(shareJson({{"axis", axis.axis}}, axis, v));
+  object["external_offsets"] = offsetsJson(v);
   object["crossed"] = Json::array();
   for (const CrossedShare& c : v.crossed)
     object["crossed"].push_back(
@@ -96,6 +118,7 @@ std::string verifyText(const Verification& v) {
   out << v.inWords << "\n\n"
       << "  what the fresh points say                    uncorrected        remains (k = 2)\n";
   for (const RemainingOfAxis& axis : v.axes) out << shareLine("axis " + axis.axis, axis, v);
+  if (v.offsets) out << shareLine("external offsets", *v.offsets, v);
   for (const RemainingOfEffect& effect : v.effects) out << shareLine(inWords(effect.effect), effect, v);
   for (const CrossedShare& c : v.crossed)
     out << "  of the correction of " << c.of << ", " << expanded(100.0 * c.share, 100.0 * c.std, "%")

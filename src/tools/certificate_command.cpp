@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -18,6 +20,7 @@
 #include "tools/pdf_printer.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
+#include "tools/store_options.h"
 #include "tools/uncertainty_options.h"
 #include "workflow/recalibration.h"
 
@@ -30,19 +33,77 @@ struct CertificateCommand {
   CertificateFacts facts;
   UncertaintyOptions uncertainty;
   FitOptions fit;
+  StoreOptions store;
   OutputFiles files;
 };
 
+namespace fs = std::filesystem;
+
+/// The calibration's file: the one named, else that of its id in the store or in a machine's folder of it;
+/// empty: it is not at hand.
+std::string fileAtHand(const CertificateCommand& c, const std::string& id) {
+  if (!c.calibration.empty()) return c.calibration;
+  try {
+    const fs::path root = c.store.store().folder();
+    if (CalibrationStore(root).keeps(id)) return (root / (id + ".yaml")).string();
+    std::error_code failed;
+    for (const fs::directory_entry& part : fs::directory_iterator(root, failed))
+      if (part.is_directory() && CalibrationStore(part.path()).keeps(id))
+        return (part.path() / (id + ".yaml")).string();
+  } catch (const InputError&) {  // no store, or an id of a foreign seal
+  }
+  return {};
+}
+
+/// The calibration that is at hand, held against the seal. @throw InputError: it is another one.
+Calibration heldAgainstSeal(const CertificateCommand& c, const std::string& file,
+                            const CertificateSeal& seal) {
+  Calibration calibration = loadCalibration(file);
+  if (calibration.id != seal.calibration)
+    throw InputError(c.check + ": is of calibration " + seal.calibration + ", " + file + " is " +
+                     calibration.id + "; take the certificate of this calibration");
+  const std::string checksum = checksumIn(readFile(file), file);
+  if (!seal.checksum.empty() && checksum != seal.checksum)
+    throw InputError(c.check + ": was issued for the file with CRC-64 " + seal.checksum + ", " + file +
+                     " has " + checksum +
+                     ": the calibration was changed since; issue a certificate of it anew");
+  if (!seal.session.empty() && calibration.sessionHash != seal.session)
+    throw InputError(c.check + ": was issued for a calibration by session " + seal.session + ", " + file +
+                     " is by " + calibration.sessionHash + "; take the certificate of this calibration");
+  return calibration;
+}
+
+/// One line of what was compared.
+std::string sessionAgainstSeal(const CertificateCommand& c, const Calibration& calibration,
+                               const CertificateSeal& seal) {
+  const std::string named = c.bag.empty() ? calibration.sessionSource : c.bag;
+  std::error_code failed;
+  if (seal.session.empty()) return "session: the seal does not tell it";
+  if (named.empty() || (c.bag.empty() && !fs::is_regular_file(named, failed)))
+    return "session: not at hand; name its bag to compare it";
+  const std::string hash = sessionHash(loadSession(named, calibration, c.fit.space));
+  if (hash == seal.session) return "session " + named + ": the one by which it was calibrated, hash " + hash;
+  // Another file of that name proves nothing; one that was named does.
+  if (c.bag.empty()) return "session: not at hand (" + named + " is another one); name its bag to compare it";
+  throw InputError(c.check + ": is of a calibration by session " + seal.session + ", " + named + " is " +
+                   hash + "; name the bag by which it was calibrated");
+}
+
 void checkSeal(const CertificateCommand& c) {
   const CertificateSeal seal = checkCertificate(readFile(c.check), c.check);
-  if (!c.calibration.empty()) {
-    const Calibration calibration = loadCalibration(c.calibration);
-    if (calibration.id != seal.calibration)
-      throw InputError(c.check + ": is of calibration " + seal.calibration + ", " + c.calibration + " is " +
-                       calibration.id + "; take the certificate of this calibration");
+  std::string compared;
+  const std::string file = fileAtHand(c, seal.calibration);
+  if (file.empty()) {
+    compared = "calibration file: not at hand; name it, or its folder with --store, to compare it\n";
+  } else {
+    const Calibration calibration = heldAgainstSeal(c, file, seal);
+    compared = "calibration file " + file + ": " +
+               (seal.checksum.empty() ? "of this id; the seal does not tell its CRC-64"
+                                      : "the one that was certified, CRC-64 " + seal.checksum) +
+               "\n" + sessionAgainstSeal(c, calibration, seal) + "\n";
   }
-  std::cout << "unchanged since it was issued; calibration " << seal.calibration << "\nSHA-256 "
-            << seal.sha256 << '\n';
+  std::cout << "unchanged since it was issued; calibration " << seal.calibration << '\n'
+            << compared << "SHA-256 " << seal.sha256 << '\n';
 }
 
 CertifiedSession heldAgainst(const CertificateCommand& c, const Calibration& calibration) {
@@ -93,6 +154,17 @@ std::vector<CertifiedTask> certifiedTasks(CertificateCommand& c, const Calibrati
   return tasks;
 }
 
+/// A store that cannot be read is no reason to issue nothing, but one that was named is.
+std::optional<StoreRecord> recordOf(const CertificateCommand& c, const Calibration& calibration) {
+  try {
+    return storeRecord(c.store.storeFor(calibration), calibration);
+  } catch (const InputError& e) {
+    if (!c.store.folder.empty()) throw;
+    std::cerr << "mm: warning: the history of use is left out: " << e.what() << std::endl;
+    return std::nullopt;
+  }
+}
+
 void runCertificate(CertificateCommand& c, int& exitStatus) {
   if (!c.check.empty()) return checkSeal(c);
   if (c.calibration.empty() || c.output.empty())
@@ -116,6 +188,8 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   certificate.calibration = loadCalibration(c.calibration);
   const Calibration& calibration = certificate.calibration;
   certificate.facts = c.facts;
+  certificate.checksum = checksumIn(readFile(c.calibration), c.calibration);
+  certificate.store = recordOf(c, calibration);
   certificate.serial =
       !c.facts.serial.empty() ? c.facts.serial : serialOf(Machine(calibration.urdf, calibration.machineName));
   if (!c.bag.empty()) certificate.session = heldAgainst(c, calibration);
@@ -123,7 +197,7 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   certificate.curves = correctionCurves(calibration);
   std::string content = certificatePage(certificate);
   if (pdf) content = printedPdf(browser, content);
-  content = sealedCertificate(content, calibration.id);
+  content = sealedCertificate(content, {calibration.id, certificate.checksum, calibration.sessionHash, {}});
   c.files.write(c.output, content);
   std::cout << "written to " << c.output << "\nSHA-256 " << checkCertificate(content, c.output).sha256
             << '\n';
@@ -146,7 +220,8 @@ void addCertificateCommand(CLI::App& app, int& exitStatus) {
   command->add_option("bag", c->bag, "a session against which it is held");
   command->add_option("-o,--output", c->output, "certificate.pdf or certificate.html");
   command->add_option("--check", c->check,
-                      "a certificate: was it changed? With a calibration: is it of this one?");
+                      "a certificate: was it changed? With a calibration (else that of the store) and a bag: "
+                      "is it of these, to the byte?");
   command->add_option("--serial", c->facts.serial, "serial number (default: <serial> of the machine's URDF)");
   command->add_option("--operator", c->facts.operatorName, "who calibrated");
   command->add_option("--customer", c->facts.customer, "for whom");
@@ -161,6 +236,7 @@ void addCertificateCommand(CLI::App& app, int& exitStatus) {
       ->take_all()
       ->allow_extra_args(false);
   c->uncertainty.declare(*command);
+  c->store.declare(*command);
   c->files.declare(*command);
   declareNamespace(*command, c->fit.space);
   command->footer(

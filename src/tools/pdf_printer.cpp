@@ -70,11 +70,12 @@ pid_t startedProcess(const std::vector<std::string>& words) {
   return process;
 }
 
-/// Waits for the end of a process, asked every tenth of a second whether to stop. @return false: it took too
-/// long.
-bool endedInTime(pid_t process) {
+/// Waits for the end of a process, asked every tenth of a second whether to stop. @param status as of
+/// waitpid.
+/// @return false: it took too long.
+bool endedInTime(pid_t process, int& status) {
   for (int waited = 0; waited < kPatience; waited += kLook) {
-    if (waitpid(process, nullptr, WNOHANG) == process) return true;
+    if (waitpid(process, &status, WNOHANG) == process) return true;
     if (Interrupt::asked()) break;
     poll(nullptr, 0, kLook);
   }
@@ -116,10 +117,16 @@ std::string printedPdf(const std::string& browser, const std::string& html) {
   // The page is this program's own, without scripts; as root the browser refuses its sandbox.
   if (geteuid() == 0) words.emplace_back("--no-sandbox");
   words.push_back("file://" + page.string());
-  const bool inTime = endedInTime(startedProcess(words));
+  int status = 0;
+  const bool inTime = endedInTime(startedProcess(words), status);
+  // On a full disk it leaves the half of a document.
+  if (inTime && !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
+    throw InputError(browser +
+                     " failed to print; is the disk full? Write a page instead (-o certificate.html)");
   std::error_code error;
   if (!inTime || !fs::is_regular_file(pdf, error) || fs::file_size(pdf, error) == 0)
-    throw InputError(browser + (inTime ? " printed nothing" : " did not end within two minutes") +
+    throw InputError(browser +
+                     (inTime ? " printed nothing; is the disk full?" : " did not end within two minutes") +
                      "; write a page (-o certificate.html) and print it from any browser");
   return readFile(pdf);
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/verify_json.h"
 #include "tools/commands.h"
@@ -10,6 +11,7 @@
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "tools/store_options.h"
+#include "verification/kept_answer.h"
 #include "verification/verify.h"
 #include "verification/verify_words.h"
 
@@ -48,6 +50,13 @@ int runVerify(const VerifyCommand& c) {
     found = verify(session, calibration, options);
   }
   std::cout << (c.json ? verifyJson(*found) + "\n" : verifyText(*found));
+  std::string lost;
+  try {
+    lost = keepAnswer(c.store.storeFor(calibration), calibration, session, *found);
+  } catch (const InputError& e) {
+    lost = std::string("the answer is not kept: ") + e.what();
+  }
+  if (!lost.empty()) std::cerr << "mm: warning: " << lost << std::endl;
   if (found->verdict == VerifyVerdict::kHelped) return kDone;
   if (c.rollBack) std::cerr << "mm: " << takenBack(c, calibration, *found) << std::endl;
   return kAnswerIsNo;
@@ -71,7 +80,9 @@ void addVerifyCommand(CLI::App& app, int& exitStatus) {
   command->footer(
       "Nothing of the calibration is refitted. With --loaded the readings should be free of error; without,\n"
       "they are raw, and the correction should take their error away. The answer names a table that is not\n"
-      "loaded, has the wrong sign or stands at another axis, and what changed since the calibration.\n"
+      "loaded, has the wrong sign or stands at another axis, and what changed since the calibration. Where "
+      "the\n"
+      "calibration is kept in the store, so is the answer; its certificate states it.\n"
       "Examples:\n  mm plan verify plan.yaml --calibration c.yaml -o verify.yaml\n"
       "  mm verify fresh.bag --calibration c.yaml --loaded --export for_linuxcnc\n"
       "  mm verify fresh.bag --calibration c.yaml --roll-back");

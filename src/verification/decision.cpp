@@ -5,7 +5,7 @@
 #include <numeric>
 #include <optional>
 
-#include "verification/court.h"
+#include "verification/loading_evidence.h"
 
 namespace mm {
 namespace {
@@ -24,18 +24,19 @@ std::vector<std::size_t> orderOf(const std::vector<double>& scores) {
 }
 
 /// Hypotheses with what changed since the calibration, as far as they were asked.
-class Asked {
+class ChangesAsked {
  public:
-  Asked(const Court& court, const std::vector<LoadedHow>& all) : court_(court), all_(all) {
+  ChangesAsked(const LoadingEvidence& evidence, const std::vector<LoadedHow>& all)
+      : evidence_(evidence), all_(all) {
     changes_.resize(all.size());
   }
   const Changes& of(std::size_t h) {
-    if (!changes_[h]) changes_[h] = court_.changes(all_[h]);
+    if (!changes_[h]) changes_[h] = evidence_.changes(all_[h]);
     return *changes_[h];
   }
 
  private:
-  const Court& court_;
+  const LoadingEvidence& evidence_;
   const std::vector<LoadedHow>& all_;
   std::vector<std::optional<Changes>> changes_;
 };
@@ -63,15 +64,18 @@ Eigen::MatrixXd covarianceOf(const FreshPoints& points, const Calibration& calib
 
 Decision decide(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
                 bool loaded) {
-  const Court court(points, system, calibration);
+  const LoadingEvidence evidence(points, system, calibration);
   std::vector<char> seen;
   for (int a = 0; a < static_cast<int>(points.axes().size()); ++a)
-    seen.push_back(court.asCalibrated().left(system.whiten(points.own(a))).norm() > kSeen);
-  const std::vector<LoadedHow> all = hypothesesOf(points, loaded, seen);
+    seen.push_back(evidence.asCalibrated().left(system.whiten(points.own(a))).norm() > kSeen);
   Decision decision;
-  decision.seen = std::any_of(seen.begin(), seen.end(), [](char s) { return s != 0; });
-  Asked asked(court, all);
-  std::vector<double> scores = court.scores(court.asCalibrated(), all);
+  decision.tablesSeen = std::any_of(seen.begin(), seen.end(), [](char s) { return s != 0; });
+  decision.offsetsSeen =
+      points.hasOffsets() && evidence.asCalibrated().left(system.whiten(points.offsets())).norm() > kSeen;
+  decision.seen = decision.tablesSeen || decision.offsetsSeen;
+  const std::vector<LoadedHow> all = hypothesesOf(points, loaded, seen, decision.offsetsSeen);
+  ChangesAsked asked(evidence, all);
+  std::vector<double> scores = evidence.scores(evidence.asCalibrated(), all);
   std::size_t best = decision.seen ? orderOf(scores).front() : 0;
   // Something changed where one effect is not what it was, or where the whole does not fit; or where that is
   // likelier than tables at the wrong place, which can look like it.
@@ -80,7 +84,7 @@ Decision decide(const FreshPoints& points, const PointSystem& system, const Cali
   };
   decision.drifted = changedUnder(best) || (best != 0 && asked.of(0).score > scores[best]);
   if (decision.drifted && decision.seen) {
-    scores = court.scores(court.changedSince(), all);
+    scores = evidence.scores(evidence.changedSince(), all);
     best = orderOf(scores).front();
   }
   decision.changed = asked.of(best).effects;

@@ -71,8 +71,8 @@ bool isOfTheMachine(const Effect& effect, const Domain& domain) {
 
 FreshPoints::FreshPoints(const Session& session, const Calibration& calibration,
                          const CalibrateOptions& options, int factor, const Eigen::VectorXd& weights,
-                         TablesAdd tables)
-    : tables_(std::move(tables)) {
+                         TablesAdd tables, TablesAdd offsets)
+    : tables_(std::move(tables)), offsetsAdd_(std::move(offsets)) {
   checkMachine(calibration, session);
   sort(calibration, modelOf(calibration));
   fit(session, calibration, options, factor, weights);
@@ -204,7 +204,7 @@ void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
       axisJoints_.push_back(j);
       axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
     }
-  if (axes_.empty() && tables_)
+  if (!fillOffsets() && axes_.empty() && tables_)
     throw InputError(problem.session().source +
                      ": the tables add nothing at these points: there is nothing to verify; mm plan verify "
                      "chooses points that show what was corrected");
@@ -219,6 +219,24 @@ void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
                    axisJoints_[static_cast<std::size_t>(b)]);
   crossed_ = space_->whiten(crossed);
   space_->project(crossed_);
+}
+
+bool FreshPoints::fillOffsets() {
+  const Linearisation& at = space_->linearisation();
+  const Problem& problem = at.problem();
+  const ErrorLayout layout = problem.model().machine().layout();
+  Eigen::MatrixXd column = Eigen::MatrixXd::Zero(problem.rowCount(), 1);
+  if (offsetsAdd_)
+    for (int o = 0; o < static_cast<int>(problem.session().observations.size()); ++o) {
+      const Eigen::VectorXd added = offsetsAdd_(problem.state(o));
+      for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
+        for (Eigen::Index j = 0; j < added.size(); ++j)
+          column(row, 0) -= at.slotGradients()(row, layout.axis(static_cast<int>(j))) * added[j];
+    }
+  Eigen::MatrixXd whitened = space_->whiten(column);
+  space_->project(whitened);
+  offsets_ = whitened.col(0);
+  return offsets_.norm() > 0.0;
 }
 
 void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) {
@@ -263,7 +281,7 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
 }
 
 Eigen::VectorXd FreshPoints::rest() const {
-  Eigen::VectorXd rest = whole();
+  Eigen::VectorXd rest = whole() - offsets_;
   for (int a = 0; a < static_cast<int>(axes_.size()); ++a) rest -= own(a);
   return rest;
 }

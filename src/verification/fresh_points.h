@@ -17,7 +17,8 @@ struct MisplacedTable {
   Eigen::VectorXd column;  // length rows: what the table says, as an error of the axis `on`
 };
 
-/// What the tables of a controller add to its joints at a state, m or rad a joint.
+/// What the tables of a controller, or the offsets beside them, add to its joints at a state, m or rad a
+/// joint.
 using TablesAdd = std::function<Eigen::VectorXd(const State& state)>;
 
 /// What the points of a fresh session could show of a calibration's correction: the residuals of the raw
@@ -30,10 +31,11 @@ class FreshPoints {
   /// Linearises where the machine's effects are `factor` of the calibration's values, which should be near
   /// to what the readings show. @param session, calibration must outlive it. @param weights a data row: 0
   /// leaves it out; empty: all. @param tables what the controller adds where it was given less than the whole
-  /// correction; empty: all of it. @throw InputError: another machine; the calibration corrects nothing of
-  /// the machine, or the tables add nothing at these points. NumericalError: too few points.
+  /// correction; empty: all of it. @param offsets what external offsets add beside these tables; empty: there
+  /// are none. @throw InputError: another machine; the calibration corrects nothing of the machine, or
+  /// neither tables nor offsets add anything at these points. NumericalError: too few points.
   FreshPoints(const Session& session, const Calibration& calibration, const CalibrateOptions& options,
-              int factor, const Eigen::VectorXd& weights = {}, TablesAdd tables = {});
+              int factor, const Eigen::VectorXd& weights = {}, TablesAdd tables = {}, TablesAdd offsets = {});
 
   const CalibrationResult& fitted() const { return *fitted_; }               ///< at the factor
   const ResidualSpace& space() const { return *space_; }                     ///< of `fitted`
@@ -47,7 +49,10 @@ class FreshPoints {
   const Eigen::MatrixXd& byEffect() const { return byEffect_; }  ///< each effect at its calibrated size
   Eigen::VectorXd whole() const { return byEffect_.rowwise().sum(); }  ///< all of them
   bool tabled() const { return static_cast<bool>(tables_); }           ///< tables were named
-  /// What no axis is corrected by: of the whole correction, beyond that of every axis.
+  bool hasOffsets() const { return static_cast<bool>(offsetsAdd_); }   ///< external offsets were named
+  /// What the external offsets say, of all axes together; 0 where there are none.
+  const Eigen::VectorXd& offsets() const { return offsets_; }
+  /// What nothing corrects: of the whole correction, beyond that of every axis and of the offsets.
   Eigen::VectorXd rest() const;
   /// Column a * axes + b: what the calibration (where tables were named: they) says of axis b, as an error of
   /// axis a.
@@ -74,14 +79,17 @@ class FreshPoints {
   void fillMisplaced(const std::vector<std::vector<double>>& values);
   void fillShapes();
 
-  TablesAdd tables_;
+  /// A column of what the external offsets say. @return whether they add anything.
+  bool fillOffsets();
+
+  TablesAdd tables_, offsetsAdd_;
   std::unique_ptr<CalibrationResult> fitted_;
   std::unique_ptr<ResidualSpace> space_;
   std::vector<EffectPtr> machineEffects_, measuringEffects_;
   std::vector<int> indices_, measuringIndices_, parameters_;
   std::vector<int> axisJoints_;
   std::vector<std::string> axes_;
-  Eigen::VectorXd raw_, measuring_;
+  Eigen::VectorXd raw_, measuring_, offsets_;
   Eigen::MatrixXd byEffect_, crossed_, byParameter_, shapes_;
   std::vector<MisplacedTable> misplaced_;
 };

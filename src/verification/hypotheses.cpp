@@ -12,6 +12,8 @@ constexpr AxisState kStates[] = {AxisState::kCorrected, AxisState::kNotCorrected
 // of its own is a mistake, two are two. That some tables are exchanged is shared by all the ways in which
 // they can be.
 constexpr double kUniform = -1.0, kOneAxis = -4.0, kExchange = -3.0;
+// External offsets are loaded by themselves: not to have started them is one thing forgotten.
+constexpr double kOffsetsForgotten = -1.0, kOffsetsOtherwise = -4.0;
 
 /// How much of an error the raw readings show. @param remains share that remains after the correction.
 double shown(double remains, bool loaded) { return loaded ? remains : 1.0 - remains; }
@@ -28,6 +30,10 @@ class Maker {
     h.field = (points_.tabled() ? 1.0 : shown(remainingOf(rest), loaded_)) * rest_;  // no table has it
     for (int a = 0; a < count(); ++a)
       h.field += shown(remainingOf(axes[static_cast<std::size_t>(a)]), loaded_) * points_.own(a);
+    if (points_.hasOffsets()) {
+      h.field += shown(remainingOf(rest), loaded_) * points_.offsets();
+      h.offsets = rest;
+    }
     h.axes = std::move(axes);
     h.logPrior = logPrior;
     return h;
@@ -74,12 +80,47 @@ double remainingOf(AxisState state) {
   return 0.0;
 }
 
-bool LoadedHow::uniform() const {
+bool LoadedHow::alike() const {
   return exchanges.empty() &&
          std::all_of(axes.begin(), axes.end(), [&](AxisState s) { return s == axes.front(); });
 }
 
-std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen) {
+bool LoadedHow::uniform() const { return alike() && (!offsets || *offsets == state()); }
+
+AxisState LoadedHow::state() const {
+  return axes.empty() ? offsets.value_or(AxisState::kCorrected) : axes.front();
+}
+
+namespace {
+
+/// Every way of the tables with every way of the external offsets; `tables` have them as the axes where these
+/// are alike, else as corrected.
+std::vector<LoadedHow> withOffsets(const std::vector<LoadedHow>& tables, const FreshPoints& points,
+                                   bool loaded, bool tablesSeen) {
+  std::vector<LoadedHow> all;
+  for (const LoadedHow& how : tables) {
+    const AxisState along = how.offsets.value_or(AxisState::kCorrected);
+    std::vector<AxisState> states = {along};
+    // Where no axis's table is to be seen, the offsets alone tell how it was loaded.
+    for (const AxisState other : {AxisState::kCorrected, AxisState::kNotCorrected, AxisState::kWrongSign})
+      if (tablesSeen && other != along) states.push_back(other);
+    for (const AxisState state : states) {
+      LoadedHow with = how;
+      with.offsets = state;
+      with.field +=
+          (shown(remainingOf(state), loaded) - shown(remainingOf(along), loaded)) * points.offsets();
+      if (state != along)
+        with.logPrior += state == AxisState::kNotCorrected ? kOffsetsForgotten : kOffsetsOtherwise;
+      all.push_back(std::move(with));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen,
+                                    bool offsetsSeen) {
   const Maker maker(points, loaded);
   const std::size_t count = points.axes().size();
   std::vector<LoadedHow> all;
@@ -119,7 +160,12 @@ std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, cons
     }
   const auto asked = static_cast<double>(std::max<std::size_t>(1, all.size() - firstExchange));
   for (std::size_t h = firstExchange; h < all.size(); ++h) all[h].logPrior -= std::log(asked);
-  return all;
+  if (!offsetsSeen) {
+    for (LoadedHow& how : all) how.offsets.reset();
+    return all;
+  }
+  const bool tablesSeen = std::any_of(seen.begin(), seen.end(), [](char s) { return s != 0; });
+  return withOffsets(all, points, loaded, tablesSeen);
 }
 
 }  // namespace mm

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,19 +19,26 @@ struct Exchange {
 
 /// One way in which a correction can have been loaded, and what the raw readings then show.
 struct LoadedHow {
-  std::vector<AxisState> axes;      // one an axis
-  std::vector<Exchange> exchanges;  // empty: none
-  Eigen::VectorXd field;            // length rows of FreshPoints: to be explained
-  double logPrior = 0.0;            // log of its odds before any data
+  std::vector<AxisState> axes;       // one an axis
+  std::optional<AxisState> offsets;  // of the external offsets beside the tables; empty: there are none, or
+                                     // these points do not show them
+  std::vector<Exchange> exchanges;   // empty: none
+  Eigen::VectorXd field;             // length rows of FreshPoints: to be explained
+  double logPrior = 0.0;             // log of its odds before any data
 
-  bool uniform() const;  ///< every axis the same, none exchanged
+  bool alike() const;       ///< every axis the same, none exchanged
+  bool uniform() const;     ///< and the external offsets as the axes
+  AxisState state() const;  ///< of the axes where they are alike; where there are none, of the offsets
 };
 
 /// Every hypothesis that these points can tell apart: all axes alike, one or more axes otherwise, tables of
-/// two axes exchanged. The first is that everything is corrected.
+/// two axes exchanged, each with the external offsets alike or otherwise. The first is that everything is
+/// corrected.
 /// @param loaded the controller corrected while the points were measured; else they are raw, and a
 /// correction that is right explains them. @param seen an axis: whether its correction is large enough.
-std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen);
+/// @param offsetsSeen the same of the external offsets.
+std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen,
+                                    bool offsetsSeen);
 
 /// The share of the machine's error that remains: 0, 1, 2 or -1.
 double remainingOf(AxisState state);

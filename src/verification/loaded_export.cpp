@@ -48,14 +48,32 @@ LoadedExport::LoadedExport(const std::filesystem::path& folder, const Calibratio
     throw InputError("--export " + folder.string() + ": was made of calibration '" + described.calibration +
                      "', not of '" + calibration.id +
                      "'; name the calibration whose tables were loaded, or export this one and load that");
+  const std::filesystem::path offsets = folder / ExternalOffsets::kFile;
+  std::error_code error;
+  if (std::filesystem::is_regular_file(offsets, error)) offsets_.emplace(offsets);
 }
 
-Eigen::VectorXd LoadedExport::adds(const State& command) const {
+CommandedState LoadedExport::commandOf(const State& command) const {
   CommandedState commanded = needed_.commandOf(command);
   for (const auto& [there, here] : sensors_) {
     const auto found = commanded.temperature.find(here);
     if (found != commanded.temperature.end()) commanded.temperature[there] = found->second;
   }
+  return commanded;
+}
+
+Eigen::VectorXd LoadedExport::offsetsAdd(const State& command) const {
+  Eigen::VectorXd added = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(command.position.size()));
+  if (!offsets_) return added;
+  const std::map<std::string, double> offsets = offsets_->at(commandOf(command));
+  for (const ExportAxis& axis : needed_.axes())
+    if (const auto found = offsets.find(axis.letter); found != offsets.end())
+      added[axis.joint] = found->second;
+  return added;
+}
+
+Eigen::VectorXd LoadedExport::adds(const State& command) const {
+  const CommandedState commanded = commandOf(command);
   const auto count = static_cast<Eigen::Index>(command.position.size());
   const bool complete = std::all_of(command.temperature.begin(), command.temperature.end(),
                                     [](double t) { return std::isfinite(t); });

@@ -70,6 +70,7 @@ PointSystem::PointSystem(const FreshPoints& points, const Calibration& calibrati
   // What could be wrong, in the order in which it is asked; as much of it as leaves the noise to be seen.
   std::vector<Eigen::MatrixXd> misplaced = {Eigen::MatrixXd(length, 0)};
   for (const MisplacedTable& table : points.misplaced()) misplaced.emplace_back(table.column);
+  if (points.hasOffsets()) misplaced.emplace_back(points.offsets());
   Eigen::MatrixXd all = space.basis();
   int parts = 0;
   for (const Eigen::MatrixXd& more :

@@ -1,19 +1,20 @@
 #include <cmath>
 
-#include "verification/court.h"
 #include "verification/decision.h"
 #include "verification/figures.h"
+#include "verification/loading_evidence.h"
 #include "verification/verify_words.h"
 
 namespace mm {
 
 void fillShares(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
                 bool loaded, Verification& found) {
-  const Court court(points, system, calibration);
-  const Projection& projection = court.asCalibrated();
+  const LoadingEvidence evidence(points, system, calibration);
+  const Projection& projection = evidence.asCalibrated();
   const int count = static_cast<int>(points.axes().size());
-  Eigen::MatrixXd own(points.length(), count);
+  Eigen::MatrixXd own(points.length(), count + (points.hasOffsets() ? 1 : 0));
   for (int a = 0; a < count; ++a) own.col(a) = points.own(a);
+  if (points.hasOffsets()) own.col(count) = points.offsets();
   const bool restIsThere = !loaded || points.tabled();  // no table has it
   const Eigen::VectorXd raw = points.raw() - (restIsThere ? 1.0 : 0.0) * points.rest();
   const Eigen::VectorXd y = projection.left(system.whiten(raw));
@@ -28,6 +29,14 @@ void fillShares(const FreshPoints& points, const PointSystem& system, const Cali
     axis.std = axes.std[a];
     axis.inWords = inWords(axis);
     found.axes.push_back(axis);
+  }
+  if (points.hasOffsets()) {
+    RemainingShare offsets;
+    offsets.size = ownSizes[count];
+    offsets.remaining = remaining(axes.value[count]);
+    offsets.std = axes.std[count];
+    offsets.inWords = inWords(offsets);
+    found.offsets = offsets;
   }
   const Eigen::VectorXd all = projection.left(system.whiten(points.raw()));
   const Eigen::MatrixXd columns = projection.left(system.whiten(points.byEffect()));
@@ -46,7 +55,9 @@ void fillShares(const FreshPoints& points, const PointSystem& system, const Cali
     effect.inWords = inWords(effect);
     found.effects.push_back(effect);
   }
-  const Shares crossed = sharesOf(projection.left(system.whiten(points.crossed())), y);
+  // What the offsets leave is no other axis's correction.
+  const Shares crossed = sharesOf(
+      projection.left(system.whiten(beside({points.crossed(), own.rightCols(own.cols() - count)}))), y);
   constexpr double kThere = 4.0, kTold = 0.25;
   for (int on = 0; on < count; ++on)
     for (int of = 0; of < count; ++of) {

@@ -27,12 +27,15 @@ bool isLinear(const FreshPoints& points) {
 /// Linearised where the readings are: with nothing corrected, as calibrated, or to the other side.
 std::unique_ptr<FreshPoints> nearestPoints(const Session& session, const Calibration& calibration,
                                            const VerifyOptions& options, const Eigen::VectorXd& weights) {
-  TablesAdd tables;
+  TablesAdd tables, offsets;
   if (options.exported) tables = [&](const State& state) { return options.exported->adds(state); };
+  if (options.exported && options.exported->hasOffsets())
+    offsets = [&](const State& state) { return options.exported->offsetsAdd(state); };
   const auto at = [&](int factor) {
     if (options.calibrate.cancelled && options.calibrate.cancelled())
       throw Cancelled("stopped before the points were judged; nothing was changed");
-    return std::make_unique<FreshPoints>(session, calibration, options.calibrate, factor, weights, tables);
+    return std::make_unique<FreshPoints>(session, calibration, options.calibrate, factor, weights, tables,
+                                         offsets);
   };
   std::unique_ptr<FreshPoints> best = at(options.loaded ? 0 : 1);
   std::vector<int> others = {options.loaded ? 1 : 0};
@@ -48,7 +51,7 @@ std::string findingOf(const Decision& decision) {
   if (!decision.seen) return "too_small";
   if (!decision.hypothesis.exchanges.empty()) return "exchanged";
   if (!decision.hypothesis.uniform()) return "partly";
-  switch (decision.hypothesis.axes.front()) {
+  switch (decision.hypothesis.state()) {
     case AxisState::kNotCorrected:
       return "not_corrected";
     case AxisState::kWrongSign:
@@ -101,6 +104,7 @@ Verification verify(const Session& session, const Calibration& calibration, cons
   found.loaded = options.loaded;
   found.finding = findingOf(decision);
   found.drifted = decision.drifted;
+  found.tablesSeen = decision.tablesSeen;
   found.hypothesis = decision.hypothesis;
   found.changed = decision.changed;
   found.unexplainedPValue = decision.unexplainedPValue;

@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,9 +78,11 @@ struct Verification {
   double unforeseen = 0.0;  // m (rad): RMS of what the finding leaves of the points
   bool better = false;      // after is significantly below before
   std::string target;       // of the export that was named; empty: none
-  double notCarried = 0.0;  // m (rad): RMS of what its tables do not correct at these points
-  double calibratedRms =
-      0.0;  // m (rad): what the calibration left of its own session, held out; NaN: not known
+  double notCarried = 0.0;  // m (rad): RMS of what neither its tables nor its offsets correct at these points
+  bool tablesSeen = true;   // false: these points cannot show the tables
+  std::optional<RemainingShare> offsets;  // of the export; empty: it has none
+  /// m (rad): what the calibration left of its own session, held out; NaN: not known.
+  double calibratedRms = 0.0;
   /// Chance of as much beyond what was foreseen where the machine is as the calibration left it (F test
   /// against calibratedRms); NaN: not known.
   double moreLeftPValue = std::numeric_limits<double>::quiet_NaN();

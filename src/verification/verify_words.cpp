@@ -83,6 +83,44 @@ std::string noChangeInWords(const Verification& v, const std::string& figures) {
          ", but the correction is too small to show in the figure, " + figures;
 }
 
+/// Of tables or of external offsets: "are loaded".
+std::string loadedInWords(AxisState state) {
+  switch (state) {
+    case AxisState::kNotCorrected:
+      return "are not";
+    case AxisState::kWrongSign:
+      return "have the wrong sign";
+    case AxisState::kTwice:
+      return "are loaded twice";
+    case AxisState::kCorrected:
+      break;
+  }
+  return "are loaded";
+}
+
+/// Of tables that are alike and the external offsets beside them.
+std::string besideInWords(const LoadedHow& how) {
+  const AxisState tables = how.state(), offsets = *how.offsets;
+  if (tables == AxisState::kNotCorrected && offsets == tables)
+    return "neither the tables nor the external offsets are loaded";
+  if (tables == offsets) return "the tables and the external offsets " + loadedInWords(tables);
+  // "are not" needs what they are not.
+  if (tables == AxisState::kNotCorrected && offsets != AxisState::kCorrected)
+    return "the tables are not loaded, the external offsets " + loadedInWords(offsets);
+  if (tables == AxisState::kNotCorrected) return "the external offsets are loaded, the tables are not";
+  return "the tables " + loadedInWords(tables) + ", the external offsets " +
+         (offsets == AxisState::kNotCorrected && tables != AxisState::kCorrected ? "are not loaded"
+                                                                                 : loadedInWords(offsets));
+}
+
+/// What these points tell of the external offsets, where the verdict has not said so.
+std::string offsetsInWords(const Verification& v) {
+  if (!v.offsets || v.finding == "too_small") return {};
+  if (!v.tablesSeen) return "; these points show the external offsets alone, the tables are too small";
+  if (!v.hypothesis.offsets) return "; these points cannot tell whether the external offsets are loaded";
+  return v.finding == "corrected" ? "; " + besideInWords(v.hypothesis) : std::string();
+}
+
 /// What is loaded how, of a correction that neither helps nor leaves everything as it is.
 std::string causeInWords(const Verification& v, const std::vector<std::string>& names) {
   if (v.finding == "wrong_sign")
@@ -98,6 +136,7 @@ std::string causeInWords(const Verification& v, const std::vector<std::string>& 
     return v.loaded ? "corrected twice: the errors are there to the other side"
                     : "the errors are twice as large as calibrated";
   if (v.finding == "corrected") return v.loaded ? "it is loaded" : "it still fits in part";
+  if (v.hypothesis.alike() && v.hypothesis.offsets) return besideInWords(v.hypothesis);
   return (v.finding == "exchanged" ? "axes are exchanged: " : "not every axis alike: ") +
          inWords(v.hypothesis, names, v.loaded);
 }
@@ -146,7 +185,7 @@ std::string notCarriedInWords(const Verification& v) {
   for (const RemainingOfEffect& effect : v.effects)
     if (effect.notCarried > kMostly && effect.size > kNothing * v.noise)
       effects.push_back(inWords(effect.effect));
-  return "; the tables for " + v.target +
+  return std::string("; the tables ") + (v.offsets ? "and offsets " : "") + "for " + v.target +
          format(" do not carry %.3g %s of it", v.notCarried / (v.angular ? kArcsecond : kMicrometre),
                 v.angular ? "arcsec" : "um") +
          (effects.empty() ? "" : " (" + list(effects) + ")") + ", which is no drift";
@@ -186,6 +225,14 @@ std::string whyKept(const Verification& v) {
 }
 
 std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>& axes, bool loaded) {
+  if (hypothesis.offsets) {
+    if (hypothesis.alike()) return besideInWords(hypothesis);
+    LoadedHow tables = hypothesis;
+    tables.offsets.reset();
+    return inWords(tables, axes, loaded) + ", the external offsets " +
+           (hypothesis.offsets == AxisState::kNotCorrected ? "are not loaded"
+                                                           : loadedInWords(*hypothesis.offsets));
+  }
   if (hypothesis.exchanges.size() == 2) {
     const Exchange& e = hypothesis.exchanges.front();
     const std::string both =
@@ -248,7 +295,7 @@ std::string sentenceOf(const Verification& v) {
     text += (told ? std::string("; ") : std::string("; and the machine has drifted since: ")) +
             (v.changed.empty() ? "no effect of the calibration says how"
                                : "changed since the calibration: " + changesInWords(v));
-  text += notCarriedInWords(v);
+  text += offsetsInWords(v) + notCarriedInWords(v);
   if (v.moreLeft && !v.drifted) text += moreLeftInWords(v);
   if (v.drifted && mayBeNotCarried(v))
     text += "; where tables of mm export were loaded, which may carry less, name them with --export";

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-PORT = 5007
+PORT = 5008  # not that to which the driver of a rostest that waits for its turn connects
 
 
 def wait_until(condition, seconds, what):

@@ -9,6 +9,8 @@ import subprocess
 import sys
 import tempfile
 
+import linuxcnc_export
+
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 MM = os.environ["MM"]
 PLAN = os.path.join(ROOT, "config/plans/nine_ball_plate.yaml")
@@ -58,6 +60,8 @@ def with_lines(ini, export):
             lines.setdefault(section, []).append(line)
     for line in open(ini):
         told.append(line)
+        if line.startswith("DISPLAY"):
+            told[-1] = line.rstrip() + " --port %d\n" % linuxcnc_export.PORT
         if line.strip() in lines:
             told += lines[line.strip()]
         if line.strip() in ("[AXIS_X]", "[AXIS_Y]", "[AXIS_Z]"):

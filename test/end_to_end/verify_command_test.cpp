@@ -55,6 +55,22 @@ TEST_F(VerifyCommandTest, takesBackWhatDoesNotHelp) {
   EXPECT_EQ(active(), one);
 }
 
+TEST_F(VerifyCommandTest, theAnswerIsKeptWithTheCalibrationAndStandsOnItsCertificate) {
+  const std::string id = std::filesystem::path(active()).stem().string();
+  run("verify " + fresh_ + " --calibration " + folder_ / "two.yaml" + " --store " + store_);
+  const std::string noted = textOf(store_ + "/verifications");
+  EXPECT_NE(noted.find(" " + id + " helped "), std::string::npos) << noted;
+  run("certificate " + folder_ / "two.yaml" + " --store " + store_ +
+      " --task position:0,0,0 --trials 200 -o " + folder_ / "c.html");
+  const std::string page = textOf(folder_ / "c.html");
+  for (const char* part : {"History of use", "<b>active</b>", "made active", "verified: helped, "})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  // A folder that cannot be written keeps nothing and spoils no answer.
+  const Answer elsewhere =
+      mmRun(folder_, "verify " + fresh_ + " --calibration " + folder_ / "two.yaml" + " --store /proc/none");
+  EXPECT_EQ(elsewhere.status, 0) << elsewhere.error;
+}
+
 TEST_F(VerifyCommandTest, knowsWhatWasExported) {
   const std::string how = " --calibration " + folder_ / "two.yaml", out = folder_ / "linuxcnc";
   run("export " + folder_ / "two.yaml" + " --to linuxcnc -o " + out);
@@ -67,7 +83,19 @@ TEST_F(VerifyCommandTest, knowsWhatWasExported) {
   EXPECT_EQ(found["finding"], "not_corrected") << loaded.out;
   EXPECT_EQ(found["verdict"], "no_change");
   EXPECT_EQ(found["export"], "linuxcnc");
-  EXPECT_GT(found["not_carried_um"].get<double>(), 1.0);  // the squareness, 500 urad
+  EXPECT_EQ(found["external_offsets"]["state"], "not_loaded") << loaded.out;
+  EXPECT_GT(found["external_offsets"]["size_um"].get<double>(), 1.0);  // the squareness, 500 urad
+  EXPECT_LT(found["not_carried_um"].get<double>(), 0.1) << "the offsets carry what the tables do not";
+  const std::string alone = folder_ / "tables_alone";
+  run("export " + folder_ / "two.yaml" + " --to linuxcnc --tables-alone -o " + alone);
+  EXPECT_FALSE(std::filesystem::exists(alone + "/external_offsets.json"));
+  const Answer tables = mmRun(folder_, "verify " + fresh_ + how + " --loaded --json --export " + alone);
+  EXPECT_TRUE(tables.json()["external_offsets"].is_null()) << tables.out;
+  EXPECT_GT(tables.json()["not_carried_um"].get<double>(), 1.0);
+  const Answer none =
+      mmRun(folder_, "export " + folder_ / "two.yaml" + " --to klipper --tables-alone -o " + folder_ / "k");
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.error.find("--tables-alone"), std::string::npos) << none.error;
   const Answer other = mmRun(
       folder_, "verify " + fresh_ + " --calibration " + folder_ / "one.yaml" + " --loaded --export " + out);
   EXPECT_EQ(other.status, 2);

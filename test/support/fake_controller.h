@@ -60,6 +60,7 @@ class FakeController final : public AxisController {
     if (beforeMove) beforeMove();
     const std::lock_guard<std::mutex> lock(mutex_);
     motion_ = motion;
+    leaving = motion.leaving;
     ++moves;
     fastest = std::max(fastest, *std::max_element(motion.speed.begin(), motion.speed.end()));
     state_.motion = motion.id;
@@ -102,6 +103,7 @@ class FakeController final : public AxisController {
 
   std::atomic<bool> block{false}, ended{false}, away{false}, frozen{false}, homesByAxis{true};
   std::atomic<bool> blockTemperatures{false};
+  std::atomic<bool> leaving{false};  // the last motion, as it was told
   std::atomic<int> stops{0}, emergencies{0}, moves{0}, reconnects{0};
   std::atomic<Wall::time_point> emergencyAt{Wall::time_point()};
   double fastest = 0.0;

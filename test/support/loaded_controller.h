@@ -95,12 +95,13 @@ struct LoadedController {
   Plan short_;        // for the fresh points
   std::string table;  // the right one
 
-  /// @param seed of the calibrated session. @param rough as SimulationRequest::rough.
-  explicit LoadedController(std::uint64_t seed, const std::string& rough = {},
-                            const std::string& model = {}) {
+  /// @param seed of the calibrated session. @param rough as SimulationRequest::rough. @param model, errors
+  /// what is fitted and what is hidden, if not loadedModel and loadedErrors.
+  explicit LoadedController(std::uint64_t seed, const std::string& rough = {}, const std::string& model = {},
+                            const std::vector<std::string>& errors = loadedErrors()) {
     const Plan plan = Plan::parse(loadedPlan(30), "plan.yaml", ".", machine);
     SimulationRequest request;
-    request.hide = loadedErrors();
+    request.hide = errors;
     request.seed = seed;
     request.rough = rough;
     const Simulation simulation = simulate(machine, plan, request);

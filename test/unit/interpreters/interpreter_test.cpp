@@ -36,5 +36,11 @@ TEST(Interpreters, LinesOfWindowsAndAByteOrderMarkAreRead) {
               -50.0, kNanometre);
 }
 
+TEST(Interpreters, ATableThatTheDiskDoesNotGiveIsNotTakenForAnEmptyOne) {
+  const TableFolder folder;
+  std::filesystem::create_symlink("/proc/self/mem", folder.path() / "settings.txt");  // EIO
+  EXPECT_THAT(refusal("grblhal", folder), AllOf(HasSubstr("settings.txt"), HasSubstr("Input/output error")));
+}
+
 }  // namespace
 }  // namespace mm

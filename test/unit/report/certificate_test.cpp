@@ -11,6 +11,7 @@
 #include "report/certificate_plots.h"
 #include "report/certificate_seal.h"
 #include "report/uncertainty_output.h"
+#include "session_files.h"
 
 namespace mm {
 namespace {
@@ -60,6 +61,46 @@ TEST(Certificate, SaysWhatACertificateMust) {
   EXPECT_EQ(page.find("nan"), std::string::npos);
 }
 
+TEST(Certificate, TellsWhenItWasActiveAndWhatFreshPointsSaid) {
+  const test::Folder folder;
+  const CalibrationStore store(folder.path("store"));
+  Certificate c = exampleCertificate();
+  EXPECT_FALSE(storeRecord(store, c.calibration));
+  EXPECT_NE(certificatePage(c).find("in no store of calibrations"), std::string::npos);
+  Calibration earlier = c.calibration, foreign = c.calibration;
+  earlier.id = "earlier";
+  foreign.id = "foreign";
+  foreign.machineName = "another";
+  CalibrationStore writer(folder.path("store"));
+  for (Calibration* one : {&earlier, &foreign, &c.calibration}) {
+    one->created = "2026-03-01T09:30:00Z";
+    writer.add(*one);
+  }
+  writer.promote("foreign");
+  writer.promote("earlier");
+  writer.promote(c.calibration.id);
+  store.note({"2999-01-01T00:00:00Z", c.calibration.id, "no_change", 3.12e-6, 3.1e-6, 0.04e-6, 0.03e-6, false,
+              54, "fresh a.bag"});
+  writer.rollback();
+  EXPECT_THROW(store.note({"", "unknown", "helped", 0, 0, 0, 0, false, 1, ""}), InputError);
+  c.store = storeRecord(store, c.calibration);
+  ASSERT_TRUE(c.store);
+  EXPECT_FALSE(c.store->active);
+  ASSERT_EQ(c.store->events.size(), 4U);  // of three promotions the foreign one is left out
+  EXPECT_EQ(c.store->events[0].id, "earlier");
+  EXPECT_EQ(c.store->events[0].until, c.store->events[1].time);
+  EXPECT_EQ(c.store->events[1].id, c.calibration.id);
+  EXPECT_EQ(c.store->events[2].what, "made active again");
+  EXPECT_EQ(c.store->events[2].until, "");
+  EXPECT_EQ(c.store->events[3].what,
+            "verified: no change, 3.12 ± 0.08 → 3.1 ± 0.06 um (k = 2) at 54 points (fresh a.bag)");
+  const std::string page = certificatePage(c);
+  for (const char* part : {"History of use", "<b>not active</b>", "this one", "made active again", "today",
+                           "no change, 3.12 ± 0.08 → 3.1 ± 0.06 µm (k = 2) at 54 points (fresh a.bag)"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_EQ(page.find("foreign"), std::string::npos);
+}
+
 // A session of angles: its residuals are arcseconds, and so is the drift of a rotary joint.
 TEST(Certificate, AnglesAreNotCalledMicrometres) {
   Certificate c = exampleCertificate();
@@ -91,10 +132,17 @@ TEST(Certificate, TheCorrectionOverAnAxisIsThatOfTheModel) {
 TEST(CertificateSeal, FindsEveryChange) {
   for (const std::string& content :
        {certificatePage(exampleCertificate()), std::string("%PDF-1.4\nbinary \0 bytes\n%%EOF\n", 29)}) {
-    const std::string sealed = sealedCertificate(content, "20260301T093000Z-00c0ffee");
+    const std::string sealed =
+        sealedCertificate(content, {"20260301T093000Z-00c0ffee", "0123456789abcdef", "feed", {}});
     const CertificateSeal seal = checkCertificate(sealed, "c");
     EXPECT_EQ(seal.calibration, "20260301T093000Z-00c0ffee");
+    EXPECT_EQ(seal.checksum, "0123456789abcdef");
+    EXPECT_EQ(seal.session, "feed");
     EXPECT_EQ(seal.sha256.size(), 64U);
+    // A seal of before these were told.
+    const CertificateSeal old = checkCertificate(sealedCertificate(content, {"old-one", "", "", ""}), "c");
+    EXPECT_EQ(old.calibration, "old-one");
+    EXPECT_EQ(old.checksum + old.session, "");
     for (std::size_t at = 0; at < sealed.size(); at += 1 + sealed.size() / 97) {
       std::string tampered = sealed;
       tampered[at] = static_cast<char>(tampered[at] ^ 1);

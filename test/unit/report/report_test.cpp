@@ -11,6 +11,7 @@
 #include "model/observed_domain.h"
 #include "report/json.h"
 #include "report/text.h"
+#include "report/text_parts.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
@@ -238,6 +239,38 @@ TEST(Text, AdviceForAnInstrumentsZeroSpeaksOfTheInstrument) {
   EXPECT_NE(text.find("Not determined by this session"), std::string::npos) << text;
   EXPECT_NE(text.find("shows differences only"), std::string::npos) << text;
   EXPECT_EQ(text.find("more of the ball"), std::string::npos) << text;
+}
+
+/// ± says what every other output says: k = 2.
+TEST(Text, UncertaintiesAreExpandedAndSaySo) {
+  EXPECT_EQ(withUncertainty(25.412, 0.055, "um"), "25.41 ± 0.11 um");
+  const Session session = deviations("three_axis", "x", 50e-6, 3e-6, 0.1e-6);
+  ModelSpec model;
+  model.effects = {EffectSpec("scale").set("axis", "x"), backlash("x")};
+  const CalibrationResult result = recalibrate(session, model, leastSquares()).result;
+  const std::string text = calibrateText(result), legend = "\n± is the expanded uncertainty, k = 2\n";
+  EXPECT_NE(text.find(withUncertainty(result.x[0] * 1e6, result.std(0) * 1e6, "um/m")), std::string::npos)
+      << text;
+  ASSERT_NE(text.find(legend), std::string::npos) << text;
+  EXPECT_EQ(text.find("k = 2", text.find(legend) + legend.size()), std::string::npos) << text;
+}
+
+TEST(Text, WhatAModelLeavesAndWhatToTypeNext) {
+  const Session session = deviations("three_axis", "x", 50e-6, 3e-6, 0.1e-6);
+  CalibrateOptions options = leastSquares();
+  options.repeatability = 0.1e-6;
+  ModelSpec model;
+  const std::string none = nextText(recalibrate(session, model, options).result, "my s.bag", "c.yaml");
+  EXPECT_EQ(none.rfind("The model leaves ", 0), 0u) << none;
+  EXPECT_NE(
+      none.find(" times the repeatability: mm diagnose 'my s.bag' --calibration c.yaml says what it lacks\n"),
+      std::string::npos)
+      << none;
+  model.effects = {EffectSpec("scale").set("axis", "x"), backlash("x")};
+  const CalibrationResult whole = recalibrate(session, model, options).result;
+  EXPECT_EQ(nextText(whole, "s.bag", "c.yaml"),
+            "Next: mm diagnose s.bag --calibration c.yaml says whether the model lacks anything\n");
+  EXPECT_NE(nextText(whole, "s.bag", "").find("once it is written with -o"), std::string::npos);
 }
 
 }  // namespace

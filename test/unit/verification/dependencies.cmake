@@ -1,1 +1,1 @@
-set(verification_test_dependencies simulation compensation workflow export interpreters nlohmann_json::nlohmann_json)
+set(verification_test_dependencies report simulation compensation workflow export interpreters nlohmann_json::nlohmann_json)

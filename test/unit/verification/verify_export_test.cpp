@@ -2,80 +2,31 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "base/format.h"
-#include "export/export_folder.h"
-#include "export/export_page.h"
-#include "export/representability.h"
-#include "loaded_controller.h"
-#include "long_tests.h"
-#include "session_files.h"
+#include "exported_controller.h"
+#include "report/verify_json.h"
+#include "verdict_tally.h"
 
 namespace mm {
 namespace {
 
 using namespace test;  // NOLINT: helpers of this test alone
 
-/// What `mm export` writes.
-void exportTo(const std::filesystem::path& folder, const Calibration& calibration,
-              const std::string& target) {
-  const ExportTarget& to = exportTarget(target);
-  const NeededCorrection needed(calibration, {});
-  const Exported exported = to.write(needed, {});
-  Representability judged = representability(calibration, to, {}, needed, exported);
-  writeExportFolder(folder, exportFolderOf(calibration, to, needed, exported, judged));
-}
-
-/// Every second machine is rough.
-std::string roughly(std::uint64_t seed) { return seed / 10 % 2 == 0 ? "" : "drift,correlated"; }
-
-/// The table of the simulated controller that adds what the target does with the tables in `folder`.
-std::string tableOf(const std::filesystem::path& folder, const std::string& target,
-                    const std::string& sign = {}) {
-  const auto interpreter = interpret(target, folder);
-  std::string text =
-      "x_mm,y_mm,z_mm,x_travel,y_travel,z_travel,correction_x_um,correction_y_um,correction_z_um\n";
-  constexpr double kMm = 1e-3;
-  for (double x = -20.0; x <= 20.0; x += 10.0)
-    for (double y = -15.0; y <= 35.0; y += 12.5)
-      for (double z = -20.0; z <= 20.0; z += 10.0)
-        for (int way = 0; way < 8; ++way) {
-          CommandedState state;
-          state.position = {{"x", x * kMm}, {"y", y * kMm}, {"z", z * kMm}};
-          state.direction = {{"x", way & 1 ? 1 : -1}, {"y", way & 2 ? 1 : -1}, {"z", way & 4 ? 1 : -1}};
-          auto added = interpreter->motors(state);
-          for (auto& [axis, motor] : added)
-            motor = (sign == axis ? -1.0 : 1.0) * (motor - state.position.at(axis)) * 1e6;
-          text += format("%g,%g,%g,%d,%d,%d,%.5f,%.5f,%.5f\n", x, y, z, state.direction["x"],
-                         state.direction["y"], state.direction["z"], added["x"], added["y"], added["z"]);
-        }
-  return text;
-}
-
-Verification judged(const LoadedController& controller, const Session& session,
-                    const std::filesystem::path& folder) {
-  VerifyOptions options;
-  options.loaded = true;
-  options.calibrate.threads = 1;
-  if (!folder.empty())
-    options.exported = std::make_shared<const LoadedExport>(folder, controller.calibration);
-  return verify(session, controller.calibration, options);
-}
+using Added = ExportedController::Added;
 
 TEST(VerifyExport, whatNoTableCarriesIsNoDrift) {
-  const std::uint64_t runs = mm_test::longTests() ? 20 : 2;
-  for (std::uint64_t seed = 6000; seed < 6000 + 10 * runs; seed += 10) {
-    const LoadedController controller(seed, roughly(seed));
-    const Folder folder;
-    exportTo(folder.path("linuxcnc"), controller.calibration, "linuxcnc");
-    const std::string table = tableOf(folder.path("linuxcnc"), "linuxcnc");
-    const Session session = controller.measure(seed + 1, table, roughly(seed));
-    const Verification v = judged(controller, session, folder.path("linuxcnc"));
+  for (std::uint64_t run = 0; run < 2; ++run) {
+    const std::uint64_t seed = 6000 + 10 * run;
+    const std::string rough = roughOf(run);
+    const LoadedController controller(seed, rough);
+    const ExportedController exported(controller, "linuxcnc", true);
+    const Session session = controller.measure(
+        seed + 1, exported.table([&](const CommandedState& c) { return exported.tables(c); }), rough);
+    const Verification v = exported.judge(session);
     EXPECT_EQ(v.verdict, VerifyVerdict::kHelped) << v.inWords;
-    EXPECT_EQ(v.finding, "corrected") << v.inWords;
-    EXPECT_FALSE(v.drifted) << v.inWords;
-    EXPECT_FALSE(v.moreLeft) << v.inWords;
+    EXPECT_FALSE(v.offsets) << v.inWords;
     // Both squarenesses, 250 and 150 urad, at these points.
     EXPECT_GT(v.notCarried, 0.5e-6) << v.inWords;
     EXPECT_NE(v.inWords.find("do not carry"), std::string::npos) << v.inWords;
@@ -83,59 +34,186 @@ TEST(VerifyExport, whatNoTableCarriesIsNoDrift) {
       const bool carried = effect.effect.type != "squareness";
       EXPECT_NEAR(effect.notCarried, carried ? 0.0 : 1.0, 0.1) << effect.effect.yaml();
       // A machine that wanders does so by a share of an effect.
-      if (!carried || (effect.std < 0.2 && roughly(seed).empty())) {
+      if (!carried || (effect.std < 0.2 && rough.empty())) {
         EXPECT_EQ(effect.inWords, carried ? "corrected" : "no table carries it") << effect.effect.yaml();
       }
     }
     // Without the export nobody can know.
-    const Verification blind = judged(controller, session, {});
+    const Verification blind = exported.judge(session, false);
     EXPECT_TRUE(blind.drifted) << blind.inWords;
     EXPECT_NE(blind.inWords.find("name them with --export"), std::string::npos) << blind.inWords;
   }
 }
 
-TEST(VerifyExport, whatIsLoadedWronglyIsSaid) {
-  const std::uint64_t seed = 6100;
-  const LoadedController controller(seed);
-  const Folder folder;
-  exportTo(folder.path("linuxcnc"), controller.calibration, "linuxcnc");
-  const auto found = [&](int i, const std::string& table,
-                         const std::vector<std::string>& errors = loadedErrors()) {
-    return judged(controller, controller.measure(seed + static_cast<std::uint64_t>(i), table, {}, errors),
-                  folder.path("linuxcnc"));
+/// What each controller is asked, and which of its corrections can be at the wrong place.
+struct Target {
+  std::string name;
+  bool offsets = false;            // beside the tables
+  std::string wrong;               // the axis whose sign is wrong; empty: one axis alone is corrected
+  bool tables = true;              // exchanged tables are entered by the other axis; else one is added there
+  std::string exchanged;           // in words
+  std::uint64_t firstSeed = 6000;  // of the everyday runs
+};
+
+Added exchangedOf(const ExportedController& exported, const Target& target, const CommandedState& command) {
+  CommandedState other = command;
+  if (target.tables) {
+    std::swap(other.position.at("x"), other.position.at("y"));
+    std::swap(other.direction.at("x"), other.direction.at("y"));
+  }
+  const Added own = exported.tables(command);
+  const Added there = exported.tables(other);
+  return {{"x", there.at("y")}, {"y", there.at("x")}, {"z", own.at("z")}};
+}
+
+class ExportTable {
+ public:
+  explicit ExportTable(const Target& target) : target_(target) {
+    for (const char* what : {"helped", "not loaded", "wrong sign", "one axis of the wrong sign",
+                             "x and y exchanged", "drifted since", "tables loaded, offsets not",
+                             "offsets loaded, tables not", "offsets of the wrong sign"})
+      tallies_.push_back(std::make_unique<VerdictTally>(
+          target.name + (target.offsets ? " and external offsets, " : ", ") + what));
+  }
+
+  void run(std::uint64_t seed, const std::string& rough, const LoadedController& controller) {
+    const ExportedController exported(controller, target_.name,
+                                      target_.name == "linuxcnc" && !target_.offsets);
+    std::uint64_t next = seed;
+    const auto judged = [&](const std::function<Added(const CommandedState&)>& adds,
+                            const std::vector<std::string>& errors = loadedErrors()) {
+      ++next;
+      return exported.judge(controller.measure(next, adds ? exported.table(adds) : "", rough, errors));
+    };
+    const auto whole = [&](const CommandedState& c) { return sum(exported.tables(c), exported.offsets(c)); };
+    const auto both = [&](const char* words) { return std::string(target_.offsets ? words : ""); };
+    using V = VerifyVerdict;
+    of(0).add(seed, judged(whole), {V::kHelped}, "corrected", false,
+              both("the tables and the external offsets are loaded"));
+    const Verification none = judged({});
+    of(1).add(seed, none, {V::kNoChange}, "not_corrected", false, "is it loaded?");
+    of(2).add(seed, judged([&](const CommandedState& c) { return times(-1.0, whole(c)); }), {V::kWorse},
+              "wrong_sign", false, "sign is wrong");
+    if (!target_.wrong.empty()) {
+      const Verification one = judged([&](const CommandedState& c) {
+        return sum(times(-1.0, exported.tables(c), target_.wrong), exported.offsets(c));
+      });
+      of(3).add(seed, one, rightFor(one.after, none.after), "partly", false,
+                target_.wrong + " has the wrong sign");
+    }
+    const Verification swapped = judged(
+        [&](const CommandedState& c) { return sum(exchangedOf(exported, target_, c), exported.offsets(c)); });
+    of(4).add(seed, swapped, rightFor(swapped.after, none.after), "exchanged", false, target_.exchanged);
+    const Verification later = judged(whole, loadedErrors(5.0, 80.0));
+    of(5).add(seed, later, {V::kMixed}, "corrected", true, "changed since the calibration");
+    if (!target_.offsets) return;
+    const Verification alone = judged([&](const CommandedState& c) { return exported.tables(c); });
+    of(6).add(seed, alone, rightFor(alone.after, none.after), "partly", false,
+              "the tables are loaded, the external offsets are not");
+    const Verification without = judged([&](const CommandedState& c) { return exported.offsets(c); });
+    of(7).add(seed, without, rightFor(without.after, none.after), "partly", false,
+              "the external offsets are loaded, the tables are not");
+    const Verification sign = judged(
+        [&](const CommandedState& c) { return sum(exported.tables(c), times(-1.0, exported.offsets(c))); });
+    of(8).add(seed, sign, rightFor(sign.after, none.after), "partly", false,
+              "the tables are loaded, the external offsets have the wrong sign");
+  }
+
+  /// Where all is right.
+  int qualified() const { return tallies_.front()->qualified(); }
+
+ private:
+  VerdictTally& of(std::size_t i) { return *tallies_[i]; }
+  Target target_;
+  std::vector<std::unique_ptr<VerdictTally>> tallies_;
+};
+
+const Target kTargets[] = {
+    {"linuxcnc", true, "y", true, "x and y have each other's table"},
+    {"linuxcnc", false, "y", true, "x and y have each other's table"},
+    // The reversal alone, $100 and $101 exchanged.
+    {"grblhal", false, "y", true, "x and y have each other's table"},
+    // Of skew x alone is corrected.
+    {"klipper", false, "", false, "y has the correction of x, and x has none"},
+};
+
+TEST(VerifyExport, saysRightlyWhatOfAnExportIsLoadedHow) {
+  std::vector<std::unique_ptr<ExportTable>> tables;
+  for (const Target& target : kTargets) tables.push_back(std::make_unique<ExportTable>(target));
+  const std::uint64_t runs = mm_test::longTests() ? 100 : 2;
+  for (std::uint64_t run = 0; run < runs; ++run) {
+    const std::uint64_t seed = firstSeed(6000) + 20 * run;
+    const LoadedController controller(seed, roughOf(run));
+    for (const auto& table : tables) table->run(seed, roughOf(run), controller);
+  }
+  // One in a thousand by chance.
+  for (const auto& table : tables) EXPECT_LE(table->qualified(), 1);
+}
+
+TEST(VerifyExport, jsonTellsTheExternalOffsets) {
+  const LoadedController controller(6300);
+  const ExportedController exported(controller, "linuxcnc");
+  const auto json = [&](const std::function<Added(const CommandedState&)>& adds) {
+    return nlohmann::json::parse(verifyJson(exported.judge(controller.measure(6301, exported.table(adds)))));
   };
-  const std::string right = tableOf(folder.path("linuxcnc"), "linuxcnc");
-  const Verification none = found(1, {});
-  EXPECT_EQ(none.finding, "not_corrected") << none.inWords;
-  EXPECT_EQ(none.verdict, VerifyVerdict::kNoChange) << none.inWords;
-  const Verification wrong = found(2, tableOf(folder.path("linuxcnc"), "linuxcnc", "y"));
-  EXPECT_EQ(wrong.finding, "partly") << wrong.inWords;
-  EXPECT_NE(wrong.inWords.find("y has the wrong sign"), std::string::npos) << wrong.inWords;
-  const Verification later = found(3, right, loadedErrors(5.0, 80.0));
-  EXPECT_EQ(later.finding, "corrected") << later.inWords;
-  EXPECT_TRUE(later.drifted) << later.inWords;
-  for (const ChangedEffect& c : later.changed) EXPECT_NE(c.effect.type, "squareness") << later.inWords;
+  const auto alone = json([&](const CommandedState& c) { return exported.tables(c); });
+  EXPECT_EQ(alone.at("finding"), "partly");
+  EXPECT_EQ(alone.at("external_offsets").at("state"), "not_loaded");
+  EXPECT_NEAR(alone.at("external_offsets").at("remaining").get<double>(), 1.0, 0.1);
+  for (const auto& axis : alone.at("axes")) EXPECT_EQ(axis.at("in_words"), "corrected") << axis;
+  // Nothing that was exported is not carried.
+  EXPECT_LT(alone.at("not_carried_um").get<double>(), 0.05);
+  const auto both =
+      json([&](const CommandedState& c) { return sum(exported.tables(c), exported.offsets(c)); });
+  EXPECT_EQ(both.at("verdict"), "helped");
+  EXPECT_EQ(both.at("external_offsets").at("state"), "loaded");
+  EXPECT_NEAR(both.at("external_offsets").at("remaining").get<double>(), 0.0, 0.1);
+}
+
+TEST(VerifyExport, offsetsAloneAreJudgedWhereTheTablesHoldNothing) {
+  // Of two squarenesses alone nothing goes into the table of an axis by its own position.
+  const std::vector<std::string> errors = {"squareness:y/x=250urad", "squareness:x/z=150urad"};
+  const LoadedController controller(6400, {},
+                                    "effects: [{type: squareness, axis: y, of: x}, {type: squareness, axis: "
+                                    "x, of: z}]",
+                                    errors);
+  const ExportedController exported(controller, "linuxcnc");
+  const std::string table = exported.table([&](const CommandedState& c) { return exported.offsets(c); });
+  const Verification without = exported.judge(controller.measure(6401, {}, {}, errors));
+  EXPECT_EQ(without.verdict, VerifyVerdict::kNoChange) << without.inWords;
+  EXPECT_EQ(without.finding, "not_corrected") << without.inWords;
+  EXPECT_NE(without.inWords.find("external offsets alone"), std::string::npos) << without.inWords;
+  const Verification with = exported.judge(controller.measure(6402, table, {}, errors));
+  EXPECT_NE(with.finding, "not_corrected") << with.inWords;
+  EXPECT_EQ(with.hypothesis.offsets, AxisState::kCorrected) << with.inWords;
 }
 
 TEST(VerifyExport, ofOtherFoldersIsRefused) {
   const LoadedController controller(6200);
+  const ExportedController exported(controller, "linuxcnc");
   const Folder folder;
-  const auto refusal = [&](const Calibration& calibration) {
-    return messageOf<InputError>([&] { LoadedExport(folder.path("out"), calibration); });
+  const auto refusal = [&](const Calibration& calibration, const std::filesystem::path& of) {
+    return messageOf<InputError>([&] { LoadedExport(of, calibration); });
   };
-  EXPECT_NE(refusal(controller.calibration).find("holds no representability.json"), std::string::npos);
-  exportTo(folder.path("out"), controller.calibration, "linuxcnc");
-  EXPECT_EQ(refusal(controller.calibration), "");
+  EXPECT_NE(refusal(controller.calibration, folder.path("out")).find("holds no representability.json"),
+            std::string::npos);
+  EXPECT_EQ(refusal(controller.calibration, exported.folder()), "");
   Calibration other = controller.calibration;
   other.id = "other";
-  EXPECT_NE(refusal(other).find("was made of calibration 'test', not of 'other'"), std::string::npos);
+  EXPECT_NE(refusal(other, exported.folder()).find("was made of calibration 'test', not of 'other'"),
+            std::string::npos);
   VerifyOptions options;
-  options.exported = std::make_shared<const LoadedExport>(folder.path("out"), controller.calibration);
+  options.exported = std::make_shared<const LoadedExport>(exported.folder(), controller.calibration);
   const Session session = controller.measure(6201, {});
   EXPECT_NE(messageOf<InputError>([&] { verify(session, controller.calibration, options); }).find("--loaded"),
             std::string::npos);
+  std::filesystem::copy(exported.folder(), folder.path("out"));
+  folder.write("out/external_offsets.json", "{\"format\": \"other\"}");
+  EXPECT_NE(refusal(controller.calibration, folder.path("out")).find("is no file of external offsets"),
+            std::string::npos);
   folder.write("out/representability.json", "{");
-  EXPECT_NE(refusal(controller.calibration).find("is not what mm export writes"), std::string::npos);
+  EXPECT_NE(refusal(controller.calibration, folder.path("out")).find("is not what mm export writes"),
+            std::string::npos);
 }
 
 }  // namespace

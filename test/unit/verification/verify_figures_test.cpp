@@ -9,6 +9,7 @@
 #include "session_files.h"
 #include "verification/decision.h"
 #include "verification/figures.h"
+#include "verification/loading_evidence.h"
 
 namespace mm {
 namespace {

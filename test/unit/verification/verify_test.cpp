@@ -2,76 +2,23 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <iostream>
-
 #include "loaded_controller.h"
-#include "long_tests.h"
+#include "verdict_tally.h"
 
 namespace mm {
 namespace {
 
 using namespace test;  // NOLINT: helpers of this test alone
 
-/// What was said in so many runs, and what was not as it should be.
-class Tally {
- public:
-  explicit Tally(std::string what) : what_(std::move(what)) {}
-  /// @param verdicts that are right.
-  void add(std::uint64_t seed, const Verification& v, const std::vector<VerifyVerdict>& verdicts,
-           const std::string& finding, bool drifted, const std::string& words = {}) {
-    ++runs_;
-    const bool verdict = std::find(verdicts.begin(), verdicts.end(), v.verdict) != verdicts.end();
-    if (verdict && v.finding == finding && v.drifted == drifted &&
-        v.inWords.find(words) != std::string::npos) {
-      ++right_;
-      if (v.rivals.empty()) ++certain_;
-      if (v.moreLeft && !v.drifted) ++qualified_;
-      return;
-    }
-    ADD_FAILURE() << what_ << ", seed " << seed << ": " << nameOf(v.verdict) << " " << v.finding << ", "
-                  << v.inWords;
-  }
-  int qualified() const { return qualified_; }  ///< said rightly, but that more is left than it should be
-  ~Tally() {
-    std::cout << what_ << ": " << right_ << " of " << runs_ << " said rightly, " << certain_
-              << " of them without another explanation, " << qualified_
-              << " with more left than calibrated\n";
-  }
-
- private:
-  std::string what_;
-  int runs_ = 0, right_ = 0, certain_ = 0, qualified_ = 0;
-};
-
 int runs() { return mm_test::longTests() ? 100 : 8; }
 
-/// MM_FIRST_SEED: machines that nothing was chosen by.
-std::uint64_t firstSeed() {
-  const char* asked = std::getenv("MM_FIRST_SEED");
-  return asked != nullptr ? std::stoull(asked) : 1000;
-}
-
-/// Every second run is rough: the machine wanders, and the noise is correlated.
-std::string roughOf(int run) { return run % 2 == 0 ? "" : "drift,correlated"; }
-
-/// Of a table at the wrong place: what two sessions of their own show, with it and without any.
-std::vector<VerifyVerdict> rightFor(const Figure& with, const Figure& without) {
-  const double difference = with.rms - without.rms, apart = 5.0 * std::hypot(with.std, without.std);
-  if (difference > apart) return {VerifyVerdict::kWorse};
-  if (difference < 0.0) return {VerifyVerdict::kMixed};
-  return {VerifyVerdict::kWorse, VerifyVerdict::kMixed};
-}
-
 TEST(Verify, saysRightlyWhatWasLoadedHow) {
-  Tally helped("helped"), notLoaded("not loaded"), wrongSign("wrong sign"),
+  VerdictTally helped("helped"), notLoaded("not loaded"), wrongSign("wrong sign"),
       exchanged("tables of x and y exchanged"), columns("corrections of y and z exchanged"),
       drifted("drifted since"), raw("raw readings, it helps");
   for (int run = 0; run < runs(); ++run) {
-    const std::uint64_t seed = firstSeed() + 10 * static_cast<std::uint64_t>(run);
-    const std::string rough = roughOf(run);
+    const std::uint64_t seed = firstSeed(1000) + 10 * static_cast<std::uint64_t>(run);
+    const std::string rough = roughOf(static_cast<std::uint64_t>(run));
     const LoadedController controller(seed, rough);
     const auto judged = [&](int i, const std::string& table, const std::vector<std::string>& errors,
                             bool loaded) {

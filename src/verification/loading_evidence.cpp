@@ -1,4 +1,4 @@
-#include "verification/court.h"
+#include "verification/loading_evidence.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -86,7 +86,8 @@ Shares sharesOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y) {
   return {covariance * (columns.transpose() * y), covariance.diagonal().cwiseMax(0.0).cwiseSqrt()};
 }
 
-Court::Court(const FreshPoints& points, const PointSystem& system, const Calibration& calibration)
+LoadingEvidence::LoadingEvidence(const FreshPoints& points, const PointSystem& system,
+                                 const Calibration& calibration)
     : points_(points),
       system_(system),
       calibration_(calibration),
@@ -94,7 +95,7 @@ Court::Court(const FreshPoints& points, const PointSystem& system, const Calibra
       byParameter_(system.whiten(points.byParameter())),
       asCalibrated_(system.base(), beside({scattering(covariance_), unexplainedOf() * unitShapes()})) {}
 
-Projection Court::changedSince() const {
+Projection LoadingEvidence::changedSince() const {
   Eigen::MatrixXd covariance = covariance_;
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     const double value =
@@ -105,7 +106,8 @@ Projection Court::changedSince() const {
   return Projection(system_.base(), beside({scattering(covariance), system_.whiten(points_.shapes())}));
 }
 
-std::vector<double> Court::scores(const Projection& projection, const std::vector<LoadedHow>& all) const {
+std::vector<double> LoadingEvidence::scores(const Projection& projection,
+                                            const std::vector<LoadedHow>& all) const {
   const Eigen::MatrixXd left = projection.left(misses(all));
   std::vector<double> scores;
   for (std::size_t h = 0; h < all.size(); ++h)
@@ -114,18 +116,18 @@ std::vector<double> Court::scores(const Projection& projection, const std::vecto
   return scores;
 }
 
-Eigen::MatrixXd Court::misses(const std::vector<LoadedHow>& all) const {
+Eigen::MatrixXd LoadingEvidence::misses(const std::vector<LoadedHow>& all) const {
   Eigen::MatrixXd m(points_.length(), static_cast<Eigen::Index>(all.size()));
   for (std::size_t i = 0; i < all.size(); ++i)
     m.col(static_cast<Eigen::Index>(i)) = points_.raw() - all[i].field;
   return system_.whiten(m);
 }
 
-Eigen::MatrixXd Court::scattering(const Eigen::MatrixXd& covariance) const {
+Eigen::MatrixXd LoadingEvidence::scattering(const Eigen::MatrixXd& covariance) const {
   return byParameter_ * rootOf(covariance);
 }
 
-Eigen::MatrixXd Court::unitShapes() const {
+Eigen::MatrixXd LoadingEvidence::unitShapes() const {
   Eigen::MatrixXd shapes = system_.whiten(points_.shapes());
   for (Eigen::Index k = 0; k < shapes.cols(); ++k)
     if (shapes.col(k).norm() > 0.0) shapes.col(k) *= std::sqrt(points_.rows()) / shapes.col(k).norm();
@@ -133,20 +135,20 @@ Eigen::MatrixXd Court::unitShapes() const {
 }
 
 /// As much of each shape as the calibration left unexplained, in units of the noise.
-double Court::unexplainedOf() const {
+double LoadingEvidence::unexplainedOf() const {
   if (!(calibration_.repeatability > 0.0)) return 0.0;
   const double shapes = std::max<double>(1.0, static_cast<double>(points_.shapes().cols()));
   return leftUnexplained(points_, system_, calibration_) / std::sqrt(shapes) /
          (calibration_.repeatability * system_.white());
 }
 
-double Court::logMisfitOf(double left, int taken) const {
+double LoadingEvidence::logMisfitOf(double left, int taken) const {
   const double tested = freedoms() - system_.freedoms() - taken;
   if (tested < 1.0) return 0.0;
   return logPValueF((left - system_.leftByAll()) / tested / system_.noise(), tested, system_.freedoms());
 }
 
-Eigen::MatrixXd Court::ofEffect(std::size_t e) const {
+Eigen::MatrixXd LoadingEvidence::ofEffect(std::size_t e) const {
   std::vector<Eigen::MatrixXd> columns;
   for (std::size_t i = 0; i < points_.parameters().size(); ++i) {
     const Calibration::Value& v = calibration_.values[static_cast<std::size_t>(points_.parameters()[i])];
@@ -156,7 +158,7 @@ Eigen::MatrixXd Court::ofEffect(std::size_t e) const {
   return columns.empty() ? Eigen::MatrixXd(points_.length(), 0) : beside(columns);
 }
 
-Changes Court::changes(const LoadedHow& h) const {
+Changes LoadingEvidence::changes(const LoadedHow& h) const {
   const Projection& known = asCalibrated_;
   const Eigen::VectorXd y = known.left(misses({h}));
   const std::size_t count = points_.effects().size();
@@ -203,6 +205,8 @@ Changes Court::changes(const LoadedHow& h) const {
   std::vector<Eigen::MatrixXd> parts;
   for (const std::size_t e : chosen) parts.push_back(columns[e]);
   const Shares shares = sharesOf(beside(parts), y);
+  // Machines change by about half of an error, seldom by much more (Jeffreys 1961, 5.2: Cauchy).
+  for (const double change : shares.value) found.score -= std::log1p(std::pow(change / kDrifts, 2));
   Eigen::Index column = 0;
   for (std::size_t c = 0; c < chosen.size(); ++c) {
     ChangedEffect changed;

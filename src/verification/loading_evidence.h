@@ -11,14 +11,15 @@ namespace mm {
 struct Changes {
   std::vector<ChangedEffect> effects;  // most certain first
   double unexplainedPValue = 1.0;      // of what they leave
-  double score = 0.0;                  // of the hypothesis with them: comparable to Court::scores
+  double score = 0.0;                  // of the hypothesis with them: comparable to LoadingEvidence::scores
 };
 
-/// What a decision is made in: the points with unit noise, and what is known of the calibration beforehand.
-class Court {
+/// How well each hypothesis of what was loaded how fits fresh points: these with unit noise, and what is
+/// known of the calibration beforehand.
+class LoadingEvidence {
  public:
   /// @param points, system, calibration must outlive it.
-  Court(const FreshPoints& points, const PointSystem& system, const Calibration& calibration);
+  LoadingEvidence(const FreshPoints& points, const PointSystem& system, const Calibration& calibration);
 
   /// As calibrated, to within its uncertainty and what it left unexplained.
   const Projection& asCalibrated() const { return asCalibrated_; }
@@ -28,7 +29,7 @@ class Court {
   /// Log likelihood of each hypothesis, with its prior; the scale of the noise integrated out.
   std::vector<double> scores(const Projection& projection, const std::vector<LoadedHow>& all) const;
   /// Each effect taken costs the logarithm of the number asked and half that of the residuals a parameter
-  /// (Schwarz 1978).
+  /// (Schwarz 1978), and its size: a machine seldom changes by more than an error's half.
   Changes changes(const LoadedHow& h) const;
 
  private:
@@ -46,6 +47,10 @@ class Court {
   Eigen::MatrixXd covariance_, byParameter_;
   Projection asCalibrated_;
 };
+
+/// What the calibration left of its own session, held out, beyond its noise and its drift, or beyond the
+/// noise of these points where that is larger: RMS, m (rad where it has no residuals in m).
+double leftUnexplained(const FreshPoints& points, const PointSystem& system, const Calibration& calibration);
 
 /// Shares of columns in another one.
 struct Shares {
