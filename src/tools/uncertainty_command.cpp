@@ -7,20 +7,30 @@
 #include "tools/commands.h"
 #include "tools/exit_status.h"
 #include "tools/progress_bar.h"
+#include "tools/session_input.h"
 #include "tools/uncertainty_options.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
 
 struct UncertaintyCommand {
-  std::string calibration;
+  std::string calibration, session;
   UncertaintyOptions options;
+  FitOptions fit;
   bool json = false;
 };
 
 void runUncertainty(UncertaintyCommand& c, int& exitStatus) {
   const Calibration calibration = loadCalibration(c.calibration);
   const ToleranceAsked asked = c.options.asked();
+  if (!c.session.empty()) {
+    const Session session = loadSession(c.session, calibration, c.fit.space);
+    ProgressBar bar("comparing");
+    CalibrateOptions options = c.fit.checked();
+    options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
+    c.options.foundIn(compareCalibration(session, calibration, options), calibration);
+  }
   TaskUncertainty result;
   {
     ProgressBar bar("measuring");
@@ -50,6 +60,10 @@ void addUncertaintyCommand(CLI::App& app, int& exitStatus) {
       "uncertainty", "How uncertain a measurement on the calibrated machine is, and by what");
   command->add_option("calibration", c->calibration, "the calibration file")->required();
   command->add_option("--task", c->options.task, "what is measured, see below")->required();
+  command->add_option("--session", c->session,
+                      "a bag of this machine, the calibrated one first of all: its residuals tell in which "
+                      "direction the unexplained remainder lies, and how much of it is smooth");
+  declareNamespace(*command, c->fit.space);
   c->options.declare(*command);
   command->add_flag("--json", c->json, "one JSON object instead of text");
   command->footer(

@@ -184,6 +184,11 @@ TaskConditions UncertaintyOptions::conditionsFor(const Domain& domain) const {
   return given;
 }
 
+void UncertaintyOptions::foundIn(const CalibrationResult& compared, const Calibration& calibration) {
+  conditions.remainder = remainderOf(
+      compared, remainderMm >= 0.0 ? remainderMm * kMillimetre : usualRemainderLength(calibration.domain));
+}
+
 ToleranceAsked UncertaintyOptions::asked() const {
   ToleranceAsked held;
   held.tolerance = toleranceUm * kMicrometre;

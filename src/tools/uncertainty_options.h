@@ -26,6 +26,8 @@ struct UncertaintyOptions {
   void declare(CLI::App& command);
   /// @param domain whose axes are named. @throw InputError naming the option, its value and an example.
   TaskConditions conditionsFor(const Domain& domain) const;
+  /// Takes the unexplained remainder from the residuals of a session under the calibration.
+  void foundIn(const CalibrationResult& compared, const Calibration& calibration);
   ToleranceAsked asked() const;  ///< @throw InputError, likewise
 };
 

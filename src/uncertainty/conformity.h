@@ -31,6 +31,7 @@ struct AcceptanceZone {
   bool exists = false;
   double lower = 0.0, upper = 0.0;
 };
+/// Of a tolerance, for a measurement of standard uncertainty `std`; ISO 14253-1. Units as the specification.
 AcceptanceZone acceptanceZone(double std, const Specification& specification);
 
 /// Maximum permissible error of a length, ISO 10360-1: the smaller of A + L / K and B. A, B: um; L: mm.

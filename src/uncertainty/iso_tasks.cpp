@@ -84,7 +84,8 @@ class LengthTest : public MeasurementTask {
     values[0] = largest;
     if (ball_) values[1] = ball_->fit(measured, firstOfBall_).form;
   }
-  /// The test of a machine asks it of every length, each time that it is measured (ISO 10360-2, 8.1).
+  /// The test asks it of every length, each time that it is measured (ISO 10360-2, 8.1). Here without the
+  /// repetitions that the standard allows where single values are beyond: what passes here passes there.
   std::optional<bool> passes(const std::vector<Eigen::Vector3d>& measured) const override {
     if (!permissible_) return std::nullopt;
     for (std::size_t l = 0; l < along_.size(); ++l) {

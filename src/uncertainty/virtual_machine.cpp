@@ -11,7 +11,11 @@
 namespace mm {
 namespace {
 
-constexpr double kSmoothShare = 0.5;  // of the remainder's variance: from place to place; the rest: at random
+/// Student's t beside the normal: by what a deviation grows whose variance is known by so many freedoms.
+double studentFactor(double freedoms, Random& random) {
+  const double u = std::clamp(random.uniform(), 1e-15, 1.0 - 1e-15);
+  return std::sqrt(freedoms / boost::math::quantile(boost::math::chi_squared(freedoms), u));
+}
 
 }  // namespace
 
@@ -37,10 +41,7 @@ void VirtualMachine::drawParameters(Random& random, int only, Workspace& work,
     work.normal[k] = acts ? random.normal() : 0.0;
   }
   work.shift.noalias() = root_ * work.normal;
-  if (freedoms_ > 0.0) {
-    const double u = std::clamp(random.uniform(), 1e-15, 1.0 - 1e-15);
-    work.shift *= std::sqrt(freedoms_ / boost::math::quantile(boost::math::chi_squared(freedoms_), u));
-  }
+  if (freedoms_ > 0.0) work.shift *= studentFactor(freedoms_, random);
   if (linear_) {
     for (std::size_t i = 0; i < points_.size(); ++i) errors[i] -= points_[i].byParameter * work.shift;
     return;
@@ -54,18 +55,18 @@ void VirtualMachine::drawParameters(Random& random, int only, Workspace& work,
     errors[i] += points_[i].calibrated - seen(points_[i], work.parameters.data(), work.model);
 }
 
-void VirtualMachine::drawRemainder(const Source& source, Random& random, Workspace& work,
+void VirtualMachine::drawRemainder(Random& random, Workspace& work,
                                    std::vector<Eigen::Vector3d>& errors) const {
   const auto n = static_cast<Eigen::Index>(points_.size());
   work.field.resize(n, 3);
   for (Eigen::Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) work.field(i, k) = random.normal();
   const Eigen::MatrixXd field = smooth_.triangularView<Eigen::Lower>() * work.field;
-  const double smooth = source.std * std::sqrt(kSmoothShare),
-               rough = source.std * std::sqrt(1.0 - kSmoothShare);
+  const double wider = remainder_.places > 0.0 ? studentFactor(remainder_.places, random) : 1.0;
   for (Eigen::Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k)
-      errors[static_cast<std::size_t>(i)][k] += smooth * field(i, k) + rough * random.normal();
+      errors[static_cast<std::size_t>(i)][k] +=
+          wider * remainder_.smooth[k] * field(i, k) + remainder_.rough[k] * random.normal();
 }
 
 void VirtualMachine::draw(Random& random, int only, Workspace& work,
@@ -89,7 +90,7 @@ void VirtualMachine::draw(Random& random, int only, Workspace& work,
         break;
       }
       case Cause::kRemainder:
-        drawRemainder(source, random, work, errors);
+        drawRemainder(random, work, errors);
         break;
       case Cause::kProbe:
         for (Eigen::Vector3d& e : errors)

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "calibration_file/calibration.h"
 #include "compensation/compensator.h"
 #include "session/session.h"
+#include "uncertainty/found_remainder.h"
 #include "uncertainty/measurement_task.h"
 
 namespace mm {
@@ -36,7 +38,13 @@ struct TaskConditions {
   double artifactScale = 0.0;             // standard uncertainty of the artifact's scale, 1 (um/m = 1e-6)
   double artifactRadius = 0.0;            // m, of the radius of the ball on which the tip was qualified
   double remainderLength = kNotMeasured;  // m, over which it changes; NaN: a quarter of the volume's diagonal
+  /// As residuals show it; empty: alike in every direction, half of it smooth, by its size alone.
+  std::optional<Remainder> remainder;
 };
+
+/// Over how many m the unexplained remainder changes where nothing else is said: a quarter of the diagonal of
+/// the calibrated volume.
+double usualRemainderLength(const Domain& domain);
 
 /// Machines that a calibration holds possible, measuring one task: its parameters vary by their joint
 /// distribution, and with them drift, remainder, probe, artifact and temperatures. Immutable; `draw` may be
@@ -89,6 +97,7 @@ class VirtualMachine {
   void addParameters(const Calibration& calibration);
   void addDrift(const Calibration& calibration);
   void addRemainder(const Calibration& calibration, const TaskConditions& conditions);
+  Remainder remainderBySize(const Calibration& calibration, double length) const;
   void addTemperatures(const TaskConditions& conditions);
   State blank(const TaskConditions& conditions);
   void add(std::string name, Source source);
@@ -96,8 +105,7 @@ class VirtualMachine {
   /// radius's error along the normal.
   Eigen::Vector3d seen(const Point& point, const double* parameters, Model::Workspace& work) const;
   void drawParameters(Random& random, int only, Workspace& work, std::vector<Eigen::Vector3d>& errors) const;
-  void drawRemainder(const Source& source, Random& random, Workspace& work,
-                     std::vector<Eigen::Vector3d>& errors) const;
+  void drawRemainder(Random& random, Workspace& work, std::vector<Eigen::Vector3d>& errors) const;
 
   Compensator compensator_;
   std::unique_ptr<const TemperatureHistory> history_;
@@ -111,6 +119,7 @@ class VirtualMachine {
   double freedoms_ = 0.0;      // of the parameters' distribution; 0: normal
   bool linear_ = true;
   double interval_ = 0.0;
+  Remainder remainder_;
   Eigen::MatrixXd smooth_;  // Cholesky factor of the correlation of the remainder between points
 };
 

@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kNearlyNormalFrom = 200.0;  // degrees of freedom from which Student's t is drawn as normal
 constexpr double kSeenOfDrift = 1.0 / 3.0;   // of the variance along a direction, by contacts all around
+constexpr double kSmoothShare = 0.5;         // of the remainder's variance, where its size alone is known
+constexpr double kFewestPlaces = 4.0;        // fewer leave Student's t without a variance to speak of
 constexpr double kTemperatureStep = 1e-3;    // K, of a derivative where no uncertainty is stated
 
 /// Temperatures that have been the same for long.
@@ -234,7 +236,7 @@ void VirtualMachine::addDrift(const Calibration& calibration) {
 
 void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& conditions) {
   const Domain& d = compensator_.model().domain();
-  const bool told = std::isfinite(c.rms), contacts = !d.features.empty();
+  const bool told = std::isfinite(c.rms);
   double probe = conditions.repeatability >= 0.0 ? conditions.repeatability : (told ? c.repeatability : 0.0);
   if (!told)
     notes_.push_back(
@@ -245,17 +247,13 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
         "the repeatability was estimated from the residuals: what the model does not explain is in it");
   if (probe > 0.0) add("repeatability of the probe", {Cause::kProbe, {}, probe, 0.0, {}});
   if (!told) return;
-  // What the residuals at places that the fit did not use have beyond repeatability and drift.
-  double left = std::isfinite(c.heldOutRms) ? c.heldOutRms * c.heldOutRms : c.rms * c.rms;
-  left -= c.repeatability * c.repeatability;
-  for (const Wandering& w : c.drift) {
-    const Eigen::Vector3d along = motionAlong(w.direction, compensator_.model(), points_.front().state);
-    left -= (contacts ? kSeenOfDrift : 1.0) * w.std * w.std * along.squaredNorm();
-  }
-  if (!(left > 0.0)) return;
-  add("unexplained remainder", {Cause::kRemainder, {}, std::sqrt(left), 0.0, {}});
-  const double length = std::isnan(conditions.remainderLength) ? 0.25 * (d.tipUpper - d.tipLower).norm()
-                                                               : conditions.remainderLength;
+  const double length =
+      std::isnan(conditions.remainderLength) ? usualRemainderLength(d) : conditions.remainderLength;
+  remainder_ = conditions.remainder ? *conditions.remainder : remainderBySize(c, length);
+  if (remainder_.places > 0.0) remainder_.places = std::max(kFewestPlaces, remainder_.places);
+  const double size = std::sqrt((remainder_.smooth.squaredNorm() + remainder_.rough.squaredNorm()) / 3.0);
+  if (!(size > 0.0)) return;
+  add("unexplained remainder", {Cause::kRemainder, {}, size, 0.0, {}});
   const auto n = static_cast<Eigen::Index>(points_.size());
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n) * (1.0 + 1e-10);
   for (Eigen::Index i = 0; i < n; ++i)
@@ -263,9 +261,33 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
       const double apart =
           (points_[static_cast<std::size_t>(i)].place - points_[static_cast<std::size_t>(j)].place)
               .squaredNorm();
-      correlation(i, j) = correlation(j, i) = length > 0.0 ? std::exp(-0.5 * apart / (length * length)) : 0.0;
+      correlation(i, j) = correlation(j, i) =
+          remainder_.length > 0.0 ? std::exp(-0.5 * apart / (remainder_.length * remainder_.length)) : 0.0;
     }
   smooth_ = correlation.llt().matrixL();
+}
+
+double usualRemainderLength(const Domain& domain) {
+  return 0.25 * (domain.tipUpper - domain.tipLower).norm();
+}
+
+/// What the residuals at places that the fit did not use have beyond repeatability and drift: in which
+/// direction, and over which lengths, their size alone does not tell.
+Remainder VirtualMachine::remainderBySize(const Calibration& c, double length) const {
+  const bool contacts = !compensator_.model().domain().features.empty();
+  double left = std::isfinite(c.heldOutRms) ? c.heldOutRms * c.heldOutRms : c.rms * c.rms;
+  left -= c.repeatability * c.repeatability;
+  for (const Wandering& w : c.drift) {
+    const Eigen::Vector3d along = motionAlong(w.direction, compensator_.model(), points_.front().state);
+    left -= (contacts ? kSeenOfDrift : 1.0) * w.std * w.std * along.squaredNorm();
+  }
+  Remainder found;
+  if (left > 0.0) {
+    found.smooth.setConstant(std::sqrt(kSmoothShare * left));
+    found.rough.setConstant(std::sqrt((1.0 - kSmoothShare) * left));
+  }
+  found.length = length;
+  return found;
 }
 
 void VirtualMachine::addTemperatures(const TaskConditions& conditions) {

@@ -1,4 +1,5 @@
 // `mm uncertainty` and `mm certificate` as they are typed.
+#include "calibration_file/calibration_yaml.h"
 #include "session_folder.h"
 
 namespace mm {
@@ -75,6 +76,26 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   EXPECT_NE(made.out.find(digest), std::string::npos) << made.out;
   EXPECT_EQ(typed("certificate c.yaml --check cert.html").status, 0);
   expectRefused("certificate t.yaml --check cert.html", {"is of calibration"});
+  // The session and the file by which it was made, where they are at hand.
+  const Answer both = typed("certificate c.yaml s.bag --check cert.html");
+  EXPECT_EQ(both.status, 0) << both.error;
+  EXPECT_NE(both.out.find("the one that was certified, CRC-64 "), std::string::npos) << both.out;
+  EXPECT_NE(both.out.find("the one by which it was calibrated, hash "), std::string::npos) << both.out;
+  EXPECT_NE(typed("certificate --check cert.html --store none").out.find("calibration file: not at hand"),
+            std::string::npos);
+  const Calibration certified = loadCalibration(*folder_ / "c.yaml");
+  std::filesystem::create_directory(*folder_ / "kept");
+  std::filesystem::copy_file(*folder_ / "c.yaml", *folder_ / ("kept/" + certified.id + ".yaml"));
+  const Answer kept = typed("certificate --check cert.html --store kept");
+  EXPECT_EQ(kept.status, 0) << kept.error;
+  EXPECT_NE(kept.out.find("CRC-64 "), std::string::npos) << kept.out;
+  // The same id with another number in it.
+  Calibration changed = certified;
+  changed.values.front().value *= 1.001;
+  saveCalibration(changed, *folder_ / "changed.yaml");
+  expectRefused("certificate changed.yaml --check cert.html", {"issued for the file with CRC-64", "changed"});
+  std::filesystem::remove_all(*folder_ / "kept");
+  std::filesystem::remove(*folder_ / "changed.yaml");
   std::string tampered = page;
   tampered.replace(tampered.find("M-17"), 4, "M-18");
   folder_->write("tampered.html", tampered);
