@@ -118,8 +118,11 @@ void GrblController::takeCondition(const GrblReport& report) {
 // Whether the task has ended, by a report that was asked for at `sent`.
 void GrblController::judge(const std::string& state, int substate, double sent) {
   if (stopAsked_ && !resetAsked_) {
+    // At rest already: whether its feed hold was heard is not known, and one that is left would keep the next
+    // motion from beginning. The reset ends it.
     if (state == "Hold" && substate <= 0) endStop();
-    if ((state == "Idle" || state == "Alarm") && sent > stopSent_) {
+    if (state == "Idle" && sent > stopSent_) endStop();
+    if (state == "Alarm" && sent > stopSent_) {  // nothing is held in an alarm
       stopAsked_ = false;
       finish(Outcome::kStopped);
     }
@@ -199,8 +202,10 @@ void GrblController::takeAlarm(int code) {
 void GrblController::takeWelcome() {
   damaged_ = 0;
   forgetLines();
-  questions_.clear();
-  if (resetAsked_ || emergency_) {
+  const bool asked = resetAsked_ || emergency_;
+  while (!questions_.empty() && (!asked || questions_.front() <= resetAt_))
+    questions_.pop_front();  // those from before a reset went with it
+  if (asked) {
     resetAsked_ = false;
     if (emergency_) homed_.assign(map_->size(), false);
     if (stopSent_ <= resetAt_) stopAsked_ = false;  // else another feed hold is still on its way

@@ -6,7 +6,7 @@
 namespace mm {
 namespace {
 
-constexpr int kAnswers = 10;  // of a round that are needed; messages are asked for beside them
+constexpr std::size_t kAnswers = 10;  // of a round that are needed; messages are asked for beside them
 
 std::vector<std::string> wordsOf(const std::string& text) {
   std::vector<std::string> words;
@@ -79,12 +79,12 @@ bool LinuxCncRound::take(const LinuxCncLine& line) {
   } else {
     return false;
   }
-  ++parts;
+  doubled = !answered.insert(word).second || doubled;
   return true;
 }
 
 bool LinuxCncRound::complete() const {
-  return parts == kAnswers && asked > 0.0 && relative.size() == absolute.size();
+  return answered.size() == kAnswers && !doubled && asked > 0.0 && relative.size() == absolute.size();
 }
 
 }  // namespace mm

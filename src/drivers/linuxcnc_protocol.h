@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct LinuxCncRound {
   std::vector<int> limits;  // -1, 0, 1: at its lower, no, at its upper limit; LinuxCNC's joints
   std::vector<double> absolute, relative;  // mm or deg, X Y Z A B C; in the machine's and in work coordinates
   double feedOverride = 1.0;
-  int parts = 0;  // answers so far
+  std::set<std::string> answered;  // first words of the answers so far
+  bool doubled = false;            // one came twice: of which round it is nobody knows
 
   /// What is written to begin a round, one question a line.
   static const char* questions();
@@ -30,7 +32,8 @@ struct LinuxCncRound {
   bool take(const LinuxCncLine& line);
   /// The last answer of a round, after which nothing comes of it.
   static bool isLast(const LinuxCncLine& line) { return line.word == "PROGRAM_STATUS"; }
-  /// Every answer came, and the positions are of the same axes. linuxcncrsh can lose one (see LinuxCncTalk).
+  /// Every answer came, once, and the positions are of the same axes. linuxcncrsh can lose one (see
+  /// LinuxCncTalk).
   bool complete() const;
 };
 

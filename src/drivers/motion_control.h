@@ -16,6 +16,9 @@
 
 namespace mm {
 
+/// How the refusal of a probing motion begins whose probe is closed already.
+inline constexpr const char* kProbeIsClosed = "the probe is closed before the probing move";
+
 /// Stands between whoever wants a motion and the controller that makes it: checks what the controller says,
 /// keeps every motion within the URDF, ends one that meets what it should not, and says how each ended.
 /// Stop and emergency stop have a way of their own to the controller, past everything that may be waiting.
@@ -166,6 +169,7 @@ class MotionControl {
   std::optional<Current> current_;
   MotionId lastId_ = 0;
   std::uint32_t unsuccessful_ = 0;
+  bool touched_ = false;                    // a trip ended the last motion: the next one leaves a surface
   std::uint64_t states_ = 0;                // taken so far
   Wall::time_point fresh_;                  // of the last state that was newer than the one before
   std::optional<Wall::time_point> asking_;  // since when the controller owes an answer

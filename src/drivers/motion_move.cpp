@@ -41,9 +41,10 @@ MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover,
       const std::lock_guard<std::mutex> lock(mutex_);
       requireReady(stopsSeen);
       if (motion.probing && state_.probeClosed)
-        throw Error("the probe is closed before the probing move; retract it, or check whether it sticks");
+        throw Error(std::string(kProbeIsClosed) + "; retract it, or check whether it sticks");
       motion.id = ++lastId_;
-      motion.leaving = state_.probeClosed;
+      // A switch that chatters may be open at this moment, and closed at the next.
+      motion.leaving = state_.probeClosed || (touched_ && !motion.probing);
       beginCurrent(!motion.leaving);
       current_->motion = motion;
     }
@@ -60,6 +61,10 @@ MotionControl::Report MotionControl::move(AxesMotion motion, const Mover& mover,
     const bool rests = awaitRest(lock, settings_.restTimeout);
     if (!rests && current_)
       current_->why += "; whether the axes rest is not known" + (lost_.empty() ? "" : ": " + lost_);
+  }
+  if (current_) {
+    const Outcome end = current_->forced == Outcome::kUnderWay ? state_.outcome : current_->forced;
+    if (end == Outcome::kTripped || end == Outcome::kReached) touched_ = end == Outcome::kTripped;
   }
   if (motion.probing && current_) {
     const bool tripped = current_->forced == Outcome::kUnderWay && state_.outcome == Outcome::kTripped;

@@ -1,6 +1,7 @@
 #include "nodes/calibration_watch.h"
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "calibration_file/calibration_fit.h"
 
 namespace mm {
@@ -42,7 +43,7 @@ std::shared_ptr<const LoadedCalibration> CalibrationWatch::fitting(Calibration c
   return std::make_shared<const LoadedCalibration>(std::move(calibration), margin_);
 }
 
-void CalibrationWatch::load(const Link& link, const char* what,
+bool CalibrationWatch::load(const Link& link, const char* what,
                             std::shared_ptr<const LoadedCalibration>& loaded, std::string& warning) const {
   warning.clear();
   const bool kept = loaded != nullptr;
@@ -51,23 +52,27 @@ void CalibrationWatch::load(const Link& link, const char* what,
     if (link.id.empty()) {
       if (kept)
         throw InputError(std::string("the link '") + what + "' is gone from " + store_.folder().string());
-      return;
+      return true;
     }
     loaded = fitting(store_.load(link.id), warning);
+    return true;
   } catch (const std::exception& e) {
     warning = e.what();
     if (kept) warning += "; '" + loaded->id + "', read before, stays in use";
+    return dynamic_cast<const UnreadableFile*>(&e) == nullptr;
   }
 }
 
 void CalibrationWatch::loadFirst() {
   // Nothing is in memory yet: a damaged file falls back on what was active before it.
+  unreadable_ = false;
   try {
     CalibrationStore::Active active = store_.active();
     now_.warning = active.warning;
     if (active.calibration) now_.active = fitting(std::move(*active.calibration), now_.warning);
   } catch (const std::exception& e) {
     now_.warning = e.what();
+    unreadable_ = dynamic_cast<const UnreadableFile*>(&e) != nullptr;
   }
 }
 
@@ -77,11 +82,10 @@ std::shared_ptr<const CalibrationPair> CalibrationWatch::refresh() {
   if (first_) {
     loadFirst();
     activeLink_ = look("active");
-    if (now_.active && now_.active->id != activeLink_.id) activeLink_ = {};
+    if (unreadable_ || (now_.active && now_.active->id != activeLink_.id)) activeLink_ = {};
     first_ = false;
   } else if (!(active == activeLink_)) {
-    load(active, "active", now_.active, now_.warning);
-    activeLink_ = active;
+    activeLink_ = load(active, "active", now_.active, now_.warning) ? active : Link();
     changed = true;
   }
   const Link candidate = look("candidate");
@@ -89,9 +93,10 @@ std::shared_ptr<const CalibrationPair> CalibrationWatch::refresh() {
     const bool none = candidate.wrong.empty() && (candidate.id.empty() || candidate.id == activeLink_.id);
     if (none || (now_.candidate && now_.candidate->id != candidate.id)) now_.candidate = nullptr;
     now_.candidateWarning.clear();
+    bool known = true;
     if (!none && !(candidate == candidateLink_ && now_.candidate))
-      load(candidate, "candidate", now_.candidate, now_.candidateWarning);
-    candidateLink_ = candidate;
+      known = load(candidate, "candidate", now_.candidate, now_.candidateWarning);
+    candidateLink_ = known ? candidate : Link();
     changed = true;
   }
   return changed ? std::make_shared<const CalibrationPair>(now_) : nullptr;

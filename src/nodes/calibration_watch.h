@@ -24,7 +24,8 @@ struct CalibrationPair {
 };
 
 /// Follows a folder of calibrations. What is in memory stays in use until something readable takes its place:
-/// a file that is damaged or gone while it is active changes nothing but the warning.
+/// a file that is damaged or gone while it is active changes nothing but the warning. One that the disk does
+/// not give is asked for again at each look.
 class CalibrationWatch {
  public:
   /// @param machine and @param space that a calibration must fit (misfitOf): another one's is refused.
@@ -47,7 +48,8 @@ class CalibrationWatch {
   };
   Link look(const char* name) const;
   std::shared_ptr<const LoadedCalibration> fitting(Calibration calibration, std::string& warning) const;
-  void load(const Link& link, const char* what, std::shared_ptr<const LoadedCalibration>& loaded,
+  /// @return false: the disk did not give it, and it is to be asked again.
+  bool load(const Link& link, const char* what, std::shared_ptr<const LoadedCalibration>& loaded,
             std::string& warning) const;
   void loadFirst();
 
@@ -55,7 +57,7 @@ class CalibrationWatch {
   Machine machine_;
   std::string space_;
   double margin_;
-  bool first_ = true;
+  bool first_ = true, unreadable_ = false;
   Link activeLink_, candidateLink_;
   CalibrationPair now_;
 };

@@ -2,6 +2,7 @@
 #include <measuring_machine/TakeMotion.h>
 
 #include "base/error.h"
+#include "drivers/motion_control.h"
 #include "nodes/measure_node.h"
 
 namespace mm {
@@ -77,8 +78,7 @@ void MeasureNode::requireOpenProbe(const std::string& when) {
   if (contact_.wait_for(lock, std::chrono::duration<double>(releaseTimeout_),
                         [this] { return status_.probe_closed == 0; }))
     return;
-  throw Error("the probe is closed before the probing move (" + when +
-              "); retract it, or check whether it sticks");
+  throw Error(std::string(kProbeIsClosed) + " (" + when + "); retract it, or check whether it sticks");
 }
 
 bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position,
@@ -120,10 +120,21 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
     return axes_.getResult()->tripped;
   }
   if (state == actionlib::SimpleClientGoalState::LOST || !axes_.isServerConnected()) throw Error(kDriverGone);
+  if (unsettled(kind)) throw UnsettledProbe("axes: " + state.getText());
   if (!lostController(axes_.getResult()->outcome) || !answersAgain(state.getText()))
     throw Error("axes: " + state.getText());
   // The axes rest where they were stopped. A way is gone again; a probing motion begins from its approach.
   return kind == measuring_machine::MoveGoal::GO && drive(plan, kind, position, speed, feature);
+}
+
+// The last motion: the probe closed on the way out of a surface, or was closed as a probing motion was to
+// begin.
+bool MeasureNode::unsettled(std::uint8_t kind) {
+  const auto result = axes_.getResult();
+  if (kind == measuring_machine::MoveGoal::PROBE)
+    return result->outcome == measuring_machine::MoveResult::REFUSED &&
+           result->message.rfind(kProbeIsClosed, 0) == 0;
+  return leaving_ && result->outcome == measuring_machine::MoveResult::TRIPPED;
 }
 
 bool MeasureNode::lostController(std::uint8_t outcome) {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
+#include "session/plan_ways.h"
 
 namespace mm {
 namespace {
@@ -78,12 +79,14 @@ void MeasureNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) 
   using diagnostic_msgs::DiagnosticStatus;
   const std::lock_guard<std::mutex> lock(saidMutex_);
   if (running_)
-    status.summary(DiagnosticStatus::OK, paused_ ? "paused" : "measuring");
+    status.summary(blockedWays_.empty() ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+                   (paused_ ? "paused" : "measuring") + (blockedWays_.empty() ? "" : "; " + blockedWays_));
   else
     status.summary(failed_ ? DiagnosticStatus::ERROR : DiagnosticStatus::OK,
                    said_.empty() ? "ready" : "the last plan: " + said_);
   status.add("move", move_);
   status.add("moves", moves_);
+  status.add("retries", retried_.load());
 }
 
 Plan MeasureNode::loadPlan(const std::string& plan) const {
@@ -91,6 +94,15 @@ Plan MeasureNode::loadPlan(const std::string& plan) const {
   if (plan.find('\n') != std::string::npos)
     return Plan::parse(plan, "plan of the goal", std::filesystem::current_path(), machine_);
   return Plan::load(plan, machine_);
+}
+
+// Before anything moves, while somebody may still be there to stop it.
+void MeasureNode::sayBlockedWays(const Plan& plan) {
+  const std::string ways = blockedWaysText(plan, blockedWays(plan, machine_));
+  if (ways.empty()) return;
+  ROS_WARN("%s", ways.c_str());
+  const std::lock_guard<std::mutex> lock(saidMutex_);
+  blockedWays_ = ways;
 }
 
 void MeasureNode::announce(const Plan& plan, bool again) {
@@ -120,6 +132,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
   measuring_machine::MeasureResult result;
   feedback_ = {};
   paused_ = false;
+  retried_ = left_ = 0;
   const auto fill = [&](const std::string& message) {
     result.contacts = feedback_.contacts;
     result.missed = feedback_.missed;
@@ -133,6 +146,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     const std::lock_guard<std::mutex> lock(saidMutex_);
     running_ = true;
     failed_ = false;
+    blockedWays_.clear();
   };
   begin();
   try {
@@ -146,6 +160,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     if (goal->first >= plan.moves.size())
       throw InputError("'first' is " + std::to_string(goal->first) + "; the plan has moves 0 to " +
                        std::to_string(plan.moves.size() - 1));
+    sayBlockedWays(plan);
     if (!axes_.waitForServer(ros::Duration(5.0)))
       throw Error("the axis driver does not answer; is the node axis_driver running?");
     takeAxes(plan.name.empty() ? plan.source : plan.name);
@@ -156,14 +171,14 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     requireOpenProbe("before the plan");
     announce(plan, goal->first > 0);
     runFrom(plan, goal->first);
-    fill("done");
+    fill("done" + retriesInWords());
     server_.setSucceeded(result);
   } catch (const Cancelled&) {
     fill("cancelled before move " + std::to_string(feedback_.move));
     server_.setPreempted(result, result.message);
   } catch (const std::exception& e) {
     ROS_ERROR("measurement ended: %s", e.what());
-    fill(e.what());
+    fill(e.what() + retriesInWords());
     {
       const std::lock_guard<std::mutex> lock(saidMutex_);
       failed_ = true;
@@ -196,49 +211,6 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
   feedback_.move = static_cast<std::uint32_t>(plan.moves.size());
   feedback_.progress = 1.0;
   server_.publishFeedback(feedback_);
-}
-
-// Before the way back: a contact that was published counts, whatever comes then.
-void MeasureNode::countContact() {
-  ++feedback_.contacts;
-  ++measured_;
-  tellMeasured();
-}
-
-bool MeasureNode::measure(const Plan& plan, const PlanMove& move) {
-  for (int attempt = 0; attempt <= retries_; ++attempt) {
-    if (move.kind == MoveKind::kTouch) {
-      if (touch(plan, move)) return true;
-      continue;
-    }
-    drive(plan, measuring_machine::MoveGoal::GO, move.position, move.speed, {});
-    pauseFor(move.wait);
-    const std::uint64_t before = contactsSeen();
-    if (drive(plan, measuring_machine::MoveGoal::LASER, move.position, move.speed, feedback_.feature) &&
-        waitForContact(before)) {
-      countContact();
-      return true;
-    }
-  }
-  return false;
-}
-
-bool MeasureNode::touch(const Plan& plan, const PlanMove& move) {
-  using Goal = measuring_machine::MoveGoal;
-  drive(plan, Goal::GO, move.position, 0.0, {});
-  pauseFor(move.wait);
-  requireOpenProbe("touch of line " + std::to_string(move.line));
-  const std::uint64_t before = contactsSeen();
-  const bool tripped = drive(plan, Goal::PROBE, move.target, move.speed, feedback_.feature);
-  const bool contact = tripped && waitForContact(before);
-  if (contact) countContact();
-  struct Leaving {
-    bool& leaving;
-    explicit Leaving(bool& flag) : leaving(flag) { leaving = true; }
-    ~Leaving() { leaving = false; }
-  } const leaves(leaving_);
-  drive(plan, Goal::GO, move.position, 0.0, {});
-  return contact;
 }
 
 bool MeasureNode::waitForArrival(double wallSeconds) {

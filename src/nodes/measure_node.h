@@ -16,6 +16,7 @@
 #include <mutex>
 #include <optional>
 
+#include "base/error.h"
 #include "machine/machine.h"
 #include "session/plan.h"
 
@@ -24,7 +25,8 @@ namespace mm {
 /// Runs a measurement plan on the axis and probe nodes. Action `~run`; service `~pause`. Publishes the plan's
 /// `artifact` and `robot_description`, latched: with them a session begins; `~measured`, its contacts so far.
 /// Owns the axes while it runs: a stop takes its ticket away, and so ends the plan wherever it is.
-/// Parameters: `retries` of a touch, `give_up` (misses in a row that end the plan), `contact_timeout` (s
+/// A touch that brings no contact is tried again, and set aside when none comes; how often is said at the
+/// end. Parameters: `retries` of a touch, `give_up` (misses in a row that end the plan), `contact_timeout` (s
 /// between a trip and its contact), `release_timeout` (s for the probe to open after it was backed off).
 class MeasureNode {
  public:
@@ -32,16 +34,25 @@ class MeasureNode {
 
  private:
   using Server = actionlib::SimpleActionServer<measuring_machine::MeasureAction>;
+  /// The probe closed where it had to be open, but not for long: a switch that chatters.
+  class UnsettledProbe : public Error {
+   public:
+    using Error::Error;
+  };
   using Client = actionlib::SimpleActionClient<measuring_machine::MoveAction>;
 
   void execute(const measuring_machine::MeasureGoalConstPtr& goal);
   Plan loadPlan(const std::string& plan) const;
+  void sayBlockedWays(const Plan& plan);
   /// Machine and artifact, for whoever begins to record now. @param again the session began before.
   void announce(const Plan& plan, bool again);
   void runFrom(const Plan& plan, std::size_t first);
   bool measure(const Plan& plan, const PlanMove& move);
   bool touch(const Plan& plan, const PlanMove& move);
-  /// @return the action's `tripped`. @throw Error when the goal was not reached, Cancelled.
+  void leave(const Plan& plan, const PlanMove& move);
+  std::string retriesInWords() const;
+  bool unsettled(std::uint8_t kind);
+  /// @return the action's `tripped`. @throw UnsettledProbe, Error when the goal was not reached, Cancelled.
   bool drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position, double speed,
              const std::string& feature);
   bool lostController(std::uint8_t outcome);
@@ -67,6 +78,8 @@ class MeasureNode {
   int retries_, giveUp_;
   int lost_ = 0;  // motions in a row that were lost with their controller
   double contactTimeout_, releaseTimeout_;
+  std::atomic<int> retried_{0};  // measurements that were tried again
+  int left_ = 0;                 // ways back from a surface that the probe ended
   measuring_machine::MeasureFeedback feedback_;
   std::atomic<bool> paused_{false};
   std::uint32_t measured_ = 0;  // contacts in the session
@@ -88,7 +101,8 @@ class MeasureNode {
   ros::WallTimer renewal_;
   ros::ServiceServer pause_;
   std::mutex saidMutex_;
-  std::string said_;  // how the last plan ended
+  std::string said_;         // how the last plan ended
+  std::string blockedWays_;  // of the plan under way: ways through a ball
   bool failed_ = false, running_ = false;
   std::uint32_t move_ = 0, moves_ = 0;  // of the plan under way
   diagnostic_updater::Updater updater_;

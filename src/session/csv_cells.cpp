@@ -124,12 +124,12 @@ bool sumsUp(const std::vector<std::string_view>& cells) {
 }
 
 double directionOf(std::string_view cell) {
-  static const std::set<std::string> kUp = {"+",       "+1",       "1",        "up",       "fwd",
-                                            "forward", "forwards", "pos",      "positive", "→",
-                                            "↑",       "vor",      "vorwärts", "hin",      "+ve"};
-  static const std::set<std::string> kDown = {"-",         "-1",  "down",    "bwd",  "back",     "backward",
-                                              "backwards", "rev", "reverse", "neg",  "negative", "←",
-                                              "↓",         "−",   "zurück",  "rück", "-ve"};
+  static const std::set<std::string> kUp = {"+",        "+1",  "1",        "up",    "fwd", "forward",
+                                            "forwards", "pos", "positive", "→",     "↑",   "vor",
+                                            "vorwärts", "hin", "aller",    "avant", "+ve"};
+  static const std::set<std::string> kDown = {
+      "-", "-1", "down", "bwd",    "back", "backward",  "backwards", "rev",    "reverse", "neg", "negative",
+      "←", "↓",  "−",    "zurück", "rück", "rückwärts", "her",       "retour", "arrière", "-ve"};
   const std::string word = lower(cell);
   return kUp.count(word) > 0 ? 1.0 : kDown.count(word) > 0 ? -1.0 : 0.0;
 }

@@ -134,7 +134,9 @@ std::vector<CsvColumn> parseCsvHeader(const std::vector<std::string>& names, con
     const std::string& header = names[i];
     if (header.empty()) throw InputError(place + ": column " + std::to_string(i + 1) + " has no name");
     if (header.find(';') != std::string::npos || header.find('\t') != std::string::npos)
-      throw InputError(place + ": columns must be separated by commas, numbers written with a decimal point");
+      throw InputError(place +
+                       ": columns must be separated by commas, numbers written with a decimal point; "
+                       "measurements in a table of any other form become a session by mm import");
     if (!seen.insert(header).second) throw InputError(place + ": column '" + header + "' is given twice");
     const auto fixed = known.find(header);
     CsvColumn column = fixed != known.end() ? fixed->second : openColumn(header, known, place);

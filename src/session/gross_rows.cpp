@@ -8,6 +8,7 @@
 
 #include "base/format.h"
 #include "base/units.h"
+#include "session/copied_rows.h"
 #include "session/sphere_centre.h"
 
 namespace mm {
@@ -95,32 +96,11 @@ class GrossRows {
     found_[observation] = std::move(aside);
   }
 
-  /// Whether two rows of the same time are one: nothing that was measured differs by a bit.
-  static bool sameRow(const Observation& a, const Observation& b) {
-    const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-    const auto sameList = [&](const std::vector<double>& x, const std::vector<double>& y) {
-      return std::equal(x.begin(), x.end(), y.begin(), y.end(), same);
-    };
-    bool reference = true;
-    for (int k = 0; k < 3; ++k) reference = reference && same(a.reference[k], b.reference[k]);
-    return a.kind == b.kind && a.feature == b.feature && a.setup == b.setup && a.time == b.time &&
-           reference && same(a.laserReading, b.laserReading) && sameList(a.position, b.position) &&
-           sameList(a.velocity, b.velocity) && sameList(a.deviation, b.deviation) &&
-           sameList(a.deviationStd, b.deviationStd);
-  }
-
-  /// A file that holds a run twice, a topic that was recorded twice: noise would be taken for smaller than it
-  /// is.
   void copies() {
-    const std::vector<Observation>& all = session_.observations;
-    for (std::size_t i = 1; i < all.size(); ++i)
-      for (std::size_t k = i; k-- > 0 && all[k].time == all[i].time;)
-        if (gone_[k] == 0 && sameRow(all[k], all[i])) {
-          name(i, "row", "a copy",
-               "is " + session_.rowText(all[k].row) +
-                   " once more, to the same time and the last digit; it counts once");
-          break;
-        }
+    for (const auto& [copy, original] : copiedRows(session_.observations))
+      name(copy, kCopiedRow, "",
+           "is " + session_.rowText(session_.observations[original].row) +
+               " once more, to the same time and the last digit; it counts once");
   }
 
   void column(Column column, const std::string& field, const char* unit, double toUnit) {

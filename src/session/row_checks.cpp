@@ -110,7 +110,9 @@ class RowAsker {
     };
     constexpr double kLeast = 0.02;  // of the travel: what is shrunk to nothing is within any
     for (const Unit& u :
-         {Unit{1.0 / 25.4, "divided by 25.4 it is within; is it in mm instead of inches?", true},
+         {Unit{1.0 / 25.4,
+               "divided by 25.4 it is within; is this another machine, or is it in mm instead of inches?",
+               true},
           Unit{1e-3, "divided by 1000 it is within; is it in um instead of mm, or in mm instead of m?", true},
           Unit{kDegree, "it is within if it is in degrees instead of radians; is it?", false},
           Unit{1.0 / 60.0, "divided by 60 it is within; is it in minutes of arc?", false},

@@ -6,6 +6,7 @@
 
 #include "base/format.h"
 #include "base/units.h"
+#include "session/copied_rows.h"
 
 namespace mm {
 namespace {
@@ -136,6 +137,7 @@ std::string lossText(const Session& session) {
 }
 
 std::string setAsideText(const Session& session, const SetAside& aside) {
+  if (aside.field == kCopiedRow) return session.rowText(aside.row) + " " + aside.why;
   if (!aside.observation && !aside.logged) return aside.field + " is set aside: " + aside.why;
   return (aside.row > 0 ? session.rowText(aside.row) + ": " : "") +
          (aside.observation ? "the row is set aside: " : "a value is set aside: ") + aside.field + " = " +
@@ -147,7 +149,7 @@ std::vector<std::string> setAsideLines(const Session& session) {
   std::vector<std::string> lines;
   std::size_t copies = 0;
   for (const SetAside& aside : session.setAside)
-    if (aside.field != "row" || ++copies <= kCopiesTold) lines.push_back(setAsideText(session, aside));
+    if (aside.field != kCopiedRow || ++copies <= kCopiesTold) lines.push_back(setAsideText(session, aside));
   if (copies > kCopiesTold)
     lines.push_back(std::to_string(copies - kCopiesTold) + " more rows are there twice, and count once");
   return lines;

@@ -3,7 +3,7 @@ hemisphere, and faults on demand. Nothing here comes from the code that is teste
 
 A double prints one line of JSON when it is ready: {"address": …, "control": port}. On the control port (TCP) it takes one
 command a line and answers with one line of JSON:
-    fault <ok|off|stuck|garbage|wrong|slow|intermittent>
+    fault <ok|off|stuck|garbage|wrong|slow [by how many seconds]|intermittent>
     probe <ok|dead|stuck|chatter>       the switch of the probe
     limit <axis> <-1|0|1>               a limit switch
     machine                             where it truly is, whether it moves, how it was told to stop and when
@@ -90,7 +90,7 @@ class Double:
     """Runs a protocol: `received(bytes)` is called with what comes, `tick(seconds)` every millisecond; `say(text)` answers."""
 
     def __init__(self, arguments):
-        self.fault, self.since = "ok", time.monotonic()
+        self.fault, self.since, self.late = "ok", time.monotonic(), SLOW
         self.pty = arguments.pty
         self.connections, self.listener, self.port = [], None, arguments.port
         self.outgoing = []  # time, connection, bytes
@@ -148,7 +148,7 @@ class Double:
         data = text.encode("latin-1")
         if self.fault == "garbage":
             data = bytes(self.random.randrange(256) for _ in data[:-2]) + b"\r\n"
-        at = time.monotonic() + (SLOW if self.fault == "slow" else 0.0)
+        at = time.monotonic() + (self.late if self.fault == "slow" else 0.0)
         if self.outgoing:
             at = max(at, self.outgoing[-1][0])  # nothing overtakes on a line
         self.outgoing.append((at, connection, data))
@@ -169,10 +169,10 @@ class Double:
                     pass
         self.outgoing = late
 
-    def set_fault(self, fault):
+    def set_fault(self, fault, late=SLOW):
         if fault not in FAULTS:
             return {"error": "no such fault"}
-        before, self.fault, self.since = self.fault, fault, time.monotonic()
+        before, self.fault, self.since, self.late = self.fault, fault, time.monotonic(), float(late)
         if fault == "off" and before != "off":
             self.drop()
             self.power(False)
@@ -188,7 +188,7 @@ class Double:
     def obey(self, line):
         words = line.split()
         if words[0] == "fault":
-            return self.set_fault(words[1])
+            return self.set_fault(*words[1:])
         if words[0] == "probe":
             self.machine.probe = words[1]
             return {"probe": words[1]}

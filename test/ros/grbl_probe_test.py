@@ -52,10 +52,15 @@ class GrblProbe(unittest.TestCase):
         self.double.tell("probe chatter")
         state, result = self.run_plan()
         print("chatter: %d contacts, %d missed: %s" % (result.contacts, result.missed, result.message))
-        # A switch that closes again on the way out of the surface is a collision to who moves: the plan ends there, and says so.
+        # A touch that does not settle is tried again and set aside, a way back that the switch ends is begun again: the plan goes on,
+        # unless several touches in a row have no contact.
         if state != GoalStatus.SUCCEEDED:
-            # Which of the two it meets first is the switch's to say.
-            self.assertRegex(result.message, "the probe tripped while positioning|the probe (is|was) closed before the probing mo")
+            self.assertIn("in a row without a contact", result.message)
+        else:
+            self.assertEqual(result.contacts + result.missed, 20, result.message)
+        # Where the switch closes is by chance: now and then it is no touch that meets it. What is missed is said.
+        if result.contacts < 20:
+            self.assertRegex(result.message, "tried again|set aside|closed again on the way back|in a row without a contact")
         support.wait_until(lambda: len(self.contacts) >= result.contacts, 10)  # they come beside the result
         self.assertEqual(len(self.contacts), result.contacts, "each touch is one contact at most, however often the switch closes")
         self.rests()
@@ -97,7 +102,7 @@ class GrblProbe(unittest.TestCase):
 
     def test_5_and_it_measures_again(self):
         self.axes.send_goal(MoveGoal(name=["z"], position=[0.031], linear_speed=0.005))
-        self.assertTrue(support.ended(self.axes, 30))
+        self.assertTrue(support.ended(self.axes, 30), "%s %s" % (self.double.tell("machine"), self.said[-9:]))
         state, result = self.run_plan()
         self.assertEqual((state, result.contacts, result.missed), (GoalStatus.SUCCEEDED, 20, 0), result.message)
 

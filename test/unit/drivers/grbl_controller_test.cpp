@@ -139,12 +139,15 @@ TEST_F(GrblTest, StopRestsKeepsThePositionAndHoming) {
 }
 
 TEST_F(GrblTest, AReportFromBeforeAStopDoesNotEndIt) {
-  begin();
+  silence_ = 3.0;
+  begin({}, {{"silence", "3"}});
   ASSERT_EQ(arrive(kNear).outcome, Outcome::kReached);
-  for (int i = 0; i < 4; ++i) {
-    double_->tell("fault slow");
-    // More than one question is open then; what answers the second one left the control before the stop.
-    std::this_thread::sleep_for(std::chrono::milliseconds(320 + 30 * i));
+  for (int i = 0; i < 7; ++i) {
+    // More than one question is open then; what answers the second one left the control before the stop. What
+    // is later than a question waits is taken for the answer to the next one.
+    const bool later = i >= 4;
+    double_->tell(later ? "fault slow 0.55" : "fault slow");
+    std::this_thread::sleep_for(std::chrono::milliseconds(later ? 600 + 60 * (i - 4) : 320 + 30 * i));
     refusal([&] { control_->stop("/panel"); });
     double_->tell("fault ok");
     ASSERT_TRUE(await([&] { return control_->view().lost.empty() && !control_->view().state.moving; }, 10.0));

@@ -16,5 +16,27 @@ TEST(LinuxCncProtocol, ReadsWhatLinuxcncrshSays) {
   EXPECT_FALSE(parseLinuxCncLine(std::string("ESTOP\x01 ON")));
 }
 
+// An answer that comes twice does not stand for one that is missing.
+TEST(LinuxCncProtocol, ARoundIsCompleteWhenEachAnswerCameOnce) {
+  const std::vector<std::string> answers = {"ESTOP OFF",          "MACHINE ON",      "JOINT_HOMED YES YES",
+                                            "JOINT_LIMIT OK OK",  "ABS_ACT_POS 1 2", "REL_ACT_POS 1 2",
+                                            "PROBE_VALUE 0",      "MODE MDI",        "FEED_OVERRIDE 100",
+                                            "PROGRAM_STATUS IDLE"};
+  const auto roundOf = [&](const std::vector<std::string>& lines) {
+    LinuxCncRound round;
+    round.asked = 1.0;
+    for (const std::string& line : lines) round.take(*parseLinuxCncLine(line));
+    return round;
+  };
+  EXPECT_TRUE(roundOf(answers).complete());
+  for (std::size_t missing = 0; missing < answers.size(); ++missing) {
+    std::vector<std::string> lines = answers;
+    lines[missing] = lines[(missing + 1) % lines.size()];
+    EXPECT_FALSE(roundOf(lines).complete()) << answers[missing];
+    lines.push_back(answers[missing]);
+    EXPECT_FALSE(roundOf(lines).complete()) << "one is of another round";
+  }
+}
+
 }  // namespace
 }  // namespace mm

@@ -180,6 +180,22 @@ TEST_F(MotionControlTest, ATripWhilePositioningStopsAllAxes) {
   EXPECT_LT(into.position[0], 0.0025);
 }
 
+// A switch that chatters is open when it is asked for, and closed when the controller begins.
+TEST_F(MotionControlTest, TheMotionAfterATripLeavesASurfaceWhateverTheSwitchSaysNow) {
+  home();
+  ASSERT_EQ(go({0.001, 0.0, 0.0}).outcome, Outcome::kReached);
+  EXPECT_FALSE(controller_->leaving);
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  ASSERT_EQ(report.get().outcome, Outcome::kTripped);
+  controller_->set([](AxesState& state) { state.probeClosed = false; });
+  ASSERT_TRUE(await([&] { return !control_->view().state.probeClosed; }));
+  ASSERT_EQ(go({0.001, 0.0, 0.0}).outcome, Outcome::kReached);
+  EXPECT_TRUE(controller_->leaving);
+  ASSERT_EQ(go({0.003, 0.0, 0.0}).outcome, Outcome::kReached);
+  EXPECT_FALSE(controller_->leaving) << "it has left";
+}
+
 TEST_F(MotionControlTest, AnEmergencyStopWaitsForNothing) {
   home();
   auto report = start({0.010, 0.0, 0.0});

@@ -80,5 +80,36 @@ TEST_F(CalibrationWatchTest, ALinkThatLeadsOutOfTheFolderIsNotFollowed) {
   EXPECT_EQ(watch.refresh()->active->id, own);
 }
 
+// A disk that does not give a file once: reading /proc/self/mem from its beginning is EIO.
+TEST_F(CalibrationWatchTest, WhatTheDiskDidNotGiveIsAskedForAgain) {
+  const std::string first = add(machineAt(0.0), "/", 1e-4);
+  store_.promote(first);
+  const std::string second = add(machineAt(0.0), "/", 2e-4);
+  store_.promote(second);
+  CalibrationWatch watch = watchOf(machineAt(0.0), "/"), begun = watchOf(machineAt(0.0), "/");
+  ASSERT_EQ(watch.refresh()->active->id, second);
+  const std::string third = add(machineAt(0.0), "/", 3e-4);
+  store_.promote(third);
+  const std::filesystem::path file = store_.folder() / (third + ".yaml"), aside = store_.folder() / "aside";
+  std::filesystem::rename(file, aside);
+  std::filesystem::create_symlink("/proc/self/mem", file);
+  auto pair = watch.refresh();
+  ASSERT_TRUE(pair && pair->active);
+  EXPECT_EQ(pair->active->id, second) << "what was read before stays in use";
+  EXPECT_NE(pair->warning.find("Input/output error"), std::string::npos) << pair->warning;
+  pair = begun.refresh();
+  ASSERT_TRUE(pair && pair->active);
+  EXPECT_EQ(pair->active->id, second) << "the one before, until it is given";
+  EXPECT_EQ(store_.linked("active"), third) << "nothing is rolled back for a read that failed";
+  std::filesystem::rename(aside, file);
+  for (CalibrationWatch* one : {&watch, &begun}) {
+    pair = one->refresh();
+    ASSERT_TRUE(pair && pair->active);
+    EXPECT_EQ(pair->active->id, third);
+    EXPECT_EQ(pair->warning, "");
+    EXPECT_FALSE(one->refresh());
+  }
+}
+
 }  // namespace
 }  // namespace mm
