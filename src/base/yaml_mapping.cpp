@@ -62,7 +62,10 @@ YAML::Node YamlMapping::load(const std::string& yaml, const std::string& source)
   try {
     return YAML::Load(yaml);
   } catch (const YAML::Exception& e) {
-    throw InputError(source + ":" + std::to_string(e.mark.line + 1) + ": not YAML: " + e.msg);
+    throw InputError(
+        source + ":" + std::to_string(e.mark.line + 1) + ": not YAML: " + e.msg +
+        "; look there and on the line before for a missing bracket, comma or quote, or blanks that "
+        "do not line up");
   }
 }
 

@@ -22,6 +22,17 @@ std::string misfitOf(const Calibration& calibration, const Machine& machine, con
   return {};
 }
 
+std::string differenceOf(const Calibration& calibration, const Machine& other, const std::string& space,
+                         const std::string& there) {
+  const Machine calibrated(calibration.urdf, calibration.machineName);
+  const std::string difference = differenceOf(calibrated, other, there);
+  const bool serials = !serialOf(calibrated).empty() && !serialOf(other).empty();
+  if (!difference.empty() || serials || calibration.sessionSpace.empty() || space.empty() ||
+      calibration.sessionSpace == space)
+    return difference;
+  return "it was measured in the namespace " + calibration.sessionSpace + ", " + there + " that is " + space;
+}
+
 std::string uncheckedFit(const Calibration& calibration, const Machine& machine) {
   const std::string who = "calibration '" + calibration.id + "' ";
   if (!calibration.toldSpace)

@@ -12,6 +12,9 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/read_file.h"
+#include "base/units.h"
 #include "base/utc_now.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
@@ -23,6 +26,7 @@ namespace {
 constexpr const char* kActive = "active";
 constexpr const char* kCandidate = "candidate";
 constexpr const char* kPromotions = "promotions";
+constexpr const char* kVerifications = "verifications";
 constexpr const char* kSuffix = ".yaml";
 
 /// Lets one writer at a time into a folder; released with the process at the latest.
@@ -148,6 +152,51 @@ std::vector<CalibrationStore::Promotion> CalibrationStore::promotions() const {
   return all;
 }
 
+bool CalibrationStore::keeps(const std::string& id) const {
+  std::error_code failed;
+  return fs::is_regular_file(fileOf(id), failed);
+}
+
+// time id verdict before after and their standard uncertainties, unit, points, session: that last, for it may
+// hold blanks.
+void CalibrationStore::note(Verified v) const {
+  if (!keeps(v.id))
+    throw InputError("no calibration '" + v.id + "' in " + folder_.string() +
+                     "; mm history lists those that are kept");
+  if (v.time.empty()) v.time = utcNow();
+  for (char& c : v.session)
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
+  const double unit = v.angular ? kArcsecond : kMicrometre;
+  const FolderLock lock(folder_);
+  removeLeftovers(folder_);
+  const fs::path file = folder_ / kVerifications;
+  writeFileAtomically(file, (fs::exists(file) ? readFile(file) : std::string()) +
+                                format("%s %s %s %.6g %.6g %.3g %.3g %s %d ", v.time.c_str(), v.id.c_str(),
+                                       v.verdict.c_str(), v.before / unit, v.after / unit, v.beforeStd / unit,
+                                       v.afterStd / unit, v.angular ? "arcsec" : "um", v.points) +
+                                v.session + "\n");
+}
+
+std::vector<CalibrationStore::Verified> CalibrationStore::verifications() const {
+  std::vector<Verified> all;
+  if (!fs::exists(folder_ / kVerifications)) return all;
+  std::istringstream lines(readFile(folder_ / kVerifications));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    Verified v;
+    std::string unit;
+    if (!(words >> v.time >> v.id >> v.verdict >> v.before >> v.after >> v.beforeStd >> v.afterStd >> unit >>
+          v.points))
+      continue;
+    v.angular = unit == "arcsec";
+    for (double* figure : {&v.before, &v.after, &v.beforeStd, &v.afterStd})
+      *figure *= v.angular ? kArcsecond : kMicrometre;
+    std::getline(words >> std::ws, v.session);
+    all.push_back(std::move(v));
+  }
+  return all;
+}
+
 std::vector<std::string> CalibrationStore::before(const std::string& id) const {
   std::vector<std::string> stack;
   for (const Promotion& p : promotions()) {
@@ -194,6 +243,8 @@ std::string CalibrationStore::fallBack(const std::string& from, std::string& pas
     try {
       load(earlier);
       return earlier;
+    } catch (const UnreadableFile&) {
+      throw;  // it may well be whole: one before it is not what was asked for
     } catch (const InputError& e) {
       passedOver += std::string(passedOver.empty() ? "" : "; ") + e.what();
     }
@@ -224,9 +275,13 @@ CalibrationStore::Active CalibrationStore::active() const {
   const std::string id = linked(kActive);
   if (id.empty()) return {};
   Active found;
+  bool damaged = true;
   try {
     found.calibration = load(id);
     return found;
+  } catch (const UnreadableFile& e) {
+    found.warning = e.what();
+    damaged = false;  // the disk does not give it now: it stays the active one
   } catch (const InputError& e) {
     found.warning = e.what();
   }
@@ -238,6 +293,10 @@ CalibrationStore::Active CalibrationStore::active() const {
                      "; no earlier active calibration is undamaged: promote an id of mm history");
   found.calibration = load(last);
   found.warning += "; the last good calibration '" + last + "' is active instead";
+  if (!damaged) {
+    found.warning += " (for this program only: whether the other is damaged is not known)";
+    return found;
+  }
   try {
     const FolderLock lock(folder_);
     if (linked(kActive) == id) makeActive(last, "rollback");

@@ -9,8 +9,9 @@
 
 namespace mm {
 
-/// A folder in which every calibration is kept: `<id>.yaml`, the links `active` and `candidate`, and
-/// `promotions`, the list of what was made active and when. Every change is one rename of something complete,
+/// A folder in which every calibration is kept: `<id>.yaml`, the links `active` and `candidate`,
+/// `promotions`, the list of what was made active and when, and `verifications`, what fresh points said of
+/// them. Every change is one rename of something complete,
 /// so that whoever is killed at any moment loses nothing; writers of several processes wait for each other.
 class CalibrationStore {
  public:
@@ -30,6 +31,24 @@ class CalibrationStore {
     int promotions = 0;     // how often it was made active
     int lastPromotion = 0;  // the last time among all promotions of the store, from 1; 0: never
     std::string damaged;    // why it cannot be read; empty: it can
+  };
+
+  /// One line of `promotions`.
+  struct Promotion {
+    std::string time;    // ISO 8601, UTC
+    std::string action;  // promote or rollback
+    std::string id;
+  };
+
+  /// One line of `verifications`: what fresh points said of a calibration that is kept.
+  struct Verified {
+    std::string time;  // ISO 8601, UTC
+    std::string id, verdict;
+    double before = 0.0, after = 0.0;        // RMS, m (rad where `angular`)
+    double beforeStd = 0.0, afterStd = 0.0;  // their standard uncertainties
+    bool angular = false;
+    int points = 0;
+    std::string session;  // where the points came from
   };
 
   /// @param folder made when something is first written. A folder that does not exist is an empty store.
@@ -52,7 +71,8 @@ class CalibrationStore {
 
   /// Makes active again what was active before (the last that is undamaged), or the one named. @return its
   /// id.
-  /// @throw InputError: nothing before, none such, or damaged.
+  /// @throw InputError: nothing before, none such, or damaged; UnreadableFile: the one before may be whole,
+  /// but the disk does not give it.
   std::string rollback(const std::string& id = {}, const Check& check = {});
 
   /// Id to which a link of the folder ("active", "candidate") leads; empty: there is no such link.
@@ -60,7 +80,10 @@ class CalibrationStore {
   std::string linked(const char* link) const;
 
   /// The active calibration. When its file is damaged, the one that was active before it becomes active (as
-  /// by rollback) and the warning says so. @throw InputError when no undamaged one was ever active.
+  /// by rollback) and the warning says so. One that the disk does not give stays the active one in the
+  /// folder.
+  /// @throw InputError when no undamaged one was ever active; UnreadableFile when the one before is not
+  /// given.
   Active active() const;
   /// The candidate; none when it is also the active one. A damaged file is a warning.
   Active candidate() const;
@@ -70,14 +93,19 @@ class CalibrationStore {
 
   /// All that is kept, oldest first.
   std::vector<Entry> history() const;
+  /// What was made active and when, oldest first.
+  std::vector<Promotion> promotions() const;
+
+  bool keeps(const std::string& id) const;  ///< whether a calibration of that id is kept
+  /// Adds to the list of verifications. @param verified its time may be empty: now.
+  /// @throw InputError: the folder keeps no such calibration, or cannot be written.
+  void note(Verified verified) const;
+  /// What was noted, oldest first; lines that cannot be read are left out.
+  std::vector<Verified> verifications() const;
 
  private:
-  struct Promotion {
-    std::string time, action, id;
-  };
   std::filesystem::path fileOf(const std::string& id) const;
   std::string linkedHere(const char* link) const;  // as linked; empty where that refuses
-  std::vector<Promotion> promotions() const;
   /// What was active before `id`, latest first.
   std::vector<std::string> before(const std::string& id) const;
   void makeActive(const std::string& id, const std::string& action) const;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -37,7 +39,9 @@ class PartsHash {
     const auto size = fs::file_size(path, failed);
     std::ifstream in(path, std::ios::binary);
     if (failed || !in)
-      throw InputError(path.string() + ": cannot be read; check the path and its permissions");
+      throw InputError(path.string() + ": cannot be read (" +
+                       (failed ? failed.message() : std::strerror(errno)) +
+                       "); check the path and its permissions");
     length(size);
     std::vector<char> block(kBlock);
     std::uintmax_t read = 0;
@@ -45,7 +49,9 @@ class PartsHash {
       bytes(block.data(), static_cast<std::size_t>(in.gcount()));
       read += static_cast<std::uintmax_t>(in.gcount());
     }
-    if (in.bad() || read != size)
+    if (in.bad())
+      throw InputError(path.string() + ": cannot be read to its end: the disk reports an error; run again");
+    if (read != size)
       throw InputError(path.string() + ": " + std::to_string(read) + " of its " + std::to_string(size) +
                        " bytes could be read; wait until it is complete, and run again");
   }

@@ -4,6 +4,7 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "base/read_file.h"
 #include "ros_bridge/bag_writer.h"
 
 namespace mm {
@@ -17,9 +18,8 @@ bool publishedByANode(const rosbag::ConnectionInfo& connection) {
   return by != connection.header->end() && by->second != kBagWriterName;
 }
 
-}  // namespace
-
-std::string bagOrigin(const std::filesystem::path& file) {
+/// @return empty: its index cannot be read.
+std::string originOf(const std::filesystem::path& file) {
   try {
     rosbag::Bag bag(file.string(), rosbag::bagmode::Read);
     rosbag::View all(bag);
@@ -30,8 +30,25 @@ std::string bagOrigin(const std::filesystem::path& file) {
       if (const auto name = message.instantiate<std_msgs::String>()) return "imported from " + name->data;
     return "simulated";
   } catch (const std::exception&) {
-    return "damaged";
+    return {};
   }
+}
+
+/// @throw UnreadableFile: the disk does not give all of it.
+void readThrough(const std::filesystem::path& file) {
+  constexpr std::size_t kBlock = 1 << 20;
+  for (std::size_t at = 0, got = kBlock; got == kBlock; at += got)
+    got = readPartOfFile(file, at, kBlock, "name another file").size();
+}
+
+}  // namespace
+
+std::string bagOrigin(const std::filesystem::path& file) {
+  std::string origin = originOf(file);
+  if (!origin.empty()) return origin;
+  readThrough(file);  // what the disk does not give is not damaged
+  origin = originOf(file);
+  return origin.empty() ? "damaged" : origin;
 }
 
 }  // namespace mm

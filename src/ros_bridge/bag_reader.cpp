@@ -6,6 +6,7 @@
 #include <rosbag/stream.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -66,14 +67,20 @@ BagReader::BagReader(const std::filesystem::path& file) : path_(file) {
     throw InputError(file.string() + ": is a folder, not a bag");
   if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
     throw InputError(file.string() + ": is no file (a device or a pipe), but a bag is one");
+  errno = 0;
   in_.open(file, std::ios::binary);
-  if (!in_) throw InputError(file.string() + ": the bag cannot be read; does it exist?");
+  if (!in_) {
+    const std::string why = errno == 0 || errno == ENOENT ? "does it exist?" : std::strerror(errno);
+    throw InputError(file.string() + ": the bag cannot be read; " + why);
+  }
   size_ = std::filesystem::file_size(file, error);
   std::string version;
   for (char c = 0; version.size() < kVersionLine && in_.get(c) && c != '\n';) version += c;
   refuseIfTheDiskFails();
   if (version.rfind("#ROSBAG V", 0) != 0)
-    throw InputError(file.string() + ": is not a bag (its first line says so)");
+    throw InputError(file.string() +
+                     ": is not a bag (its first line says so); a table of measurements becomes one by mm "
+                     "import");
   if (version != "#ROSBAG V2.0")
     throw InputError(file.string() + ": is a bag of format " + version.substr(9) +
                      ", but 2.0 is needed; convert it with 'rosbag fix'");

@@ -21,11 +21,13 @@ class CheckedStream : public ros::serialization::Stream {
   void next(T& item) {
     ros::serialization::deserialize(*this, item);
   }
+  /// A text, of which the length is checked before it is read.
   void next(std::string& text) {
     const std::uint32_t length = nextLength();
     const auto* bytes = reinterpret_cast<const char*>(advance(length));
     text.assign(bytes, length);
   }
+  /// A list, refused where it claims to be longer than all that is left.
   template <typename T>
   void next(std::vector<T>& items) {
     const std::uint32_t length = nextLength();

@@ -93,12 +93,6 @@ CalibratedBy calibratedBy(const Artifact& artifact) {
   return by;
 }
 
-std::string namesOf(const std::vector<Joint>& joints) {
-  std::string text;
-  for (const Joint& j : joints) text += (text.empty() ? "" : ", ") + j.name;
-  return text;
-}
-
 }  // namespace
 
 bool sameEffect(const EffectSpec& a, const EffectSpec& b, const Domain& domain) {
@@ -258,26 +252,22 @@ Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibra
 }
 
 void checkMachine(const Calibration& calibration, const Session& session) {
-  const std::string difference =
-      differenceOf(Machine(calibration.urdf, calibration.machineName), session.machine, "in the session");
+  const Machine calibrated(calibration.urdf, calibration.machineName);
+  const std::string difference = differenceOf(calibrated, session.machine, "in the session");
   if (!difference.empty())
-    throw InputError(
-        session.source + ": was measured on another machine than the one that was calibrated ('" +
-        calibration.machineName + "'): " + difference + "; use a session of the machine that was calibrated");
+    throw InputError(session.source + ": was measured on another machine ('" + session.machine.name() +
+                     "') than the one that was calibrated ('" + calibration.machineName +
+                     "'): " + difference + "; use a session of the machine that was calibrated");
 }
 
 void checkMachine(const ModelSpec& model, const std::filesystem::path& folder, const Session& session) {
   if (model.machine.empty()) return;
   const Machine named = Machine::load(model.machine, folder);
-  const auto& a = named.joints();
-  const auto& b = session.machine.joints();
-  const bool same =
-      a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const Joint& p, const Joint& q) {
-        return p.name == q.name && p.kind == q.kind;
-      });
-  if (same) return;
-  throw InputError(session.source + ": its machine has the joints " + namesOf(b) + ", the model's machine '" +
-                   model.machine + "' has " + namesOf(a) + "; use the model of the machine that measured");
+  const std::string difference = differenceOf(named, session.machine, "in the session");
+  if (difference.empty()) return;
+  throw InputError(session.source + ": was measured on another machine ('" + session.machine.name() +
+                   "') than the model's ('" + model.machine + "'): " + difference +
+                   "; use the model of the machine that measured");
 }
 
 }  // namespace mm

@@ -1,14 +1,16 @@
 // Preloaded into a program (LD_PRELOAD): its disk fails at a chosen moment, below one folder alone.
-//   FAILING_DISK_FOLDER  absolute path; files elsewhere are left alone
-//   FAILING_DISK         `<reads|writes> <n> <once|lasting>`: the n-th such operation fails (EIO; ENOSPC),
-//   alone or with all that follow
-//                        `<reads|writes> 0 <short|interrupted>`: each gives a part of what was asked; every
-//                        second is interrupted
-//   FAILING_DISK_COUNT   file that gets `<reads> <writes>` at the end
-// Reads are: opening for reading, read, pread, readv, fread. Writes are: opening for writing, write, pwrite,
-// writev, fsync, fdatasync, ftruncate, rename, symlink, mkdir, and closing what was written.
+//   FAILING_DISK_FOLDER   absolute path; files elsewhere are left alone
+//   FAILING_DISK_CONTROL  file with what fails and how (failing_disk.h), shared with whoever tests: it may
+//   change while the
+//                         program runs, and counts the operations of the program and of all that it starts
+// Reads are: opening for reading, read, pread, readv, fread. Writes are: opening for writing, mkstemp,
+// mkdtemp, write, pwrite, writev, fsync, fdatasync, ftruncate, rename, symlink, mkdir, and closing what was
+// written.
+#include "failing_disk.h"
+
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -28,31 +30,25 @@ Function original(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
 
-enum class Way { kOnce, kLasting, kShort, kInterrupted };
+using mm_test::FailingDiskControl;
+using Way = FailingDiskControl::Way;
 
-struct Plan {
-  bool reads = false, writes = false;
-  long at = -1;
-  Way way = Way::kOnce;
-  Plan() {
-    char what[16] = "", way_[16] = "";
-    const char* text = std::getenv("FAILING_DISK");
-    if (text == nullptr || std::sscanf(text, "%15s %ld %15s", what, &at, way_) != 3) return;
-    reads = std::strcmp(what, "reads") == 0;
-    writes = std::strcmp(what, "writes") == 0;
-    way = std::strcmp(way_, "lasting") == 0       ? Way::kLasting
-          : std::strcmp(way_, "short") == 0       ? Way::kShort
-          : std::strcmp(way_, "interrupted") == 0 ? Way::kInterrupted
-                                                  : Way::kOnce;
-  }
-};
-
-const Plan& plan() {
-  static const Plan kPlan;
-  return kPlan;
+FailingDiskControl& control() {
+  static FailingDiskControl* const kControl = [] {
+    static FailingDiskControl none;
+    const char* file = std::getenv("FAILING_DISK_CONTROL");
+    const int opened =
+        file == nullptr ? -1 : original<int (*)(const char*, int, ...)>("open")(file, O_RDWR | O_CLOEXEC);
+    if (opened < 0) return &none;
+    void* shared = ::mmap(nullptr, sizeof none, PROT_READ | PROT_WRITE, MAP_SHARED, opened, 0);
+    original<int (*)(int)>("close")(opened);
+    return shared == MAP_FAILED ? &none : static_cast<FailingDiskControl*>(shared);
+  }();
+  return *kControl;
 }
 
-std::atomic<long> readCount{0}, writeCount{0};
+/// Whether it is reads, or writes, that fail.
+bool concerns(bool reading) { return control().what == (reading ? 1 : 2); }
 
 bool below(const char* path) {
   static const char* const kFolder = std::getenv("FAILING_DISK_FOLDER");
@@ -83,16 +79,17 @@ bool writable(int descriptor) {
 
 /// Whether this operation fails; counts it.
 bool fails(bool reading) {
-  const long n = ++(reading ? readCount : writeCount);
-  if (!(reading ? plan().reads : plan().writes) || plan().at <= 0) return false;
-  const bool now = plan().way == Way::kLasting ? n >= plan().at : n == plan().at;
-  if (now) errno = reading ? EIO : ENOSPC;
+  FailingDiskControl& c = control();
+  const std::int64_t n = ++(reading ? c.reads : c.writes), at = c.at;
+  if (!concerns(reading) || at <= 0) return false;
+  const bool now = c.way == Way::kLasting ? n >= at : n == at;
+  if (now) errno = c.cause;
   return now;
 }
 
 bool interrupted(bool reading) {
   static std::atomic<bool> next{false};
-  if (!(reading ? plan().reads : plan().writes) || plan().way != Way::kInterrupted) return false;
+  if (!concerns(reading) || control().way != Way::kInterrupted) return false;
   const bool now = !next.load();
   next = now;
   if (now) errno = EINTR;
@@ -100,20 +97,9 @@ bool interrupted(bool reading) {
 }
 
 std::size_t part(bool reading, std::size_t size) {
-  const bool cut = (reading ? plan().reads : plan().writes) && plan().way == Way::kShort;
+  const bool cut = concerns(reading) && control().way == Way::kShort;
   return cut && size > 1 ? size / 2 : size;
 }
-
-struct Teller {
-  ~Teller() {
-    const char* file = std::getenv("FAILING_DISK_COUNT");
-    if (file == nullptr) return;
-    if (std::FILE* out = original<std::FILE* (*)(const char*, const char*)>("fopen")(file, "w")) {
-      std::fprintf(out, "%ld %ld\n", readCount.load(), writeCount.load());
-      std::fclose(out);
-    }
-  }
-} teller;
 
 int openAs(const char* name, int folder, const char* path, int flags, mode_t mode, bool at) {
   if (below(path) && (flags & O_DIRECTORY) == 0 && fails((flags & O_ACCMODE) == O_RDONLY)) return -1;
@@ -170,6 +156,10 @@ ssize_t readv(int descriptor, const iovec* parts, int count) {
   if (below(descriptor) && fails(true)) return -1;
   return original<ssize_t (*)(int, const iovec*, int)>("readv")(descriptor, parts, count);
 }
+ssize_t pread64(int descriptor, void* data, size_t size, off64_t at) {
+  if (below(descriptor) && fails(true)) return -1;
+  return original<ssize_t (*)(int, void*, size_t, off64_t)>("pread64")(descriptor, data, size, at);
+}
 size_t fread(void* data, size_t size, size_t count, std::FILE* file) {
   if (below(fileno(file)) && fails(true)) {
     file->_flags |= 0x20;  // glibc's mark of an error, which ferror reads
@@ -187,6 +177,10 @@ ssize_t write(int descriptor, const void* data, size_t size) {
 ssize_t pwrite(int descriptor, const void* data, size_t size, off_t at) {
   if (below(descriptor) && fails(false)) return -1;
   return original<ssize_t (*)(int, const void*, size_t, off_t)>("pwrite")(descriptor, data, size, at);
+}
+ssize_t pwrite64(int descriptor, const void* data, size_t size, off64_t at) {
+  if (below(descriptor) && fails(false)) return -1;
+  return original<ssize_t (*)(int, const void*, size_t, off64_t)>("pwrite64")(descriptor, data, size, at);
 }
 ssize_t writev(int descriptor, const iovec* parts, int count) {
   if (below(descriptor) && fails(false)) return -1;
@@ -206,6 +200,10 @@ int ftruncate(int descriptor, off_t size) noexcept {
   if (below(descriptor) && fails(false)) return -1;
   return original<int (*)(int, off_t)>("ftruncate")(descriptor, size);
 }
+int ftruncate64(int descriptor, off64_t size) noexcept {
+  if (below(descriptor) && fails(false)) return -1;
+  return original<int (*)(int, off64_t)>("ftruncate64")(descriptor, size);
+}
 int close(int descriptor) {
   const bool counts = below(descriptor) && writable(descriptor);
   const int closed = original<int (*)(int)>("close")(descriptor);
@@ -215,6 +213,11 @@ int rename(const char* from, const char* to) noexcept {
   if (below(to) && fails(false)) return -1;
   return original<int (*)(const char*, const char*)>("rename")(from, to);
 }
+int renameat2(int fromFolder, const char* from, int toFolder, const char* to, unsigned flags) noexcept {
+  if (below(to) && fails(false)) return -1;
+  return original<int (*)(int, const char*, int, const char*, unsigned)>("renameat2")(fromFolder, from,
+                                                                                      toFolder, to, flags);
+}
 int symlink(const char* target, const char* link) noexcept {
   if (below(link) && fails(false)) return -1;
   return original<int (*)(const char*, const char*)>("symlink")(target, link);
@@ -222,6 +225,15 @@ int symlink(const char* target, const char* link) noexcept {
 int mkdir(const char* path, mode_t mode) noexcept {
   if (below(path) && fails(false)) return -1;
   return original<int (*)(const char*, mode_t)>("mkdir")(path, mode);
+}
+
+char* mkdtemp(char* pattern) noexcept {
+  if (below(pattern) && fails(false)) return nullptr;
+  return original<char* (*)(char*)>("mkdtemp")(pattern);
+}
+int mkstemps(char* pattern, int ending) {
+  if (below(pattern) && fails(false)) return -1;
+  return original<int (*)(char*, int)>("mkstemps")(pattern, ending);
 }
 
 }  // extern "C"

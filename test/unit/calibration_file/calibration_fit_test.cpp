@@ -46,6 +46,14 @@ TEST(CalibrationFit, anotherUrdfSerialOrNamespaceIsRefusedWithTheReason) {
             std::string::npos);
 }
 
+TEST(CalibrationFit, ofASessionOrAnotherCalibrationTheSameCounts) {
+  EXPECT_EQ(differenceOf(calibrationOf("", "/m1"), machineOf(""), "/m2", "in the session"),
+            "it was measured in the namespace /m1, in the session that is /m2");
+  EXPECT_EQ(differenceOf(calibrationOf("", "/m1"), machineOf(""), "", "in the session"), "") << "imported";
+  EXPECT_EQ(differenceOf(calibrationOf("A", "/m1"), machineOf("A"), "/m2", "in the session"), "");
+  EXPECT_NE(differenceOf(calibrationOf("A", ""), machineOf("B"), "", "in the session"), "");
+}
+
 TEST(CalibrationFit, oneSerialIsOneMachineWhateverItsNamespace) {
   EXPECT_EQ(misfitOf(calibrationOf("A", "/m1"), machineOf("A"), "/shop/m7"), "");
 }

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "calibration_file/atomic_file.h"
 #include "example_calibration.h"
 
@@ -208,6 +209,31 @@ TEST_F(Store, whoPromotesMayRefuse) {
   store_.promote(second);
   EXPECT_THROW(store_.rollback({}, refuse), InputError);
   EXPECT_EQ(activeRms(), 2e-6);
+}
+
+// Reading /proc/self/mem from its beginning is EIO, as of a disk that fails for a moment.
+TEST_F(Store, AReadThatFailsRollsNothingBack) {
+  const std::string first = add(1e-6), second = add(2e-6), third = add(3e-6);
+  for (const std::string& id : {first, second, third}) store_.promote(id);
+  const fs::path file = folder_ / (third + ".yaml"), aside = folder_ / "aside";
+  fs::rename(file, aside);
+  fs::create_symlink("/proc/self/mem", file);
+  const CalibrationStore::Active found = store_.active();
+  ASSERT_TRUE(found.calibration);
+  EXPECT_EQ(found.calibration->id, second);
+  EXPECT_NE(found.warning.find("Input/output error"), std::string::npos) << found.warning;
+  EXPECT_NE(found.warning.find("for this program only"), std::string::npos) << found.warning;
+  EXPECT_EQ(store_.linked("active"), third);
+  fs::rename(aside, file);
+  EXPECT_EQ(activeRms(), 3e-6);
+
+  const fs::path before = folder_ / (second + ".yaml");
+  fs::rename(before, aside);
+  fs::create_symlink("/proc/self/mem", before);
+  EXPECT_THROW(store_.rollback(), UnreadableFile) << "the one before that was not asked for";
+  EXPECT_EQ(store_.linked("active"), third);
+  fs::rename(aside, before);
+  EXPECT_EQ(store_.rollback(), second);
 }
 
 }  // namespace
