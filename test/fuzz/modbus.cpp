@@ -1,0 +1,114 @@
+// What a module on a line of Modbus RTU answers: bytes of anything, on a pty, with a true CRC or without.
+#include <fcntl.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/select.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmath>
+
+#include "drivers/modbus_temperature.h"
+#include "fuzz_support.h"
+
+namespace {
+
+/// The module's end of the line, and what it says next.
+struct Module {
+  int line = -1;
+  std::string device, answer, said;  // said: to the last question
+  std::string question;
+
+  Module() {
+    line = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (line < 0 || ::grantpt(line) != 0 || ::unlockpt(line) != 0) mm::fuzz::broken("a pty");
+    device = ::ptsname(line);
+    termios raw{};
+    ::tcgetattr(line, &raw);
+    ::cfmakeraw(&raw);
+    ::tcsetattr(line, TCSANOW, &raw);
+  }
+  /// Takes the question that was just asked, if one was, and answers it. @return whether anything was said.
+  bool hear() {
+    char bytes[8];
+    std::size_t got = 0;
+    pollfd here{line, POLLIN, 0};
+    while (got < sizeof bytes && ::poll(&here, 1, got == 0 ? 0 : 1000) == 1) {
+      const ssize_t more = ::read(line, bytes + got, sizeof bytes - got);
+      if (more <= 0) break;
+      got += static_cast<std::size_t>(more);
+    }
+    if (got == 0) return false;
+    question.assign(bytes, got);
+    said = answer;
+    return ::write(line, said.data(), said.size()) == static_cast<ssize_t>(said.size()) && !said.empty();
+  }
+};
+
+Module& module() {
+  static Module kModule;
+  return kModule;
+}
+
+/// CRC-16 of Modbus over Serial Line V1.02, 6.2.2.
+std::string checksum(const std::string& frame) {
+  unsigned value = 0xFFFF;
+  for (const char c : frame) {
+    value ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) value = (value & 1U) != 0 ? value >> 1 ^ 0xA001U : value >> 1;
+  }
+  return {static_cast<char>(value & 0xFF), static_cast<char>(value >> 8)};
+}
+
+std::vector<mm::TemperatureSetup> sensors(const std::string& line) {
+  const auto one = [&](const char* name, const char* type, const char* function, const char* words) {
+    mm::TemperatureSetup setup;
+    setup.name = name;
+    setup.keys = {{"modbus", line},       {"unit", "1"},    {"register", "2"},  {"type", type},
+                  {"function", function}, {"words", words}, {"timeout", "0.01"}};
+    return setup;
+  };
+  return {one("a", "int16", "holding", "high"), one("b", "float32", "input", "low"),
+          one("c", "int32", "holding", "low")};
+}
+
+}  // namespace
+
+extern "C" {
+
+/// Of libmodbus: no module thinks, so that what has not come will not come.
+int select(int count, fd_set* readable, fd_set* /*writable*/, fd_set* /*odd*/, timeval* /*patience*/) {
+  constexpr int kThroughThePty = 2;  // ms
+  module().hear();
+  pollfd here{count - 1, POLLIN, 0};
+  const int ready = ::poll(&here, 1, kThroughThePty);
+  if (ready == 0) FD_ZERO(readable);
+  return ready;
+}
+
+int nanosleep(const timespec* /*wanted*/, timespec* /*left*/) { return 0; }
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const auto devices =
+      mm::makeTemperatureDevices(sensors("serial:" + module().device + ":9600:8N1"), "/nosuch");
+  constexpr std::size_t kLongestAnswer = 300;  // a frame has 256 bytes at most
+  if (size < 1 || size > kLongestAnswer) return 0;
+  Module& m = module();
+  m.answer = mm::fuzz::textOf(data + 1, size - 1);
+  if ((data[0] & 1) != 0) m.answer += checksum(m.answer);
+  for (const auto& device : devices)
+    for (const mm::TemperatureReading& reading : device->read()) {
+      if (std::isinf(reading.value)) mm::fuzz::broken("a reading is a number");
+      if (std::isnan(reading.value) == reading.wrong.empty()) mm::fuzz::broken("what is no number says why");
+      if (!reading.wrong.empty()) continue;
+      const std::string frame =
+          m.said.substr(0, m.said.size() < 2 ? 0 : 3 + static_cast<unsigned char>(m.said[2]));
+      if (m.said.size() < frame.size() + 2 || m.said.substr(frame.size(), 2) != checksum(frame))
+        mm::fuzz::broken("a frame without its CRC is no temperature");
+      if (frame[0] != m.question[0]) mm::fuzz::broken("another unit's answer is no temperature");
+    }
+  return 0;
+}
+
+}  // extern "C"
