@@ -109,8 +109,8 @@ EffectPtr createEffect(const EffectSpec& given, const Domain& domain) {
     if (type.type == spec.type) return type.create(spec, domain);
     names.push_back(type.type);
   }
-  throw InputError("effect " + spec.yaml() + ": unknown type '" + spec.type + "'; known: " + listOf(names) +
-                   didYouMean(spec.type, names) +
+  throw InputError("effect " + spec.yaml() + ": unknown type '" + spec.type + "'" +
+                   didYouMean(spec.type, names) + "; known: " + listOf(names) +
                    "; an effect of your own needs its package on ROS_PACKAGE_PATH (source its setup.bash)");
 }
 

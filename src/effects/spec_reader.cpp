@@ -33,7 +33,7 @@ SpecReader::SpecReader(const EffectSpec& spec, const Domain& domain, std::vector
   for (auto entry = spec.keys.begin(); entry != spec.keys.end(); ++entry) {
     const std::string& key = entry->first;
     if (std::find(allowed_.begin(), allowed_.end(), key) == allowed_.end())
-      fail("unknown key '" + key + "'; allowed: " + listOf(allowed_) + didYouMean(key, allowed_));
+      fail("unknown key '" + key + "'" + didYouMean(key, allowed_) + "; allowed: " + listOf(allowed_));
     if (std::any_of(spec.keys.begin(), entry, [&](const auto& other) { return other.first == key; }))
       fail("key '" + key + "' is given twice; keep one");
   }

@@ -5,6 +5,11 @@
 #include "base/text.h"
 
 namespace mm {
+namespace {
+
+const std::string kIntoMapping = "write into the mapping (--columns): columns: {";
+
+}  // namespace
 
 std::string ColumnFaults::place() const { return file_.place(std::max<std::size_t>(1, layout_.headerLine)); }
 
@@ -25,7 +30,35 @@ std::string ColumnFaults::key(std::size_t i) const {
 }
 
 std::string ColumnFaults::remedy(std::size_t i, const std::string& as) const {
-  return "write into the mapping (--columns): columns: {" + key(i) + ": " + as + "}";
+  return kIntoMapping + key(i) + ": " + as + "}";
+}
+
+void ColumnFaults::tell() {
+  std::vector<std::string> pairs;
+  const auto pairAt = [](const std::string& text, std::size_t at) {
+    const std::size_t from = at + kIntoMapping.size();
+    return text.substr(from, text.find('}', from) - from);
+  };
+  for (const std::string& text : told_)
+    for (std::size_t at = text.find(kIntoMapping); at != std::string::npos;
+         at = text.find(kIntoMapping, at + 1))
+      if (std::find(pairs.begin(), pairs.end(), pairAt(text, at)) == pairs.end())
+        pairs.push_back(pairAt(text, at));
+  for (std::size_t k = 0; k < told_.size(); ++k) {
+    std::string text = told_[k];
+    if (pairs.size() > 1) {
+      for (std::size_t at = text.find(kIntoMapping); at != std::string::npos; at = text.find(kIntoMapping)) {
+        const std::string pair = pairAt(text, at);
+        text.replace(at, kIntoMapping.size() + pair.size() + 1,
+                     "write " + pair + " into the columns of the mapping");
+      }
+      if (k + 1 == told_.size())
+        text +=
+            "; all of these in one line of the mapping (--columns): columns: {" + joined(pairs, ", ") + "}";
+    }
+    faults_.add(text);
+  }
+  told_.clear();
 }
 
 bool ColumnFaults::mapped(std::size_t i, const std::string& name) const {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "import/column_mapping.h"
 #include "import/table_layout.h"
@@ -21,20 +22,24 @@ class ColumnFaults {
   std::string called(std::size_t column) const;
   /// The key of a column in the mapping.
   std::string key(std::size_t column) const;
-  /// "write into the mapping (--columns): columns: {key: as}".
+  /// "write into the mapping (--columns): columns: {key: as}"; where several columns need one, the last fault
+  /// has all of them in one line, as a file holds the key once.
   std::string remedy(std::size_t column, const std::string& as) const;
   /// Whether a key of the mapping means this column: by its name in any case, or by its number.
   bool mapped(std::size_t column, const std::string& key) const;
-  void add(const std::string& fault) { faults_.add(fault); }
+  void add(const std::string& fault) { told_.push_back(fault); }
   /// @param what follows "file:line: column 'name' ".
   void add(std::size_t column, const std::string& what);
-  bool empty() const { return faults_.empty(); }
+  bool empty() const { return faults_.empty() && told_.empty(); }
+  /// Hands on what was added: the end.
+  void tell();
 
  private:
   bool twice(std::size_t column) const;
   const TextFile& file_;
   const TableLayout& layout_;
   FaultList& faults_;
+  std::vector<std::string> told_;
 };
 
 }  // namespace mm

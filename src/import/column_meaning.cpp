@@ -41,15 +41,15 @@ class TableUnderstander {
     table_.form.features = mapping_.features;
     findAxis();
     checkMapping();
-    fixedJoints();
+    table_.form.fixed = fixedReadings(mapping_, machine_, faults_);
     lookAhead();
     if (layout_.headerLine == 0 && mapping_.columns.empty())
       nameless();
-    else if (mapping_.columns.empty() && coordinateEachRow())
-      return std::move(table_);
-    else
+    else if (!mapping_.columns.empty() || !coordinateEachRow())
       for (std::size_t i = 0; i < layout_.names.size(); ++i) column(i);
-    if (!table_.columns.empty()) completeTable(file_, layout_, machine_, artifact_, table_, faults_);
+    if (!table_.columns.empty())
+      completeTable(file_, layout_, samples_, machine_, artifact_, table_, faults_);
+    faults_.tell();
     return std::move(table_);
   }
 
@@ -57,8 +57,10 @@ class TableUnderstander {
   /// The joint of columns that do not say theirs: by the mapping, by the file, or the only one that there is.
   void findAxis() {
     context_.axis = remarks_.axis;
+    headed_ = remarks_.axisLine > 0;
     if (const std::string said = mapping_.setting("axis"); !said.empty()) {
       context_.axis = machine_.findJoint(said);
+      headed_ = false;
       if (context_.axis < 0)
         faults_.add(mapping_.source + ":" + std::to_string(mapping_.lines.at("axis")) + ": axis: '" + said +
                     "' is no joint of machine '" + machine_.name() + "' (" + joints() + ")");
@@ -79,21 +81,6 @@ class TableUnderstander {
     }
   }
 
-  void fixedJoints() {
-    for (const auto& [name, value] : mapping_.fixed) {
-      const NameAndUnit split = splitUnit(name);
-      const int j = jointOf(machine_, split.stem);
-      const auto kind = j >= 0 ? unitKindOf(machine_, j) : UnitKind::kLength;
-      const auto unit = parseUnit(split.unitText, kind);
-      if (j < 0 || !unit) {
-        faults_.add(mapping_.source + ": fixed: '" + name + "' is not <joint>_<unit> of this machine (" +
-                    joints() + "); e.g. fixed: {" + machine_.joints().front().name + "_mm: 12.5}");
-        continue;
-      }
-      table_.form.fixed.emplace_back(j, value * unit->factor);
-    }
-  }
-
   /// Which other columns there are decides what "measured" and "date" mean.
   void lookAhead() {
     std::set<int> named;  // joints
@@ -111,6 +98,7 @@ class TableUnderstander {
       hasFeature_ |= as == "feature";
       hasTime_ |= as.rfind("time", 0) == 0;
     }
+    if (headed_ && !named.empty() && named.count(context_.axis) == 0) context_.axis = -1, headed_ = false;
     if (context_.axis < 0 && named.size() == 1) {
       context_.axis = *named.begin();
       onlyNamed_ = true;
@@ -208,14 +196,18 @@ class TableUnderstander {
               " for the second" + (meaning->needsAxis ? " (joints: " + joints() + ")" : ""));
       return;
     }
+    if (headed_ && meaning->axisOfTable)
+      table_.notes.push_back("column " + faults_.called(i) + " is taken as of " +
+                             machine_.joints()[context_.axis].name + ", the axis that line " +
+                             std::to_string(remarks_.axisLine) + " names");
     if (onlyNamed_ && meaning->axisOfTable)
       table_.notes.push_back("column " + faults_.called(i) + " is taken as of " +
                              machine_.joints()[context_.axis].name + ", the only joint that the file names");
     if (meaning->needsAxis) {
       faults_.add(i, "does not say of which joint it is (" + joints() +
-                         "); write into the mapping (--columns): axis: " + machine_.joints().front().name +
-                         " (for all such columns), or columns: {" + faults_.key(i) + ": " +
-                         exampleOf(*meaning, machine_) + "}");
+                         "); for all such columns write axis: " + machine_.joints().front().name +
+                         " into the mapping (--columns), or for this one " +
+                         faults_.remedy(i, exampleOf(*meaning, machine_)));
       return;
     }
     take(i, *meaning, split, said, c, seen);
@@ -259,13 +251,19 @@ class TableUnderstander {
     if (near.empty())
       or_ = ", or say what it holds (joints: " + joints() + "; " + plain + "_<unit> of anything else)";
     const bool measured = names_.classesOf(wordsOf(name)).first.count(WordClass::kMeasured) > 0;
-    if (near.empty() && !measured && unit &&
-        (unit->kind == UnitKind::kLength || unit->kind == UnitKind::kAngle)) {
+    const bool small = unit && unit->kind == UnitKind::kLength && unit->factor < 1e-5;  // no axis is read so
+    if (near.empty() && !measured && small && context_.axis >= 0) {
+      const std::string of = machine_.joints()[context_.axis].name + "_" + unit->symbol;
+      as = "deviation_" + of;
+      or_ = " (true minus indicated; error_" + of + " for the other sign), or ignore";
+    } else if (near.empty() && !measured && unit &&
+               (unit->kind == UnitKind::kLength || unit->kind == UnitKind::kAngle)) {
       const std::string joint = freeJoint(unit->kind);
       if (!joint.empty()) as = joint + "_" + unit->symbol;
     } else if (near.empty() && measured) {
       as = "measured_" + machine_.joints()[std::max(0, context_.axis)].name + "_mm";
-    } else if (near.empty() && samples_[i].texts > 0 && !hasFeature_ && samples_[i].numbers == 0) {
+    } else if (near.empty() && samples_[i].texts > 0 && !hasFeature_ && samples_[i].numbers == 0 &&
+               artifact_ != nullptr) {
       as = "feature";
       or_ = ", or ignore";
     }
@@ -383,7 +381,7 @@ class TableUnderstander {
   TableRemarks remarks_;
   NameContext context_;
   int temperatures_ = 0, covariates_ = 0;
-  bool hasFeature_ = false, hasTime_ = false, onlyNamed_ = false;
+  bool hasFeature_ = false, hasTime_ = false, onlyNamed_ = false, headed_ = false;
   std::set<int> suggested_;
   std::map<std::string, std::size_t> taken_;
 };

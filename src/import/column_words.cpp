@@ -24,7 +24,7 @@ const std::map<std::string, WordClass>& wordClasses() {
     add(W::kDeviation, {"deviation", "dev", "abweichung", "abw", "deviations", "écart", "ecart", "scarto",
                         "scostamento", "desviación", "desviacion"});
     add(W::kError, {"error", "err", "fehler", "messabweichung", "erreur", "errore", "difference", "diff",
-                    "differenz", "delta", "δ"});
+                    "differenz", "delta", "δ", "messuhr", "feinzeiger", "comparateur"});
     add(W::kReference, {"reference", "ref", "true", "referenz", "tracker"});
     add(W::kStd, {"std", "sigma", "stddev", "stdev", "sd"});
     add(W::kVelocity, {"velocity", "vel", "speed", "geschwindigkeit", "feedrate", "vorschub", "vitesse",
@@ -32,21 +32,26 @@ const std::map<std::string, WordClass>& wordClasses() {
     add(W::kTemperature,
         {"temp", "temperature", "temperatur", "thermocouple", "pt100", "température", "temperatura"});
     add(W::kSetup, {"setup", "aufstellung", "fixturing"});
-    add(W::kRun, {"run", "cycle", "lauf", "zyklus", "pass"});
-    add(W::kDirection, {"direction", "dir", "richtung"});
+    add(W::kRun, {"run", "cycle", "lauf", "zyklus", "pass", "durchlauf", "durchgang", "messlauf", "messreihe",
+                  "passe", "passage", "essai"});
+    add(W::kDirection,
+        {"direction", "dir", "richtung", "fahrtrichtung", "anfahrrichtung", "verfahrrichtung", "sens"});
+    add(W::kDisplay, {"anzeige", "ablesung", "affichage", "lecture", "readout", "indication"});
     add(W::kReading, {"reading", "laser"});
     add(W::kTarget,
         {"target", "nominal", "soll", "sollwert", "commanded", "command", "cmd", "set", "setpoint",
          "sollposition", "zielposition", "cible", "consigne", "théorique", "nominale", "objetivo"});
-    add(W::kMeasured,
-        {"measured", "meas", "ist", "istwert", "istposition", "actual", "act", "indicated", "gemessen",
-         "messwert", "mesure", "mesuré", "mesurée", "misurato", "misurata", "medido", "medida"});
+    add(W::kMeasured, {"measured", "meas", "ist", "istwert", "istposition", "actual", "act", "indicated",
+                       "gemessen", "messwert", "mesure", "mesuré", "réel", "réelle", "mesurée", "misurato",
+                       "misurata", "medido", "medida"});
     add(W::kIndex, {"n", "no", "nr", "index", "idx", "number", "id", "row", "pt", "point", "punkt", "seq",
                     "i", "num", "lfd", "sample", "unnamed", "zeile", "ligne"});
     add(W::kNote, {"note", "notes", "comment", "comments", "remark", "remarks", "operator", "bemerkung",
-                   "kommentar", "status", "prüfer", "commentaire", "opérateur", "operatore", "operador"});
-    add(W::kFiller, {"pos", "position", "axis", "achse", "coord", "coordinate", "machine", "mcs", "joint",
-                     "value", "encoder", "scale", "in", "of", "the", "is", "at"});
+                   "kommentar", "status", "prüfer", "bediener", "anmerkung", "commentaire", "remarque",
+                   "remarques", "opérateur", "operatore", "operador"});
+    add(W::kFiller, {"pos",   "position",   "axis",    "achse", "axe",   "stellung", "achsposition",
+                     "coord", "coordinate", "machine", "mcs",   "joint", "value",    "encoder",
+                     "scale", "in",         "of",      "the",   "is",    "at"});
     return all;
   }();
   return kWords;
@@ -105,7 +110,12 @@ NameAndUnit splitUnit(const std::string& written) {
 std::vector<std::string> wordsOf(std::string_view name) {
   std::vector<std::string> words;
   std::string word;
-  for (const char c : lower(name)) {
+  std::string small = lower(name);
+  for (std::size_t i = 1; i < small.size(); ++i) {  // É, Ä … of UTF-8
+    const auto c = static_cast<unsigned char>(small[i]);
+    if (small[i - 1] == '\xc3' && c >= 0x80 && c <= 0x9e && c != 0x97) small[i] = static_cast<char>(c + 0x20);
+  }
+  for (const char c : small) {
     if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) {
       word += c;
     } else if (!word.empty()) {

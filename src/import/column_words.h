@@ -20,6 +20,7 @@ enum class WordClass {
   kSetup,
   kRun,
   kDirection,
+  kDisplay,
   kReading,
   kTarget,
   kMeasured,
@@ -28,7 +29,7 @@ enum class WordClass {
   kFiller
 };
 
-/// Words of columns in small letters, English and German.
+/// Words of columns in small letters: English, German, French and some more.
 const std::map<std::string, WordClass>& wordClasses();
 
 /// A column's name without its unit, and the unit: `X [mm]`, `x_mm`, `Temp (°C)`, `enc1/um`.

@@ -112,6 +112,12 @@ std::string exampleOf(const Meaning& m, const Machine& machine) {
       return joint + (linear ? "_velocity_mm_s" : "_velocity_deg_s");
     case CsvRole::kMeasured:
       return "measured_" + joint + (linear ? "_mm" : "_deg");
+    case CsvRole::kDirection:
+      return "direction_" + joint;
+    case CsvRole::kFeature:
+      return "feature";
+    case CsvRole::kSetup:
+      return "setup";
     default:
       return joint + (linear ? "_mm" : "_deg");
   }

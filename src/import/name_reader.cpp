@@ -94,10 +94,13 @@ std::optional<Meaning> NameReader::byWords(const std::string& stem, const std::o
   if (has(W::kSetup)) return meaningOf(CsvRole::kSetup, 0, machine_);
   if (has(W::kDirection)) return ofJoint(CsvRole::kDirection, joint, context);
   if (has(W::kRun) && joint < 0) return leftOut("number of the run; the order of the rows keeps it");
-  if (has(W::kDeviation) || has(W::kError)) {
+  // what a display shows in um is a gauge's, in mm it is where the axis stands
+  const bool gauge = has(W::kDisplay) && unit && unit->kind == UnitKind::kLength && unit->factor < 1e-5;
+  if (has(W::kDeviation) || has(W::kError) || gauge) {
+    const bool error = has(W::kError) || gauge;
     Meaning m = ofJoint(has(W::kStd) ? CsvRole::kDeviationStd : CsvRole::kDeviation, joint, context);
-    m.reversed = said && has(W::kError) && !has(W::kStd);
-    m.unclearSign = !said && has(W::kError) && !has(W::kDeviation) && !has(W::kStd);
+    m.reversed = said && error && !has(W::kStd);
+    m.unclearSign = !said && error && !has(W::kDeviation) && !has(W::kStd);
     return m;
   }
   if (has(W::kReference) && joint >= 0) {
@@ -115,7 +118,7 @@ std::optional<Meaning> NameReader::byWords(const std::string& stem, const std::o
     return meaningOf(dayOnly ? CsvRole::kDate : CsvRole::kTime, 0, machine_);
   }
   if (joint >= 0 && rest.empty()) return meaningOf(CsvRole::kPosition, joint, machine_);
-  if (has(W::kFiller) && joint < 0 && rest.empty() && (sample.numbers > 0 || said))
+  if ((has(W::kFiller) || has(W::kDisplay)) && joint < 0 && rest.empty() && (sample.numbers > 0 || said))
     return ofJoint(CsvRole::kPosition, -1, context);
   if (joint < 0 && rest.empty() && (has(W::kIndex) || words.empty())) return leftOut("number of the row");
   return std::nullopt;

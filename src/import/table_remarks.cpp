@@ -1,6 +1,7 @@
 #include "import/table_remarks.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -37,15 +38,37 @@ void readUnits(const std::string& text, std::size_t line, TableRemarks& remarks)
   }
 }
 
+/// Adds the joints that a line names beside the word axis: "Interferometer, axis X", "X-Achse".
+void readAxes(const std::string& text, std::size_t line, const Machine& machine,
+              std::map<int, std::size_t>& named) {
+  const std::vector<std::string> words = wordsOf(text);
+  for (std::size_t w = 0; w < words.size(); ++w) {
+    if (words[w] != "axis" && words[w] != "achse" && words[w] != "axe") continue;
+    if (w + 1 < words.size())
+      if (const int j = jointOf(machine, words[w + 1]); j >= 0) {
+        named.emplace(j, line);
+        continue;
+      }
+    if (w > 0)
+      if (const int j = jointOf(machine, words[w - 1]); j >= 0) named.emplace(j, line);
+  }
+}
+
 }  // namespace
 
 TableRemarks tableRemarks(const TableLayout& layout, const Machine& machine) {
   TableRemarks remarks;
+  std::map<int, std::size_t> named;
   for (const auto& [line, text] : layout.remarks) {
     readUnits(text, line, remarks);
+    readAxes(text, line, machine, named);
     std::string name, value;
     if (!keyValue(text, name, value) || (name != "axis" && name != "achse" && name != "axe")) continue;
     if (const int j = jointOf(machine, value); j >= 0) remarks.axis = j;
+  }
+  if (remarks.axis < 0 && named.size() == 1) {
+    remarks.axis = named.begin()->first;
+    remarks.axisLine = named.begin()->second;
   }
   return remarks;
 }

@@ -16,7 +16,8 @@ struct RemarkedUnit {
 /// What the lines around a table say in words: `all lengths in mm`, `Axis: X`.
 struct TableRemarks {
   RemarkedUnit length, angle;
-  int axis = -1;  // joint, -1: it is not said
+  int axis = -1;             // joint, -1: it is not said
+  std::size_t axisLine = 0;  // where a heading names one in passing, "Interferometer, axis X"; else 0
 };
 
 TableRemarks tableRemarks(const TableLayout& layout, const Machine& machine);  ///< for people

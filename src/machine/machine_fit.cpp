@@ -41,20 +41,32 @@ std::vector<Eigen::Matrix3d> fixedSides(const Machine& machine) {
   return sides;
 }
 
-}  // namespace
+/// What the URDF's `<robot>` says of the machine as a whole.
+struct Stated {
+  std::string name, serial;  // empty: not stated
+};
 
-std::string serialOf(const Machine& machine) {
+Stated statedBy(const Machine& machine) {
   tinyxml2::XMLDocument document;
   if (document.Parse(machine.urdf().c_str(), machine.urdf().size()) != tinyxml2::XML_SUCCESS) return {};
   const tinyxml2::XMLElement* robot = document.FirstChildElement("robot");
-  const tinyxml2::XMLElement* serial = robot != nullptr ? robot->FirstChildElement("serial") : nullptr;
-  return serial != nullptr && serial->GetText() != nullptr ? serial->GetText() : "";
+  if (robot == nullptr) return {};
+  Stated stated;
+  if (const char* name = robot->Attribute("name")) stated.name = name;
+  const tinyxml2::XMLElement* serial = robot->FirstChildElement("serial");
+  if (serial != nullptr && serial->GetText() != nullptr) stated.serial = serial->GetText();
+  return stated;
 }
 
+}  // namespace
+
+std::string serialOf(const Machine& machine) { return statedBy(machine).serial; }
+
 std::string differenceOf(const Machine& calibrated, const Machine& other, const std::string& there) {
-  const std::string serial = serialOf(calibrated), otherSerial = serialOf(other);
-  if (!serial.empty() && !otherSerial.empty() && serial != otherSerial)
-    return "its serial is '" + serial + "', " + there + " '" + otherSerial + "'";
+  const Stated stated = statedBy(calibrated), otherwise = statedBy(other);
+  const bool serials = !stated.serial.empty() && !otherwise.serial.empty();
+  if (serials && stated.serial != otherwise.serial)
+    return "its serial is '" + stated.serial + "', " + there + " '" + otherwise.serial + "'";
   if (jointsOf(calibrated) != jointsOf(other))
     return "it has the joints " + jointsOf(calibrated) + ", " + there + " there are " + jointsOf(other);
   const std::vector<Eigen::Matrix3d> sides = fixedSides(calibrated), otherSides = fixedSides(other);
@@ -75,6 +87,8 @@ std::string differenceOf(const Machine& calibrated, const Machine& other, const 
            placeText(other.tipTranslation());
   if ((calibrated.tipRotation() - other.tipRotation()).norm() > kSameDirection)
     return "its probe points otherwise than " + there;
+  if (!serials && !stated.name.empty() && !otherwise.name.empty() && stated.name != otherwise.name)
+    return "its URDF calls it '" + stated.name + "', " + there + " it is '" + otherwise.name + "'";
   return {};
 }
 

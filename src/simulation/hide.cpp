@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/nearest_name.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "simulation/catalogue.h"
@@ -151,6 +153,15 @@ void fillKeys(const SourceKind& rule, const Written& written, const std::string&
   }
 }
 
+/// "backlash=2.4um": a size in the middle of those that are drawn.
+std::string exampleOf(const SourceKind& rule, const SourceKind::NumberRule& number,
+                      const std::string& dimension, double factor) {
+  const PeopleUnit unit = peopleUnit(dimension);
+  const bool first = number.name == rule.numbers.front().name;
+  return rule.type + (first ? "=" : "," + number.name + "=") +
+         format("%.2g", std::sqrt(number.lower * number.upper) * factor / unit.factor) + unit.name;
+}
+
 void fillNumbers(const SourceKind& rule, const Written& written, const std::string& where, Random& random,
                  const Workshop& w, HiddenSource& source) {
   const int joint = source.keys.empty() ? -1 : w.machine.findJoint(source.keys[0].second);
@@ -166,11 +177,31 @@ void fillNumbers(const SourceKind& rule, const Written& written, const std::stri
     if (number.eitherSign) value *= sign;
     const auto named = written.named.find(number.name);
     const auto size = written.named.find("size");
-    if (i == 0 && !written.size.empty()) value = parseQuantity(written.size, dimension, where);
-    if (i == 0 && size != written.named.end()) value = parseQuantity(size->second, dimension, where);
-    if (named != written.named.end()) value = parseQuantity(named->second, dimension, where);
+    const auto read = [&](const std::string& text) {
+      try {
+        return parseQuantity(text, dimension, where + ": " + number.name);
+      } catch (const InputError& e) {
+        throw InputError(std::string(e.what()) + "; e.g. " + exampleOf(rule, number, dimension, perMetre));
+      }
+    };
+    if (i == 0 && !written.size.empty()) value = read(written.size);
+    if (i == 0 && size != written.named.end()) value = read(size->second);
+    if (named != written.named.end()) value = read(named->second);
     source.numbers.push_back({number.name, value, dimension});
   }
+}
+
+/// `period_mm: 5`, as the catalogue of effects has it, is `period: 5 mm`.
+void takeUnitsOfKeys(const SourceKind& rule, Written& written, const std::string& where) {
+  for (const SourceKind::NumberRule& number : rule.numbers)
+    for (const char* unit : {"mm", "um", "m", "deg", "arcsec", "s", "h"}) {
+      const auto given = written.named.find(number.name + "_" + unit);
+      if (given == written.named.end()) continue;
+      if (written.named.count(number.name) > 0)
+        throw InputError(where + ": '" + number.name + "' is given twice");
+      written.named[number.name] = given->second + " " + unit;
+      written.named.erase(given);
+    }
 }
 
 void refuseUnknown(const SourceKind& rule, const Written& written, const std::string& where) {
@@ -179,8 +210,8 @@ void refuseUnknown(const SourceKind& rule, const Written& written, const std::st
     for (const SourceKind::KeyRule& key : rule.keys) known.push_back(key.name);
     for (const SourceKind::NumberRule& number : rule.numbers) known.push_back(number.name);
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw InputError(where + ": '" + rule.type + "' has no key '" + name + "'; known are " +
-                       joined(known, ", "));
+      throw InputError(where + ": '" + rule.type + "' has no key '" + name + "'" + didYouMean(name, known) +
+                       "; known are " + joined(known, ", "));
   }
   if (!written.size.empty() && written.named.count("size") > 0)
     throw InputError(where + ": the size is given twice");
@@ -234,8 +265,8 @@ const SourceKind& kindOf(const std::string& type, const std::string& where, Rand
   if (name == "random_uncatalogued") fitting.swap(uncatalogued);
   if ((name == "random" || name == "random_uncatalogued") && !fitting.empty())
     return *fitting[static_cast<std::size_t>(draw * fitting.size())];
-  throw InputError(where + ": nothing called '" + type +
-                   "' can be hidden; possible are random, random_uncatalogued, " + joined(known, ", "));
+  throw InputError(where + ": nothing called '" + type + "' can be hidden" + didYouMean(type, known) +
+                   "; possible are random, random_uncatalogued, " + joined(known, ", "));
 }
 
 }  // namespace
@@ -265,13 +296,14 @@ std::string HiddenSource::text() const {
   return out.str();
 }
 
-HiddenSource hideSource(const std::string& text, const std::string& where, std::uint64_t seed,
+HiddenSource hideSource(const std::string& text, const std::string& from, std::uint64_t seed,
                         const std::string& stream, Workshop& workshop) {
   Random random(seed, stream);
   const std::string plain(trim(text));
-  const Written written =
-      !plain.empty() && plain[0] == '{' ? readMapping(plain, where) : readShort(plain, where);
+  const std::string where = from + " '" + plain + "'";
+  Written written = !plain.empty() && plain[0] == '{' ? readMapping(plain, where) : readShort(plain, where);
   const SourceKind& kind = kindOf(written.type, where, random, workshop);
+  takeUnitsOfKeys(kind, written, where);
   refuseUnknown(kind, written, where);
   HiddenSource source;
   source.type = kind.type;

@@ -28,6 +28,8 @@ const std::vector<Unit>& units() {
       {"mrad", "rad", 1e-3},
       {"urad", "rad", 1e-6},
       {"rad", "rad", 1.0},
+      {"um/m", "rad", 1e-6},
+      {"mm/m", "rad", 1e-3},
       {"deg", "turn", kDegree},
       {"rad", "turn", 1.0},
       {"um/m", "1", 1e-6},

@@ -5,6 +5,9 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -89,6 +92,14 @@ int describeSession(const BatchJob& job, const fs::path& file) {
   return kDone;
 }
 
+/// Whether a step says that the disk failed it, which is not the input's fault.
+bool ofTheDisk(const std::string& said) {
+  const std::vector<std::string> words = {std::strerror(ENOSPC), std::strerror(EIO), "is the disk full?",
+                                          "the disk reports an error"};
+  return std::any_of(words.begin(), words.end(),
+                     [&](const std::string& w) { return said.find(w) != std::string::npos; });
+}
+
 /// One job: its steps, each in a process of its own, and what they found.
 class JobRun {
  public:
@@ -162,7 +173,7 @@ class JobRun {
            true);
     else if (end.status > kAnswerIsNo || !left)
       fail(step, said.empty() ? "exit status " + std::to_string(end.status) + ", and nothing was said" : said,
-           said.find(std::strerror(ENOSPC)) != std::string::npos);
+           ofTheDisk(said));
     return good();
   }
 

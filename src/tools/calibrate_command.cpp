@@ -117,6 +117,7 @@ int runCalibrate(CalibrateCommand& c) {
   if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
   Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.fit.space);
   checkMachine(model, folder, session);
+  checkEffects(model, c.model, session);
   const std::vector<Doubt> questions = askFirst(session);
   std::vector<std::string> hashes{sessionHash(session)};
   if (c.twoSteps) {
@@ -155,7 +156,9 @@ int runCalibrate(CalibrateCommand& c) {
     }
   } else {
     std::cout << calibrateText(done->result);
-    if (!c.output.empty()) std::cout << "\nwritten to " << c.output << '\n';
+    std::cout << '\n';
+    if (!c.output.empty()) std::cout << "written to " << c.output << '\n';
+    if (!done->result.cancelled) std::cout << nextText(done->result, c.bag, c.output);
   }
   return status;
 }

@@ -27,6 +27,7 @@ int runCheck(const CheckCommand& c) {
   }
   const Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.space);
   if (model) checkMachine(*model, folder, session);
+  if (model) checkEffects(*model, c.model, session);
   const PointSet set = checkPointSet(session, model ? &*model : nullptr);
   std::cout << (c.json ? pointSetJson(set) + "\n" : pointSetText(set));
   return set.hasModel && set.identifiability.incomplete() ? 1 : 0;

@@ -25,7 +25,7 @@ struct ExportCommand {
   std::vector<std::string> axes;
   double detectionUnit = 1.0;  // um
   double rapidRate = 0.0;      // mm/min; 0: not told
-  bool json = false;
+  bool tablesAlone = false, json = false;
   OutputFiles files;
 };
 
@@ -51,6 +51,10 @@ int runExport(ExportCommand& c) {
   ExportOptions options;
   options.letters = lettersOf(c.axes);
   options.detectionUnit = c.detectionUnit * kMicrometre;
+  options.tablesAlone = c.tablesAlone;
+  if (c.tablesAlone && target.name != "linuxcnc")
+    throw InputError("--tables-alone leaves out the external offsets of linuxcnc; " + target.name +
+                     " has none: leave it away");
   options.rapidRate = c.rapidRate * kMillimetre / 60.0;
   const NeededCorrection needed(calibration, options.letters);
   const Exported exported = target.write(needed, options);
@@ -102,6 +106,8 @@ void addExportCommand(CLI::App& app, int& exitStatus) {
           "fanuc: rapid traverse rate, which bounds the interval of pitch error data below [the velocity "
           "limit of each joint]")
       ->check(numberWithin(1.0, 1e6, "mm/min"));
+  command->add_flag("--tables-alone", c->tablesAlone,
+                    "linuxcnc: without external offsets, where the HAL component shall not run");
   command->add_flag("--json", c->json, "prints representability.json");
   c->files.declare(*command);
   command->footer(

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <set>
 #include <sstream>
 
+#include "base/read_file.h"
 #include "base/text.h"
 
 namespace mm {
@@ -13,23 +13,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What is there is not known, so that it is not replaced.
+constexpr const char* kRemedy = "name another file";
+
 std::string beginningOf(const fs::path& file) {
   constexpr std::size_t kEnough = 64 * 1024;
-  std::string text(kEnough, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
-  return text;
+  return readPartOfFile(file, 0, kEnough, kRemedy);
 }
 
 std::string endOf(const fs::path& file) {
-  constexpr std::streamoff kEnough = 512;
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  const std::streamoff size = in.tellg();
-  in.seekg(std::max<std::streamoff>(0, size - kEnough));
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  constexpr std::size_t kEnough = 512;
+  const std::size_t size = fs::file_size(file);
+  return readPartOfFile(file, size - std::min(size, kEnough), kEnough, kRemedy);
 }
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

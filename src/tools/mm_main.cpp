@@ -50,6 +50,31 @@ std::string unknownSecondWord(const CLI::App& app, int argc, char** argv) {
   return {};
 }
 
+/// An option that the command does not have, before anything that is missing because of it; empty: none.
+std::string unknownOption(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = &app;
+  std::string name = "mm";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--") return {};
+    if (word.rfind("--", 0) != 0) {
+      const auto subs = command->get_subcommands(nullptr);
+      const auto sub =
+          std::find_if(subs.begin(), subs.end(), [&](const CLI::App* s) { return s->get_name() == word; });
+      if (sub != subs.end()) command = *sub, name += " " + word;
+      continue;
+    }
+    const std::string option = word.substr(0, word.find('='));
+    std::vector<std::string> known;
+    for (const CLI::Option* o : command->get_options())
+      for (const std::string& l : o->get_lnames()) known.push_back("--" + l);
+    if (std::find(known.begin(), known.end(), option) == known.end())
+      return "'" + option + "' is no option of " + name + mm::didYouMean(option, known) + " (" + name +
+             " --help lists them)";
+  }
+  return {};
+}
+
 /// What CLI11 found wrong with the command line; a word that is no subcommand is named.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   std::vector<std::string> commands;
@@ -59,6 +84,7 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error, int ar
     return "'" + word + "' is not a command of mm" + mm::didYouMean(word, commands) +
            " (mm --help lists them)";
   if (const std::string wrong = unknownSecondWord(app, argc, argv); !wrong.empty()) return wrong;
+  if (const std::string wrong = unknownOption(app, argc, argv); !wrong.empty()) return wrong;
   const bool known = word.rfind('-', 0) != 0;
   return std::string(error.what()) + "; see mm " + (known ? word + " " : "") + "--help";
 }

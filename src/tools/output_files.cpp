@@ -2,9 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "export/export_folder.h"
@@ -77,7 +79,13 @@ void OutputFiles::check() const {
         throw InputError(outputs_[j].option + " and " + out.option + " name the same file, " + out.file +
                          "; name another for one of them");
     checkInputs(out);
-    checkContent(out);
+    try {
+      checkContent(out);
+    } catch (const InputError&) {
+      checkThatInputsAreThere();  // what is mistyped first
+      throw;
+    }
+    checkName(out);
   }
 }
 
@@ -112,6 +120,31 @@ void OutputFiles::checkInputs(const Output& out) const {
   }
 }
 
+void OutputFiles::checkThatInputsAreThere() const {
+  for (const Input& in : inputs_) {
+    std::error_code error;
+    const bool path = fs::path(in.file).has_extension() || fs::path(in.file).has_parent_path();
+    if (!in.file.empty() && path && !fs::exists(in.file, error))
+      throw InputError(fs::path(in.file).string() + ": no such file; check the path");
+  }
+}
+
+/// A name that promises another kind of file leads somebody to read it as that.
+void OutputFiles::checkName(const Output& out) const {
+  static const std::map<std::string, std::vector<FileKind>> kNames = {
+      {".csv", {FileKind::kTable, FileKind::kStates, FileKind::kCurve}},
+      {".bag", {FileKind::kBag}},
+      {".html", {FileKind::kPage, FileKind::kCertificate}},
+      {".pdf", {FileKind::kCertificate, FileKind::kPage}},
+      {".urdf", {FileKind::kMachine}}};
+  const auto promised = kNames.find(fs::path(out.file).extension().string());
+  if (promised == kNames.end() || kindOf(out.file) == FileKind::kStream) return;
+  const std::vector<FileKind>& kinds = promised->second;
+  if (std::find(kinds.begin(), kinds.end(), out.kind) == kinds.end())
+    refuseUnlessForced(
+        out, "is written as " + nameOf(out.kind) + ", which a name in " + promised->first + " does not say");
+}
+
 void OutputFiles::checkContent(const Output& out) const {
   const FileKind there = kindOf(out.file);
   if (there == FileKind::kNothing || there == FileKind::kStream) return;
@@ -133,6 +166,8 @@ void OutputFiles::checkSession(const std::vector<std::string>& hashes) const {
     Calibration there;
     try {
       there = loadCalibration(out.file);
+    } catch (const UnreadableFile&) {
+      throw;
     } catch (const InputError&) {
       refuseUnlessForced(out, "holds a calibration that is damaged or of a newer version");
       continue;

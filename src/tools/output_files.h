@@ -70,6 +70,8 @@ class OutputFiles {
   };
   void checkPlace(const Output& out) const;
   void checkInputs(const Output& out) const;
+  void checkThatInputsAreThere() const;
+  void checkName(const Output& out) const;
   void checkContent(const Output& out) const;
   void refuseUnlessForced(const Output& out, const std::string& why) const;
   void declared(const std::string& file) const;

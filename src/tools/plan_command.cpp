@@ -11,9 +11,11 @@
 #include "base/units.h"
 #include "session/artifact_file.h"
 #include "session/plan.h"
+#include "session/plan_ways.h"
 #include "session/plan_writer.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/plan_verify_command.h"
 
@@ -186,6 +188,8 @@ void runNew(PlanOptions& o) {
   const std::string text = o.positions > 0 ? instrumentPlan(o, machine, name) : touchPlan(o, machine, name);
   const Plan plan =
       Plan::parse(text, o.output, {}, machine);  // within the limits, or a line that says where not
+  if (const std::string ways = blockedWaysText(plan, blockedWays(plan, machine)); !ways.empty())
+    std::cerr << "mm: warning: " << oneLine(ways) << std::endl;
   o.files.write(o.output, text);
   std::cout << plan.measurements() << " measurements on " << o.machine << " written to " << o.output << '\n';
 }

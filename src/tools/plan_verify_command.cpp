@@ -7,7 +7,9 @@
 
 #include "calibration_file/calibration_yaml.h"
 #include "session/plan_selection.h"
+#include "session/plan_ways.h"
 #include "tools/bounds.h"
+#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "verification/verification_plan.h"
 
@@ -32,6 +34,8 @@ void runPlanVerify(PlanVerifyOptions& o) {
   const std::string name = std::filesystem::path(o.output).stem().string();
   const std::string text = planSelection(plan, machine, moves, name);
   const Plan chosen = Plan::parse(text, o.output, {}, machine);
+  if (const std::string ways = blockedWaysText(chosen, blockedWays(chosen, machine)); !ways.empty())
+    std::cerr << "mm: warning: " << oneLine(ways) << std::endl;
   o.files.write(o.output, text);
   std::cout << chosen.measurements() << " of " << plan.measurements() << " measurements of " << o.plan
             << " written to " << o.output << '\n';

@@ -83,11 +83,11 @@ void PriorOfSisters::judge(const CalibrationResult& result) {
         twoSidedT(away[i] / std::sqrt(expected(i, i)), static_cast<double>(u.sisters.machines) - 1.0);
     if (p >= least) continue;
     least = p;
-    worst_ =
-        u.sisters.name + " of " + u.sisters.effect +
-        format(" is %.3g ± %.2g %s here, %.3g ± %.2g %s in %zu sisters", result.x[u.parameter] * u.toUnit,
-               result.std(u.parameter) * u.toUnit, u.sisters.unit.c_str(), u.sisters.mean, u.sisters.std,
-               u.sisters.unit.c_str(), u.sisters.machines);
+    worst_ = u.sisters.name + " of " + u.sisters.effect +
+             format(" is %.3g ± %.2g %s here, %.3g ± %.2g %s in %zu sisters (k = 2)",
+                    result.x[u.parameter] * u.toUnit, 2.0 * result.std(u.parameter) * u.toUnit,
+                    u.sisters.unit.c_str(), u.sisters.mean, 2.0 * u.sisters.std, u.sisters.unit.c_str(),
+                    u.sisters.machines);
   }
   if (count == 0) return;
   const double together = conflictOf(away.dot(expected.ldlt().solve(away)), static_cast<double>(count));

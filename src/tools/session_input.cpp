@@ -1,11 +1,17 @@
 #include "tools/session_input.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "base/units.h"
+#include "calibration_file/calibration_fit.h"
+#include "effects/registry.h"
+#include "model/observed_domain.h"
 #include "ros_bridge/bag_session.h"
 #include "session/session_summary.h"
 #include "tools/bounds.h"
@@ -32,7 +38,27 @@ Session loadSession(const std::string& bag, const Calibration& calibration, cons
   const Machine machine(calibration.urdf, calibration.machineName);
   Session session = loadSession(bag, &machine, space);
   checkMachine(calibration, session);
+  const std::string difference =
+      differenceOf(calibration, session.machine, bagSpace(bag, space), "in the session");
+  if (!difference.empty())
+    throw InputError(bag + ": was measured on another machine than calibration '" + calibration.id +
+                     "': " + difference + "; use a session of the machine that was calibrated");
+  const std::string unchecked = uncheckedFit(calibration, session.machine);
+  if (!unchecked.empty()) std::cerr << "mm: warning: " << oneLine(unchecked) << std::endl;
   return session;
+}
+
+void checkEffects(const ModelSpec& model, const std::string& file, const Session& session) {
+  const Domain domain = observedDomain(session);
+  for (std::size_t i = 0; i < model.effects.size(); ++i) {
+    try {
+      createEffect(model.effects[i], domain);
+    } catch (const InputError& e) {
+      const YAML::Node effects =
+          YAML::Load(readWholeFile(file, "check the path of the model file"))["effects"];
+      throw InputError(file + ":" + std::to_string(effects[i].Mark().line + 1) + ": " + e.what());
+    }
+  }
 }
 
 std::vector<Doubt> askFirst(const Session& session) {

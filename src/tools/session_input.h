@@ -4,6 +4,7 @@
 #include "calibration_file/calibration.h"
 #include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
+#include "model/model_spec.h"
 #include "session/sense_checks.h"
 #include "session/session.h"
 
@@ -21,6 +22,8 @@ Session loadSession(const std::string& bag, const Machine* fallback, const std::
 /// The same for a session that goes with a calibration: of the machine that was calibrated, which is also
 /// that of a bag without one. @throw InputError: of another machine, naming what differs.
 Session loadSession(const std::string& bag, const Calibration& calibration, const std::string& space);
+/// @throw InputError: an effect of the model cannot be made for the session; names file and line.
+void checkEffects(const ModelSpec& model, const std::string& file, const Session& session);
 /// What is likely mistaken in a session's units, signs and names: a line on standard error each, before
 /// anything is computed from it.
 std::vector<Doubt> askFirst(const Session& session);

@@ -5,12 +5,14 @@
 #include <memory>
 
 #include "base/error.h"
+#include "session/plan_ways.h"
 #include "session/session_summary.h"
 #include "simulation/session_csv.h"
 #include "simulation/simulate.h"
 #include "simulation/uncatalogued.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/one_line.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 
@@ -34,6 +36,8 @@ void runSimulate(SimulateOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const Machine machine = Machine::load(options.machine);
   const Plan plan = Plan::load(options.plan, machine);
+  if (const std::string ways = blockedWaysText(plan, blockedWays(plan, machine)); !ways.empty())
+    std::cerr << "mm: warning: " << oneLine(ways) << std::endl;
   if (!options.correction.empty())
     options.request.correction =
         std::make_shared<const CorrectionTable>(CorrectionTable::load(options.correction, machine));

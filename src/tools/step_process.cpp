@@ -20,16 +20,29 @@ namespace {
 
 constexpr int kCrashed = 125;  // an exception that nobody caught
 
-void redirect(const std::filesystem::path& file, int descriptor) {
-  const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (opened >= 0) ::dup2(opened, descriptor);
-}
+/// What a step says goes there; opened before the step is a process, so that a disk that fails is said.
+class OutputOfStep {
+ public:
+  explicit OutputOfStep(const std::filesystem::path& file)
+      : descriptor_(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+    if (descriptor_ < 0)
+      throw InputError(file.string() + ": cannot be written: " + std::strerror(errno) +
+                       "; make room on the disk and run again");
+  }
+  ~OutputOfStep() { ::close(descriptor_); }
+  OutputOfStep(const OutputOfStep&) = delete;
+  OutputOfStep& operator=(const OutputOfStep&) = delete;
+  void becomes(int descriptor) const { ::dup2(descriptor_, descriptor); }
 
-[[noreturn]] void workAndEnd(const std::function<int()>& work, const std::filesystem::path& out,
-                             const std::filesystem::path& error, int limit) {
+ private:
+  int descriptor_;
+};
+
+[[noreturn]] void workAndEnd(const std::function<int()>& work, const OutputOfStep& out,
+                             const OutputOfStep& error, int limit) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  redirect(out, STDOUT_FILENO);
-  redirect(error, STDERR_FILENO);
+  out.becomes(STDOUT_FILENO);
+  error.becomes(STDERR_FILENO);
   ::signal(SIGALRM, SIG_DFL);
   ::alarm(static_cast<unsigned>(limit));
   int status = kCrashed;
@@ -49,9 +62,10 @@ StepEnd inProcessOfItsOwn(const std::function<int()>& work, const std::filesyste
                           const std::filesystem::path& error, int limit) {
   std::cout.flush();
   std::fflush(nullptr);
+  const OutputOfStep outFile(out), errorFile(error);
   const auto begun = std::chrono::steady_clock::now();
   const pid_t pid = ::fork();
-  if (pid == 0) workAndEnd(work, out, error, limit);
+  if (pid == 0) workAndEnd(work, outFile, errorFile, limit);
   if (pid < 0)
     throw InputError(std::string("no process can be made for a step: ") + std::strerror(errno) +
                      "; end other programs, or take fewer --jobs");

@@ -2,10 +2,14 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
+#include "base/error.h"
+#include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
 #include "tools/commands.h"
+#include "tools/file_kind.h"
 #include "tools/store_options.h"
 
 namespace mm {
@@ -13,16 +17,42 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void promote(const StoreOptions& options) {
+/// @throw InputError where the store's active calibration is of another machine: its nodes would find this
+/// one in its place.
+void checkSameMachine(const CalibrationStore& store, const Calibration& next) {
+  std::optional<Calibration> active;
+  try {
+    const std::string id = store.linked("active");
+    if (!id.empty()) active = store.load(id);
+  } catch (const InputError&) {
+    return;  // damaged: what is promoted takes its place
+  }
+  if (!active) return;
+  const Machine machine(next.urdf, next.machineName);
+  const std::string difference = differenceOf(*active, machine, next.sessionSpace, "in the new one");
+  if (difference.empty()) return;
+  throw InputError(store.folder().string() + ": the active calibration '" + active->id +
+                   "' is of another machine ('" + active->machineName + "') than '" + next.id + "' ('" +
+                   next.machineName + "'): " + difference +
+                   "; give each machine a --store of its own, or replace it with --force");
+}
+
+void promote(const StoreOptions& options, bool force) {
   CalibrationStore store = options.store();
   std::string id = options.id;
   const bool file = id.find('/') != std::string::npos || fs::path(id).extension() == ".yaml";
   if (file) {  // one that `mm calibrate -o` wrote: it is kept first
     Calibration calibration = loadCalibration(id);
     store = options.storeFor(calibration);
+    if (!force) checkSameMachine(store, calibration);  // before anything is kept
     id = store.add(calibration);
+  } else if (!id.empty() && fs::is_regular_file(id)) {
+    throw InputError(id + ": is " + nameOf(kindOf(id)) +
+                     ", not a calibration; mm calibrate -o makes one, which is promoted by its file");
   }
-  id = store.promote(id);
+  id = store.promote(id, [&](const Calibration& next) {
+    if (!force) checkSameMachine(store, next);
+  });
   std::cout << "active: " << id << " in " << store.folder().string() << '\n';
 }
 
@@ -40,7 +70,9 @@ void addPromoteCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("id", options->id,
                       "id from mm history, or a calibration's file (default: the candidate)");
   options->declare(*command);
-  command->callback([options] { promote(*options); });
+  auto force = std::make_shared<bool>(false);
+  command->add_flag("--force", *force, "also where the active one is of another machine");
+  command->callback([options, force] { promote(*options, *force); });
 }
 
 void addRollbackCommand(CLI::App& app, int& /*exitStatus*/) {

@@ -201,5 +201,26 @@ TEST_F(CommandLine, EveryCommandHasAManualPage) {
   EXPECT_NE(typed("manual").out.find("mm\\-calibrate"), std::string::npos);
 }
 
+/// The keys and units of the catalogue of effects are those of --hide, too.
+TEST_F(CommandLine, HideSpeaksAsTheCatalogue) {
+  const std::string plan =
+      " --plan " + std::filesystem::absolute("config/plans/nine_ball_plate.yaml").string();
+  const Answer slope = typed("simulate --machine three_axis" + plan +
+                             " --hide squareness:y/x=80um/m --hide lead_screw_periodic:x=2um,period_mm=2 "
+                             "--truth hidden.yaml -o hidden.bag");
+  EXPECT_EQ(slope.status, 0) << slope.error;
+  const std::string truth = textOf(*folder_ / "hidden.yaml");
+  EXPECT_NE(truth.find("type: squareness, axis: y, of: x, c: 16.5"), std::string::npos) << truth;  // arcsec
+  EXPECT_NE(truth.find("period: 2000 um"), std::string::npos) << truth;
+}
+
+/// A calibration ends with what to type next, and its uncertainties say of which kind they are.
+TEST_F(CommandLine, ACalibrationSaysWhatToTypeNext) {
+  const Answer answer = typed("calibrate s.bag --model m.yaml --method least_squares -o next.yaml");
+  EXPECT_NE(answer.out.find("mm diagnose s.bag --calibration next.yaml says"), std::string::npos)
+      << answer.out;
+  EXPECT_NE(answer.out.find("± is the expanded uncertainty, k = 2\n"), std::string::npos) << answer.out;
+}
+
 }  // namespace
 }  // namespace mm

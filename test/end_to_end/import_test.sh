@@ -44,6 +44,7 @@ check 'three faults: nothing written' [ ! -e s.bag ]
 printf 'Zeit;Pos;feature\n0;1,5;b0\n' >foreign.csv
 refused 'what cannot be known' "columns: {Pos: " import foreign.csv --artifact plate.yaml --machine three_axis -o s.bag
 check 'what was understood is shown all the same' grep -q 'ball or point touched' out
+check 'a note names its remedy, in letters' sh -c "grep -q 'columns: {Zeit: time_ms}' out && ! grep -qP '[\x01-\x08]' out err"
 printf 'Zeit;Pos;x\n0;1,5;2\n' >foreign.csv
 refused 'NaN' "nan.csv:2: .*'x_mm'" import nan.csv --artifact plate.yaml --machine three_axis -o s.bag
 refused 'empty session' 'empty.csv' import empty.csv --artifact plate.yaml --machine three_axis -o s.bag

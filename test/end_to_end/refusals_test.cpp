@@ -37,6 +37,16 @@ class Refusals : public SessionFolder {
     f.write("reversed.urdf", reversed());
     f.write("reversed.yaml", "machine: reversed.urdf\neffects: [{type: scale, axis: x}]\n");
     run("import s.csv --machine reversed.urdf -o reversed.bag");
+    f.write("slip.yaml",
+            "machine: three_axis\neffects:\n  - {type: scale, axis: x}\n  - {type: scale, axs: y}\n");
+    f.write("type.yaml", "machine: three_axis\neffects: [{type: backlsh, axis: x}]\n");
+    f.write("map.yaml", "machine: three_axis\n  effects: []\n");
+    f.write("semicolons.csv", "Zeit;X Position [mm];Abweichung [um]\n09:14:00;0,000;0,07\n");
+    f.write("twin.urdf", twin());
+    f.write("twin.yaml", "machine: twin.urdf\neffects: [{type: scale, axis: x}]\n");
+    run("import s.csv --machine twin.urdf -o twin.bag");
+    run("calibrate twin.bag --model twin.yaml --method least_squares -o twin_c.yaml");
+    run("promote c.yaml --store filled");
     f.write("plotly.js", "/* plotly */" + std::string(100000, ' '));
     f.write("curve.csv", "generation,rms_um\n0,abc\n");
   }
@@ -44,6 +54,12 @@ class Refusals : public SessionFolder {
     std::string urdf = textOf("urdf/three_axis.urdf");
     const std::string axis = "<axis xyz=\"1 0 0\"/>";
     return urdf.replace(urdf.find(axis), axis.size(), "<axis xyz=\"-1 0 0\"/>");
+  }
+  /// A machine of the same build: nothing but its name differs.
+  static std::string twin() {
+    std::string urdf = textOf("urdf/three_axis.urdf");
+    const std::string name = "<robot name=\"three_axis\">";
+    return urdf.replace(urdf.find(name), name.size(), "<robot name=\"twin\">");
   }
 };
 
@@ -136,6 +152,16 @@ const std::vector<Row>& rows() {
       {"report s.bag --calibration c.yaml --plotly none.js -o page.html", {"none.js"}},
       {"report s.bag --calibration c.yaml --plotly plotly.js --curve curve.csv -o page.html",
        {"curve.csv", "abc"}},
+      {"compare s.bag --calibration twin_c.yaml",
+       {"s.bag", "another machine ('three_axis')", "calibrated ('twin.urdf')", "its URDF calls it 'twin'"}},
+      {"add s.bag --calibration twin_c.yaml '{type: backlash, axis: x}' -o y.yaml",
+       {"'twin'", "'three_axis'"}},
+      {"diagnose twin.bag --calibration c.yaml", {"twin.bag", "'twin'", "'three_axis'"}},
+      {"calibrate twin.bag --model m.yaml",
+       {"twin.bag", "another machine ('twin')", "model's ('three_axis')"}},
+      {"check twin.bag --model m.yaml", {"twin.bag", "'twin'", "'three_axis'"}},
+      {"promote twin_c.yaml --store filled",
+       {"filled", "active", "'three_axis'", "'twin'", "another machine", "--store", "--force"}},
       {"promote none.yaml --store kept", {"none.yaml"}},
       {"promote m.yaml --store kept", {"m.yaml"}},
       {"promote 20200101T000000Z-00000000 --store kept", {"20200101T000000Z-00000000"}},
@@ -172,6 +198,28 @@ const std::vector<Row>& rows() {
       {"simulate --machine three_axis --plan plan.yaml --hide gremlin -o o.bag", {"gremlin"}},
       {"simulate --machine three_axis --plan plan.yaml --hide backlash:w=3um -o o.bag", {"w"}},
       {"simulate --machine three_axis --plan plan.yaml --hide backlash:x=3kg -o o.bag", {"3kg"}},
+      {"simulate --machine three_axis --plan plan.yaml --hide thermal_growth=8um -o o.bag",
+       {"--hide 'thermal_growth=8um'", "growth", "'8um'", "um/K", "e.g. thermal_growth="}},
+      {"simulate --machine three_axis --plan plan.yaml --hide backlash:x=3um,period_mm=5 -o o.bag",
+       {"--hide 'backlash:x=3um,period_mm=5'", "'period_mm'", "known are size, axis, gap"}},
+      {"simulate --machine three_axis --plan plan.yaml --hide backlsh:x=3um -o o.bag",
+       {"'backlsh' can be hidden; did you mean 'backlash'?; possible"}},
+      // a slip is named for what it is
+      {"calibrate s.csv --model m.yaml", {"s.csv", "is not a bag", "mm import"}},
+      {"calibrate s.bag --modell m.yaml",
+       {"'--modell' is no option of mm calibrate", "did you mean '--model'?"}},
+      {"calibrate none.bag --model m.yaml -o c.yaml", {"none.bag", "does it exist?"}},
+      {"calibrate none.bag --model m.yaml -o s.csv", {"none.bag", "no such file"}},
+      {"calibrate s.bag --model slip.yaml", {"slip.yaml:4:", "unknown key 'axs'; did you mean 'axis'?"}},
+      {"check s.bag --model slip.yaml", {"slip.yaml:4:", "'axs'"}},
+      {"calibrate s.bag --model type.yaml",
+       {"type.yaml:2:", "unknown type 'backlsh'; did you mean 'backlash'?"}},
+      {"calibrate s.bag --model map.yaml", {"map.yaml:2:", "not YAML", "look there and on the line before"}},
+      {"promote s.bag --store kept", {"s.bag", "is a session's bag, not a calibration"}},
+      {"report s.bag --calibration c.yaml --plotly plotly.js -o page.csv",
+       {"-o page.csv", "a report page", ".csv", "--force"}},
+      {"apply semicolons.csv --calibration c.yaml -o out.csv",
+       {"semicolons.csv", "separated by commas", "mm import"}},
       {"simulate --machine three_axis --plan plan.yaml --rough stormy -o o.bag", {"stormy"}},
       {"export c.yaml --to linuxcnd -o out", {"linuxcnd", "'linuxcnc'", "heidenhain"}},
       {"export c.yaml --to linuxcnc -o c.yaml", {"c.yaml", "not a folder"}},
@@ -214,6 +262,14 @@ const std::vector<Row>& rows() {
 TEST_F(Refusals, OneLineAndNothingLost) {
   EXPECT_GE(rows().size(), 60u);
   for (const Row& row : rows()) expectRefused(row.typed, row.words);
+}
+
+TEST_F(Refusals, AnotherMachineIsPromotedOnlyByForce) {
+  run("promote c.yaml --store forced");
+  run("promote t.yaml --store forced");  // the same machine
+  EXPECT_EQ(typed("promote twin_c.yaml --store forced").status, 2);
+  const Answer forced = typed("promote twin_c.yaml --store forced --force");
+  EXPECT_EQ(forced.status, 0) << forced.error;
 }
 
 TEST_F(Refusals, ADamagedBagIsReadUpToTheDamageAndSaysSo) {

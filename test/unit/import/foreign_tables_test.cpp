@@ -58,7 +58,7 @@ TEST_F(ForeignTables, InchesFahrenheitTabsAndRemarks) {
 
 TEST_F(ForeignTables, AnInterferometersAxisAndSignAreAskedForAtOnce) {
   const std::string name = "03_interferometer_units_row.csv";
-  EXPECT_THAT(refusal(name), AllOf(HasSubstr("axis: x"), HasSubstr("{Error: error_x_um}"), HasSubstr("VIM")));
+  EXPECT_THAT(refusal(name), AllOf(HasSubstr("axis: x"), HasSubstr("Error: error_x_um"), HasSubstr("VIM")));
   const std::string axis = "axis: y\ncolumns: {Error: ";
   const Imported actual = import(name, axis + "deviation_y_um}\n", false);
   ASSERT_EQ(actual.session->observations.size(), 10u);
@@ -155,8 +155,8 @@ TEST_F(ForeignTables, BareNamesWhereOnlyMillimetresArePossible) {
 
 TEST_F(ForeignTables, NamesOfTheirOwnAndATimeOfDay) {
   const std::string name = "12_own_names.csv";
-  EXPECT_THAT(refusal(name), AllOf(HasSubstr("{enc1/um: x_um}"), HasSubstr("{enc3/um: z_um}"),
-                                   HasSubstr("{what: feature}")));
+  EXPECT_THAT(refusal(name),
+              HasSubstr("columns: {enc1/um: x_um, enc2/um: y_um, enc3/um: z_um, what: feature}"));
   const Imported i = import(name,
                             "columns: {enc1/um: x, enc2/um: y_um, enc3/um: z_um, what: feature}\n"
                             "features: {sphere A: b1, sphere B: b2}\n");

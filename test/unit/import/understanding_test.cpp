@@ -267,5 +267,60 @@ TEST_F(Understanding, DashesOfWindowsAreNotMeasured) {
   EXPECT_DOUBLE_EQ(i.session->observations[2].deviation[0], -3e-6);
 }
 
+/// "Achse X" above the table is said once and counts for every column.
+TEST_F(Understanding, AHeadingNamesTheAxis) {
+  const std::string csv =
+      "Messprotokoll Laserinterferometer Achse Y;;\nMaschine: Messtisch 3;;\n\n"
+      "Sollposition [mm];Richtung;Istposition [mm]\n0,000;vor;0,001\n5,000;vor;5,002\n0,000;zurück;0,003\n";
+  const Imported i = importer_.text(csv);
+  EXPECT_NEAR(i.session->observations[1].position[1], 5e-3, 1e-12);
+  EXPECT_NEAR(i.session->observations[1].deviation[1], 2e-6, 1e-12);
+  EXPECT_EQ(i.session->observations[2].travel[1], -1.0);
+  EXPECT_THAT(::testing::PrintToString(i.notes), HasSubstr("the axis that line 1 names"));
+}
+
+/// Each line that is proposed can be copied as it stands, and so can the one that has them all.
+TEST_F(Understanding, SeveralColumnsGetOneLineForAll) {
+  const std::string csv =
+      "Sollposition [mm];Richtung;Istposition [mm]\n0,000;vor;0,001\n5,000;vor;5,002\n0,000;zurück;0,003\n";
+  const std::string refusal = importer_.refusal(csv);
+  const std::string line =
+      "columns: {'Sollposition [mm]': x_mm, Richtung: direction_x, 'Istposition [mm]': measured_x_mm}";
+  EXPECT_THAT(refusal, HasSubstr("all of these in one line of the mapping (--columns): " + line));
+  const Imported i = importer_.text(csv, line + "\n");
+  EXPECT_NEAR(i.session->observations[1].deviation[0], 2e-6, 1e-12);
+  EXPECT_EQ(i.session->observations[2].travel[0], -1.0);
+}
+
+/// The measurement is asked for by its unit; it is never proposed to leave it out.
+TEST_F(Understanding, ADialGaugeIsTheMeasurement) {
+  const std::string csv =
+      "Nr.;Stellung X (mm);Anzeige Messuhr (µm);Bemerkung\n1;0,00;0,2;\n2;1,30;0,7;Umkehr\n3;2,60;-1,0;\n";
+  const std::string refusal = importer_.refusal(csv);
+  EXPECT_THAT(refusal,
+              AllOf(HasSubstr("'Anzeige Messuhr (µm)'"), HasSubstr("error_x_um"), HasSubstr("deviation_x_um"),
+                    Not(HasSubstr("Stellung")), Not(HasSubstr("ignore"))));
+  const Imported i = importer_.text(csv, "columns: {'Anzeige Messuhr (µm)': deviation_x_um}\n");
+  EXPECT_NEAR(i.session->observations[1].deviation[0], 0.7e-6, 1e-12);
+  EXPECT_THAT(
+      importer_.refusal(csv, "columns: {'Anzeige Messuhr (µm)': ignore}\n"),
+      AllOf(HasSubstr("columns: {Anzeige Messuhr (µm): deviation_x_um}"), Not(HasSubstr("feature}"))));
+  EXPECT_THAT(importer_.refusal("X (mm);Kragen (µm)\n0;0,2\n1;0,4\n2;-0,1\n"),
+              AllOf(HasSubstr("'Kragen (µm)'"), HasSubstr("deviation_x_um"), Not(HasSubstr(": ignore"))));
+}
+
+/// What a display shows in mm is where the axis stands.
+TEST_F(Understanding, UsualWordsOfGermanAndFrenchFiles) {
+  const Imported german = importer_.text(
+      "Zeit;Durchlauf;Anzeige X [mm];Abweichung [µm];Anmerkung\n09:00:00;1;0,0;1;a\n09:00:05;1;5,0;2;b\n");
+  EXPECT_NEAR(german.session->observations[1].position[0], 5e-3, 1e-12);
+  const Imported french = importer_.text(
+      "Axe X;;;;\n\nHeure;Consigne [mm];Sens;Écart "
+      "[µm];Remarque\n09:00:00;0,0;aller;1;a\n09:00:05;5,0;retour;2;b\n");
+  EXPECT_NEAR(french.session->observations[1].position[0], 5e-3, 1e-12);
+  EXPECT_NEAR(french.session->observations[1].deviation[0], 2e-6, 1e-12);
+  EXPECT_EQ(french.session->observations[1].travel[0], -1.0);
+}
+
 }  // namespace
 }  // namespace mm

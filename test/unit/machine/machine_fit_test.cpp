@@ -23,7 +23,6 @@ TEST_F(MachineFit, commentsLooksAndLimitsDoNotCount) {
   EXPECT_EQ(differenceWith("<!-- Three", "<!-- A copy of three"), "");
   EXPECT_EQ(differenceWith("lower=\"-0.020\"", "lower=\"-0.019\""), "");
   EXPECT_EQ(differenceWith("rgba=\"0.55 0.6 0.65 1\"", "rgba=\"1 0 0 1\""), "");
-  EXPECT_EQ(differenceWith("<robot name=\"three_axis\">", "<robot name=\"another\">"), "");
 }
 
 TEST_F(MachineFit, whatTheChainDependsOnIsNamed) {
@@ -62,6 +61,16 @@ TEST_F(MachineFit, serialsCountWhereBothStateOne) {
             "its serial is 'MM-7', here 'MM-8'");
   EXPECT_EQ(differenceOf(withSerial("MM-7"), withSerial("MM-7"), "here"), "");
   EXPECT_EQ(differenceOf(withSerial("MM-7"), machine_, "here"), "");
+}
+
+/// Two machines that were typed with the same axes differ in nothing else; a serial that both state is more
+/// than a name.
+TEST_F(MachineFit, namesCountWhereNoSerialDecides) {
+  EXPECT_EQ(differenceWith("<robot name=\"three_axis\">", "<robot name=\"another\">"),
+            "its URDF calls it 'three_axis', here it is 'another'");
+  const std::string urdf = replaced(machine_.urdf(), "</robot>", "<serial>MM-7</serial></robot>");
+  const Machine renamed(replaced(urdf, "<robot name=\"three_axis\">", "<robot name=\"another\">"), "copy");
+  EXPECT_EQ(differenceOf(Machine(urdf, "three_axis"), renamed, "here"), "");
 }
 
 }  // namespace
