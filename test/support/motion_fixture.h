@@ -59,6 +59,7 @@ class DeviceMotionFixture : public MotionFixture {
     settings.restTimeout = 1.5;
     settings.rotaryTolerance = 1e-4;
     settings.late = late_;
+    settings.silence = silence_;
     control_ = std::make_unique<MotionControl>(controller, machine_, settings);
     loop_ = std::thread([this] {
       while (!ending_) {
@@ -107,6 +108,7 @@ class DeviceMotionFixture : public MotionFixture {
   }
 
   double late_ = 5.0;  // s, Settings::late: the tests of that watch have their own
+  double silence_ = MotionControl::Settings().silence;  // s
   Machine machine_;
   std::unique_ptr<DeviceDouble> double_;
   std::unique_ptr<MotionControl> control_;
