@@ -1,6 +1,7 @@
 #include "workbench/bench_log.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -17,14 +18,24 @@ std::string oneLineOf(std::string text) {
   return text;
 }
 
+/// @return the last character of a file that is open; a line's end where it has none, or cannot be read.
+char lastOf(const std::filesystem::path& file, int descriptor) {
+  struct stat now {};
+  char last = '\n';
+  if (::fstat(descriptor, &now) != 0 || now.st_size == 0) return last;
+  const int reader = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (reader < 0) return last;
+  if (::pread(reader, &last, 1, now.st_size - 1) != 1) last = '\n';
+  ::close(reader);
+  return last;
+}
+
 /// Appends a line. One that the disk cut short before stays as it is: the next begins behind it. @return
 /// whether all of it was written.
 bool append(const std::filesystem::path& file, std::string line) {
-  const int descriptor = ::open(file.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) return false;
-  char last = '\n';
-  const off_t size = ::lseek(descriptor, 0, SEEK_END);
-  if (size > 0 && ::pread(descriptor, &last, 1, size - 1) == 1 && last != '\n') line.insert(0, 1, '\n');
+  if (lastOf(file, descriptor) != '\n') line.insert(0, 1, '\n');
   std::size_t done = 0;
   while (done < line.size()) {
     const ssize_t more = ::write(descriptor, line.data() + done, line.size() - done);

@@ -71,6 +71,10 @@ TEST_F(FailingBatch, TheSameLineGoesOn) {
       if (fault.anew) break;
       EXPECT_EQ(finished(results())[key], text) << "lost, or done twice";
     }
+    // How many operations the jobs beside it make varies: only of the first is it certain whom it meets.
+    if (fault.way == DiskFault::Way::kLasting && fault.n == 1) {
+      EXPECT_EQ(answer.status, 2) << answer.out;
+    }
     if (answer.status == 0) everythingIsDone();
     if (answer.status == 2) {
       ++refused;
@@ -88,7 +92,7 @@ TEST_F(FailingBatch, TheSameLineGoesOn) {
     if (HasFailure()) return;
   }
   std::printf("%5zu runs, %d refused, %d with failed jobs\n", all.size(), refused, failed);
-  EXPECT_GT(refused, 5);
+  EXPECT_GE(refused, 2) << "a disk that fails from the first read, and from the first write";
 }
 
 }  // namespace
