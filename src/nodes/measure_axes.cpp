@@ -93,35 +93,27 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   goOn();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    arrived_ = false;
     goal.ticket = ticket_;
   }
-  axes_.sendGoal(
-      goal, [this](const actionlib::SimpleClientGoalState&, const measuring_machine::MoveResultConstPtr&) {
-        {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          arrived_ = true;
-        }
-        contact_.notify_all();
-      });
+  axes_.send(goal);
   // On the wall clock: simulated time stops when the one who makes it dies.
   while (!waitForArrival(0.2)) {
     if (cancelAsked()) {
-      axes_.cancelGoal();
+      axes_.cancel();
       waitForArrival(2.0);
       throw Cancelled("cancelled");
     }
     if (!axes_.isServerConnected()) throw Error(kDriverGone);
   }
   if (cancelAsked()) throw Cancelled("cancelled");
-  const actionlib::SimpleClientGoalState state = axes_.getState();
-  if (state == actionlib::SimpleClientGoalState::SUCCEEDED) {
+  const auto [state, result] = axes_.end();
+  if (state == actionlib::TerminalState::SUCCEEDED) {
     lost_ = 0;
-    return axes_.getResult()->tripped;
+    return result.tripped;
   }
-  if (state == actionlib::SimpleClientGoalState::LOST || !axes_.isServerConnected()) throw Error(kDriverGone);
-  if (unsettled(kind)) throw UnsettledProbe("axes: " + state.getText());
-  if (!lostController(axes_.getResult()->outcome) || !answersAgain(state.getText()))
+  if (state == actionlib::TerminalState::LOST || !axes_.isServerConnected()) throw Error(kDriverGone);
+  if (unsettled(kind, result)) throw UnsettledProbe("axes: " + state.getText());
+  if (!lostController(result.outcome) || !answersAgain(state.getText()))
     throw Error("axes: " + state.getText());
   // The axes rest where they were stopped. A way is gone again; a probing motion begins from its approach.
   return kind == measuring_machine::MoveGoal::GO && drive(plan, kind, position, speed, feature);
@@ -129,12 +121,11 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
 
 // The last motion: the probe closed on the way out of a surface, or was closed as a probing motion was to
 // begin.
-bool MeasureNode::unsettled(std::uint8_t kind) {
-  const auto result = axes_.getResult();
+bool MeasureNode::unsettled(std::uint8_t kind, const measuring_machine::MoveResult& result) const {
   if (kind == measuring_machine::MoveGoal::PROBE)
-    return result->outcome == measuring_machine::MoveResult::REFUSED &&
-           result->message.rfind(kProbeIsClosed, 0) == 0;
-  return leaving_ && result->outcome == measuring_machine::MoveResult::TRIPPED;
+    return result.outcome == measuring_machine::MoveResult::REFUSED &&
+           result.message.rfind(kProbeIsClosed, 0) == 0;
+  return leaving_ && result.outcome == measuring_machine::MoveResult::TRIPPED;
 }
 
 bool MeasureNode::lostController(std::uint8_t outcome) {

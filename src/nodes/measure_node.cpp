@@ -23,7 +23,13 @@ constexpr double kRenewal = 1.0;  // s between renewals
 MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
     : machine_(machine),
       updater_(node, own, ros::this_node::getName()),
-      axes_("axis_driver/move", true),
+      axes_(node, "axis_driver/move",
+            [this] {
+              {
+                const std::lock_guard<std::mutex> lock(mutex_);
+              }  // whoever looks now sleeps before it is told
+              contact_.notify_all();
+            }),
       server_(
           own, "run", [this](const measuring_machine::MeasureGoalConstPtr& goal) { execute(goal); }, false) {
   refuseUnknownParameters(own, {"retries", "give_up", "contact_timeout", "release_timeout"});
@@ -215,7 +221,8 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
 
 bool MeasureNode::waitForArrival(double wallSeconds) {
   std::unique_lock<std::mutex> lock(mutex_);
-  return contact_.wait_for(lock, std::chrono::duration<double>(wallSeconds), [this] { return arrived_; });
+  return contact_.wait_for(lock, std::chrono::duration<double>(wallSeconds),
+                           [this] { return axes_.ended(); });
 }
 
 void MeasureNode::pauseFor(double seconds) {

@@ -1,5 +1,4 @@
 #pragma once
-#include <actionlib/client/simple_action_client.h>
 #include <actionlib/server/simple_action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <measuring_machine/AxisStatus.h>
@@ -18,6 +17,7 @@
 
 #include "base/error.h"
 #include "machine/machine.h"
+#include "nodes/action_call.h"
 #include "session/plan.h"
 
 namespace mm {
@@ -39,7 +39,6 @@ class MeasureNode {
    public:
     using Error::Error;
   };
-  using Client = actionlib::SimpleActionClient<measuring_machine::MoveAction>;
 
   void execute(const measuring_machine::MeasureGoalConstPtr& goal);
   Plan loadPlan(const std::string& plan) const;
@@ -51,7 +50,7 @@ class MeasureNode {
   bool touch(const Plan& plan, const PlanMove& move);
   void leave(const Plan& plan, const PlanMove& move);
   std::string retriesInWords() const;
-  bool unsettled(std::uint8_t kind);
+  bool unsettled(std::uint8_t kind, const measuring_machine::MoveResult& result) const;
   /// @return the action's `tripped`. @throw UnsettledProbe, Error when the goal was not reached, Cancelled.
   bool drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position, double speed,
              const std::string& feature);
@@ -88,7 +87,6 @@ class MeasureNode {
   std::string announcedPlan_;   // its text
   std::mutex mutex_;
   std::condition_variable contact_;  // or arrival
-  bool arrived_ = false;             // the move under way has ended
   std::uint64_t contacts_ = 0;       // seen on /probe/contact
   std::uint64_t ticket_ = 0;         // of the axes; 0: none
   std::uint32_t stopsBefore_ = 0;    // when the ticket was taken
@@ -107,7 +105,7 @@ class MeasureNode {
   std::uint32_t move_ = 0, moves_ = 0;  // of the plan under way
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
-  Client axes_;
+  ActionCall<measuring_machine::MoveAction> axes_;
   Server server_;
 };
 

@@ -47,7 +47,7 @@ RosMachine::RosMachine(ros::NodeHandle node, const Machine& machine, std::string
       prefix_(std::move(prefix)),
       live_(node),
       readings_(static_cast<std::size_t>(machine.jointCount()), kNotMeasured),
-      measure_(node, "measure/run", true) {
+      measure_(node, "measure/run") {
   const ros::TransportHints quick = ros::TransportHints().tcpNoDelay();
   // of joint states and frames the latest counts: one waits, and newer ones take its place
   subscribers_.push_back(node_.subscribe("joint_states", 1, &RosMachine::takeJoints, this, quick));
@@ -168,20 +168,20 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
     throw InputError(node_.resolveName("measure/run") + " is not there; is the node measure running?");
   measuring_machine::MeasureGoal goal;
   goal.plan = yaml;
-  measure_.sendGoal(goal, {}, {}, [this](const measuring_machine::MeasureFeedbackConstPtr& feedback) {
+  measure_.send(goal, [this](const measuring_machine::MeasureFeedback& feedback) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    measuring_ = "move " + std::to_string(feedback->move + 1) + " of " + std::to_string(feedback->moves) +
-                 ", " + std::to_string(feedback->contacts) + " contacts" +
-                 (feedback->feature.empty() ? "" : ", on " + feedback->feature) +
-                 (feedback->paused ? ", paused" : "");
-    share_ = feedback->progress;
+    measuring_ = "move " + std::to_string(feedback.move + 1) + " of " + std::to_string(feedback.moves) +
+                 ", " + std::to_string(feedback.contacts) + " contacts" +
+                 (feedback.feature.empty() ? "" : ", on " + feedback.feature) +
+                 (feedback.paused ? ", paused" : "");
+    share_ = feedback.progress;
   });
   bool asked = false, gone = false;
-  while (ros::ok() && !gone && !measure_.getState().isDone()) {
+  while (ros::ok() && !gone && !measure_.ended()) {
     ros::WallDuration(0.05).sleep();
     gone = !measure_.isServerConnected();
     if (asked || !cancelled()) continue;
-    measure_.cancelGoal();
+    measure_.cancel();
     asked = true;
   }
   {
@@ -190,14 +190,14 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
     share_ = 0.0;
   }
   if (gone) {
-    measure_.stopTrackingGoal();
+    measure_.forget();
     throw InputError("the node measure has gone; what it measured is in the bag, run the plan again");
   }
-  const auto result = measure_.getResult();
-  const std::string message = result ? result->message : std::string("the plan ended without an answer");
-  if (measure_.getState() != actionlib::SimpleClientGoalState::SUCCEEDED)
-    throw InputError(message.empty() ? measure_.getState().getText() : message);
-  return message;
+  const auto end = measure_.end();
+  if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
+  if (!end.result.message.empty()) throw InputError(end.result.message);
+  const std::string text = end.state.getText();
+  throw InputError(text.empty() ? "the plan ended without an answer" : text);
 }
 
 void RosMachine::stop() {
@@ -216,7 +216,7 @@ void RosMachine::serveStops() {
     stopAsked_ = false;
     lock.unlock();
     try {
-      measure_.cancelAllGoals();
+      measure_.cancelAll();
       std_srvs::Trigger service;
       ask(node_, "axis_driver/stop", service);
     } catch (const std::exception& e) {

@@ -1,5 +1,4 @@
 #pragma once
-#include <actionlib/client/simple_action_client.h>
 #include <measuring_machine/Artifact.h>
 #include <measuring_machine/AxisStatus.h>
 #include <measuring_machine/CompensationStatus.h>
@@ -15,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "nodes/action_call.h"
 #include "ros_bridge/live_session.h"
 #include "workbench/live_machine.h"
 
@@ -42,8 +42,6 @@ class RosMachine : public LiveMachine {
   void stop() override;
 
  private:
-  using Measure = actionlib::SimpleActionClient<measuring_machine::MeasureAction>;
-
   /// Where a frame was published last, and when.
   struct Frame {
     Eigen::Vector3d position = Eigen::Vector3d::Constant(kNotMeasured);
@@ -73,7 +71,7 @@ class RosMachine : public LiveMachine {
   std::condition_variable wake_;
 
   std::vector<ros::Subscriber> subscribers_;
-  Measure measure_;
+  ActionCall<measuring_machine::MeasureAction> measure_;
   std::thread stopper_;  // a call of a service takes time, and a stop must not wait for the page
 };
 

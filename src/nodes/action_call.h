@@ -1,0 +1,120 @@
+#pragma once
+#include <actionlib/client/action_client.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+
+namespace mm {
+
+/// One goal at a time of an action's server, and how it ended. What the server says while the goal is still
+/// being sent counts: actionlib's SimpleActionClient throws that away, and with it the end of a goal that is
+/// refused at once. Hears the server in a thread of its own; every function may be called from any thread.
+template <typename Action>
+class ActionCall {
+ public:
+  using Goal = typename Action::_action_goal_type::_goal_type;
+  using Result = typename Action::_action_result_type::_result_type;
+  using Feedback = typename Action::_action_feedback_type::_feedback_type;
+  using Heard = std::function<void(const Feedback&)>;
+
+  /// How a goal ended.
+  struct End {
+    actionlib::TerminalState state = actionlib::TerminalState::LOST;
+    Result result;  // as it is made where none came
+  };
+
+  /// @param news is called, from the thread that hears the server, when the goal has ended.
+  ActionCall(ros::NodeHandle node, const std::string& name, std::function<void()> news = {})
+      : news_(std::move(news)), client_(node, name, &queue_), hearing_(1, &queue_) {
+    hearing_.start();
+  }
+  ~ActionCall() {
+    hearing_.stop();
+    forget();
+  }
+  ActionCall(const ActionCall&) = delete;
+  ActionCall& operator=(const ActionCall&) = delete;
+
+  bool waitForServer(const ros::Duration& most) { return client_.waitForActionServerToStart(most); }
+  bool isServerConnected() { return client_.isServerConnected(); }
+
+  /// Sends a goal; the one before is no longer listened to.
+  void send(const Goal& goal, Heard heard = {}) {
+    std::uint64_t number = 0;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      number = ++sent_;
+      ended_ = false;
+      end_ = {};
+    }
+    Handle handle = client_.sendGoal(
+        goal, [this, number](Handle h) { change(h, number); },
+        [heard](const Handle&, const typename Feedback::ConstPtr& feedback) {
+          if (heard && feedback) heard(*feedback);
+        });
+    exchange(handle);
+  }
+  void cancel() {
+    Handle handle = copy();
+    if (!handle.isExpired()) handle.cancel();
+  }
+  void cancelAll() { client_.cancelAllGoals(); }
+  /// The goal is not listened to any more.
+  void forget() {
+    Handle none;
+    exchange(none);
+  }
+
+  bool ended() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return ended_;
+  }
+  /// How the goal ended; lost as long as it has not.
+  End end() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return end_;
+  }
+
+ private:
+  using Client = actionlib::ActionClient<Action>;
+  using Handle = typename Client::GoalHandle;
+
+  void change(Handle& handle, std::uint64_t number) {
+    if (handle.getCommState() != actionlib::CommState::DONE) return;
+    End end;
+    end.state = handle.getTerminalState();
+    if (const auto result = handle.getResult()) end.result = *result;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (number != sent_) return;
+      end_ = end;
+      ended_ = true;
+    }
+    if (news_) news_();
+  }
+  // A handle's own lock is never taken inside this one.
+  void exchange(Handle& handle) {
+    const std::lock_guard<std::mutex> lock(handleMutex_);
+    std::swap(handle_, handle);
+  }
+  Handle copy() const {
+    const std::lock_guard<std::mutex> lock(handleMutex_);
+    return handle_;
+  }
+
+  std::function<void()> news_;
+  mutable std::mutex mutex_, handleMutex_;
+  std::uint64_t sent_ = 0;
+  bool ended_ = false;
+  End end_;
+  ros::CallbackQueue queue_;
+  Client client_;
+  Handle handle_;
+  ros::AsyncSpinner hearing_;
+};
+
+}  // namespace mm
