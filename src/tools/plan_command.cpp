@@ -136,9 +136,18 @@ std::string touchPlan(const PlanOptions& o, const Machine& machine, const std::s
   text += "speeds: {rapid_mm_s: 10, approach_mm_s: 2}\n";
   text += format("approach: {distance_mm: %.6g, overtravel_mm: %.6g}\n", kApproach, kOvertravel);
   text += clearance(machine);
-  text += format("touch:\n  features: all\n  points: %d\n  cone_deg: %.6g\n", o.points, o.cone);
   // interleaved: time and temperature do not go with the ball; several speeds: a late trigger shows
-  text += "  order: interleaved\n  speeds_mm_s: [1, 2, 4]\n";
+  text += format(
+      "touch:\n  - {features: all, points: %d, cone_deg: %.6g, order: interleaved, "
+      "speeds_mm_s: [1, 2, 4]}\n",
+      o.points, o.cone);
+  if (artifact.repeatability > 0.0) return text;
+  constexpr int kTargets = 24;  // touched twice: the repeatability to 15 %
+  const int balls = static_cast<int>(artifact.features.size());
+  text += format(
+      "  # the same touches twice: without a stated repeatability these tell it\n"
+      "  - {features: all, points: %d, cone_deg: %.6g, order: interleaved, repeats: 2}\n",
+      (kTargets + balls - 1) / balls, std::min(o.cone, 60.0));
   return text;
 }
 

@@ -131,6 +131,19 @@ TEST_F(CommandLine, ANewMachineItsPlanAndItsFirstModelCalibrate) {
   EXPECT_EQ(answer.json()["identifiability"]["rank"], 6);
 }
 
+// No repeatability is stated anywhere: the plan's own repeats tell it, and the end of the loop is an answer.
+TEST_F(CommandLine, ANewMachineWithANewPlanIsExplained) {
+  run("machine new --axis x=0:120mm --axis y=0:100mm --axis z=-60:0mm --tip-mm 0,0,-40 -o own.urdf --model "
+      "own.yaml");
+  run("plan new --machine own.urdf --balls 3x3 --points 12 -o own_plan.yaml");
+  run("simulate --machine own.urdf --plan own_plan.yaml --hide backlash:y=4um -o own.bag");
+  run("calibrate own.bag --model own.yaml --method least_squares -o own_c.yaml");
+  const Answer answer = typed("add own.bag --calibration own_c.yaml --all -o own_end.yaml");
+  EXPECT_EQ(answer.status, 0) << answer.error;
+  EXPECT_NE(answer.error.find("Nothing is missing"), std::string::npos) << answer.error;
+  EXPECT_NE(answer.error.find("repeated measurements"), std::string::npos) << answer.error;
+}
+
 TEST_F(CommandLine, ANewPlanForAnInstrumentStaysWithinTheTravels) {
   run("plan new --machine three_axis --positions 7 --runs 2 -o axes.yaml");
   run("simulate --machine three_axis --plan axes.yaml -o axes.bag");
