@@ -13,6 +13,13 @@ const scalar = (v) => (typeof v === "string" && !/^[A-Za-z_][\w-]*$/.test(v) ? '
 /** An effect of the server's JSON as the YAML that adds it. */
 export const yamlOf = (effect) => "{" + Object.entries(effect).map(([k, v]) => k + ": " + (Array.isArray(v) ? "[" + v.map(scalar).join(", ") + "]" : scalar(v))).join(", ") + "}";
 
+/** Adds an effect, and asks what is missing now; the answer stands where the last one stood. */
+async function addAndAsk(effect) {
+  const end = await act("add", { effect });
+  if (end.ok) act("diagnose").then((next) => { if (!next.ok) dispatchEvent(new CustomEvent("mm-said", { detail: next })); });
+  return end;
+}
+
 const suffixOf = (d) => (known(d.rms_um) || !known(d.rms_arcsec) ? "_um" : "_arcsec");
 const unitOfSuffix = (s) => s.slice(1);
 
@@ -30,7 +37,7 @@ function Rivals({ list, variableNote }) {
 function Card({ found, unit, observations, first }) {
   const key = "held_out_rms_" + unit, yaml = yamlOf(found.effect), pair = found[key];
   return h("article", { class: "card effect", "aria-label": found.in_words },
-    h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: first ? "primary" : "", title: yaml, run: () => act("add", { effect: yaml }) })),
+    h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: first ? "primary" : "", title: yaml, run: () => addAndAsk(yaml) })),
     h("p", { class: "size" }, found.parameters.length <= 3 ? found.parameters.map((p) => p.name + " = " + measured(p.value, p.std, p.unit)).join(", ") + " (k\u00a0=\u00a02)" : "size " + text(found["size_" + unit], unit) + " RMS, " + found.parameters.length + " constants"),
     h("dl", null,
       h("dt", null, "Odds"), h("dd", null, found.odds_in_words + " that it acts, against its rivals and chance"),
@@ -48,7 +55,7 @@ function Profile({ found, observations, unit }) {
   const make = (c) => curveWithBand(c, { x: found.curve.map((p) => p[0]), y: found.curve.map((p) => p[1] * factor), half: found.curve.map((p) => 2 * p[2] * factor),
     xLabel: variableName(found.variables[0], found.units[0]) + ", " + unitText(found.units[0]), yLabel: "error along " + found.direction + ", " + name });
   return h("article", { class: "card effect", "aria-label": found.in_words },
-    h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: "primary", title: yaml, run: () => act("add", { effect: yaml }) })),
+    h("div", { class: "heading" }, h("h3", null, found.in_words), h(Action, { label: "Add", kind: "primary", title: yaml, run: () => addAndAsk(yaml) })),
     one ? h(Figure, { make, inputs: [found, factor], label: "Curve of " + found.in_words + " with its band", caption: "The curve ± 2 standard deviations: what no effect of the catalogue explains." }) :
       h(Table, { caption: "Error along " + found.direction + " ± expanded uncertainty (k\u00a0=\u00a02)", columns: [...found.variables.map((v, i) => [variableName(v, found.units[i]) + ", " + unitText(found.units[i]), "n"]), ["error", "n"]], rows: found.curve.map((p) => [num(p[0], 4), num(p[1], 4), measured(p[2], p[3], found.unit)]) }),
     h("dl", null, h("dt", null, "Odds"), h("dd", null, found.odds_in_words), pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k\u00a0=\u00a02)")] : null));
@@ -68,7 +75,7 @@ function OwnFormula({ directions }) {
   return h("div", { class: "card" }, h("form", { class: "formula", onSubmit: (e) => e.preventDefault() },
     h(Choice, { id: "direction", label: "Error along", value: direction, options: directions.map((d) => [d, d]), onChange: setDirection }),
     h("label", { class: "choice grow", for: "formula" }, h("span", null, "in µm (a rotary joint: ″) ="), h("input", { id: "formula", value: formula, maxlength: 500, spellcheck: false, autocomplete: "off", placeholder: "k1*x*y + k2*sin(2*pi*x/k3)", "aria-describedby": "formula-said", "aria-invalid": verdict && !good ? "true" : null, onInput: (e) => setFormula(e.target.value) })),
-    h(Action, { label: "Add the formula", disabled: !good, run: () => act("add", { effect: verdict.effect }) })),
+    h(Action, { label: "Add the formula", disabled: !good, run: () => addAndAsk(verdict.effect) })),
   h("p", { id: "formula-said", class: verdict && !good ? "said bad" : "note", role: "status" }, verdict ? said(verdict.message) : "Unknowns k1, k2 … are found. Linear joints in mm, rotary ones in rad, t in s, x_velocity in mm/s, temperatures in °C by their names."));
 }
 
@@ -91,12 +98,12 @@ export function DiagnoseView() {
     h("div", { class: "verdict " + d.verdict, role: "status" }, h("div", { class: "badge" }, kVerdicts[d.verdict] || d.verdict), h("p", { class: "sentence" }, first), rest.map((r) => h("p", { key: r }, r)), h("p", { class: "note" }, again)),
     d.missing.length ? h(Section, { title: d.verdict === "confusable" ? "Named, not separated" : "Missing", action: h(Action, { label: "Add all until nothing is missing", run: () => act("add_all") }) }, d.missing.map((m, i) => h(Card, { key: yamlOf(m.effect), found: m, unit, observations: n, first: i === 0 }))) : null,
     d.profiles.length || d.formulas.length ? h(Section, { title: "What no effect of the catalogue explains" }, d.profiles.map((p) => h(Profile, { key: yamlOf(p.effect), found: p, observations: n, unit })),
-      d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => act("add", { effect: yaml }) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k\u00a0=\u00a02)") : null); })) : null,
+      d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => addAndAsk(yaml) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k\u00a0=\u00a02)") : null); })) : null,
     d.next_measurement.length ? h(Section, { title: "What to measure next", action: h("a", { class: "button", href: downloadAddress("moves"), download: "moves.yaml" }, "Keep the plan") }, h("p", null, d.next_measurement.length + " targets that best separate what these data do not" + (moves ? "; the view Measure runs them." : "."))) : null,
     h(Section, { title: "Your own formula", lead: "A formula is one effect more: added, refitted, and in the ledger like any other." }, h(OwnFormula, { directions })),
     h(Section, { title: "Drift" }, h(Drift, { d })),
     d.missing_inputs.length ? h(Section, { title: "Inputs that were not recorded" }, h(Table, { caption: "What could act unseen without them", columns: [["Input"], ["in its place", "text"], ["cannot be excluded", "text"]], rows: d.missing_inputs.map((i) => [i.input, i.assumed ? "assumed " + i.assumed : "–", i.assumed ? "–" : i.in_words || "–"]) })) : null,
     byOdds.length ? h(Section, { title: "Other causes that were asked", lead: "Each alone, everything refitted with it." }, h(Table, { caption: d.candidates.length + " causes asked, best first", columns: [["Cause"], ["odds", "nowrap"], ["held-out RMS after (k\u00a0=\u00a02)", "nowrap"], ["", "n"]],
-      rows: byOdds.map((c) => [c.in_words, c.odds_in_words, c[key] && c[key][0] !== c[key][1] ? [h(Meter, { share: 1 - c[key][1] / c[key][0] }), rms(c[key][1], n, unit)] : "–", h(Action, { label: "Add", run: () => act("add", { effect: yamlOf(c.effect) }) })]), most: 8 })) : null,
+      rows: byOdds.map((c) => [c.in_words, c.odds_in_words, c[key] && c[key][0] !== c[key][1] ? [h(Meter, { share: 1 - c[key][1] / c[key][0] }), rms(c[key][1], n, unit)] : "–", h(Action, { label: "Add", run: () => addAndAsk(yamlOf(c.effect)) })]), most: 8 })) : null,
     d.cannot_show.length ? h(Section, { title: "What this session could not have shown" }, h(Table, { caption: "Effects, why they stay hidden, and what would show them", columns: [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], rows: d.cannot_show.map((c) => [c.in_words, said(c.why), said(c.moves)]), most: 8 })) : null);
 }
