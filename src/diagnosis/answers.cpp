@@ -15,9 +15,6 @@
 namespace mm {
 namespace {
 
-constexpr double kMoreThanRepeatability =
-    1.3;  // repeatability from five runs is known to a third (ISO 230-2)
-
 constexpr std::size_t kMostRivals = 4;
 constexpr double kMostNats = 650.0;  // of which a double holds the exponential and its inverse
 constexpr double kCounts = 4.5;      // standard deviations: a further shape of a family is told as well
@@ -370,30 +367,6 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
       break;
     }
   }
-}
-
-const ArtifactScatter* beyondTheFile(const Diagnosis& d) {
-  if (!(d.base.repeatability > 0.0) || d.base.repeatabilityFrom == "estimated") return nullptr;
-  for (const ArtifactScatter& scatter : d.artifactScatter)
-    if ((scatter.what == "centres" || scatter.what == "radii") &&
-        scatter.std > kMoreThanRepeatability * d.base.repeatability)
-      return &scatter;
-  return nullptr;
-}
-
-void decide(Diagnosis& out) {
-  const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {
-    return std::any_of(m.confusableWith.begin(), m.confusableWith.end(),
-                       [](const Confusable& c) { return !c.same; });
-  });
-  const bool known = out.base.repeatabilityFrom != "estimated";
-  out.verdict =
-      !out.profiles.empty()  ? Verdict::kUnknownEffect
-      : confusable           ? Verdict::kConfusable
-      : !out.missing.empty() ? Verdict::kMissingEffect
-      : known && out.noise < kMoreThanRepeatability * out.base.repeatability && beyondTheFile(out) == nullptr
-          ? Verdict::kExplained
-          : Verdict::kScatter;
 }
 
 }  // namespace mm

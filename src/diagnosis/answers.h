@@ -50,10 +50,5 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out);
 /// A formula of at most three constants, where one is equivalent to a profile.
 void describeProfiles(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                       Diagnosis& out);
-/// The verdict, from everything else.
-void decide(Diagnosis& out);
-/// Centres or radii of the balls that scatter beyond the repeatability, where that is known: null where none
-/// do.
-const ArtifactScatter* beyondTheFile(const Diagnosis& diagnosis);
 
 }  // namespace mm

@@ -16,6 +16,7 @@
 #include "diagnosis/search.h"
 #include "diagnosis/shortlist.h"
 #include "diagnosis/structure.h"
+#include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
 
 namespace mm {
@@ -154,11 +155,23 @@ class Diagnoser {
     list.extend(look.found);
     report("search", 0.2 + 0.2 * round);
     look.found = withTails(searchOf(q), searchOf(q).improved(look.found), look);
+    if (searchOf(q).couldHideSeveral(look.found)) tryCausesAlone(look, list);
     for (int again = 0; again < kMostLooks && !look.found.members.empty() && list.extend(look.found);
          ++again) {
       report("search", 0.25 + 0.2 * round);
       look.found = searchOf(q).improved(look.found);
     }
+  }
+
+  /// The other way: what comes near to being an answer where neither drift nor scatter is there is asked,
+  /// too.
+  void tryCausesAlone(Look& look, Shortlist& list) const {
+    Explanation causes = searchOf(look.questions).bare(look.found);
+    for (int again = 0; again < kMostLooks; ++again) {
+      if (!list.extend(causes, &look.found) && again > 0) break;
+      causes = searchOf(look.questions).causesAlone(std::move(causes));
+    }
+    look.found = searchOf(look.questions).ofGreaterWorth(std::move(look.found), causes);
   }
 
   /// Two variables at once, where what was found may be no more than their shadow.

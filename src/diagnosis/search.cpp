@@ -305,10 +305,13 @@ Explanation Search::withoutDriftAndScatter(Explanation found) const {
   return found;
 }
 
-Explanation Search::bothWays(Explanation found) const {
-  if (!couldHideSeveral(found)) return found;
-  const Explanation bare = refitted({}, withoutDriftAndScatter(found), false);
-  const Explanation causes = grown(bare, true);
+Explanation Search::bare(const Explanation& found) const {
+  return refitted({}, withoutDriftAndScatter(found), false);
+}
+
+Explanation Search::causesAlone(Explanation start) const { return grown(std::move(start), true); }
+
+Explanation Search::ofGreaterWorth(Explanation found, const Explanation& causes) const {
   if (causes.white > kAsQuiet * found.white) return found;  // something drifts or scatters whatever acts
   Explanation other = pruned(grown(refitted(causes.members, causes, true)));
   return other.worth > found.worth ? std::move(other) : std::move(found);
@@ -351,7 +354,10 @@ Explanation Search::none(const Eigen::VectorXd& variance) const {
 }
 
 Explanation Search::run(const Eigen::VectorXd& variance) const {
-  return bothWays(pruned(grown(none(variance))));
+  Explanation found = pruned(grown(none(variance)));
+  if (!couldHideSeveral(found)) return found;
+  const Explanation causes = causesAlone(bare(found));
+  return ofGreaterWorth(std::move(found), causes);
 }
 
 Explanation Search::improved(const Explanation& start) const {

@@ -67,6 +67,17 @@ class Search {
   Explanation run(const Eigen::VectorXd& variance) const;
   /// Nothing found, and the noise that is then there.
   Explanation none(const Eigen::VectorXd& variance) const;
+  /// Whether drift or scatter are so large that they may be several causes together: one at a time, causes
+  /// that act together would never get past a scatter that imitates them all. Then the other way is tried
+  /// too: from `bare`, with neither, `causesAlone`, and the one that is `ofGreaterWorth`.
+  bool couldHideSeveral(const Explanation& found) const;
+  /// Nothing found, as if nothing drifted and the artifact were as its file says.
+  Explanation bare(const Explanation& found) const;
+  /// The search on from there, without drift and scatter.
+  Explanation causesAlone(Explanation start) const;
+  /// What was found, or what causes alone explain where that is worth more, once drift and scatter have
+  /// earned their place beside all of them.
+  Explanation ofGreaterWorth(Explanation found, const Explanation& causes) const;
   /// The search on from an explanation, whose noise, weights or questions have changed.
   Explanation improved(const Explanation& start) const;
   /// The same with every near rival of every member tried with the noise fitted again: what one model of the
@@ -116,12 +127,7 @@ class Search {
   /// @param bare with neither drift nor scatter.
   Explanation grown(Explanation best, bool bare = false) const;
   bool driftsOrScatters(const Explanation& found) const;
-  bool couldHideSeveral(const Explanation& found) const;
   Explanation withoutDriftAndScatter(Explanation found) const;
-  /// What was found, or what causes alone explain where that is worth more: found as if nothing drifted and
-  /// the artifact were as its file says, after which drift and scatter must earn their place beside all of
-  /// them. One at a time, causes that act together would never get past a scatter that imitates them all.
-  Explanation bothWays(Explanation found) const;
   Explanation exchanged(Explanation best) const;
   Explanation pruned(Explanation best) const;
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;

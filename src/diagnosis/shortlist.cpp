@@ -65,20 +65,19 @@ Shortlist::Shortlist(const ResidualSpace& space, Questions& q) : q_(q) {
   q_.profiles = static_cast<int>(lists_[1].size());
 }
 
-bool Shortlist::extend(Explanation& found) {
+bool Shortlist::extend(Explanation& found, Explanation* other) {
   const Search search(q_);
   std::vector<Candidate> candidates = bestCandidates(search, found);
   first_ = false;
   if (candidates.empty()) return false;
   const bool any = std::any_of(candidates.begin(), candidates.end(),
                                [](const Candidate& c) { return c.fresh && c.gain > 0.0; });
-  std::vector<std::string> keyOfMember;
-  for (const Member& m : found.members) keyOfMember.push_back(q_.groups.groups[m.group].key);
-  take(std::move(candidates));
-  for (std::size_t j = 0; j < found.members.size(); ++j)
-    for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
-      if (q_.groups.groups[g].key == keyOfMember[j])
-        found.members[j] = search.moved(std::move(found.members[j]), static_cast<int>(g));
+  const std::vector<int> now = take(std::move(candidates));
+  const auto move = [&](Explanation& one) {
+    for (Member& m : one.members) m = search.moved(std::move(m), now[static_cast<std::size_t>(m.group)]);
+  };
+  move(found);
+  if (other != nullptr) move(*other);
   return any;
 }
 
@@ -126,26 +125,30 @@ void Shortlist::addCandidates(const Search& search, const Evidence& evidence, co
   }
 }
 
-void Shortlist::take(std::vector<Candidate> candidates) {
+std::vector<int> Shortlist::take(std::vector<Candidate> candidates) {
   struct Place {
     std::size_t order;
+    long before;  // the group that it was; -1: none
     Groups one;
   };
   std::vector<Place> places;
   for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
-    places.push_back({order_[g], oneOf(q_.groups, g)});
-  for (Candidate& c : candidates) places.push_back({c.order, std::move(c.one)});
+    places.push_back({order_[g], static_cast<long>(g), oneOf(q_.groups, g)});
+  for (Candidate& c : candidates) places.push_back({c.order, -1, std::move(c.one)});
   std::stable_sort(places.begin(), places.end(),
                    [](const Place& a, const Place& b) { return a.order < b.order; });
+  std::vector<int> now(q_.groups.groups.size());
   order_.clear();
   std::vector<Groups> ones;
   for (Place& p : places) {
+    if (p.before >= 0) now[static_cast<std::size_t>(p.before)] = static_cast<int>(order_.size());
     order_.push_back(p.order);
     ones.push_back(std::move(p.one));
   }
   Groups all = together(std::move(ones), q_.space->length());
   all.notShown = notShown_;
   q_.groups = std::move(all);
+  return now;
 }
 
 }  // namespace mm

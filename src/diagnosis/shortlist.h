@@ -15,8 +15,9 @@ class Shortlist {
   /// @param space, q: must outlive it. Counts the questions in `q`.
   Shortlist(const ResidualSpace& space, Questions& q);
   /// Asks all causes and profiles beside what was found, and adds to the questions those that gain most.
-  /// @param found its members move with their groups. @return whether one that is new is worth its price.
-  bool extend(Explanation& found);
+  /// @param found its members move with their groups, as do those of `other`. @return whether one that is new
+  /// is worth its price.
+  bool extend(Explanation& found, Explanation* other = nullptr);
   /// Causes that the session cannot show.
   const std::vector<NotShown>& notShown() const { return notShown_; }
 
@@ -29,8 +30,8 @@ class Shortlist {
   void addCandidates(const Search& search, const Evidence& evidence, const Groups& part, std::size_t before,
                      const Explanation& found, std::vector<Candidate>& candidates) const;
   /// Puts them among the questions, all in the order of the lists: of causes that act alike the first is
-  /// named.
-  void take(std::vector<Candidate> candidates);
+  /// named. @return where each group that was there is now.
+  std::vector<int> take(std::vector<Candidate> candidates);
 
   Questions& q_;
   std::vector<QuestionList> lists_;  // causes, profiles

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/units.h"
-#include "diagnosis/answers.h"
+#include "diagnosis/verdict.h"
 
 namespace mm {
 namespace {

@@ -147,7 +147,7 @@ std::string touchPlan(const PlanOptions& o, const Machine& machine, const std::s
   text += format(
       "  # the same touches twice: without a stated repeatability these tell it\n"
       "  - {features: all, points: %d, cone_deg: %.6g, order: interleaved, repeats: 2}\n",
-      (kTargets + balls - 1) / balls, std::min(o.cone, 60.0));
+      std::min(o.points, (kTargets + balls - 1) / balls), std::min(o.cone, 60.0));
   return text;
 }
 

@@ -156,7 +156,7 @@ TEST_F(CommandLine, ANewPlanForAnInstrumentStaysWithinTheTravels) {
 TEST_F(CommandLine, ANewPlanTakesAnArtifact) {
   run("plan new --machine three_axis --artifact artifact.yaml --points 12 -o one.yaml");
   run("simulate --machine three_axis --plan one.yaml -o one.bag");
-  EXPECT_EQ(typed("check one.bag --json").json()["contacts"], 12);
+  EXPECT_EQ(typed("check one.bag --json").json()["contacts"], 12 + 2 * 12) << "and 12 targets twice";
 }
 
 TEST_F(CommandLine, TheCatalogueComesFromTheRegistry) {

@@ -71,10 +71,18 @@ TEST(Diagnose, SeveralLargeEffectsAreNotTakenForBallsThatScatter) {
   // five balls, whose centres could be anywhere, and five errors of the machine: one at a time each explains
   // less than the scatter of all
   const Machine machine = Machine::load("three_axis");
-  for (const std::uint64_t seed : {1, 5}) {
+  const struct {
+    std::uint64_t seed;
+    int manyRows;  // of a longer session not all questions are compared at once
+  } cases[] = {{1, 3000}, {5, 3000}, {5, 100}};
+  for (const auto& [seed, manyRows] : cases) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", together up to " << manyRows);
     const Simulation s =
         simulate(machine, Plan::load("config/demo_plan.yaml", machine), {{"backlash:x=3um"}, seed, ""});
-    const Diagnosis d = diagnosed(s.session);
+    DiagnoseOptions options;
+    options.manyRows = manyRows;
+    const Diagnosis d =
+        diagnose(s.session, Model(machine, observedDomain(s.session), std::vector<EffectSpec>{}), options);
     EXPECT_TRUE(names(d, "scale", "axis", "x")) << d.sentence;
     EXPECT_TRUE(names(d, "scale", "axis", "y")) << d.sentence;
     EXPECT_TRUE(names(d, "backlash", "axis", "x")) << d.sentence;

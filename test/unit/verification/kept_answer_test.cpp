@@ -20,7 +20,7 @@ TEST(KeptAnswer, StandsWhetherOrNotItCouldBeKept) {
   found.before = {3.12e-6, 0.04e-6};
   found.after = {0.31e-6, 0.03e-6};
   found.observations = 54;
-  Session session;
+  Session session(Machine::load("three_axis"));
   session.source = "fresh.bag";
   EXPECT_EQ(keepAnswer(store, calibration, session, found), "") << "it is not kept there: nothing to note";
   EXPECT_TRUE(store.verifications().empty());
