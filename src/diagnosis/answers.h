@@ -36,6 +36,11 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
                  Diagnosis& out);
 void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
                     Diagnosis& out);
+/// How sure the sizes of each member are in a fit of the model with all answers: chi squared of its linear
+/// parameters, over what chance exceeds where they are nothing in 1 of 22 sessions (k = 2); the surest of its
+/// answers. @param first parameter of the answers.
+std::vector<double> surenessOf(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
+                               std::size_t members);
 /// Sizes by the fit that knows the form of the balls, where they have one: least squares do not.
 void allowForForm(const Search& search, const Explanation& found, Diagnosis& out);
 void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,

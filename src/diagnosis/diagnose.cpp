@@ -81,6 +81,7 @@ class Diagnoser {
       again.weights = refitted.weight;
       fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
     }
+    dropWhatDoesNothing(look, fitted);
     conclude(look, fitted);
   }
 
@@ -128,7 +129,8 @@ class Diagnoser {
       look.found = withTails(search, search.run(Eigen::VectorXd::Ones(q.rows.rows())), look);
     }
     lookAtPairs(look);
-    look.found = Search(q).settled(std::move(look.found));
+    look.found = searchOf(q).settled(std::move(look.found));
+    searchOf(q).addPairsToRivals(look.found);
     return look;
   }
 
@@ -286,17 +288,49 @@ class Diagnoser {
     return session;
   }
 
+  /// Everything that was found in the model, and the weights as they are.
+  CalibrationResult refit(const Look& look, const CalibrationResult& fitted,
+                          const std::vector<EffectPtr>& effects, const Eigen::VectorXd& start) const {
+    CalibrateOptions again = fit_;
+    again.rejectOutliers = false;
+    again.weights = fitted.weight;
+    return calibrate(withScatter(look), modelWith(model_, effects), again, start);
+  }
+
+  /// A cause whose size in the model is within its expanded uncertainty was found for the freedom of its
+  /// shape alone: its name says nothing, and to add it would do nothing.
+  void dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) const {
+    while (!look.found.members.empty()) {
+      const Search search(look.questions);
+      const std::vector<Answer> answers = answersOf(search, look.found);
+      const auto evidence = search.evidenceAt(look.found);
+      std::vector<EffectPtr> effects;
+      const Eigen::VectorXd start = startOf(look, effects);
+      std::vector<double> sure;
+      try {
+        sure = surenessOf(answers, refit(look, fitted, effects, start), model_.parameterCount(),
+                          look.found.members.size());
+      } catch (const NumericalError&) {
+        return;  // what the linearised fit says stands
+      }
+      std::size_t least = sure.size();
+      for (std::size_t j = 0; j < sure.size(); ++j)
+        if (sure[j] < 1.0 && !look.questions.groups.groups[look.found.members[j].group].profile &&
+            !search.hasCurve(*evidence, look.found.members, j) &&
+            (least == sure.size() || sure[j] < sure[least]))
+          least = j;
+      if (least == sure.size()) return;
+      look.found = search.without(look.found, least);
+    }
+  }
+
   /// Values and uncertainties by a full refit of the model with everything that was found.
   void refinedParameters(const Look& look, const CalibrationResult& fitted) {
     if (look.found.members.empty()) return;
     std::vector<EffectPtr> effects;
     const Eigen::VectorXd start = startOf(look, effects);
-    CalibrateOptions again = fit_;
-    again.rejectOutliers = false;
-    again.weights = fitted.weight;
-    const Session session = withScatter(look);
     try {
-      const CalibrationResult full = calibrate(session, modelWith(model_, effects), again, start);
+      const CalibrationResult full = refit(look, fitted, effects, start);
       takeParameters(full, model_.parameterCount(), effects, out_);
       if (!curveForTheRest(look)) return;
       std::vector<EffectPtr> named;
@@ -314,7 +348,7 @@ class Diagnoser {
         }
         at += count;
       }
-      const CalibrationResult without = calibrate(session, modelWith(model_, named), again, startOfNamed);
+      const CalibrationResult without = refit(look, fitted, named, startOfNamed);
       takeParameters(without, model_.parameterCount(), named, out_);
     } catch (const NumericalError&) {
       // what the linearised fit says stands

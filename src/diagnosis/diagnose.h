@@ -80,6 +80,7 @@ struct DriftResult {
   };
   std::vector<Perhaps> perhaps;  // likeliest first
   std::string inWords;           // one sentence with what to do
+  bool quick = false;  // quicker than the measurements follow one another: it is scatter of this direction
 };
 
 /// Scatter that belongs to the artifact: deviations of its balls from the file in position, radius or form.

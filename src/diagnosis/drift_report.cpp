@@ -23,6 +23,17 @@ double varianceAlong(const NoiseModel& noise, int direction, double white) {
   return sum;
 }
 
+/// The usual time from one measurement to the next, s.
+double spacingOf(const std::vector<double>& time) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time.size(); ++i)
+    if (time[i] > time[i - 1]) steps.push_back(time[i] - time[i - 1]);
+  if (steps.empty()) return 0.0;
+  const auto middle = steps.begin() + static_cast<long>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
 /// A cause whose course resembles that of a drift.
 struct Alike {
   int group = 0;
@@ -90,6 +101,7 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
     double largest = 0.0;
     for (const DriftTerm& t : found.noise.drift)
       if (t.direction == d && t.ratio > largest) largest = t.ratio, r.timeConstant = t.tau;
+    r.quick = r.timeConstant < spacingOf(q.rows.time);
     results.push_back(std::move(r));
     directions.push_back(d);
   }

@@ -18,6 +18,10 @@ struct Member {
   double size = 0.0;  // standard deviation of a coefficient of weight 1, in units of the white noise
   std::shared_ptr<const RowMatrix> columns;  // length x k, weighted
   std::string id;                            // tells its columns from those of any other member
+  /// Key of the group that it came together with, and what it must gain beside it: one that was asked as the
+  /// partner of another was chosen among fewer. Empty: it came alone.
+  std::string partner;
+  double priceAsPartner = 0.0;
 };
 
 /// What one more group would bring.

@@ -8,6 +8,7 @@
 #include "base/cancel_scope.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "diagnosis/fine_waves.h"
 #include "diagnosis/structure.h"
 #include "effects/inputs.h"
 #include "effects/profile.h"
@@ -57,8 +58,12 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
         out.groups_.push_back(group);
         out.why_.push_back(reason);
         out.first_.push_back(effect);
+        out.passedOver_.push_back(0);
       }
       if (!reason.empty()) continue;
+      const LikelyWaves likely = likelyWaves(space, *effect);
+      for (const double length : likely.lengths) starts.push_back({length});
+      out.passedOver_[at->second] += likely.looked - static_cast<int>(likely.lengths.size());
       if (starts.empty()) starts.push_back({});
       for (std::vector<double>& start : starts) {
         // what is in the model already may be there once more with another shape, if a key can say it
@@ -156,8 +161,8 @@ void QuestionList::dropEmpty(Groups& out, std::size_t first, const std::vector<s
   std::vector<Group> kept;
   for (std::size_t g = 0; g < out.groups.size(); ++g) {
     const EffectPtr& effect = first_[first + g];
-    out.groups[g].shapesAsked = static_cast<int>(out.groups[g].shapes.size());
-    if (out.groups[g].shapesAsked > 0)
+    out.groups[g].shapesAsked = static_cast<int>(out.groups[g].shapes.size()) + passedOver_[first + g];
+    if (!out.groups[g].shapes.empty())
       kept.push_back(std::move(out.groups[g]));
     else if (!out.groups[g].profile && !why[g].empty())
       out.notShown.push_back({effect->spec(), effect, why[g]});
@@ -212,6 +217,7 @@ QuestionList QuestionList::of(const ResidualSpace& space, const std::vector<Prof
     out.wanted_.push_back({out.groups_.size(), effect, {}});
     out.groups_.push_back(std::move(group));
     out.first_.push_back(effect);
+    out.passedOver_.push_back(0);
     out.why_.emplace_back();
   }
   return out;

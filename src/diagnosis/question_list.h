@@ -49,6 +49,7 @@ class QuestionList {
   const ResidualSpace* space_;
   std::vector<Group> groups_;     // without shapes
   std::vector<EffectPtr> first_;  // a group: the first effect of it
+  std::vector<int> passedOver_;   // a group: its shapes that a quick look left out
   std::vector<std::string> why_;  // a group: not empty where it cannot be shown
   std::vector<Wanted> wanted_;    // in the order of their groups
 };

@@ -16,12 +16,6 @@ constexpr int kTrials = 3;              // candidates whose noise is fitted agai
 constexpr double kFiner = 1e-3;         // nats that a step of a nonlinear parameter must bring
 constexpr double kClearlyBetter = 0.5;  // nats by which another cause must be better to take a place
 constexpr double kExchange = 1.0;       // nats that an exchange of one for two must bring
-/// Drift or scatter, in units of the white noise, that may be several causes together: what hides in less is
-/// no larger than the noise when it is shared among several, and the search costs as much again.
-constexpr double kHidesSeveral = 1.0;
-constexpr double kAsQuiet =
-    1.5;  // white noise that causes alone may leave, over that beside drift and scatter
-constexpr double kWorthTrying = 6.0;  // nats below its price: a candidate is not refitted
 
 std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
   std::string id = std::to_string(group) + "/" + std::to_string(shape);
@@ -43,7 +37,8 @@ double Search::priceOfOne(const Group& g) const {
 }
 
 double Search::priceOf(const Member& member) const {
-  return priceOf(member.group) + q_.groups.groups[member.group].priceOfShape();
+  return (member.partner.empty() ? priceOf(member.group) : member.priceAsPartner) +
+         q_.groups.groups[member.group].priceOfShape();
 }
 
 std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
@@ -102,7 +97,13 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   out.white = fit.white;
   out.whiteStd = fit.whiteStd;
   out.worth = out.logEvidence;
-  for (const Member& m : members) out.worth -= priceOf(m);
+  for (Member& m : out.members) {
+    const bool alone = std::none_of(members.begin(), members.end(), [&](const Member& other) {
+      return q_.groups.groups[other.group].key == m.partner;
+    });
+    if (alone) m.partner.clear();
+    out.worth -= priceOf(m);
+  }
   return out;
 }
 
@@ -143,6 +144,7 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
     return best;
   }
   const GroupColumns make(*q_.space);
+  const std::vector<int> parameters = shape.effect->nonlinearParameters();
   double most = evidence.gainOf(given, others, *member.columns).value;
   for (std::size_t k = 0; k < best.nonlinear.size(); ++k)
     for (const double step : {0.03, 0.01, 0.003, 0.001, 0.0003})
@@ -150,6 +152,8 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
         for (int again = 0; again < 6; ++again) {
           std::vector<double> at = best.nonlinear;
           at[k] *= 1.0 + sign * step;
+          const Parameter& limits = shape.effect->parameters()[static_cast<std::size_t>(parameters[k])];
+          if (at[k] < limits.minimum || at[k] > limits.maximum || !shape.effect->mayBeClaimed(at)) break;
           RowMatrix columns = make(shape.effect, at);
           if (columns.cols() == 0) break;
           const Gain gain = evidence.gainOf(given, others, columns);
@@ -290,31 +294,11 @@ bool Search::driftsOrScatters(const Explanation& found) const {
   return scatters || !found.noise.drift.empty();
 }
 
-bool Search::couldHideSeveral(const Explanation& found) const {
-  double most = 0.0;
-  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-    if (!q_.scatter[b].fixed) most = std::max(most, found.scatter[b]);
-  for (const DriftTerm& term : found.noise.drift) most = std::max(most, term.ratio);
-  return most > kHidesSeveral;
-}
-
 Explanation Search::withoutDriftAndScatter(Explanation found) const {
   found.noise.drift.clear();
   for (std::size_t b = 0; b < q_.scatter.size(); ++b)
     if (!q_.scatter[b].fixed) found.scatter[b] = 0.0;
   return found;
-}
-
-Explanation Search::bare(const Explanation& found) const {
-  return refitted({}, withoutDriftAndScatter(found), false);
-}
-
-Explanation Search::causesAlone(Explanation start) const { return grown(std::move(start), true); }
-
-Explanation Search::ofGreaterWorth(Explanation found, const Explanation& causes) const {
-  if (causes.white > kAsQuiet * found.white) return found;  // something drifts or scatters whatever acts
-  Explanation other = pruned(grown(refitted(causes.members, causes, true)));
-  return other.worth > found.worth ? std::move(other) : std::move(found);
 }
 
 Explanation Search::pruned(Explanation best) const {
@@ -351,17 +335,6 @@ Explanation Search::none(const Eigen::VectorXd& variance) const {
   for (std::size_t b = 0; b < q_.scatter.size(); ++b)
     if (q_.scatter[b].fixed) start.scatter[b] = q_.scatter[b].ratio;
   return refitted({}, start, true);
-}
-
-Explanation Search::run(const Eigen::VectorXd& variance) const {
-  Explanation found = pruned(grown(none(variance)));
-  if (!couldHideSeveral(found)) return found;
-  const Explanation causes = causesAlone(bare(found));
-  return ofGreaterWorth(std::move(found), causes);
-}
-
-Explanation Search::improved(const Explanation& start) const {
-  return pruned(grown(refitted(start.members, start, true)));
 }
 
 std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& evidence) const {

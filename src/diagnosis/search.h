@@ -54,6 +54,8 @@ constexpr double kMostOfIt = 0.9;
 /// Standard deviation of a coefficient of a member, in units of the white noise, at the least: one that were
 /// nothing could not grow again.
 constexpr double kSmallestSize = 1e-3;
+/// Nats below its price: what is worse at one model of the noise is not tried with another.
+constexpr double kWorthTrying = 6.0;
 /// Explanations whose log evidence differs by less are not separated (Kass & Raftery 1995: 20 to 1).
 constexpr double kIndistinct = 3.0;
 
@@ -83,6 +85,10 @@ class Search {
   /// The same with every near rival of every member tried with the noise fitted again: what one model of the
   /// noise, fitted beside the member, says of its rivals is biased. Also fills in the rivals.
   Explanation settled(Explanation best) const;
+  /// Adds to the rivals two causes that together explain nearly as much as what they would take the place of.
+  void addPairsToRivals(Explanation& found) const;
+  /// What is left without one of its members, the noise fitted again.
+  Explanation without(const Explanation& found, std::size_t member) const;
   /// The search at one model of the noise that stays, on some of the rows.
   std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
 
@@ -128,6 +134,19 @@ class Search {
   Explanation grown(Explanation best, bool bare = false) const;
   bool driftsOrScatters(const Explanation& found) const;
   Explanation withoutDriftAndScatter(Explanation found) const;
+  /// Grown and pruned, with what comes in pairs.
+  Explanation whole(Explanation start) const;
+  /// Two causes at once, of which neither alone would come: in the place of one that imitates both, or two
+  /// laws of one joint that mostly cancel (pitch about the carriage: an angle about a far origin, and the
+  /// straightness that this is not). @return what was given where there are none.
+  Explanation paired(const Explanation& best) const;
+  struct Pair {
+    double worth = 0.0;  // more than the members have that it is beside, or in the place of one of
+    std::vector<Member> members;
+    std::vector<std::size_t> leaving;  // of the members: those that went for it
+  };
+  /// The best few, at one model of the noise.
+  std::vector<Pair> likelyPairs(const Evidence& evidence, const std::vector<Member>& members) const;
   Explanation exchanged(Explanation best) const;
   Explanation pruned(Explanation best) const;
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;

@@ -17,6 +17,8 @@ constexpr double kMoved = 1e-9;     // m or rad: less is the rounding of a readi
 constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apart are two
 constexpr int kMostMissing = 10;    // an input may be unknown in one of so many rows
 
+}  // namespace
+
 int distinctPositions(const Problem& problem, int joint) {
   std::vector<double> q;
   for (std::size_t o = 0; o < problem.session().observations.size(); ++o)
@@ -27,8 +29,6 @@ int distinctPositions(const Problem& problem, int joint) {
   for (std::size_t i = 1; i < q.size(); ++i) count += q[i] - q[i - 1] > apart;
   return count;
 }
-
-}  // namespace
 
 std::string ShapeMaker::notTried(const Effect& effect) const {
   for (const int joint : effect.mustMove())

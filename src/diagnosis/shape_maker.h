@@ -57,6 +57,9 @@ class ShapeMaker {
   const Domain& domain_;
 };
 
+/// Positions of a joint in a session that are further apart than rounding.
+int distinctPositions(const Problem& problem, int joint);
+
 /// Makes the columns of a shape at other values of its nonlinear parameters.
 class GroupColumns {
  public:

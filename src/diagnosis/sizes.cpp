@@ -1,6 +1,7 @@
 // How large what was found is, by the fit of everything together.
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "diagnosis/answers.h"
@@ -41,6 +42,25 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
       ++at;
     }
   }
+}
+
+std::vector<double> surenessOf(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
+                               std::size_t members) {
+  constexpr double kCertain = 0.9545;  // k = 2
+  std::vector<double> sure(members, 0.0);
+  int at = first;
+  for (const Answer& a : answers) {
+    std::vector<int> linear = linearParameters(*a.effect);
+    for (int& k : linear) k += at;
+    at += a.effect->parameterCount();
+    const Eigen::VectorXd value = full.x(linear);
+    const Eigen::MatrixXd covariance = full.covariance(linear, linear);
+    const double chi2 = value.dot(covariance.ldlt().solve(value));
+    const boost::math::chi_squared spread(std::max<double>(1.0, static_cast<double>(linear.size())));
+    double& most = sure[static_cast<std::size_t>(a.member)];
+    most = std::max(most, std::isfinite(chi2) ? chi2 / boost::math::quantile(spread, kCertain) : 1.0);
+  }
+  return sure;
 }
 
 void allowForForm(const Search& search, const Explanation& found, Diagnosis& out) {

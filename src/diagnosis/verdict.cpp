@@ -30,6 +30,13 @@ const ArtifactScatter* beyondTheFile(const Diagnosis& d) {
   return nullptr;
 }
 
+const DriftResult* beyondTheRepeatability(const Diagnosis& d) {
+  if (!(d.base.repeatability > 0.0) || d.base.repeatabilityFrom == "estimated") return nullptr;
+  for (const DriftResult& drift : d.drift)
+    if (drift.quick && drift.std > mostNoise(d.base)) return &drift;
+  return nullptr;
+}
+
 void decide(Diagnosis& out) {
   const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {
     return std::any_of(m.confusableWith.begin(), m.confusableWith.end(),
@@ -39,7 +46,8 @@ void decide(Diagnosis& out) {
   out.verdict = !out.profiles.empty()  ? Verdict::kUnknownEffect
                 : confusable           ? Verdict::kConfusable
                 : !out.missing.empty() ? Verdict::kMissingEffect
-                : known && out.noise < mostNoise(out.base) && beyondTheFile(out) == nullptr
+                : known && out.noise < mostNoise(out.base) && beyondTheFile(out) == nullptr &&
+                        beyondTheRepeatability(out) == nullptr
                     ? Verdict::kExplained
                     : Verdict::kScatter;
 }

@@ -222,6 +222,13 @@ std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter)
 
 std::string scatterSentence(const Diagnosis& d) {
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
+  if (const DriftResult* of = beyondTheRepeatability(d))
+    return "No effect and no structure is left, but " + driftInWords(d, *of) + ", " +
+           shortNumber(of->std / d.base.repeatability) + " times the repeatability of " +
+           repeatabilityWords(d) +
+           ": an influence acts that follows nothing recorded, or one that changes within less than the "
+           "distance "
+           "of these positions. Measure at positions closer together.";
   const std::string twenty = d.angular ? "Point at one target twenty times" : "Touch one point twenty times";
   const std::string scatter = positive(d.noise) ? "the scatter of " + noiseWords(d) : "the scatter";
   if (d.base.repeatabilityFrom.empty() || d.base.repeatabilityFrom == "estimated" ||
@@ -247,8 +254,9 @@ std::string explainedSentence(const Diagnosis& d) {
 
 std::string driftSentence(const Diagnosis& d) {
   std::string text;
+  const DriftResult* told = d.verdict == Verdict::kScatter ? beyondTheRepeatability(d) : nullptr;
   for (const DriftResult& drift : d.drift)
-    text += (text.empty() ? " Drift: " : "; ") + driftInWords(d, drift);
+    if (&drift != told) text += (text.empty() ? " Drift: " : "; ") + driftInWords(d, drift);
   return text.empty() ? text : text + ".";
 }
 
@@ -308,7 +316,9 @@ std::string whyNotApart(const Confusable& rival) {
 
 std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {
   std::string text = drift.direction == "approach" ? "the error along the approach" : drift.direction;
-  text += " drifts by " + length(drift.std, isAngular(d, drift.direction)) + " RMS";
+  const std::string size = length(drift.std, isAngular(d, drift.direction)) + " RMS";
+  if (drift.quick) return text + " scatters by " + size + " from one measurement to the next";
+  text += " drifts by " + size;
   if (positive(drift.timeConstant)) text += " with a time constant of " + durationInWords(drift.timeConstant);
   if (!drift.perhaps.empty()) {
     const DriftResult::Perhaps& first = drift.perhaps.front();

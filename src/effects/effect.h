@@ -71,6 +71,15 @@ class Effect {
   /// nonlinearParameters().
   virtual std::vector<std::vector<double>> searchStarts() const { return {}; }
 
+  /// Of a wave over the position of a joint, whose linear parameters are its sine and its cosine, counted from
+  /// the joint's zero, and whose one nonlinear parameter is its length: shorter lengths than those of
+  /// searchStarts(), so many that a quick look at the residuals chooses which are asked.
+  struct FineWaves {
+    int joint = -1;
+    std::vector<double> lengths;  // m or rad, descending
+  };
+  virtual FineWaves fineWaves() const { return {}; }
+
   /// True when the error is the sum over the parameters of coefficient(i, p_i) times a function of the state
   /// alone; linear effects are. As coefficient(i, 0) = 0 with slope 1, the derivatives at zero are those
   /// functions.

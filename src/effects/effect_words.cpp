@@ -29,6 +29,7 @@ constexpr std::array kPhrases = {
     Phrase{"thermal_growth", "thermal growth along {direction} with {sensor}"},
     Phrase{"thermal_bending", "thermal bending of {axis} about {about} with {sensors}"},
     Phrase{"time_drift", "steady drift along {direction}"},
+    Phrase{"jump", "jump along {direction} at {at_s} s"},
     Phrase{"warm_up", "warm-up along {direction}"},
     Phrase{"gravity_sag", "sag under gravity along {direction} with {with}"},
     Phrase{"probe_lobing", "probe lobing of order {order}"},

@@ -38,11 +38,14 @@ class LeadScrewPeriodic : public CatalogueEffect {
     // Frequencies a third of a cycle over the range apart: from half a cycle to sixty.
     const double range = travel_ > 0.0 ? travel_ : 10.0 * unit;
     const double shortest = std::max(range / 60.0, linear ? 0.05 * kMillimetre : 0.0);
-    for (double cycles = 0.5; cycles <= range / shortest; cycles += 1.0 / 3.0)
-      starts_.push_back({range / cycles});
+    double cycles = 0.5;
+    for (; cycles <= range / shortest; cycles += kStep) starts_.push_back({range / cycles});
+    const double most = std::min(range / (kFinest * unit), kMostWaves);
+    for (; cycles <= most; cycles += kStep) fine_.push_back(range / cycles);
+    const double finest = fine_.empty() ? shortest : fine_.back();
     Parameter period =
         parameter("period", linear ? kUnitMillimetre : kUnitDegree, 0.05 * range, 2.0 * range, 0.2 * range);
-    period.minimum = 0.5 * shortest;
+    period.minimum = 0.5 * finest;
     period.maximum = 10.0 * range;
     parameters_.push_back(period);
   }
@@ -52,6 +55,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
     return searched_ ? std::vector<int>{2} : std::vector<int>{};
   }
   std::vector<std::vector<double>> searchStarts() const override { return starts_; }
+  FineWaves fineWaves() const override { return {axis_, fine_}; }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
@@ -108,13 +112,17 @@ class LeadScrewPeriodic : public CatalogueEffect {
   }
 
  private:
-  static constexpr int kFewestTeeth = 4;  // fewer are the harmonics of rotary_eccentricity
+  static constexpr double kStep = 1.0 / 3.0;   // of a wave over the range: between two starts
+  static constexpr double kMostWaves = 800.0;  // over the range
+  static constexpr double kFinest = 0.25;      // mm, deg
+  static constexpr int kFewestTeeth = 4;       // fewer are the harmonics of rotary_eccentricity
   static constexpr int kMostTeeth = 400;
   int axis_;
   std::string name_;
   bool searched_ = false;
   double period_ = 0.0, travel_ = 0.0;  // m or rad
   std::vector<std::vector<double>> starts_;
+  std::vector<double> fine_;
 };
 
 }  // namespace

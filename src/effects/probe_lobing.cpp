@@ -9,15 +9,17 @@
 namespace mm {
 namespace {
 
-constexpr int kOrders[] = {0, 2, 3, 4};
+constexpr int kOrders[] = {0, 2, 3, 4, 6};  // that may be asked
+constexpr int kHighestOrder = 9;
 constexpr double kOtherLobes = 0.1;  // of the lobes that its seat's contacts make
+constexpr double kHarmonic = 0.3;    // of the same: a seat on three points has 3, 6, 9 … lobes
 
 class ProbeLobing : public CatalogueEffect {
  public:
   explicit ProbeLobing(SpecReader& read) : CatalogueEffect(read, Stage::kProbe) {
-    order_ = read.integer("order", 0, 4);
+    order_ = read.integer("order", 0, kHighestOrder);
     if (order_ == 1)
-      read.fail("order 1 would move the tip, and the artifact's pose takes that up: 0, 2, 3 or 4");
+      read.fail("order 1 would move the tip, and the artifact's pose takes that up: 0 or 2 to 9");
     if (order_ > 0) parameters_ = {errorParameter("S", JointKind::kLinear)};
     parameters_.push_back(errorParameter("K", JointKind::kLinear));
   }
@@ -43,9 +45,11 @@ class ProbeLobing : public CatalogueEffect {
   }
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
     std::vector<ShapeFreedom> others;
-    for (const int order : kOrders)
-      if (order_ != 0 && order != 0 && order != order_)
-        others.push_back({EffectSpec(spec()).set("order", order), kOtherLobes});
+    if (order_ == 0) return others;
+    for (int order = 2; order <= kHighestOrder; ++order)
+      if (order != order_ && (order % order_ == 0 || order <= 4))
+        others.push_back(
+            {EffectSpec(spec()).set("order", order), order % order_ == 0 ? kHarmonic : kOtherLobes});
     return others;
   }
 

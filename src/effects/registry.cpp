@@ -13,6 +13,7 @@
 #include "effects/covariate_scale.h"
 #include "effects/formula.h"
 #include "effects/gravity_sag.h"
+#include "effects/jump.h"
 #include "effects/laser_incidence.h"
 #include "effects/laser_mount.h"
 #include "effects/laser_scale.h"
@@ -60,6 +61,7 @@ std::vector<EffectType>& registry() {
       thermalGrowthType(),          //
       thermalBendingType(),         //
       timeDriftType(),              //
+      jumpType(),                   //
       warmUpType(),                 //
       gravitySagType(),             //
       probeLobingType(),            //

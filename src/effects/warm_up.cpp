@@ -26,6 +26,10 @@ class WarmUp : public CatalogueEffect {
     if (sink.wantsDerivatives()) sink.derivative(slot_, 1, -p[0] * decay * t / (tau * tau));
   }
 
+  /// Of a slower one the session saw hardly more than a straight line, which is a steady drift.
+  bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
+    return nonlinear.empty() || nonlinear.front() <= slowest_;
+  }
   /// A machine has more than one time constant: behind the quick one it still creeps.
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
     return {{EffectSpec("time_drift").set("direction", direction_)}};
@@ -49,11 +53,13 @@ class WarmUp : public CatalogueEffect {
     parameters_ = {errorParameter("amplitude", direction.quantity),
                    timeConstant("time_constant", read.domain())};
     starts_ = timeConstantStarts(read.domain());
+    slowest_ = starts_.back().front();
   }
 
   int slot_;
   std::string direction_;
   std::vector<std::vector<double>> starts_;
+  double slowest_ = 0.0;  // s
 };
 
 }  // namespace

@@ -74,6 +74,8 @@ CalibrationResult calibrateFrom(const Session& session, Model given, const Calib
   result.heldOut = uncertainty.heldOut;
   result.covariance = uncertainty.covariance;
   result.drift = uncertainty.drift;
+  result.centresStd = uncertainty.centresStd;
+  result.radiiStd = uncertainty.radiiStd;
   result.repeatability = repeatability.value;
   result.repeatabilityFrom = repeatability.from;
   result.repeated = repeatability.repeated;

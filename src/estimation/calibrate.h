@@ -71,12 +71,15 @@ struct CalibrationResult {
   std::shared_ptr<const Problem> problem;
   Eigen::VectorXd x;  // all unknowns, SI
   Eigen::MatrixXd
-      covariance;             // SI, of all unknowns; zero rows where fixed; scaled by the residuals' variance
-  std::vector<Drift> drift;   // what the covariance allows for beside white noise
-  Eigen::VectorXd residuals;  // a data row, m or rad
-  Eigen::VectorXd sigma;      // a data row, m or rad: the noise taken for it
-  Eigen::VectorXd weight;     // a data row: 0 for outliers
-  Eigen::VectorXd heldOut;    // a data row, m or rad: residual under the fit to the other folds
+      covariance;            // SI, of all unknowns; zero rows where fixed; scaled by the residuals' variance
+  std::vector<Drift> drift;  // what the covariance allows for beside white noise
+  /// And how the balls scatter about the artifact file, where that says nothing of it: standard deviation of
+  /// a coordinate of a centre, and of a radius, m; 0: not seen.
+  double centresStd = 0.0, radiiStd = 0.0;
+  Eigen::VectorXd residuals;      // a data row, m or rad
+  Eigen::VectorXd sigma;          // a data row, m or rad: the noise taken for it
+  Eigen::VectorXd weight;         // a data row: 0 for outliers
+  Eigen::VectorXd heldOut;        // a data row, m or rad: residual under the fit to the other folds
   double repeatability = 0.0;     // m (rad for angular sessions), as used
   std::string repeatabilityFrom;  // "declared", "repeated" or "estimated"
   Repeatability repeated;  // where it comes from repeats: with its degrees of freedom; else its dof is 0

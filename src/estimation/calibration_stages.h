@@ -29,11 +29,12 @@ struct StartValues {
 
 /// What the values are worth.
 struct Uncertainty {
-  Eigen::VectorXd heldOut;     // a data row, m or rad
-  Eigen::MatrixXd covariance;  // SI, of all unknowns
-  std::vector<Drift> drift;    // what it allows for beside white noise
-  double dof = 0.0;            // degrees of freedom
-  double priorChi2 = 0.0;      // sum of squares of the rows that are no data
+  Eigen::VectorXd heldOut;                  // a data row, m or rad
+  Eigen::MatrixXd covariance;               // SI, of all unknowns
+  std::vector<Drift> drift;                 // what it allows for beside white noise
+  double centresStd = 0.0, radiiStd = 0.0;  // m: and how the balls scatter about their file
+  double dof = 0.0;                         // degrees of freedom
+  double priorChi2 = 0.0;                   // sum of squares of the rows that are no data
 
   /// Degrees of freedom that other unknowns take; at least one stays. The covariance grows with it.
   void takeFreedoms(int taken);

@@ -21,11 +21,42 @@ constexpr int kMostRows = 1500, kMostColumns = 40;
 /// 5.
 constexpr double kDriftPrice = 3.0;
 
-/// How the covariance of the unknowns is larger where the noise has memory, and what that memory is.
+/// How the covariance of the unknowns is larger where the noise has memory, and what that memory is; and
+/// where the balls lie beside the places in their file.
 struct Memory {
   NoiseFitResult fit;
   LinearisedRows rows;
+  RowMatrix centres,
+      radii;  // what a shift of each ball, and a change of its radius, by 1 sigma does to the rows
+  double centresStd = 0.0, radiiStd = 0.0;  // in units of sigma
 };
+
+/// A fit of many balls: their places scatter as one number, not as an unknown each.
+constexpr std::size_t kFewestBalls = 3, kMostBalls = 40;
+
+void addBalls(const Linearisation& at, const std::vector<int>& used, const Eigen::VectorXd& weight,
+              Memory& memory) {
+  const Problem& problem = at.problem();
+  const auto& features = problem.session().artifact.features;
+  if (features.size() < kFewestBalls || features.size() > kMostBalls) return;
+  const ErrorLayout layout = problem.model().machine().layout();
+  const Eigen::MatrixXd& g = at.slotGradients();
+  const Eigen::Index rows = static_cast<Eigen::Index>(used.size());
+  const Eigen::Index balls = static_cast<Eigen::Index>(features.size());
+  RowMatrix centres = RowMatrix::Zero(rows, 3 * balls), radii = RowMatrix::Zero(rows, balls);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const int row = used[static_cast<std::size_t>(i)];
+    const Observation& o = problem.session().observations[problem.rows()[row].observation];
+    if (o.kind != ObservationKind::kContact) continue;
+    const double root = std::sqrt(weight[row]);
+    if (problem.find(UnknownKind::kFeature, o.feature) < 0)
+      for (int k = 0; k < 3; ++k) centres(i, 3 * o.feature + k) = root * g(row, layout.feature(k));
+    if (features[o.feature].kind == FeatureKind::kBall && problem.find(UnknownKind::kRadius, o.feature) < 0)
+      radii(i, o.feature) = -root;
+  }
+  if (centres.squaredNorm() > 0.0) memory.centres = std::move(centres);
+  if (radii.squaredNorm() > 0.0) memory.radii = std::move(radii);
+}
 
 /// The noise of what a fit has left. @param q orthonormal columns of the fit, the last `shared` of which are
 /// those of unknowns that all rows share.
@@ -47,7 +78,14 @@ Memory memoryOf(const Linearisation& at, const Fit& fit, const WhitenedSystem& s
   white.variance = Eigen::VectorXd::Ones(n);
   NoiseFitOptions options;
   options.driftPrice = kDriftPrice;
-  memory.fit = fitNoise(memory.rows.rows, {}, white, options, kMostRows);
+  addBalls(at, used, fit.weight, memory);
+  std::vector<RandomBlock> blocks;
+  for (const RowMatrix* columns : {&memory.centres, &memory.radii})
+    if (columns->cols() > 0) blocks.push_back({*columns, 0.0, kDriftPrice, false});
+  memory.fit = fitNoise(memory.rows.rows, std::move(blocks), white, options, kMostRows);
+  std::size_t block = 0;
+  if (memory.centres.cols() > 0) memory.centresStd = memory.fit.ratios[block++];
+  if (memory.radii.cols() > 0) memory.radiiStd = memory.fit.ratios[block];
   return memory;
 }
 
@@ -63,6 +101,13 @@ Eigen::MatrixXd covarianceUnder(const Memory& memory, const Fit& fit, const Eige
   Eigen::MatrixXd middle = Eigen::MatrixXd(all.transpose() * whitener.covarianceTimes(all));
   const auto priors = q.bottomRows(q.rows() - data);
   middle += priors.transpose() * priors;
+  const auto addScatter = [&](const RowMatrix& columns, double ratio) {
+    if (!(ratio > 0.0)) return;
+    const Eigen::MatrixXd seen = ratio * (all.transpose() * columns);
+    middle += seen * seen.transpose();
+  };
+  addScatter(memory.centres, memory.centresStd);
+  addScatter(memory.radii, memory.radiiStd);
   middle *= memory.fit.white * memory.fit.white;
   return inverseR * middle * inverseR.transpose();
 }
@@ -101,7 +146,11 @@ Uncertainty uncertaintyOf(const Problem& problem, const Fit& fit, const std::vec
       int local = 0;
       for (const LocalBlock& b : blocks) local += static_cast<int>(b.columns.size());
       const Memory memory = memoryOf(at, fit, system, q, columns - local);
-      if (!memory.fit.noise.drift.empty()) c = covarianceUnder(memory, fit, q, inverseR);
+      if (!memory.fit.noise.drift.empty() || memory.centresStd > 0.0 || memory.radiiStd > 0.0)
+        c = covarianceUnder(memory, fit, q, inverseR);
+      const double sigma = memory.fit.white * fit.sigma.mean();
+      u.centresStd = memory.centresStd * sigma;
+      u.radiiStd = memory.radiiStd * sigma;
       for (const DriftTerm& t : memory.fit.noise.drift)
         u.drift.push_back({memory.rows.directions[t.direction],
                            t.ratio * memory.fit.white * memory.rows.directionScale[t.direction], t.tau});

@@ -90,6 +90,14 @@ std::string noiseText(const CalibrationResult& r) {
   std::string text = "  Repeatability  " + length(r.repeatability, angular) + ", " + from + "\n";
   if (r.repeatabilityFrom != "estimated")
     text += format("  chi2 / dof     %.4g (1: nothing but noise is left)\n", r.figures.chi2PerDof);
+  if (r.centresStd > 0.0 || r.radiiStd > 0.0) {
+    const auto by = [](double std, const char* what) {
+      return std > 0.0 ? std::string(what) + " by " + length(std, false) : std::string();
+    };
+    text += "  Artifact       the balls scatter about their file, " + by(r.centresStd, "centres") +
+            (r.centresStd > 0.0 && r.radiiStd > 0.0 ? ", " : "") + by(r.radiiStd, "radii") +
+            ": the uncertainties allow for it\n";
+  }
   for (const Drift& d : r.drift) {
     const int joint = r.problem->model().domain().findJoint(d.direction);
     const bool turns =

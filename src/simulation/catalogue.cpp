@@ -209,6 +209,14 @@ std::vector<SourceKind> structureKinds() {
        [](const HiddenSource& s, Workshop& w, Random&) {
          add<TimeDrift>(w, direction(s, w, "direction"), s.number("d"));
        }},
+      {"jump",
+       {{"direction", Key::kDirection, ""}},
+       {{"d", "m", 2e-6, 8e-6, true}, {"at", "s", 300.0, 900.0}},
+       Probe::kAny,
+       false,
+       [](const HiddenSource& s, Workshop& w, Random&) {
+         add<Slip>(w, direction(s, w, "direction"), s.number("d"), s.number("at"));
+       }},
       {"warm_up",
        {{"direction", Key::kDirection, ""}},
        {{"d", "m", 3e-6, 12e-6, true}, {"tau", "s", 480.0, 1200.0}},

@@ -16,6 +16,12 @@ void TimeDrift::apply(const Condition& condition, Distortion& distortion) const 
   direction_.add(distortion, rate_ * condition.time);
 }
 
+void Slip::apply(const Condition& condition, Distortion& distortion) const {
+  constexpr double kAfter = 0.05, kSettles = 120.0;  // of the size; s
+  const double since = condition.time - at_;
+  if (since >= 0.0) direction_.add(distortion, size_ * (1.0 - kAfter * std::expm1(-since / kSettles)));
+}
+
 void WarmUp::apply(const Condition& condition, Distortion& distortion) const {
   constexpr double kFastShare = 0.1, kFaster = 5.0;
   const double t = condition.time / timeConstant_;

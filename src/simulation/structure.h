@@ -34,6 +34,18 @@ class TimeDrift : public Source {
   double rate_;
 };
 
+/// A clamp that slips, and gives way a little after it.
+class Slip : public Source {
+ public:
+  /// @param size m or rad, at once. @param at s.
+  Slip(Direction direction, double size, double at) : direction_(direction), size_(size), at_(at) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  Direction direction_;
+  double size_, at_;
+};
+
 /// Warm-up after switching on: a fast and a slow part of the structure come to their temperatures.
 class WarmUp : public Source {
  public:

@@ -107,6 +107,16 @@ TEST_F(Convention, legendreDegreeAloneOverTheObservedRange) {
               -0.4375, 1e-14);
 }
 
+TEST_F(Convention, jumpStaysFromItsTimeOn) {
+  const auto at = [&](double time) {
+    state.time = time;
+    return values("{type: jump, direction: y, at_s: 100}", {3e-6})[layout.axis(1)];
+  };
+  EXPECT_EQ(at(99.9), 0.0);
+  EXPECT_EQ(at(100.0), 3e-6);
+  EXPECT_EQ(at(1e4), 3e-6);
+}
+
 TEST_F(Convention, sagGrowsFromTheObservedMinimum) {
   domain.lower[1] = -0.01;
   state.position[1] = 0.02;

@@ -50,6 +50,7 @@ const std::vector<Row> kThreeAxis{
     {"{type: thermal_growth, direction: z, sensor: spindle, lag: true}", "spindle"},
     {"{type: thermal_bending, axis: z, about: x, sensors: [bed, frame]}", "y z bed frame"},
     {"{type: time_drift, direction: x}", "t"},
+    {"{type: jump, direction: z, at_s: 100}", "t"},
     {"{type: warm_up, direction: z}", "t"},
     {"{type: gravity_sag, direction: z, with: x, power: 2}", "x"},
     {"{type: probe_lobing, order: 0}", "approach"},

@@ -50,6 +50,7 @@ TEST(Recovery, TouchProbeOnThePlate) {
        2e-6},
       {"thermal_bending:x/y/bed/frame=15arcsec/K",
        "{type: thermal_bending, axis: x, about: y, sensors: [bed, frame]}", 15.0 * kArcsecond},
+      {"jump:z=4um,at=600s", "{type: jump, direction: z, at_s: 600}", 4e-6},
       {"time_drift:x=8um/h", "{type: time_drift, direction: x}", 8e-6 / 3600.0},
       {"probe_radius=3um", "{type: probe_radius}", 3e-6},
       {"ball_radius:b3=3um", "{type: ball_radius, ball: b3}", 3e-6},

@@ -185,6 +185,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
                                              {"thermal_bending", {":x/y/bed/frame", "arcsec/K", 10}},
                                              {"time_drift", {":x", "um/h", 30}},
                                              {"warm_up", {":y", "um", 8}},
+                                             {"jump", {":z", "um", 4}},
                                              {"gravity_sag", {":z/y", "um", 6}},
                                              {"covariate_offset", {":x/humidity", "um", 0.6}},
                                              {"covariate_scale", {":y/humidity", "ppm", 40}},

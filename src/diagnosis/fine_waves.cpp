@@ -1,0 +1,74 @@
+#include "diagnosis/fine_waves.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/tiny.h"
+#include "base/units.h"
+#include "diagnosis/shape_maker.h"
+#include "effects/linearity.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kMostLikely = 16;
+
+/// What an error of the joint by one unit does to each row, and where the joint was.
+struct ErrorOfJoint {
+  ErrorOfJoint(const ResidualSpace& space, const Effect& effect, const Effect::FineWaves& waves) {
+    const double length = waves.lengths.front();
+    const Eigen::MatrixXd both = linearColumns(effect, space.columns(effect, startsAt(effect, {length})));
+    const Problem& problem = space.problem();
+    position.resize(space.rows());
+    for (int i = 0; i < space.rows(); ++i)
+      position[i] = problem.state(problem.rows()[space.used()[i]].observation).position[waves.joint];
+    const Eigen::ArrayXd phase = 2.0 * kPi / length * position;
+    factor = both.col(0).head(space.rows()).array() * phase.sin() +
+             both.col(1).head(space.rows()).array() * phase.cos();
+  }
+  Eigen::ArrayXd position, factor;
+};
+
+/// The part of the residuals' sum of squares that a wave takes.
+double powerOf(const ErrorOfJoint& error, const Eigen::ArrayXd& target, double length) {
+  const Eigen::ArrayXd phase = 2.0 * kPi / length * error.position;
+  const Eigen::ArrayXd sine = error.factor * phase.sin(), cosine = error.factor * phase.cos();
+  Eigen::Matrix2d products;
+  products << sine.square().sum(), (sine * cosine).sum(), 0.0, cosine.square().sum();
+  products(1, 0) = products(0, 1);
+  const Eigen::Vector2d by((sine * target).sum(), (cosine * target).sum());
+  if (!(products.determinant() > kTiny)) return 0.0;
+  return by.dot(products.ldlt().solve(by));
+}
+
+}  // namespace
+
+LikelyWaves likelyWaves(const ResidualSpace& space, const Effect& effect) {
+  LikelyWaves out;
+  const Effect::FineWaves waves = effect.fineWaves();
+  if (waves.lengths.empty()) return out;
+  const Domain& domain = space.problem().model().domain();
+  const double range = domain.upper[waves.joint] - domain.lower[waves.joint];
+  const double shortest = 2.0 * range / std::max(1, distinctPositions(space.problem(), waves.joint));
+  const ErrorOfJoint error(space, effect, waves);
+  const Eigen::ArrayXd target = space.target().head(space.rows()).array();
+  std::vector<double> power;
+  for (const double length : waves.lengths) {
+    if (length < shortest) break;
+    power.push_back(powerOf(error, target, length));
+  }
+  out.looked = static_cast<int>(power.size());
+  std::vector<std::pair<double, double>> peaks;  // power, length
+  for (std::size_t i = 0; i < power.size(); ++i)
+    if ((i == 0 || power[i] >= power[i - 1]) && (i + 1 == power.size() || power[i] > power[i + 1]))
+      peaks.emplace_back(power[i], waves.lengths[i]);
+  std::stable_sort(peaks.begin(), peaks.end(), [](auto& a, auto& b) { return a.first > b.first; });
+  peaks.resize(std::min(peaks.size(), kMostLikely));
+  for (const auto& [height, length] : peaks) out.lengths.push_back(length);
+  std::sort(out.lengths.begin(), out.lengths.end(), std::greater<double>());
+  return out;
+}
+
+}  // namespace mm

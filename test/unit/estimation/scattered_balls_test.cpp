@@ -1,0 +1,54 @@
+// Balls that lie beside the places in their file: the stated uncertainties of what is found with them allow
+// for it, though nothing says so beforehand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "estimation/calibrate.h"
+#include "model/observed_domain.h"
+#include "simulation/simulate.h"
+
+namespace mm {
+namespace {
+
+/// @param away standard deviation of a coordinate of a centre, m.
+CalibrationResult measuredWith(double away, std::uint64_t seed) {
+  const Machine machine = Machine::load("three_axis");
+  Session s = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine),
+                       {{"scale:x=60ppm"}, seed, ""})
+                  .session;
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (Feature& f : s.artifact.features)
+    for (int k = 0; k < 3; ++k) f.position[k] += away * normal(generator);
+  s.prepare();
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  std::vector<EffectSpec> effects = {EffectSpec("scale").set("axis", "x"),
+                                     EffectSpec("scale").set("axis", "y")};
+  return calibrate(s, Model(machine, observedDomain(s), effects), options);
+}
+
+TEST(ScatteredBalls, AreAllowedFor) {
+  constexpr int kSessions = 40;
+  int inside = 0;
+  for (int seed = 1; seed <= kSessions; ++seed) {
+    const CalibrationResult r = measuredWith(1e-6, static_cast<std::uint64_t>(seed));
+    inside += std::abs(r.x[0] - 60e-6) <= 2.0 * r.std(0);
+    EXPECT_GT(r.centresStd, 0.5e-6);
+    EXPECT_LT(r.centresStd, 1.7e-6);
+  }
+  std::printf("%d of %d intervals (k = 2) cover the truth\n", inside, kSessions);
+  EXPECT_GE(inside, 33) << "of 95 % fewer come by chance once in a hundred runs";
+}
+
+TEST(ScatteredBalls, WhereTheyLieAsTheirFileSaysNothingIsAdded) {
+  int seen = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) seen += measuredWith(0.0, seed).centresStd > 0.0;
+  EXPECT_LE(seen, 1);
+}
+
+}  // namespace
+}  // namespace mm
