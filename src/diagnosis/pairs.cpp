@@ -63,9 +63,13 @@ std::vector<Search::Pair> Search::likelyPairs(const Evidence& evidence,
       if (same != nullptr && jointsOf(groupOf(g)) != *same) continue;
       if (g.value - price > most) most = g.value - price, second = g;
     }
-    if (second.group < 0) return;
+    if (!(most > 0.0)) return;
     pair.worth = given.logEvidence + most - priceOfAll(pair.members) - now;
     if (!(pair.worth > -kWorthTrying)) return;
+    // each must earn its place beside the other: else one of them is another name of what went
+    std::vector<Member> secondAlone = others;
+    secondAlone.push_back(memberOf(second));
+    if (!(given.logEvidence + second.value - evidence.given(secondAlone).logEvidence > priceOf(seed))) return;
     pair.members.push_back(memberOf(second));
     pair.members.back().partner = q_.groups.groups[static_cast<std::size_t>(seed.group)].key;
     pair.members.back().priceAsPartner = price;
@@ -74,6 +78,10 @@ std::vector<Search::Pair> Search::likelyPairs(const Evidence& evidence,
   };
   const double ofAny = std::log(std::max(1.0, static_cast<double>(q_.asked))) + std::log(kOneMore);
   for (const std::vector<std::size_t>& leaving : leavingSets(members.size(), q_.many)) {
+    // asked beside the curve for its rest, any two would do as well as a cause that has a name
+    if (std::any_of(leaving.begin(), leaving.end(),
+                    [&](std::size_t j) { return hasCurve(evidence, members, j); }))
+      continue;
     std::vector<Member> others;
     std::vector<int> barred;
     for (std::size_t j = 0; j < members.size(); ++j)
@@ -128,7 +136,7 @@ void Search::addPairsToRivals(Explanation& found) const {
   for (const Pair& pair : likelyPairs(*evidenceAt(found), found.members)) {
     const Explanation trial = refitted(pair.members, found, true);
     const double behind = found.worth - trial.worth;
-    if (behind > kWorthTrying) continue;
+    if (behind > kIndistinct) continue;
     for (const std::size_t member : pair.leaving)
       for (std::size_t k = pair.members.size() - 2; k < pair.members.size(); ++k)
         found.rivals.push_back({member, pair.members[k].group, pair.members[k].shape, behind});

@@ -71,8 +71,8 @@ class Effect {
   /// nonlinearParameters().
   virtual std::vector<std::vector<double>> searchStarts() const { return {}; }
 
-  /// Of a wave over the position of a joint, whose linear parameters are its sine and its cosine, counted from
-  /// the joint's zero, and whose one nonlinear parameter is its length: shorter lengths than those of
+  /// Of a wave over the position of a joint, whose linear parameters are its sine and its cosine, counted
+  /// from the joint's zero, and whose one nonlinear parameter is its length: shorter lengths than those of
   /// searchStarts(), so many that a quick look at the residuals chooses which are asked.
   struct FineWaves {
     int joint = -1;

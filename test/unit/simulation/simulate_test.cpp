@@ -208,6 +208,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
     const Case& c = cases.at(kind.type);
     const auto size = [&](double factor) {
       std::string text = kind.type + c.place + "=" + std::to_string(c.size * factor) + c.unit;
+      if (kind.type == "jump") text += ",at=20s";
       if (kind.type == "laser_mount") text += ",beam=0rad";
       if (kind.type == "rotary_eccentricity") text += ",radial=0um";
       if (kind.type == "mmt_deviation")
