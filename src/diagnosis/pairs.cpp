@@ -1,6 +1,7 @@
 // Causes that only two together show.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "diagnosis/search.h"
 
@@ -44,8 +45,9 @@ std::vector<Search::Pair> Search::likelyPairs(const Evidence& evidence,
     return sum;
   };
   const double now = evidence.given(members).logEvidence - priceOfAll(members);
-  // What `seed` and the best beside it are worth. @param barred causes that neither may be. @param same only
-  // laws of the same joints. @param price of the second, of which the first says that something acts.
+  // What `seed` and the best beside it are worth. @param barred causes that neither may be. @param same null:
+  // all others may come; else these groups. @param price of the second, of which the first says that
+  // something acts.
   const auto tryWith = [&](const std::vector<Member>& others, const Member& seed,
                            const std::vector<int>& barred, const std::vector<int>* same, double price,
                            const std::vector<std::size_t>& leaving) {
@@ -56,12 +58,16 @@ std::vector<Search::Pair> Search::likelyPairs(const Evidence& evidence,
     const Evidence::Given given = evidence.given(pair.members);
     Gain second;
     double most = -1e300;
-    for (const Gain& g : evidence.gains(given)) {
+    const auto consider = [&](const Gain& g) {
       if (g.group < 0 || groupOf(g).profile || isThere(pair.members, g) ||
           std::count(barred.begin(), barred.end(), g.group) > 0)
-        continue;
-      if (same != nullptr && jointsOf(groupOf(g)) != *same) continue;
+        return;
       if (g.value - price > most) most = g.value - price, second = g;
+    };
+    if (same == nullptr) {
+      for (const Gain& g : evidence.gains(given)) consider(g);
+    } else {
+      for (const int group : *same) consider(evidence.gainOf(given, group));
     }
     if (!(most > 0.0)) return;
     pair.worth = given.logEvidence + most - priceOfAll(pair.members) - now;
@@ -100,17 +106,19 @@ std::vector<Search::Pair> Search::likelyPairs(const Evidence& evidence,
     seeds.resize(std::min(seeds.size(), q_.many ? kMostSeeds / 2 : kMostSeeds));
     for (const Gain& g : seeds) tryWith(others, memberOf(g), barred, nullptr, ofAny, leaving);
   }
+  std::map<std::vector<int>, std::vector<int>> ofJoints;  // joints: the causes that are laws of these
+  for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
+    if (!q_.groups.groups[g].profile) ofJoints[jointsOf(q_.groups.groups[g])].push_back(static_cast<int>(g));
   const Evidence::Given given = evidence.given(members);
-  for (const Gain& g : evidence.gains(given)) {
-    if (g.group < 0 || groupOf(g).profile || isThere(members, g)) continue;
-    const std::vector<int> joints = jointsOf(groupOf(g));
-    if (joints.empty()) continue;
-    Member seed = memberOf(g);
-    seed.size = std::max(seed.size, kCancels * std::sqrt(given.rest / std::max(1.0, given.freedoms)));
-    const auto alike = std::count_if(q_.groups.groups.begin(), q_.groups.groups.end(),
-                                     [&](const Group& o) { return !o.profile && jointsOf(o) == joints; });
-    tryWith(members, seed, {}, &joints, std::log(static_cast<double>(alike)) + std::log(kOneMore), {});
-  }
+  for (const auto& [joints, alike] : ofJoints)
+    for (const int group : joints.empty() ? std::vector<int>{} : alike) {
+      const Gain g = evidence.gainOf(given, group);
+      if (g.group < 0 || isThere(members, g)) continue;
+      Member seed = memberOf(g);
+      seed.size = std::max(seed.size, kCancels * std::sqrt(given.rest / std::max(1.0, given.freedoms)));
+      tryWith(members, seed, {}, &alike, std::log(static_cast<double>(alike.size())) + std::log(kOneMore),
+              {});
+    }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.worth > b.worth; });
   pairs.resize(std::min(pairs.size(), kMostTrials));

@@ -80,7 +80,7 @@ TEST(Pairs, PlayOfTwoAxesIsNotSidewaysPretravelAlone) {
 }
 
 TEST(Pairs, PlayAndScaleOfARegularPlateAreNotOneWave) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1, 2}) {
     const Diagnosis d =
         diagnosed(regularPlate("backlash:x=1.5um", seed), {EffectSpec("scale").set("axis", "y")});
     EXPECT_NE(named(d, "backlash", "axis", "x"), nullptr) << d.sentence;
@@ -97,7 +97,7 @@ TEST(Pairs, AJumpIsToldWithItsTimeAndNothingIsToldWhereNothingJumped) {
   EXPECT_NEAR(std::stod(found->effect.text("at_s")), 900.0, spacing) << d.sentence;
   EXPECT_NEAR(found->parameters[0].value, 4.0, 0.4) << d.sentence;
   const Machine machine = Machine::load("three_axis");
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+  for (const std::uint64_t seed : {1, 2}) {
     const Session wandering = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine),
                                        {{}, seed, "drift,correlated"})
                                   .session;
@@ -107,7 +107,7 @@ TEST(Pairs, AJumpIsToldWithItsTimeAndNothingIsToldWhereNothingJumped) {
 
 // Every cause that is named does something in the model: none is there for the freedom of its shape alone.
 TEST(Pairs, WhatIsNamedIsLargerThanItsUncertainty) {
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : {1}) {
     const Diagnosis d = diagnosed(
         plate({"straightness:x/z=2um", "angular_motion:x/y=20arcsec,lever=chain", "scale:y=100ppm"}, seed));
     EXPECT_FALSE(d.missing.empty());
