@@ -31,98 +31,143 @@ std::vector<std::vector<std::size_t>> leavingSets(std::size_t members, bool many
   return sets;
 }
 
+/// Looks for pairs at one model of the noise.
+class PairSeeker {
+ public:
+  PairSeeker(const Search& search, const Evidence& evidence, const std::vector<Member>& members)
+      : search_(search),
+        q_(search.questions()),
+        evidence_(evidence),
+        members_(members),
+        now_(evidence.given(members).logEvidence - priceOfAll(members)) {}
+
+  /// In the place of a member, or of two.
+  void inPlaces() {
+    const double price = std::log(std::max(1.0, static_cast<double>(q_.asked))) + std::log(kOneMore);
+    for (const std::vector<std::size_t>& leaving : leavingSets(members_.size(), q_.many)) {
+      // asked beside the curve for its rest, any two would do as well as a cause that has a name
+      if (std::any_of(leaving.begin(), leaving.end(),
+                      [&](std::size_t j) { return search_.hasCurve(evidence_, members_, j); }))
+        continue;
+      others_.clear();
+      barred_.clear();
+      leaving_ = leaving;
+      for (std::size_t j = 0; j < members_.size(); ++j)
+        if (std::find(leaving.begin(), leaving.end(), j) == leaving.end())
+          others_.push_back(members_[j]);
+        else
+          barred_.push_back(members_[j].group);
+      for (const Gain& g : seeds()) tryWith(search_.memberOf(g), nullptr, price);
+    }
+  }
+
+  /// Beside all members: two laws of the same joints, of which the first may be much larger than what the two
+  /// leave together.
+  void ofJoints() {
+    std::map<std::vector<int>, std::vector<int>> groups;  // joints: the causes that are laws of these
+    for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
+      if (!q_.groups.groups[g].profile) groups[jointsOf(q_.groups.groups[g])].push_back(static_cast<int>(g));
+    groups.erase(std::vector<int>{});
+    others_ = members_;
+    barred_.clear();
+    leaving_.clear();
+    const Evidence::Given given = evidence_.given(members_);
+    const double large = kCancels * std::sqrt(given.rest / std::max(1.0, given.freedoms));
+    for (const auto& [joints, alike] : groups)
+      for (const int group : alike) {
+        const Gain g = evidence_.gainOf(given, group);
+        if (g.group < 0 || search_.isThere(members_, g)) continue;
+        Member seed = search_.memberOf(g);
+        seed.size = std::max(seed.size, large);
+        tryWith(seed, &alike, std::log(static_cast<double>(alike.size())) + std::log(kOneMore));
+      }
+  }
+
+  /// The best, at most `kMostTrials`.
+  std::vector<Search::Pair> best() {
+    std::stable_sort(pairs_.begin(), pairs_.end(),
+                     [](const Search::Pair& a, const Search::Pair& b) { return a.worth > b.worth; });
+    pairs_.resize(std::min(pairs_.size(), kMostTrials));
+    return std::move(pairs_);
+  }
+
+ private:
+  double priceOfAll(const std::vector<Member>& of) const {
+    double sum = 0.0;
+    for (const Member& m : of) sum += search_.priceOf(m);
+    return sum;
+  }
+
+  /// Whether a cause may come beside these.
+  bool mayCome(const Gain& g, const std::vector<Member>& beside) const {
+    return g.group >= 0 && !q_.groups.groups[static_cast<std::size_t>(g.group)].profile &&
+           std::count(barred_.begin(), barred_.end(), g.group) == 0 && !search_.isThere(beside, g);
+  }
+
+  /// What gains most beside the others, less its price.
+  std::vector<Gain> seeds() const {
+    std::vector<Gain> seeds;
+    for (const Gain& g : evidence_.gains(evidence_.given(others_)))
+      if (mayCome(g, others_)) seeds.push_back(g);
+    std::stable_sort(seeds.begin(), seeds.end(), [&](const Gain& a, const Gain& b) {
+      return a.value - search_.priceOf(a.group) > b.value - search_.priceOf(b.group);
+    });
+    seeds.resize(std::min(seeds.size(), q_.many ? kMostSeeds / 2 : kMostSeeds));
+    return seeds;
+  }
+
+  /// What `seed` and the best beside it are worth. @param from groups that the second may be of; null: all.
+  /// @param price of the second, of which the first says that something acts.
+  void tryWith(const Member& seed, const std::vector<int>* from, double price) {
+    if (search_.step) search_.step();
+    Search::Pair pair;
+    pair.members = others_;
+    pair.members.push_back(seed);
+    const Evidence::Given given = evidence_.given(pair.members);
+    Gain second;
+    double most = 0.0;
+    const auto consider = [&](const Gain& g) {
+      if (g.value - price > most && mayCome(g, pair.members)) most = g.value - price, second = g;
+    };
+    if (from == nullptr)
+      for (const Gain& g : evidence_.gains(given)) consider(g);
+    else
+      for (const int group : *from) consider(evidence_.gainOf(given, group));
+    if (second.group < 0) return;
+    pair.worth = given.logEvidence + most - priceOfAll(pair.members) - now_;
+    if (!(pair.worth > -kWorthTrying)) return;
+    // each must earn its place beside the other: else one of them is another name of what went
+    std::vector<Member> secondAlone = others_;
+    secondAlone.push_back(search_.memberOf(second));
+    if (!(given.logEvidence + second.value - evidence_.given(secondAlone).logEvidence >
+          search_.priceOf(seed)))
+      return;
+    pair.members.push_back(secondAlone.back());
+    pair.members.back().partner = q_.groups.groups[static_cast<std::size_t>(seed.group)].key;
+    pair.members.back().priceAsPartner = price;
+    pair.leaving = leaving_;
+    pairs_.push_back(std::move(pair));
+  }
+
+  const Search& search_;
+  const Questions& q_;
+  const Evidence& evidence_;
+  const std::vector<Member>& members_;
+  double now_;                        // worth of the members
+  std::vector<Member> others_;        // those that stay
+  std::vector<int> barred_;           // groups of those that go
+  std::vector<std::size_t> leaving_;  // those that go
+  std::vector<Search::Pair> pairs_;
+};
+
 }  // namespace
 
 std::vector<Search::Pair> Search::likelyPairs(const Evidence& evidence,
                                               const std::vector<Member>& members) const {
-  std::vector<Pair> pairs;
-  const auto groupOf = [&](const Gain& g) -> const Group& {
-    return q_.groups.groups[static_cast<std::size_t>(g.group)];
-  };
-  const auto priceOfAll = [&](const std::vector<Member>& of) {
-    double sum = 0.0;
-    for (const Member& m : of) sum += priceOf(m);
-    return sum;
-  };
-  const double now = evidence.given(members).logEvidence - priceOfAll(members);
-  // What `seed` and the best beside it are worth. @param barred causes that neither may be. @param same null:
-  // all others may come; else these groups. @param price of the second, of which the first says that
-  // something acts.
-  const auto tryWith = [&](const std::vector<Member>& others, const Member& seed,
-                           const std::vector<int>& barred, const std::vector<int>* same, double price,
-                           const std::vector<std::size_t>& leaving) {
-    tick();
-    Pair pair;
-    pair.members = others;
-    pair.members.push_back(seed);
-    const Evidence::Given given = evidence.given(pair.members);
-    Gain second;
-    double most = -1e300;
-    const auto consider = [&](const Gain& g) {
-      if (g.group < 0 || groupOf(g).profile || isThere(pair.members, g) ||
-          std::count(barred.begin(), barred.end(), g.group) > 0)
-        return;
-      if (g.value - price > most) most = g.value - price, second = g;
-    };
-    if (same == nullptr) {
-      for (const Gain& g : evidence.gains(given)) consider(g);
-    } else {
-      for (const int group : *same) consider(evidence.gainOf(given, group));
-    }
-    if (!(most > 0.0)) return;
-    pair.worth = given.logEvidence + most - priceOfAll(pair.members) - now;
-    if (!(pair.worth > -kWorthTrying)) return;
-    // each must earn its place beside the other: else one of them is another name of what went
-    std::vector<Member> secondAlone = others;
-    secondAlone.push_back(memberOf(second));
-    if (!(given.logEvidence + second.value - evidence.given(secondAlone).logEvidence > priceOf(seed))) return;
-    pair.members.push_back(memberOf(second));
-    pair.members.back().partner = q_.groups.groups[static_cast<std::size_t>(seed.group)].key;
-    pair.members.back().priceAsPartner = price;
-    pair.leaving = leaving;
-    pairs.push_back(std::move(pair));
-  };
-  const double ofAny = std::log(std::max(1.0, static_cast<double>(q_.asked))) + std::log(kOneMore);
-  for (const std::vector<std::size_t>& leaving : leavingSets(members.size(), q_.many)) {
-    // asked beside the curve for its rest, any two would do as well as a cause that has a name
-    if (std::any_of(leaving.begin(), leaving.end(),
-                    [&](std::size_t j) { return hasCurve(evidence, members, j); }))
-      continue;
-    std::vector<Member> others;
-    std::vector<int> barred;
-    for (std::size_t j = 0; j < members.size(); ++j)
-      if (std::find(leaving.begin(), leaving.end(), j) == leaving.end())
-        others.push_back(members[j]);
-      else
-        barred.push_back(members[j].group);
-    std::vector<Gain> seeds;
-    for (const Gain& g : evidence.gains(evidence.given(others)))
-      if (g.group >= 0 && std::count(barred.begin(), barred.end(), g.group) == 0 && !groupOf(g).profile &&
-          !isThere(others, g))
-        seeds.push_back(g);
-    std::stable_sort(seeds.begin(), seeds.end(), [&](const Gain& a, const Gain& b) {
-      return a.value - priceOf(a.group) > b.value - priceOf(b.group);
-    });
-    seeds.resize(std::min(seeds.size(), q_.many ? kMostSeeds / 2 : kMostSeeds));
-    for (const Gain& g : seeds) tryWith(others, memberOf(g), barred, nullptr, ofAny, leaving);
-  }
-  std::map<std::vector<int>, std::vector<int>> ofJoints;  // joints: the causes that are laws of these
-  for (std::size_t g = 0; g < q_.groups.groups.size(); ++g)
-    if (!q_.groups.groups[g].profile) ofJoints[jointsOf(q_.groups.groups[g])].push_back(static_cast<int>(g));
-  const Evidence::Given given = evidence.given(members);
-  for (const auto& [joints, alike] : ofJoints)
-    for (const int group : joints.empty() ? std::vector<int>{} : alike) {
-      const Gain g = evidence.gainOf(given, group);
-      if (g.group < 0 || isThere(members, g)) continue;
-      Member seed = memberOf(g);
-      seed.size = std::max(seed.size, kCancels * std::sqrt(given.rest / std::max(1.0, given.freedoms)));
-      tryWith(members, seed, {}, &alike, std::log(static_cast<double>(alike.size())) + std::log(kOneMore),
-              {});
-    }
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const Pair& a, const Pair& b) { return a.worth > b.worth; });
-  pairs.resize(std::min(pairs.size(), kMostTrials));
-  return pairs;
+  PairSeeker seeker(*this, evidence, members);
+  seeker.inPlaces();
+  seeker.ofJoints();
+  return seeker.best();
 }
 
 Explanation Search::paired(const Explanation& best) const {

@@ -7,13 +7,12 @@
 #include "base/units.h"
 #include "diagnosis/search.h"
 #include "diagnosis/shape_maker.h"
+#include "estimation/ball_columns.h"
 
 namespace mm {
 namespace {
 
 constexpr double kPrice = 3.0;  // nats: as for a drift term
-constexpr std::size_t kMostScattering =
-    40;                         // more are treated as free of scatter: their columns would be too many
 constexpr int kMostForm = 120;  // columns of form: each costs as much as an unknown
 constexpr int kLowest = 2, kHighest = 6;
 constexpr int kHarmonics = (kHighest + 1) * (kHighest + 1) - kLowest * kLowest;
@@ -66,28 +65,17 @@ void addScatter(Questions& q) {
   const ErrorLayout layout = problem.model().machine().layout();
   const Eigen::MatrixXd& g = space.linearisation().slotGradients();
   const int count = static_cast<int>(features.size());
-  Eigen::MatrixXd centres = Eigen::MatrixXd::Zero(problem.rowCount(), 3 * count),
-                  radii = Eigen::MatrixXd::Zero(problem.rowCount(), count);
+  const auto unitOf = [&](int row) { return q.directionScale.empty() ? 1.0 : space.fitted().sigma[row]; };
   std::vector<std::vector<int>> contacts(static_cast<std::size_t>(count));  // of a ball: rows
   std::vector<std::vector<Eigen::Matrix<double, 1, kHarmonics>>> shapes(contacts.size());
-  bool balls = false, seen = false;
   for (const int row : space.used()) {
     const Observation& o = problem.session().observations[problem.rows()[row].observation];
-    if (o.kind != ObservationKind::kContact) continue;
-    const Feature& f = features[o.feature];
-    const double unit = q.directionScale.empty() ? 1.0 : space.fitted().sigma[row];
-    if (problem.find(UnknownKind::kFeature, o.feature) < 0) {
-      seen = true;
-      for (int k = 0; k < 3; ++k) centres(row, 3 * o.feature + k) = g(row, layout.feature(k)) * unit;
-    }
-    if (f.kind != FeatureKind::kBall) continue;
-    balls = true;
-    radii(row, o.feature) = -unit;
+    if (o.kind != ObservationKind::kContact || features[o.feature].kind != FeatureKind::kBall) continue;
     const Eigen::Vector3d normal(g(row, layout.volume(0)), g(row, layout.volume(1)),
                                  g(row, layout.volume(2)));
     if (normal.norm() > 0.5) {
       contacts[o.feature].push_back(row);
-      shapes[o.feature].push_back(unit * formAt(normal.normalized()));
+      shapes[o.feature].push_back(unitOf(row) * formAt(normal.normalized()));
     }
   }
   Eigen::MatrixXd form(problem.rowCount(), 0);
@@ -106,9 +94,13 @@ void addScatter(Questions& q) {
     q.scatter.push_back({RowMatrix(space.whiten(columns)), 0.0, kPrice, false});
     q.scatterNames.emplace_back(name);
   };
-  if (seen && count > 2) add(centres, "centres");
-  if (balls && count > 2) add(radii, "radii");
-  if (balls) add(form, "form");
+  BallColumns columns = ballColumns(space.linearisation(), space.used());
+  for (auto& [of, name] : {std::pair{&columns.centres, "centres"}, std::pair{&columns.radii, "radii"}}) {
+    for (const int row : space.used())
+      if (of->cols() > 0) of->row(row) *= unitOf(row);
+    if (of->cols() > 0) add(*of, name);
+  }
+  if (form.cols() > 0) add(form, "form");
 }
 
 }  // namespace mm

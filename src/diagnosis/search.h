@@ -85,6 +85,12 @@ class Search {
   /// The same with every near rival of every member tried with the noise fitted again: what one model of the
   /// noise, fitted beside the member, says of its rivals is biased. Also fills in the rivals.
   Explanation settled(Explanation best) const;
+  /// Two causes at once.
+  struct Pair {
+    double worth = 0.0;  // more than the members have that it is beside, or in the place of one of
+    std::vector<Member> members;
+    std::vector<std::size_t> leaving;  // of the members: those that went for it
+  };
   /// Adds to the rivals two causes that together explain nearly as much as what they would take the place of.
   void addPairsToRivals(Explanation& found) const;
   /// What is left without one of its members, the noise fitted again.
@@ -140,11 +146,6 @@ class Search {
   /// laws of one joint that mostly cancel (pitch about the carriage: an angle about a far origin, and the
   /// straightness that this is not). @return what was given where there are none.
   Explanation paired(const Explanation& best) const;
-  struct Pair {
-    double worth = 0.0;  // more than the members have that it is beside, or in the place of one of
-    std::vector<Member> members;
-    std::vector<std::size_t> leaving;  // of the members: those that went for it
-  };
   /// The best few, at one model of the noise.
   std::vector<Pair> likelyPairs(const Evidence& evidence, const std::vector<Member>& members) const;
   Explanation exchanged(Explanation best) const;

@@ -329,6 +329,9 @@ std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {
 }
 
 std::string driftAdvice(const DriftResult& drift) {
+  if (drift.quick)
+    return "measure at positions closer together, and one position twenty times: it follows the position, or "
+           "nothing that is recorded";
   // a quarter of the time constant: between two references the drift then changes by less than its own size
   const std::string every =
       positive(drift.timeConstant) ? "every " + durationInWords(drift.timeConstant / 4.0) : "at intervals";

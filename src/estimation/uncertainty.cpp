@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/ball_columns.h"
 #include "estimation/calibration_stages.h"
 #include "estimation/folds.h"
 #include "estimation/noise_rows.h"
@@ -26,36 +27,29 @@ constexpr double kDriftPrice = 3.0;
 struct Memory {
   NoiseFitResult fit;
   LinearisedRows rows;
-  RowMatrix centres,
-      radii;  // what a shift of each ball, and a change of its radius, by 1 sigma does to the rows
+  RowMatrix centres, radii;                 // see BallColumns: used rows, in units of sigma
   double centresStd = 0.0, radiiStd = 0.0;  // in units of sigma
 };
 
-/// A fit of many balls: their places scatter as one number, not as an unknown each.
-constexpr std::size_t kFewestBalls = 3, kMostBalls = 40;
-
-void addBalls(const Linearisation& at, const std::vector<int>& used, const Eigen::VectorXd& weight,
-              Memory& memory) {
-  const Problem& problem = at.problem();
-  const auto& features = problem.session().artifact.features;
-  if (features.size() < kFewestBalls || features.size() > kMostBalls) return;
-  const ErrorLayout layout = problem.model().machine().layout();
-  const Eigen::MatrixXd& g = at.slotGradients();
-  const Eigen::Index rows = static_cast<Eigen::Index>(used.size());
-  const Eigen::Index balls = static_cast<Eigen::Index>(features.size());
-  RowMatrix centres = RowMatrix::Zero(rows, 3 * balls), radii = RowMatrix::Zero(rows, balls);
-  for (Eigen::Index i = 0; i < rows; ++i) {
+/// Rows of a column that are used, as they count.
+RowMatrix usedOf(const Eigen::MatrixXd& columns, const std::vector<int>& used, const Fit& fit) {
+  RowMatrix out(columns.cols() > 0 ? static_cast<Eigen::Index>(used.size()) : 0, columns.cols());
+  for (Eigen::Index i = 0; i < out.rows(); ++i) {
     const int row = used[static_cast<std::size_t>(i)];
-    const Observation& o = problem.session().observations[problem.rows()[row].observation];
-    if (o.kind != ObservationKind::kContact) continue;
-    const double root = std::sqrt(weight[row]);
-    if (problem.find(UnknownKind::kFeature, o.feature) < 0)
-      for (int k = 0; k < 3; ++k) centres(i, 3 * o.feature + k) = root * g(row, layout.feature(k));
-    if (features[o.feature].kind == FeatureKind::kBall && problem.find(UnknownKind::kRadius, o.feature) < 0)
-      radii(i, o.feature) = -root;
+    out.row(i) = std::sqrt(fit.weight[row]) * columns.row(row);
   }
-  if (centres.squaredNorm() > 0.0) memory.centres = std::move(centres);
-  if (radii.squaredNorm() > 0.0) memory.radii = std::move(radii);
+  return out;
+}
+
+/// The noise taken for a contact, m.
+double contactSigma(const Problem& problem, const Fit& fit) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < problem.rowCount(); ++i)
+    if (fit.weight[i] > 0.0 &&
+        problem.session().observations[problem.rows()[i].observation].kind == ObservationKind::kContact)
+      sum += fit.sigma[i], ++count;
+  return count > 0 ? sum / count : 0.0;
 }
 
 /// The noise of what a fit has left. @param q orthonormal columns of the fit, the last `shared` of which are
@@ -78,7 +72,9 @@ Memory memoryOf(const Linearisation& at, const Fit& fit, const WhitenedSystem& s
   white.variance = Eigen::VectorXd::Ones(n);
   NoiseFitOptions options;
   options.driftPrice = kDriftPrice;
-  addBalls(at, used, fit.weight, memory);
+  const BallColumns balls = ballColumns(at, used);
+  memory.centres = usedOf(balls.centres, used, fit);
+  memory.radii = usedOf(balls.radii, used, fit);
   std::vector<RandomBlock> blocks;
   for (const RowMatrix* columns : {&memory.centres, &memory.radii})
     if (columns->cols() > 0) blocks.push_back({*columns, 0.0, kDriftPrice, false});
@@ -148,7 +144,7 @@ Uncertainty uncertaintyOf(const Problem& problem, const Fit& fit, const std::vec
       const Memory memory = memoryOf(at, fit, system, q, columns - local);
       if (!memory.fit.noise.drift.empty() || memory.centresStd > 0.0 || memory.radiiStd > 0.0)
         c = covarianceUnder(memory, fit, q, inverseR);
-      const double sigma = memory.fit.white * fit.sigma.mean();
+      const double sigma = memory.fit.white * contactSigma(problem, fit);
       u.centresStd = memory.centresStd * sigma;
       u.radiiStd = memory.radiiStd * sigma;
       for (const DriftTerm& t : memory.fit.noise.drift)

@@ -30,7 +30,7 @@ nlohmann::json jsonFile(const fs::path& file) {
   }
 }
 
-/// `{"type": "backlash", "axis": "x"}` of a diagnosis as the spec that people write.
+/// An effect in the JSON of a diagnosis as the spec that people write.
 std::string specOf(const nlohmann::json& effect) {
   EffectSpec spec(effect.at("type").get<std::string>());
   for (const auto& [key, value] : effect.items()) {

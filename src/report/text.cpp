@@ -94,9 +94,10 @@ std::string noiseText(const CalibrationResult& r) {
     const auto by = [](double std, const char* what) {
       return std > 0.0 ? std::string(what) + " by " + length(std, false) : std::string();
     };
-    text += "  Artifact       the balls scatter about their file, " + by(r.centresStd, "centres") +
+    text += "  Artifact       its " + std::to_string(r.problem->session().artifact.features.size()) +
+            " balls scatter about their file, " + by(r.centresStd, "each coordinate of a centre") +
             (r.centresStd > 0.0 && r.radiiStd > 0.0 ? ", " : "") + by(r.radiiStd, "radii") +
-            ": the uncertainties allow for it\n";
+            " (standard deviation); the uncertainties allow for it\n";
   }
   for (const Drift& d : r.drift) {
     const int joint = r.problem->model().domain().findJoint(d.direction);

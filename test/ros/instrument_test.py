@@ -13,6 +13,7 @@ from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray
 from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact
 from measuring_machine.srv import Calibrate
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import JointState, Temperature
 from std_srvs.srv import SetBool, Trigger
 
@@ -29,6 +30,8 @@ class Instrument(unittest.TestCase):
         cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
         assert cls.axes.wait_for_server(rospy.Duration(100)) and cls.measure.wait_for_server(rospy.Duration(100))
         cls.joints = [None]
+        cls.thrown_away = []  # what a node's action client did not listen to
+        rospy.Subscriber("/rosout_agg", Log, lambda m: cls.thrown_away.append(m.msg) if m.name == "/measure" and "not tracking" in m.msg else None)
         rospy.Subscriber("joint_states", JointState, lambda m: cls.joints.__setitem__(0, m))
         assert support.wait_until(lambda: cls.joints[0])
 
@@ -205,6 +208,9 @@ class Instrument(unittest.TestCase):
                 return False  # still the one that died
 
         self.assertTrue(support.wait_until(homed, 20))
+
+    def test_9_no_answer_was_thrown_away(self):
+        self.assertEqual(self.thrown_away, [])
 
 
 if __name__ == "__main__":

@@ -32,5 +32,24 @@ TEST(DecidedVerdict, OfFewRepeatsItIsAsFarAsChanceWouldGo) {
   EXPECT_EQ(decided("repeated", 100.0, 1.29), Verdict::kExplained) << "no stricter than a stated one";
 }
 
+// Memory that is shorter than the time between two measurements is none: it is scatter.
+TEST(DecidedVerdict, WhatIsQuickerThanTheMeasurementsIsScatter) {
+  Diagnosis d = test_support::verdict(Verdict::kExplained);
+  d.drift = {test_support::wander()};  // 0.4 um, where the repeatability is 0.3 um
+  decide(d);
+  EXPECT_EQ(d.verdict, Verdict::kExplained) << "a drift of minutes is told beside it";
+  d.drift[0].quick = true;
+  decide(d);
+  EXPECT_EQ(d.verdict, Verdict::kScatter);
+  EXPECT_NE(sentenceOf(d).find("x scatters by 0.4 um RMS from one measurement to the next, 1.33 times the "
+                               "repeatability of 0.3 um (declared)"),
+            std::string::npos)
+      << sentenceOf(d);
+  EXPECT_EQ(driftAdvice(d.drift[0]).find("every"), std::string::npos) << driftAdvice(d.drift[0]);
+  d.drift[0].std = 0.38e-6;
+  decide(d);
+  EXPECT_EQ(d.verdict, Verdict::kExplained) << "within the factor of 1.3";
+}
+
 }  // namespace
 }  // namespace mm
