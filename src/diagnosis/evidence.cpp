@@ -14,10 +14,12 @@ namespace {
 
 constexpr double kNothingLeft = 1e-9;  // of a column of unit mean square: what the others leave is rounding
 constexpr double kSomeNoise = 1e-12;   // share of the squares that no cause explains
+constexpr double kLarge = 1e100;       // of a product: its square is still a number
 constexpr double kUnused = 1e10;       // variance of a row that is held out
 /// Columns that are whitened together: enough for the products to be worth their packing, few enough to keep
 /// all cores busy. Part of the layout of the work, so that the bits do not depend on the number of threads.
 constexpr std::size_t kColumns = 192;
+static_assert(kColumns % PackedColumns::kTogether == 0, "parts share no tile");
 
 /// Sizes that are asked: from what nobody sees to a hundred times the noise, in steps of a quarter of e.
 const std::vector<double>& sizes() {
@@ -80,7 +82,7 @@ Evidence Evidence::ofGroups(const Groups& groups) const { return Evidence(rows_,
 Evidence::Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<const Fixed> fixed)
     : rows_(rows), groups_(groups), fixed_(std::move(fixed)) {
   const int all = static_cast<int>(groups.columns.cols());
-  columns_.resize(groups.columns.rows(), all);
+  RowMatrix columns(groups.columns.rows(), all);
   byBase_.resize(fixed_->columns.cols(), all);
   groupTarget_.resize(all);
   products_.resize(groups.groups.size());
@@ -94,11 +96,12 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<
     groupTarget_.segment(first, count) =
         part.transpose() * fixed_->target - by.transpose() * fixed_->byTarget;
     byBase_.middleCols(first, count) = by;
-    columns_.middleCols(first, count) = part;
+    columns.middleCols(first, count) = part;
   });
+  columns_ = PackedColumns(columns);
   parallelFor(groups.groups.size(), [&](std::size_t g) {
     for (const Shape& s : groups.groups[g].shapes) {
-      const auto block = columns_.middleCols(s.first, s.count);
+      const auto block = columns.middleCols(s.first, s.count);
       const auto by = byBase_.middleCols(s.first, s.count);
       products_[g].push_back(Eigen::MatrixXd(rowProducts(block)) - by.transpose() * by);
     }
@@ -121,12 +124,31 @@ Evidence::Prepared& Evidence::prepared(const Member& member) const {
   return prepared_.emplace(member.id, prepare(*member.columns)).first->second;
 }
 
-const RowMatrix& Evidence::crossOf(Prepared& p) const {
-  if (p.cross.rows() == 0) {
-    p.cross = rowProducts(p.columns, columns_);
-    p.cross.noalias() -= p.byBase.transpose() * byBase_;
+void Evidence::makeCross(Prepared& p, int first, int end) const {
+  constexpr int kTile = PackedColumns::kTogether;
+  const int all = static_cast<int>(byBase_.cols());
+  if (p.there.empty()) {
+    p.cross.resize(p.columns.cols(), all);
+    p.there.assign(partsOf(static_cast<std::size_t>(all), kTile), 0);
   }
-  return p.cross;
+  for (int tile = first / kTile; tile * kTile < end; ++tile) {
+    if (p.there[tile]) continue;
+    p.there[tile] = 1;
+    const int from = tile * kTile, count = std::min(kTile, all - from);
+    columns_.productsWith(p.columns, from, from + count, p.cross);
+    p.cross.middleCols(from, count) -= p.byBase.transpose() * byBase_.middleCols(from, count);
+  }
+}
+
+void Evidence::makeAllCross(const Given& given) const {
+  const auto all = static_cast<std::size_t>(byBase_.cols());
+  for (const auto& [size, p] : given.members) {
+    makeCross(*p, 0, 0);
+    parallelFor(partsOf(all, kColumns), [&, of = p](std::size_t number) {
+      const Part at = partOf(all, kColumns, number);
+      makeCross(*of, static_cast<int>(at.first), static_cast<int>(at.end));
+    });
+  }
 }
 
 Eigen::MatrixXd Evidence::productsOf(const Prepared& a, const Prepared& b) const {
@@ -162,20 +184,14 @@ Evidence::Joint Evidence::jointOf(const std::vector<Member>& members) const {
 
 Evidence::Given Evidence::given(const std::vector<Member>& members) const {
   CancelScope::check();
-  const Joint joint = jointOf(members);
   Given g;
+  g.joint = jointOf(members);
   g.freedoms = fixed_->freedoms;
-  g.explained = joint.explained;
-  g.absorbed.resize(joint.columns, columns_.cols());
-  int at = 0;
-  for (const Member& m : members) {
-    g.absorbed.middleRows(at, m.columns->cols()) = m.size * crossOf(prepared(m));
-    at += static_cast<int>(m.columns->cols());
-  }
-  joint.factor.matrixL().solveInPlace(g.absorbed);
-  g.rest = std::max(kTiny, fixed_->rest - g.explained.squaredNorm());
+  for (const Member& m : members) g.members.emplace_back(m.size, &prepared(m));
+  g.rest = std::max(kTiny, fixed_->rest - g.joint.explained.squaredNorm());
   double logDeterminant = fixed_->logDeterminant;
-  for (int i = 0; i < joint.columns; ++i) logDeterminant += 2.0 * std::log(joint.factor.matrixLLT()(i, i));
+  for (int i = 0; i < g.joint.columns; ++i)
+    logDeterminant += 2.0 * std::log(g.joint.factor.matrixLLT()(i, i));
   g.logEvidence = -0.5 * logDeterminant - 0.5 * g.freedoms * std::log(g.rest / g.freedoms);
   return g;
 }
@@ -192,13 +208,15 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
   gain.value = 0.0;
   if (!(most > given.rest / given.freedoms)) return gain;
   const auto at = [&](double size) {
-    double logs = 0.0, explained = 0.0;
+    double logs = 0.0, product = 1.0, explained = 0.0;
     const double s2 = size * size;
     for (int k = 0; k < z2.size(); ++k) {
       const double more = 1.0 + s2 * values[k];
-      logs += std::log(more);
+      product *= more;
+      if (product > kLarge) logs += std::log(product), product = 1.0;
       explained += s2 * z2[k] / more;
     }
+    logs += std::log(product);
     const double share = std::min(explained / given.rest, 1.0 - kSomeNoise);
     return -0.5 * logs - 0.5 * given.freedoms * std::log1p(-share);
   };
@@ -218,10 +236,17 @@ Gain Evidence::gainOf(const Given& given, int group, std::vector<double>* ofShap
     const Shape& shape = g.shapes[s];
     Eigen::MatrixXd products = products_[group][s];
     Eigen::VectorXd target = groupTarget_.segment(shape.first, shape.count);
-    if (given.absorbed.rows() > 0) {
-      const auto absorbed = given.absorbed.middleCols(shape.first, shape.count);
+    if (given.joint.columns > 0) {
+      Eigen::MatrixXd absorbed(given.joint.columns, shape.count);
+      int at = 0;
+      for (const auto& [size, p] : given.members) {
+        makeCross(*p, shape.first, shape.first + shape.count);
+        absorbed.middleRows(at, p->cross.rows()) = size * p->cross.middleCols(shape.first, shape.count);
+        at += static_cast<int>(p->cross.rows());
+      }
+      given.joint.factor.matrixL().solveInPlace(absorbed);
       products.noalias() -= absorbed.transpose() * absorbed;
-      target.noalias() -= absorbed.transpose() * given.explained;
+      target.noalias() -= absorbed.transpose() * given.joint.explained;
     }
     Gain gain = this->best(products, target, given);
     gain.group = group;
@@ -256,6 +281,7 @@ Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members,
 std::vector<Gain> Evidence::gains(const Given& given) const {
   const std::size_t n = groups_.groups.size();
   std::vector<Gain> all(n);
+  makeAllCross(given);
   parallelFor(n, [&](std::size_t g) { all[g] = gainOf(given, static_cast<int>(g)); });
   std::stable_sort(all.begin(), all.end(), [](const Gain& a, const Gain& b) { return a.value > b.value; });
   return all;

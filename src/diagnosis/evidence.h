@@ -4,10 +4,12 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/groups.h"
 #include "estimation/noise_fit.h"
+#include "estimation/row_products.h"
 
 namespace mm {
 
@@ -45,14 +47,7 @@ class Evidence {
   /// The same noise and blocks, and other questions. @param groups must outlive it.
   Evidence ofGroups(const Groups& groups) const;
 
-  /// Everything given some members: what is left for others to explain.
-  struct Given {
-    double logEvidence = 0.0;
-    double rest = 0.0;  // whitened sum of squares that is left
-    double freedoms = 1.0;
-    Eigen::MatrixXd absorbed;   // members' columns x all columns of the groups
-    Eigen::VectorXd explained;  // members' columns
-  };
+  struct Given;  ///< what is left for others to explain
   /// What is common to all that is asked beside these members.
   Given given(const std::vector<Member>& members) const;
 
@@ -77,12 +72,13 @@ class Evidence {
   const NoiseRows& rows() const { return rows_; }            ///< whitened
 
  private:
-  struct Prepared {  // the columns of a member, whitened, and what the base and the blocks leave of their
-                     // products
+  /// The columns of a member, whitened, and what the base and the blocks leave of their products.
+  struct Prepared {
     RowMatrix columns;
-    Eigen::MatrixXd byBase;  // base and blocks x k
-    RowMatrix cross;         // k x all columns of the groups; empty until somebody asks
-    Eigen::VectorXd target;  // k
+    Eigen::MatrixXd byBase;   // base and blocks x k
+    Eigen::VectorXd target;   // k
+    RowMatrix cross;          // k x all columns of the groups: those that somebody asked for
+    std::vector<char> there;  // kTogether columns of `cross`: not 0 where they are
   };
   /// Members together, beside base and blocks.
   struct Joint {
@@ -106,7 +102,8 @@ class Evidence {
                                               const std::vector<char>* heldOut);
   Prepared prepare(const RowMatrix& columns) const;
   Prepared& prepared(const Member& member) const;
-  const RowMatrix& crossOf(Prepared& p) const;
+  void makeCross(Prepared& p, int first, int end) const;
+  void makeAllCross(const Given& given) const;
   Eigen::MatrixXd productsOf(const Prepared& a, const Prepared& b) const;
   Joint jointOf(const std::vector<Member>& members) const;
   Gain best(const Eigen::MatrixXd& products, const Eigen::VectorXd& target, const Given& given) const;
@@ -114,12 +111,21 @@ class Evidence {
   const NoiseRows& rows_;
   const Groups& groups_;
   std::shared_ptr<const Fixed> fixed_;
-  RowMatrix columns_;            // of the groups, whitened
+  PackedColumns columns_;        // of the groups, whitened
   Eigen::MatrixXd byBase_;       // base and blocks x columns of the groups
   Eigen::VectorXd groupTarget_;  // a column of the groups: product with the target, after base and blocks
   std::vector<std::vector<Eigen::MatrixXd>>
       products_;  // a group, a shape: of its columns, after base and blocks
   mutable std::map<std::string, Prepared> prepared_;
+};
+
+/// Of the evidence that made it, which must outlive it.
+struct Evidence::Given {
+  double logEvidence = 0.0;
+  double rest = 0.0;  // whitened sum of squares that is left
+  double freedoms = 1.0;
+  Joint joint;
+  std::vector<std::pair<double, Prepared*>> members;  // size, columns
 };
 
 }  // namespace mm

@@ -42,3 +42,22 @@ TEST(RowProducts, ReadColumnsOutOfTheMiddle) {
   const Eigen::MatrixXd expected = all.middleCols(3, 7).transpose() * all.rightCols(5);
   EXPECT_LT((rowProducts(all.middleCols(3, 7), all.rightCols(5)) - expected).cwiseAbs().maxCoeff(), 1e-12);
 }
+
+TEST(PackedColumns, GiveTheSameProductsAsTheColumnsThemselves) {
+  for (const int rows : {0, 1, 256, 700})
+    for (const int columns : {1, 12, 13, 40}) {
+      const RowMatrix all = drawn(rows, columns, 5), few = drawn(rows, 3, 6);
+      const RowMatrix expected = few.transpose() * all;
+      const PackedColumns packed(all);
+      RowMatrix got = RowMatrix::Constant(3, columns, 7.0);
+      packed.productsWith(few, 0, columns, got);
+      EXPECT_EQ(got.cols(), columns);
+      EXPECT_LT((got - expected).cwiseAbs().maxCoeff(), 1e-11) << rows << " rows, " << columns;
+      if (columns < 26) continue;
+      got.setConstant(7.0);
+      packed.productsWith(few, 13, 14, got);
+      EXPECT_LT((got.middleCols(12, 12) - expected.middleCols(12, 12)).cwiseAbs().maxCoeff(), 1e-11);
+      EXPECT_EQ(got.leftCols(12), RowMatrix::Constant(3, 12, 7.0)) << "what nobody asked for stays";
+      EXPECT_EQ(got.rightCols(16), RowMatrix::Constant(3, 16, 7.0));
+    }
+}
