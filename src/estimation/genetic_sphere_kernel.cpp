@@ -5,6 +5,8 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define MM_X86 1
 #define MM_TARGET(level) __attribute__((target("arch=x86-64-" level)))
+#endif
+#if defined(MM_X86) && !defined(__SANITIZE_THREAD__)  // chosen before the thread sanitizer has begun
 #define MM_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define MM_CLONES
