@@ -179,17 +179,13 @@ TEST_F(MmAnswers, TheMethodThatWasAskedFor) {
 }
 
 TEST_F(MmAnswers, InterruptedButNotLost) {
-  // a search that would take minutes, stopped after three seconds; `timeout` signals the program and its
-  // group
   const std::string file = model("{type: scale, axis: x}, {type: backlash, axis: x}");
-  const std::string command = "timeout -s INT 3 '" MM_PROGRAM "' calibrate " + folder_ / "s.bag" +
-                              " --model " + file + " -o " + folder_ / "c.yaml" +
-                              " --generations 10000000 --stages 10000000:1 2>" + folder_ / "err.txt" + " >" +
-                              folder_ / "out.txt";
-  EXPECT_NE(std::system(command.c_str()), 0);
+  const Answer answer = stoppedWhen(
+      workedFor(1.5), folder_,
+      "calibrate s.bag --model '" + file + "' -o c.yaml --generations 10000000 --stages 10000000:1");
+  EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_TRUE(std::filesystem::exists(folder_ / "c.yaml"));
-  EXPECT_NE(textOf(folder_ / "err.txt").find("best found so far"), std::string::npos)
-      << textOf(folder_ / "err.txt");
+  EXPECT_NE(answer.error.find("best found so far"), std::string::npos) << answer.error;
 }
 
 TEST_F(MmAnswers, WhatAddDidRemoveTakesBack) {

@@ -1,5 +1,6 @@
 // What `mm` says of itself, how it is stopped, and the commands that begin a machine's life.
-#include <sys/wait.h>
+#include <fcntl.h>
+#include <sys/stat.h>
 
 #include "session_folder.h"
 
@@ -40,34 +41,24 @@ TEST_F(CommandLine, BoundsStandInTheHelp) {
   EXPECT_NE(typed("calibrate --help").out.find("[2 to 10000000]"), std::string::npos);
 }
 
-/// Typed with Ctrl-C after some seconds (`timeout` signals the program).
-Answer stoppedAfter(const TestFolder& folder, const std::string& seconds, const std::string& arguments) {
-  const std::string out = folder / "stdout.txt", error = folder / "stderr.txt";
-  const int status =
-      std::system(("cd '" + folder / "." + "' && timeout -k 60 -s INT --preserve-status " + seconds +
-                   " '" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'")
-                      .c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(out), textOf(error)};
-}
-
 TEST_F(CommandLine, CtrlCKeepsTheBestOfACalibration) {
   const Answer answer =
-      stoppedAfter(*folder_, "8",
-                   "calibrate s.bag --model m.yaml -o stopped.yaml --generations 10000000 --stages "
-                   "10000000:1");
+      stoppedWhen(workedFor(1.5), *folder_,
+                  "calibrate s.bag --model m.yaml -o stopped.yaml --generations 10000000 --stages "
+                  "10000000:1");
   EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_NE(answer.error.find("best found so far"), std::string::npos) << answer.error;
   EXPECT_EQ(typed("compare s.bag --calibration stopped.yaml").status, 0);
 }
 
 TEST_F(CommandLine, CtrlCEndsABenchmarkWithWhatItCounted) {
-  const Answer answer = stoppedAfter(
-      *folder_, "20", "benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 40 --json");
+  const Answer answer =
+      stoppedWhen(workedFor(4.0), *folder_,
+                  "benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 40 --json");
   EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_EQ(linesOf(answer.error).size(), 1u) << answer.error;
-  if (!answer.out.empty()) {
-    EXPECT_GE(answer.json()["trials"].size(), 1u);
-  }
+  ASSERT_FALSE(answer.out.empty());
+  EXPECT_GE(answer.json()["trials"].size(), 1u);
 }
 
 TEST_F(CommandLine, CtrlCDuringADiagnosisLosesNothing) {
@@ -79,7 +70,7 @@ TEST_F(CommandLine, CtrlCDuringADiagnosisLosesNothing) {
   run("calibrate plate.bag --model none.yaml --method least_squares -o plate.yaml");
   const auto before = files();
   const Answer answer =
-      stoppedAfter(*folder_, "3", "diagnose plate.bag --calibration plate.yaml --moves moves.yaml");
+      stoppedWhen(workedFor(1.0), *folder_, "diagnose plate.bag --calibration plate.yaml --moves moves.yaml");
   EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_EQ(linesOf(answer.error).size(), 1u) << answer.error;
   EXPECT_NE(answer.error.find("nothing was written"), std::string::npos) << answer.error;
@@ -88,10 +79,13 @@ TEST_F(CommandLine, CtrlCDuringADiagnosisLosesNothing) {
 
 TEST_F(CommandLine, CtrlCEndsAReadThatWaits) {
   const std::string fifo = *folder_ / "fifo";
-  ASSERT_EQ(std::system(("mkfifo '" + fifo + "' && (sleep 20 >'" + fifo + "') &").c_str()), 0);
-  const Answer waiting = stoppedAfter(*folder_, "1", "apply fifo --calibration c.yaml -o waiting.csv");
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const int writer = ::open(fifo.c_str(), O_RDWR);  // that never writes
+  const Answer waiting =
+      stoppedWhen(opened(fifo), *folder_, "apply fifo --calibration c.yaml -o waiting.csv");
   EXPECT_EQ(waiting.status, 130) << waiting.error;
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "waiting.csv"));
+  ::close(writer);
   std::filesystem::remove(fifo);
 }
 

@@ -1,9 +1,13 @@
 #pragma once
+#include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -44,6 +48,55 @@ struct Answer {
   std::string out, error;
   nlohmann::json json() const { return nlohmann::json::parse(out); }
 };
+
+/// Whether a process is where a test waits for it to be.
+using ProcessState = std::function<bool(pid_t)>;
+
+/// It has worked for so long: in the middle of its work, however busy the computer is.
+/// @param seconds of the processor.
+inline ProcessState workedFor(double seconds) {
+  return [seconds](pid_t process) {
+    std::string text = textOf("/proc/" + std::to_string(process) + "/stat");
+    text.erase(0, text.rfind(')') + 1);  // the name of the program may have spaces
+    std::istringstream fields(text);
+    std::string skipped;
+    double user = 0.0, system = 0.0;
+    for (int i = 0; i < 11; ++i) fields >> skipped;
+    fields >> user >> system;
+    return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK)) >= seconds;
+  };
+}
+
+/// It has opened a file.
+inline ProcessState opened(const std::string& file) {
+  return [file](pid_t process) {
+    namespace fs = std::filesystem;
+    std::error_code gone;
+    for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(process) + "/fd", gone))
+      if (fs::read_symlink(entry.path(), gone) == fs::canonical(file)) return true;
+    return false;
+  };
+}
+
+/// Runs the built `mm` in a folder and types Ctrl-C when it is somewhere.
+inline Answer stoppedWhen(const ProcessState& there, const TestFolder& folder, const std::string& arguments) {
+  const std::string out = folder / "stdout.txt", error = folder / "stderr.txt";
+  const std::string command =
+      "cd '" + folder / "." + "' && exec '" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'";
+  const pid_t process = ::fork();
+  if (process == 0) {
+    ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    ::_exit(127);
+  }
+  int status = 0;
+  bool stopped = false;
+  while (::waitpid(process, &status, WNOHANG) == 0) {
+    if (!stopped && there(process)) stopped = ::kill(process, SIGINT) == 0;
+    ::usleep(5000);
+  }
+  EXPECT_TRUE(stopped) << "it ended by itself: " << arguments;
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(out), textOf(error)};
+}
 
 /// Runs the built `mm`. @param arguments as typed in a shell.
 inline Answer mmRun(const TestFolder& folder, const std::string& arguments) {

@@ -35,7 +35,7 @@ def record(plan, bag, seconds):
     try:
         assert support.wait_until(lambda: os.path.exists(bag + ".active"), 20)
         measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
-        assert measure.wait_for_server(rospy.Duration(20))
+        assert support.served(measure, seconds=20)
         measure.send_goal(MeasureGoal(plan=plan))
         assert support.ended(measure, seconds), "the plan did not end"
         assert measure.get_state() == GoalStatus.SUCCEEDED, measure.get_result().message

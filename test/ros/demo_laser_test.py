@@ -7,7 +7,7 @@ import rostest
 
 import support
 
-FAST = [] if support.long_tests() else ["time_factor:=25"]
+FAST = [] if support.long_tests() else ["time_factor:=50", "rate:=20"]
 
 
 class DemoLaser(unittest.TestCase):

@@ -28,7 +28,7 @@ class GrblProbe(unittest.TestCase):
         rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: cls.said.extend(s.message for s in m.status))
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
-        assert cls.axes.wait_for_server(rospy.Duration(60)) and cls.measure.wait_for_server(rospy.Duration(60))
+        assert support.served(cls.axes, cls.measure, seconds=60)
 
     @classmethod
     def tearDownClass(cls):

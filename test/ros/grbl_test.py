@@ -23,7 +23,7 @@ class Grbl(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
-        assert cls.axes.wait_for_server(rospy.Duration(60))
+        assert support.served(cls.axes, seconds=60)
         cls.double, cls.motion = support.Double(25908), []
         rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motion.append)
         cls.work = support.folder()

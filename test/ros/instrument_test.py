@@ -28,7 +28,7 @@ class Instrument(unittest.TestCase):
     def setUpClass(cls):
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
-        assert cls.axes.wait_for_server(rospy.Duration(100)) and cls.measure.wait_for_server(rospy.Duration(100))
+        assert support.served(cls.axes, cls.measure, seconds=100)
         cls.joints = [None]
         cls.thrown_away = []  # what a node's action client did not listen to
         rospy.Subscriber("/rosout_agg", Log, lambda m: cls.thrown_away.append(m.msg) if m.name == "/measure" and "not tracking" in m.msg else None)

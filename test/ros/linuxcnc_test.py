@@ -61,7 +61,7 @@ class LinuxCnc(unittest.TestCase):
         said = lambda: "".join(open(os.path.join(cls.folder, f)).read() for f in os.listdir(cls.folder) if f == "log" or f.startswith("linuxcnc_"))
         assert support.wait_until(listens, 40), said()
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
-        assert cls.axes.wait_for_server(rospy.Duration(40))
+        assert support.served(cls.axes, seconds=40)
         cls.states = []
         rospy.Subscriber("joint_states", JointState, cls.states.append)
 

@@ -36,7 +36,7 @@ class Motion(unittest.TestCase):
     def setUpClass(cls):
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
-        assert cls.axes.wait_for_server(rospy.Duration(60)) and cls.measure.wait_for_server(rospy.Duration(60))
+        assert support.served(cls.axes, cls.measure, seconds=60)
         cls.joints, cls.motion = [], []
         rospy.Subscriber("joint_states", JointState, cls.joints.append, queue_size=None, tcp_nodelay=True)
         rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motion.append)

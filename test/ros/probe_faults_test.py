@@ -33,7 +33,7 @@ class ProbeFaults(unittest.TestCase):
         rospy.wait_for_service(home, 20)
         self.assertTrue(rospy.ServiceProxy(home, Trigger)().success)
         client = actionlib.SimpleActionClient("/%s/measure/run" % machine, MeasureAction)
-        self.assertTrue(client.wait_for_server(rospy.Duration(20)))
+        self.assertTrue(support.served(client, seconds=20))
         client.send_goal(MeasureGoal(plan=PLAN))
         self.assertTrue(support.ended(client, 60))
         self.assertEqual(client.get_state(), GoalStatus.ABORTED)

@@ -57,6 +57,12 @@ def ended(client, seconds):
     return wait_until(lambda: client.gh is not None and client.gh.get_comm_state() == CommState.DONE, seconds)
 
 
+def served(*clients, seconds=60.0):
+    """Waits, in real time, for the servers of actionlib clients: its own wait counts simulated time, which leaps over any bound when
+    the first clock comes."""
+    return all(wait_until(lambda: client.wait_for_server(rospy.Duration(0.1)), seconds) for client in clients)
+
+
 def wait_until(true, seconds=10.0):
     end = time.time() + seconds
     while time.time() < end:

@@ -54,7 +54,7 @@ class Swap(unittest.TestCase):
 
         rospy.Subscriber("joint_states", JointState, take, queue_size=None, buff_size=1 << 24, tcp_nodelay=True)
         axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
-        self.assertTrue(axes.wait_for_server(rospy.Duration(10)))
+        self.assertTrue(support.served(axes, seconds=10))
         self.assertTrue(support.wait_until(lambda: statuses.last().calibration_id == one.calibration_id))
         # What was under way then may still be of test 1's calibration, and arrive late.
         in_use = rospy.Time.now().to_nsec()
