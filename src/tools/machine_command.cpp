@@ -80,7 +80,7 @@ std::string modelYaml(const Machine& machine, const std::string& urdf, bool lase
   for (const std::string& name : linear) text += "  - {type: scale, axis: " + name + "}\n";
   for (std::size_t i = 0; i < linear.size(); ++i)
     for (std::size_t j = i + 1; j < linear.size(); ++j)
-      text += "  - {type: cross_talk, axis: " + linear[i] + ", of: " + linear[j] + "}\n";
+      text += "  - {type: squareness, axis: " + linear[i] + ", of: " + linear[j] + "}\n";
   if (laser) text += "  - {type: laser_mount}\n";
   return text;
 }
