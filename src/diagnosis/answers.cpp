@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/units.h"
 #include "design/next_measurement.h"
@@ -86,10 +87,10 @@ std::vector<Confusable> rivalsOf(const Search& search, const Explanation& found,
   for (Gain g : gains) {
     if (g.group < 0) continue;
     const Group& rival = q.groups.groups[g.group];
-    const auto refitted = std::find_if(found.rivals.begin(), found.rivals.end(), [&](const Rival& r) {
-      return r.member == member && r.group == g.group;
-    });
-    if (refitted != found.rivals.end()) g.value = gain - refitted->behind;
+    double behind = std::numeric_limits<double>::infinity();  // alone or with another, refitted
+    for (const Rival& r : found.rivals)
+      if (r.member == member && r.group == g.group) behind = std::min(behind, r.behind);
+    if (std::isfinite(behind)) g.value = gain - behind;
     if (search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
     if (gain - g.value >= kIndistinct) continue;
     if (rival.profile || rival.key == q.groups.groups[m.group].key ||

@@ -56,4 +56,7 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out);
 void describeProfiles(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                       Diagnosis& out);
 
+/// @return a member: not 0 where it is a free curve for what a cause with a name leaves.
+std::vector<char> curvesForTheRest(const Search& search, const Explanation& found);
+
 }  // namespace mm

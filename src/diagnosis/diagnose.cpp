@@ -129,9 +129,14 @@ class Diagnoser {
       look.found = withTails(search, search.run(Eigen::VectorXd::Ones(q.rows.rows())), look);
     }
     lookAtPairs(look);
-    look.found = searchOf(q).settled(std::move(look.found));
-    searchOf(q).addPairsToRivals(look.found);
+    look.found = settled(q, std::move(look.found));
     return look;
+  }
+
+  /// With all rivals of what was found.
+  static Explanation settled(const Questions& q, Explanation found) {
+    const Search search = searchOf(q);
+    return search.withPairsAsRivals(search.settled(std::move(found)));
   }
 
   static Search searchOf(const Questions& q) {
@@ -300,8 +305,9 @@ class Diagnoser {
   /// A cause whose size in the model is within its expanded uncertainty was found for the freedom of its
   /// shape alone: its name says nothing, and to add it would do nothing.
   void dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) const {
+    bool dropped = false;
     while (!look.found.members.empty()) {
-      const Search search(look.questions);
+      const Search search = searchOf(look.questions);
       const std::vector<Answer> answers = answersOf(search, look.found);
       const auto evidence = search.evidenceAt(look.found);
       std::vector<EffectPtr> effects;
@@ -319,9 +325,12 @@ class Diagnoser {
             !search.hasCurve(*evidence, look.found.members, j) &&
             (least == sure.size() || sure[j] < sure[least]))
           least = j;
-      if (least == sure.size()) return;
-      look.found = search.without(look.found, least);
+      if (least == sure.size()) break;
+      dropped = true;
+      // what came with it must now earn its place alone
+      look.found = search.pruned(search.without(look.found, least));
     }
+    if (dropped) look.found = settled(look.questions, std::move(look.found));
   }
 
   /// Values and uncertainties by a full refit of the model with everything that was found.
@@ -332,37 +341,29 @@ class Diagnoser {
     try {
       const CalibrationResult full = refit(look, fitted, effects, start);
       takeParameters(full, model_.parameterCount(), effects, out_);
-      if (!curveForTheRest(look)) return;
-      std::vector<EffectPtr> named;
-      Eigen::VectorXd startOfNamed = start.head(model_.parameterCount());
+      const Search search = searchOf(look.questions);
+      const std::vector<char> curves = curvesForTheRest(search, look.found);
+      if (std::count(curves.begin(), curves.end(), 1) == 0) return;
+      // the size of a cause with a curve for its rest is that without the curve
+      const std::vector<Answer> answers = answersOf(search, look.found);
+      std::vector<EffectPtr> others;
+      Eigen::VectorXd startOfOthers = start.head(model_.parameterCount());
       int at = model_.parameterCount();
-      for (const EffectPtr& e : effects) {
-        const int count = e->parameterCount();
-        const bool profile = std::any_of(out_.profiles.begin(), out_.profiles.end(),
-                                         [&](const ProfileResult& p) { return p.effect == e->spec(); });
-        if (!profile) {
-          named.push_back(e);
-          const auto before = startOfNamed.size();
-          startOfNamed.conservativeResize(before + count);
-          startOfNamed.tail(count) = start.segment(at, count);
+      for (std::size_t k = 0; k < effects.size(); ++k) {
+        const int count = effects[k]->parameterCount();
+        if (!curves[static_cast<std::size_t>(answers[k].member)]) {
+          others.push_back(effects[k]);
+          const auto before = startOfOthers.size();
+          startOfOthers.conservativeResize(before + count);
+          startOfOthers.tail(count) = start.segment(at, count);
         }
         at += count;
       }
-      const CalibrationResult without = refit(look, fitted, named, startOfNamed);
-      takeParameters(without, model_.parameterCount(), named, out_);
+      const CalibrationResult without = refit(look, fitted, others, startOfOthers);
+      takeParameters(without, model_.parameterCount(), others, out_);
     } catch (const NumericalError&) {
       // what the linearised fit says stands
     }
-  }
-
-  /// Whether a free curve was found for what a cause with a name leaves: the size of the cause is that
-  /// without the curve.
-  static bool curveForTheRest(const Look& look) {
-    const Search search(look.questions);
-    const auto evidence = search.evidenceAt(look.found);
-    for (std::size_t j = 0; j < look.found.members.size(); ++j)
-      if (search.hasCurve(*evidence, look.found.members, j)) return true;
-    return false;
   }
 
   const Session& session_;

@@ -80,7 +80,8 @@ struct DriftResult {
   };
   std::vector<Perhaps> perhaps;  // likeliest first
   std::string inWords;           // one sentence with what to do
-  bool quick = false;  // quicker than the measurements follow one another: it is scatter of this direction
+  bool quick = false;     // quicker than the measurements follow one another: it is scatter of this direction
+  double quickStd = 0.0;  // m (rad): of that part of it which is
 };
 
 /// Scatter that belongs to the artifact: deviations of its balls from the file in position, radius or form.

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/units.h"
 #include "diagnosis/wording.h"
@@ -16,22 +17,13 @@ constexpr std::size_t kMostAsked = 3;  // causes for a direction
 constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kHopeless = -3.0;  // nats against drift alone
 
-double varianceAlong(const NoiseModel& noise, int direction, double white) {
+/// @param most time constant, s: longer ones do not count.
+double varianceAlong(const NoiseModel& noise, int direction, double white,
+                     double most = std::numeric_limits<double>::infinity()) {
   double sum = 0.0;
   for (const DriftTerm& t : noise.drift)
-    if (t.direction == direction) sum += t.ratio * t.ratio * white * white;
+    if (t.direction == direction && t.tau < most) sum += t.ratio * t.ratio * white * white;
   return sum;
-}
-
-/// The usual time from one measurement to the next, s.
-double spacingOf(const std::vector<double>& time) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < time.size(); ++i)
-    if (time[i] > time[i - 1]) steps.push_back(time[i] - time[i - 1]);
-  if (steps.empty()) return 0.0;
-  const auto middle = steps.begin() + static_cast<long>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
 }
 
 /// A cause whose course resembles that of a drift.
@@ -97,11 +89,13 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
     if (found.logEvidence - without.logEvidence < kSaid) continue;
     DriftResult r;
     r.direction = q.directions[d];
+    const double spacing = medianSpacing(q.rows.time);
     r.std = std::sqrt(varianceAlong(found.noise, d, found.white)) * q.directionScale[d];
+    r.quickStd = std::sqrt(varianceAlong(found.noise, d, found.white, spacing)) * q.directionScale[d];
     double largest = 0.0;
     for (const DriftTerm& t : found.noise.drift)
       if (t.direction == d && t.ratio > largest) largest = t.ratio, r.timeConstant = t.tau;
-    r.quick = r.timeConstant < spacingOf(q.rows.time);
+    r.quick = r.timeConstant < spacing;
     results.push_back(std::move(r));
     directions.push_back(d);
   }

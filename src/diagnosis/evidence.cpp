@@ -131,10 +131,12 @@ void Evidence::makeCross(Prepared& p, int first, int end) const {
     p.cross.resize(p.columns.cols(), all);
     p.there.assign(partsOf(static_cast<std::size_t>(all), kTile), 0);
   }
-  for (int tile = first / kTile; tile * kTile < end; ++tile) {
-    if (p.there[tile]) continue;
-    p.there[tile] = 1;
-    const int from = tile * kTile, count = std::min(kTile, all - from);
+  const int lastTile = (end + kTile - 1) / kTile;
+  for (int tile = first / kTile; tile < lastTile; ++tile) {
+    const int begin = tile;
+    while (tile < lastTile && !p.there[tile]) p.there[tile++] = 1;
+    if (tile == begin) continue;
+    const int from = begin * kTile, count = std::min(tile * kTile, all) - from;
     columns_.productsWith(p.columns, from, from + count, p.cross);
     p.cross.middleCols(from, count) -= p.byBase.transpose() * byBase_.middleCols(from, count);
   }

@@ -12,6 +12,7 @@ struct LikelyWaves {
   std::vector<double> lengths;  // m or rad
   int looked = 0;               // how many were looked at: what choosing among them costs
 };
+/// @return none for an effect without fine waves.
 LikelyWaves likelyWaves(const ResidualSpace& space, const Effect& effect);
 
 }  // namespace mm

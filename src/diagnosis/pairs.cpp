@@ -39,7 +39,11 @@ class PairSeeker {
         q_(search.questions()),
         evidence_(evidence),
         members_(members),
-        now_(evidence.given(members).logEvidence - priceOfAll(members)) {}
+        now_(evidence.given(members).logEvidence - priceOfAll(members)),
+        besideAll_(q_.groups.groups.size(), -1e300) {
+    for (const Gain& g : evidence.gains(evidence.given(members)))
+      if (g.group >= 0) besideAll_[static_cast<std::size_t>(g.group)] = g.value;
+  }
 
   /// In the place of a member, or of two.
   void inPlaces() {
@@ -126,8 +130,11 @@ class PairSeeker {
     const Evidence::Given given = evidence_.given(pair.members);
     Gain second;
     double most = 0.0;
+    // what shows as well beside what is there is no partner: it comes alone, at its full price, or not at all
     const auto consider = [&](const Gain& g) {
-      if (g.value - price > most && mayCome(g, pair.members)) most = g.value - price, second = g;
+      if (g.value - price > most && mayCome(g, pair.members) &&
+          besideAll_[static_cast<std::size_t>(g.group)] < g.value - kIndistinct)
+        most = g.value - price, second = g;
     };
     if (from == nullptr)
       for (const Gain& g : evidence_.gains(given)) consider(g);
@@ -137,12 +144,10 @@ class PairSeeker {
     pair.worth = given.logEvidence + most - priceOfAll(pair.members) - now_;
     if (!(pair.worth > -kWorthTrying)) return;
     // each must earn its place beside the other: else one of them is another name of what went
-    std::vector<Member> secondAlone = others_;
-    secondAlone.push_back(search_.memberOf(second));
-    if (!(given.logEvidence + second.value - evidence_.given(secondAlone).logEvidence >
-          search_.priceOf(seed)))
-      return;
-    pair.members.push_back(secondAlone.back());
+    const Evidence::Given without = evidence_.given(others_);
+    const double alone = without.logEvidence + evidence_.gainOf(without, second.group).value;
+    if (!(given.logEvidence + second.value - alone > search_.priceOf(seed))) return;
+    pair.members.push_back(search_.memberOf(second));
     pair.members.back().partner = q_.groups.groups[static_cast<std::size_t>(seed.group)].key;
     pair.members.back().priceAsPartner = price;
     pair.leaving = leaving_;
@@ -154,6 +159,7 @@ class PairSeeker {
   const Evidence& evidence_;
   const std::vector<Member>& members_;
   double now_;                        // worth of the members
+  std::vector<double> besideAll_;     // a group: what it would gain beside all members
   std::vector<Member> others_;        // those that stay
   std::vector<int> barred_;           // groups of those that go
   std::vector<std::size_t> leaving_;  // those that go
@@ -185,15 +191,20 @@ Explanation Search::paired(const Explanation& best) const {
   return exchanged(refitted(next.members, next, true));
 }
 
-void Search::addPairsToRivals(Explanation& found) const {
+Explanation Search::withPairsAsRivals(Explanation found) const {
+  const double half = std::log(2.0);  // two names of one rival share its odds
+  Explanation better;
+  better.worth = found.worth;
   for (const Pair& pair : likelyPairs(*evidenceAt(found), found.members)) {
-    const Explanation trial = refitted(pair.members, found, true);
+    Explanation trial = refitted(pair.members, found, true);
     const double behind = found.worth - trial.worth;
+    if (trial.worth > better.worth) better = std::move(trial);
     if (behind > kIndistinct) continue;
     for (const std::size_t member : pair.leaving)
       for (std::size_t k = pair.members.size() - 2; k < pair.members.size(); ++k)
-        found.rivals.push_back({member, pair.members[k].group, pair.members[k].shape, behind});
+        found.rivals.push_back({member, pair.members[k].group, pair.members[k].shape, behind + half});
   }
+  return better.members.empty() ? found : settled(std::move(better));
 }
 
 }  // namespace mm

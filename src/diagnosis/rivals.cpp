@@ -113,10 +113,7 @@ Explanation Search::settled(Explanation best) const {
 Explanation Search::without(const Explanation& found, std::size_t member) const {
   std::vector<Member> others = found.members;
   others.erase(others.begin() + static_cast<long>(member));
-  Explanation rest = refitted(others, found, true);
-  for (Rival r : found.rivals)
-    if (r.member != member) r.member -= r.member > member ? 1 : 0, rest.rivals.push_back(r);
-  return rest;
+  return refitted(others, found, true);
 }
 
 }  // namespace mm

@@ -98,8 +98,8 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   out.whiteStd = fit.whiteStd;
   out.worth = out.logEvidence;
   for (Member& m : out.members) {
-    const bool alone = std::none_of(members.begin(), members.end(), [&](const Member& other) {
-      return q_.groups.groups[other.group].key == m.partner;
+    const bool alone = std::none_of(out.members.begin(), out.members.end(), [&](const Member& other) {
+      return &other != &m && q_.groups.groups[other.group].key == m.partner;
     });
     if (alone) m.partner.clear();
     out.worth -= priceOf(m);
@@ -146,8 +146,10 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
   const GroupColumns make(*q_.space);
   const std::vector<int> parameters = shape.effect->nonlinearParameters();
   double most = evidence.gainOf(given, others, *member.columns).value;
+  std::vector<double> steps = {0.03, 0.01, 0.003, 0.001, 0.0003};
+  if (!shape.effect->fineWaves().lengths.empty()) steps.insert(steps.end(), {1e-4, 3e-5});  // of many waves
   for (std::size_t k = 0; k < best.nonlinear.size(); ++k)
-    for (const double step : {0.03, 0.01, 0.003, 0.001, 0.0003})
+    for (const double step : steps)
       for (const double sign : {1.0, -1.0})
         for (int again = 0; again < 6; ++again) {
           std::vector<double> at = best.nonlinear;

@@ -92,9 +92,12 @@ class Search {
     std::vector<std::size_t> leaving;  // of the members: those that went for it
   };
   /// Adds to the rivals two causes that together explain nearly as much as what they would take the place of.
-  void addPairsToRivals(Explanation& found) const;
+  /// Where they explain more, they take its place.
+  Explanation withPairsAsRivals(Explanation found) const;
   /// What is left without one of its members, the noise fitted again.
   Explanation without(const Explanation& found, std::size_t member) const;
+  /// Without the members that do not earn their price any more.
+  Explanation pruned(Explanation best) const;
   /// The search at one model of the noise that stays, on some of the rows.
   std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
 
@@ -149,7 +152,6 @@ class Search {
   /// The best few, at one model of the noise.
   std::vector<Pair> likelyPairs(const Evidence& evidence, const std::vector<Member>& members) const;
   Explanation exchanged(Explanation best) const;
-  Explanation pruned(Explanation best) const;
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;
 
   struct Known {

@@ -57,10 +57,27 @@ std::vector<double> surenessOf(const std::vector<Answer>& answers, const Calibra
     const Eigen::MatrixXd covariance = full.covariance(linear, linear);
     const double chi2 = value.dot(covariance.ldlt().solve(value));
     const boost::math::chi_squared spread(std::max<double>(1.0, static_cast<double>(linear.size())));
+    const bool known =
+        std::isfinite(chi2) && (covariance.diagonal().array() > 0.0).all();  // else it was held
     double& most = sure[static_cast<std::size_t>(a.member)];
-    most = std::max(most, std::isfinite(chi2) ? chi2 / boost::math::quantile(spread, kCertain) : 1.0);
+    most = std::max(most, known ? chi2 / boost::math::quantile(spread, kCertain) : 1.0);
   }
   return sure;
+}
+
+std::vector<char> curvesForTheRest(const Search& search, const Explanation& found) {
+  const auto evidence = search.evidenceAt(found);
+  const std::vector<Member>& members = found.members;
+  std::vector<char> curves(members.size(), 0);
+  for (std::size_t j = 0; j < members.size(); ++j) {
+    if (!search.hasCurve(*evidence, members, j)) continue;
+    const std::vector<Member> beside = search.beside(*evidence, members, j);
+    for (std::size_t k = 0; k < members.size(); ++k)
+      if (k != j &&
+          std::none_of(beside.begin(), beside.end(), [&](const Member& m) { return m.id == members[k].id; }))
+        curves[k] = 1;
+  }
+  return curves;
 }
 
 void allowForForm(const Search& search, const Explanation& found, Diagnosis& out) {

@@ -4,6 +4,8 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "diagnosis/wording.h"
+
 namespace mm {
 namespace {
 
@@ -33,7 +35,7 @@ const ArtifactScatter* beyondTheFile(const Diagnosis& d) {
 const DriftResult* beyondTheRepeatability(const Diagnosis& d) {
   if (!(d.base.repeatability > 0.0) || d.base.repeatabilityFrom == "estimated") return nullptr;
   for (const DriftResult& drift : d.drift)
-    if (drift.quick && drift.std > mostNoise(d.base)) return &drift;
+    if (isAngular(d, drift.direction) == d.angular && drift.quickStd > mostNoise(d.base)) return &drift;
   return nullptr;
 }
 

@@ -220,11 +220,20 @@ std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter)
          "machine do not.";
 }
 
+std::string driftingQuantity(const DriftResult& drift) {
+  return drift.direction == "approach" ? "the error along the approach" : drift.direction;
+}
+
+std::string scatterInWords(const Diagnosis& d, const DriftResult& drift) {
+  return driftingQuantity(drift) + " scatters by " + length(drift.quickStd, isAngular(d, drift.direction)) +
+         " RMS from one measurement to the next";
+}
+
 std::string scatterSentence(const Diagnosis& d) {
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
   if (const DriftResult* of = beyondTheRepeatability(d))
-    return "No effect and no structure is left, but " + driftInWords(d, *of) + ", " +
-           shortNumber(of->std / d.base.repeatability) + " times the repeatability of " +
+    return "No effect and no structure is left, but " + scatterInWords(d, *of) + ", " +
+           shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
            repeatabilityWords(d) +
            ": an influence acts that follows nothing recorded, or one that changes within less than the "
            "distance "
@@ -315,10 +324,9 @@ std::string whyNotApart(const Confusable& rival) {
 }
 
 std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {
-  std::string text = drift.direction == "approach" ? "the error along the approach" : drift.direction;
-  const std::string size = length(drift.std, isAngular(d, drift.direction)) + " RMS";
-  if (drift.quick) return text + " scatters by " + size + " from one measurement to the next";
-  text += " drifts by " + size;
+  if (drift.quick) return scatterInWords(d, drift);
+  std::string text =
+      driftingQuantity(drift) + " drifts by " + length(drift.std, isAngular(d, drift.direction)) + " RMS";
   if (positive(drift.timeConstant)) text += " with a time constant of " + durationInWords(drift.timeConstant);
   if (!drift.perhaps.empty()) {
     const DriftResult::Perhaps& first = drift.perhaps.front();

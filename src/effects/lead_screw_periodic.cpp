@@ -36,15 +36,14 @@ class LeadScrewPeriodic : public CatalogueEffect {
       return;
     }
     // Frequencies a third of a cycle over the range apart: from half a cycle to sixty.
-    const double range = travel_ > 0.0 ? travel_ : 10.0 * unit;
-    const double shortest = std::max(range / 60.0, linear ? 0.05 * kMillimetre : 0.0);
+    const double range = travel_ > 0.0 ? travel_ : 10.0 * kMillimetre;
+    const double shortest = std::max(range / 60.0, 0.05 * kMillimetre);
     double cycles = 0.5;
     for (; cycles <= range / shortest; cycles += kStep) starts_.push_back({range / cycles});
-    const double most = std::min(range / (kFinest * unit), kMostWaves);
+    const double most = std::min(range / (kFinest * kMillimetre), kMostWaves);
     for (; cycles <= most; cycles += kStep) fine_.push_back(range / cycles);
     const double finest = fine_.empty() ? shortest : fine_.back();
-    Parameter period =
-        parameter("period", linear ? kUnitMillimetre : kUnitDegree, 0.05 * range, 2.0 * range, 0.2 * range);
+    Parameter period = parameter("period", kUnitMillimetre, 0.05 * range, 2.0 * range, 0.2 * range);
     period.minimum = 0.5 * finest;
     period.maximum = 10.0 * range;
     parameters_.push_back(period);
@@ -114,7 +113,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
  private:
   static constexpr double kStep = 1.0 / 3.0;   // of a wave over the range: between two starts
   static constexpr double kMostWaves = 800.0;  // over the range
-  static constexpr double kFinest = 0.25;      // mm, deg
+  static constexpr double kFinest = 0.25;      // mm
   static constexpr int kFewestTeeth = 4;       // fewer are the harmonics of rotary_eccentricity
   static constexpr int kMostTeeth = 400;
   int axis_;

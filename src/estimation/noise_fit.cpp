@@ -21,15 +21,6 @@ constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
 constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
 constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
 
-double medianSpacing(const std::vector<double>& time) {
-  std::vector<double> dt;
-  for (std::size_t i = 1; i < time.size(); ++i)
-    if (time[i] > time[i - 1]) dt.push_back(time[i] - time[i - 1]);
-  if (dt.empty()) return 0.0;
-  std::nth_element(dt.begin(), dt.begin() + static_cast<long>(dt.size() / 2), dt.end());
-  return dt[dt.size() / 2];
-}
-
 RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
   const int priors = static_cast<int>(all.rows()) - rows, n = static_cast<int>(taken.size());
   RowMatrix out(n + priors, all.cols());
@@ -53,6 +44,15 @@ std::vector<int> stretches(int rows, int most) {
 }
 
 }  // namespace
+
+double medianSpacing(const std::vector<double>& time) {
+  std::vector<double> dt;
+  for (std::size_t i = 1; i < time.size(); ++i)
+    if (time[i] > time[i - 1]) dt.push_back(time[i] - time[i - 1]);
+  if (dt.empty()) return 0.0;
+  std::nth_element(dt.begin(), dt.begin() + static_cast<long>(dt.size() / 2), dt.end());
+  return dt[dt.size() / 2];
+}
 
 struct NoiseFit::Gram {
   RowMatrix products;      // of base, blocks and target

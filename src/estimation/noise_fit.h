@@ -6,6 +6,9 @@
 
 namespace mm {
 
+/// The usual time from one row to the next, s; 0 where all are of one time.
+double medianSpacing(const std::vector<double>& time);
+
 /// Rows of a linearised session as the noise model sees them: whitened by the stated noise, ascending in
 /// time.
 struct NoiseRows {

@@ -45,7 +45,7 @@ TEST(ScatteredBalls, AreAllowedFor) {
   }
   std::printf("%d of %d intervals (k = 2) cover the truth\n", inside, kSessions);
   std::printf("RMS of error over standard uncertainty: %.3f\n", std::sqrt(square / kSessions));
-  EXPECT_GE(inside, 34) << "of 95.45 % fewer come by chance once in two hundred runs";
+  EXPECT_GE(inside, 34) << "of 95.45 % fewer come by chance once in four hundred runs";
   // of 40 the RMS scatters by 11 %; each session knows its own scatter to 13 %
   EXPECT_NEAR(std::sqrt(square / kSessions), 1.0, 0.4) << "neither too small nor too large";
 }
