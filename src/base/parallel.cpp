@@ -17,19 +17,25 @@ namespace mm {
 namespace {
 
 // What oneTBB promises: all before a loop comes before each call in it, and each call before all after it.
-// The thread sanitizer must be told, for Debian's oneTBB is compiled without it. One place for all loops: a
-// call must not read anything before it asks.
+// The thread sanitizer must be told, for Debian's oneTBB is compiled without it. In one place for all loops,
+// for a call must not read anything before it is in order; so a race between two loops may go unseen.
 #if defined(__SANITIZE_THREAD__)
 char loopBegin, loopEnd;
-void begins() { __tsan_release(&loopBegin); }
-void callBegins() { __tsan_acquire(&loopBegin); }
-void callEnds() { __tsan_release(&loopEnd); }
-void ends() { __tsan_acquire(&loopEnd); }
+struct OfLoop {
+  OfLoop() { __tsan_release(&loopBegin); }
+  ~OfLoop() { __tsan_acquire(&loopEnd); }
+};
+struct OfCall {
+  OfCall() { __tsan_acquire(&loopBegin); }
+  ~OfCall() { __tsan_release(&loopEnd); }
+};
 #else
-void begins() {}
-void callBegins() {}
-void callEnds() {}
-void ends() {}
+struct OfLoop {
+  ~OfLoop() {}
+};
+struct OfCall {
+  ~OfCall() {}
+};
 #endif
 
 }  // namespace
@@ -38,14 +44,12 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& work
   if (count == 1) return work(0);
   const CancelScope* scope = CancelScope::current();
   const auto run = [&](std::size_t i) {
-    callBegins();
+    const OfCall order;
     const CancelScope::Lent lent(scope);
     work(i);
-    callEnds();
   };
-  begins();
+  const OfLoop order;
   tbb::parallel_for(std::size_t{0}, count, run, tbb::simple_partitioner());
-  ends();
 }
 
 struct Threads::Arena {
@@ -69,14 +73,12 @@ Threads::~Threads() = default;
 void Threads::run(const std::function<void()>& work) {
   if (!arena_) return work();
   const CancelScope* scope = CancelScope::current();
-  begins();
+  const OfLoop order;
   arena_->arena.execute([&] {
-    callBegins();
+    const OfCall orderOfCall;
     const CancelScope::Lent lent(scope);
     work();
-    callEnds();
   });
-  ends();
 }
 
 Part partOf(std::size_t count, std::size_t size, std::size_t part) {

@@ -2,6 +2,8 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <thread>
+
 #include "session_folder.h"
 
 namespace mm {
@@ -53,7 +55,7 @@ TEST_F(CommandLine, CtrlCKeepsTheBestOfACalibration) {
 
 TEST_F(CommandLine, CtrlCEndsABenchmarkWithWhatItCounted) {
   const Answer answer =
-      stoppedWhen(workedFor(4.0), *folder_,
+      stoppedWhen(workedFor(2.0 * std::thread::hardware_concurrency()), *folder_,
                   "benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 40 --json");
   EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_EQ(linesOf(answer.error).size(), 1u) << answer.error;
@@ -80,7 +82,7 @@ TEST_F(CommandLine, CtrlCDuringADiagnosisLosesNothing) {
 TEST_F(CommandLine, CtrlCEndsAReadThatWaits) {
   const std::string fifo = *folder_ / "fifo";
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  const int writer = ::open(fifo.c_str(), O_RDWR);  // that never writes
+  const int writer = ::open(fifo.c_str(), O_RDWR | O_CLOEXEC);  // that never writes
   const Answer waiting =
       stoppedWhen(opened(fifo), *folder_, "apply fifo --calibration c.yaml -o waiting.csv");
   EXPECT_EQ(waiting.status, 130) << waiting.error;

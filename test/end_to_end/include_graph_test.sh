@@ -14,6 +14,7 @@ check() {  # check <name> <condition …>
 "$root/scripts/include_graph" >"$work/out" 2>"$work/err"
 check 'no cycle, no ROS in the core' [ "$?" -eq 0 ]
 cat "$work/err"
+check 'every function of a header has a comment' grep -q '^functions in headers without a comment: 0$' "$work/out"
 
 # refused <name> <file> <line to add> <words>
 refused() {

@@ -272,6 +272,21 @@ TEST_F(Refusals, AnotherMachineIsPromotedOnlyByForce) {
   EXPECT_EQ(forced.status, 0) << forced.error;
 }
 
+// A disk that does not give a file: reading /proc/self/mem from its beginning is EIO.
+TEST_F(Refusals, NothingTakesThePlaceOfWhatTheDiskDoesNotGive) {
+  namespace fs = std::filesystem;
+  run("promote c.yaml --store unread");
+  const fs::path store = *folder_ / "unread", file = store / fs::read_symlink(store / "active");
+  fs::remove(file);
+  fs::create_symlink("/proc/self/mem", file);
+  const Answer refused = typed("promote twin_c.yaml --store unread");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.error.find("Input/output error"), std::string::npos) << refused.error;
+  const Answer forced = typed("promote twin_c.yaml --store unread --force");
+  EXPECT_EQ(forced.status, 0) << forced.error;
+  fs::remove_all(store);
+}
+
 TEST_F(Refusals, ADamagedBagIsReadUpToTheDamageAndSaysSo) {
   const Answer answer = typed("check cut.bag");
   EXPECT_NE(answer.error.find("cut.bag"), std::string::npos) << answer.error;

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -67,33 +68,46 @@ inline ProcessState workedFor(double seconds) {
   };
 }
 
-/// It has opened a file.
+/// `mm` has opened a file; before it runs, the process is still a copy of the test.
 inline ProcessState opened(const std::string& file) {
   return [file](pid_t process) {
     namespace fs = std::filesystem;
     std::error_code gone;
+    const fs::path program = fs::read_symlink("/proc/" + std::to_string(process) + "/exe", gone);
+    if (program != fs::canonical(MM_PROGRAM, gone)) return false;
     for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(process) + "/fd", gone))
-      if (fs::read_symlink(entry.path(), gone) == fs::canonical(file)) return true;
+      if (fs::read_symlink(entry.path(), gone) == fs::canonical(file, gone)) return true;
     return false;
   };
 }
 
-/// Runs the built `mm` in a folder and types Ctrl-C when it is somewhere.
+/// Runs the built `mm` in a folder and types Ctrl-C when it is somewhere; it is killed where it does not end.
 inline Answer stoppedWhen(const ProcessState& there, const TestFolder& folder, const std::string& arguments) {
   const std::string out = folder / "stdout.txt", error = folder / "stderr.txt";
   const std::string command =
       "cd '" + folder / "." + "' && exec '" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'";
   const pid_t process = ::fork();
   if (process == 0) {
+    std::signal(SIGINT, SIG_DFL);  // ignored in what a script runs in the background
     ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     ::_exit(127);
   }
+  constexpr double kMost = 300.0, kMostAfter = 60.0;  // s until it is there, and from Ctrl-C to its end
+  using Clock = std::chrono::steady_clock;
+  auto began = Clock::now();
   int status = 0;
-  bool stopped = false;
+  bool stopped = false, killed = false;
   while (::waitpid(process, &status, WNOHANG) == 0) {
-    if (!stopped && there(process)) stopped = ::kill(process, SIGINT) == 0;
+    if (!stopped && there(process)) {
+      stopped = ::kill(process, SIGINT) == 0;
+      began = Clock::now();
+    }
+    if (!killed &&
+        std::chrono::duration<double>(Clock::now() - began).count() > (stopped ? kMostAfter : kMost))
+      killed = ::kill(process, SIGKILL) == 0;
     ::usleep(5000);
   }
+  EXPECT_FALSE(killed) << "it did not end: " << arguments;
   EXPECT_TRUE(stopped) << "it ended by itself: " << arguments;
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(out), textOf(error)};
 }

@@ -20,12 +20,17 @@ STACK = re.compile(r"(acquired here|(Write|Read|read|write) of size|atomic write
 
 
 def callers(report):
-    """The frame that made each access or took each lock: the first that is neither the sanitizer's nor a template's."""
+    """The frame that made each access or took each lock: the first that is neither the sanitizer's nor a template's; "?" where the
+    sanitizer does not know it."""
     found, wanted = [], False
     for line in report.splitlines():
         frame = re.match(r"\s+#\d+ (.*)", line)
         if frame is None:
-            wanted = wanted and bool(line.strip()) or bool(STACK.search(line))
+            begins = bool(STACK.search(line))
+            if wanted and (begins or not line.strip()):
+                found.append("?")
+                wanted = False
+            wanted = wanted or begins
         elif wanted and (LIBRARIES.search(frame.group(1)) or not ON_TOP.search(frame.group(1))):
             found.append(frame.group(1))
             wanted = False

@@ -59,8 +59,16 @@ def ended(client, seconds):
 
 def served(*clients, seconds=60.0):
     """Waits, in real time, for the servers of actionlib clients: its own wait counts simulated time, which leaps over any bound when
-    the first clock comes."""
-    return all(wait_until(lambda: client.wait_for_server(rospy.Duration(0.1)), seconds) for client in clients)
+    the first clock comes, and stands still before."""
+    found = [False for _ in clients]
+
+    def look(number):
+        while not found[number] and not rospy.is_shutdown():
+            found[number] = clients[number].wait_for_server(rospy.Duration(0.1))
+
+    for number in range(len(clients)):
+        threading.Thread(target=look, args=(number,), daemon=True).start()
+    return wait_until(lambda: all(found), seconds)
 
 
 def wait_until(true, seconds=10.0):

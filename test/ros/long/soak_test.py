@@ -82,7 +82,7 @@ class Soak(unittest.TestCase):
         while time.time() < self.until:
             try:
                 client.send_goal(MeasureGoal(plan=PLAN))
-                assert client.wait_for_result(rospy.Duration(120))
+                assert support.ended(client, 120), "the plan has not ended after 120 s"
                 result = client.get_result()
                 assert result.missed == 0 and result.contacts > 0, result.message
                 answer = self.call(server + "calibrate", Calibrate, bag=bag, model=model, method="least_squares")
