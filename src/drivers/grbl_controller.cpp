@@ -11,7 +11,9 @@
 namespace mm {
 namespace {
 
-constexpr double kAgain = 0.3;     // s until a question is asked once more
+constexpr double kSameLimit = 1e-9;  // m or rad: rounding of two limits that are the same
+constexpr double kNoWay = 5e-4;      // mm or deg: half of the last digit that is sent
+constexpr double kAgain = 0.3;       // s until a question is asked once more
 constexpr double kNoAnswer = 0.5;  // s until a question counts as one that was answered together with another
 constexpr double kUnwelcome = 1.5;    // s for the greeting after a soft reset
 constexpr double kStepSlack = 0.002;  // mm or deg: reports have three decimals
@@ -159,7 +161,7 @@ Capabilities GrblController::capabilities() const {
       axis.lower = std::min(ends[0], ends[1]);
       axis.upper = std::max(ends[0], ends[1]);
       const ControllerAxis& urdf = map_->axis(j);
-      if (urdf.lower < axis.lower - 1e-9 || urdf.upper > axis.upper + 1e-9)
+      if (urdf.lower < axis.lower - kSameLimit || urdf.upper > axis.upper + kSameLimit)
         can.notes.push_back("the URDF's limits of " + urdf.name + " reach beyond the control's soft limits");
     }
     can.axes.push_back(axis);
@@ -273,7 +275,7 @@ std::string GrblController::block(const std::vector<double>& target, const std::
   for (std::size_t j = 0; j < map_->size(); ++j) {
     const std::size_t place = map_->place(j);
     const double to = map_->toControl(j, target[j]), way = to - map_->toControl(j, from[j]);
-    if (std::abs(way) < 5e-4) continue;
+    if (std::abs(way) < kNoWay) continue;
     square += way * way;
     const double shift = place < offset_.size() ? offset_[place] : 0.0;
     char word[48];

@@ -6,6 +6,11 @@
 #include "drivers/grbl_controller.h"
 
 namespace mm {
+namespace {
+
+constexpr double kReportDelay = 5e-3;  // s that the control may take to put a report together
+
+}  // namespace
 
 void GrblController::take(const std::string& line, double time) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -154,7 +159,7 @@ void GrblController::takeProbe(const GrblProbe& probe, double time) {
   ProbeEdge edge;
   const double rest = deceleration();
   edge.time = std::max(taskBegan_, time - rest - 0.5 * roundTrip_);
-  edge.timeUncertainty = rest + roundTrip_ + 5e-3;
+  edge.timeUncertainty = rest + roundTrip_ + kReportDelay;
   edge.probing = task_ == Task::kProbing;
   edge.motion = motion_.id;
   for (std::size_t j = 0; j < map_->size(); ++j) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "drivers/motion_control.h"
 
 namespace mm {
@@ -156,7 +157,7 @@ std::string MotionControl::tripWords(const Current& current) const {
     const bool turns = joints_[j].kind == JointKind::kRotary;
     char one[64];
     std::snprintf(one, sizeof one, " %s %.4g %s", axes_[j].c_str(),
-                  state_.position[j] / (turns ? 3.14159265358979 / 180.0 : 1e-3), turns ? "deg" : "mm");
+                  state_.position[j] / (turns ? kDegree : kMillimetre), turns ? "deg" : "mm");
     text += one;
   }
   return text + "; all axes were stopped. Look for a collision, then move away slowly";

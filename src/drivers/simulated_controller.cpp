@@ -10,6 +10,8 @@
 namespace mm {
 namespace {
 
+constexpr double kOver = 1e-12;  // s: rounding of what is left of a step
+
 constexpr double kHomingSpeed = 5e-3;  // m/s
 constexpr double kHomingTurn = 0.2;    // rad/s
 constexpr double kParkedAside = 2e-3;  // m: where the linear axes are found when switched on
@@ -171,7 +173,7 @@ AxesState SimulatedController::poll(double elapsed) {
   ++polls_;
   if (fault_ == Fault::kOff || !powered_) throw Error("the simulated device is off");
   const double end = instrument_->machine.time() + elapsed;
-  for (double left = elapsed; left > 1e-12; left = end - instrument_->machine.time()) {
+  for (double left = elapsed; left > kOver; left = end - instrument_->machine.time()) {
     takeOrders();
     const double reach = moving_ && (ramp_ < override_ || ending_ || held_) ? kRampStep : kStep;
     advance(std::min(left, reach));

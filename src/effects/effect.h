@@ -78,6 +78,7 @@ class Effect {
     int joint = -1;
     std::vector<double> lengths;  // m or rad, descending
   };
+  /// @return joint -1 where the effect has none.
   virtual FineWaves fineWaves() const { return {}; }
 
   /// True when the error is the sum over the parameters of coefficient(i, p_i) times a function of the state

@@ -20,6 +20,7 @@ class PackedColumns {
   static constexpr int kTogether = 12;  // columns that are multiplied at a time
 
   PackedColumns() = default;
+  /// @param m one observation a row; a copy is kept.
   explicit PackedColumns(const Eigen::Ref<const RowMatrix>& m);
 
   /// a' m for at least the columns [first, end) of m: those of whole groups of kTogether.

@@ -12,6 +12,9 @@
 namespace mm {
 namespace {
 
+constexpr double kOfAStep = 1e-6;      // by which a limit may lie beside a step through rounding
+constexpr double kStandsStill = 1e-9;  // RMS of an input, m or rad: it says nothing
+
 constexpr int kTableOthers = 16;    // states of everything else, over which a table is the mean
 constexpr int kTableProbes = 3;     // of them, by which the steps are chosen
 constexpr int kProbesAStep = 8;     // of the finest steps
@@ -114,8 +117,8 @@ std::vector<State> mirrored(const NeededCorrection& needed, int count) {
 }  // namespace
 
 std::vector<double> evenSteps(double from, double to, int intervals) {
-  const double start = std::floor(from / kStepUnit + 1e-6);
-  const double step = std::max(1.0, std::ceil((to / kStepUnit - start) / intervals - 1e-6));
+  const double start = std::floor(from / kStepUnit + kOfAStep);
+  const double step = std::max(1.0, std::ceil((to / kStepUnit - start) / intervals - kOfAStep));
   std::vector<double> at;
   for (int i = 0; i <= intervals; ++i) at.push_back((start + i * step) * kStepUnit);
   return at;
@@ -249,14 +252,14 @@ StraightPart straightPart(const NeededCorrection& needed) {
   for (Eigen::Index c = 1; c < inputs.cols(); ++c) {
     inputs.col(c).array() -= inputs.col(c).mean();
     size[c] = inputs.col(c).norm() / std::sqrt(static_cast<double>(kTableStates));
-    if (size[c] > 1e-9)
+    if (size[c] > kStandsStill)
       inputs.col(c) /= size[c];
     else
       inputs.col(c).setZero();
   }
   size[0] = 1.0;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-9);
+  solver.setThreshold(kStandsStill);
   solver.compute(inputs);
   Eigen::MatrixXd by = solver.solve(outputs);
   // The columns are all but orthogonal, so that this is the standard error of each.
@@ -265,7 +268,8 @@ StraightPart straightPart(const NeededCorrection& needed) {
     for (Eigen::Index j = 0; j < joints; ++j)
       if (std::abs(by(c, j)) < kStandsOut * error[j]) by(c, j) = 0.0;
   for (Eigen::Index c = 1; c < by.rows(); ++c)
-    by.row(c) = size[c] > 1e-9 ? Eigen::RowVectorXd(by.row(c) / size[c]) : Eigen::RowVectorXd::Zero(joints);
+    by.row(c) =
+        size[c] > kStandsStill ? Eigen::RowVectorXd(by.row(c) / size[c]) : Eigen::RowVectorXd::Zero(joints);
   StraightPart part;
   part.byPosition = by.middleRows(1, joints).transpose();
   part.byTravel = by.middleRows(1 + joints, joints).transpose();

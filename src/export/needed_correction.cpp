@@ -12,6 +12,8 @@
 namespace mm {
 namespace {
 
+constexpr double kNoTravel = 1e-5;  // m or rad: an axis that has no more has no table
+
 constexpr int kMostSteps = 20;
 constexpr double kNeededReached = 1e-12;  // m
 
@@ -64,7 +66,7 @@ const ExportAxis* NeededCorrection::findAxis(const std::string& letter) const {
 
 bool NeededCorrection::moved(int joint) const {
   const ExportAxis& axis = axes_[static_cast<std::size_t>(joint)];
-  return axis.upper - axis.lower > 1e-5;
+  return axis.upper - axis.lower > kNoTravel;
 }
 
 double NeededCorrection::reference(int joint) const {

@@ -9,6 +9,8 @@
 namespace mm {
 namespace {
 
+constexpr double kNoRange = 1e-3;  // K: a temperature that hardly changed
+
 constexpr int kGridPoints = 9;        // along each axis
 constexpr double kGridLeast = 1e-8;   // m, of a temperature over its range
 constexpr int kTemperatureless = 12;  // states of everything else, over which the grid is the mean
@@ -71,7 +73,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed) : joints_(needed.linear()
   }
   for (std::size_t k = 0; k < d.sensors.size(); ++k) {
     const double range = d.sensorUpper[k] - d.sensorLower[k];
-    if (!(range > 1e-3)) continue;
+    if (!(range > kNoRange)) continue;
     std::vector<std::vector<double>> perKelvin(joints_.size(), std::vector<double>(count));
     double most = 0.0;
     for (std::size_t point = 0; point < count; ++point) {

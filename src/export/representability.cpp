@@ -12,6 +12,9 @@
 namespace mm {
 namespace {
 
+constexpr double kRank = 1e-6;   // of a motion of the whole workpiece: less is rounding
+constexpr double kMoves = 1e-9;  // m or rad: a correction that is one constant moves nothing
+
 constexpr int kJudgeStates = 512;
 constexpr unsigned kJudgeSeed = 41;  // never that of a table: fresh places
 constexpr double kNothing = 1e-10;   // m: rounding of the chain
@@ -38,7 +41,7 @@ double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d
     rigid.block<3, 3>(row, 3) << 0, a.z(), -a.y(), -a.z(), 0, a.x(), a.y(), -a.x(), 0;
   }
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-6);
+  solver.setThreshold(kRank);
   solver.compute(rigid);
   return rms(errors - rigid * solver.solve(errors));
 }
@@ -129,7 +132,7 @@ std::string whatItDoes(const NeededCorrection& needed) {
       least = std::min(least, a[joint]);
       most = std::max(most, a[joint]);
     }
-    if (most - least > 1e-9) moves.push_back(name(joint));
+    if (most - least > kMoves) moves.push_back(name(joint));
   }
   return "corrects " + (moves.empty() ? "no axis" : listed(moves)) + (by.empty() ? "" : " by " + listed(by));
 }

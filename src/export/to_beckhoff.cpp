@@ -5,11 +5,15 @@
 #include <optional>
 
 #include "base/format.h"
+#include "base/tiny.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
 
 namespace mm {
 namespace {
+
+constexpr double kBetter = 0.999;       // of the remainder: what a choice of planes must bring
+constexpr double kNoRemainder = 1e-18;  // m^2: rounding of a remainder
 
 constexpr int kBeckhoffMostPoints = 241;  // of the leadscrew table; the control allows 1500
 constexpr int kPlaneIntervals = 16;       // along the longer of two axes
@@ -26,7 +30,7 @@ PlaneTable planeOf(const NeededCorrection& needed, int first, int second) {
   const double step =
       std::ceil(longer / kPlaneIntervals / kBeckhoffUnit) * kBeckhoffUnit;  // one for both axes
   const auto steps = [&](const ExportAxis& axis) {
-    const int n = std::max(1, static_cast<int>(std::ceil((axis.upper - axis.lower) / step - 1e-9)));
+    const int n = std::max(1, static_cast<int>(std::ceil((axis.upper - axis.lower) / step - kOfAWhole)));
     const double start = std::floor(axis.lower / kBeckhoffUnit) * kBeckhoffUnit;
     std::vector<double> at;
     for (int i = 0; i <= n; ++i) at.push_back(start + i * step);
@@ -114,7 +118,7 @@ AxisTables chosen(const NeededCorrection& needed, const Pool& pool, int output) 
       if (joint != output && joint != plane.first && joint != plane.second && tables.cross == nullptr)
         tables.cross = pool.line(joint);
     const double is = left(needed, states, tables, output);
-    if (is < 0.999 * least - 1e-18) {
+    if (is < kBetter * least - kNoRemainder) {
       least = is;
       best = tables;
     }

@@ -5,11 +5,14 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/tiny.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
 
 namespace mm {
 namespace {
+
+constexpr double kOfAMultiplier = 1e-6;  // of a multiplier: rounding of the unit that was typed
 
 constexpr int kFanucSections = 120;  // of at most 128 an axis
 constexpr int kNumbersAnAxis = 128;
@@ -76,9 +79,9 @@ Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, double uni
   const double from = std::min(0.0, axis.lower), to = std::max(0.0, axis.upper);
   Pitch pitch;
   const double interval = std::max((to - from) / (kFanucSections - 1), least);
-  pitch.interval = std::ceil(interval / kMicrometre - 1e-6) * kMicrometre;
-  pitch.first = static_cast<int>(std::floor(from / pitch.interval + 1e-9));
-  pitch.last = static_cast<int>(std::ceil(to / pitch.interval - 1e-9));
+  pitch.interval = std::ceil(interval / kMicrometre - kOfAWhole) * kMicrometre;
+  pitch.first = static_cast<int>(std::floor(from / pitch.interval + kOfAWhole));
+  pitch.last = static_cast<int>(std::ceil(to / pitch.interval - kOfAWhole));
   const std::vector<double> curve = cellMeans(table, axis, pitch);
   long most = 0;
   for (pitch.magnification = 1; pitch.magnification <= kMostMagnification; ++pitch.magnification) {
@@ -107,7 +110,7 @@ struct Units {
     const double value = ratio > 0.499999 ? 2.0 * ratio : 100.0 + 1.0 / ratio;
     multiplier = static_cast<int>(std::lround(value));
     const bool there = ratio > 0.499999 ? multiplier <= 96 : multiplier <= 127;
-    if (!there || std::abs(value - multiplier) > 1e-6)
+    if (!there || std::abs(value - multiplier) > kOfAMultiplier)
       throw InputError(
           format("--detection-unit-um %.4g: the command multiplier (1820) has no number for it; take 1, "
                  "0.5, 0.1, 0.05 or what the control has",

@@ -12,6 +12,8 @@
 namespace mm {
 namespace {
 
+constexpr double kNoSpan = 1e-9;  // d^2: sessions of one moment have no trend
+
 constexpr std::size_t kFewestForTrend = 5, kFewestSisters = 4;
 
 std::string dayText(const std::string& date) {
@@ -94,7 +96,7 @@ double leverOf(const FleetSeries& s) {
   double mean = 0.0, sum = 0.0;
   for (const TrendPoint& p : s.points) mean += p.day / static_cast<double>(s.points.size());
   for (const TrendPoint& p : s.points) sum += (p.day - mean) * (p.day - mean);
-  return std::max(sum, 1e-9);
+  return std::max(sum, kNoSpan);
 }
 
 void compareLevels(const std::vector<const FleetSeries*>& group, double alpha,

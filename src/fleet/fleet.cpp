@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "fleet/sensor_health.h"
 
 namespace mm {
 namespace {
@@ -100,7 +101,7 @@ std::map<std::string, double> resolutions(const std::vector<FleetRecord>& record
   for (auto& [name, known] : ofSensor) {
     auto& [step, still] = known;
     for (auto at = still.begin(); at != still.end() && std::next(at) != still.end(); ++at)
-      if (*std::next(at) - *at > 1e-9) step = std::min(step, *std::next(at) - *at);
+      if (*std::next(at) - *at > kSameReading) step = std::min(step, *std::next(at) - *at);
     double& coarsest = ofMachine[name.first];
     if (std::isfinite(step)) coarsest = std::max(coarsest, step);
   }

@@ -11,6 +11,8 @@
 namespace mm {
 namespace {
 
+constexpr double kNoHeight = 1e-9;  // of values that are all zero: a picture needs some height
+
 constexpr double kWidth = 240, kHeight = 96, kLeft = 40, kRight = 6, kTop = 6, kBottom = 14;
 constexpr std::size_t kQuietShown = 24;  // of one quantity: all that have a finding, and so many others
 
@@ -48,7 +50,7 @@ struct Scale {
         high = std::max(high, p.value + p.std);
       }
     if (!(toDay > fromDay)) toDay = fromDay + 1.0;
-    const double margin = high > low ? 0.04 * (high - low) : std::max(1e-9, 0.1 * std::abs(high));
+    const double margin = high > low ? 0.04 * (high - low) : std::max(kNoHeight, 0.1 * std::abs(high));
     low -= margin;
     high += margin;
   }
@@ -149,7 +151,7 @@ std::string findingsHtml(const Fleet& fleet) {
     return "<p class=\"quiet\">Nothing stands out: no machine changed, drifts or differs from its sisters by "
            "more than "
            "chance gives in one fleet of " +
-           format("%.0f", 1.0 / std::max(1e-12, fleet.alarm)) + ".</p>";
+           format("%.0f", 1.0 / fleet.alarm) + ".</p>";
   std::string html = "<ul class=\"findings\">";
   for (const Finding& f : fleet.findings)
     html +=

@@ -28,7 +28,7 @@ double stepOf(std::vector<double> value) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < value.size(); ++i) {
     const double apart = value[i] - value[i - 1];
-    if (apart > 1e-9) least = std::min(least, apart);
+    if (apart > kSameReading) least = std::min(least, apart);
   }
   return std::isfinite(least) ? least : kNotMeasured;
 }

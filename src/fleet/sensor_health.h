@@ -7,6 +7,8 @@
 
 namespace mm {
 
+constexpr double kSameReading = 1e-9;  // K: readings that are no further apart are the same
+
 /// How a temperature sensor did in one session.
 struct SensorHealth {
   std::string sensor;

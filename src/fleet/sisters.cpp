@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/tiny.h"
 #include "fleet/robust_numbers.h"
 #include "fleet/trend.h"
 
@@ -18,7 +19,7 @@ double excessSpread(const std::vector<double>& away, const std::vector<double>& 
   const auto tooSmall = [&](double spread) {
     std::vector<double> scaled;
     for (std::size_t i = 0; i < away.size(); ++i)
-      scaled.push_back(away[i] / std::sqrt(variance[i] + spread * spread + 1e-300));
+      scaled.push_back(away[i] / std::sqrt(variance[i] + spread * spread + kTiny));
     return pairSpread(scaled) > 1.0;
   };
   if (away.size() < 2 || !tooSmall(0.0)) return 0.0;

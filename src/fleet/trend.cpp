@@ -4,10 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/tiny.h"
 #include "fleet/robust_numbers.h"
 
 namespace mm {
 namespace {
+
+constexpr double kNoResidual = 1e-12;  // of the variance: a line through all points has a logarithm, too
+constexpr double kAnyWeight = 1e-9, kLeastWeight = 1e-12;  // of the largest value; in the unit of the values
 
 constexpr double kNormalMedian = 0.6744897501960817;  // of the size of a normal number
 constexpr std::size_t kFewest = 5;                    // points that say anything about a trend
@@ -138,7 +142,7 @@ class Search {
 
   static double bicOf(double chi2, std::size_t count, double unknowns) {
     const auto n = static_cast<double>(count);
-    return n * std::log(std::max(chi2, 1e-12 * n) / n) + unknowns * std::log(n);
+    return n * std::log(std::max(chi2, kNoResidual * n) / n) + unknowns * std::log(n);
   }
 
   Candidate bestStep(std::size_t a, std::size_t b) const {
@@ -220,7 +224,7 @@ double excessScatter(const std::vector<double>& value, const std::vector<double>
   const auto tooLarge = [&](double scatter) {
     std::vector<double> size;
     for (std::size_t i = 0; i < value.size(); ++i)
-      size.push_back(std::abs(value[i]) / std::sqrt(variance[i] + scatter * scatter + 1e-300));
+      size.push_back(std::abs(value[i]) / std::sqrt(variance[i] + scatter * scatter + kTiny));
     return middleOf(std::move(size)) > kNormalMedian;
   };
   if (!tooLarge(0.0)) return 0.0;
@@ -245,7 +249,7 @@ Trend trendOf(const std::vector<TrendPoint>& points, double alpha) {
   }
   // values that are all equal, of no stated uncertainty: any weight will do
   const double weighing =
-      stated > 0.0 || trend.scatter > 0.0 ? trend.scatter : std::max(1e-9 * largest, 1e-12);
+      stated > 0.0 || trend.scatter > 0.0 ? trend.scatter : std::max(kAnyWeight * largest, kLeastWeight);
   Search(points, weighing, alpha).look(0, points.size(), trend);
   const Line line = lineThrough(points, weighing, 0, points.size());
   const double dof = static_cast<double>(points.size()) - 2.0;

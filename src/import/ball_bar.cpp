@@ -13,6 +13,8 @@
 namespace mm {
 namespace {
 
+constexpr double kLeastTime = 1e-3;  // s between two rows
+
 /// +1 counter-clockwise, -1 clockwise, 0: not said.
 double turnOf(const std::string& text) {
   for (const std::string& word : wordsOf(text)) {
@@ -144,7 +146,7 @@ class BallBarReader {
         seconds = t;
       else if (i > 0)
         seconds += feed_ > 0.0 && std::isfinite(lastAngle)
-                       ? std::max(1e-3, std::abs(phi - lastAngle) * radius_ / feed_)
+                       ? std::max(kLeastTime, std::abs(phi - lastAngle) * radius_ / feed_)
                        : 1.0;
       lastAngle = phi;
       add(session, row.line, seconds, phi, isRadius ? r - radius_ : r, way);

@@ -251,7 +251,7 @@ class TableUnderstander {
     if (near.empty())
       or_ = ", or say what it holds (joints: " + joints() + "; " + plain + "_<unit> of anything else)";
     const bool measured = names_.classesOf(wordsOf(name)).first.count(WordClass::kMeasured) > 0;
-    const bool small = unit && unit->kind == UnitKind::kLength && unit->factor < 1e-5;  // no axis is read so
+    const bool small = unit && unit->ofAGauge();
     if (near.empty() && !measured && small && context_.axis >= 0) {
       const std::string of = machine_.joints()[context_.axis].name + "_" + unit->symbol;
       as = "deviation_" + of;

@@ -95,7 +95,7 @@ std::optional<Meaning> NameReader::byWords(const std::string& stem, const std::o
   if (has(W::kDirection)) return ofJoint(CsvRole::kDirection, joint, context);
   if (has(W::kRun) && joint < 0) return leftOut("number of the run; the order of the rows keeps it");
   // what a display shows in um is a gauge's, in mm it is where the axis stands
-  const bool gauge = has(W::kDisplay) && unit && unit->kind == UnitKind::kLength && unit->factor < 1e-5;
+  const bool gauge = has(W::kDisplay) && unit && unit->ofAGauge();
   if (has(W::kDeviation) || has(W::kError) || gauge) {
     const bool error = has(W::kError) || gauge;
     Meaning m = ofJoint(has(W::kStd) ? CsvRole::kDeviationStd : CsvRole::kDeviation, joint, context);

@@ -13,6 +13,12 @@ struct Unit {
   double factor = 1.0;
   double offset = 0.0;
   std::string symbol;  // as this package writes it: "mm", "arcsec", "degC", "mm/s"
+
+  /// Whether a gauge shows lengths in it, and no axis where it stands: um, nm, microinch.
+  bool ofAGauge() const {
+    constexpr double kFinerThanAnAxis = 1e-5;  // m
+    return kind == UnitKind::kLength && factor < kFinerThanAnAxis;
+  }
 };
 
 /// Reads `mm`, `µm`, `inch`, `"`, `°C`, `deg C`, `arcsec`, `mm/min`, `mm_s` and their like in any case.

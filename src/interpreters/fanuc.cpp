@@ -18,6 +18,9 @@
 namespace mm {
 namespace {
 
+constexpr double kWholeTurn = 1e-6;  // points: rounding of the decimals of 3624 and 3625
+constexpr double kClosed = 1e-12;    // m or rad: rounding of a sum of increments
+
 constexpr int kLastFanucPoint = 1023, kFirstFanucIncrement = 10000, kMostIncrement = 7;
 constexpr int kMostFanucAxes = 32;
 
@@ -200,11 +203,11 @@ class FanucAxis {
   Curve turn(std::vector<double> positions, std::vector<double> values, double interval) const {
     const double perTurn = p_.length(3625, axis_, increment_).value_or(360.0);
     const double points = perTurn / interval;
-    if (std::abs(points - (last_ - reference_)) > 1e-6)
+    if (std::abs(points - (last_ - reference_)) > kWholeTurn)
       refuse(p_.place(3622, axis_), FanucParameters::name(3622, axis_) + ": " + std::to_string(last_) +
                                         " is not " + std::to_string(reference_) + " (3620) + " +
                                         std::to_string(points) + " (3625 / 3624)");
-    if (std::abs(values.back() - values.front()) > 1e-12)
+    if (std::abs(values.back() - values.front()) > kClosed)
       refuse(p_.place(3620, axis_), "increments of axis A" + std::to_string(axis_) +
                                         " do not sum to zero: the compensation would grow with every turn");
     return {std::move(positions), std::move(values), perTurn * unit_};

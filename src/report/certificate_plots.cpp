@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/tiny.h"
 #include "base/units.h"
 #include "report/report_page.h"
 
@@ -29,8 +30,8 @@ PlotScale scaleOf(double low, double high, double least = 0.0) {
   }
   const double raw = std::max(least, (high - low) / 5.0), power = std::pow(10.0, std::floor(std::log10(raw)));
   s.step = power * (raw / power < 1.5 ? 1.0 : raw / power < 3.5 ? 2.0 : raw / power < 7.5 ? 5.0 : 10.0);
-  s.low = s.step * std::floor(low / s.step + 1e-9);
-  s.high = s.step * std::ceil(high / s.step - 1e-9);
+  s.low = s.step * std::floor(low / s.step + kOfAWhole);
+  s.high = s.step * std::ceil(high / s.step - kOfAWhole);
   return s;
 }
 
@@ -46,18 +47,18 @@ struct PlotFrame {
 };
 
 std::string markText(double v, double step) {
-  const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
-  return format("%.*f", digits, std::abs(v) < 1e-9 * step ? 0.0 : v);
+  const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kOfAWhole)), 0, 6);
+  return format("%.*f", digits, std::abs(v) < kOfAWhole * step ? 0.0 : v);
 }
 
 std::string grid(const PlotFrame& f) {
   std::string svg;
   for (double v = f.y.low; v <= f.y.high + 0.5 * f.y.step; v += f.y.step)
-    svg +=
-        format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"%s\"/>", kPlotLeft,
-               kPlotWidth - kPlotRight, f.py(v), f.py(v), std::abs(v) < 1e-9 * f.y.step ? "zero" : "grid") +
-        format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kPlotLeft - 6, f.py(v) + 4) +
-        markText(v, f.y.step) + "</text>";
+    svg += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"%s\"/>", kPlotLeft,
+                  kPlotWidth - kPlotRight, f.py(v), f.py(v),
+                  std::abs(v) < kOfAWhole * f.y.step ? "zero" : "grid") +
+           format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kPlotLeft - 6, f.py(v) + 4) +
+           markText(v, f.y.step) + "</text>";
   for (double v = f.x.low; v <= f.x.high + 0.5 * f.x.step; v += f.x.step)
     svg += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", f.px(v), f.px(v),
                   kPlotTop, kPlotHeight - kPlotBottom) +

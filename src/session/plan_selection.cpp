@@ -11,6 +11,8 @@
 namespace mm {
 namespace {
 
+constexpr double kSlowest = 1e-9;  // m/s: a move that says none takes for ever
+
 /// Where the tip trips on its way from `from` to `to`, as a share of the way; 1 where it does not.
 double shareOfWay(const Plan& plan, int feature, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Feature& ball = plan.artifact.features[static_cast<std::size_t>(feature)];
@@ -27,7 +29,7 @@ void touched(const Plan& plan, const Machine& machine, const PlanMove& move, Obs
   };
   const Eigen::Vector3d from = tip(move.position), to = tip(move.target);
   const double share = shareOfWay(plan, move.feature, from, to);
-  const double seconds = (to - from).norm() / std::max(1e-9, move.speed);
+  const double seconds = (to - from).norm() / std::max(kSlowest, move.speed);
   o.approach = (to - from).normalized();
   for (std::size_t j = 0; j < o.position.size(); ++j) {
     const double way = move.target[j] - move.position[j];

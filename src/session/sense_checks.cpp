@@ -12,6 +12,8 @@
 namespace mm {
 namespace {
 
+constexpr double kSameTurn = 1e-3;  // rad: two ways to lie turned that far apart are equally likely
+
 /// Machines out of a box are wrong by tens of um; mistaken units and names by millimetres.
 constexpr double kSuspect = 50e-6;  // m
 /// A machine's own errors stay whatever is tried; a mistake that is undone takes nearly all away.
@@ -205,7 +207,7 @@ class Asker {
                  found_.end());
     // A mirror image is a mirror image: what needs the artifact to be turned least comes first.
     std::stable_sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) {
-      return a.agreement.turn < b.agreement.turn - 1e-3;
+      return a.agreement.turn < b.agreement.turn - kSameTurn;
     });
     const Hypothesis& h = found_.front();
     std::string others;

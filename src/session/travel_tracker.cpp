@@ -7,6 +7,9 @@
 namespace mm {
 namespace {
 
+constexpr double kDeadband = 1e-6;        // m: an encoder at rest moves less
+constexpr double kRotaryDeadband = 1e-5;  // rad
+
 constexpr std::int64_t kSparse =
     200000000;  // ns: readings further apart may have a whole motion between them
 
@@ -17,7 +20,7 @@ double directionOf(double velocity) {
   return velocity > 0.0 ? 1.0 : -1.0;
 }
 
-double travelDeadband(JointKind kind) { return kind == JointKind::kLinear ? 1e-6 : 1e-5; }
+double travelDeadband(JointKind kind) { return kind == JointKind::kLinear ? kDeadband : kRotaryDeadband; }
 
 bool TravelTracker::turn(double direction, double from) {
   const bool changed = direction != direction_;

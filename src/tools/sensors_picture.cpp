@@ -172,7 +172,7 @@ double roundStep(double most) {
 
 /// Information (left scale) and held-out error (right scale) against m.
 std::string againstSize(const SensorSelection& selection, double micrometres) {
-  double most = kNoSpan, worst = 1e-12;
+  double most = kNoSpan, worst = kNoSpan;
   for (const SensorSet& set : selection.sets) {
     most = std::max(most, set.information);
     worst = std::max(worst, set.heldOutRms * micrometres);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
@@ -18,12 +19,14 @@ namespace {
 namespace fs = std::filesystem;
 
 /// @throw InputError where the store's active calibration is of another machine: its nodes would find this
-/// one in its place.
+/// one in its place; UnreadableFile: the disk does not give it, so whose it is is not known.
 void checkSameMachine(const CalibrationStore& store, const Calibration& next) {
   std::optional<Calibration> active;
   try {
     const std::string id = store.linked("active");
     if (!id.empty()) active = store.load(id);
+  } catch (const UnreadableFile&) {
+    throw;
   } catch (const InputError&) {
     return;  // damaged: what is promoted takes its place
   }

@@ -8,6 +8,7 @@
 #include "base/nearest_name.h"
 #include "base/number_text.h"
 #include "base/text.h"
+#include "base/tiny.h"
 #include "base/units.h"
 #include "uncertainty/fitted_feature.h"
 #include "uncertainty/task_shapes.h"
@@ -55,7 +56,7 @@ class RoundTask : public MeasurementTask {
     quantities_.push_back({kind == FittedFeature::Kind::kSphere ? "form" : "roundness", 0.0, true, 0.0});
     // The measured circle lies in its own plane: along the normal nothing is found.
     for (int k = 0; k < 3; ++k)
-      found_.push_back(kind == FittedFeature::Kind::kSphere || std::abs(normal[k]) < 1.0 - 1e-9);
+      found_.push_back(kind == FittedFeature::Kind::kSphere || std::abs(normal[k]) < 1.0 - kOfAWhole);
     for (int k = 2; k >= 0; --k)
       if (!found_[static_cast<std::size_t>(k)]) quantities_.erase(quantities_.begin() + 1 + k);
   }

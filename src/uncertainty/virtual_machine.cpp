@@ -11,9 +11,11 @@
 namespace mm {
 namespace {
 
+constexpr double kAtTheEnd = 1e-15;  // of a probability: its quantile is still a number
+
 /// Student's t beside the normal: by what a deviation grows whose variance is known by so many freedoms.
 double studentFactor(double freedoms, Random& random) {
-  const double u = std::clamp(random.uniform(), 1e-15, 1.0 - 1e-15);
+  const double u = std::clamp(random.uniform(), kAtTheEnd, 1.0 - kAtTheEnd);
   return std::sqrt(freedoms / boost::math::quantile(boost::math::chi_squared(freedoms), u));
 }
 

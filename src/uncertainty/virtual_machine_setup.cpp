@@ -14,6 +14,10 @@
 namespace mm {
 namespace {
 
+constexpr double kAcross = 1e-6;  // of a normal: an axis at right angles to it does not approach
+constexpr double kPositive =
+    1e-10;  // added to a correlation matrix, that rounding leaves it positive definite
+
 constexpr double kNearlyNormalFrom = 200.0;  // degrees of freedom from which Student's t is drawn as normal
 constexpr double kSeenOfDrift = 1.0 / 3.0;   // of the variance along a direction, by contacts all around
 constexpr double kSmoothShare = 0.5;         // of the remainder's variance, where its size alone is known
@@ -146,7 +150,7 @@ void VirtualMachine::place(const Calibration& calibration, const MeasurementTask
       for (std::size_t j = 0; j < arrival.size(); ++j) {
         if (d.joints[j].kind != JointKind::kLinear) continue;
         const double part = -jacobian.col(static_cast<Eigen::Index>(j)).dot(point.normal);
-        if (std::abs(part) > 1e-6) arrival[j] = part > 0.0 ? 1.0 : -1.0;
+        if (std::abs(part) > kAcross) arrival[j] = part > 0.0 ? 1.0 : -1.0;
         state.velocity[j] = d.laser ? 0.0 : conditions.contactSpeed * part;
       }
     }
@@ -255,7 +259,7 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
   if (!(size > 0.0)) return;
   add("unexplained remainder", {Cause::kRemainder, {}, size, 0.0, {}});
   const auto n = static_cast<Eigen::Index>(points_.size());
-  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n) * (1.0 + 1e-10);
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n) * (1.0 + kPositive);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
       const double apart =

@@ -12,6 +12,8 @@
 namespace mm {
 namespace {
 
+constexpr double kNoChange = 1e-6;  // of the largest change: rounding
+
 /// Sums up the small errors of one effect at one state.
 class SlotSink final : public ErrorSink {
  public:
@@ -200,7 +202,8 @@ void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
   const ErrorLayout layout = machine.layout();
   const double size = change.array().isFinite().select(change, 0.0).cwiseAbs().maxCoeff();
   for (int j = 0; j < machine.jointCount(); ++j)
-    if (change.col(j).array().isFinite().select(change.col(j), 0.0).cwiseAbs().maxCoeff() > 1e-6 * size) {
+    if (change.col(j).array().isFinite().select(change.col(j), 0.0).cwiseAbs().maxCoeff() >
+        kNoChange * size) {
       axisJoints_.push_back(j);
       axes_.push_back(machine.joints()[static_cast<std::size_t>(j)].name);
     }

@@ -11,6 +11,8 @@
 namespace mm {
 namespace {
 
+constexpr double kLeast = 1e-12;  // in the unit of a parameter: none is smaller
+
 const double kChanged = std::log(1e-4);  // chance to say in vain that an effect changed, all effects together
 constexpr double kDrifts = 0.5;          // usual change of a parameter, of itself
 constexpr double kShareStd = 10.0;       // of a share, before any data: anything is possible
@@ -30,7 +32,7 @@ Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance) {
 
 /// Size of a parameter that conditions the columns, SI.
 double scaleOf(const Calibration::Value& v) {
-  return std::max({std::abs(v.value), v.std, 1e-12 / std::max(1e-12, std::abs(v.toUnit))});
+  return std::max({std::abs(v.value), v.std, kLeast / std::max(kLeast, std::abs(v.toUnit))});
 }
 
 /// What a drift of size 1 along a direction adds to the mean square of the residuals of one kind: the mean

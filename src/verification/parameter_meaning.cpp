@@ -12,6 +12,9 @@
 namespace mm {
 namespace {
 
+constexpr double kSameEffect = 1e-3;   // of an effect's size: by which two forms of it may differ
+constexpr double kAtTheOrigin = 1e-6;  // m: all places in one point turn about nothing
+
 double middle(double a, double b) { return 0.5 * (a + b); }
 
 /// A state within the ranges of `a`, for a domain with the inputs of `named`: by name, the middle.
@@ -84,7 +87,7 @@ bool meansTheSame(const EffectSpec& effect, const Calibration& a, const Calibrat
         size = std::max(size, std::abs(errors[k]));
       }
     }
-    return difference <= 1e-3 * size;
+    return difference <= kSameEffect * size;
   } catch (const InputError&) {
     return false;  // one of them lacks an input of it
   }
@@ -135,7 +138,7 @@ TipChange tipChange(const Calibration& a, const Calibration& b) {
       if (!std::isfinite(difference[i])) difference[i] = 0.0, rigid.row(i).setZero(), variance[i] = 0.0;
   }
   // Where the workpiece lies is no error of the machine.
-  rigid.rightCols<3>() /= std::max(1e-6, rigid.rightCols<3>().cwiseAbs().maxCoeff());
+  rigid.rightCols<3>() /= std::max(kAtTheOrigin, rigid.rightCols<3>().cwiseAbs().maxCoeff());
   difference -= rigid * rigid.completeOrthogonalDecomposition().solve(difference);
   change.rms = std::sqrt(difference.squaredNorm() / static_cast<double>(nodes));
   change.byChance = std::sqrt(variance.cwiseMax(0.0).sum() / static_cast<double>(nodes));

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "session/plan_selection.h"
 #include "verification/decision.h"
 #include "verification/fresh_points.h"
@@ -100,7 +101,7 @@ std::vector<std::size_t> verificationMoves(const Plan& plan, const Calibration& 
     throw InputError(plan.source + ": " + std::to_string(moves.size() - session.observations.size()) +
                      " of its moves measure nothing that could be used; mm check says which");
   CalibrateOptions options;
-  if (!(calibration.repeatability > 0.0)) options.repeatability = 1e-6;
+  if (!(calibration.repeatability > 0.0)) options.repeatability = kMicrometre;
   const FreshPoints points(session, calibration, options, 0);
   const std::vector<Eigen::MatrixXd> rows = rowsOf(points, calibration);
   std::map<std::string, int> taken;

@@ -15,6 +15,8 @@
 namespace mm {
 namespace {
 
+constexpr double kShown = 1e-5;  // mm or deg: last digit of a position on the page
+
 using Json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
@@ -27,14 +29,14 @@ const char* const kReportPolicy =
     "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
 
 Json placeJson(const Eigen::Vector3d& at) {
-  return at.allFinite() ? roundedList(at / kMillimetre, 1e-5) : Json(nullptr);
+  return at.allFinite() ? roundedList(at / kMillimetre, kShown) : Json(nullptr);
 }
 
 Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s) {
   Json readings = Json::array();
   for (std::size_t j = 0; j < joints.size() && j < s.readings.size(); ++j)
     readings.push_back(
-        rounded(s.readings[j] / (joints[j].kind == JointKind::kRotary ? kDegree : kMillimetre), 1e-5));
+        rounded(s.readings[j] / (joints[j].kind == JointKind::kRotary ? kDegree : kMillimetre), kShown));
   return {{"readings", std::move(readings)},
           {"moving", s.moving},
           {"nominal_mm", placeJson(s.nominal)},
@@ -170,6 +172,9 @@ WebAnswer Bench::enqueue(std::deque<Task>& tasks, const std::string& name, const
   std::uint64_t number = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (tasks.size() >= kMostTasks && &tasks != &tasks_)
+      return WebAnswer::say(
+          409, std::to_string(tasks.size()) + " others wait before '" + name + "'; ask again in a moment");
     if (tasks.size() >= kMostTasks)
       return WebAnswer::say(409, "'" + job_.state().task + "' runs and " + std::to_string(tasks.size()) +
                                      " tasks wait; wait for them, or cancel");
