@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "drivers/motion_control.h"
 
 namespace mm {
@@ -25,7 +26,7 @@ void MotionControl::requireReady(std::uint32_t stopsSeen) const {
 }
 
 void MotionControl::beginCurrent(bool armed) {
-  current_.emplace();
+  current_.emplace(Current{});
   current_->armed = armed;
   current_->from = state_.position;
 }
@@ -142,7 +143,7 @@ MotionControl::Report MotionControl::judge(const Current& current, bool cancelle
     if (std::abs(away) <= tolerance) continue;
     report.outcome = Outcome::kAlarm;
     char text[200];
-    const double unit = turns ? 3.14159265358979 / 180.0 : 1e-3;
+    const double unit = turns ? kDegree : kMillimetre;
     std::snprintf(text, sizeof text,
                   "%s rests %.6g %s beside its target of %.6g, beyond the tolerance of %.3g; the motion is "
                   "not counted as done",

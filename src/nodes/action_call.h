@@ -39,7 +39,9 @@ class ActionCall {
   ActionCall(const ActionCall&) = delete;
   ActionCall& operator=(const ActionCall&) = delete;
 
+  /// @param most by the clock of ROS; zero: for ever. @return whether it is there.
   bool waitForServer(const ros::Duration& most) { return client_.waitForActionServerToStart(most); }
+  /// Whether the server listens now.
   bool isServerConnected() { return client_.isServerConnected(); }
 
   /// Sends a goal; the one before is no longer listened to.
@@ -58,17 +60,17 @@ class ActionCall {
         });
     exchange(handle);
   }
+  /// Asks the server to end the goal that was sent last; nothing where none is under way.
   void cancel() {
     Handle handle = copy();
     if (!handle.isExpired()) handle.cancel();
   }
+  /// Asks the server to end every goal, also those of others.
   void cancelAll() { client_.cancelAllGoals(); }
   /// The goal is not listened to any more.
-  void forget() {
-    Handle none;
-    exchange(none);
-  }
+  void forget() { exchange(Handle()); }
 
+  /// Whether the goal that was sent last has ended.
   bool ended() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return ended_;
@@ -96,10 +98,12 @@ class ActionCall {
     }
     if (news_) news_();
   }
-  // A handle's own lock is never taken inside this one.
-  void exchange(Handle& handle) {
+  // What ends a handle takes actionlib's lock, with which the server is heard: never inside this one.
+  void exchange(const Handle& handle) {
+    Handle old;  // ends after the lock
     const std::lock_guard<std::mutex> lock(handleMutex_);
-    std::swap(handle_, handle);
+    old = handle_;
+    handle_ = handle;
   }
   Handle copy() const {
     const std::lock_guard<std::mutex> lock(handleMutex_);

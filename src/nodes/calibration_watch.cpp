@@ -5,6 +5,11 @@
 #include "calibration_file/calibration_fit.h"
 
 namespace mm {
+namespace {
+
+constexpr std::chrono::seconds kAgain(1);  // between two attempts at what the disk does not give
+
+}  // namespace
 
 LoadedCalibration::LoadedCalibration(Calibration c, double margin)
     : id(c.id),
@@ -63,42 +68,50 @@ bool CalibrationWatch::load(const Link& link, const char* what,
   }
 }
 
-void CalibrationWatch::loadFirst() {
+void CalibrationWatch::Followed::note(const Link& now, bool given) {
+  link = now;
+  again.reset();
+  if (!given) again = Wall::now() + kAgain;
+}
+
+bool CalibrationWatch::loadFirst() {
   // Nothing is in memory yet: a damaged file falls back on what was active before it.
-  unreadable_ = false;
   try {
     CalibrationStore::Active active = store_.active();
     now_.warning = active.warning;
     if (active.calibration) now_.active = fitting(std::move(*active.calibration), now_.warning);
+    return true;
   } catch (const std::exception& e) {
     now_.warning = e.what();
-    unreadable_ = dynamic_cast<const UnreadableFile*>(&e) != nullptr;
+    return dynamic_cast<const UnreadableFile*>(&e) == nullptr;
   }
 }
 
 std::shared_ptr<const CalibrationPair> CalibrationWatch::refresh() {
-  bool changed = first_;
-  const Link active = first_ ? Link() : look("active");
-  if (first_) {
-    loadFirst();
-    activeLink_ = look("active");
-    if (unreadable_ || (now_.active && now_.active->id != activeLink_.id)) activeLink_ = {};
+  const CalibrationPair before = now_;
+  const bool first = first_;
+  Link active = first ? Link() : look("active");
+  const bool activeDue = first || active_.due(active);
+  if (first) {
+    const bool given = loadFirst();
+    active = look("active");
+    // What was active before may stand in for one that the disk did not give.
+    active_.note(active, given && !(now_.active && now_.active->id != active.id));
     first_ = false;
-  } else if (!(active == activeLink_)) {
-    activeLink_ = load(active, "active", now_.active, now_.warning) ? active : Link();
-    changed = true;
+  } else if (activeDue) {
+    active_.note(active, load(active, "active", now_.active, now_.warning));
   }
   const Link candidate = look("candidate");
-  if (changed || !(candidate == candidateLink_)) {
-    const bool none = candidate.wrong.empty() && (candidate.id.empty() || candidate.id == activeLink_.id);
-    if (none || (now_.candidate && now_.candidate->id != candidate.id)) now_.candidate = nullptr;
+  const bool none = candidate.wrong.empty() && (candidate.id.empty() || candidate.id == active.id);
+  if (none || (now_.candidate && now_.candidate->id != candidate.id)) now_.candidate = nullptr;
+  if (none) {
     now_.candidateWarning.clear();
-    bool known = true;
-    if (!none && !(candidate == candidateLink_ && now_.candidate))
-      known = load(candidate, "candidate", now_.candidate, now_.candidateWarning);
-    candidateLink_ = known ? candidate : Link();
-    changed = true;
+    candidate_.note(candidate, true);
+  } else if (candidate_.due(candidate) || (activeDue && !now_.candidate)) {
+    candidate_.note(candidate, load(candidate, "candidate", now_.candidate, now_.candidateWarning));
   }
+  const bool changed = first || now_.active != before.active || now_.candidate != before.candidate ||
+                       now_.warning != before.warning || now_.candidateWarning != before.candidateWarning;
   return changed ? std::make_shared<const CalibrationPair>(now_) : nullptr;
 }
 

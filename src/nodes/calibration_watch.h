@@ -1,6 +1,8 @@
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "calibration_file/calibration_store.h"
@@ -25,15 +27,15 @@ struct CalibrationPair {
 
 /// Follows a folder of calibrations. What is in memory stays in use until something readable takes its place:
 /// a file that is damaged or gone while it is active changes nothing but the warning. One that the disk does
-/// not give is asked for again at each look.
+/// not give is asked for again once a second, or when its link or file changes.
 class CalibrationWatch {
  public:
   /// @param machine and @param space that a calibration must fit (misfitOf): another one's is refused.
   /// @param margin as Compensator::Options.
   CalibrationWatch(CalibrationStore store, const Machine& machine, std::string space, double margin);
 
-  /// Looks whether links or files changed, and loads what did. @return a new pair, or null when nothing
-  /// changed. Does not throw: what is wrong is in the warnings.
+  /// Looks whether links or files changed, and loads what did. @return a new pair, or null when neither a
+  /// calibration nor a warning changed. Does not throw: what is wrong is in the warnings.
   std::shared_ptr<const CalibrationPair> refresh();
 
  private:
@@ -46,19 +48,26 @@ class CalibrationWatch {
       return id == o.id && wrong == o.wrong && changed == o.changed && size == o.size;
     }
   };
+  using Wall = std::chrono::steady_clock;
+  struct Followed {
+    Link link;                              // as it was when it was last loaded
+    std::optional<Wall::time_point> again;  // the disk did not give it: when it is to be asked again
+    bool due(const Link& now) const { return !(now == link) || (again && Wall::now() >= *again); }
+    void note(const Link& now, bool given);
+  };
   Link look(const char* name) const;
   std::shared_ptr<const LoadedCalibration> fitting(Calibration calibration, std::string& warning) const;
   /// @return false: the disk did not give it, and it is to be asked again.
   bool load(const Link& link, const char* what, std::shared_ptr<const LoadedCalibration>& loaded,
             std::string& warning) const;
-  void loadFirst();
+  bool loadFirst();  ///< @return as load
 
   CalibrationStore store_;
   Machine machine_;
   std::string space_;
   double margin_;
-  bool first_ = true, unreadable_ = false;
-  Link activeLink_, candidateLink_;
+  bool first_ = true;
+  Followed active_, candidate_;
   CalibrationPair now_;
 };
 

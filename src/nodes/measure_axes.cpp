@@ -73,11 +73,12 @@ void MeasureNode::goOn() {
 }
 
 // After backing off the probe opens; what stays closed sticks, or stands in something.
-void MeasureNode::requireOpenProbe(const std::string& when) {
+void MeasureNode::requireOpenProbe(const std::string& when, const std::string& reason) {
   std::unique_lock<std::mutex> lock(mutex_);
   if (contact_.wait_for(lock, std::chrono::duration<double>(releaseTimeout_),
                         [this] { return status_.probe_closed == 0; }))
     return;
+  if (!reason.empty()) throw Error("the probe stays closed (" + when + "): " + reason);
   throw Error(std::string(kProbeIsClosed) + " (" + when + "); retract it, or check whether it sticks");
 }
 

@@ -63,7 +63,8 @@ class MeasureNode {
   /// Ends the plan when it was cancelled, or the axes were stopped. @throw Cancelled, Error
   void goOn();
   bool cancelAsked();
-  void requireOpenProbe(const std::string& when);
+  /// @param reason why the driver ended the motion before; empty: it did not. @throw Error
+  void requireOpenProbe(const std::string& when, const std::string& reason = {});
   void pauseFor(double seconds);
   void holdWhilePaused();
   void tell(const Plan& plan, std::size_t move);

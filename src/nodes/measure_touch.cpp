@@ -64,6 +64,7 @@ void MeasureNode::leave(const Plan& plan, const PlanMove& move) {
     ~Leaving() { leaving = false; }
   } const leaves(leaving_);
   for (int way = 1;; ++way) {
+    std::string reason;
     try {
       drive(plan, measuring_machine::MoveGoal::GO, move.position, 0.0, {});
       return;
@@ -73,8 +74,9 @@ void MeasureNode::leave(const Plan& plan, const PlanMove& move) {
                     ", " + std::to_string(kWaysBack) + " times: " + e.what());
       ++left_;
       ROS_WARN("way back from the touch of line %d: %s", move.line, e.what());
+      reason = e.what();
     }
-    requireOpenProbe("way back from the touch of line " + std::to_string(move.line));
+    requireOpenProbe("way back from the touch of line " + std::to_string(move.line), reason);
   }
 }
 

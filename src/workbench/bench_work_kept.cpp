@@ -98,6 +98,7 @@ void BenchWork::showMachine(const Machine& machine) {
   documents_.put("machine", machineDocument(*shown));
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (machine_ && machine_->urdf() != shown->urdf()) documents_.remove("plan");  // it was drawn on another
     machine_ = std::move(shown);
   }
   if (machine.urdf() == drawnUrdf_ && origin_ == drawnOrigin_) return;
@@ -111,13 +112,16 @@ void BenchWork::showMachine(const Machine& machine) {
 }
 
 std::string BenchWork::lookAt(const std::string& plan) const {
-  std::shared_ptr<const Machine> machine;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    machine = machine_;
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (!machine_) throw InputError("no machine is shown, so there is nothing to draw the plan on");
+  std::string drawn;
+  for (std::shared_ptr<const Machine> on; on != machine_;) {  // another may be shown meanwhile
+    on = machine_;
+    lock.unlock();
+    drawn = planDocument(plan, *on);
+    lock.lock();
   }
-  if (!machine) throw InputError("no machine is shown, so there is nothing to draw the plan on");
-  documents_.put("plan", planDocument(plan, *machine));
+  documents_.put("plan", std::move(drawn));
   return "the plan is drawn; nothing moves";
 }
 

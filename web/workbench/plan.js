@@ -1,7 +1,7 @@
 // A plan drawn on the machine before it runs: the balls, where each approach begins and ends, in which order, and the way between.
 
 import { h } from "preact";
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { act, useDocument } from "./server.js";
 import { Tile, Tiles } from "./parts.js";
 import { Space, rgb } from "./machine.js";
@@ -12,17 +12,21 @@ const kFirst = "#2166ac", kLast = "#e08214";
 const first = rgb(kFirst), last = rgb(kLast);
 const between = (share) => first.map((v, k) => v + share * (last[k] - v));
 
-/** Asks the server for the picture of a plan when nobody has typed for a moment. @return why there is none; null: there is, or will be. */
+/** Asks the server for the picture of a plan when nobody has typed for a moment. The server draws one plan, whichever page asked last: what is
+ * drawn for another page takes nothing away from this one. @return picture, null: none yet; why there is none, null: there is, or will be. */
 function useLook(text, plan) {
-  const [why, setWhy] = useState(null);
+  const own = useRef(null), [refused, setRefused] = useState(null);
+  if (!plan || plan.text === text) own.current = plan; // none any more: it was of another machine
+  const shown = own.current && own.current.text === text ? own.current : null;
+  const why = refused && refused.text === text ? refused.message : null;
   useEffect(() => {
-    setWhy(null);
-    if (!text.trim() || (plan && plan.text === text)) return undefined;
+    if (refused && !why) setRefused(null); // it was said of another text
+    if (!text.trim() || shown || why) return undefined;
     let here = true;
-    const timer = setTimeout(() => act("look", { plan: text }).then((end) => { if (here && !end.ok) setWhy(end.message); }), kPause);
+    const timer = setTimeout(() => act("look", { plan: text }).then((end) => { if (here) setRefused(end.ok ? null : { text, message: end.message }); }), kPause);
     return () => { here = false; clearTimeout(timer); };
-  }, [text, plan && plan.text === text]);
-  return why;
+  }, [text, !shown, plan]); // until this page has had its own picture once
+  return { shown, why };
 }
 
 function drawingOf(plan) {
@@ -51,8 +55,8 @@ function sentence(plan, n) {
 
 /** @param live state of the machine, null where none is. */
 export function PlanPicture({ text, live }) {
-  const plan = useDocument("plan"), machine = useDocument("machine"), why = useLook(text, plan);
-  const shown = plan && plan.text === text ? plan : null, [step, setStep] = useState(0);
+  const plan = useDocument("plan"), machine = useDocument("machine"), { shown, why } = useLook(text, plan);
+  const [step, setStep] = useState(0);
   useEffect(() => setStep(0), [shown && shown.text]);
   const drawing = useMemo(() => (shown ? drawingOf(shown) : null), [shown]);
   const joints = machine ? machine.joints : [], many = joints.length;

@@ -28,6 +28,7 @@ from browser import Browser, Socket  # noqa: E402
 MINUTES = float(os.environ.get("MM_WORKBENCH_MINUTES", "5"))
 READERS = 8
 NODES = ("workbench", "compensation", "axis_driver", "calibration_server", "measure")
+NEAR = 60  # states, 2 s: a reader's last and the newest at the end
 GROWTH = 8.0  # MB that a node may gain after the first third
 SETTLED = 3.0  # min, for the pools of threads and allocators to have what they need
 
@@ -192,14 +193,14 @@ class WorkbenchSoak(unittest.TestCase):
                 self.assertTrue(mover.state()["machine"]["measuring"], mover.state())
                 drawn += browser.evaluate("window.drawn.splice(0)")
                 time.sleep(min(5.0, max(0.1, until - time.time())))
-            clients = max(s["clients"] for _, s in mover.states)
+            clients, newest = max(s["clients"] for _, s in mover.states), mover.state()["sequence"]
             going.clear()
             COUNTING.clear()
             page = browser.evaluate("({ frame: Number(document.querySelector('.canvas').dataset.frameMs), heap: performance.memory.usedJSHeapSize / 1e6 })")
             page["drawn"], errors = drawn, list(browser.errors)
         seen, counted = told.get(timeout=120), COUNTED.get(timeout=120)
         self.assertTrue(mover.act("disarm", client=mover.client)[0])
-        self.tell(seen, counted, rss, page, errors, clients)
+        self.tell(seen, counted, rss, page, errors, clients, newest)
 
     @staticmethod
     def end(going, others):
@@ -210,13 +211,14 @@ class WorkbenchSoak(unittest.TestCase):
             others.join(20)
             others.kill()
 
-    def tell(self, seen, counted, rss, page, errors, clients):
+    def tell(self, seen, counted, rss, page, errors, clients, newest):
         print("soak: %.1f min: %d joint states (%.0f a second), %d lost on the way to the counter, %d without a corrected frame; stamp to frame: %s"
               % (MINUTES, counted["states"], counted["states"] / counted["seconds"], counted["gaps"], counted["without"],
                  "median %.1f, 99 %% %.1f, most %.1f ms" % tuple(1e3 * t for t in counted["late"]) if counted["late"] else "none"))
         lost, uncorrected, gaps = 0, 0, []
         for one in seen["seen"]:
             self.assertGreater(len(one), 10)
+            self.assertGreater(one[-1][1], newest - NEAR, "a reader whose connection ended")
             lost += one[-1][1] - one[0][1] + 1 - len(one)
             uncorrected += sum(not corrected for _, _, corrected in one)
             gaps += [b[0] - a[0] for a, b in zip(one, one[1:])]

@@ -194,6 +194,14 @@ TEST_F(MotionControlTest, TheMotionAfterATripLeavesASurfaceWhateverTheSwitchSays
   EXPECT_TRUE(controller_->leaving);
   ASSERT_EQ(go({0.003, 0.0, 0.0}).outcome, Outcome::kReached);
   EXPECT_FALSE(controller_->leaving) << "it has left";
+  auto again = start({0.010, 0.0, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  ASSERT_EQ(again.get().outcome, Outcome::kTripped);
+  controller_->set([](AxesState& state) { state.probeClosed = false; });
+  ASSERT_TRUE(await([&] { return !control_->view().state.probeClosed; }));
+  home();
+  ASSERT_EQ(go({0.003, 0.0, 0.0}).outcome, Outcome::kReached);
+  EXPECT_FALSE(controller_->leaving) << "it was homed since";
 }
 
 TEST_F(MotionControlTest, AnEmergencyStopWaitsForNothing) {

@@ -101,6 +101,8 @@ TEST_F(CalibrationWatchTest, WhatTheDiskDidNotGiveIsAskedForAgain) {
   ASSERT_TRUE(pair && pair->active);
   EXPECT_EQ(pair->active->id, second) << "the one before, until it is given";
   EXPECT_EQ(store_.linked("active"), third) << "nothing is rolled back for a read that failed";
+  for (CalibrationWatch* one : {&watch, &begun})
+    for (int i = 0; i < 3; ++i) EXPECT_FALSE(one->refresh()) << "said once";
   std::filesystem::rename(aside, file);
   for (CalibrationWatch* one : {&watch, &begun}) {
     pair = one->refresh();

@@ -56,6 +56,25 @@ TEST_F(BenchMachineTest, ThePlanOfARecordedSessionIsDrawnOnItsMachine) {
   EXPECT_TRUE(act("look", {{"plan", demoPlan()}})["ok"]);
 }
 
+TEST_F(BenchMachineTest, WhatWasDrawnOnAnotherMachineIsForgotten) {
+  start();
+  ASSERT_TRUE(act("look", {{"plan", demoPlan()}})["ok"]);
+  ASSERT_TRUE(ended(bench_->post("/upload", "name=f.bag", "fresh points", "test"))["ok"]);
+  EXPECT_EQ(data("plan")["text"], demoPlan()) << "of the same machine it stays";
+  ASSERT_TRUE(ended(bench_->post("/upload", "name=m.bag", "mesh package://any/bed.stl", "test"))["ok"]);
+  EXPECT_EQ(bench_->get("/data/plan").status, 404u);
+}
+
+TEST_F(BenchMachineTest, ALookThatIsRefusedSaysThatOthersWait) {
+  start();
+  std::string refused;
+  for (int i = 0; i < 1000 && refused.empty(); ++i) {
+    const WebAnswer answer = bench_->post("/action/look", "", json{{"plan", demoPlan()}}.dump(), "test");
+    if (answer.status == 409) refused = json::parse(*answer.body)["message"];
+  }
+  EXPECT_EQ(refused, "4 others wait before 'look'; ask again in a moment");
+}
+
 TEST_F(BenchMachineTest, MeshesOfAPackageAreDrawnAndNoOtherFilesOfASession) {
   std::filesystem::create_directories(folder_.path("package"));
   std::ofstream(folder_.path("package/bed.stl")) << kStl;
