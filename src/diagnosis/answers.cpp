@@ -87,10 +87,11 @@ std::vector<Confusable> rivalsOf(const Search& search, const Explanation& found,
   for (Gain g : gains) {
     if (g.group < 0) continue;
     const Group& rival = q.groups.groups[g.group];
-    double behind = std::numeric_limits<double>::infinity();  // alone or with another, refitted
+    Rival nearest;  // alone or with another, refitted
+    nearest.behind = std::numeric_limits<double>::infinity();
     for (const Rival& r : found.rivals)
-      if (r.member == member && r.group == g.group) behind = std::min(behind, r.behind);
-    if (std::isfinite(behind)) g.value = gain - behind;
+      if (r.member == member && r.group == g.group && r.behind < nearest.behind) nearest = r;
+    if (std::isfinite(nearest.behind)) g.value = gain - nearest.behind;
     if (search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
     if (gain - g.value >= kIndistinct) continue;
     if (rival.profile || rival.key == q.groups.groups[m.group].key ||
@@ -99,7 +100,7 @@ std::vector<Confusable> rivalsOf(const Search& search, const Explanation& found,
     Confusable c;
     c.effect = shapeOf(q, search.memberOf(g)).spec;
     c.delta = std::max(0.0, gain - g.value);
-    c.odds = weightOf(q, g.value);
+    c.odds = nearest.share * weightOf(q, g.value);
     weights += c.odds;
     for (const std::string& input : rival.notRecorded)
       c.notRecorded += (c.notRecorded.empty() ? "" : ", ") + input;

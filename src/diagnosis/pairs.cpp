@@ -130,11 +130,12 @@ class PairSeeker {
     const Evidence::Given given = evidence_.given(pair.members);
     Gain second;
     double most = 0.0;
-    // what shows as well beside what is there is no partner: it comes alone, at its full price, or not at all
+    // what shows as well beside what would go is no partner: else another name of that would let anything in
+    const auto alone = [&](const Gain& g) {
+      return !leaving_.empty() && besideAll_[static_cast<std::size_t>(g.group)] > g.value - kIndistinct;
+    };
     const auto consider = [&](const Gain& g) {
-      if (g.value - price > most && mayCome(g, pair.members) &&
-          besideAll_[static_cast<std::size_t>(g.group)] < g.value - kIndistinct)
-        most = g.value - price, second = g;
+      if (g.value - price > most && mayCome(g, pair.members) && !alone(g)) most = g.value - price, second = g;
     };
     if (from == nullptr)
       for (const Gain& g : evidence_.gains(given)) consider(g);
@@ -143,10 +144,10 @@ class PairSeeker {
     if (second.group < 0) return;
     pair.worth = given.logEvidence + most - priceOfAll(pair.members) - now_;
     if (!(pair.worth > -kWorthTrying)) return;
-    // each must earn its place beside the other: else one of them is another name of what went
+    // each must earn its place beside the other, whichever came first: else one is another name of what went
     const Evidence::Given without = evidence_.given(others_);
-    const double alone = without.logEvidence + evidence_.gainOf(without, second.group).value;
-    if (!(given.logEvidence + second.value - alone > search_.priceOf(seed))) return;
+    const double withSecond = without.logEvidence + evidence_.gainOf(without, second.group).value;
+    if (!(given.logEvidence + second.value - withSecond > price)) return;
     pair.members.push_back(search_.memberOf(second));
     pair.members.back().partner = q_.groups.groups[static_cast<std::size_t>(seed.group)].key;
     pair.members.back().priceAsPartner = price;
@@ -192,7 +193,7 @@ Explanation Search::paired(const Explanation& best) const {
 }
 
 Explanation Search::withPairsAsRivals(Explanation found) const {
-  const double half = std::log(2.0);  // two names of one rival share its odds
+  constexpr double kHalf = 0.5;  // two names of one rival share its odds
   Explanation better;
   better.worth = found.worth;
   for (const Pair& pair : likelyPairs(*evidenceAt(found), found.members)) {
@@ -202,7 +203,7 @@ Explanation Search::withPairsAsRivals(Explanation found) const {
     if (behind > kIndistinct) continue;
     for (const std::size_t member : pair.leaving)
       for (std::size_t k = pair.members.size() - 2; k < pair.members.size(); ++k)
-        found.rivals.push_back({member, pair.members[k].group, pair.members[k].shape, behind + half});
+        found.rivals.push_back({member, pair.members[k].group, pair.members[k].shape, behind, kHalf});
   }
   return better.members.empty() ? found : settled(std::move(better));
 }

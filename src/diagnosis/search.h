@@ -32,6 +32,7 @@ struct Rival {
   std::size_t member = 0;
   int group = 0, shape = 0;
   double behind = 0.0;  // nats
+  double share = 1.0;   // of its odds that this name has
 };
 
 /// One explanation of the session: causes, drift, scatter, noise, and what all of it is worth.
