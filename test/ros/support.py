@@ -93,7 +93,8 @@ def launch(port, *arguments, namespace="/"):
     """A launch file of the package under a master of its own, as a user starts it."""
     return subprocess.Popen([REAPER, "roslaunch", "-p", str(port), "measuring_machine"] + list(arguments),
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                            env=dict(environment(port), ROS_NAMESPACE=namespace))
+                            # roslaunch would keep what it prints until it ends, unless it is told not to
+                            env=dict(environment(port), ROS_NAMESPACE=namespace, PYTHONUNBUFFERED="1"))
 
 
 def stop(process):
