@@ -11,12 +11,10 @@
 namespace mm {
 namespace {
 
-constexpr double kSameLimit = 1e-9;  // m or rad: rounding of two limits that are the same
-constexpr double kNoWay = 5e-4;      // mm or deg: half of the last digit that is sent
-constexpr double kAgain = 0.3;       // s until a question is asked once more
+constexpr double kNoWay = 5e-4;    // mm or deg: half of the last digit that is sent
+constexpr double kAgain = 0.3;     // s until a question is asked once more
 constexpr double kNoAnswer = 0.5;  // s until a question counts as one that was answered together with another
-constexpr double kUnwelcome = 1.5;    // s for the greeting after a soft reset
-constexpr double kStepSlack = 0.002;  // mm or deg: reports have three decimals
+constexpr double kUnwelcome = 1.5;  // s for the greeting after a soft reset
 
 }  // namespace
 
@@ -137,38 +135,6 @@ void GrblController::close() {
     // Gone already.
   }
   link_->close();
-}
-
-Capabilities GrblController::capabilities() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const auto setting = [&](int id) {
-    const auto found = settings_.find(id);
-    return found == settings_.end() ? std::nan("") : found->second;
-  };
-  Capabilities can;
-  can.feedHold = can.feedOverride = can.moveOffLimit = true;
-  can.guardsPositioning = guard_;
-  can.homingByAxis = hal_;
-  for (std::size_t j = 0; j < map_->size(); ++j) {
-    const int place = static_cast<int>(map_->place(j));
-    AxisCapability axis;
-    axis.maxVelocity = setting(110 + place) / 60.0 * map_->unit(j);
-    axis.acceleration = setting(120 + place) * map_->unit(j);
-    const double steps = setting(100 + place);
-    axis.resolution = (steps > 0.0 ? 1.0 / steps + 0.001 : kStepSlack) * map_->unit(j);
-    if (setting(20) == 1.0 && setting(130 + place) > 0.0) {
-      const double ends[2] = {map_->toJoint(j, -setting(130 + place)), map_->toJoint(j, 0.0)};
-      axis.lower = std::min(ends[0], ends[1]);
-      axis.upper = std::max(ends[0], ends[1]);
-      const ControllerAxis& urdf = map_->axis(j);
-      if (urdf.lower < axis.lower - kSameLimit || urdf.upper > axis.upper + kSameLimit)
-        can.notes.push_back("the URDF's limits of " + urdf.name + " reach beyond the control's soft limits");
-    }
-    can.axes.push_back(axis);
-  }
-  if (setting(22) == 0.0) can.notes.push_back("homing is not enabled at the control ($22=0)");
-  if (setting(21) == 0.0) can.notes.push_back("hard limits are not enabled at the control ($21=0)");
-  return can;
 }
 
 double GrblController::deceleration() const {

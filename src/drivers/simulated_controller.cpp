@@ -10,8 +10,7 @@
 namespace mm {
 namespace {
 
-constexpr double kOver = 1e-12;  // s: rounding of what is left of a step
-
+constexpr double kOver = 1e-12;        // s: rounding of what is left of a step
 constexpr double kHomingSpeed = 5e-3;  // m/s
 constexpr double kHomingTurn = 0.2;    // rad/s
 constexpr double kParkedAside = 2e-3;  // m: where the linear axes are found when switched on
