@@ -13,9 +13,10 @@ import time
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 MM = os.environ["MM"]
-MACHINES = int(os.environ.get("MACHINES", "6"))
-SESSIONS = int(os.environ.get("SESSIONS", "4"))
-KILLS = int(os.environ.get("KILLS", "4"))
+THOROUGH = any(os.environ.get(name, "0") not in ("", "0") for name in ("MM_THOROUGH_TESTS", "MM_LONG_TESTS"))
+MACHINES = int(os.environ.get("MACHINES", "6" if THOROUGH else "4"))
+SESSIONS = int(os.environ.get("SESSIONS", "4" if THOROUGH else "3"))
+KILLS = int(os.environ.get("KILLS", "4" if THOROUGH else "2"))
 STEPS = os.environ.get("STEPS", "check,calibrate,diagnose")
 FIGURES = {"machines": MACHINES, "sessions": MACHINES * SESSIONS, "steps": STEPS}
 

@@ -84,15 +84,16 @@ class FailingDisk : public SessionFolder {
   static int writes() { return static_cast<int>(control_->writes); }
 
   /// Every way to fail of a command that makes so many reads and writes: in a long test each n with each
-  /// cause, else the first, the last and one between, of what lasts the one between alone, and the causes in
-  /// turn.
+  /// cause, else one in the middle, in a thorough test of what passes also the first and the last, and the
+  /// causes in turn.
   static std::vector<DiskFault> faults(int reads, int writes) {
     std::vector<DiskFault> all;
     for (const bool reading : {true, false}) {
       const int most = reading ? reads : writes, between = (most + 1) / 2;
       for (const DiskFault::Way way : {DiskFault::Way::kOnce, DiskFault::Way::kLasting})
         for (int n = 1; n <= most; ++n) {
-          const bool asked = n == between || (way == DiskFault::Way::kOnce && (n == 1 || n == most));
+          const bool ends = way == DiskFault::Way::kOnce && (n == 1 || n == most);
+          const bool asked = n == between || (ends && mm_test::thoroughTests());
           if (!asked && !mm_test::longTests()) continue;
           for (const int cause : reading ? std::vector<int>{EIO} : std::vector<int>{EIO, ENOSPC})
             for (const bool anew : {false, true})

@@ -28,7 +28,7 @@ class DemoEnds(unittest.TestCase):
             self.assertIn("FAILED: ", result.read())
 
     def test_ctrl_c(self):
-        folder, demo, output = self.start()
+        folder, demo, output = self.start("time_factor:=25")
         self.assertTrue(output.says("move 100 of ", 60), str(output))
         support.stop(demo)
         self.assertTrue(output.ends(40), str(output))

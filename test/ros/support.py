@@ -81,8 +81,13 @@ def wait_until(true, seconds=10.0):
 
 
 def long_tests():
-    """Whether the environment asks for the tests at their full length."""
+    """Whether the environment asks for the tests at their full length, hours."""
     return os.environ.get("MM_LONG_TESTS", "0") not in ("", "0")
+
+
+def thorough_tests():
+    """Whether it asks for more than an everyday run has time for, as continuous integration does."""
+    return long_tests() or os.environ.get("MM_THOROUGH_TESTS", "0") not in ("", "0")
 
 
 def environment(port):

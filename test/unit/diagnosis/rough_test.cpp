@@ -16,6 +16,12 @@ namespace {
 
 constexpr double kNoise = 0.3e-6;  // m, of the plan
 
+/// Kinds of noise, each of which must mislead nobody; in an everyday run the two that have misled most.
+std::vector<const char*> kinds() {
+  if (mm_test::thoroughTests()) return {"drift", "correlated", "form", "tails", "quantised"};
+  return {"drift", "form"};
+}
+
 Diagnosis rough(const std::vector<std::string>& hide, const std::string& how, std::uint64_t seed,
                 const std::vector<EffectSpec>& model = {}) {
   const Machine machine = Machine::load("three_axis");
@@ -32,7 +38,7 @@ Diagnosis rough(const std::vector<std::string>& hide, const std::string& how, st
 bool silent(const Diagnosis& d) { return d.missing.empty() && d.profiles.empty() && d.formulas.empty(); }
 
 TEST(Rough, NothingIsClaimedWhereNothingIsHidden) {
-  for (const char* how : {"drift", "correlated", "form", "tails", "quantised"})
+  for (const char* how : kinds())
     // one session of each kind; a second of each only at full length: the claim is about the kinds
     for (std::uint64_t seed = 31; seed <= (mm_test::longTests() ? 32 : 31); ++seed) {
       const Diagnosis d = rough({}, how, seed);
@@ -41,14 +47,13 @@ TEST(Rough, NothingIsClaimedWhereNothingIsHidden) {
 }
 
 TEST(Rough, BacklashAtTwiceTheNoiseIsNamedAlone) {
-  for (const char* how : {"drift", "correlated", "form", "tails", "quantised"}) {
+  for (const char* how : kinds()) {
     const Diagnosis d = rough({"backlash:x=2.4um"}, how, 33);
     ASSERT_EQ(d.missing.size(), 1u) << how << ": " << d.sentence;
     EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x")) << how;
     EXPECT_TRUE(d.profiles.empty()) << how << ": " << d.sentence;
     EXPECT_GT(d.missing[0].odds, 0.5) << how;
     // k = 3, and 0.1 um: the simulated gap varies along the screw
-    // everywhere by
     EXPECT_NEAR(d.missing[0].parameters[0].value, 2.4, 3.0 * d.missing[0].parameters[0].std + 0.1) << how;
   }
 }
