@@ -16,7 +16,7 @@ MM = os.environ["MM"]
 THOROUGH = any(os.environ.get(name, "0") not in ("", "0") for name in ("MM_THOROUGH_TESTS", "MM_LONG_TESTS"))
 MACHINES = int(os.environ.get("MACHINES", "6" if THOROUGH else "4"))
 SESSIONS = int(os.environ.get("SESSIONS", "4" if THOROUGH else "3"))
-KILLS = int(os.environ.get("KILLS", "4" if THOROUGH else "2"))
+KILLS = int(os.environ.get("KILLS", "4"))
 STEPS = os.environ.get("STEPS", "check,calibrate,diagnose")
 FIGURES = {"machines": MACHINES, "sessions": MACHINES * SESSIONS, "steps": STEPS}
 

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <set>
 
+#include "long_tests.h"
 #include "run_mm.h"
 #include "shared_data.h"
 
@@ -117,7 +118,8 @@ TEST(RealData, FrameThermalNetworks) {
       "  - {type: thermal_growth, direction: z, sensor: bed}\n"
       "  - {type: thermal_growth, direction: z, sensor: frame}\n";
   const std::string csv = folder / "z_against_temperatures.csv";
-  for (const char* kind : {"dfnn", "rbf", "ridge"}) {
+  const std::vector<const char*> everyday = {"rbf"}, all = {"dfnn", "rbf", "ridge"};
+  for (const char* kind : mm_test::thoroughTests() ? all : everyday) {
     const nlohmann::json result = calibrated(
         work, csv,
         physical + "  - {type: thermal_network, axis: z, sensors: [bed, frame, chamber], network: " + kind +
@@ -160,7 +162,7 @@ TEST(RealData, LaserTable2) {
 TEST(RealData, LaserTable2FromEverySeed) {
   MM_NEEDS_SHARED_DATA(folder, "laser_table2");
   const TestFolder work;
-  for (int seed = 1; seed <= 20; ++seed) {
+  for (int seed = 1; seed <= (mm_test::thoroughTests() ? 20 : 4); ++seed) {
     const nlohmann::json result = calibrated(work, folder / "centres.csv", "  - {type: laser_mount}\n",
                                              "--method niching --seed " + std::to_string(seed), "five_axis",
                                              "--artifact '" + (folder / "artifact.yaml").string() + "'");

@@ -11,8 +11,8 @@ inline bool asked(const char* variable) {
 /// True where the environment asks for the tests at their full length, hours: MM_LONG_TESTS=1.
 inline bool longTests() { return asked("MM_LONG_TESTS"); }
 
-/// True where it asks for more than an everyday run has time for: MM_THOROUGH_TESTS=1, as continuous integration
-/// does (scripts/test --thorough).
+/// True where it asks for more than an everyday run has time for: MM_THOROUGH_TESTS=1, as continuous
+/// integration does (scripts/test --thorough).
 inline bool thoroughTests() { return asked("MM_THOROUGH_TESTS") || longTests(); }
 
 }  // namespace mm_test

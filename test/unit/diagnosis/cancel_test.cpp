@@ -25,8 +25,8 @@ double processorSeconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Measures the time between two questions of one thread, and says yes from the n-th of all threads on: how many
-/// fall to one thread differs from run to run.
+/// Measures the time between two questions of one thread, and says yes from the n-th of all threads on: how
+/// many fall to one thread differs from run to run.
 class Clock {
  public:
   explicit Clock(int yesFrom = 1 << 30) : yesFrom_(yesFrom), last_(processorSeconds()) {}

@@ -9,8 +9,8 @@
 #include "compensation/compensator.h"
 #include "design/point_set.h"
 #include "design/session_doubts.h"
-#include "long_tests.h"
 #include "estimation/ball_centres.h"
+#include "long_tests.h"
 #include "simulation/simulate.h"
 #include "workflow/recalibration.h"
 
