@@ -1,7 +1,9 @@
 // What a module on a line of Modbus RTU answers: bytes of anything, on a pty, with a true CRC or without.
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <sys/select.h>
 #include <termios.h>
 #include <time.h>
@@ -19,6 +21,7 @@ struct Module {
   int line = -1;
   std::string device, answer, said;  // said: to the last question
   std::string question;
+  int end = -1;  // the device's, for how much of the answer is there
 
   Module() {
     line = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -28,21 +31,32 @@ struct Module {
     ::tcgetattr(line, &raw);
     ::cfmakeraw(&raw);
     ::tcsetattr(line, TCSANOW, &raw);
+    end = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   }
-  /// Takes the question that was just asked, if one was, and answers it. @return whether anything was said.
-  bool hear() {
+  /// Takes the question that was just asked, if one was, and answers it: then all of the answer is at the
+  /// device's end, and nobody need wait for what does not come.
+  void hear() {
+    constexpr timespec kThroughThePty{0, 200'000}, kTheRest{1, 0};
+    if (unread() > 0) return;
     char bytes[8];
     std::size_t got = 0;
     pollfd here{line, POLLIN, 0};
-    while (got < sizeof bytes && ::poll(&here, 1, got == 0 ? 0 : 1000) == 1) {
+    while (got < sizeof bytes && ::ppoll(&here, 1, got > 0 ? &kTheRest : &kThroughThePty, nullptr) == 1) {
       const ssize_t more = ::read(line, bytes + got, sizeof bytes - got);
       if (more <= 0) break;
       got += static_cast<std::size_t>(more);
     }
-    if (got == 0) return false;
+    if (got == 0) return;
     question.assign(bytes, got);
     said = answer;
-    return ::write(line, said.data(), said.size()) == static_cast<ssize_t>(said.size()) && !said.empty();
+    if (::write(line, said.data(), said.size()) != static_cast<ssize_t>(said.size()))
+      mm::fuzz::broken("the pty");
+    for (int turn = 0; turn < 10000 && unread() < said.size(); ++turn) ::sched_yield();
+  }
+  std::size_t unread() const {
+    int bytes = 0;
+    if (::ioctl(end, FIONREAD, &bytes) != 0) mm::fuzz::broken("the pty's other end");
+    return static_cast<std::size_t>(bytes);
   }
 };
 
@@ -79,10 +93,9 @@ extern "C" {
 
 /// Of libmodbus: no module thinks, so that what has not come will not come.
 int select(int count, fd_set* readable, fd_set* /*writable*/, fd_set* /*odd*/, timeval* /*patience*/) {
-  constexpr int kThroughThePty = 2;  // ms
   module().hear();
   pollfd here{count - 1, POLLIN, 0};
-  const int ready = ::poll(&here, 1, kThroughThePty);
+  const int ready = ::poll(&here, 1, 0);
   if (ready == 0) FD_ZERO(readable);
   return ready;
 }

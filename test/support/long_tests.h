@@ -16,3 +16,7 @@ inline bool longTests() { return asked("MM_LONG_TESTS"); }
 inline bool thoroughTests() { return asked("MM_THOROUGH_TESTS") || longTests(); }
 
 }  // namespace mm_test
+
+/// Ends a test that an everyday run has no time for, with its reason.
+#define MM_THOROUGH_ONLY(why) \
+  if (!mm_test::thoroughTests()) GTEST_SKIP() << "scripts/test --thorough: " why

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "effects/registry.h"
+#include "long_tests.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
 
@@ -68,6 +69,7 @@ TEST(Diagnose, FindsTwoEffectsOneAfterTheOther) {
 }
 
 TEST(Diagnose, SeveralLargeEffectsAreNotTakenForBallsThatScatter) {
+  MM_THOROUGH_ONLY("every day Pairs have several effects");
   // five balls, whose centres could be anywhere, and five errors of the machine: one at a time each explains
   // less than the scatter of all
   const Machine machine = Machine::load("three_axis");
@@ -177,6 +179,7 @@ TEST(Diagnose, TheMovesTellConfusableEffectsApart) {
 }
 
 TEST(Diagnose, OfALongSessionTheSameIsFoundThoughNotAllIsAskedTogether) {
+  MM_THOROUGH_ONLY("a long session takes long");
   // a short session taken as a long one: the period of y hides among a hundred, of which a few are compared
   const Simulation s = measured({"backlash:x=2um", "lead_screw_periodic:y,size=0.6um", "warm_up:z=2um"}, 21);
   const Model model(s.session.machine, observedDomain(s.session), std::vector<EffectSpec>{});
@@ -195,6 +198,7 @@ TEST(Diagnose, OfALongSessionTheSameIsFoundThoughNotAllIsAskedTogether) {
 }
 
 TEST(Diagnose, AHeldOutBallThatNoOtherBlockShowsIsNotPredictedFromNothing) {
+  MM_THOROUGH_ONLY("seventy balls take long");
   // 70 balls of unknown centres, one after the other, and a slow cause, that mostly moves the centres found
   const Machine machine = Machine::load("three_axis");
   std::ifstream in("config/plans/micro_machine_tool.yaml");
@@ -225,6 +229,7 @@ TEST(Diagnose, TooFewResidualsAreInsufficientData) {
 }
 
 TEST(Diagnose, TheSameSeedGivesTheSameBits) {
+  MM_THOROUGH_ONLY("every day TheSameBitsWhateverTheThreads stands for it");
   const Simulation s = measured({"warm_up:z=2um"}, 16);
   const Diagnosis a = diagnosed(s.session), b = diagnosed(s.session);
   ASSERT_EQ(a.missing.size(), b.missing.size());

@@ -239,8 +239,7 @@ void expectInstrumentCovered(const char* name, const std::vector<std::string>& u
 
 // One figure a session and kind: 40 sessions scatter by 3.4 %.
 TEST(Coverage, OfTheSimulatedInstrumentWithARightModel) {
-  if (!mm_test::thoroughTests())
-    GTEST_SKIP() << "scripts/test --thorough: everyday the one that drifts stands for it";
+  MM_THOROUGH_ONLY("every day the one that drifts stands for it");
   expectInstrumentCovered("right model", {}, "", 0.85);
   if (mm_test::longTests()) expectInstrumentCovered("right model", {}, "", 0.85, true);
 }
@@ -249,9 +248,9 @@ TEST(Coverage, OfTheSimulatedInstrumentThatDrifts) {
   if (mm_test::longTests()) expectInstrumentCovered("drift", {}, "drift", 0.825, true);
 }
 TEST(Coverage, OfTheSimulatedInstrumentWithWhatTheModelDoesNotKnow) {
+  MM_THOROUGH_ONLY("every day the one that drifts stands for it");
   const std::vector<std::string> straightness = {"straightness:x/z=1.5um"};
-  if (mm_test::thoroughTests())
-    expectInstrumentCovered("straightness that the model does not know", straightness, "", 0.80);
+  expectInstrumentCovered("straightness that the model does not know", straightness, "", 0.80);
   expectInstrumentCovered("straightness that the model does not know", straightness, "", 0.80, true);
 }
 
