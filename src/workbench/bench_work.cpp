@@ -221,9 +221,9 @@ void BenchWork::show() {
   job_.step("finding where it fails", 0.0);
   const CancelScope scope([this] { return job_.cancelled(); });
   documents_.put("compare", compareJson(compared, whereItFails(compared)));
-  earlier_ = {calibration_->effects.empty()
-                  ? "nominal machine"
-                  : "before: " + std::to_string(calibration_->effects.size()) + " effects",
+  const std::size_t effects = calibration_->effects.size();
+  earlier_ = {effects == 0 ? "nominal machine"
+                           : "before: " + std::to_string(effects) + (effects == 1 ? " effect" : " effects"),
               compared.residuals};
   showStore();
 }

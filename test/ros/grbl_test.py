@@ -77,7 +77,11 @@ class Grbl(unittest.TestCase):
             if fault != "ok":
                 state, result = self.end()
                 print("grbl %s: %s" % (fault, result.message))
-                self.assertEqual((state, result.outcome), (GoalStatus.ABORTED, MoveResult.LOST), fault)
+                # 5 mm beside the truth is seen as a jump, or, where a busy machine hears it after a pause in which it could have
+                # moved so far, at the end, elsewhere than at the target.
+                outcomes = (MoveResult.LOST, MoveResult.ALARM) if fault == "wrong" else (MoveResult.LOST,)
+                self.assertEqual(state, GoalStatus.ABORTED, fault)
+                self.assertIn(result.outcome, outcomes, fault)
                 self.assertFalse(self.double.tell("machine")["moving"], fault)
                 self.assertTrue(support.wait_until(lambda: self.motion[-1].lost or fault in ("slow", "wrong"), 5), fault)
             began = time.monotonic()
