@@ -82,6 +82,12 @@ void MeasureNode::requireOpenProbe(const std::string& when, const std::string& r
   throw Error(std::string(kProbeIsClosed) + " (" + when + "); retract it, or check whether it sticks");
 }
 
+bool MeasureNode::touches() {
+  constexpr std::chrono::milliseconds kOnTheWay(300);
+  std::unique_lock<std::mutex> lock(mutex_);
+  return contact_.wait_for(lock, kOnTheWay, [this] { return status_.probe_closed != 0; });
+}
+
 bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<double>& position,
                         double speed, const std::string& feature) {
   measuring_machine::MoveGoal goal;
@@ -101,13 +107,15 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   while (!waitForArrival(0.2)) {
     if (cancelAsked()) {
       axes_.cancel();
-      waitForArrival(2.0);
-      throw Cancelled("cancelled");
+      if (!waitForArrival(2.0)) throw Cancelled("cancelled");
+      break;
     }
     if (!axes_.isServerConnected()) throw Error(kDriverGone);
   }
-  if (cancelAsked()) throw Cancelled("cancelled");
   const auto [state, result] = axes_.end();
+  // A touch that came before the cancel counts, and the tip leaves the ball before the plan ends.
+  const bool touched = kind == measuring_machine::MoveGoal::PROBE && result.tripped && ros::ok();
+  if (cancelAsked() && !touched) throw Cancelled("cancelled");
   if (state == actionlib::TerminalState::SUCCEEDED) {
     lost_ = 0;
     return result.tripped;

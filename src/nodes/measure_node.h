@@ -65,6 +65,9 @@ class MeasureNode {
   bool cancelAsked();
   /// @param reason why the driver ended the motion before; empty: it did not. @throw Error
   void requireOpenProbe(const std::string& when, const std::string& reason = {});
+  /// Whether the tip rests on something: the switch is closed, or what the driver says of it is still on the
+  /// way.
+  bool touches();
   void pauseFor(double seconds);
   void holdWhilePaused();
   void tell(const Plan& plan, std::size_t move);

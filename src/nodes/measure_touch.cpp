@@ -49,6 +49,9 @@ bool MeasureNode::touch(const Plan& plan, const PlanMove& move) {
     contact = drive(plan, Goal::PROBE, move.target, move.speed, feedback_.feature) && waitForContact(before);
   } catch (const UnsettledProbe& e) {  // closed for a moment, as it was about to begin
     ROS_WARN("touch of line %d: %s", move.line, e.what());
+  } catch (const Cancelled&) {
+    if (ros::ok() && touches()) leave(plan, move);
+    throw;
   }
   if (contact) countContact();
   leave(plan, move);

@@ -11,7 +11,7 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray
-from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact
+from measuring_machine.msg import AxisStatus, MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact
 from measuring_machine.srv import Calibrate
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import JointState, Temperature
@@ -33,7 +33,9 @@ class Instrument(unittest.TestCase):
         cls.thrown_away = []  # what a node's action client did not listen to
         rospy.Subscriber("/rosout_agg", Log, lambda m: cls.thrown_away.append(m.msg) if m.name == "/measure" and "not tracking" in m.msg else None)
         rospy.Subscriber("joint_states", JointState, lambda m: cls.joints.__setitem__(0, m))
-        assert support.wait_until(lambda: cls.joints[0])
+        cls.status = []
+        rospy.Subscriber("axis_driver/status", AxisStatus, cls.status.append)
+        assert support.wait_until(lambda: cls.joints[0] and cls.status)
 
     @classmethod
     def tearDownClass(cls):
@@ -141,6 +143,16 @@ class Instrument(unittest.TestCase):
         live = self.call("calibration_server/calibrate", Calibrate, "", support.model("{type: probe_radius}"), "least_squares", 1)
         self.assertTrue(live.calibration_id, live.message)
         self.assertIn('"observations": %d' % len(contacts), live.json)
+
+    def test_5_a_cancel_on_the_ball_leaves_it(self):
+        for turn in range(4):
+            told = []
+            hurried = rospy.Subscriber("probe/contact", ProbeContact, lambda c: told or told.append(c) or self.measure.cancel_goal())
+            self.measure.send_goal(MeasureGoal(plan=PLAN, first=turn))
+            self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.PREEMPTED, 30),
+                            self.measure.get_goal_status_text())
+            hurried.unregister()
+            self.assertTrue(support.wait_until(lambda: not self.status[-1].probe_closed, 5), "turn %d" % turn)
 
     def test_5_one_bad_message_is_set_aside_by_name(self):
         listeners = rospy.Publisher("probe/contact", ProbeContact, queue_size=10), rospy.Publisher("temperature/bed", Temperature, queue_size=10)
