@@ -16,6 +16,7 @@
 #include "diagnosis/search.h"
 #include "diagnosis/shortlist.h"
 #include "diagnosis/structure.h"
+#include "diagnosis/variation.h"
 #include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
 
@@ -272,6 +273,8 @@ class Diagnoser {
     fillMissingInputs(q, out_);
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);
+    if (out_.missing.empty() && out_.profiles.empty())
+      out_.variations = variationsOf(*look.space, unit, std::max(out_.noise, out_.base.repeatability));
     decide(out_);
     out_.sentence = sentenceOf(out_);
   }

@@ -91,6 +91,14 @@ struct ArtifactScatter {
   std::string inWords;
 };
 
+/// An effect of the model whose size is not the same everywhere, or whose shape is not the model's alone.
+struct Variation {
+  EffectSpec effect;
+  std::string along;   // the joint over which its size changes; empty: its shape is another
+  double rms = 0.0;    // m (rad) at the measurements: what is left of it
+  EffectSpec formula;  // follows it, ready to be added; of no type where none does
+};
+
 /// An input that was not recorded: what was assumed in its place, and what could act without being seen.
 struct MissingInput {
   std::string input;    // "direction of travel of x", "speed of y" …
@@ -118,6 +126,7 @@ struct Diagnosis {
   std::vector<FormulaResult> formulas;      // where one is equivalent to a profile
   std::vector<DriftResult> drift;
   std::vector<ArtifactScatter> artifactScatter;
+  std::vector<Variation> variations;  // where nothing else was found, the largest first
   std::vector<MissingInput> missingInputs;
   double noise = 0.0;     // m (rad): the white part of what is left, as estimated
   double noiseStd = 0.0;  // its standard uncertainty

@@ -15,7 +15,8 @@ namespace {
 const double kSaid = std::log(100.0);  // nats: drift that is not there at 100 to 1 is not spoken of
 constexpr std::size_t kMostAsked = 3;  // causes for a direction
 constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
-constexpr double kHopeless = -3.0;  // nats against drift alone
+constexpr double kPartOfRun = 0.05;  // of a session: half a run in one direction, of five in both (ISO 230-2)
+constexpr double kHopeless = -3.0;   // nats against drift alone
 
 /// @param most time constant, s: longer ones do not count.
 double varianceAlong(const NoiseModel& noise, int direction, double white,
@@ -72,6 +73,15 @@ std::vector<Alike> alikeTo(const Search& search, const Explanation& found, int d
   return alike;
 }
 
+/// s: what changes within less is told by no measurement that was made again. Repeats in runs over the same
+/// targets agree whatever changes along a run, so that what looks like drift there follows the place.
+double quickestOf(const Questions& q) {
+  const double spacing = medianSpacing(q.rows.time);
+  if (q.space->fitted().repeated.from != "runs") return spacing;
+  const auto [first, last] = std::minmax_element(q.rows.time.begin(), q.rows.time.end());
+  return std::max(spacing, kPartOfRun * (*last - *first));
+}
+
 }  // namespace
 
 std::vector<DriftResult> driftOf(const Search& search, const Explanation& found) {
@@ -89,13 +99,13 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
     if (found.logEvidence - without.logEvidence < kSaid) continue;
     DriftResult r;
     r.direction = q.directions[d];
-    const double spacing = medianSpacing(q.rows.time);
+    const double quickest = quickestOf(q);
     r.std = std::sqrt(varianceAlong(found.noise, d, found.white)) * q.directionScale[d];
-    r.quickStd = std::sqrt(varianceAlong(found.noise, d, found.white, spacing)) * q.directionScale[d];
+    r.quickStd = std::sqrt(varianceAlong(found.noise, d, found.white, quickest)) * q.directionScale[d];
     double largest = 0.0;
     for (const DriftTerm& t : found.noise.drift)
       if (t.direction == d && t.ratio > largest) largest = t.ratio, r.timeConstant = t.tau;
-    r.quick = r.timeConstant < spacing;
+    r.quick = r.timeConstant < quickest;
     results.push_back(std::move(r));
     directions.push_back(d);
   }
@@ -123,7 +133,9 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
       const double share = 1.0 - varianceAlong(with.noise, directions[r], with.white) / before;
       if (delta < kHopeless || share < kSomeShare) continue;
       const Member& m = with.members.back();
-      const double odds = std::exp(std::min(50.0, delta));
+      // what was named had to be 100 to 1 among as many causes: this is less
+      const double odds =
+          std::exp(std::min(50.0, delta - std::log(static_cast<double>(std::max(1, q.asked)))));
       results[r].perhaps.push_back(
           {group.shapes[m.shape].effect->shapedAs(m.nonlinear), odds, std::min(1.0, share)});
       total += odds;

@@ -226,7 +226,7 @@ std::string driftingQuantity(const DriftResult& drift) {
 
 std::string scatterInWords(const Diagnosis& d, const DriftResult& drift) {
   return driftingQuantity(drift) + " scatters by " + length(drift.quickStd, isAngular(d, drift.direction)) +
-         " RMS from one measurement to the next";
+         " RMS from one " + (d.base.repeated.from == "runs" ? "place" : "measurement") + " to the next";
 }
 
 std::string scatterSentence(const Diagnosis& d) {
@@ -235,9 +235,13 @@ std::string scatterSentence(const Diagnosis& d) {
     return "No effect and no structure is left, but " + scatterInWords(d, *of) + ", " +
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
            repeatabilityWords(d) +
-           ": an influence acts that follows nothing recorded, or one that changes within less than the "
-           "distance "
-           "of these positions. Measure at positions closer together.";
+           (d.base.repeated.from == "runs"
+                ? ": the runs agree with each other, so it follows the place, and changes within few of "
+                  "these "
+                  "positions. Measure at positions closer together."
+                : ": an influence acts that follows nothing recorded, or one that changes within less than "
+                  "the "
+                  "distance of these positions. Measure at positions closer together.");
   const std::string twenty = d.angular ? "Point at one target twenty times" : "Touch one point twenty times";
   const std::string scatter = positive(d.noise) ? "the scatter of " + noiseWords(d) : "the scatter";
   if (d.base.repeatabilityFrom.empty() || d.base.repeatabilityFrom == "estimated" ||
@@ -254,7 +258,22 @@ std::string scatterSentence(const Diagnosis& d) {
          " to find out which.";
 }
 
+/// " Backlash of x is not the same everywhere: …"
+std::string variationSentence(const Diagnosis& d) {
+  std::string text;
+  for (const Variation& v : d.variations) {
+    text += v.along.empty() ? " But " + inWords(v.effect) + " does not have the shape of the model alone: "
+                            : " But " + inWords(v.effect) + " is not the same everywhere: along " + v.along +
+                                  " it differs from its one size by ";
+    text += length(v.rms, d.angular) + " RMS" + (v.along.empty() ? " are left of it" : "");
+    text += v.formula.type.empty() ? "." : ", which " + v.formula.yaml() + " follows.";
+  }
+  return text;
+}
+
 std::string explainedSentence(const Diagnosis& d) {
+  if (!d.variations.empty())
+    return "No other cause is missing, with noise of " + noiseWords(d) + "." + variationSentence(d);
   std::string text = "Nothing is missing: no effect and no structure is left";
   if (positive(d.noise)) text += " but noise of " + noiseWords(d);
   if (positive(d.base.repeatability)) text += ", at the repeatability of " + repeatabilityWords(d);
@@ -296,7 +315,7 @@ std::string sentenceOf(const Diagnosis& d) {
     case Verdict::kMissingEffect:
       return missingSentence(d) + remarks(d);
     case Verdict::kScatter:
-      return scatterSentence(d) + driftSentence(d);
+      return scatterSentence(d) + variationSentence(d) + driftSentence(d);
     case Verdict::kExplained:
       return explainedSentence(d) + driftSentence(d);
     default:

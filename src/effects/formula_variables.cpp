@@ -27,6 +27,7 @@ FormulaVariables::FormulaVariables(const Domain& domain) {
     define(joint.name + "_velocity",
            {Kind::kVelocity, index, factor, -speed, speed, at(domain.velocityLower, j, kNever),
             at(domain.velocityUpper, j, kNever)});
+    define(joint.name + "_travel", {Kind::kTravel, index, 1.0, -1.0, 1.0});
   }
   define("t", {Kind::kTime, 0, 1.0, 0.0, std::max(domain.duration, 1.0), 0.0, domain.duration});
   for (std::size_t i = 0; i < domain.sensors.size(); ++i)
@@ -58,6 +59,8 @@ void FormulaVariables::values(const State& state, const std::vector<int>& indice
     double value = state.time;
     if (v.kind == Kind::kPosition) value = state.position[v.index];
     if (v.kind == Kind::kVelocity) value = state.velocity[v.index];
+    if (v.kind == Kind::kTravel)
+      value = state.travel[v.index] == 0.0 ? kNever : std::copysign(1.0, state.travel[v.index]);
     if (v.kind == Kind::kTemperature) value = state.temperature[v.index];
     if (v.kind == Kind::kCovariate) value = state.covariate[v.index];
     if (v.kind == Kind::kReading) value = state.laserReading;
@@ -78,6 +81,7 @@ std::string FormulaVariables::unit(int index) const {
       return "s";
     case Kind::kTemperature:
       return "degC";
+    case Kind::kTravel:
     case Kind::kCovariate:
       break;
   }
@@ -96,6 +100,7 @@ bool FormulaVariables::observed(int index, double& lower, double& upper) const {
 
 double FormulaVariables::sample(int index, std::mt19937_64& random) const {
   const Variable& v = variables_[index];
+  if (v.kind == Kind::kTravel) return unitRandom(random) < 0.5 ? -1.0 : 1.0;
   const double range = v.upper - v.lower;
   constexpr double kBeyond = 0.02;      // of the range: a correction is asked somewhat beyond it
   constexpr double kNeverMoved = 1e-3;  // SI: about a value that did not change

@@ -10,9 +10,9 @@
 namespace mm {
 
 /// What a formula may use, by name and in the units of people: linear joints in mm, rotary in rad,
-/// `<joint>_velocity` in mm/s or rad/s, `t` in s, temperatures in degC, covariates in their own unit,
-/// `reading` of a laser probe in mm. A name
-/// with characters that a formula cannot hold is written with `_` in their place.
+/// `<joint>_velocity` in mm/s or rad/s, `<joint>_travel` 1 or -1 (its direction of travel), `t` in s,
+/// temperatures in degC, covariates in their own unit, `reading` of a laser probe in mm. A name with
+/// characters that a formula cannot hold is written with `_` in their place.
 class FormulaVariables {
  public:
   explicit FormulaVariables(const Domain& domain);                  ///< all that the domain records
@@ -22,13 +22,13 @@ class FormulaVariables {
   /// A value of this variable drawn from (somewhat beyond) its observed range.
   double sample(int index, std::mt19937_64& random) const;
 
-  enum class Kind { kPosition, kVelocity, kTime, kTemperature, kCovariate, kReading };
+  enum class Kind { kPosition, kVelocity, kTravel, kTime, kTemperature, kCovariate, kReading };
   Kind kind(int index) const {
     return variables_[static_cast<std::size_t>(index)].kind;
   }  ///< of names()[index]
-  /// Of a position or a velocity.
+  /// Of a position, a velocity or a direction of travel.
   int joint(int index) const { return variables_[static_cast<std::size_t>(index)].index; }
-  /// "mm", "rad", "mm/s", "rad/s", "s", "degC"; empty for a covariate.
+  /// "mm", "rad", "mm/s", "rad/s", "s", "degC"; empty for a covariate or a direction of travel.
   std::string unit(int index) const;
   /// The range over which the session saw it, in that unit. @return false: it was not recorded or never
   /// changed.

@@ -63,7 +63,9 @@ void ColumnFaults::tell() {
 
 bool ColumnFaults::mapped(std::size_t i, const std::string& name) const {
   if (twice(i)) return name == std::to_string(i + 1);
-  return name == std::to_string(i + 1) || lower(layout_.names[i]) == lower(name);
+  if (name == std::to_string(i + 1) || layout_.names[i] == name) return true;
+  const bool another = std::find(layout_.names.begin(), layout_.names.end(), name) != layout_.names.end();
+  return !another && lower(layout_.names[i]) == lower(name);  // capitals tell two columns apart
 }
 
 void ColumnFaults::add(std::size_t i, const std::string& what) {

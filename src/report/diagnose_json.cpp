@@ -154,6 +154,16 @@ std::string diagnoseJson(const Diagnosis& d) {
   for (const ArtifactScatter& a : d.artifactScatter)
     object["artifact_scatter"].push_back(
         Json{{"what", a.what}, {"std_um", number(a.std / kMicrometre)}, {"in_words", a.inWords}});
+  object["variations"] = Json::array();
+  for (const Variation& v : d.variations) {
+    Json one;
+    setEffect(one, v.effect);
+    one["in_words"] = inWords(v.effect);
+    one["along"] = v.along;
+    setEither(one, "rms", v.rms, d.angular);
+    one["formula"] = v.formula.type.empty() ? Json(nullptr) : Json(v.formula.yaml());
+    object["variations"].push_back(std::move(one));
+  }
   object["missing_inputs"] = Json::array();
   for (const MissingInput& input : d.missingInputs) object["missing_inputs"].push_back(inputJson(input));
   object["cannot_show"] = Json::array();

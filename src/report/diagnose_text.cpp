@@ -129,11 +129,12 @@ std::string nextName(const std::string& file) {
 }  // namespace
 
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
-  const EffectSpec* next = !d.missing.empty()    ? &d.missing.front().effect
-                           : !d.profiles.empty() ? &d.profiles.front().effect
-                           : !d.formulas.empty() ? &d.formulas.front().effect
-                                                 : nullptr;
-  if (next == nullptr) return {};
+  const EffectSpec* next = !d.missing.empty()      ? &d.missing.front().effect
+                           : !d.profiles.empty()   ? &d.profiles.front().effect
+                           : !d.formulas.empty()   ? &d.formulas.front().effect
+                           : !d.variations.empty() ? &d.variations.front().formula
+                                                   : nullptr;
+  if (next == nullptr || next->type.empty()) return {};
   return "mm add " + quoted(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
          " -o " + quoted(nextName(calibration));
 }

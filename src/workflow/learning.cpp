@@ -10,7 +10,10 @@ namespace mm {
 const EffectSpec* nextToAdd(const Diagnosis& d) {
   if (!d.missing.empty()) return &d.missing.front().effect;
   if (!d.profiles.empty()) return &d.profiles.front().effect;
-  return d.formulas.empty() ? nullptr : &d.formulas.front().effect;
+  if (!d.formulas.empty()) return &d.formulas.front().effect;
+  const auto said = std::find_if(d.variations.begin(), d.variations.end(),
+                                 [](const Variation& v) { return !v.formula.type.empty(); });
+  return said == d.variations.end() ? nullptr : &said->formula;
 }
 
 Learned learnAll(const Session& session, const Calibration& calibration, const DiagnoseOptions& options,

@@ -76,7 +76,7 @@ function OwnFormula({ directions }) {
     h(Choice, { id: "direction", label: "Error along", value: direction, options: directions.map((d) => [d, d]), onChange: setDirection }),
     h("label", { class: "choice grow", for: "formula" }, h("span", null, "in µm (a rotary joint: ″) ="), h("input", { id: "formula", value: formula, maxlength: 500, spellcheck: false, autocomplete: "off", placeholder: "k1*x*y + k2*sin(2*pi*x/k3)", "aria-describedby": "formula-said", "aria-invalid": verdict && !good ? "true" : null, onInput: (e) => setFormula(e.target.value) })),
     h(Action, { label: "Add the formula", disabled: !good, run: () => addAndAsk(verdict.effect) })),
-  h("p", { id: "formula-said", class: verdict && !good ? "said bad" : "note", role: "status" }, verdict ? said(verdict.message) : "Unknowns k1, k2 … are found. Linear joints in mm, rotary ones in rad, t in s, x_velocity in mm/s, temperatures in °C by their names."));
+  h("p", { id: "formula-said", class: verdict && !good ? "said bad" : "note", role: "status" }, verdict ? said(verdict.message) : "Unknowns k1, k2 … are found. Linear joints in mm, rotary ones in rad, t in s, x_velocity in mm/s, x_travel 1 or −1, temperatures in °C by their names."));
 }
 
 function Drift({ d }) {
@@ -93,12 +93,15 @@ export function DiagnoseView() {
   const unit = unitOfSuffix(suffixOf(d)), n = d.observations;
   const [first, ...rest] = said(d.sentence).split(/(?<=\.) (?=[A-Z])/);
   const byOdds = d.candidates.filter((c) => !d.missing.some((m) => yamlOf(m.effect) === yamlOf(c.effect)));
-  const key = "held_out_rms_" + unit;
+  const key = "held_out_rms_" + unit, varies = d.variations || [], nearly = varies.length && d.verdict === "explained";
   return h("div", null,
-    h("div", { class: "verdict " + d.verdict, role: "status" }, h("div", { class: "badge" }, kVerdicts[d.verdict] || d.verdict), h("p", { class: "sentence" }, first), rest.map((r) => h("p", { key: r }, r)), h("p", { class: "note" }, again)),
+    h("div", { class: "verdict " + (nearly ? "scatter" : d.verdict), role: "status" }, h("div", { class: "badge" }, nearly ? "Not the same everywhere" : kVerdicts[d.verdict] || d.verdict), h("p", { class: "sentence" }, first), rest.map((r) => h("p", { key: r }, r)), h("p", { class: "note" }, again)),
     d.missing.length ? h(Section, { title: d.verdict === "confusable" ? "Named, not separated" : "Missing", action: h(Action, { label: "Add all until nothing is missing", run: () => act("add_all") }) }, d.missing.map((m, i) => h(Card, { key: yamlOf(m.effect), found: m, unit, observations: n, first: i === 0 }))) : null,
     d.profiles.length || d.formulas.length ? h(Section, { title: "What no effect of the catalogue explains" }, d.profiles.map((p) => h(Profile, { key: yamlOf(p.effect), found: p, observations: n, unit })),
       d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => addAndAsk(yaml) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k\u00a0=\u00a02)") : null); })) : null,
+    varies.length ? h(Section, { title: "Not the same everywhere", lead: "What is left of effects that are in the model with one size, or one shape." }, varies.map((v) => h("div", { class: "card", key: v.in_words + v.along },
+      h("div", { class: "heading" }, h("h3", null, v.in_words + (v.along ? " along " + v.along : "")), v.formula ? h(Action, { label: "Add", kind: "primary", title: v.formula, run: () => addAndAsk(v.formula) }) : null),
+      h("p", { class: "size" }, text(v["rms_" + unit], unit) + " RMS is left of it"), v.formula ? h("p", null, h("code", null, v.formula), " follows it") : null))) : null,
     d.next_measurement.length ? h(Section, { title: "What to measure next", action: h("a", { class: "button", href: downloadAddress("moves"), download: "moves.yaml" }, "Keep the plan") }, h("p", null, d.next_measurement.length + " targets that best separate what these data do not" + (moves ? "; the view Measure runs them." : "."))) : null,
     h(Section, { title: "Your own formula", lead: "A formula is one effect more: added, refitted, and in the ledger like any other." }, h(OwnFormula, { directions })),
     h(Section, { title: "Drift" }, h(Drift, { d })),

@@ -58,6 +58,7 @@ TEST_F(FormulaTest, variablesAreInTheUnitsOfPeople) {
   const int x = layout.axis(joint("x"));
   EXPECT_NEAR(value("x", "k1*x", {2.0}, x), 2.0 * state.position[joint("x")] * 1e3 * 1e-6, 1e-18);
   EXPECT_NEAR(value("x", "k1*b", {2.0}, x), 2.0 * state.position[joint("b")] * 1e-6, 1e-18);
+  EXPECT_EQ(value("x", "k1*x_travel", {2.0}, x), 2e-6 * state.travel[joint("x")]);
   EXPECT_NEAR(value("x", "k1*x_velocity", {2.0}, x), 2.0 * state.velocity[joint("x")] * 1e3 * 1e-6, 1e-18);
   EXPECT_NEAR(value("x", "k1*b_velocity", {2.0}, x), 2.0 * state.velocity[joint("b")] * 1e-6, 1e-18);
   EXPECT_NEAR(value("x", "k1*t", {2.0}, x), 2.0 * state.time * 1e-6, 1e-15);

@@ -124,6 +124,19 @@ TEST_F(Understanding, AMeasuredPositionIsAsked) {
   EXPECT_NEAR(i.session->observations[1].deviation[0], 2e-6, 1e-12);
 }
 
+TEST_F(Understanding, CapitalsTellTwoColumnsApart) {
+  const std::string csv = "t;T;x_mm;deviation_x_um\n0;20.1;1;2\n5;20.3;7;2\n";
+  const Session session = *importer_.text(csv, "columns: {t: time_s, T: bed_degC}\n").session;
+  EXPECT_DOUBLE_EQ(session.observations[1].time - session.observations[0].time, 5.0);
+  ASSERT_EQ(session.temperatures.size(), 1u);
+  EXPECT_EQ(session.temperatures[0].name, "bed");
+  EXPECT_DOUBLE_EQ(importer_.text("t;x_mm;deviation_x_um\n0;1;2\n5;7;2\n", "columns: {T: time_s}\n")
+                       .session->observations[1]
+                       .time,
+                   5.0)
+      << "where there is one, capitals do not count";
+}
+
 TEST_F(Understanding, TwoColumnsOfOneNameGoByTheirNumbers) {
   const std::string csv = "x_mm;x_mm;deviation_x_um\n1;7;2\n";
   EXPECT_THAT(importer_.refusal(csv), HasSubstr("columns: {2: ignore}"));

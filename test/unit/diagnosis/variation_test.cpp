@@ -1,0 +1,96 @@
+// An effect of the model that is not the same everywhere is told as such, and what follows it can be added.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "diagnosis/diagnose.h"
+#include "model/observed_domain.h"
+#include "simulation/simulate.h"
+
+namespace mm {
+namespace {
+
+const EffectSpec kBacklash = EffectSpec("backlash").set("axis", "x");
+
+Diagnosis diagnosed(const Session& session, const std::vector<EffectSpec>& model) {
+  return diagnose(session, Model(session.machine, observedDomain(session), model), {});
+}
+
+/// The nine-ball plate, with a play of x that has one size and, on top of it, one that grows along x.
+/// @param slope m of play a m of travel.
+Session plateWithPlay(double slope) {
+  const Machine machine = Machine::load("three_axis");
+  Session s = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine),
+                       {{"backlash:x=3um"}, 41, ""})
+                  .session;
+  const auto x = static_cast<std::size_t>(machine.findJoint("x"));
+  for (Observation& o : s.observations)  // the slide stays back by half the play: it reads further than it is
+    if (o.velocity[x] != 0.0)
+      o.position[x] += 0.5 * std::copysign(1.0, o.velocity[x]) * slope * o.position[x];
+  return s;
+}
+
+TEST(Variations, APlayThatGrowsAlongItsAxisIsToldAndFollowedByTheFormulaThatIsNamed) {
+  const Session s = plateWithPlay(1.5e-4);  // 5.4 um from one end of 36 mm to the other
+  const Diagnosis d = diagnosed(s, {kBacklash});
+  ASSERT_EQ(d.variations.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.variations[0].effect, kBacklash);
+  EXPECT_EQ(d.variations[0].along, "x");
+  EXPECT_GT(d.variations[0].rms, 0.15e-6);
+  EXPECT_NE(d.sentence.find("is not the same everywhere"), std::string::npos) << d.sentence;
+  EXPECT_EQ(d.sentence.find("Nothing is missing"), std::string::npos) << d.sentence;
+
+  const Diagnosis after = diagnosed(s, {kBacklash, d.variations[0].formula});
+  EXPECT_TRUE(after.variations.empty()) << after.sentence;
+  EXPECT_EQ(after.verdict, Verdict::kExplained) << after.sentence;
+  EXPECT_LT(after.base.figures.rms, 0.9 * d.base.figures.rms);
+  EXPECT_NEAR(after.base.x[1], -0.5 * 0.15, 0.01);  // k1, um a mm: half the slope, against the travel
+}
+
+TEST(Variations, APlayOfOneSizeHasNone) {
+  const Diagnosis d = diagnosed(plateWithPlay(0.0), {kBacklash});
+  EXPECT_TRUE(d.variations.empty()) << d.sentence;
+  EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
+}
+
+/// Five runs in both directions over 21 targets (ISO 230-2): each target, each way, has an error of its own.
+Session runs(double ofPlace, double noise) {
+  Session session(Machine::load("three_axis"));
+  session.source = "made up";
+  constexpr int kTargets = 21;
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  double own[2][kTargets];
+  for (auto& way : own)
+    for (double& e : way) e = ofPlace * normal(random);
+  for (int i = 0; i < 10 * kTargets; ++i) {
+    const int back = i / kTargets % 2, target = back != 0 ? kTargets - 1 - i % kTargets : i % kTargets;
+    Observation o;
+    o.kind = ObservationKind::kDeviation;
+    o.time = i;
+    o.row = i + 2;
+    o.position.assign(3, 0.0);
+    o.velocity.assign(3, 0.0);
+    o.position[0] = 1.5e-3 * (target - kTargets / 2);
+    o.velocity[0] = back != 0 ? -1e-3 : 1e-3;
+    o.deviation.assign(3, kNotMeasured);
+    o.deviationStd.assign(3, kNotMeasured);
+    o.deviation[0] = own[back][target] + noise * normal(random);
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  return session;
+}
+
+TEST(Runs, WhatTheyAgreeOnIsNotExplainedAsDrift) {
+  const Diagnosis d = diagnosed(runs(1e-6, 0.3e-6), {});
+  ASSERT_EQ(d.base.repeated.from, "runs");
+  EXPECT_NEAR(d.base.repeatability, 0.3e-6, 0.05e-6);
+  EXPECT_NE(d.verdict, Verdict::kExplained) << d.sentence;
+  const Diagnosis nothing = diagnosed(runs(0.0, 0.3e-6), {});
+  EXPECT_EQ(nothing.verdict, Verdict::kExplained) << nothing.sentence;
+}
+
+}  // namespace
+}  // namespace mm
