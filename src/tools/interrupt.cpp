@@ -1,5 +1,7 @@
 #include "tools/interrupt.h"
 
+#include <unistd.h>
+
 #include <csignal>
 #include <ctime>
 
@@ -11,6 +13,14 @@ namespace {
 volatile std::sig_atomic_t askedToStop = 0;
 timespec askedAt{};
 
+/// Who was about to wait when Ctrl-C came would not hear of it: from then on everybody is woken once a
+/// second, but in a process that uses the alarm for its own limit.
+void wakeAgain(int /*signal*/) {
+  constexpr unsigned kSeconds = 1;
+  struct sigaction now {};
+  if (sigaction(SIGALRM, nullptr, &now) == 0 && now.sa_handler == wakeAgain) ::alarm(kSeconds);
+}
+
 /// `timeout -s INT` and some shells send the signal to the program and to its group: twice at once is once.
 void onInterrupt(int signal) {
   constexpr double kAtOnce = 0.5;  // s
@@ -19,6 +29,7 @@ void onInterrupt(int signal) {
   if (askedToStop == 0) {
     askedAt = now;
     askedToStop = 1;
+    wakeAgain(0);
     return;
   }
   const double apart = static_cast<double>(now.tv_sec - askedAt.tv_sec) +
@@ -38,10 +49,17 @@ Interrupt::Interrupt() {
   sigemptyset(&ours.sa_mask);
   sigaction(SIGINT, &ours, &theirs);
   before_ = theirs.sa_handler;
+  ours.sa_handler = wakeAgain;
+  sigaction(SIGALRM, &ours, &theirs);
+  alarmBefore_ = theirs.sa_handler;
   if (before_ == SIG_IGN) std::signal(SIGINT, SIG_IGN);  // started in the background of a script
 }
 
-Interrupt::~Interrupt() { std::signal(SIGINT, before_); }
+Interrupt::~Interrupt() {
+  ::alarm(0);
+  std::signal(SIGALRM, alarmBefore_);
+  std::signal(SIGINT, before_);
+}
 
 bool Interrupt::asked() { return askedToStop != 0; }
 

@@ -16,6 +16,7 @@ class Interrupt {
 
  private:
   void (*before_)(int);
+  void (*alarmBefore_)(int);
 };
 
 }  // namespace mm
