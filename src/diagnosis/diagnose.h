@@ -94,9 +94,10 @@ struct ArtifactScatter {
 /// An effect of the model whose size is not the same everywhere, or whose shape is not the model's alone.
 struct Variation {
   EffectSpec effect;
-  std::string along;   // the joint over which its size changes; empty: its shape is another
-  double rms = 0.0;    // m (rad) at the measurements: what is left of it
-  EffectSpec formula;  // follows it, ready to be added; of no type where none does
+  std::string along;  // the joint over which its size changes; empty: its shape is another
+  double rms = 0.0,
+         std = 0.0;    // m (rad) at the measurements: what is left of it, and its standard uncertainty
+  EffectSpec formula;  // follows it, ready to be added; of no type where none does, or it is there already
 };
 
 /// An input that was not recorded: what was assumed in its place, and what could act without being seen.

@@ -21,20 +21,58 @@ std::string formulaOver(const std::string& joint) {
   return "k1*" + joint + "*" + joint + "_travel + k2*" + joint + "^2*" + joint + "_travel";
 }
 
-/// What columns take from what the model leaves, root mean square in units of a whitened residual; 0 where
-/// chance would do as well.
-double takenBy(const ResidualSpace& space, Eigen::MatrixXd columns) {
+/// What columns take from what the model leaves, root mean square and its standard uncertainty, that of the
+/// noise along it, in units of a whitened residual; 0 where chance would do as well.
+struct Taken {
+  double rms = 0.0, std = 0.0;
+};
+Taken takenBy(const ResidualSpace& space, Eigen::MatrixXd columns) {
   space.project(columns);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   const auto taken = static_cast<double>(qr.rank());
   const double freedoms = space.rows() - space.baseRank() - taken;
-  if (taken < 1.0 || freedoms < 1.0) return 0.0;
+  if (taken < 1.0 || freedoms < 1.0) return {};
   const Eigen::VectorXd part = columns * qr.solve(space.target());
   const double rest = (space.target() - part).squaredNorm();
   if (!(rest > 0.0) ||
       logPValueF(part.squaredNorm() / taken / (rest / freedoms), taken, freedoms) > kNoChance)
-    return 0.0;
-  return std::sqrt(part.squaredNorm() / space.rows());
+    return {};
+  return {std::sqrt(part.squaredNorm() / space.rows()), std::sqrt(rest / freedoms / space.rows())};
+}
+
+/// Another shape of the effect that takes most, where one takes more than `least`.
+Variation otherShapeOf(const ResidualSpace& space, const Effect& effect, double unit, double least) {
+  const Model& model = space.problem().model();
+  Variation most;
+  for (const ShapeFreedom& f : effect.freedom(model.domain())) {
+    if (inModel(model, f.spec)) continue;
+    const EffectPtr other = createEffect(f.spec, model.domain());
+    const Taken taken = takenBy(space, linearColumns(*other, space.columns(*other, startsAt(*other, {}))));
+    if (unit * taken.rms > std::max(least, most.rms))
+      most = {effect.spec(), "", unit * taken.rms, unit * taken.std, f.spec};
+  }
+  return most;
+}
+
+/// The effect times a polynomial over a joint.
+Variation changeAlong(const ResidualSpace& space, const Effect& effect, const std::vector<double>& p,
+                      int joint, double unit) {
+  const Model& model = space.problem().model();
+  RowMatrix varied = linearColumns(effect, space.columns(effect, p));
+  const int one = static_cast<int>(varied.cols());
+  Eigen::MatrixXd columns(varied.rows(), kDegrees * one);
+  for (int d = 0; d < kDegrees; ++d) {
+    varyAlong(space.problem(), space.used(), joint, varied);
+    columns.middleCols(d * one, one) = varied;
+  }
+  const Taken taken = takenBy(space, std::move(columns));
+  Variation v{effect.spec(), model.domain().joints[joint].name, unit * taken.rms, unit * taken.std, {}};
+  const std::vector<int> travels = inputsOf(effect, model.domain()).travels;
+  const EffectSpec formula =
+      EffectSpec("formula").set("direction", v.along).set("formula", formulaOver(v.along));
+  if (std::find(travels.begin(), travels.end(), joint) != travels.end() && !inModel(model, formula))
+    v.formula = formula;
+  return v;
 }
 
 }  // namespace
@@ -42,37 +80,17 @@ double takenBy(const ResidualSpace& space, Eigen::MatrixXd columns) {
 std::vector<Variation> variationsOf(const ResidualSpace& space, double unit, double least) {
   std::vector<Variation> found;
   const Model& model = space.problem().model();
-  const Domain& domain = model.domain();
+  const auto add = [&](Variation v) {
+    if (v.rms > kWorthSaying * least) found.push_back(std::move(v));
+  };
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const Effect& effect = *model.effects()[e];
     std::vector<double> p;
     for (int k = 0; k < effect.parameterCount(); ++k)
       p.push_back(space.fitted().x[model.offset(static_cast<int>(e)) + k]);
-    Variation shape{effect.spec(), "", 0.0, EffectSpec("")};  // the one that takes most
-    for (const ShapeFreedom& f : effect.freedom(domain)) {
-      if (inModel(model, f.spec)) continue;
-      const EffectPtr other = createEffect(f.spec, domain);
-      const double rms =
-          unit * takenBy(space, linearColumns(*other, space.columns(*other, startsAt(*other, {}))));
-      if (rms > std::max(kWorthSaying * least, shape.rms)) shape.rms = rms, shape.formula = f.spec;
-    }
-    if (shape.rms > 0.0) found.push_back(std::move(shape));
-    for (const int joint : effect.variesAlong(domain)) {
-      RowMatrix varied = linearColumns(effect, space.columns(effect, p));
-      const int one = static_cast<int>(varied.cols());
-      Eigen::MatrixXd columns(varied.rows(), kDegrees * one);
-      for (int d = 0; d < kDegrees; ++d) {
-        varyAlong(space.problem(), space.used(), joint, varied);
-        columns.middleCols(d * one, one) = varied;
-      }
-      const double rms = unit * takenBy(space, std::move(columns));
-      if (!(rms > kWorthSaying * least)) continue;
-      Variation v{effect.spec(), domain.joints[joint].name, rms, EffectSpec("")};
-      const std::vector<int> travels = inputsOf(effect, domain).travels;
-      if (std::find(travels.begin(), travels.end(), joint) != travels.end())
-        v.formula = EffectSpec("formula").set("direction", v.along).set("formula", formulaOver(v.along));
-      found.push_back(std::move(v));
-    }
+    add(otherShapeOf(space, effect, unit, kWorthSaying * least));
+    for (const int joint : effect.variesAlong(model.domain()))
+      add(changeAlong(space, effect, p, joint, unit));
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Variation& a, const Variation& b) { return a.rms > b.rms; });

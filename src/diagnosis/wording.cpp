@@ -230,30 +230,29 @@ std::string scatterInWords(const Diagnosis& d, const DriftResult& drift) {
 }
 
 std::string scatterSentence(const Diagnosis& d) {
+  const std::string nothing =
+      d.variations.empty() ? "No effect and no structure is left" : "No other cause is left";
   if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
   if (const DriftResult* of = beyondTheRepeatability(d))
-    return "No effect and no structure is left, but " + scatterInWords(d, *of) + ", " +
+    return nothing + ", but " + scatterInWords(d, *of) + ", " +
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
            repeatabilityWords(d) +
            (d.base.repeated.from == "runs"
-                ? ": the runs agree with each other, so it follows the place, and changes within few of "
-                  "these "
-                  "positions. Measure at positions closer together."
+                ? ": the runs agree, so it follows the place, and changes within few of these positions."
                 : ": an influence acts that follows nothing recorded, or one that changes within less than "
-                  "the "
-                  "distance of these positions. Measure at positions closer together.");
+                  "the distance of these positions.") +
+           " Measure at positions closer together.";
   const std::string twenty = d.angular ? "Point at one target twenty times" : "Touch one point twenty times";
   const std::string scatter = positive(d.noise) ? "the scatter of " + noiseWords(d) : "the scatter";
   if (d.base.repeatabilityFrom.empty() || d.base.repeatabilityFrom == "estimated" ||
       !positive(d.base.repeatability))
-    return "No effect and no structure is left in " + scatter + ", but the repeatability is not known. " +
-           twenty +
+    return nothing + " in " + scatter + ", but the repeatability is not known. " + twenty +
            (d.angular ? " in the same session, then diagnose again."
                       : ", then diagnose again with their standard deviation as --repeatability-um.");
   const double times = positive(d.noise) ? d.noise / d.base.repeatability
                                          : std::sqrt(std::max(0.0, d.base.figures.chi2PerDof));
-  return "No effect and no structure is left, but " + scatter + " is " + shortNumber(times) +
-         " times the repeatability of " + repeatabilityWords(d) +
+  return nothing + ", but " + scatter + " is " + shortNumber(times) + " times the repeatability of " +
+         repeatabilityWords(d) +
          ": either that is stated too small, or an influence acts that follows nothing recorded. " + twenty +
          " to find out which.";
 }
@@ -265,7 +264,9 @@ std::string variationSentence(const Diagnosis& d) {
     text += v.along.empty() ? " But " + inWords(v.effect) + " does not have the shape of the model alone: "
                             : " But " + inWords(v.effect) + " is not the same everywhere: along " + v.along +
                                   " it differs from its one size by ";
-    text += length(v.rms, d.angular) + " RMS" + (v.along.empty() ? " are left of it" : "");
+    text += withFactor(expanded(v.rms / unitOf(d.angular), v.std / unitOf(d.angular),
+                                nameOfUnit(d.angular) + " RMS")) +
+            (v.along.empty() ? " are left of it" : "");
     text += v.formula.type.empty() ? "." : ", which " + v.formula.yaml() + " follows.";
   }
   return text;

@@ -52,7 +52,8 @@ bool CalibrationServer::verify(measuring_machine::Verify::Request& request,
         response.message += "; " + (kept.empty() ? takenBack(calibration.id, done) : kept);
         response.success = done;
       }
-      for (const std::string& more : {lossText(*session), keepAnswer(store_, calibration, *session, found)})
+      for (const std::string& more : {whyNotFresh(calibration, *session), lossText(*session),
+                                      keepAnswer(store_, calibration, *session, found)})
         if (!more.empty()) response.message += "; " + more;
     });
   });

@@ -161,6 +161,7 @@ std::string diagnoseJson(const Diagnosis& d) {
     one["in_words"] = inWords(v.effect);
     one["along"] = v.along;
     setEither(one, "rms", v.rms, d.angular);
+    setEither(one, "rms_std", v.std, d.angular);
     one["formula"] = v.formula.type.empty() ? Json(nullptr) : Json(v.formula.yaml());
     object["variations"].push_back(std::move(one));
   }

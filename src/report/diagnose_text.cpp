@@ -5,6 +5,7 @@
 #include "diagnosis/wording.h"
 #include "report/text.h"
 #include "report/text_parts.h"
+#include "workflow/learning.h"
 
 namespace mm {
 namespace {
@@ -129,12 +130,8 @@ std::string nextName(const std::string& file) {
 }  // namespace
 
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
-  const EffectSpec* next = !d.missing.empty()      ? &d.missing.front().effect
-                           : !d.profiles.empty()   ? &d.profiles.front().effect
-                           : !d.formulas.empty()   ? &d.formulas.front().effect
-                           : !d.variations.empty() ? &d.variations.front().formula
-                                                   : nullptr;
-  if (next == nullptr || next->type.empty()) return {};
+  const EffectSpec* next = nextToAdd(d);
+  if (next == nullptr) return {};
   return "mm add " + quoted(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
          " -o " + quoted(nextName(calibration));
 }

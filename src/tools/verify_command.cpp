@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/verify_json.h"
-#include "session/session_hash.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
 #include "tools/progress_bar.h"
@@ -44,10 +43,8 @@ int runVerify(const VerifyCommand& c) {
   const Calibration calibration = loadCalibration(c.calibration);
   if (!c.exported.empty()) options.exported = std::make_shared<const LoadedExport>(c.exported, calibration);
   const Session session = loadSession(c.bag, calibration, c.fit.space);
-  if (!calibration.sessionHash.empty() && calibration.sessionHash == sessionHash(session))
-    std::cerr << "mm: warning: " << c.bag << " is the session by which " << c.calibration
-              << " was found: none of its points is fresh; mm plan verify chooses a few to measure"
-              << std::endl;
+  if (const std::string why = whyNotFresh(calibration, session); !why.empty())
+    std::cerr << "mm: warning: " << c.bag << ": " << why << std::endl;
   std::optional<Verification> found;
   {
     ProgressBar bar("verifying");

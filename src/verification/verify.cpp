@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "estimation/residual_space.h"
+#include "session/session_hash.h"
 #include "verification/decision.h"
 #include "verification/figures.h"
 #include "verification/verify_words.h"
@@ -80,6 +81,13 @@ void compareWithCalibrated(const Calibration& calibration, const BeforeAndAfter&
 }
 
 }  // namespace
+
+std::string whyNotFresh(const Calibration& calibration, const Session& session) {
+  if (calibration.sessionHash.empty() || calibration.sessionHash != sessionHash(session)) return {};
+  return "the calibration was fitted to this very session, so none of its points is fresh; measure a few "
+         "others "
+         "(mm plan verify says which) and verify with them";
+}
 
 Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options) {
   if (options.exported && !options.loaded)

@@ -67,6 +67,9 @@ struct Figure {
   double rms = 0.0, std = 0.0;
 };
 
+/// Why no point of this session is fresh for a calibration, with what to do; empty: nothing says so.
+std::string whyNotFresh(const Calibration& calibration, const Session& session);
+
 /// What the points of a fresh session say of a calibration.
 struct Verification {
   VerifyVerdict verdict = VerifyVerdict::kMixed;

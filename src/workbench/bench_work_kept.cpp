@@ -6,7 +6,6 @@
 #include "export/representability.h"
 #include "report/report_page.h"
 #include "report/verify_json.h"
-#include "session/session_hash.h"
 #include "verification/verify.h"
 #include "workbench/bench_work.h"
 #include "workbench/plan_document.h"
@@ -51,10 +50,7 @@ std::string BenchWork::verify() {
   std::optional<Calibration> active;
   if (store_) active = store_->active().calibration;
   if (!active) throw InputError("no calibration is active; promote one, then measure a few fresh points");
-  if (active->sessionHash == sessionHash(session()))
-    throw InputError(
-        "the active calibration was fitted to this very session, so none of its points is fresh; "
-        "measure a few others (mm plan verify says which) and open them");
+  if (const std::string why = whyNotFresh(*active, session()); !why.empty()) throw InputError(why);
   VerifyOptions options;
   options.calibrate = this->options();
   const Verification found = mm::verify(session(), *active, options);

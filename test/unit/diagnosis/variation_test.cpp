@@ -37,7 +37,10 @@ TEST(Variations, APlayThatGrowsAlongItsAxisIsToldAndFollowedByTheFormulaThatIsNa
   ASSERT_EQ(d.variations.size(), 1u) << d.sentence;
   EXPECT_EQ(d.variations[0].effect, kBacklash);
   EXPECT_EQ(d.variations[0].along, "x");
+  // half of the play, of which contacts along x see all and others little: 1.35 um at either end
   EXPECT_GT(d.variations[0].rms, 0.15e-6);
+  EXPECT_LT(d.variations[0].rms, 1.35e-6);
+  EXPECT_NEAR(d.variations[0].std, d.noise / std::sqrt(675.0), 0.3 * d.noise / std::sqrt(675.0));
   EXPECT_NE(d.sentence.find("is not the same everywhere"), std::string::npos) << d.sentence;
   EXPECT_EQ(d.sentence.find("Nothing is missing"), std::string::npos) << d.sentence;
 
@@ -52,6 +55,27 @@ TEST(Variations, APlayOfOneSizeHasNone) {
   const Diagnosis d = diagnosed(plateWithPlay(0.0), {kBacklash});
   EXPECT_TRUE(d.variations.empty()) << d.sentence;
   EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
+}
+
+TEST(Variations, AnotherShapeOfAnEffectIsToldWithTheEffectThatFollows) {
+  const Machine machine = Machine::load("three_axis");
+  Session s =
+      simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {{}, 43, ""}).session;
+  const auto x = static_cast<std::size_t>(machine.findJoint("x"));
+  for (Observation& o : s.observations) {  // a lead that changes: a parabola, and a cubic beside it
+    const double at = o.position[x] / 18e-3;
+    o.position[x] += 4e-6 * (1.5 * at * at - 0.5) + 1.2e-6 * (2.5 * at * at * at - 1.5 * at);
+  }
+  const EffectSpec parabola = EffectSpec("positioning_polynomial").set("axis", "x").set("degree", 2);
+  const Diagnosis d = diagnosed(s, {parabola});
+  const EffectSpec cubic = EffectSpec("positioning_polynomial").set("axis", "x").set("degree", 3);
+  const bool missing = !d.missing.empty() && d.missing[0].effect == cubic;
+  const bool varies = !d.variations.empty() && d.variations[0].formula == cubic;
+  EXPECT_TRUE(missing || varies) << d.sentence;
+  EXPECT_EQ(d.sentence.find("Nothing is missing"), std::string::npos) << d.sentence;
+  const Diagnosis after = diagnosed(s, {parabola, cubic});
+  EXPECT_EQ(after.verdict, Verdict::kExplained) << after.sentence;
+  EXPECT_TRUE(after.variations.empty()) << after.sentence;
 }
 
 /// Five runs in both directions over 21 targets (ISO 230-2): each target, each way, has an error of its own.
