@@ -72,8 +72,8 @@ const std::vector<Writer>& writers() {
        "plan verify plan.yaml --calibration c.yaml --places 4 -o fresh_plan.yaml"},
       {"export c.yaml --to linuxcnc -o tables", "export t.yaml --to linuxcnc -o tables"},
       {"export c.yaml --to csv -o numbers"},
-      {"certificate c.yaml s.bag --serial 7 -o certificate.html"},
-      {"certificate c.yaml --serial 7 -o certificate.pdf"},
+      {"certificate c.yaml s.bag --serial 7 --trials 1000 -o certificate.html"},
+      {"certificate c.yaml --serial 7 --trials 1000 -o certificate.pdf"},
       {"history --store history --trend --plotly plotly.js -o trend.html"},
   };
   return commands;

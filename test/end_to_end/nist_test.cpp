@@ -7,6 +7,7 @@
 
 #include "base/units.h"
 #include "estimation/calibrate.h"
+#include "long_tests.h"
 #include "model/observed_domain.h"
 #include "nist_problem.h"
 #include "shared_data.h"
@@ -122,6 +123,7 @@ TEST(Nist, CertifiedValuesFromStart2) {
 }
 
 TEST(Nist, CertifiedValuesFromStart1) {
+  MM_THOROUGH_ONLY("every day the nearer start stands for it");
   MM_NEEDS_SHARED_DATA(folder, "nist_strd");
   int found = 0;
   for (const Entry& entry : kProblems) {

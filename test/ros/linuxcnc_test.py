@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sixty touches of LinuxCNC's own pretended hemisphere: its centre and its radius are found within the way of a servo period."""
+"""Sixty touches (24 every day) of LinuxCNC's own pretended hemisphere: its centre and its radius are found within the way of a servo period."""
 import fcntl
 import json
 import os
@@ -126,13 +126,17 @@ class LinuxCnc(unittest.TestCase):
 
     def test_2_sixty_touches(self):
         cycle_support.ready()
+        touches = 60 if support.thorough_tests() else 24
+        plan = os.path.join(self.work, "plan.yaml")
+        with open(os.path.join(FOLDER, "plan.yaml")) as all_of_them, open(plan, "w") as those:
+            those.write(all_of_them.read().replace("points: 60", "points: %d" % touches))
         contacts = []
         rospy.Subscriber("probe/contact", ProbeContact, contacts.append)
         bag = os.path.join(self.work, "session.bag")
         began = time.time()
-        result = cycle_support.record(os.path.join(FOLDER, "plan.yaml"), bag, 180)
+        result = cycle_support.record(plan, bag, 180)
         print("%d contacts, %d missed, in %.0f s" % (result.contacts, result.missed, time.time() - began))
-        self.assertEqual((result.contacts, result.missed), (60, 0))
+        self.assertEqual((result.contacts, result.missed), (touches, 0))
         answer = cycle_support.calibrate(bag, support.model("{type: ball_radius, ball: b0}"))
         self.assertTrue(answer.calibration_id, answer.message)
         found = json.loads(answer.json)

@@ -82,10 +82,16 @@ void expectHonest(const std::string& repeatability, const std::string& rough = "
   EXPECT_LE(coverage.share(), all ? 0.97 : 0.990);
 }
 
-TEST(HonestUncertainty, WithTheRepeatabilityDeclared) { expectHonest("0.3"); }
+TEST(HonestUncertainty, WithTheRepeatabilityDeclared) {
+  MM_THOROUGH_ONLY("every day the noise that drifts stands for it");
+  expectHonest("0.3");
+}
 
 // Noise with memory tells less than as much white noise would.
-TEST(HonestUncertainty, WithCorrelatedNoise) { expectHonest("0.3", "correlated"); }
+TEST(HonestUncertainty, WithCorrelatedNoise) {
+  MM_THOROUGH_ONLY("every day the noise that drifts stands for it");
+  expectHonest("0.3", "correlated");
+}
 TEST(HonestUncertainty, WithDrift) { expectHonest("0.3", "drift"); }
 
 // The declared repeatability is half of the true one: the intervals go by the residuals.

@@ -116,7 +116,7 @@ TEST(NetworkChoice, RefusesBadSeriesInOneLine) {
 /// Heated mills, of a physics that no network knows: learned from three warm-ups, judged on another day at
 /// another load.
 TEST(NetworkChoice, OnAnotherDayItLeavesNoMoreThanALine) {
-  const int machines = mm_test::longTests() ? 40 : 3;
+  const int machines = mm_test::longTests() ? 40 : mm_test::thoroughTests() ? 3 : 2;
   const ThermalLaw laws[] = {ThermalLaw::kLinear, ThermalLaw::kSaturating, ThermalLaw::kBending};
   std::vector<double> minutes(11);
   for (int k = 0; k < 11; ++k) minutes[static_cast<std::size_t>(k)] = 20.0 * k;

@@ -21,7 +21,11 @@ namespace {
 using test::PlateRow;
 
 const bool kSet = [] {
-  return ::setenv("RC_PARAMS", mm_test::longTests() ? "max_success=100" : "max_success=4 seed=1", 0) == 0;
+  return ::setenv("RC_PARAMS",
+                  mm_test::longTests()       ? "max_success=100"
+                  : mm_test::thoroughTests() ? "max_success=4 seed=1"
+                                             : "max_success=2 seed=1",
+                  0) == 0;
 }();
 
 /// How one and the same measurement is written down.
