@@ -5,7 +5,7 @@ import os
 import struct
 
 REALLY = {"EIO": errno.EIO, "ENOSPC": errno.ENOSPC}
-LONG = os.environ.get("MM_LONG_TESTS", "0") not in ("", "0")
+LONG, THOROUGH = (os.environ.get(name, "0") not in ("", "0") for name in ("MM_LONG_TESTS", "MM_THOROUGH_TESTS"))
 
 
 class FailingDisk:
@@ -39,13 +39,13 @@ class FailingDisk:
         return struct.unpack("<qq", self.control[:16])
 
     def faults(self):
-        """Every way to fail of what was just counted: all n in a long test, else the first, the last and some between."""
+        """Every way to fail of what was just counted: all n in a long test, else the first, the last and some between, fewer every day."""
         all_of_them = []
         for what, most in zip(("read", "write"), self.counts()):
-            step = 1 if LONG else max(1, most // 4)
+            step, ends = (1, 0) if LONG else (max(1, most // 4), 2) if THOROUGH else (max(1, most // 2), 1)
             for way in ("once", "lasting"):
                 for n in range(1, most + 1):
-                    if 2 < n <= most - 2 and n % step != 0:
+                    if ends < n <= most - ends and n % step != 0:
                         continue
                     causes = ["EIO"] if what == "read" else ["EIO", "ENOSPC"]
                     all_of_them += [(what, way, n, c) for c in (causes if LONG else [causes[n % len(causes)]])]
