@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # examples/own_controller as its reader builds it, against this package's devel space; and moved through the axis driver.
-# --thorough: a package is built; test_drivers and motion.test ask the same of the interface
+# thorough only: a package is built; test_drivers and motion.test ask the same of the interface
 set -u
 mm="$(realpath "${MM:?path of mm}")"
 devel="$(cd "$(dirname "$mm")/../.." && pwd)"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # examples/own_effect as its reader builds it: against this package's devel space; and effects that are wrong.
-# --thorough: two packages are built, and searched with
+# thorough only: two packages are built, and searched with
 set -u
 mm="$(realpath "${MM:?path of mm}")"
 devel="$(cd "$(dirname "$mm")/../.." && pwd)"
