@@ -274,7 +274,8 @@ class Diagnoser {
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);
     if (out_.missing.empty() && out_.profiles.empty())
-      out_.variations = variationsOf(*look.space, unit, std::max(out_.noise, out_.base.repeatability));
+      out_.variations =
+          variationsOf(*look.space, out_.candidates, unit, std::max(out_.noise, out_.base.repeatability));
     decide(out_);
     out_.sentence = sentenceOf(out_);
   }

@@ -91,6 +91,12 @@ struct ArtifactScatter {
   std::string inWords;
 };
 
+/// A cause that explains as well what something else was found to explain.
+struct Alternative {
+  EffectSpec effect;
+  double probability = 0.0;  // posterior, beside what it competes with, 0 … 1
+};
+
 /// An effect of the model whose size is not the same everywhere, or whose shape is not the model's alone.
 struct Variation {
   EffectSpec effect;
@@ -98,6 +104,7 @@ struct Variation {
   double rms = 0.0,
          std = 0.0;    // m (rad) at the measurements: what is left of it, and its standard uncertainty
   EffectSpec formula;  // follows it, ready to be added; of no type where none does, or it is there already
+  std::vector<Alternative> instead;  // causes that may be taken for it, likeliest first
 };
 
 /// An input that was not recorded: what was assumed in its place, and what could act without being seen.

@@ -267,7 +267,11 @@ std::string variationSentence(const Diagnosis& d) {
     text += withFactor(expanded(v.rms / unitOf(d.angular), v.std / unitOf(d.angular),
                                 nameOfUnit(d.angular) + " RMS")) +
             (v.along.empty() ? " are left of it" : "");
-    text += v.formula.type.empty() ? "." : ", which " + v.formula.yaml() + " follows.";
+    if (!v.formula.type.empty()) text += ", which " + v.formula.yaml() + " follows";
+    for (const Alternative& a : v.instead)
+      text += (v.formula.type.empty() ? ", which " : ", or ") + inWords(a.effect) + " explains, odds " +
+              oddsInWords(a.probability);
+    text += ".";
   }
   return text;
 }

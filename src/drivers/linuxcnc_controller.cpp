@@ -229,6 +229,7 @@ void LinuxCncController::beginTask(Task task) {
   state_.note.clear();
   taken_ = tripSeen_ = homedSince_ = 0.0;
   fell_ = false;
+  openSeen_ = !state_.probeClosed;
   latched_.reset();
   failed_.reset();
   note_.clear();

@@ -78,6 +78,7 @@ class LinuxCncController final : public AxisController {
   double homedSince_ = 0.0;  // s, of the first round from which on all flags of the axes stand
   bool fell_ = false;        // a flag was seen to fall since homing was asked for
   double taken_ = 0.0;       // s: when LinuxCNC had taken all commands of the task; 0: not yet
+  bool openSeen_ = false;    // the probe was open when the task began, or was seen to open since
   bool resetting_ = false;   // the emergency stop, until it has taken that
   std::optional<std::vector<double>> latched_;
   std::optional<Outcome> failed_;

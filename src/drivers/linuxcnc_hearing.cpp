@@ -70,6 +70,9 @@ void LinuxCncController::takeMessage(const std::string& text) {
 void LinuxCncController::takeError(const std::string& text) {
   if (task_ == Task::kNone) return;
   const bool tripped = text.find("robe tripped") != std::string::npos;
+  // LinuxCNC says it where the probe closes. On a busy computer what it says of one motion comes within the
+  // next, which leads away from the surface.
+  if (tripped && !openSeen_) return;
   const bool limit = text.find("limit") != std::string::npos;
   failed_ = tripped ? Outcome::kTripped : limit ? Outcome::kLimit : Outcome::kAlarm;
   note_ = tripped ? "" : "LinuxCNC: " + text;
@@ -127,6 +130,7 @@ void LinuxCncController::takeProbe(bool closed, double at) {
   else if (closed != state_.probeClosed)
     edges_.push_back(seenEdge(state_, closed, pollPeriod_));
   state_.probeClosed = closed;
+  openSeen_ = openSeen_ || !closed;
 }
 
 // Whether the task has ended, by the round that came last.

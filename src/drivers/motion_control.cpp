@@ -115,9 +115,23 @@ MotionControl::View MotionControl::view() const {
   view.probing = current_ && current_->motion.probing;
   view.unsuccessful = unsuccessful_;
   view.stops = stops_;
-  view.stoppedBy = stoppedBy_;
+  view.stoppedBy = stoppedBy();
   view.late = settings_.simulatedTime ? 0.0 : clock_.late();
   return view;
+}
+
+// The name first: whoever sees that it was stopped says by whom.
+void MotionControl::countStop(const std::string& who) {
+  {
+    const std::lock_guard<std::mutex> lock(stopperMutex_);
+    stopper_ = who;
+  }
+  ++stops_;
+}
+
+std::string MotionControl::stoppedBy() const {
+  const std::lock_guard<std::mutex> lock(stopperMutex_);
+  return stopper_;
 }
 
 void MotionControl::stop(const std::string& who) {
@@ -127,12 +141,10 @@ void MotionControl::stop(const std::string& who) {
     ~Stopping() { --count; }
   } const stopping(stopping_);
   owner_.revoke("stopped by " + who);
-  if (std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock); lock.owns_lock()) stoppedBy_ = who;
-  ++stops_;
+  countStop(who);
   sendStop();
   changed_.notify_all();
   std::unique_lock<std::mutex> lock(mutex_);
-  stoppedBy_ = who;
   if (awaitRest(lock, settings_.restTimeout)) return;
   throw Error("stop was sent, but whether the axes rest is not known" +
               (lost_.empty() ? std::string() : ": " + lost_) + "; use the emergency stop");
@@ -146,10 +158,8 @@ std::string MotionControl::emergencyStop(const std::string& who) {
   } catch (const std::exception& e) {
     failed = e.what();
   }
-  ++stops_;
+  countStop(who + " (emergency stop)");
   owner_.revoke("emergency stop by " + who);
-  if (std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock); lock.owns_lock())
-    stoppedBy_ = who + " (emergency stop)";
   changed_.notify_all();
   return failed;
 }
@@ -166,7 +176,7 @@ void MotionControl::resetEmergencyStop() {
   if (!reset || ending_)
     throw Error(lost_.empty() ? "the controller stays in its emergency stop; look at its button and its panel"
                               : "the controller does not answer: " + lost_);
-  if (stops_ != before) throw Error("stopped again by " + stoppedBy_);
+  if (stops_ != before) throw Error("stopped again by " + stoppedBy());
   emergency_ = false;
 }
 

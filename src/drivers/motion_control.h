@@ -141,6 +141,8 @@ class MotionControl {
   void sendStop();
   bool atRest() const;
   bool awaitRest(std::unique_lock<std::mutex>& lock, double seconds);
+  void countStop(const std::string& who);
+  std::string stoppedBy() const;
   void requireAnswering(std::uint32_t stopsSeen) const;  // with `mutex_` held, as the next two
   void requireReady(std::uint32_t stopsSeen) const;
   void beginCurrent(bool armed);
@@ -174,8 +176,9 @@ class MotionControl {
   Wall::time_point fresh_;                  // of the last state that was newer than the one before
   std::optional<Wall::time_point> asking_;  // since when the controller owes an answer
   Wall::time_point nextReconnect_;
-  std::string stoppedBy_;
 
+  mutable std::mutex stopperMutex_;  // held to copy a name and for nothing else: no stop waits for it
+  std::string stopper_;
   std::atomic<std::uint32_t> stops_{0};
   std::atomic<int> stopping_{0};
   std::atomic<bool> emergency_{false}, ending_{false};

@@ -73,7 +73,7 @@ void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint
     if (ending_) throw Error("the driver ends");
     const double age = owing();
     if (stops_ != stopsSeen)
-      why = "stopped by " + stoppedBy_;
+      why = "stopped by " + stoppedBy();
     else if (current_->forced != Outcome::kUnderWay)
       why = current_->why;
     else if (age > settings_.silence)
@@ -114,7 +114,7 @@ void MotionControl::moveOffLimit(const Mover& mover) {
         return ending_ || stops_ != stopsSeen || !lost_.empty() || (states_ > first && !state_.moving);
       }))
     throw Error("the axes did not come off the limit within 60 s");
-  if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy_);
+  if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy());
   if (!lost_.empty()) throw Error(faultText());
   for (std::size_t j = 0; j < state_.limitSwitch.size(); ++j)
     if (state_.limitSwitch[j] != 0) throw Error("the limit switch of " + axes_[j] + " is still closed");

@@ -13,7 +13,7 @@ namespace mm {
 void MotionControl::requireAnswering(std::uint32_t stopsSeen) const {
   if (stopping_ > 0) throw Error("a stop is under way; wait until the axes rest");
   if (!lost_.empty() || emergency_ || state_.emergencyStop) throw Error(faultText());
-  if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy_);
+  if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy());
   // Another motion's stop has not come through yet, or somebody moves them at the control.
   if (state_.moving) throw Error("the axes still move; wait until they rest, or call ~stop");
 }
@@ -81,7 +81,7 @@ bool MotionControl::awaitEnd(std::unique_lock<std::mutex>& lock, std::uint32_t s
   while (!ending_) {
     changed_.wait_for(lock, std::chrono::milliseconds(20));
     if (!current_) return false;
-    if (stops_ != stopsSeen) force(Outcome::kStopped, "stopped by " + stoppedBy_);
+    if (stops_ != stopsSeen) force(Outcome::kStopped, "stopped by " + stoppedBy());
     if (current_->forced != Outcome::kUnderWay) return false;
     const double age = owing();
     if (age > settings_.silence) {

@@ -163,6 +163,12 @@ std::string diagnoseJson(const Diagnosis& d) {
     setEither(one, "rms", v.rms, d.angular);
     setEither(one, "rms_std", v.std, d.angular);
     one["formula"] = v.formula.type.empty() ? Json(nullptr) : Json(v.formula.yaml());
+    one["or_instead"] = Json::array();
+    for (const Alternative& a : v.instead)
+      one["or_instead"].push_back(Json{{"effect", a.effect.yaml()},
+                                       {"in_words", inWords(a.effect)},
+                                       {"odds", number(a.probability)},
+                                       {"odds_in_words", oddsInWords(a.probability)}});
     object["variations"].push_back(std::move(one));
   }
   object["missing_inputs"] = Json::array();

@@ -11,9 +11,12 @@ const EffectSpec* nextToAdd(const Diagnosis& d) {
   if (!d.missing.empty()) return &d.missing.front().effect;
   if (!d.profiles.empty()) return &d.profiles.front().effect;
   if (!d.formulas.empty()) return &d.formulas.front().effect;
-  const auto said = std::find_if(d.variations.begin(), d.variations.end(),
-                                 [](const Variation& v) { return !v.formula.type.empty(); });
-  return said == d.variations.end() ? nullptr : &said->formula;
+  for (const Variation& v : d.variations) {
+    if (!v.instead.empty() && (v.formula.type.empty() || v.instead.front().probability > 0.5))
+      return &v.instead.front().effect;
+    if (!v.formula.type.empty()) return &v.formula;
+  }
+  return nullptr;
 }
 
 Learned learnAll(const Session& session, const Calibration& calibration, const DiagnoseOptions& options,

@@ -31,6 +31,7 @@ class LinuxCnc(device_double.Double):
         self.machine.share = 1.0
         self.queue, self.job, self.errors, self.display = [], None, [], []
         self.refusals = 0
+        self.said_late, self.unsaid = False, []
         self.homing = None  # when the joints begin to home, and which
         self.lines, self.greeted, self.enabled = {}, set(), None
         self.verbose, self.waiting, self.number, self.timeout = set(), {}, 0, 0.0
@@ -135,7 +136,11 @@ class LinuxCnc(device_double.Double):
         return self.obeyed(what, value)
 
     def command(self, words):
-        """refuse N: the next N aborts and emergency stops are refused, as when another client takes control between."""
+        """refuse N: the next N aborts and emergency stops are refused, as when another client takes control between.
+        late: what the motion says of a trip arrives when the next motion has begun, as on a busy computer."""
+        if words[0] == "late":
+            self.said_late = True
+            return {"late": True}
         if words[0] == "refuse":
             self.refusals = int(words[1])
             return {"refusals": self.refusals}
@@ -209,7 +214,7 @@ class LinuxCnc(device_double.Double):
             if job["kind"] == "probe":
                 job["tripped"] = list(self.machine.position)
             elif not job.get("aborted"):
-                self.errors.append("Probe tripped during non-probe MDI command.")
+                (self.unsaid if self.said_late else self.errors).append("Probe tripped during non-probe MDI command.")
                 job["aborted"] = True
                 self.queue = []
             self.machine.hold = True
@@ -259,6 +264,7 @@ class LinuxCnc(device_double.Double):
             return
         # The feed is that of the linear axes; the others arrive with them.
         self.machine.move(target, min(feed * (whole / linear if linear > 0.0 else 1.0), 2 * TOP))
+        self.errors, self.unsaid = self.errors + self.unsaid, []
         self.job = {"kind": "probe" if any(c.startswith("38.") for c in codes) else "move"}
 
 

@@ -78,6 +78,44 @@ TEST(Variations, AnotherShapeOfAnEffectIsToldWithTheEffectThatFollows) {
   EXPECT_TRUE(after.variations.empty()) << after.sentence;
 }
 
+/// A probe on three seats, and what else is hidden: the tip goes on by so much that the triangle of its seats
+/// shows.
+Session plateWithTripod(const std::vector<std::string>& hide, double secondLobe) {
+  const Machine machine = Machine::load("three_axis");
+  Session s =
+      simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, 44, ""}).session;
+  for (Observation& o : s.observations) {
+    const double around = std::atan2(-o.approach.y(), -o.approach.x()),
+                 sideways = std::hypot(o.approach.x(), o.approach.y());
+    const double further = 2e-6 * sideways * (1.0 + std::cos(3.0 * around + 2.0)) +
+                           secondLobe * sideways * std::cos(2.0 * around);
+    for (int k = 0; k < 3; ++k) o.position[static_cast<std::size_t>(k)] += further * o.approach[k];
+  }
+  return s;
+}
+
+// Lobes of any order are near to each other, and the play of an axis sideways is near to two lobes: within
+// the freedom of the shape nothing more is missing, and a model of one size without it asks what follows.
+TEST(Variations, APlayBehindTheLobesOfAProbeIsToldAsTheLikelier) {
+  const std::vector<EffectSpec> lobes = {EffectSpec("probe_lobing").set("order", 0),
+                                         EffectSpec("probe_lobing").set("order", 3)};
+  const EffectSpec play = EffectSpec("backlash").set("axis", "y");
+  const Diagnosis d = diagnosed(plateWithTripod({"backlash:y=1.5um"}, 0.0), lobes);
+  ASSERT_EQ(d.variations.size(), 1u) << d.sentence;
+  ASSERT_FALSE(d.variations[0].instead.empty()) << d.sentence;
+  EXPECT_EQ(d.variations[0].instead[0].effect, play) << d.sentence;
+  EXPECT_GT(d.variations[0].instead[0].probability, 0.5);
+  EXPECT_NE(d.sentence.find("or backlash of y explains, odds"), std::string::npos) << d.sentence;
+
+  const Diagnosis other = diagnosed(plateWithTripod({}, 0.3e-6), lobes);
+  ASSERT_EQ(other.variations.size(), 1u) << other.sentence;
+  EXPECT_EQ(other.variations[0].formula, EffectSpec("probe_lobing").set("order", 2)) << other.sentence;
+  for (const Alternative& a : other.variations[0].instead) EXPECT_LT(a.probability, 0.5) << other.sentence;
+
+  const Diagnosis plain = diagnosed(plateWithTripod({}, 0.0), lobes);
+  EXPECT_TRUE(plain.variations.empty()) << plain.sentence;
+}
+
 /// Five runs in both directions over 21 targets (ISO 230-2): each target, each way, has an error of its own.
 Session runs(double ofPlace, double noise) {
   Session session(Machine::load("three_axis"));

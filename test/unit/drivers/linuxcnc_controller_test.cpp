@@ -67,6 +67,15 @@ TEST_F(LinuxCncTest, HomesGoesProbesStops) {
   EXPECT_EQ(refusal([&] { control_->home({"z"}, {"test", 0}); }), "");
 }
 
+TEST_F(LinuxCncTest, WhatIsSaidOfATripWhenTheNextMotionHasBegunIsNotOfThatOne) {
+  readyAt({20, 30, 17});
+  double_->tell("late");
+  EXPECT_EQ(go({20, 30, 5}).outcome, Outcome::kTripped);
+  const MotionControl::Report away = go({20, 30, 25});
+  EXPECT_EQ(away.outcome, Outcome::kReached) << away.message;
+  EXPECT_EQ(go({20, 30, 5}).outcome, Outcome::kTripped) << "and a trip of its own ends a motion as before";
+}
+
 TEST_F(LinuxCncTest, AStopThatIsRefusedIsSaidAgain) {
   readyAt({0, 0, 4});
   auto moving = start({-90, 0, 4}, 0.01);

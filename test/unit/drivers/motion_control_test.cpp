@@ -229,6 +229,28 @@ TEST_F(MotionControlTest, AnEmergencyStopWaitsForNothing) {
   expectWords(refusal([&] { go({0, 0, 0}); }), "not homed");
 }
 
+// Whatever else looks at the state at that moment, a motion says which stop ended it, not the one before.
+TEST_F(MotionControlTest, AMotionSaysWhichStopEndedIt) {
+  std::atomic<bool> looks{true};
+  std::vector<std::thread> crowd;
+  for (int i = 0; i < 4; ++i)
+    crowd.emplace_back([&] {
+      while (looks) control_->view();
+    });
+  for (int i = 0; i < 20 && !HasFailure(); ++i) {
+    home();
+    auto report = start({0.010, 0.0, 0.0});
+    control_->stop("/first");
+    expectWords(report.get().message, "stopped by /first");
+    report = start({-0.015, 0.0, 0.0});
+    EXPECT_EQ(control_->emergencyStop("/second"), "");
+    expectWords(report.get().message, "emergency stop");
+    control_->resetEmergencyStop();
+  }
+  looks = false;
+  for (std::thread& one : crowd) one.join();
+}
+
 TEST_F(MotionControlTest, NothingBeginsWhileTheAxesMoveOrInAnEmergencyStop) {
   home();
   controller_->set([](AxesState& state) { state.limitSwitch[0] = 1; });

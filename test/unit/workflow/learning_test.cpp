@@ -10,11 +10,15 @@ TEST(NextToAdd, IsWhatFollowsAnEffectThatVariesWhereNothingElseIsFound) {
   EXPECT_EQ(nextToAdd(d), nullptr);
   const EffectSpec backlash = EffectSpec("backlash").set("axis", "x"), wave("lead_screw_periodic");
   const EffectSpec formula = EffectSpec("formula").set("direction", "x").set("formula", "k1*x*x_travel");
-  d.variations = {{wave, "x", 2e-6, 1e-7, {}}};
+  d.variations = {{wave, "x", 2e-6, 1e-7, {}, {}}};
   EXPECT_EQ(nextToAdd(d), nullptr) << "nothing follows it";
-  d.variations.push_back({backlash, "x", 1e-6, 1e-7, formula});
+  d.variations.push_back({backlash, "x", 1e-6, 1e-7, formula, {}});
   ASSERT_NE(nextToAdd(d), nullptr);
   EXPECT_EQ(*nextToAdd(d), formula);
+  d.variations.back().instead = {{backlash, 0.3}};
+  EXPECT_EQ(*nextToAdd(d), formula);
+  d.variations.back().instead[0].probability = 0.9;
+  EXPECT_EQ(*nextToAdd(d), backlash) << "the likelier";
   d.missing.emplace_back();
   d.missing[0].effect = backlash;
   EXPECT_EQ(*nextToAdd(d), backlash);
