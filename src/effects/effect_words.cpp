@@ -34,6 +34,7 @@ constexpr std::array kPhrases = {
     Phrase{"gravity_sag", "sag under gravity along {direction} with {with}"},
     Phrase{"probe_lobing", "probe lobing of order {order}"},
     Phrase{"probe_radius", "effective radius of the probe tip"},
+    Phrase{"tip_wear", "wear of the probe tip"},
     Phrase{"ball_radius", "radius of ball {ball}"},
     Phrase{"artifact_position", "position of {feature}"},
     Phrase{"artifact_expansion", "expansion of the artifact with {sensor}"},

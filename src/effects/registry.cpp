@@ -39,6 +39,7 @@
 #include "effects/thermal_growth.h"
 #include "effects/thermal_network.h"
 #include "effects/time_drift.h"
+#include "effects/tip_wear.h"
 #include "effects/warm_up.h"
 
 namespace mm {
@@ -66,6 +67,7 @@ std::vector<EffectType>& registry() {
       gravitySagType(),             //
       probeLobingType(),            //
       probeRadiusType(),            //
+      tipWearType(),                //
       ballRadiusType(),             //
       artifactPositionType(),       //
       artifactExpansionType(),      //

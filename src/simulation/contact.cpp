@@ -18,7 +18,8 @@ double SimulatedMachine::clearance(const Segment& segment, double part, int feat
   std::vector<double> at(segment.from.size());
   for (std::size_t j = 0; j < at.size(); ++j)
     at[j] = segment.from[j] + part * (segment.to[j] - segment.from[j]);
-  const Condition now = condition(at, time_ + part * segment.duration);
+  const double time = time_ + part * segment.duration;
+  const Condition now = condition(at, time);
   const ProbePose tip = chain_.pose(now.slide, physics_.distortion(now));
   const double artifactTemperature = now.bodies[physics_.artifactBody];
   const Eigen::Vector3d centre = physics_.artifact.centre(feature, artifactTemperature);
@@ -28,7 +29,7 @@ double SimulatedMachine::clearance(const Segment& segment, double part, int feat
   if (normal != nullptr) *normal = outward;
   const double preTravel = physics_.probe.preTravel(-(tip.orientation.transpose() * outward));
   return distance - (physics_.artifact.radius(feature, outward, artifactTemperature) + artifact_.tipRadius +
-                     physics_.probe.radiusError - preTravel);
+                     physics_.probe.radiusError - physics_.probe.wear * time - preTravel);
 }
 
 std::optional<double> SimulatedMachine::findContact(const Segment& segment, int feature, double from) const {

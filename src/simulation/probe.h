@@ -17,6 +17,7 @@ class SeatedProbe {
   double preTravel(const Eigen::Vector3d& push) const;
 
   double radiusError = 0.0;   // m, true less stated tip radius
+  double wear = 0.0;          // m/s, of the radius
   double triggerDelay = 0.0;  // s from the contact to the latch
 
  private:

@@ -127,6 +127,7 @@ TEST_F(FailingDiskTest, NothingIsLostWhateverFailsAndWhenever) {
       if (HasFailure()) return;
     }
     std::printf("%5d runs, %5d refused: mm %s\n", runs, refused, writer.command);
+    std::fflush(stdout);  // hours, where every n is asked
   }
   ::unsetenv("MM_CHROMIUM");
   fs::remove_all(*folder_ / "history");

@@ -56,6 +56,7 @@ const std::vector<Row> kThreeAxis{
     {"{type: probe_lobing, order: 0}", "approach"},
     {"{type: probe_lobing, order: 3}", "approach"},
     {"{type: probe_radius}", ""},
+    {"{type: tip_wear}", "t"},
     {"{type: ball_radius, ball: b0}", "feature"},
     {"{type: artifact_position, feature: b1}", "feature"},
     {"{type: artifact_expansion, sensor: frame}", "frame feature"},

@@ -53,6 +53,7 @@ TEST(Recovery, TouchProbeOnThePlate) {
       {"jump:z=4um,at=600s", "{type: jump, direction: z, at_s: 600}", 4e-6},
       {"time_drift:x=8um/h", "{type: time_drift, direction: x}", 8e-6 / 3600.0},
       {"probe_radius=3um", "{type: probe_radius}", 3e-6},
+      {"tip_wear=6um/h", "{type: tip_wear}", 6e-6 / 3600.0},
       {"ball_radius:b3=3um", "{type: ball_radius, ball: b3}", 3e-6},
       {"artifact_expansion=40ppm/K", "{type: artifact_expansion, sensor: bed}", 40.0 * perMetreK},
       {"covariate_offset:x/humidity=0.5um", "{type: covariate_offset, direction: x, covariate: humidity}",

@@ -192,6 +192,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
                                              {"speed_lag", {"", "ms", 1}},
                                              {"probe_lobing", {"", "um", 2}},
                                              {"probe_radius", {"", "um", 3}},
+                                             {"tip_wear", {"", "um/h", 10}},
                                              {"ball_radius", {":b1", "um", 3}},
                                              {"artifact_position", {":b0", "um", 5}},
                                              {"artifact_expansion", {"", "ppm/K", 60}},
