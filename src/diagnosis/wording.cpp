@@ -267,10 +267,19 @@ std::string variationSentence(const Diagnosis& d) {
     text += withFactor(expanded(v.rms / unitOf(d.angular), v.std / unitOf(d.angular),
                                 nameOfUnit(d.angular) + " RMS")) +
             (v.along.empty() ? " are left of it" : "");
-    if (!v.formula.type.empty()) text += ", which " + v.formula.yaml() + " follows";
-    for (const Alternative& a : v.instead)
-      text += (v.formula.type.empty() ? ", which " : ", or ") + inWords(a.effect) + " explains, odds " +
-              oddsInWords(a.probability);
+    std::string which = ", which ";  // the likelier first
+    const auto formula = [&] {
+      if (v.formula.type.empty()) return;
+      text += which + v.formula.yaml() + " follows";
+      which = ", or ";
+    };
+    const bool causeFirst = !v.instead.empty() && v.instead.front().probability > 0.5;
+    if (!causeFirst) formula();
+    for (const Alternative& a : v.instead) {
+      text += which + inWords(a.effect) + " explains, odds " + oddsInWords(a.probability);
+      which = ", or ";
+    }
+    if (causeFirst) formula();
     text += ".";
   }
   return text;

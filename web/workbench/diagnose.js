@@ -85,6 +85,13 @@ function Drift({ d }) {
     one.perhaps.length ? h("ul", { class: "plain" }, one.perhaps.map((p) => h("li", { key: yamlOf(p.effect) }, "Perhaps " + p.in_words + ", odds " + p.odds_in_words + ", " + percent(p.share) + " of it"))) : null)));
 }
 
+// What follows a variation, the likelier first.
+function followers(v) {
+  const causes = (v.or_instead || []).map((a) => ({ effect: a.effect, odds: a.odds, words: h("p", null, "Perhaps ", a.in_words, ", odds " + a.odds_in_words) }));
+  const formula = v.formula ? [{ effect: v.formula, words: h("p", null, h("code", null, v.formula), " follows it") }] : [];
+  return causes.length && causes[0].odds > 0.5 ? causes.concat(formula) : formula.concat(causes);
+}
+
 export function DiagnoseView() {
   const d = useDocument("diagnosis"), session = useDocument("session"), moves = useNumber("moves");
   const directions = [...(session ? session.joints.map((j) => j.name) : []), "x", "y", "z", "approach"].filter((v, i, all) => all.indexOf(v) === i);
@@ -100,9 +107,8 @@ export function DiagnoseView() {
     d.profiles.length || d.formulas.length ? h(Section, { title: "What no effect of the catalogue explains" }, d.profiles.map((p) => h(Profile, { key: yamlOf(p.effect), found: p, observations: n, unit })),
       d.formulas.map((f) => { const yaml = yamlOf(Object.assign({ type: "formula" }, Object.fromEntries(Object.entries(f).filter(([k]) => ["direction", "formula", "start"].includes(k))))); return h("div", { class: "card", key: yaml }, h("div", { class: "heading" }, h("h3", null, "The same as a formula: ", h("code", null, f.formula)), h(Action, { label: "Add", run: () => addAndAsk(yaml) })), f[key] ? h("p", null, "Held-out RMS " + rms(f[key][0], n, unit) + " → " + rms(f[key][1], n, unit) + " (k\u00a0=\u00a02)") : null); })) : null,
     varies.length ? h(Section, { title: "Not the same everywhere", lead: "What is left of effects that are in the model with one size, or one shape." }, varies.map((v) => h("div", { class: "card", key: v.in_words + v.along },
-      h("div", { class: "heading" }, h("h3", null, v.in_words + (v.along ? " along " + v.along : "")), v.formula ? h(Action, { label: "Add", kind: "primary", title: v.formula, run: () => addAndAsk(v.formula) }) : null),
-      h("p", { class: "size" }, measured(v["rms_" + unit], v["rms_std_" + unit], unit) + " RMS is left of it (k\u00a0=\u00a02)"), v.formula ? h("p", null, h("code", null, v.formula), " follows it") : null,
-      (v.or_instead || []).map((a) => h("div", { class: "heading", key: a.effect }, h("p", null, "Or ", a.in_words, ", odds " + a.odds_in_words), h(Action, { label: "Add", title: a.effect, run: () => addAndAsk(a.effect) })))))) : null,
+      h("h3", null, v.in_words + (v.along ? " along " + v.along : "")),
+      h("p", { class: "size" }, measured(v["rms_" + unit], v["rms_std_" + unit], unit) + " RMS is left of it (k\u00a0=\u00a02)"), followers(v).map((f, i) => h("div", { class: "heading", key: f.effect }, f.words, h(Action, { label: "Add", kind: i === 0 ? "primary" : undefined, title: f.effect, run: () => addAndAsk(f.effect) })))))) : null,
     d.next_measurement.length ? h(Section, { title: "What to measure next", action: h("a", { class: "button", href: downloadAddress("moves"), download: "moves.yaml" }, "Keep the plan") }, h("p", null, d.next_measurement.length + " targets that best separate what these data do not" + (moves ? "; the view Measure runs them." : "."))) : null,
     h(Section, { title: "Your own formula", lead: "A formula is one effect more: added, refitted, and in the ledger like any other." }, h(OwnFormula, { directions })),
     h(Section, { title: "Drift" }, h(Drift, { d })),

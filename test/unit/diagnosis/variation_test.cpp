@@ -105,7 +105,7 @@ TEST(Variations, APlayBehindTheLobesOfAProbeIsToldAsTheLikelier) {
   ASSERT_FALSE(d.variations[0].instead.empty()) << d.sentence;
   EXPECT_EQ(d.variations[0].instead[0].effect, play) << d.sentence;
   EXPECT_GT(d.variations[0].instead[0].probability, 0.5);
-  EXPECT_NE(d.sentence.find("or backlash of y explains, odds"), std::string::npos) << d.sentence;
+  EXPECT_NE(d.sentence.find(", which backlash of y explains, odds"), std::string::npos) << d.sentence;
 
   const Diagnosis other = diagnosed(plateWithTripod({}, 0.3e-6), lobes);
   ASSERT_EQ(other.variations.size(), 1u) << other.sentence;
