@@ -17,8 +17,7 @@ namespace mm {
 namespace {
 
 constexpr std::size_t kMostRivals = 4;
-constexpr double kMostNats = 650.0;  // of which a double holds the exponential and its inverse
-constexpr double kCounts = 4.5;      // standard deviations: a further shape of a family is told as well
+constexpr double kCounts = 4.5;  // standard deviations: a further shape of a family is told as well
 constexpr double kPriorCause =
     0.5;  // that any cause acts, before a session is seen: that is why it is diagnosed
 constexpr std::size_t kMostHeldOut = 12;  // candidates whose held-out figure is worked out: the best

@@ -59,6 +59,8 @@ constexpr double kSmallestSize = 1e-3;
 constexpr double kWorthTrying = 6.0;
 /// Explanations whose log evidence differs by less are not separated (Kass & Raftery 1995: 20 to 1).
 constexpr double kIndistinct = 3.0;
+/// Nats of which a double holds the exponential and its inverse.
+constexpr double kMostNats = 650.0;
 
 /// The search for the explanation of greatest worth: forward, exchange and backward, drift always a rival.
 class Search {

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/search.h"
 #include "diagnosis/shape_maker.h"
@@ -17,7 +18,6 @@ const double kNoChance = std::log(1e-4);
 constexpr double kWorthSaying = 0.5;  // of the noise: less is not seen beside it
 constexpr int kDegrees = 3;           // a line, a bow, a worn end
 constexpr std::size_t kMostTold = 3;  // alternatives
-constexpr double kMostNats = 650.0;   // of which a double holds the exponential
 
 /// A play that changes is followed by these; the model's own constant part stays.
 std::string formulaOver(const std::string& joint) {
@@ -58,8 +58,9 @@ std::vector<Alternative> alternatives(const ResidualSpace& space, const std::vec
   double sum = 1.0;  // of the weights, that of what was found among them
   for (const CandidateResult& cause : causes) {
     if (cause.effect == found || inModel(space.problem().model(), cause.effect)) continue;
-    const double more = takenBy(space, cause.effect).worth - worth;
-    if (more < -kIndistinct) continue;
+    const Taken taken = takenBy(space, cause.effect);
+    const double more = taken.worth - worth;
+    if (!(taken.rms > 0.0) || more < -kIndistinct) continue;
     all.push_back({cause.effect, std::exp(std::min(kMostNats, more))});
     sum += all.back().probability;
   }
@@ -95,12 +96,12 @@ Variation changeAlong(const ResidualSpace& space, const Effect& effect, const st
   const int one = static_cast<int>(varied.cols());
   Eigen::MatrixXd columns(varied.rows(), kDegrees * one);
   Taken taken;
-  double worth = 0.0;  // of the degree that has the most
+  double worth = -std::numeric_limits<double>::infinity();  // of the degree that has the most
   for (int d = 0; d < kDegrees; ++d) {
     varyAlong(space.problem(), space.used(), joint, varied);
     columns.middleCols(d * one, one) = varied;
     taken = takenBy(space, columns.leftCols((d + 1) * one));
-    worth = std::max(worth, taken.worth);
+    if (taken.rms > 0.0) worth = std::max(worth, taken.worth);
   }
   Variation v{effect.spec(), model.domain().joints[joint].name, unit * taken.rms, unit * taken.std, {}, {}};
   const std::vector<int> travels = inputsOf(effect, model.domain()).travels;

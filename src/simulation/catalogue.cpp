@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "simulation/catalogue_parts.h"
 #include "simulation/guideway.h"
-#include "simulation/rotary.h"
 #include "simulation/screw.h"
 #include "simulation/structure.h"
 #include "simulation/thermal.h"
@@ -17,16 +17,9 @@ namespace {
 using Key = SourceKind::Key;
 using Probe = SourceKind::Probe;
 
-template <typename T, typename... Arguments>
-void add(Workshop& w, Arguments&&... arguments) {
-  w.physics.sources.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
-}
-
-int joint(const HiddenSource& s, const Workshop& w, const char* key) {
-  return w.machine.findJoint(s.key(key));
-}
-
-Eigen::Vector3d unitVector(const std::string& name) { return Eigen::Vector3d::Unit(name[0] - 'x'); }
+using source_kinds::add;
+using source_kinds::joint;
+using source_kinds::unitVector;
 
 /// A joint's own motion where a joint has that name, else the axis of workpiece.
 Direction direction(const HiddenSource& s, const Workshop& w, const char* key) {
@@ -36,13 +29,6 @@ Direction direction(const HiddenSource& s, const Workshop& w, const char* key) {
 }
 
 Lever lever(const HiddenSource& s) { return s.key("lever") == "chain" ? Lever::kChain : Lever::kWorkpiece; }
-
-/// Two unit vectors square to a joint's axis.
-std::pair<Eigen::Vector3d, Eigen::Vector3d> across(const Eigen::Vector3d& axis) {
-  const Eigen::Vector3d seed = std::abs(axis.x()) < 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d first = (seed - axis * axis.dot(seed)).normalized();
-  return {first, axis.cross(first)};
-}
 
 int feature(const HiddenSource& s, const Workshop& w, const char* key) {
   return w.artifact.findFeature(s.key(key));
@@ -331,61 +317,6 @@ std::vector<SourceKind> probeKinds() {
        Probe::kLaser,
        false,
        [](const HiddenSource& s, Workshop& w, Random&) { w.physics.laser.incidence += s.number("size"); }},
-  };
-}
-
-std::vector<SourceKind> rotaryKinds() {
-  return {
-      {"rotary_zero",
-       {{"joint", Key::kRotary, ""}},
-       {{"angle", "rad", 5.0 * kArcsecond, 60.0 * kArcsecond, true}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         add<RotaryZero>(w, joint(s, w, "joint"), s.number("angle"));
-       }},
-      {"rotary_axis_offset",
-       {{"joint", Key::kRotary, ""}, {"direction", Key::kAcross, ""}},
-       {{"shift", "m", 3e-6, 30e-6, true}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         add<RotaryLocation>(w, joint(s, w, "joint"), unitVector(s.key("direction")) * s.number("shift"),
-                             Eigen::Vector3d::Zero());
-       }},
-      {"rotary_axis_tilt",
-       {{"joint", Key::kRotary, ""}, {"about", Key::kAcross, ""}},
-       {{"angle", "rad", 5.0 * kArcsecond, 60.0 * kArcsecond, true}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         add<RotaryLocation>(w, joint(s, w, "joint"), Eigen::Vector3d::Zero(),
-                             unitVector(s.key("about")) * s.number("angle"));
-       }},
-      {"rotary_eccentricity",
-       {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
-       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond},
-        {"phase", "turn", 0.01, 6.28},
-        {"radial", "m", 1e-6, 6e-6}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         const int j = joint(s, w, "joint");
-         const auto [first, second] = across(w.chain.axis(j));
-         add<DiscEccentricity>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), s.number("phase"));
-         add<RadialRunOut>(w, j, std::stoi(s.key("harmonic")), s.number("radial"), s.number("phase"), first,
-                           second);
-       }},
-      {"rotary_wobble",
-       {{"joint", Key::kRotary, ""}, {"harmonic", Key::kWord, "1"}},
-       {{"angle", "rad", 4.0 * kArcsecond, 40.0 * kArcsecond}, {"phase", "turn", 0.01, 6.28}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         const int j = joint(s, w, "joint");
-         const auto [first, second] = across(w.chain.axis(j));
-         add<Wobble>(w, j, std::stoi(s.key("harmonic")), s.number("angle"), s.number("phase"), first, second);
-       }},
   };
 }
 

@@ -85,8 +85,7 @@ void compareWithCalibrated(const Calibration& calibration, const BeforeAndAfter&
 std::string whyNotFresh(const Calibration& calibration, const Session& session) {
   if (calibration.sessionHash.empty() || calibration.sessionHash != sessionHash(session)) return {};
   return "the calibration was fitted to this very session, so none of its points is fresh; measure a few "
-         "others "
-         "(mm plan verify says which) and verify with them";
+         "others (mm plan verify says which) and verify with them";
 }
 
 Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options) {

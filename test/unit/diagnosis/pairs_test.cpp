@@ -72,7 +72,7 @@ bool considered(const Diagnosis& d, const EffectSpec& effect) {
 // Sideways pre-travel with four lobes imitates the play of two axes nearly as well: both are told in three of
 // four sessions at least.
 TEST(Pairs, PlayOfTwoAxesIsNotSidewaysPretravelAlone) {
-  MM_THOROUGH_ONLY("two sessions at least; every day PlayAndScaleOfARegularPlateAreNotOneWave stands for it");
+  MM_THOROUGH_ONLY("four sessions; every day PlayAndScaleOfARegularPlateAreNotOneWave stands for it");
   const int sessions = 4;
   int told = 0;  // beside them the scatter of the balls may decide, in one of four sessions at the most
   for (int seed = 1; seed <= sessions; ++seed) {
@@ -85,7 +85,10 @@ TEST(Pairs, PlayOfTwoAxesIsNotSidewaysPretravelAlone) {
 }
 
 TEST(Pairs, PlayAndScaleOfARegularPlateAreNotOneWave) {
-  for (std::uint64_t seed = 1; seed <= (mm_test::thoroughTests() ? 2 : 1); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (mm_test::longTests()       ? 3
+                                        : mm_test::thoroughTests() ? 2
+                                                                   : 1);
+       ++seed) {
     const Diagnosis d =
         diagnosed(regularPlate("backlash:x=1.5um", seed), {EffectSpec("scale").set("axis", "y")});
     EXPECT_NE(named(d, "backlash", "axis", "x"), nullptr) << d.sentence;
@@ -102,7 +105,10 @@ TEST(Pairs, AJumpIsToldWithItsTimeAndNothingIsToldWhereNothingJumped) {
   EXPECT_NEAR(std::stod(found->effect.text("at_s")), 900.0, spacing) << d.sentence;
   EXPECT_NEAR(found->parameters[0].value, 4.0, 0.4) << d.sentence;
   const Machine machine = Machine::load("three_axis");
-  for (std::uint64_t seed = 1; seed <= (mm_test::thoroughTests() ? 2 : 1); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (mm_test::longTests()       ? 4
+                                        : mm_test::thoroughTests() ? 2
+                                                                   : 1);
+       ++seed) {
     const Session wandering = simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine),
                                        {{}, seed, "drift,correlated"})
                                   .session;
