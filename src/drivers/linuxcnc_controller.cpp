@@ -228,7 +228,8 @@ void LinuxCncController::beginTask(Task task) {
   state_.outcome = Outcome::kUnderWay;
   state_.note.clear();
   taken_ = tripSeen_ = homedSince_ = 0.0;
-  fell_ = false;
+  fell_ = went_ = false;
+  age_ = 0.0;
   openSeen_ = !state_.probeClosed;
   latched_.reset();
   failed_.reset();

@@ -75,6 +75,8 @@ class LinuxCncController final : public AxisController {
   AxesMotion motion_;
   std::vector<std::size_t> homing_;
   double taskBegan_ = 0.0, still_ = 0.0, tripSeen_ = 0.0;  // s; still_: since when nothing moves
+  double age_ = 0.0;         // s since when LinuxCNC shows axes still that it drives
+  bool went_ = false;        // an axis moved since the task began
   double homedSince_ = 0.0;  // s, of the first round from which on all flags of the axes stand
   bool fell_ = false;        // a flag was seen to fall since homing was asked for
   double taken_ = 0.0;       // s: when LinuxCNC had taken all commands of the task; 0: not yet

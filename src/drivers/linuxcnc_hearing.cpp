@@ -90,7 +90,7 @@ void LinuxCncController::takeRound() {
 }
 
 void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
-  const double gone = at - state_.time;
+  const double gone = at - state_.time + age_;
   const std::size_t axes = map_->size();
   std::vector<double> position(axes), velocity(axes, 0.0);
   bool changed = last_.absolute.size() != now.absolute.size();
@@ -102,8 +102,13 @@ void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
       velocity[j] = (position[j] - state_.position[j]) / gone;
   }
   if (changed || still_ == 0.0) still_ = now.came;
+  went_ = went_ || (changed && task_ != Task::kNone);
+  // Axes that went stand still while LinuxCNC says that it drives them: its task was held up, not the axes,
+  // and what it shows is as old as the last change.
+  const bool drives = (task_ == Task::kGo || task_ == Task::kProbing) && now.runs && now.feedOverride > 0.0;
+  age_ = went_ && drives ? now.came - still_ : 0.0;
   state_.time = std::max(state_.time, at);
-  state_.timeUncertainty = 0.5 * (now.came - now.asked);
+  state_.timeUncertainty = 0.5 * (now.came - now.asked) + age_;
   state_.position = position;
   state_.velocity = velocity;
   state_.limitSwitch.assign(axes, 0);
@@ -136,7 +141,7 @@ void LinuxCncController::takeProbe(bool closed, double at) {
 // Whether the task has ended, by the round that came last.
 void LinuxCncController::judge() {
   const bool rests = last_.came - still_ >= kStill;
-  if (stopAsked_ && last_.asked > stopSent_ && rests) {
+  if (stopAsked_ && last_.asked > stopSent_ && rests && !last_.runs) {
     stopAsked_ = false;
     finish(Outcome::kStopped);
   }

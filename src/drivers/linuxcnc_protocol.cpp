@@ -76,6 +76,7 @@ bool LinuxCncRound::take(const LinuxCncLine& line) {
     feedOverride = 0.01 * percent[0];
   } else if (word == "PROGRAM_STATUS") {
     idle = rest == "IDLE";
+    runs = rest == "RUNNING";
   } else {
     return false;
   }

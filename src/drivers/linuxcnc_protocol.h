@@ -18,7 +18,7 @@ std::vector<double> parseLinuxCncNumbers(const std::string& text);
 /// The answers to one round of questions.
 struct LinuxCncRound {
   double asked = 0.0, came = 0.0;  // s, steady clock; asked 0: none is under way
-  bool emergency = false, on = false, probe = false, idle = true, mdi = false;
+  bool emergency = false, on = false, probe = false, idle = true, runs = false, mdi = false;
   std::vector<bool> homed;  // LinuxCNC's joints
   std::vector<int> limits;  // -1, 0, 1: at its lower, no, at its upper limit; LinuxCNC's joints
   std::vector<double> absolute, relative;  // mm or deg, X Y Z A B C; in the machine's and in work coordinates

@@ -33,6 +33,7 @@ class LinuxCnc(device_double.Double):
         self.refusals = 0
         self.said_late, self.unsaid = False, []
         self.homing = None  # when the joints begin to home, and which
+        self.frozen = None  # until when what is shown stays, and what that is
         self.lines, self.greeted, self.enabled = {}, set(), None
         self.verbose, self.waiting, self.number, self.timeout = set(), {}, 0, 0.0
         self.probed = [0.0] * self.machine.axes
@@ -81,11 +82,17 @@ class LinuxCnc(device_double.Double):
         if verb == "set":
             return self.set(connection, words[1].lower(), line.split(None, 2)[2] if len(words) > 2 else "")
 
-    def shown(self):
+    def status(self):
+        """@return what is shown: position, and whether nothing is under way."""
+        if self.frozen and time.monotonic() < self.frozen[0]:
+            return self.frozen[1]
         position = list(self.machine.position)
         if self.fault == "wrong":
             position[0] += device_double.WRONG
-        return position
+        return position, not (self.job or self.queue)
+
+    def shown(self):
+        return self.status()[0]
 
     def numbers(self, values):
         return " ".join("%.6f" % v for v in values + [0.0] * (6 - len(values)))
@@ -103,7 +110,7 @@ class LinuxCnc(device_double.Double):
             "feed_override": lambda: "%d" % round(100 * self.machine.share),
             "error": lambda: self.errors.pop(0) if self.errors else "OK",
             "operator_display": lambda: self.display.pop(0) if self.display else "OK",
-            "program_status": lambda: "RUNNING" if self.job or self.queue else "IDLE"}
+            "program_status": lambda: "IDLE" if self.status()[1] else "RUNNING"}
         if what not in answers:
             return self.answer(connection, "GET %s NAK" % what.upper())
         self.answer(connection, "%s %s" % (what.upper(), answers[what]()))
@@ -137,7 +144,11 @@ class LinuxCnc(device_double.Double):
 
     def command(self, words):
         """refuse N: the next N aborts and emergency stops are refused, as when another client takes control between.
-        late: what the motion says of a trip arrives when the next motion has begun, as on a busy computer."""
+        late: what the motion says of a trip arrives when the next motion has begun, as on a busy computer.
+        freeze S: for S seconds what is shown stays as it is, and the axes go on, as where the task is held up."""
+        if words[0] == "freeze":
+            self.frozen = (time.monotonic() + float(words[1]), self.status())
+            return {"frozen": float(words[1])}
         if words[0] == "late":
             self.said_late = True
             return {"late": True}

@@ -76,6 +76,31 @@ TEST_F(LinuxCncTest, WhatIsSaidOfATripWhenTheNextMotionHasBegunIsNotOfThatOne) {
   EXPECT_EQ(go({20, 30, 5}).outcome, Outcome::kTripped) << "and a trip of its own ends a motion as before";
 }
 
+// A busy computer holds up the task that tells where the axes are, not the axes.
+TEST_F(LinuxCncTest, AStatusThatStoodStillWhileTheAxesWentOnIsNoLostZero) {
+  readyAt({0, 0, 4});
+  auto moving = start({-60, 0, 4});
+  ASSERT_TRUE(await([&] { return shown(0) < -5.0; }));
+  double_->tell("freeze 0.6");
+  const MotionControl::Report report = moving.get();
+  EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
+  EXPECT_TRUE(control_->view().state.homed);
+}
+
+// Where motions must be watched more closely than that, such a motion is ended, and says why.
+TEST_F(LinuxCncFaultsTest, AMotionWhoseStatusStandsStillIsNotWatched) {
+  readyAt({0, 0, 4});
+  auto moving = start({-90, 0, 4});
+  ASSERT_TRUE(await([&] { return shown(0) < -5.0; }));
+  double_->tell("freeze 1.5");
+  const MotionControl::Report report = moving.get();
+  EXPECT_EQ(report.outcome, Outcome::kLost);
+  expectWords(report.message, "states arrive");
+  EXPECT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); }));
+  EXPECT_LT(double_->tell("machine")["position"][0].get<double>(), -5.0);
+  EXPECT_GT(double_->tell("machine")["position"][0].get<double>(), -85.0) << "stopped on its way";
+}
+
 TEST_F(LinuxCncTest, AStopThatIsRefusedIsSaidAgain) {
   readyAt({0, 0, 4});
   auto moving = start({-90, 0, 4}, 0.01);
