@@ -74,14 +74,14 @@ def motors():
 
 
 def at_rest():
-    """The motors, when nothing changes any more: the trajectory, the run of a table's step, the offsets."""
-    last = [None, 0]
+    """The motors, when nothing has changed for 0.1 s of the servo thread: the trajectory, the run of a table's step, the offsets."""
+    last, since = [None], [0.0]
 
     def still():
         now = (motors(), pin("motion.in-position"))
-        last[1] = last[1] + 1 if now == last[0] and now[1] else 0
-        last[0] = now
-        return now[0] if last[1] >= 5 else None
+        if now != last[0] or not now[1]:
+            last[0], since[0] = now, pin("integ.0.out")
+        return now[0] if pin("integ.0.out") - since[0] >= 0.1 else None
 
     return wait_until(still, 20, "the machine does not come to rest")
 

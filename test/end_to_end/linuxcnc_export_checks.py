@@ -27,6 +27,8 @@ OFFSETS = 0.3
 # In which direction each joint moved last, as its table takes it: the comparator keeps its answer while there is no velocity.
 DIRECTIONS = "loadrt comp count=3\n" + "".join(
     "addf comp.%d servo-thread\nnet velocity-%d joint.%d.vel-cmd => comp.%d.in1\n" % (n, n, n, n) for n in range(3))
+# Seconds of the servo thread, which stand still where the computer holds it up.
+CLOCK = "loadrt integ\naddf integ.0 servo-thread\nsetp integ.0.in 1\n"
 
 
 def say(good, what, why=""):
@@ -85,7 +87,7 @@ def machine(work, made):
     with open(os.path.join(folder, "machine.ini"), "w") as file:
         file.write(text)
     with open(os.path.join(folder, "directions.hal"), "w") as file:
-        file.write(DIRECTIONS)
+        file.write(DIRECTIONS + CLOCK)
     for name in ("machine.var", "machine.tbl"):
         open(os.path.join(folder, name), "w").close()
     bin_folder = os.path.join(folder, "bin")
