@@ -50,12 +50,8 @@ std::vector<EffectSpec> specsOf(const Questions& q, const Member& m, const Eigen
                                 const Eigen::MatrixXd& covariance, double size,
                                 const std::vector<EffectSpec>& taken) {
   const Shape& shape = shapeOf(q, m);
-  if (q.groups.groups[m.group].profile) {
-    const EffectSpec::Value* two = shape.spec.find("variables");
-    return {profileSpec(shape.spec.text("direction"),
-                        two != nullptr ? two->items : std::vector<std::string>{shape.spec.text("variable")},
-                        size, q.space->problem().model().domain())};
-  }
+  if (q.groups.groups[m.group].profile)
+    return {sizedProfile(shape.spec, size, q.space->problem().model().domain())};
   if (shape.mixed.empty()) {
     const bool there =
         std::any_of(taken.begin(), taken.end(), [&](const EffectSpec& s) { return s == shape.spec; });

@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "diagnosis/answers.h"
 #include "diagnosis/drift_report.h"
+#include "diagnosis/full_fit.h"
 #include "diagnosis/held_out.h"
 #include "diagnosis/question_list.h"
 #include "diagnosis/search.h"
@@ -25,20 +26,6 @@ namespace {
 
 constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 constexpr int kMostLooks = 3;       // at what stands apart
-
-Model modelWith(const Model& model, const std::vector<EffectPtr>& more) {
-  std::vector<EffectPtr> effects = model.effects();
-  effects.insert(effects.end(), more.begin(), more.end());
-  return Model(model.machine(), model.domain(), effects);
-}
-
-/// One look at the session: what was fitted, what is asked, what was found.
-struct Look {
-  std::unique_ptr<ResidualSpace> space;
-  Questions questions;
-  Explanation found;
-  double tailDof = 0.0;
-};
 
 class Diagnoser {
  public:
@@ -64,15 +51,15 @@ class Diagnoser {
     // outliers may have been structure, and structure may have hidden outliers: look again with what was
     // found in
     CalibrationResult fitted = out_.base;
+    const FullFit full(session_, model_, fit_);
     Look look;
     for (int round = 0; round < kMostLooks; ++round) {
       look = lookAt(fitted, round);
       if (look.found.members.empty() || round + 1 == kMostLooks) break;  // a look is of the fit that it had
-      std::vector<EffectPtr> effects;
-      const Eigen::VectorXd with = startOf(look, effects);
+      const FullFit::Start with = full.startOf(look);
       CalibrationResult refitted;
       try {
-        refitted = calibrate(session_, modelWith(model_, effects), fit_, with);
+        refitted = calibrate(session_, full.with(with.found), fit_, with.x);
       } catch (const NumericalError&) {
         break;  // the session cannot determine them beside the rest: they stay as they were found
       }
@@ -82,8 +69,8 @@ class Diagnoser {
       again.weights = refitted.weight;
       fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
     }
-    dropWhatDoesNothing(look, fitted);
-    conclude(look, fitted);
+    full.dropWhatDoesNothing(look, fitted);
+    conclude(look, fitted, full);
   }
 
  private:
@@ -126,24 +113,12 @@ class Diagnoser {
       q.profiles = static_cast<int>(profiles.groups.size());
       append(q.groups, std::move(profiles));
       report("search", 0.2 + 0.2 * round);
-      const Search search = searchOf(q);
+      const Search search = Search(q);
       look.found = withTails(search, search.run(Eigen::VectorXd::Ones(q.rows.rows())), look);
     }
     lookAtPairs(look);
-    look.found = settled(q, std::move(look.found));
+    look.found = Search(q).settledWithPairs(std::move(look.found));
     return look;
-  }
-
-  /// With all rivals of what was found.
-  static Explanation settled(const Questions& q, Explanation found) {
-    const Search search = searchOf(q);
-    return search.withPairsAsRivals(search.settled(std::move(found)));
-  }
-
-  static Search searchOf(const Questions& q) {
-    Search search(q);
-    search.step = [] { CancelScope::check(); };
-    return search;
   }
 
   /// The search on with the weights that the tails of the noise ask for.
@@ -159,27 +134,27 @@ class Diagnoser {
   void lookAtMany(Look& look, int round) const {
     Questions& q = look.questions;
     Shortlist list(*look.space, q);
-    look.found = searchOf(q).none(Eigen::VectorXd::Ones(q.rows.rows()));
+    look.found = Search(q).none(Eigen::VectorXd::Ones(q.rows.rows()));
     list.extend(look.found);
     report("search", 0.2 + 0.2 * round);
-    look.found = withTails(searchOf(q), searchOf(q).improved(look.found), look);
-    if (searchOf(q).couldHideSeveral(look.found)) tryCausesAlone(look, list);
+    look.found = withTails(Search(q), Search(q).improved(look.found), look);
+    if (Search(q).couldHideSeveral(look.found)) tryCausesAlone(look, list);
     for (int again = 0; again < kMostLooks && !look.found.members.empty() && list.extend(look.found);
          ++again) {
       report("search", 0.25 + 0.2 * round);
-      look.found = searchOf(q).improved(look.found);
+      look.found = Search(q).improved(look.found);
     }
   }
 
   /// The other way: what comes near to being an answer where neither drift nor scatter is there is asked,
   /// too.
   void tryCausesAlone(Look& look, Shortlist& list) const {
-    Explanation causes = searchOf(look.questions).bare(look.found);
+    Explanation causes = Search(look.questions).bare(look.found);
     for (int again = 0; again < kMostLooks; ++again) {
       if (!list.extend(causes, &look.found) && again > 0) break;
-      causes = searchOf(look.questions).causesAlone(std::move(causes));
+      causes = Search(look.questions).causesAlone(std::move(causes));
     }
-    look.found = searchOf(look.questions).ofGreaterWorth(std::move(look.found), causes);
+    look.found = Search(look.questions).ofGreaterWorth(std::move(look.found), causes);
   }
 
   /// Two variables at once, where what was found may be no more than their shadow.
@@ -232,26 +207,12 @@ class Diagnoser {
     }
     if (more.groups.empty()) return;
     append(q.groups, std::move(more));
-    look.found = searchOf(q).improved(found);
+    look.found = Search(q).improved(found);
   }
 
-  /// Start values of the model's and the found effects' parameters, from the linearised solution.
-  Eigen::VectorXd startOf(const Look& look, std::vector<EffectPtr>& effects) const {
-    const auto answers = answersOf(Search(look.questions), look.found);
-    Eigen::VectorXd start = look.space->fitted().x.head(model_.parameterCount());
-    for (const Answer& a : answers) {
-      effects.push_back(a.effect);
-      const int first = static_cast<int>(start.size());
-      start.conservativeResize(first + a.effect->parameterCount());
-      start.tail(a.effect->parameterCount()) = a.start;
-    }
-    return start;
-  }
-
-  void conclude(Look& look, const CalibrationResult& fitted) {
+  void conclude(Look& look, const CalibrationResult& fitted, const FullFit& full) {
     const Questions& q = look.questions;
-    Search search(q);
-    search.step = [this] { CancelScope::check(); };
+    const Search search(q);
     Explanation& found = look.found;
     const double unit = unitOf(*look.space);
     out_.tailDof = look.tailDof;
@@ -264,7 +225,7 @@ class Diagnoser {
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
     fillAnswers(search, found, held, unit, out_);
-    refinedParameters(look, fitted);
+    full.takeSizes(look, fitted, out_);
     allowForForm(search, found, out_);
     listCandidates(search, found, held, unit, out_);
     listCannotShow(q, found, out_);
@@ -278,96 +239,6 @@ class Diagnoser {
           variationsOf(*look.space, out_.candidates, unit, std::max(out_.noise, out_.base.repeatability));
     decide(out_);
     out_.sentence = sentenceOf(out_);
-  }
-
-  /// The session with an artifact that is known as well as it was found to be: balls that scatter would shift
-  /// the sizes of causes, and make them seem surer than they are.
-  Session withScatter(const Look& look) const {
-    Session session = session_;
-    const double unit = look.found.white * unitOf(*look.space);
-    const auto both = [](double stated, double found) { return std::sqrt(stated * stated + found * found); };
-    for (std::size_t b = 0; b < look.questions.scatter.size(); ++b)
-      for (Feature& f : session.artifact.features) {
-        const double found = look.found.scatter[b] * unit;
-        if (look.questions.scatterNames[b] == "centres" && f.known)
-          f.positionStd = both(f.positionStd, found);
-        if (look.questions.scatterNames[b] == "radii" && f.kind == FeatureKind::kBall)
-          f.radiusStd = both(f.radiusStd, found);
-      }
-    return session;
-  }
-
-  /// Everything that was found in the model, and the weights as they are.
-  CalibrationResult refit(const Look& look, const CalibrationResult& fitted,
-                          const std::vector<EffectPtr>& effects, const Eigen::VectorXd& start) const {
-    CalibrateOptions again = fit_;
-    again.rejectOutliers = false;
-    again.weights = fitted.weight;
-    return calibrate(withScatter(look), modelWith(model_, effects), again, start);
-  }
-
-  /// A cause whose size in the model is within its expanded uncertainty was found for the freedom of its
-  /// shape alone: its name says nothing, and to add it would do nothing.
-  void dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) const {
-    bool dropped = false;
-    while (!look.found.members.empty()) {
-      const Search search = searchOf(look.questions);
-      const std::vector<Answer> answers = answersOf(search, look.found);
-      const auto evidence = search.evidenceAt(look.found);
-      std::vector<EffectPtr> effects;
-      const Eigen::VectorXd start = startOf(look, effects);
-      std::vector<double> sure;
-      try {
-        sure = surenessOf(answers, refit(look, fitted, effects, start), model_.parameterCount(),
-                          look.found.members.size());
-      } catch (const NumericalError&) {
-        return;  // what the linearised fit says stands
-      }
-      std::size_t least = sure.size();
-      for (std::size_t j = 0; j < sure.size(); ++j)
-        if (sure[j] < 1.0 && !look.questions.groups.groups[look.found.members[j].group].profile &&
-            !search.hasCurve(*evidence, look.found.members, j) &&
-            (least == sure.size() || sure[j] < sure[least]))
-          least = j;
-      if (least == sure.size()) break;
-      dropped = true;
-      // what came with it must now earn its place alone
-      look.found = search.pruned(search.without(look.found, least));
-    }
-    if (dropped) look.found = settled(look.questions, std::move(look.found));
-  }
-
-  /// Values and uncertainties by a full refit of the model with everything that was found.
-  void refinedParameters(const Look& look, const CalibrationResult& fitted) {
-    if (look.found.members.empty()) return;
-    std::vector<EffectPtr> effects;
-    const Eigen::VectorXd start = startOf(look, effects);
-    try {
-      const CalibrationResult full = refit(look, fitted, effects, start);
-      takeParameters(full, model_.parameterCount(), effects, out_);
-      const Search search = searchOf(look.questions);
-      const std::vector<char> curves = curvesForTheRest(search, look.found);
-      if (std::count(curves.begin(), curves.end(), 1) == 0) return;
-      // the size of a cause with a curve for its rest is that without the curve
-      const std::vector<Answer> answers = answersOf(search, look.found);
-      std::vector<EffectPtr> others;
-      Eigen::VectorXd startOfOthers = start.head(model_.parameterCount());
-      int at = model_.parameterCount();
-      for (std::size_t k = 0; k < effects.size(); ++k) {
-        const int count = effects[k]->parameterCount();
-        if (!curves[static_cast<std::size_t>(answers[k].member)]) {
-          others.push_back(effects[k]);
-          const auto before = startOfOthers.size();
-          startOfOthers.conservativeResize(before + count);
-          startOfOthers.tail(count) = start.segment(at, count);
-        }
-        at += count;
-      }
-      const CalibrationResult without = refit(look, fitted, others, startOfOthers);
-      takeParameters(without, model_.parameterCount(), others, out_);
-    } catch (const NumericalError&) {
-      // what the linearised fit says stands
-    }
   }
 
   const Session& session_;

@@ -46,6 +46,7 @@ struct CandidateResult {
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // RMS, m (rad for angular sessions)
   double size = 0.0;  // RMS of its contribution after refit, m (rad for angular sessions)
   std::vector<Confusable> confusableWith;
+  std::string looksTheSame;  // Effect::looksTheSame(): a sentence, or nothing
   std::string cause, remedy;
 };
 

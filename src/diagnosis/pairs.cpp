@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/cancel_scope.h"
 #include "diagnosis/search.h"
 
 namespace mm {
@@ -123,7 +124,7 @@ class PairSeeker {
   /// What `seed` and the best beside it are worth. @param from groups that the second may be of; null: all.
   /// @param price of the second, of which the first says that something acts.
   void tryWith(const Member& seed, const std::vector<int>* from, double price) {
-    if (search_.step) search_.step();
+    CancelScope::check();
     Search::Pair pair;
     pair.members = others_;
     pair.members.push_back(seed);

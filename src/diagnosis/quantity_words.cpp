@@ -90,6 +90,21 @@ std::string sizeInWords(const CandidateResult& c, bool angular) {
                       : "";
 }
 
+std::string foundInWords(const CandidateResult& c) {
+  EffectSpec spec(c.effect.type);
+  std::string found;
+  for (const auto& [key, value] : c.effect.keys) {
+    const std::string name = key.substr(0, key.rfind('_'));
+    const auto p = std::find_if(c.parameters.begin(), c.parameters.end(),
+                                [&](const NamedValue& v) { return v.name == name; });
+    if (c.effect.text(key) == "unknown" && p != c.parameters.end())
+      found += ", " + name + " " + expanded(p->value, p->std, p->unit);
+    else
+      spec.keys.emplace_back(key, value);
+  }
+  return inWords(spec) + found;
+}
+
 std::string variableInWords(const std::string& name, const std::string& unit) {
   if (name == "t") return "time";
   const std::string velocity = "_velocity";

@@ -24,6 +24,17 @@ constexpr std::size_t kFewestMixed = 3;  // two are hardly more than each alone
 /// all cores busy. Part of the layout of the work, so that the bits do not depend on the number of threads.
 constexpr std::size_t kDraftsTogether = 24;
 
+/// Positions of a linear joint from which on a profile over it is asked with short bumps, too: fewer are met
+/// by smooth ones.
+constexpr int kPlacesOfRough = 16;
+
+/// Whether a session can show that an error changes within few positions of a joint.
+bool changesWithinFewPlaces(const ShapeMaker& maker, const Effect& profile) {
+  const std::vector<int> joints = profile.mustMove();
+  return joints.size() == 1 && maker.domain().joints[joints[0]].kind == JointKind::kLinear &&
+         distinctPositions(maker.problem(), joints[0]) >= kPlacesOfRough;
+}
+
 /// Names that a formula may use for what varied in this session.
 std::vector<std::string> variablesThatVary(const ResidualSpace& space) {
   std::vector<std::string> names;
@@ -190,7 +201,7 @@ QuestionList QuestionList::of(const ResidualSpace& space, const std::vector<Prof
   std::map<std::string, bool> ofTime;  // a variable: it changes while the machine stands still
   for (const auto& [direction, variables] : profiles) {
     const auto make = [&, &along = direction](const std::vector<std::string>& of) {
-      return createEffect(profileSpec(along, of, 0.0, maker.domain()), maker.domain());
+      return createEffect(profileSpec(along, of), maker.domain());
     };
     const auto dependsOnTime = [&](const std::string& variable) {
       const auto known = ofTime.find(variable);
@@ -215,6 +226,9 @@ QuestionList QuestionList::of(const ResidualSpace& space, const std::vector<Prof
     group.variables = static_cast<int>(variables.size());
     group.dependsOnTime = std::any_of(variables.begin(), variables.end(), dependsOnTime);
     out.wanted_.push_back({out.groups_.size(), effect, {}});
+    if (variables.size() == 1 && changesWithinFewPlaces(maker, *effect))
+      out.wanted_.push_back(
+          {out.groups_.size(), createEffect(roughProfileSpec(direction, variables[0]), maker.domain()), {}});
     out.groups_.push_back(std::move(group));
     out.first_.push_back(effect);
     out.passedOver_.push_back(0);

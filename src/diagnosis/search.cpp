@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/cancel_scope.h"
 #include "diagnosis/shape_maker.h"
 
 namespace mm {
@@ -69,7 +70,7 @@ std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
 
 Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start, bool add,
                              int along) const {
-  tick();
+  CancelScope::check();
   Explanation out;
   out.members = members;
   std::vector<RandomBlock> blocks;
@@ -128,7 +129,9 @@ Member Search::moved(Member member, int group) const {
 bool Search::isThere(const std::vector<Member>& members, const Gain& gain) const {
   if (gain.group < 0) return false;
   const Shape& shape = q_.groups.groups[gain.group].shapes[gain.shape];
-  const bool saidByAKey = shape.nonlinear.empty() || !(shape.effect->shapedAs(shape.nonlinear) == shape.spec);
+  const bool curve = q_.groups.groups[gain.group].profile;  // one of a variable is enough
+  const bool saidByAKey =
+      !curve && (shape.nonlinear.empty() || !(shape.effect->shapedAs(shape.nonlinear) == shape.spec));
   return std::any_of(members.begin(), members.end(), [&](const Member& m) {
     return m.group == gain.group && (m.shape == gain.shape || !saidByAKey);
   });
@@ -173,7 +176,7 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
                                         bool* changed) const {
   *changed = false;
   for (std::size_t j = 0; j < members.size(); ++j) {
-    tick();
+    CancelScope::check();
     std::vector<Member> others = members;
     others.erase(others.begin() + static_cast<long>(j));
     const Evidence::Given given = evidence.given(others);
@@ -223,7 +226,7 @@ Explanation Search::exchanged(Explanation best) const {
       };
       const double now = worthAt(members);
       for (std::size_t j = 0; j < members.size(); ++j) {
-        tick();
+        CancelScope::check();
         std::vector<Member> others = members;
         others.erase(others.begin() + static_cast<long>(j));
         for (int more = 0; more < 2; ++more) {

@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,10 +62,10 @@ constexpr double kIndistinct = 3.0;
 constexpr double kMostNats = 650.0;
 
 /// The search for the explanation of greatest worth: forward, exchange and backward, drift always a rival.
+/// What takes long throws Cancelled where the CancelScope of its thread says so.
 class Search {
  public:
   explicit Search(const Questions& questions) : q_(questions) {}  ///< which must outlive it
-  std::function<void()> step;                                     // called now and then; may throw to cancel
 
   /// The whole search. @param variance of the white noise a row.
   Explanation run(const Eigen::VectorXd& variance) const;
@@ -97,6 +96,10 @@ class Search {
   /// Adds to the rivals two causes that together explain nearly as much as what they would take the place of.
   /// Where they explain more, they take its place.
   Explanation withPairsAsRivals(Explanation found) const;
+  /// Settled, and with all rivals of what was found.
+  Explanation settledWithPairs(Explanation found) const {
+    return withPairsAsRivals(settled(std::move(found)));
+  }
   /// What is left without one of its members, the noise fitted again.
   Explanation without(const Explanation& found, std::size_t member) const;
   /// Without the members that do not earn their price any more.
@@ -135,9 +138,6 @@ class Search {
   const Questions& questions() const { return q_; }
 
  private:
-  void tick() const {
-    if (step) step();
-  }
   /// Of causes that act alike in this session (one speed: play and a late trigger) the one that comes first
   /// in the catalogue, which goes from the common to the rare: their evidence differs by the freedom of their
   /// shapes alone.

@@ -10,6 +10,17 @@
 
 namespace mm {
 
+namespace {
+
+/// Values of an effect's nonlinear parameters, SI. @param first of its parameters in x.
+std::vector<double> nonlinearOf(const Effect& effect, const Eigen::VectorXd& x, int first) {
+  std::vector<double> values;
+  for (const int k : effect.nonlinearParameters()) values.push_back(x[first + k]);
+  return values;
+}
+
+}  // namespace
+
 void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
                     Diagnosis& out) {
   int at = first;
@@ -35,6 +46,8 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
         p.curve.push_back(std::move(row));
       }
     }
+    if (found != out.missing.end())
+      found->looksTheSame = effect->looksTheSame(nonlinearOf(*effect, full.x, at));
     for (const Parameter& p : effect->parameters()) {
       if (found != out.missing.end())
         found->parameters.push_back(
@@ -63,6 +76,29 @@ std::vector<double> surenessOf(const std::vector<Answer>& answers, const Calibra
     most = std::max(most, known ? chi2 / boost::math::quantile(spread, kCertain) : 1.0);
   }
   return sure;
+}
+
+std::vector<char> whatRanOff(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
+                             std::size_t members) {
+  constexpr double kFarther = 1.3;  // times what the search allows: a fit may end a little beyond it
+  constexpr double kLarger = 10.0;  // times the size that the search found: two of its parts cancel
+  std::vector<char> ranOff(members, 0);
+  int at = first;
+  for (const Answer& a : answers) {
+    const std::vector<double> nonlinear = nonlinearOf(*a.effect, full.x, at);
+    const auto allowedAt = [&](double times) {
+      std::vector<double> values = nonlinear;
+      for (double& value : values) value *= times;
+      return a.effect->mayBeClaimed(values);
+    };
+    Eigen::VectorXd size = full.x.segment(at, a.effect->parameterCount()), sizeBefore = a.start;
+    for (const int k : a.effect->nonlinearParameters()) size[k] = sizeBefore[k] = 0.0;
+    at += a.effect->parameterCount();
+    if (nonlinear.empty()) continue;
+    const bool allowed = allowedAt(1.0) || allowedAt(kFarther) || allowedAt(1.0 / kFarther);
+    if (!allowed || size.norm() > kLarger * sizeBefore.norm()) ranOff[static_cast<std::size_t>(a.member)] = 1;
+  }
+  return ranOff;
 }
 
 std::vector<char> curvesForTheRest(const Search& search, const Explanation& found) {

@@ -51,14 +51,14 @@ bool isOpen(const CandidateResult& c) { return !openRivals(c).empty(); }
 /// "backlash of x, 2.06 ± 0.06 um (k = 2), odds about 1000 to 1"
 std::string surely(const CandidateResult& c, bool angular) {
   const std::string size = withFactor(sizeInWords(c, angular));
-  return inWords(c.effect) + (size.empty() ? "" : ", " + size) + ", odds " + oddsInWords(c.odds);
+  return foundInWords(c) + (size.empty() ? "" : ", " + size) + ", odds " + oddsInWords(c.odds);
 }
 
 /// "either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or speed lag (1 to 3)"
 std::string eitherOr(const CandidateResult& c, bool angular) {
   std::string size = sizeInWords(c, angular);
   if (size.find("±") != std::string::npos) size += ", k = 2";
-  std::string text = "either " + inWords(c.effect) + " (" + size + (size.empty() ? "" : "; ") + "odds " +
+  std::string text = "either " + foundInWords(c) + " (" + size + (size.empty() ? "" : "; ") + "odds " +
                      oddsInWords(c.odds) + ")";
   for (const Confusable* rival : openRivals(c))
     text += " or " + inWords(rival->effect) + " (" + oddsInWords(rival->odds) + ")";
@@ -128,7 +128,8 @@ std::string assumptions(const Diagnosis& d) {
 
 std::string remarks(const Diagnosis& d) {
   std::string text;
-  for (const CandidateResult& c : d.missing) text += rivalRemarks(c);
+  for (const CandidateResult& c : d.missing)
+    text += rivalRemarks(c) + (c.looksTheSame.empty() ? "" : " " + c.looksTheSame);
   return text + assumptions(d);
 }
 
@@ -288,8 +289,11 @@ std::string variationSentence(const Diagnosis& d) {
 std::string explainedSentence(const Diagnosis& d) {
   if (!d.variations.empty())
     return "No other cause is missing, with noise of " + noiseWords(d) + "." + variationSentence(d);
-  std::string text = "Nothing is missing: no effect and no structure is left";
-  if (positive(d.noise)) text += " but noise of " + noiseWords(d);
+  // Who reads that nothing is missing does not read on, and the drift may be as large as the noise.
+  const bool drifts = !d.drift.empty();
+  std::string text = drifts ? "No effect and no structure is left but drift"
+                            : "Nothing is missing: no effect and no structure is left";
+  if (positive(d.noise)) text += (drifts ? " and noise of " : " but noise of ") + noiseWords(d);
   if (positive(d.base.repeatability)) text += ", at the repeatability of " + repeatabilityWords(d);
   return text + ".";
 }

@@ -27,6 +27,9 @@ std::string expanded(double value, double std, const std::string& unit);
 /// A number with three significant digits.
 std::string shortNumber(double value);
 
+/// Its name with what the fit found where its spec says "unknown": "periodic error of x, period 5.002 ± 0.018
+/// mm".
+std::string foundInWords(const CandidateResult& candidate);
 /// How large a missing effect is: its constant or its amplitude ± expanded uncertainty, else the RMS of what
 /// it does.
 std::string sizeInWords(const CandidateResult& candidate, bool angular);

@@ -17,7 +17,8 @@ struct Domain {
   std::vector<Joint> joints;
   std::vector<double> lower, upper;            // observed range of each joint's reading
   std::vector<std::vector<double>> positions;  // a joint: distinct positions measured (ascending, at most 64)
-  std::vector<std::string> sensors;            // temperatures
+  std::vector<double> spacing;  // a joint: of the grid that all its positions lie on; 0: they lie on none
+  std::vector<std::string> sensors;              // temperatures
   std::vector<double> sensorLower, sensorUpper;  // degC
   std::vector<std::string> covariates;
   std::vector<double> covariateLower, covariateUpper;

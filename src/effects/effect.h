@@ -128,6 +128,9 @@ class Effect {
   /// wave of which less than two lengths were seen is none. Values in the order of
   /// nonlinearParameters().
   virtual bool mayBeClaimed(const std::vector<double>& /*nonlinear*/) const { return true; }
+  /// What else looks the same at the places of the session, and what would tell: a sentence; empty: nothing.
+  /// Values in the order of nonlinearParameters(), SI.
+  virtual std::string looksTheSame(const std::vector<double>& /*nonlinear*/) const { return {}; }
 
   // What the rest of the library must know of a few effects, without their names.
 

@@ -22,15 +22,17 @@ class LeadScrewPeriodic : public CatalogueEffect {
     if (read.has(other)) read.fail("the period of " + name_ + " is given as " + key + ", not " + other);
     const double unit = linear ? kMillimetre : kDegree;
     travel_ = observedRange(read.domain(), axis_);
+    spacing_ = observedSpacing(read.domain(), axis_);
     searched_ = read.isWord(key, "unknown");
     if (!searched_) {
       period_ = read.number(key, 1e-6, 1e6) * unit;
       return;
     }
     if (!linear) {  // a wheel has a whole number of teeth, and so has its worm's turn a whole part of a turn
-      for (int teeth = kFewestTeeth; teeth <= kMostTeeth; ++teeth) starts_.push_back({2.0 * kPi / teeth});
+      for (int teeth = kFewestTeeth; teeth <= kMostTeeth; ++teeth)
+        if (!isAlias(2.0 * kPi / teeth)) starts_.push_back({2.0 * kPi / teeth});
       Parameter period = parameter("period", kUnitDegree, 1e-3, 2.0 * kPi, 2.0 * kPi / 60.0);
-      period.minimum = kPi / kMostTeeth;
+      period.minimum = std::max(kPi / kMostTeeth, kNyquist * spacing_);
       period.maximum = 20.0 * kPi;
       parameters_.push_back(period);
       return;
@@ -39,10 +41,11 @@ class LeadScrewPeriodic : public CatalogueEffect {
     const double range = travel_ > 0.0 ? travel_ : 10.0 * kMillimetre;
     const double shortest = std::max(range / 60.0, 0.05 * kMillimetre);
     double cycles = 0.5;
-    for (; cycles <= range / shortest; cycles += kStep) starts_.push_back({range / cycles});
+    for (; cycles <= range / shortest && !isAlias(range / cycles); cycles += kStep)
+      starts_.push_back({range / cycles});
     const double most = std::min(range / (kFinest * kMillimetre), kMostWaves);
-    for (; cycles <= most; cycles += kStep) fine_.push_back(range / cycles);
-    const double finest = fine_.empty() ? shortest : fine_.back();
+    for (; cycles <= most && !isAlias(range / cycles); cycles += kStep) fine_.push_back(range / cycles);
+    const double finest = fine_.empty() ? starts_.back().front() : fine_.back();
     Parameter period = parameter("period", kUnitMillimetre, 0.05 * range, 2.0 * range, 0.2 * range);
     period.minimum = 0.5 * finest;
     period.maximum = 10.0 * range;
@@ -93,7 +96,22 @@ class LeadScrewPeriodic : public CatalogueEffect {
   int positionsNeeded() const override { return searched_ ? 12 : parameterCount() + 3; }
   bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
     const double period = searched_ && !nonlinear.empty() ? nonlinear.front() : period_;
-    return period <= 0.5 * travel_;
+    return period <= 0.5 * travel_ && !(searched_ && isAlias(period));
+  }
+  std::string looksTheSame(const std::vector<double>& nonlinear) const override {
+    if (!searched_ || nonlinear.empty() || !(spacing_ > 0.0)) return {};
+    const bool linear = parameters_[2].unit == kUnitMillimetre.name;
+    const double unit = linear ? kMillimetre : kDegree;
+    const std::string name = linear ? " mm" : " deg";
+    const double waves = spacing_ / nonlinear.front();  // from one position to the next
+    const auto text = [&](double value) {
+      char digits[32];
+      std::snprintf(digits, sizeof digits, "%.3g", value / unit);
+      return std::string(digits);
+    };
+    return "At positions " + text(spacing_) + name + " apart a period of " + text(spacing_ / (1.0 - waves)) +
+           " or " + text(spacing_ / (1.0 + waves)) + name + " looks the same: measure " + name_ +
+           " at unequal distances.";
   }
 
   std::string cause() const override {
@@ -111,6 +129,10 @@ class LeadScrewPeriodic : public CatalogueEffect {
   }
 
  private:
+  /// A wave of less than two of the distances at which all positions lie is, at these, the same as a longer
+  /// one, and that one is told (Nyquist). ISO 230-2 therefore asks for unequal distances.
+  static constexpr double kNyquist = 2.0;
+  bool isAlias(double period) const { return period < kNyquist * spacing_; }
   static constexpr double kStep = 1.0 / 3.0;   // of a wave over the range: between two starts
   static constexpr double kMostWaves = 800.0;  // over the range
   static constexpr double kFinest = 0.25;      // mm
@@ -119,7 +141,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
   int axis_;
   std::string name_;
   bool searched_ = false;
-  double period_ = 0.0, travel_ = 0.0;  // m or rad
+  double period_ = 0.0, travel_ = 0.0, spacing_ = 0.0;  // m or rad
   std::vector<std::vector<double>> starts_;
   std::vector<double> fine_;
 };

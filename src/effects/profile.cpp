@@ -20,6 +20,7 @@ constexpr int kFunctionsOfOne = 12,
               kMostOfOne = 32;  // bumps as narrow as a tenth of the range; a third of that
 constexpr int kFunctionsOfTwo = 4, kMostOfTwo = 8;  // each: with the products 24 coefficients; 80
 constexpr int kMostFunctions = 80;
+constexpr double kRough = 0.5;  // smoothness of what changes within a few positions
 constexpr double kSize = 20.0;  // um or arcsec: weak, larger than most that a machine errs
 
 const std::vector<std::string>& profileKeys() {
@@ -218,21 +219,28 @@ class Profile : public CatalogueEffect {
 
 EffectType profileType() { return effectType<Profile>("profile", profileKeys(), nullptr); }
 
-EffectSpec profileSpec(const std::string& direction, const std::vector<std::string>& variables, double size,
-                       const Domain& domain) {
+EffectSpec profileSpec(const std::string& direction, const std::vector<std::string>& variables) {
   EffectSpec spec("profile");
   spec.set("direction", direction);
   if (variables.size() == 1)
     spec.set("variable", variables.front());
   else
     spec.setList("variables", variables);
-  if (!(size > 0.0)) return spec;
-  const int joint = domain.findJoint(direction);
+  return spec;
+}
+
+EffectSpec roughProfileSpec(const std::string& direction, const std::string& variable) {
+  return profileSpec(direction, {variable}).set("functions", kMostOfOne).set("smoothness", kRough);
+}
+
+EffectSpec sizedProfile(EffectSpec profile, double size, const Domain& domain) {
+  if (!(size > 0.0)) return profile;
+  const int joint = domain.findJoint(profile.text("direction"));
   const bool angular =
       joint >= 0 && domain.joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
   char text[32];  // two digits: it is the width of a prior
   std::snprintf(text, sizeof text, "%.1e", size / (angular ? kArcsecond : kMicrometre));
-  return spec.set(angular ? "size_arcsec" : "size_um", std::strtod(text, nullptr));
+  return profile.set(angular ? "size_arcsec" : "size_um", std::strtod(text, nullptr));
 }
 
 ProfileCurve profileCurve(const EffectSpec& spec, const Domain& domain, const Eigen::VectorXd& coefficients,

@@ -12,11 +12,14 @@ namespace mm {
 /// or of two, where no effect of the catalogue has the shape.
 EffectType profileType();
 
-/// The spec of a profile. @param variables one or two, by the names of FormulaVariables. @param size root
-/// mean square that the curve is expected to have over the observed range, m (rad where the direction is a
-/// rotary joint); 0: the default.
-EffectSpec profileSpec(const std::string& direction, const std::vector<std::string>& variables, double size,
-                       const Domain& domain);
+/// The spec of a profile. @param variables one or two, by the names of FormulaVariables.
+EffectSpec profileSpec(const std::string& direction, const std::vector<std::string>& variables);
+/// That of one which may change within a thirtieth of the range of its variable: a dent, a damaged place of a
+/// scale.
+EffectSpec roughProfileSpec(const std::string& direction, const std::string& variable);
+/// The same profile with a size. @param size root mean square that the curve is expected to have over the
+/// observed range, m (rad where the direction is a rotary joint); 0: the default.
+EffectSpec sizedProfile(EffectSpec profile, double size, const Domain& domain);
 
 /// What a profile says over the observed range of its variables, with its band; in the units of people.
 struct ProfileCurve {

@@ -46,6 +46,7 @@ Json candidateJson(const CandidateResult& c, bool angular) {
     o["moves"] = other.moves;
     one["confusable_with"].push_back(std::move(o));
   }
+  if (!c.looksTheSame.empty()) one["looks_the_same"] = c.looksTheSame;
   one["cause"] = c.cause;
   one["remedy"] = c.remedy;
   return one;

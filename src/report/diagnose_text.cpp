@@ -37,7 +37,7 @@ std::string missingText(const CandidateResult& c, bool angular) {
                              (rival.moves.empty() ? "" : "; to tell: " + rival.moves));
     label.clear();
   }
-  return text + entry("cause", c.cause) + entry("remedy", c.remedy);
+  return text + entry("looks the same", c.looksTheSame) + entry("cause", c.cause) + entry("remedy", c.remedy);
 }
 
 std::string driftText(const Diagnosis& d) {

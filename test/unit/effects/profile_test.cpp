@@ -183,12 +183,12 @@ TEST_F(ProfileEffect, saysWhereASpeedOrAReadingIsOutside) {
 }
 
 TEST_F(ProfileEffect, specHasTheSizeInTheUnitOfItsDirection) {
-  EXPECT_EQ(profileSpec("x", {"bed"}, 3.14e-6, domain).yaml(),
+  EXPECT_EQ(sizedProfile(profileSpec("x", {"bed"}), 3.14e-6, domain).yaml(),
             "{type: profile, direction: x, variable: bed, size_um: 3.1}");
-  EXPECT_EQ(profileSpec("x", {"bed", "y"}, 0.0, domain).yaml(),
+  EXPECT_EQ(sizedProfile(profileSpec("x", {"bed", "y"}), 0.0, domain).yaml(),
             "{type: profile, direction: x, variables: [bed, y]}");
   const Domain five = domainOf(Machine::load("five_axis"), true);
-  const EffectSpec spec = profileSpec("b", {"bed"}, 2.0 * kArcsecond, five);
+  const EffectSpec spec = sizedProfile(profileSpec("b", {"bed"}), 2.0 * kArcsecond, five);
   EXPECT_EQ(spec.yaml(), "{type: profile, direction: b, variable: bed, size_arcsec: 2}");
   EXPECT_TRUE(createEffect(spec, five)->spec() == spec);
   for (const EffectType& type : effectRegistry())

@@ -236,7 +236,8 @@ TEST(Profile, bridgesAGapSmoothlyAndSaysHowLittleItKnows) {
       std::remove_if(all.begin(), all.end(),
                      [](const Observation& o) { return o.position[0] > -4e-3 && o.position[0] < 10e-3; }),
       all.end());
-  const Recalibration done = fitted(session, {profileSpec("x", {"x"}, 3e-6, modelFor(session, {}).domain())});
+  const Recalibration done =
+      fitted(session, {sizedProfile(profileSpec("x", {"x"}), 3e-6, modelFor(session, {}).domain())});
   EXPECT_TRUE(done.result.identifiability.lost.empty());
   const Compensator compensator(done.calibration);
   const double known = correctionAt(compensator, -10e-3, 24.0).sigma,
@@ -263,7 +264,8 @@ TEST(Profile, needsNoMorePlacesThanThereAre) {
     session.observations.push_back(o);
   }
   session.prepare();
-  const Recalibration done = fitted(session, {profileSpec("x", {"x"}, 2e-6, modelFor(session, {}).domain())});
+  const Recalibration done =
+      fitted(session, {sizedProfile(profileSpec("x", {"x"}), 2e-6, modelFor(session, {}).domain())});
   EXPECT_TRUE(done.result.converged);
   EXPECT_TRUE(done.result.identifiability.lost.empty());
   EXPECT_LT(done.result.figures.rms, 1.2 * kNoise);
