@@ -28,6 +28,7 @@ class FullFit {
     std::vector<EffectPtr> found;
     Eigen::VectorXd x;  // of the model's parameters, then theirs; SI
   };
+  /// Where a fit of it begins: with the sizes of the linearised search.
   Start startOf(const Look& look) const;
   /// The model with more effects.
   Model with(const std::vector<EffectPtr>& more) const;
