@@ -59,8 +59,7 @@ TEST_F(FailingBatch, TheSameLineGoesOn) {
   everythingIsDone();
   std::vector<DiskFault> all = faults(reads(), writes());
   // How many operations the jobs beside it make varies: only of the first is it certain whom it meets.
-  for (const bool reading : {true, false})
-    all.push_back({reading, DiskFault::Way::kLasting, 1, EIO, false});
+  for (const bool reading : {true, false}) all.push_back({reading, DiskFault::Way::kLasting, 1, EIO, false});
   int refused = 0, failed = 0;
   for (const DiskFault& fault : all) {
     if (fault.anew && !mm_test::longTests() && fault.n % 2 == 0) continue;
