@@ -135,7 +135,7 @@ function missing() {
       entry("Odds", m.odds_in_words),
       entry("Share of the error", known(m["size" + kSuffix]) && m["size" + kSuffix] > 0 ? plusMinus(m["size" + kSuffix], sizeStd(heldOut(m)), data.unit) + " RMS" + (diagnosis.repeatability_from === "estimated" || !(data.noise > 0) ? "" : ", " + num(m["size" + kSuffix] / data.noise, 2) + " × the repeatability") : ""),
       entry("Held-out RMS", arrow(heldOut(m))),
-      rivals(m), entry("Cause", m.cause), entry("Remedy", m.remedy)))));
+      rivals(m), entry("Looks the same", m.looks_the_same), entry("Cause", m.cause), entry("Remedy", m.remedy)))));
 }
 
 function unexplained() {

@@ -216,8 +216,6 @@ class Diagnoser {
     Explanation& found = look.found;
     const double unit = unitOf(*look.space);
     out_.tailDof = look.tailDof;
-    out_.noise = found.white * unit * std::sqrt(found.noise.variance.mean());
-    out_.noiseStd = found.whiteStd * unit * std::sqrt(found.noise.variance.mean());
     sortByGain(search, found);
     report("held out", 0.7);
     const HeldOut held(search, found);
@@ -229,7 +227,11 @@ class Diagnoser {
     allowForForm(search, found, out_);
     listCandidates(search, found, held, unit, out_);
     listCannotShow(q, found, out_);
-    out_.drift = driftOf(search, found);
+    DriftReport drift = driftOf(search, found);
+    out_.drift = std::move(drift.drift);
+    const double white = unit * std::sqrt(drift.spokenOf.noise.variance.mean());
+    out_.noise = drift.spokenOf.white * white;
+    out_.noiseStd = drift.spokenOf.whiteStd * white;
     fillScatter(q, found, unit, out_);
     fillMissingInputs(q, out_);
     separate(search, found, out_);

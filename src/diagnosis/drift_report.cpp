@@ -27,6 +27,14 @@ double varianceAlong(const NoiseModel& noise, int direction, double white,
   return sum;
 }
 
+Explanation withoutDriftAlong(Explanation found, int direction) {
+  auto& drift = found.noise.drift;
+  drift.erase(std::remove_if(drift.begin(), drift.end(),
+                             [&](const DriftTerm& t) { return t.direction == direction; }),
+              drift.end());
+  return found;
+}
+
 /// A cause whose course resembles that of a drift.
 struct Alike {
   int group = 0;
@@ -84,19 +92,18 @@ double quickestOf(const Questions& q) {
 
 }  // namespace
 
-std::vector<DriftResult> driftOf(const Search& search, const Explanation& found) {
+DriftReport driftOf(const Search& search, const Explanation& found) {
   const Questions& q = search.questions();
-  std::vector<DriftResult> results;
+  DriftReport report{{}, found};
+  std::vector<DriftResult>& results = report.drift;
   std::vector<int> directions;
   for (int d = 0; d < static_cast<int>(q.directions.size()); ++d) {
     if (!(varianceAlong(found.noise, d, found.white) > 0.0)) continue;
-    Explanation without = found;
-    auto& drift = without.noise.drift;
-    drift.erase(
-        std::remove_if(drift.begin(), drift.end(), [&](const DriftTerm& t) { return t.direction == d; }),
-        drift.end());
-    without = search.refitted(found.members, without, false);
-    if (found.logEvidence - without.logEvidence < kSaid) continue;
+    Explanation without = search.refitted(found.members, withoutDriftAlong(found, d), false);
+    if (found.logEvidence - without.logEvidence < kSaid) {
+      report.spokenOf = withoutDriftAlong(std::move(report.spokenOf), d);
+      continue;
+    }
     DriftResult r;
     r.direction = q.directions[d];
     const double quickest = quickestOf(q);
@@ -109,17 +116,14 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
     results.push_back(std::move(r));
     directions.push_back(d);
   }
-  if (results.empty()) return results;
+  if (report.spokenOf.noise.drift.size() != found.noise.drift.size())
+    report.spokenOf = search.refitted(found.members, report.spokenOf, false);
 
   // which causes take it over? Drift that was fitted without a cause has absorbed it: so the cause comes in
   // where there is no drift along that direction, which must then earn its place again
   for (std::size_t r = 0; r < results.size(); ++r) {
     const double before = varianceAlong(found.noise, directions[r], found.white);
-    Explanation none = found;
-    auto& drift = none.noise.drift;
-    drift.erase(std::remove_if(drift.begin(), drift.end(),
-                               [&](const DriftTerm& t) { return t.direction == directions[r]; }),
-                drift.end());
+    const Explanation none = withoutDriftAlong(found, directions[r]);
     const auto evidence = search.evidenceAt(none);
     double total = 1.0;  // drift alone
     for (const Alike& alike : alikeTo(search, found, directions[r])) {
@@ -144,7 +148,7 @@ std::vector<DriftResult> driftOf(const Search& search, const Explanation& found)
     std::stable_sort(results[r].perhaps.begin(), results[r].perhaps.end(),
                      [](const auto& a, const auto& b) { return a.odds > b.odds; });
   }
-  return results;
+  return report;
 }
 
 }  // namespace mm

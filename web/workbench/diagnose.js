@@ -43,6 +43,7 @@ function Card({ found, unit, observations, first }) {
       h("dt", null, "Odds"), h("dd", null, found.odds_in_words + " that it acts, against its rivals and chance"),
       pair ? [h("dt", null, "Held-out RMS"), h("dd", null, rms(pair[0], observations, unit) + " → " + rms(pair[1], observations, unit) + " (k\u00a0=\u00a02)")] : null,
       h("dt", null, "Rivals"), h(Rivals, { list: found.confusable_with }),
+      found.looks_the_same ? [h("dt", null, "Looks the same"), h("dd", null, found.looks_the_same)] : null,
       h("dt", null, "Cause"), h("dd", null, said(found.cause)),
       h("dt", null, "Remedy"), h("dd", null, said(found.remedy)),
       h("dt", null, "As YAML"), h("dd", null, h("code", null, yaml))));
