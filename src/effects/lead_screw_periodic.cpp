@@ -47,7 +47,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
     for (; cycles <= most && !isAlias(range / cycles); cycles += kStep) fine_.push_back(range / cycles);
     const double finest = fine_.empty() ? starts_.back().front() : fine_.back();
     Parameter period = parameter("period", kUnitMillimetre, 0.05 * range, 2.0 * range, 0.2 * range);
-    period.minimum = 0.5 * finest;
+    period.minimum = std::max(0.5 * finest, kNyquist * spacing_);
     period.maximum = 10.0 * range;
     parameters_.push_back(period);
   }

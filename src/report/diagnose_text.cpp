@@ -127,6 +127,33 @@ std::string nextName(const std::string& file) {
          (dot < file.size() ? file.substr(dot) : ".yaml");
 }
 
+/// Effects that stayed hidden for the same reason, and that the same would show, on one line.
+std::string cannotShowText(const Diagnosis& d) {
+  if (d.cannotShow.empty()) return {};
+  constexpr std::size_t kShown = 6, kNames = 3;
+  std::vector<std::pair<const CannotShow*, std::vector<EffectSpec>>> lines;
+  for (const CannotShow& c : d.cannotShow) {
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const auto& line) {
+      return line.first->why == c.why && line.first->moves == c.moves;
+    });
+    if (same == lines.end())
+      lines.push_back({&c, {c.effect}});
+    else
+      same->second.push_back(c.effect);
+  }
+  std::string text = "\nThis session could not have shown\n";
+  std::size_t more = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto& [of, effects] = lines[i];
+    if (i >= kShown)
+      more += effects.size();
+    else
+      text += wrapped("  ", listInWords(effects, kNames) + ": " + of->why +
+                                (of->moves.empty() ? "" : "; would: " + of->moves));
+  }
+  return text + (more > 0 ? format("  and %zu more (--json lists them)\n", more) : "");
+}
+
 }  // namespace
 
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
@@ -162,15 +189,7 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
               length(f.heldOutAfter, d.angular) + "\n";
   }
   text += driftText(d) + artifactText(d) + inputsText(d);
-  if (!d.cannotShow.empty()) {
-    constexpr std::size_t kShown = 8;
-    text += "\nThis session could not have shown\n";
-    for (std::size_t i = 0; i < std::min(kShown, d.cannotShow.size()); ++i)
-      text += wrapped("  ", inWords(d.cannotShow[i].effect) + ": " + d.cannotShow[i].why +
-                                (d.cannotShow[i].moves.empty() ? "" : "; would: " + d.cannotShow[i].moves));
-    if (d.cannotShow.size() > kShown)
-      text += format("  and %zu more (--json lists them)\n", d.cannotShow.size() - kShown);
-  }
+  text += cannotShowText(d);
   if (!d.nextMeasurement.empty()) {
     constexpr std::size_t kShown = 6;
     text += format("\nNext measurement, to tell them apart: %zu targets\n", d.nextMeasurement.size());
