@@ -51,6 +51,7 @@ class Diagnoser {
     // outliers may have been structure, and structure may have hidden outliers: look again with what was
     // found in
     CalibrationResult fitted = out_.base;
+    leaveOutUnknownTravel(fitted.weight);
     const FullFit full(session_, model_, fit_);
     Look look;
     for (int round = 0; round < kMostLooks; ++round) {
@@ -63,6 +64,7 @@ class Diagnoser {
       } catch (const NumericalError&) {
         break;  // the session cannot determine them beside the rest: they stay as they were found
       }
+      leaveOutUnknownTravel(refitted.weight);
       if (refitted.weight == fitted.weight) break;
       CalibrateOptions again = fit_;
       again.rejectOutliers = false;
@@ -91,6 +93,28 @@ class Diagnoser {
         "asks about them)");
   }
 
+  /// Before a joint first moved its direction of travel is not known. A play has no value there, and what
+  /// needs no direction, as a jump at the reversal, would explain these rows too, and win by them: all causes
+  /// are judged by the same rows.
+  void leaveOutUnknownTravel(Eigen::VectorXd& weight) const {
+    constexpr int kMost = 5;  // one observation in so many; more are a session without directions
+    const Problem& problem = *out_.base.problem;
+    const auto count = static_cast<int>(session_.observations.size());
+    for (int j = 0; j < session_.machine.jointCount(); ++j) {
+      bool up = false, down = false;
+      std::vector<int> unknown;
+      for (int o = 0; o < count; ++o) {
+        const double travel = problem.state(o).travel[j];
+        up |= travel > 0.0;
+        down |= travel < 0.0;
+        if (travel == 0.0) unknown.push_back(o);
+      }
+      if (!up || !down || static_cast<int>(unknown.size()) * kMost > count) continue;
+      for (const int o : unknown)
+        for (int i = problem.firstRow(o); i < problem.firstRow(o + 1); ++i) weight[i] = 0.0;
+    }
+  }
+
   Look lookAt(const CalibrationResult& fitted, int round) const {
     Look look;
     look.space = std::make_unique<ResidualSpace>(fitted);
@@ -101,6 +125,7 @@ class Diagnoser {
     q.rows = std::move(rows.rows);
     q.directions = std::move(rows.directions);
     q.directionScale = std::move(rows.directionScale);
+    spreadOverResolution(q);
     addScatter(q);
     q.many = look.space->rows() > options_.manyRows;
     report("questions", 0.1 + 0.2 * round);

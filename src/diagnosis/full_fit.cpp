@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "diagnosis/fine_waves.h"
 
 namespace mm {
 namespace {
@@ -30,6 +31,24 @@ bool ban(Look& look, std::size_t member) {
   shapes.erase(std::remove_if(shapes.begin(), shapes.end(), alike), shapes.end());
   look.found = search.improved(rest);
   return true;
+}
+
+/// Marks waves that may be no more than the best of many (isBestByChance).
+void byChance(const Search& search, const Look& look, const Evidence& evidence, std::vector<char>& imitates) {
+  const std::vector<Member>& members = look.found.members;
+  const Evidence::Fit fit = evidence.fit(members);
+  for (std::size_t j = 0; j < members.size(); ++j) {
+    const Member& m = members[j];
+    if (m.nonlinear.size() != 1) continue;
+    // beside waves of the same cause, several of which by chance explain anything, each must do so alone; and
+    // what follows the place looks like quick drift
+    Eigen::VectorXd left = search.questions().rows.target - fit.withoutDrift;
+    for (std::size_t k = 0; k < members.size(); ++k)
+      if (members[k].group == m.group) left += *members[k].columns * fit.values[k];
+    const Shape& shape = look.questions.groups.groups[m.group].shapes[m.shape];
+    if (isBestByChance(*look.space, *shape.effect, m.nonlinear[0], m.columns->leftCols(shape.main), left))
+      imitates[j] = 1;
+  }
 }
 
 void append(Eigen::VectorXd& x, const Eigen::VectorXd& more) {
@@ -98,10 +117,11 @@ void FullFit::dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) c
     } catch (const NumericalError&) {
       return;  // what the linearised fit says stands
     }
+    byChance(search, look, *evidence, ranOff);
     const auto imitates = std::find(ranOff.begin(), ranOff.end(), 1);
-    if (imitates != ranOff.end() && bans++ < kMostBans) {
+    if (imitates != ranOff.end()) {
       const auto j = static_cast<std::size_t>(imitates - ranOff.begin());
-      if (ban(look, j)) {
+      if (bans++ < kMostBans && ban(look, j)) {
         dropped = true;
         continue;
       }

@@ -105,6 +105,18 @@ std::string foundInWords(const CandidateResult& c) {
   return inWords(spec) + found;
 }
 
+std::string movesInWords(double deviations, std::size_t moves) {
+  if (moves == 0) return "no move within the machine's limits separates them";
+  constexpr double kEnough = 3.0;              // standard deviations
+  constexpr double kSmallestDeviation = 1e-3;  // of them: nobody measures a million times
+  const std::string all = "the " + std::to_string(moves) + " proposed moves differ by " +
+                          shortNumber(deviations) + " standard deviations";
+  if (deviations >= kEnough) return all;
+  const double times = std::ceil(std::pow(kEnough / std::max(deviations, kSmallestDeviation), 2));
+  return all + (times > 100.0 ? ": no practicable number of repeats separates them"
+                              : ": measure them " + shortNumber(times) + " times");
+}
+
 std::string variableInWords(const std::string& name, const std::string& unit) {
   if (name == "t") return "time";
   const std::string velocity = "_velocity";

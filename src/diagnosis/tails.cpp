@@ -2,7 +2,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "base/random.h"
 #include "diagnosis/answers.h"
+#include "estimation/robust.h"
 
 namespace mm {
 namespace {
@@ -20,13 +22,18 @@ Tails tailsOf(const Search& search, const Explanation& found) {
   if (n < kFewestOfATail) return tails;
   const Eigen::VectorXd e = (rows.target - evidence->fit(found.members).expected).head(n);
   const double variance = e.squaredNorm() / n;
+  // Readings coarser than their noise mostly agree: without this the bulk would have no width at all.
+  double least = 0.0;
+  const ResidualSpace& space = *search.questions().space;
+  const Eigen::VectorXd resolution = resolutionSigma(space.problem()).cwiseQuotient(space.fitted().sigma);
+  for (const int row : space.used()) least = std::max(least, resolution[row] * resolution[row]);
   double best = -0.5 * n * (std::log(2.0 * M_PI * variance) + 1.0) + kClearly;
   for (const double dof : {10.0, 6.0, 4.0, 3.0}) {
     double s2 = variance;
     Eigen::VectorXd weight(n);
     for (int round = 0; round < 30; ++round) {  // expectation and maximisation: Student's t as a mixture
       for (int i = 0; i < n; ++i) weight[i] = (dof + 1.0) / (dof + e[i] * e[i] / s2);
-      s2 = weight.dot(e.cwiseAbs2()) / n;
+      s2 = std::max(least, weight.dot(e.cwiseAbs2()) / n);
     }
     double value =
         n * (std::lgamma(0.5 * (dof + 1.0)) - std::lgamma(0.5 * dof) - 0.5 * std::log(M_PI * dof * s2));
@@ -39,6 +46,22 @@ Tails tailsOf(const Search& search, const Explanation& found) {
     }
   }
   return tails;
+}
+
+void spreadOverResolution(Questions& q) {
+  constexpr double kOfStep =
+      0.25;  // enough for a noise that is not nothing, little beside that of the readings
+  const ResidualSpace& space = *q.space;
+  const Eigen::VectorXd all = resolutionSigma(space.problem()).cwiseQuotient(space.fitted().sigma);
+  std::vector<double> left;
+  for (int i = 0; i < space.rows(); ++i) left.push_back(q.rows.target[i]);
+  const double middle = medianOf(left);
+  for (double& value : left) value = std::abs(value - middle);
+  if (!(medianOf(left) < all.maxCoeff())) return;
+  Random random(1, "resolution");
+  for (int i = 0; i < space.rows(); ++i)
+    q.rows.target[i] += all[space.used()[static_cast<std::size_t>(i)]] * std::sqrt(12.0) * kOfStep *
+                        random.uniform(-0.5, 0.5);
 }
 
 }  // namespace mm

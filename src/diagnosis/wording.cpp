@@ -38,6 +38,13 @@ std::string heldOutWords(const Diagnosis& d) {
   return "held-out RMS " + shortNumber(before / unitOf(d.angular)) + " -> " + length(after, d.angular);
 }
 
+/// What was named predicts what it was not fitted to no better than the model without it did.
+std::string noBetterWords(const Diagnosis& d) {
+  if (!positive(d.heldOutBefore) || !positive(d.heldOut) || d.heldOut < d.heldOutBefore) return {};
+  return " But measurements that were held out are predicted no better: what was named may hold for this "
+         "session alone.";
+}
+
 /// Rivals that further data of the same kinds would tell from the named one.
 std::vector<const Confusable*> openRivals(const CandidateResult& c) {
   std::vector<const Confusable*> open;
@@ -78,11 +85,11 @@ std::string missingSentence(const Diagnosis& d) {
   }
   const std::string heldOut = heldOutWords(d);
   std::string text = sure.empty() ? "" : "Missing: " + sure;
-  if (open.empty()) return text + (heldOut.empty() ? "" : "; " + heldOut) + ".";
+  if (open.empty()) return text + (heldOut.empty() ? "" : "; " + heldOut) + "." + noBetterWords(d);
   if (!sure.empty()) text += ". Beside it ";
   text += (sure.empty() ? capital(open) : open) + ": these data do not separate them";
   if (!d.nextMeasurement.empty()) text += "; the listed moves would";
-  return text + (heldOut.empty() ? "" : ". " + capital(heldOut)) + ".";
+  return text + (heldOut.empty() ? "" : ". " + capital(heldOut)) + "." + noBetterWords(d);
 }
 
 /// Where a named effect is the same as another, or another that was not recorded may be in its place.
@@ -339,18 +346,6 @@ std::string sentenceOf(const Diagnosis& d) {
     default:
       return "The model cannot be fitted to this session: measure more, or take effects out of the model.";
   }
-}
-
-std::string movesInWords(double deviations, std::size_t moves) {
-  if (moves == 0) return "no move within the machine's limits separates them";
-  constexpr double kEnough = 3.0;              // standard deviations
-  constexpr double kSmallestDeviation = 1e-3;  // of them: nobody measures a million times
-  const std::string all = "the " + std::to_string(moves) + " proposed moves differ by " +
-                          shortNumber(deviations) + " standard deviations";
-  if (deviations >= kEnough) return all;
-  const double times = std::ceil(std::pow(kEnough / std::max(deviations, kSmallestDeviation), 2));
-  return all + (times > 100.0 ? ": no practicable number of repeats separates them"
-                              : ": measure them " + shortNumber(times) + " times");
 }
 
 std::string whyNotApart(const Confusable& rival) {

@@ -62,11 +62,6 @@ double observedRange(const Domain& domain, int joint) {
   return range > kStoodStill ? range : 0.0;
 }
 
-double observedSpacing(const Domain& domain, int joint) {
-  const auto j = static_cast<std::size_t>(joint);
-  return j < domain.spacing.size() ? domain.spacing[j] : 0.0;
-}
-
 ScaledPosition::ScaledPosition(const Domain& domain, int joint) : joint_(joint) {
   const double range = observedRange(domain, joint);
   if (range <= 0.0) return;

@@ -86,7 +86,5 @@ class ScaledPosition {
 
 /// Observed travel of a joint, m or rad; 0 where it was never moved.
 double observedRange(const Domain& domain, int joint);
-/// Distance of the grid on which all its positions lie, m or rad; 0 where they lie on none.
-double observedSpacing(const Domain& domain, int joint);
 
 }  // namespace mm

@@ -22,6 +22,11 @@ int Domain::findSensor(const std::string& name) const { return indexOf(sensors, 
 int Domain::findCovariate(const std::string& name) const { return indexOf(covariates, name); }
 int Domain::findFeature(const std::string& name) const { return indexOf(features, name); }
 
+double Domain::spacingOf(int joint) const {
+  const auto j = static_cast<std::size_t>(joint);
+  return j < spacing.size() ? spacing[j] : 0.0;
+}
+
 void Domain::setMachine(const Machine& machine) {
   joints = machine.joints();
   probeZero = machine.tipTranslation();

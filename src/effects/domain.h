@@ -40,6 +40,9 @@ struct Domain {
   /// Takes the joints and the probe's nominal place from the machine; what was observed stays.
   void setMachine(const Machine& machine);
 
+  /// See spacing; 0 also where it is not known.
+  double spacingOf(int joint) const;
+
   /// Each: the index of a name, or -1.
   int findJoint(const std::string& name) const;
   int findSensor(const std::string& name) const;

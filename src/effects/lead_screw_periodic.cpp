@@ -22,7 +22,7 @@ class LeadScrewPeriodic : public CatalogueEffect {
     if (read.has(other)) read.fail("the period of " + name_ + " is given as " + key + ", not " + other);
     const double unit = linear ? kMillimetre : kDegree;
     travel_ = observedRange(read.domain(), axis_);
-    spacing_ = observedSpacing(read.domain(), axis_);
+    spacing_ = read.domain().spacingOf(axis_);
     searched_ = read.isWord(key, "unknown");
     if (!searched_) {
       period_ = read.number(key, 1e-6, 1e6) * unit;

@@ -88,7 +88,8 @@ Fit refined(const FitTask& task, Fit fit) {
 Fit softened(const FitTask& task, Fit fit) {
   for (int pass = 0; pass < kPasses && !fit.cancelled; ++pass) {
     const Eigen::VectorXd w = fit.residuals.cwiseQuotient(fit.sigma);
-    const double bulk = robustSigma(std::vector<double>(w.data(), w.data() + w.size()));
+    const double bulk = std::max(robustSigma(std::vector<double>(w.data(), w.data() + w.size())),
+                                 resolutionSigma(task.problem).cwiseQuotient(fit.sigma).maxCoeff());
     if (!(bulk > 0.0) || w.cwiseAbs().maxCoeff() < kGross * bulk) break;
     fit.weight = usableWeight(task.problem);
     for (int i = 0; i < w.size(); ++i)
@@ -119,8 +120,7 @@ Noise estimatedNoise(const FitTask& task, const Fit& fit, bool* moved) {
 
 Eigen::VectorXd weightsWithoutOutliers(const FitTask& task, const Fit& fit) {
   return usableWeight(task.problem)
-      .cwiseProduct(
-          outlierWeights(task.problem, fit.residuals.cwiseQuotient(fit.sigma), freeCount(task.fixed)));
+      .cwiseProduct(outlierWeights(task.problem, fit.residuals, fit.sigma, freeCount(task.fixed)));
 }
 
 Fit fitted(const FitTask& task, Fit fit) {

@@ -14,9 +14,10 @@ void nonlinearStart(const Problem& problem, Eigen::VectorXd& x, const std::vecto
   const Model& model = problem.model();
   for (int e = 0; e < static_cast<int>(model.effects().size()); ++e) {
     const Effect& effect = *model.effects()[e];
-    const std::vector<std::vector<double>> starts = effect.searchStarts();
+    std::vector<std::vector<double>> starts = effect.searchStarts();
     if (starts.empty() || effect.separable()) continue;  // nothing to search where all amplitudes are linear
     const std::vector<int> nonlinear = effect.nonlinearParameters();
+    for (const double length : effect.fineWaves().lengths) starts.push_back({length});
     const int offset = model.offset(e);
     bool atZero = true;  // a start that the caller chose is kept
     for (int k = 0; k < effect.parameterCount(); ++k)

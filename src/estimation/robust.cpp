@@ -6,6 +6,8 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/statistics/univariate_statistics.hpp>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 
 #include "estimation/thin_qr.h"
@@ -137,15 +139,45 @@ double outlyingLimit(int degreesOfFreedom) {
   return std::max(kSmallest, boost::math::quantile(boost::math::complement(t, 0.5 * kChance)));
 }
 
-Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& whitened, int freeUnknowns) {
+Eigen::VectorXd resolutionSigma(const Problem& problem) {
+  constexpr double kSameReading = 1e-9;  // of the largest: what writing in other units changes
+  static const double kOfStep = 1.0 / std::sqrt(12.0);
+  std::map<int, std::vector<int>> rowsOf;  // of a joint's deviations
+  for (int i = 0; i < problem.rowCount(); ++i) {
+    const ResidualRow& row = problem.rows()[i];
+    if (problem.session().observations[row.observation].kind == ObservationKind::kDeviation)
+      rowsOf[row.component].push_back(i);
+  }
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(problem.rowCount());
+  for (const auto& [component, rows] : rowsOf) {
+    std::vector<double> values;
+    for (const int i : rows)
+      values.push_back(problem.session().observations[problem.rows()[i].observation].deviation[component]);
+    std::sort(values.begin(), values.end());
+    const double same = kSameReading * std::max(std::abs(values.front()), std::abs(values.back()));
+    double step = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < values.size(); ++i)
+      if (values[i] - values[i - 1] > same) step = std::min(step, values[i] - values[i - 1]);
+    if (!std::isfinite(step)) continue;
+    for (const int i : rows) sigma[i] = kOfStep * step;
+  }
+  return sigma;
+}
+
+Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& residuals,
+                               const Eigen::VectorXd& rowSigma, int freeUnknowns) {
+  const Eigen::VectorXd whitened = residuals.cwiseQuotient(rowSigma);
+  const Eigen::VectorXd resolution = resolutionSigma(problem).cwiseQuotient(rowSigma);
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(problem.rowCount());
   std::vector<char> outlying(problem.session().observations.size(), 0);
   for (const std::vector<int>& rows : comparableRows(problem)) {
     const int n = static_cast<int>(rows.size());
     if (n < kFewestRows || n < 2 * freeUnknowns) continue;
     std::vector<double> r;
-    for (int i : rows) r.push_back(whitened[i]);
-    double sigma = robustSigma(r) * std::sqrt(static_cast<double>(n) / std::max(1, n - freeUnknowns));
+    double least = 0.0;
+    for (int i : rows) r.push_back(whitened[i]), least = std::max(least, resolution[i]);
+    const double sigma =
+        std::max(least, robustSigma(r) * std::sqrt(static_cast<double>(n) / std::max(1, n - freeUnknowns)));
     if (!(sigma > 0.0)) continue;
     std::vector<char> large(rows.size(), 0);
     bool any = false;

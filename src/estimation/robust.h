@@ -16,13 +16,19 @@ double robustSigma(std::vector<double> values);
 /// degrees of freedom say how large the bulk is (Student's t at 1e-9).
 double outlyingLimit(int degreesOfFreedom);
 
+/// Standard deviation that a reading has by its resolution alone (GUM F.2.2.1: its step over the square root
+/// of 12), m or rad, a data row. Of deviations the step is the smallest difference of two that differ: where
+/// they are not rounded, next to nothing. Other rows have 0: their positions are where the plan went.
+Eigen::VectorXd resolutionSigma(const Problem& problem);
+
 /// Finds outliers: residuals that are large against the bulk AND stand apart from their neighbours in time,
 /// in approach and in position. What its neighbours share is structure (an effect that is missing), not an
 /// outlier.
-/// @param whitened residual a data row over its sigma. @return weight a data row: 0 for all rows of an
-/// outlying observation, else 1; all 1 when there are fewer than 20 rows or when more than a fifth stand
-/// apart.
-Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& whitened, int freeUnknowns);
+/// @param sigma of a data row, m or rad; the bulk is never less than the resolution of the readings. @return
+/// weight a data row: 0 for all rows of an outlying observation, else 1; all 1 when there are fewer than 20
+/// rows or when more than a fifth stand apart.
+Eigen::VectorXd outlierWeights(const Problem& problem, const Eigen::VectorXd& residuals,
+                               const Eigen::VectorXd& sigma, int freeUnknowns);
 
 /// Takes back into the fit what only seems to stand apart because the others hardly determine the model there
 /// (leverage).

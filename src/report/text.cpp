@@ -82,6 +82,28 @@ std::string outliersText(const CalibrationResult& r) {
   return text;
 }
 
+/// Zeros of instruments that are clearly not zero: who expects an offset among the errors finds it here.
+std::string zerosText(const CalibrationResult& r) {
+  constexpr double kClearly = 3.0;  // standard deviations
+  constexpr int kShown = 6;
+  std::string text;
+  int more = 0, shown = 0;
+  for (int i = 0; i < r.problem->unknownCount(); ++i) {
+    const Unknown& u = r.problem->unknowns()[static_cast<std::size_t>(i)];
+    if (u.kind != UnknownKind::kSetup || r.identifiability.fixed[static_cast<std::size_t>(i)] != 0 ||
+        !(std::abs(r.x[i]) > kClearly * r.std(i)))
+      continue;
+    if (++shown > kShown)
+      ++more;
+    else
+      text +=
+          "  " + padded(u.name, 36) + withUncertainty(r.x[i] * u.toUnit, r.std(i) * u.toUnit, u.unit) + "\n";
+  }
+  if (more > 0) text += format("  and %d more\n", more);
+  return text.empty() ? text
+                      : "Zeros of the instrument, fitted with the model: deviations count from them\n" + text;
+}
+
 std::string noiseText(const CalibrationResult& r) {
   const bool angular = angularOnly(r);
   const std::string from = r.repeatabilityFrom == "declared"   ? "declared"
@@ -156,11 +178,13 @@ std::string calibrateText(const CalibrationResult& r) {
   text += "\nError                nominal machine     calibrated\n" + figuresText(r) + noiseText(r);
   const std::string parameters = parametersText(r);
   text += "\nParameters\n" + parameters;
-  const std::string lost = lostText(r), features = featuresText(r), outliers = outliersText(r);
+  const std::string lost = lostText(r), features = featuresText(r), outliers = outliersText(r),
+                    zeros = zerosText(r);
   if (!lost.empty()) text += "\n" + lost;
   for (const WeakDirection& w : weakDirections(r)) text += "Weak: " + w.inWords + "\n";
   if (!features.empty()) text += "\n" + features;
-  if (parameters.find("±") != std::string::npos || features.find("±") != std::string::npos)
+  if (!zeros.empty()) text += "\n" + zeros;
+  if (parameters.find("±") != std::string::npos || features.find("±") != std::string::npos || !zeros.empty())
     text += "\n± is the expanded uncertainty, k = 2\n";
   if (!outliers.empty()) text += "\n" + outliers;
   text += "\nSearch\n";

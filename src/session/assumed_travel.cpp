@@ -36,12 +36,16 @@ class TravelMaker {
     tolerance_.assign(joints_, 0.0);
     for (int j = 0; j < joints_; ++j) {
       double low = INFINITY, high = -INFINITY;
+      bool known = false,
+           stoodAlways = true;  // a velocity of zero at each reading says nothing of its travel
       for (const Observation& o : session.observations) {
-        if (!std::isnan(o.velocity[j]) || o.travel[j] != 0.0) missing_[j] = 0;
+        known |= o.travel[j] != 0.0 || !std::isnan(o.velocity[j]);
+        stoodAlways &= o.travel[j] == 0.0 && o.velocity[j] == 0.0;
         low = std::min(low, o.position[j]);
         high = std::max(high, o.position[j]);
       }
       tolerance_[j] = std::min(kSameTarget, kOfRange * (high - low));
+      if (known && !(stoodAlways && high > low)) missing_[j] = 0;
     }
   }
 
@@ -229,11 +233,24 @@ class TravelMaker {
   std::vector<Counts> counts_;
 };
 
+/// Before a joint first moved its direction of travel is not known. Where nothing is measured along it, as in
+/// the runs of the other axes, it does not matter: the direction of its first motion stands for it.
+void whereItDoesNotMatter(Session& session) {
+  for (std::size_t j = 0; j < session.machine.joints().size(); ++j) {
+    const auto first = std::find_if(session.observations.begin(), session.observations.end(),
+                                    [&](const Observation& o) { return o.travel[j] != 0.0; });
+    if (first == session.observations.end()) continue;
+    for (auto o = session.observations.begin(); o != first; ++o)
+      if (o->kind == ObservationKind::kDeviation && std::isnan(o->deviation[j]))
+        o->travel[j] = first->travel[j];
+  }
+}
+
 }  // namespace
 
 void assumeTravel(Session& session) {
-  if (!session.assumed.empty()) return;
-  TravelMaker(session).make();
+  if (session.assumed.empty()) TravelMaker(session).make();
+  whereItDoesNotMatter(session);
 }
 
 }  // namespace mm

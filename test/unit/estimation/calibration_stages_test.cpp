@@ -5,8 +5,10 @@
 
 #include <cmath>
 
+#include "effects/effect.h"
 #include "estimation/robust.h"
 #include "model/observed_domain.h"
+#include "random_numbers.h"
 #include "simulation/simulate.h"
 
 namespace mm {
@@ -90,6 +92,36 @@ TEST(OutlyingLimit, IsNineAndStudentsQuantileWhereFewFreedomsSayHowLargeTheBulkI
   EXPECT_GT(outlyingLimit(1), 1e8);
   EXPECT_NEAR(robustSigma({-1.0, 1.0, 1.0, -1.0}), 1.4826, 1e-4);
   EXPECT_EQ(robustSigma({}), 0.0);
+}
+
+/// An instrument that reads to 1 um, of deviations that are mostly smaller than half of it: the bulk reads 0.
+/// Every reading that was not 0 was an outlier, and the noise nothing.
+TEST(Outliers, AreNotWhatTheResolutionShows) {
+  Session session(Machine::load("three_axis"));
+  session.source = "test";
+  test_support::RandomNumbers random(7);
+  for (int i = 0; i < 90; ++i) {
+    Observation o;
+    o.kind = ObservationKind::kDeviation;
+    o.time = i;
+    o.row = i + 2;
+    o.position = {(i % 15 - 7) * 2.5e-3, 0.0, 0.0};
+    o.velocity = {i / 15 % 2 == 0 ? 5e-3 : -5e-3, 0.0, 0.0};
+    o.deviation = {std::round(random.normal(0.35)) * 1e-6, kNotMeasured, kNotMeasured};
+    o.deviationStd.assign(3, kNotMeasured);
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  const Model model(session.machine, observedDomain(session), std::vector<EffectPtr>());
+  const CalibrationResult fit = calibrate(session, model, options);
+  EXPECT_TRUE(fit.outliers.empty()) << fit.outliers.size();
+  EXPECT_GT(fit.repeatability, 0.2e-6);
+  EXPECT_NEAR(resolutionSigma(*fit.problem)[0], 1e-6 / std::sqrt(12.0), 1e-12);
+
+  session.observations[40].deviation[0] = 30e-6;  // one is
+  EXPECT_EQ(calibrate(session, model, options).outliers.size(), 1u);
 }
 
 }  // namespace
