@@ -45,6 +45,21 @@ void checkJoints(const Session& session, const Domain& domain) {
                      "; use a session of the machine that was calibrated");
 }
 
+/// Before a joint first moved its direction of travel is not known. Where nothing is measured along it, as in
+/// the runs of the other axes, it does not matter: the direction of its first motion stands for it.
+void whereTravelDoesNotMatter(const Session& session, std::vector<State>& states) {
+  for (std::size_t j = 0; j < session.machine.joints().size(); ++j) {
+    std::size_t first = 0;
+    while (first < states.size() && states[first].travel[j] == 0.0) ++first;
+    if (first == states.size()) continue;
+    for (std::size_t o = 0; o < first; ++o) {
+      const Observation& at = session.observations[o];
+      const bool measured = j < at.deviation.size() && !std::isnan(at.deviation[j]);
+      if (at.kind == ObservationKind::kDeviation && !measured) states[o].travel[j] = states[first].travel[j];
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Series> temperaturesOf(const Session& session, const Domain& domain) {
@@ -101,6 +116,7 @@ SessionStates::SessionStates(const Session& session, const Domain& domain) {
     surfaceOf_.push_back(laser && ball ? o.feature : -1);
     states_.push_back(std::move(state));
   }
+  whereTravelDoesNotMatter(session, states_);
 }
 
 void SessionStates::aim(const std::vector<Eigen::Vector3d>& centres) {

@@ -233,24 +233,11 @@ class TravelMaker {
   std::vector<Counts> counts_;
 };
 
-/// Before a joint first moved its direction of travel is not known. Where nothing is measured along it, as in
-/// the runs of the other axes, it does not matter: the direction of its first motion stands for it.
-void whereItDoesNotMatter(Session& session) {
-  for (std::size_t j = 0; j < session.machine.joints().size(); ++j) {
-    const auto first = std::find_if(session.observations.begin(), session.observations.end(),
-                                    [&](const Observation& o) { return o.travel[j] != 0.0; });
-    if (first == session.observations.end()) continue;
-    for (auto o = session.observations.begin(); o != first; ++o)
-      if (o->kind == ObservationKind::kDeviation && std::isnan(o->deviation[j]))
-        o->travel[j] = first->travel[j];
-  }
-}
-
 }  // namespace
 
 void assumeTravel(Session& session) {
-  if (session.assumed.empty()) TravelMaker(session).make();
-  whereItDoesNotMatter(session);
+  if (!session.assumed.empty()) return;
+  TravelMaker(session).make();
 }
 
 }  // namespace mm

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "model/session_states.h"
 #include "random_numbers.h"
 
 namespace mm {
@@ -52,6 +53,32 @@ TEST(Spacing, IsNoneOfUnequalDistances) {
   EXPECT_EQ(spacingOf({0.0, 2.3e-3, 4.1e-3, 9.8e-3, 12e-3}), 0.0);  // as ISO 230-2 asks
   EXPECT_EQ(spacingOf({0.0, 2e-3, 4e-3, 6e-3}), 0.0);               // too few to say
   EXPECT_EQ(spacingOf({3e-3, 3e-3, 3e-3, 3e-3, 3e-3}), 0.0);
+}
+
+/// Before y first moves its direction is not known; in the run of x, which shows nothing of y, that is no
+/// matter. An effect that needs it was refused, and the whole diagnosis with it.
+TEST(States, KnowTheTravelWhereNothingIsMeasuredAlongTheJoint) {
+  Session session(Machine::load("three_axis"));
+  const double xs[] = {0.0, 5e-3, 0.0, 0.0, 0.0, 0.0}, ys[] = {0.0, 0.0, 0.0, 0.0, 5e-3, 0.0};
+  const double ways[] = {kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured, 1e-3, -1e-3};
+  for (int i = 0; i < 6; ++i) {
+    Observation o;
+    o.kind = ObservationKind::kDeviation;
+    o.time = i;
+    o.position = {xs[i], ys[i], 0.0};
+    o.velocity = {i == 1 ? 1e-3 : -1e-3, ways[i], kNotMeasured};
+    const bool alongX = i < 3;
+    o.deviation = {alongX ? 1e-6 : kNotMeasured, alongX ? kNotMeasured : 1e-6, kNotMeasured};
+    o.deviationStd.assign(3, kNotMeasured);
+    session.observations.push_back(o);
+  }
+  session.prepare();
+  const SessionStates states(session, observedDomain(session));
+  const double travelOfY[] = {1.0, 1.0, 1.0, 0.0, 1.0, -1.0};
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(states.states()[static_cast<std::size_t>(i)].travel[1], travelOfY[i]) << i;
+    EXPECT_EQ(states.states()[static_cast<std::size_t>(i)].travel[2], 0.0) << "z never moved";
+  }
 }
 
 }  // namespace

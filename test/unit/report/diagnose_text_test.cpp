@@ -184,12 +184,15 @@ TEST(DiagnoseText, FiguresSayWhereTheNoiseIsFrom) {
   EXPECT_TRUE(has(textOf(d), "  repeatability not known, noise found")) << textOf(d);
 }
 
-TEST(DiagnoseText, OnlyEightOfWhatCouldNotShow) {
+TEST(DiagnoseText, WhatCouldNotShowForOneReasonIsOneLineAndSixLinesAreShown) {
   Diagnosis d = verdict(Verdict::kExplained);
   for (int i = 0; i < 10; ++i)
     d.cannotShow.push_back({backlash("x" + std::to_string(i)), "x stood still", ""});
-  const std::string text = textOf(d);
-  EXPECT_TRUE(has(text, "  backlash of x7: x stood still\n  and 2 more (--json lists them)\n")) << text;
+  EXPECT_TRUE(has(textOf(d), "  backlash of x0, backlash of x1, backlash of x2 and 7 more: x stood still\n"))
+      << textOf(d);
+  for (int i = 0; i < 7; ++i)
+    d.cannotShow.push_back({backlash("y" + std::to_string(i)), "reason " + std::to_string(i), ""});
+  EXPECT_TRUE(has(textOf(d), "  backlash of y4: reason 4\n  and 2 more (--json lists them)\n")) << textOf(d);
 }
 
 TEST(DiagnoseJson, MissingWithOddsGainAndRivals) {
