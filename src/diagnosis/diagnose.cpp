@@ -51,7 +51,7 @@ class Diagnoser {
     // outliers may have been structure, and structure may have hidden outliers: look again with what was
     // found in
     CalibrationResult fitted = out_.base;
-    leaveOutUnknownTravel(fitted.weight);
+    out_.notJudged = leaveOutUnknownTravel(fitted.weight);
     const FullFit full(session_, model_, fit_);
     Look look;
     for (int round = 0; round < kMostLooks; ++round) {
@@ -96,7 +96,8 @@ class Diagnoser {
   /// Before a joint first moved its direction of travel is not known. A play has no value there, and what
   /// needs no direction, as a jump at the reversal, would explain these rows too, and win by them: all causes
   /// are judged by the same rows.
-  void leaveOutUnknownTravel(Eigen::VectorXd& weight) const {
+  std::vector<NotJudged> leaveOutUnknownTravel(Eigen::VectorXd& weight) const {
+    std::vector<NotJudged> left;
     constexpr int kMost = 5;  // one observation in so many; more are a session without directions
     const Problem& problem = *out_.base.problem;
     const auto count = static_cast<int>(session_.observations.size());
@@ -110,9 +111,13 @@ class Diagnoser {
         if (travel == 0.0) unknown.push_back(o);
       }
       if (!up || !down || static_cast<int>(unknown.size()) * kMost > count) continue;
+      if (!unknown.empty())
+        left.push_back(
+            {session_.machine.joints()[static_cast<std::size_t>(j)].name, static_cast<int>(unknown.size())});
       for (const int o : unknown)
         for (int i = problem.firstRow(o); i < problem.firstRow(o + 1); ++i) weight[i] = 0.0;
     }
+    return left;
   }
 
   Look lookAt(const CalibrationResult& fitted, int round) const {
@@ -138,7 +143,7 @@ class Diagnoser {
       q.profiles = static_cast<int>(profiles.groups.size());
       append(q.groups, std::move(profiles));
       report("search", 0.2 + 0.2 * round);
-      const Search search = Search(q);
+      const Search search(q);
       look.found = withTails(search, search.run(Eigen::VectorXd::Ones(q.rows.rows())), look);
     }
     lookAtPairs(look);
@@ -241,6 +246,7 @@ class Diagnoser {
     Explanation& found = look.found;
     const double unit = unitOf(*look.space);
     out_.tailDof = look.tailDof;
+    out_.resolution = q.resolution;
     sortByGain(search, found);
     report("held out", 0.7);
     const HeldOut held(search, found);

@@ -124,6 +124,12 @@ enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEff
 /// As in JSON: "missing_effect".
 std::string nameOf(Verdict verdict);
 
+/// Observations at which the direction of travel of a joint is not known, and by which no cause is judged.
+struct NotJudged {
+  std::string joint;
+  int observations = 0;
+};
+
 struct Diagnosis {
   CalibrationResult base;  // the model as it is, refitted to the session
   Verdict verdict = Verdict::kExplained;
@@ -137,9 +143,11 @@ struct Diagnosis {
   std::vector<ArtifactScatter> artifactScatter;
   std::vector<Variation> variations;  // where nothing else was found, the largest first
   std::vector<MissingInput> missingInputs;
-  double noise = 0.0;     // m (rad): the white part of what is left, as estimated
-  double noiseStd = 0.0;  // its standard uncertainty
-  double tailDof = 0.0;   // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
+  double noise = 0.0;       // m (rad): the white part of what is left, as estimated
+  double noiseStd = 0.0;    // its standard uncertainty
+  double resolution = 0.0;  // m (rad): step of readings that are coarser than their noise; 0: finer
+  std::vector<NotJudged> notJudged;
+  double tailDof = 0.0;  // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
   /// RMS of rows that were not seen, drift predicted from its neighbours, m (rad): with nothing found, and
   /// with everything, the search run again without the rows judged. `base.figures.heldOutRms` is another
   /// figure: values fitted again without the rows judged, no drift predicted, as a corrected machine has it.

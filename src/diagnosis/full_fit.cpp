@@ -13,8 +13,9 @@ constexpr int kMostBans = 4;    // of shapes that ran off
 constexpr double kAlike = 2.0;  // times: periods or time constants within which shapes are alike
 
 /// A shape that is no more than part of a curve in the fit of everything (a wave that becomes longer than the
-/// travel, a warm-up than the session) is not asked again, with those of its cause that are like it, and the
-/// search goes on without it. @return whether other shapes are left to be asked.
+/// travel, a warm-up than the session), or the best of many by chance, is not asked again, with those of its
+/// cause that are like it, and the search goes on without it. @return whether other shapes are left to be
+/// asked.
 bool ban(Look& look, std::size_t member) {
   const Member m = look.found.members[member];
   std::vector<Shape>& shapes = look.questions.groups.groups[m.group].shapes;
@@ -115,7 +116,7 @@ void FullFit::dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) c
       sure = surenessOf(answers, full, model_.parameterCount(), look.found.members.size());
       ranOff = whatRanOff(answers, full, model_.parameterCount(), look.found.members.size());
     } catch (const NumericalError&) {
-      return;  // what the linearised fit says stands
+      break;  // what the linearised fit says stands
     }
     byChance(search, look, *evidence, ranOff);
     const auto imitates = std::find(ranOff.begin(), ranOff.end(), 1);

@@ -20,10 +20,11 @@ struct Questions {
   std::vector<std::string> directions;  // of drift
   std::vector<double> directionScale;   // m (rad) of a drift of ratio 1 over white noise of 1
   Groups groups;
-  int asked = 0;      // causes
-  int profiles = 0;   // profiles of one variable among the groups
-  int pairs = 0;      // profiles of two
-  bool many = false;  // rows: the noise is fitted as `fitManyRows` does
+  int asked = 0;            // causes
+  int profiles = 0;         // profiles of one variable among the groups
+  int pairs = 0;            // profiles of two
+  double resolution = 0.0;  // m or rad: step of readings of which most agree; 0: finer than their noise
+  bool many = false;        // rows: the noise is fitted as `fitManyRows` does
 };
 
 /// Another cause in the place of a member, with the noise fitted again.

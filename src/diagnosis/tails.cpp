@@ -19,21 +19,16 @@ Tails tailsOf(const Search& search, const Explanation& found) {
   const NoiseRows& rows = search.questions().rows;
   const int n = rows.rows();
   Tails tails;
-  if (n < kFewestOfATail) return tails;
+  if (n < kFewestOfATail || search.questions().resolution > 0.0) return tails;  // steps are no tails
   const Eigen::VectorXd e = (rows.target - evidence->fit(found.members).expected).head(n);
   const double variance = e.squaredNorm() / n;
-  // Readings coarser than their noise mostly agree: without this the bulk would have no width at all.
-  double least = 0.0;
-  const ResidualSpace& space = *search.questions().space;
-  const Eigen::VectorXd resolution = resolutionSigma(space.problem()).cwiseQuotient(space.fitted().sigma);
-  for (const int row : space.used()) least = std::max(least, resolution[row] * resolution[row]);
   double best = -0.5 * n * (std::log(2.0 * M_PI * variance) + 1.0) + kClearly;
   for (const double dof : {10.0, 6.0, 4.0, 3.0}) {
     double s2 = variance;
     Eigen::VectorXd weight(n);
     for (int round = 0; round < 30; ++round) {  // expectation and maximisation: Student's t as a mixture
       for (int i = 0; i < n; ++i) weight[i] = (dof + 1.0) / (dof + e[i] * e[i] / s2);
-      s2 = std::max(least, weight.dot(e.cwiseAbs2()) / n);
+      s2 = weight.dot(e.cwiseAbs2()) / n;
     }
     double value =
         n * (std::lgamma(0.5 * (dof + 1.0)) - std::lgamma(0.5 * dof) - 0.5 * std::log(M_PI * dof * s2));
@@ -49,19 +44,23 @@ Tails tailsOf(const Search& search, const Explanation& found) {
 }
 
 void spreadOverResolution(Questions& q) {
-  constexpr double kOfStep =
-      0.25;  // enough for a noise that is not nothing, little beside that of the readings
+  constexpr double kOfStep = 0.25;  // a noise that is not nothing, and little beside that of the readings
   const ResidualSpace& space = *q.space;
-  const Eigen::VectorXd all = resolutionSigma(space.problem()).cwiseQuotient(space.fitted().sigma);
-  std::vector<double> left;
-  for (int i = 0; i < space.rows(); ++i) left.push_back(q.rows.target[i]);
+  const Eigen::VectorXd resolution = resolutionSigma(space.problem());
+  const Eigen::VectorXd whitened = resolution.cwiseQuotient(space.fitted().sigma);
+  std::vector<double> left(q.rows.target.begin(), q.rows.target.begin() + space.rows());
   const double middle = medianOf(left);
   for (double& value : left) value = std::abs(value - middle);
-  if (!(medianOf(left) < all.maxCoeff())) return;
+  if (!(medianOf(std::move(left)) < whitened.maxCoeff())) return;
+  const double steps = std::sqrt(12.0);  // of a standard deviation
+  q.resolution = steps * resolution.maxCoeff();
   Random random(1, "resolution");
-  for (int i = 0; i < space.rows(); ++i)
-    q.rows.target[i] += all[space.used()[static_cast<std::size_t>(i)]] * std::sqrt(12.0) * kOfStep *
-                        random.uniform(-0.5, 0.5);
+  Eigen::VectorXd spread(whitened.size());  // of all rows, so that a row has the same in every look
+  for (double& value : spread) value = kOfStep * steps * random.uniform(-0.5, 0.5);
+  for (int i = 0; i < space.rows(); ++i) {
+    const int row = space.used()[static_cast<std::size_t>(i)];
+    q.rows.target[i] += whitened[row] * spread[row];
+  }
 }
 
 }  // namespace mm

@@ -130,6 +130,9 @@ std::string diagnoseJson(const Diagnosis& d) {
   setEither(object, "held_out_rms_with_found", found(d.heldOut), d.angular);
   setEither(object, "noise", found(d.noise), d.angular);
   setEither(object, "noise_std", found(d.noiseStd), d.angular);
+  if (d.resolution > 0.0) setEither(object, "resolution", d.resolution, d.angular);
+  for (const NotJudged& n : d.notJudged)
+    object["not_judged"].push_back({{"joint", n.joint}, {"observations", n.observations}});
   object["tail_dof"] = number(found(d.tailDof));
   object["chi2_per_dof"] = fitted ? number(d.base.figures.chi2PerDof) : Json(nullptr);
   object["verdict"] = nameOf(d.verdict);

@@ -102,6 +102,14 @@ std::string figuresText(const Diagnosis& d) {
   }
   if (d.tailDof > 0.0)
     text += format("\n  the noise has heavy tails: Student's t of %.2g degrees of freedom", d.tailDof);
+  if (d.resolution > 0.0)
+    text += "\n  most readings agree within the resolution of " + length(d.resolution, d.angular) +
+            ": they were judged spread over a quarter of it";
+  for (const NotJudged& n : d.notJudged)
+    text += format(
+        "\n  %d observations are not judged: the direction of travel of %s is not known there; move it "
+        "before the first reading",
+        n.observations, n.joint.c_str());
   return text + "\n  ± is the expanded uncertainty, k = 2\n";
 }
 

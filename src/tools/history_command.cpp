@@ -126,8 +126,8 @@ void trend(const HistoryOptions& options) {
     calibrations.push_back(store.load(entry.id));
   }
   if (!options.output.empty() && calibrations.empty() && !left.empty())
-    throw InputError("none of the " + std::to_string(left.size()) + " calibrations in " +
-                     store.folder().string() + " can be read, and there is nothing to draw: " + left.front());
+    throw InputError("of " + std::to_string(left.size()) + " calibrations in " + store.folder().string() +
+                     " none can be read, so there is nothing to draw: " + left.front());
   for (const std::string& other : ofOtherMachines(calibrations))
     left.push_back(other + ": of another machine");
   for (const std::string& again : refitted(calibrations))

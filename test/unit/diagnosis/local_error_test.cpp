@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "base/units.h"
+#include "deviations.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/wording.h"
 #include "long_tests.h"
@@ -32,15 +33,9 @@ double scar(double x) { return 5.0 * std::exp(-0.5 * std::pow((x - 23.3) / 1.2, 
 double kink(double x) { return 0.3 * std::max(0.0, x - 24.0); }
 double wave(double x) { return 2.0 * std::sin(2.0 * kPi * x / 5.0 + 0.7); }
 
+/// @param x mm. @param way 1 or -1. @param deviation um.
 Observation deviationAt(double x, double way, double time, double deviation) {
-  Observation o;
-  o.kind = ObservationKind::kDeviation;
-  o.time = time;
-  o.position = {x * kMillimetre, 0.0, 0.0};
-  o.velocity = {way * 5e-3, 0.0, 0.0};
-  o.deviation = {deviation * kMicrometre, kNotMeasured, kNotMeasured};
-  o.deviationStd.assign(3, kNotMeasured);
-  return o;
+  return test_support::deviationOfX(x * kMillimetre, way * 5e-3, time, deviation * kMicrometre);
 }
 
 Diagnosis diagnosisOf(Session session) {
@@ -150,7 +145,8 @@ TEST(LocalError, CoarseReadingsAreNoPerfectOnes) {
                                                    std::round(random.normal(0.35))));
     const Diagnosis d = diagnosisOf(session);
     EXPECT_EQ(d.verdict, Verdict::kExplained) << told(d);
-    EXPECT_GT(d.noise, 0.1e-6) << told(d);
+    EXPECT_NEAR(d.resolution, 1e-6, 1e-9);
+    EXPECT_GT(d.noise, 0.2e-6) << told(d);
   }
 }
 
@@ -214,6 +210,8 @@ TEST(LocalError, AReversalValueIsNoJumpWhereTheFirstDirectionIsNotKnown) {
                                                      -2.0 * way + random.normal(kNoise / kMicrometre)));
         }
     const Diagnosis d = diagnosisOf(session);
+    ASSERT_EQ(d.notJudged.size(), 1u) << "it is said that they are not judged";
+    EXPECT_EQ(d.notJudged[0].observations, 8);
     ASSERT_FALSE(d.missing.empty()) << told(d);
     bool named = d.missing[0].effect.type == "backlash";
     for (const Confusable& c : d.missing[0].confusableWith) named |= c.effect.type == "backlash";

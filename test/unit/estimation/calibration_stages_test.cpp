@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "deviations.h"
 #include "effects/effect.h"
 #include "estimation/robust.h"
 #include "model/observed_domain.h"
@@ -101,14 +102,9 @@ TEST(Outliers, AreNotWhatTheResolutionShows) {
   session.source = "test";
   test_support::RandomNumbers random(7);
   for (int i = 0; i < 90; ++i) {
-    Observation o;
-    o.kind = ObservationKind::kDeviation;
-    o.time = i;
+    Observation o = test_support::deviationOfX((i % 15 - 7) * 2.5e-3, i / 15 % 2 == 0 ? 5e-3 : -5e-3, i,
+                                               std::round(random.normal(0.35)) * 1e-6);
     o.row = i + 2;
-    o.position = {(i % 15 - 7) * 2.5e-3, 0.0, 0.0};
-    o.velocity = {i / 15 % 2 == 0 ? 5e-3 : -5e-3, 0.0, 0.0};
-    o.deviation = {std::round(random.normal(0.35)) * 1e-6, kNotMeasured, kNotMeasured};
-    o.deviationStd.assign(3, kNotMeasured);
     session.observations.push_back(o);
   }
   session.prepare();

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "deviations.h"
 #include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
 #include "model/observed_domain.h"
@@ -19,16 +20,12 @@ Session waveOnOffset(double offset, double amplitude) {
   session.source = "wave";
   test_support::RandomNumbers random(50);
   for (int i = 0; i < 210; ++i) {
-    Observation o;
-    o.kind = ObservationKind::kDeviation;
-    o.time = 10.0 * i;
-    o.row = i + 2;
-    o.position = {random.uniform(-20.0, 20.0) * kMillimetre, 0.0, 0.0};
+    const double x = random.uniform(-20.0, 20.0) * kMillimetre;
+    const double wave = std::sin(2.0 * 3.14159265358979 * x / (7.0 * kMillimetre));
+    Observation o = test_support::deviationOfX(
+        x, kNotMeasured, 10.0 * i, (offset + amplitude * wave + random.normal(kNoise)) * kMicrometre);
     o.velocity.assign(3, kNotMeasured);
-    o.deviationStd.assign(3, kNotMeasured);
-    const double wave = std::sin(2.0 * 3.14159265358979 * o.position[0] / (7.0 * kMillimetre));
-    o.deviation = {(offset + amplitude * wave + random.normal(kNoise)) * kMicrometre, kNotMeasured,
-                   kNotMeasured};
+    o.row = i + 2;
     session.observations.push_back(o);
   }
   session.prepare();

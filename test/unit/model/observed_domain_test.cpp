@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "deviations.h"
 #include "model/session_states.h"
 #include "random_numbers.h"
 
@@ -14,15 +15,8 @@ namespace {
 
 double spacingOf(const std::vector<double>& positions) {
   Session session(Machine::load("three_axis"));
-  for (const double x : positions) {
-    Observation o;
-    o.kind = ObservationKind::kDeviation;
-    o.position = {x, 0.0, 0.0};
-    o.velocity.assign(3, kNotMeasured);
-    o.deviation = {0.0, kNotMeasured, kNotMeasured};
-    o.deviationStd.assign(3, kNotMeasured);
-    session.observations.push_back(o);
-  }
+  for (const double x : positions)
+    session.observations.push_back(test_support::deviationOfX(x, kNotMeasured, 0.0, 0.0));
   const Domain domain = observedDomain(session);
   EXPECT_EQ(domain.spacing.size(), 3u);
   EXPECT_EQ(domain.spacing[1], 0.0) << "y stood still";
