@@ -12,7 +12,7 @@ namespace mm {
 constexpr double kStoodStill = 1e-9;
 
 /// The part of a session that the effects need to know: what there is, and over which range it was observed.
-/// It is kept in the calibration file, so that an effect means the same later. SI units.
+/// All of it but `spacing` stands in the calibration file, so that an effect means the same later. SI units.
 struct Domain {
   std::vector<Joint> joints;
   std::vector<double> lower, upper;            // observed range of each joint's reading

@@ -110,8 +110,8 @@ class LeadScrewPeriodic : public CatalogueEffect {
       return std::string(digits);
     };
     return "At positions " + text(spacing_) + name + " apart a period of " + text(spacing_ / (1.0 - waves)) +
-           " or " + text(spacing_ / (1.0 + waves)) + name + " looks the same: measure " + name_ +
-           " at unequal distances.";
+           " or " + text(spacing_ / (1.0 + waves)) + name + " looks the same" +
+           (linear ? commonLeads(waves) : "") + ": measure " + name_ + " at unequal distances.";
   }
 
   std::string cause() const override {
@@ -133,6 +133,22 @@ class LeadScrewPeriodic : public CatalogueEffect {
   /// one, and that one is told (Nyquist). ISO 230-2 therefore asks for unequal distances.
   static constexpr double kNyquist = 2.0;
   bool isAlias(double period) const { return period < kNyquist * spacing_; }
+  /// Leads that screws are made with and that the same readings fit. @param waves from one position to the next.
+  std::string commonLeads(double waves) const {
+    constexpr double kLeads[] = {1.0, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0};  // mm
+    constexpr double kPart = 0.25;  // of a wave over the travel: nearer periods cannot be told apart
+    std::string leads;
+    for (const double lead : kLeads) {
+      const double turns = spacing_ / (lead * kMillimetre), seen = std::abs(turns - std::round(turns));
+      const bool nearest = std::abs(turns - 1.0) <= 0.5;  // one of the two that are named
+      if (nearest || !isAlias(lead * kMillimetre) || std::abs(seen - waves) * travel_ / spacing_ > kPart)
+        continue;
+      char digits[32];
+      std::snprintf(digits, sizeof digits, "%.3g", lead);
+      leads += (leads.empty() ? "" : ", ") + std::string(digits);
+    }
+    return leads.empty() ? "" : ", and so does a screw of " + leads + " mm lead";
+  }
   static constexpr double kStep = 1.0 / 3.0;   // of a wave over the range: between two starts
   static constexpr double kMostWaves = 800.0;  // over the range
   static constexpr double kFinest = 0.25;      // mm

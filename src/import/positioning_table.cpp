@@ -9,8 +9,10 @@
 #include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "import/column_words.h"
 #include "import/record_table.h"
 #include "import/unit.h"
+#include "session/csv_cells.h"
 
 namespace mm {
 namespace {
@@ -20,31 +22,44 @@ struct Run {
   double direction = 0.0;  // 0: not said
 };
 
-/// `1+`, `-2`, `Run 3 ↓`, `4 up`; nothing for another name.
+/// The parts of a run's name: digits together, letters together, each sign for itself.
+std::vector<std::string> partsOf(const std::string& name) {
+  enum class Kind { kNone, kDigit, kLetter };
+  std::vector<std::string> parts;
+  Kind last = Kind::kNone;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::string_view(" _()=").find(c) != std::string_view::npos) {
+      last = Kind::kNone;
+      continue;
+    }
+    const Kind kind = std::isdigit(byte) != 0                    ? Kind::kDigit
+                      : std::isalpha(byte) != 0 || byte >= 0x80 ? Kind::kLetter
+                                                                 : Kind::kNone;
+    if (kind == Kind::kNone || kind != last) parts.emplace_back();
+    parts.back() += c;
+    last = kind;
+  }
+  return parts;
+}
+
+/// `1+`, `-2`, `Run 3 ↓`, `4 up`, `1 auf`; nothing for another name.
 std::optional<Run> runOf(std::string_view name) {
-  std::string text = lower(trim(name));
-  const auto replace = [&](const char* from, const char* to) {
-    for (std::size_t at; (at = text.find(from)) != std::string::npos;)
-      text.replace(at, std::string(from).size(), to);
-  };
-  for (const char* up : {"↑", "→", "forward", "fwd", "up", "positive", "pos", "vor"}) replace(up, "+");
-  for (const char* down : {"↓", "←", "reverse", "rev", "down", "backward", "negative", "neg", "rück", "−"})
-    replace(down, "-");
-  for (const char* word : {"run", "cycle", "lauf", "zyklus", "j="}) replace(word, " ");
   Run run;
-  std::string digits;
-  for (const char c : text) {
-    if (std::isdigit(static_cast<unsigned char>(c)) != 0)
-      digits += c;
-    else if (c == '+' || c == '-') {
-      if (run.direction != 0.0) return std::nullopt;
-      run.direction = c == '+' ? 1.0 : -1.0;
-    } else if (c != ' ' && c != '_' && c != '(' && c != ')') {
-      return std::nullopt;
+  bool numbered = false;
+  for (const std::string& part : partsOf(lower(trim(name)))) {
+    if (part == "run" || part == "cycle" || part == "lauf" || part == "zyklus" || part == "j") continue;
+    if (std::isdigit(static_cast<unsigned char>(part[0])) != 0) {
+      if (numbered || part.size() > 3) return std::nullopt;
+      numbered = true;
+      run.number = std::stoi(part);
+    } else {
+      const double direction = directionOf(part);
+      if (direction == 0.0 || run.direction != 0.0) return std::nullopt;
+      run.direction = direction;
     }
   }
-  if (digits.empty() || digits.size() > 3) return std::nullopt;
-  run.number = std::stoi(digits);
+  if (!numbered) return std::nullopt;
   return run;
 }
 
@@ -53,6 +68,18 @@ bool isTarget(const std::string& name) {
     if (word == "target" || word == "position" || word == "nominal" || word == "soll" ||
         word == "sollposition" || word == "pi" || word == "p")
       return true;
+  return false;
+}
+
+/// The name of a column that a table has whose rows are single measurements.
+bool isDeviationOrDirection(const std::string& name) {
+  const auto& classes = wordClasses();
+  for (const std::string& word : wordsOf(name)) {
+    const auto known = classes.find(word);
+    if (known != classes.end() &&
+        (known->second == WordClass::kDeviation || known->second == WordClass::kDirection))
+      return true;
+  }
   return false;
 }
 
@@ -242,22 +269,25 @@ class PositioningReader {
 }  // namespace
 
 bool isPositioningTable(const TextFile& file) {
-  if (headHas(file, {"iso 230-2", "iso230-2"})) return true;
   constexpr std::size_t kLooked = 40;
   std::vector<std::string_view> cells;
+  bool oneRowEach = false;  // a header that has a column of deviations, and none of runs
   for (std::size_t i = 0; i < std::min(kLooked, file.lines().size()); ++i)
     for (const char separator : {'\t', ';', ','}) {
       if (!splitCells(file.lines()[i], cells, separator) || cells.size() < 3) continue;
-      std::size_t directed = 0;
+      std::size_t directed = 0, runs = 0, measured = 0;
       for (std::size_t k = 1; k < cells.size(); ++k) {
         double value = 0.0;
         const auto run = runOf(cells[k]);
         // +1 is a number in a row, 1+ is a run
         directed += run && run->direction != 0.0 && !parseNumber(cells[k], false, value);
+        runs += run.has_value();
+        measured += isDeviationOrDirection(std::string(cells[k]));
       }
       if (directed >= 2 && isTarget(std::string(cells[0]))) return true;
+      oneRowEach = oneRowEach || (measured > 0 && runs == 0);
     }
-  return false;
+  return !oneRowEach && headHas(file, {"iso 230-2", "iso230-2"});
 }
 
 void readPositioningTable(ImportContext& context) { PositioningReader(context).read(); }

@@ -19,6 +19,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void begin();  ///< waits for the first request
   void close();  ///< at once
+  std::chrono::steady_clock::time_point since() const { return since_; }  ///< accepted
   /// Says in one answer why nothing else is answered, and ends.
   void turnAway(unsigned status, const std::string& message);
 
@@ -44,6 +45,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::shared_ptr<void> upload_;   // the place for the file that is being sent
   std::string peer_;
   bool trusted_ = false, left_ = false;
+  const std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace mm

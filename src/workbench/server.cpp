@@ -100,22 +100,36 @@ void Server::Inside::stop() {
 }
 
 void Server::Inside::accept() {
+  if (waiting_.size() >= options_.mostWaiting) {
+    const auto due = waiting_.front()->since() + options_.undisturbed;
+    if (due > std::chrono::steady_clock::now()) return acceptAt(due);
+  }
   acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (!acceptor_.is_open()) return;
-    if (error) {  // no file handle left: others must end first
-      pause_.expires_after(kWithoutHandles);
-      return pause_.async_wait([this](boost::system::error_code stopped) {
-        if (!stopped) accept();
-      });
+    if (error)  // no file handle left: others must end first
+      return acceptAt(std::chrono::steady_clock::now() + kWithoutHandles);
+    try {
+      admit(std::move(socket));
+    } catch (const std::exception&) {  // of this connection: the next is accepted all the same
     }
-    accept();  // before anything that may throw
-    auto connection = std::make_shared<HttpConnection>(std::move(socket), *this);
-    joined(connection);
-    if (waiting_.size() + trusted_.size() + sockets_.size() > options_.mostConnections)
-      connection->turnAway(503, "too many connections; close other pages of the workbench");
-    else
-      connection->begin();
+    accept();
   });
+}
+
+void Server::Inside::acceptAt(std::chrono::steady_clock::time_point when) {
+  pause_.expires_at(when);
+  pause_.async_wait([this](boost::system::error_code) {  // cancelled: a place is free
+    if (acceptor_.is_open()) accept();
+  });
+}
+
+void Server::Inside::admit(tcp::socket socket) {
+  const auto connection = std::make_shared<HttpConnection>(std::move(socket), *this);
+  joined(connection);
+  if (waiting_.size() + trusted_.size() + sockets_.size() > options_.mostConnections)
+    connection->turnAway(503, "too many connections; close other pages of the workbench");
+  else
+    connection->begin();
 }
 
 void Server::Inside::joined(const std::shared_ptr<HttpConnection>& connection) {
@@ -127,6 +141,7 @@ void Server::Inside::trusted(HttpConnection* connection) {
   for (auto i = waiting_.begin(); i != waiting_.end(); ++i) {
     if (i->get() != connection) continue;
     trusted_.splice(trusted_.end(), waiting_, i);
+    pause_.cancel();
     return;
   }
 }
@@ -135,6 +150,7 @@ void Server::Inside::left(HttpConnection* connection) {
   const auto same = [connection](const auto& other) { return other.get() == connection; };
   waiting_.remove_if(same);
   trusted_.remove_if(same);
+  pause_.cancel();
 }
 
 std::shared_ptr<void> Server::Inside::placeForUpload() {

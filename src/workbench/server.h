@@ -15,7 +15,8 @@ struct ServerOptions {
   std::string token;               // empty: a new one
   std::vector<std::string> hosts;  // further names under which it is reached
   std::size_t largestBody = 64 << 10, largestUpload = 256 << 20, largestHeader = 8 << 10;  // bytes
-  std::size_t mostConnections = 128, mostWaiting = 32, mostSockets = 24;
+  std::size_t mostConnections = 256, mostWaiting = 128, mostSockets = 24;
+  std::chrono::milliseconds undisturbed{500};   // before one that has not shown the token gives way
   double requestsASecond = 1000.0;              // of all clients that showed the token
   double messagesASecond = 20.0;                // of each live connection; what is more is not heard
   std::chrono::milliseconds headerTime{5000};   // from its first to its last letter
@@ -26,7 +27,8 @@ struct ServerOptions {
 
 /// An HTTP server on one thread with one WebSocket a client (`/live`). Each live connection holds the latest
 /// state that it was not sent yet and no other: whoever is slow misses states and holds nobody up. A
-/// connection that has not shown the token gives way to newer ones.
+/// connection that has not shown the token gives way to newer ones once it has had its time to; until then they
+/// wait with the kernel, so that who comes in the midst of many still finishes its request.
 class Server {
  public:
   /// Listens at once. @param handler must outlive it. @throw InputError: the port is taken, the address is

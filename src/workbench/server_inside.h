@@ -56,7 +56,9 @@ class Server::Inside {
   std::uint64_t nextClient() { return ++clients_; }
 
  private:
-  void accept();
+  void accept();                                             // the next, once there is a place for it
+  void acceptAt(std::chrono::steady_clock::time_point when);  // or as soon as a place is free
+  void admit(boost::asio::ip::tcp::socket socket);
   void tick();
   void tickAt(std::chrono::steady_clock::time_point when);
 

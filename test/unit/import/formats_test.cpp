@@ -135,6 +135,26 @@ TEST_F(Formats, Iso230FromAGermanLaboratory) {
   EXPECT_NEAR(i.session->observations[2].deviation[0], -1.5e-6, 1e-15);
 }
 
+TEST_F(Formats, RunsAreNamedInWords) {
+  const Imported i = importer_.text(
+      "axis: x\nunit: um\nTarget [mm];1 auf;1 ab;Lauf 2 \u2191;Lauf 2 \u2193;3_up;3_down\n"
+      "0;1;2;1;2;1;2\n10;1;2;1;2;1;2\n");
+  ASSERT_EQ(i.session->observations.size(), 12u);
+  for (std::size_t k = 0; k < 12; ++k)
+    EXPECT_EQ(i.session->observations[k].travel[0], k % 4 < 2 ? 1.0 : -1.0) << k;
+}
+
+TEST_F(Formats, ARemarkThatNamesTheStandardMakesNoMatrix) {
+  const Imported i = importer_.text(
+      "# ISO 230-2, Achse X\nx_mm;deviation_x_um;Richtung\n0;1,5;auf\n10;2,5;auf\n10;3,5;ab\n0;2,5;ab\n");
+  EXPECT_EQ(i.format, "table");
+  const auto& o = i.session->observations;
+  ASSERT_EQ(o.size(), 4u);
+  EXPECT_NEAR(o[1].deviation[0], 2.5e-6, 1e-15);
+  EXPECT_EQ(o[1].travel[0], 1.0);
+  EXPECT_EQ(o[2].travel[0], -1.0);
+}
+
 TEST_F(Formats, StepGaugeAndLengthBars) {
   const Imported i = example("step_gauge_x.txt");
   EXPECT_EQ(i.format, "step-gauge");

@@ -148,6 +148,7 @@ TEST_F(ServerTest, WhoDawdlesLosesTheConnection) {
 
 TEST_F(ServerTest, WhoShowsNoTokenGivesWay) {
   options_.mostWaiting = 4;
+  options_.undisturbed = 1ms;
   options_.headerTime = 60s;  // it is not time that ends them
   start();
   std::vector<std::unique_ptr<RawClient>> loris;
@@ -160,6 +161,24 @@ TEST_F(ServerTest, WhoShowsNoTokenGivesWay) {
     EXPECT_TRUE(loris[i]->closed()) << i;
   }
   expectAlive();
+}
+
+TEST_F(ServerTest, WhoComesInTheMidstOfManyFinishesTheRequest) {
+  options_.mostWaiting = 4;
+  options_.undisturbed = 60s;
+  start();
+  RawClient honest(server_->port());
+  EXPECT_TRUE(honest.send("GET "));
+  std::vector<std::unique_ptr<RawClient>> loris;
+  for (int i = 0; i < 40; ++i) {
+    loris.push_back(std::make_unique<RawClient>(server_->port()));
+    loris.back()->send("GET / HTTP/1.1\r\nX-");
+  }
+  EXPECT_TRUE(honest.send(request("GET " + withToken("/x"), "Connection: close\r\n").substr(4)));
+  EXPECT_EQ(status(honest.readToEnd()), 200);
+  // the next is accepted as soon as a place is free, not only when the others have had their time
+  loris[3]->send("y: 1\r\nHost: nobody\r\n\r\n");
+  EXPECT_EQ(status(loris[3]->readToEnd()), 421);
 }
 
 TEST_F(ServerTest, ConnectionsAreBounded) {
