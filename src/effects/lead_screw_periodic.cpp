@@ -133,7 +133,8 @@ class LeadScrewPeriodic : public CatalogueEffect {
   /// one, and that one is told (Nyquist). ISO 230-2 therefore asks for unequal distances.
   static constexpr double kNyquist = 2.0;
   bool isAlias(double period) const { return period < kNyquist * spacing_; }
-  /// Leads that screws are made with and that the same readings fit. @param waves from one position to the next.
+  /// Leads that screws are made with and that the same readings fit. @param waves from one position to the
+  /// next.
   std::string commonLeads(double waves) const {
     constexpr double kLeads[] = {1.0, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0};  // mm
     constexpr double kPart = 0.25;  // of a wave over the travel: nearer periods cannot be told apart

@@ -33,9 +33,9 @@ std::vector<std::string> partsOf(const std::string& name) {
       last = Kind::kNone;
       continue;
     }
-    const Kind kind = std::isdigit(byte) != 0                    ? Kind::kDigit
+    const Kind kind = std::isdigit(byte) != 0                   ? Kind::kDigit
                       : std::isalpha(byte) != 0 || byte >= 0x80 ? Kind::kLetter
-                                                                 : Kind::kNone;
+                                                                : Kind::kNone;
     if (kind == Kind::kNone || kind != last) parts.emplace_back();
     parts.back() += c;
     last = kind;

@@ -124,15 +124,16 @@ bool sumsUp(const std::vector<std::string_view>& cells) {
 }
 
 double directionOf(std::string_view cell) {
-  static const std::set<std::string> kUp = {"+",        "+1",  "1",        "up",    "fwd", "forward",
-                                            "forwards", "pos", "positive", "→",     "↑",   "vor",
-                                            "vorwärts", "hin", "aller",    "avant", "+ve",
-                                            "auf",      "aufwärts", "ansteigend", "steigend", "ascending",
-                                            "upwards",  "increasing", "montée", "andata"};
+  static const std::set<std::string> kUp = {
+      "+",         "+1",       "1",          "up",     "fwd",      "forward",    "forwards",
+      "pos",       "positive", "→",          "↑",      "vor",      "vorwärts",   "hin",
+      "aller",     "avant",    "+ve",        "auf",    "aufwärts", "ansteigend", "steigend",
+      "ascending", "upwards",  "increasing", "montée", "andata"};
   static const std::set<std::string> kDown = {
-      "-", "-1", "down", "bwd",    "back", "backward",  "backwards", "rev",    "reverse", "neg", "negative",
-      "←", "↓",  "−",    "zurück", "rück", "rückwärts", "her",       "retour", "arrière", "-ve",
-      "ab", "abwärts", "absteigend", "fallend", "descending", "downwards", "decreasing", "descente", "ritorno"};
+      "-",         "-1",         "down",      "bwd",        "back",     "backward", "backwards", "rev",
+      "reverse",   "neg",        "negative",  "←",          "↓",        "−",        "zurück",    "rück",
+      "rückwärts", "her",        "retour",    "arrière",    "-ve",      "ab",       "abwärts",   "absteigend",
+      "fallend",   "descending", "downwards", "decreasing", "descente", "ritorno"};
   const std::string word = lower(cell);
   return kUp.count(word) > 0 ? 1.0 : kDown.count(word) > 0 ? -1.0 : 0.0;
 }

@@ -17,8 +17,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(boost::asio::ip::tcp::socket socket, Server::Inside& server);
 
-  void begin();  ///< waits for the first request
-  void close();  ///< at once
+  void begin();                                                           ///< waits for the first request
+  void close();                                                           ///< at once
   std::chrono::steady_clock::time_point since() const { return since_; }  ///< accepted
   /// Says in one answer why nothing else is answered, and ends.
   void turnAway(unsigned status, const std::string& message);

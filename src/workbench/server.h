@@ -27,8 +27,8 @@ struct ServerOptions {
 
 /// An HTTP server on one thread with one WebSocket a client (`/live`). Each live connection holds the latest
 /// state that it was not sent yet and no other: whoever is slow misses states and holds nobody up. A
-/// connection that has not shown the token gives way to newer ones once it has had its time to; until then they
-/// wait with the kernel, so that who comes in the midst of many still finishes its request.
+/// connection that has not shown the token gives way to newer ones once it has had its time to; until then
+/// they wait with the kernel, so that who comes in the midst of many still finishes its request.
 class Server {
  public:
   /// Listens at once. @param handler must outlive it. @throw InputError: the port is taken, the address is

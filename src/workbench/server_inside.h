@@ -56,7 +56,7 @@ class Server::Inside {
   std::uint64_t nextClient() { return ++clients_; }
 
  private:
-  void accept();                                             // the next, once there is a place for it
+  void accept();                                              // the next, once there is a place for it
   void acceptAt(std::chrono::steady_clock::time_point when);  // or as soon as a place is free
   void admit(boost::asio::ip::tcp::socket socket);
   void tick();

@@ -151,9 +151,10 @@ TEST(Grid, TheLeadsThatLookTheSameAreNamed) {
   const EffectPtr wave =
       createEffect(specOf("{type: lead_screw_periodic, axis: x, period_mm: unknown}"), rig.domain);
   // a screw of 5 mm lead turns 2.4 times from one position to the next: seen as a wave of 30 mm
-  EXPECT_EQ(wave->looksTheSame({0.030}),
-            "At positions 12 mm apart a period of 20 or 8.57 mm looks the same, and so does a screw of 5 mm lead"
-            ": measure x at unequal distances.");
+  EXPECT_EQ(
+      wave->looksTheSame({0.030}),
+      "At positions 12 mm apart a period of 20 or 8.57 mm looks the same, and so does a screw of 5 mm lead"
+      ": measure x at unequal distances.");
   rig.domain.spacing[0] = 0.0;
   EXPECT_EQ(createEffect(specOf("{type: lead_screw_periodic, axis: x, period_mm: unknown}"), rig.domain)
                 ->looksTheSame({0.030}),
