@@ -83,6 +83,7 @@ struct DriftResult {
   std::string inWords;           // one sentence with what to do
   bool quick = false;     // quicker than the measurements follow one another: it is scatter of this direction
   double quickStd = 0.0;  // m (rad): of that part of it which is
+  bool ofThePlace = false;  // and it is the same in each run over the same targets
 };
 
 /// Scatter that belongs to the artifact: deviations of its balls from the file in position, radius or form.

@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "diagnosis/wording.h"
 #include "estimation/drift.h"
+#include "estimation/repeatability.h"
 
 namespace mm {
 namespace {
@@ -17,6 +18,7 @@ constexpr std::size_t kMostAsked = 3;  // causes for a direction
 constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kPartOfRun = 0.05;  // of a session: half a run in one direction, of five in both (ISO 230-2)
 constexpr double kHopeless = -3.0;   // nats against drift alone
+constexpr double kOfThePlace = 0.5;  // of its variance that runs have in common: more follows the place
 
 /// @param most time constant, s: longer ones do not count.
 double varianceAlong(const NoiseModel& noise, int direction, double white,
@@ -41,21 +43,31 @@ struct Alike {
   double share = 0.0;  // of the drift's sum of squares
 };
 
-/// The causes that change with time and resemble the drift along a direction most.
-std::vector<Alike> alikeTo(const Search& search, const Explanation& found, int direction) {
+/// The drift along a direction as the session had it, a row, whitened.
+/// @param most time constant, s: that of longer ones does not count.
+Eigen::VectorXd pathOf(const Search& search, const Explanation& found, int direction,
+                       double most = std::numeric_limits<double>::infinity()) {
   const Questions& q = search.questions();
   const int n = q.rows.rows();
   const Eigen::VectorXd left = q.rows.target - search.evidenceAt(found)->fit(found.members).withoutDrift;
   const Eigen::MatrixXd byTerm =
       TimeWhitener(q.rows.time, q.rows.factors, found.noise.variance, found.noise.drift)
           .driftByTerm(left.head(n));
-  Eigen::MatrixXd path = Eigen::MatrixXd::Zero(q.rows.length(), 1);
+  Eigen::VectorXd path = Eigen::VectorXd::Zero(n);
   int term = 0;
   for (const DriftTerm& t : found.noise.drift) {
     if (!(t.ratio > 0.0)) continue;
-    if (t.direction == direction) path.col(0).head(n) += byTerm.col(term);
+    if (t.direction == direction && t.tau < most) path += byTerm.col(term);
     ++term;
   }
+  return path;
+}
+
+/// The causes that change with time and resemble the drift along a direction most.
+std::vector<Alike> alikeTo(const Search& search, const Explanation& found, int direction) {
+  const Questions& q = search.questions();
+  Eigen::MatrixXd path = Eigen::MatrixXd::Zero(q.rows.length(), 1);
+  path.col(0).head(q.rows.rows()) = pathOf(search, found, direction);
   q.space->project(path);
   const double all = path.squaredNorm();
   std::vector<Alike> alike;
@@ -81,13 +93,31 @@ std::vector<Alike> alikeTo(const Search& search, const Explanation& found, int d
   return alike;
 }
 
-/// s: what changes within less is told by no measurement that was made again. Repeats in runs over the same
-/// targets agree whatever changes along a run, so that what looks like drift there follows the place.
-double quickestOf(const Questions& q) {
+/// What changes within less time than this is told by no measurement that was made again.
+struct Quickest {
+  double most = 0.0;        // s
+  bool ofThePlace = false;  // it is the same in each run
+};
+
+/// Where runs agree, what changes within a part of one follows the place; else it is drift.
+Quickest quickestOf(const Search& search, const Explanation& found, int direction) {
+  const Questions& q = search.questions();
   const double spacing = medianSpacing(q.rows.time);
-  if (q.space->fitted().repeated.from != "runs") return spacing;
+  if (q.space->fitted().repeated.from != "runs") return {spacing, false};
   const auto [first, last] = std::minmax_element(q.rows.time.begin(), q.rows.time.end());
-  return std::max(spacing, kPartOfRun * (*last - *first));
+  const double part = std::max(spacing, kPartOfRun * (*last - *first));
+  const Eigen::VectorXd path = pathOf(search, found, direction, part);
+  const Problem& problem = q.space->problem();
+  Eigen::VectorXd values = Eigen::VectorXd::Constant(static_cast<int>(problem.rows().size()), kNotMeasured);
+  const std::vector<int>& used = q.space->used();
+  bool angular = false;
+  for (std::size_t i = 0; i < used.size() && static_cast<int>(i) < path.size(); ++i) {
+    if (path[static_cast<int>(i)] == 0.0) continue;
+    values[used[i]] = path[static_cast<int>(i)];
+    angular = problem.rows()[used[i]].angular;
+  }
+  const bool ofThePlace = sharedByRuns(problem, values, angular) > kOfThePlace;
+  return {ofThePlace ? part : spacing, ofThePlace};
 }
 
 }  // namespace
@@ -106,13 +136,14 @@ DriftReport driftOf(const Search& search, const Explanation& found) {
     }
     DriftResult r;
     r.direction = q.directions[d];
-    const double quickest = quickestOf(q);
+    const Quickest quickest = quickestOf(search, found, d);
     r.std = std::sqrt(varianceAlong(found.noise, d, found.white)) * q.directionScale[d];
-    r.quickStd = std::sqrt(varianceAlong(found.noise, d, found.white, quickest)) * q.directionScale[d];
+    r.quickStd = std::sqrt(varianceAlong(found.noise, d, found.white, quickest.most)) * q.directionScale[d];
     double largest = 0.0;
     for (const DriftTerm& t : found.noise.drift)
       if (t.direction == d && t.ratio > largest) largest = t.ratio, r.timeConstant = t.tau;
-    r.quick = r.timeConstant < quickest;
+    r.quick = r.timeConstant < quickest.most;
+    r.ofThePlace = r.quick && quickest.ofThePlace;
     results.push_back(std::move(r));
     directions.push_back(d);
   }

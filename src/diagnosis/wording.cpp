@@ -234,7 +234,7 @@ std::string driftingQuantity(const DriftResult& drift) {
 
 std::string scatterInWords(const Diagnosis& d, const DriftResult& drift) {
   return driftingQuantity(drift) + " scatters by " + length(drift.quickStd, isAngular(d, drift.direction)) +
-         " RMS from one " + (d.base.repeated.from == "runs" ? "place" : "measurement") + " to the next";
+         " RMS from one " + (drift.ofThePlace ? "place" : "measurement") + " to the next";
 }
 
 std::string scatterSentence(const Diagnosis& d) {
@@ -245,7 +245,7 @@ std::string scatterSentence(const Diagnosis& d) {
     return nothing + ", but " + scatterInWords(d, *of) + ", " +
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
            repeatabilityWords(d) +
-           (d.base.repeated.from == "runs"
+           (of->ofThePlace
                 ? ": the runs agree, so it follows the place, and changes within few of these positions."
                 : ": an influence acts that follows nothing recorded, or one that changes within less than "
                   "the distance of these positions.") +

@@ -97,11 +97,32 @@ class Repeats {
     return found;
   }
 
+  double shared() const {
+    struct Sums {
+      double count = 0.0, earlier = 0.0, later = 0.0;
+    };
+    const std::vector<Pair> pairs = pairsOfRuns();
+    std::map<std::pair<int, int>, Sums> groups;
+    for (const Pair& p : pairs) {
+      Sums& s = groups[p.group];
+      s.count += 1.0, s.earlier += p.earlier, s.later += p.later;
+    }
+    double common = 0.0, all = 0.0;
+    for (const Pair& p : pairs) {
+      const Sums& s = groups[p.group];
+      const double earlier = p.earlier - s.earlier / s.count, later = p.later - s.later / s.count;
+      common += earlier * later;
+      all += 0.5 * (earlier * earlier + later * later);
+    }
+    return all > 0.0 ? common / all : kNotMeasured;
+  }
+
  private:
   struct Pair {
     int target = 0, row = 0;
-    std::pair<int, int> group;  // the earlier run; which rows are compared with each other
-    double difference = 0.0;
+    std::pair<int, int> group;          // the earlier run; which rows are compared with each other
+    double earlier = 0.0, later = 0.0;  // m or rad
+    double difference() const { return later - earlier; }
   };
 
   static double share(const std::vector<char>& kept) {
@@ -214,13 +235,13 @@ class Repeats {
       if (found != seen.end() && found->second.first == run) ++run;
       if (found != seen.end() && found->second.first == run - 1)
         for (int row = 0; row < rowsOf(o); ++row) {
-          const double difference = residual(o, row) - residual(found->second.second, row);
-          if (std::isnan(difference)) continue;
+          const double earlier = residual(found->second.second, row), later = residual(o, row);
+          if (std::isnan(later - earlier)) continue;
           std::vector<double> kind = observations_[o].travel;
           kind.push_back(observations_[o].setup);
           kind.push_back(problem_.rows()[problem_.firstRow(o) + row].component);
           const int number = kinds.emplace(kind, static_cast<int>(kinds.size())).first->second;
-          pairs.push_back({target_[o], row, {run - 1, number}, difference});
+          pairs.push_back({target_[o], row, {run - 1, number}, earlier, later});
         }
       seen[target_[o]] = {run, o};
     }
@@ -232,7 +253,7 @@ class Repeats {
                                           bool mean) {
     std::map<std::pair<int, int>, std::vector<double>> groups;
     for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (kept[i] != 0) groups[pairs[i].group].push_back(pairs[i].difference);
+      if (kept[i] != 0) groups[pairs[i].group].push_back(pairs[i].difference());
     std::map<std::pair<int, int>, double> shift;
     for (auto& [group, d] : groups) {
       if (mean) {
@@ -244,7 +265,7 @@ class Repeats {
     std::vector<double> left;
     for (const Pair& p : pairs) {
       const auto at = shift.find(p.group);
-      left.push_back(at == shift.end() ? 0.0 : p.difference - at->second);
+      left.push_back(at == shift.end() ? 0.0 : p.difference() - at->second);
     }
     return left;
   }
@@ -285,6 +306,10 @@ Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd
                 200.0 * found.relativeStd());
   found.inWords = "from " + found.inWords + uncertain;
   return found;
+}
+
+double sharedByRuns(const Problem& problem, const Eigen::VectorXd& values, bool angular) {
+  return Repeats(problem, values, angular).shared();
 }
 
 }  // namespace mm

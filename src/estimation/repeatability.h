@@ -23,4 +23,9 @@ struct Repeatability {
 /// @param residuals m or rad a data row. @param angular which kind of rows.
 Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd& residuals, bool angular);
 
+/// The share of the variance of some values that runs over the same targets have in common, without what
+/// shifts a whole run: about 1 where they follow the place, about 0 where they follow the time.
+/// @param values a data row, in any unit; NaN: none. @return NaN where nothing was measured in runs.
+double sharedByRuns(const Problem& problem, const Eigen::VectorXd& values, bool angular);
+
 }  // namespace mm

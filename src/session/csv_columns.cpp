@@ -76,7 +76,9 @@ bool resemblesKnown(const Known& known, const std::string& header) {
   for (const char* unit : {"_mm", "_deg", "_mm_s", "_deg_s"})
     if (endsWith(header, unit)) return true;  // readings of joints, of the probe, of a reference
   const auto close = [&](const auto& entry) {
-    return entry.first.size() >= 6 && editDistance(entry.first, header) <= 1;
+    const std::string& name = entry.first;
+    if (name.size() < 6 || name.size() > header.size() + 1 || header.size() > name.size() + 1) return false;
+    return editDistance(name, header) <= 1;
   };
   return std::any_of(known.begin(), known.end(), close);
 }
