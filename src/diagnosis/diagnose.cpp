@@ -262,7 +262,7 @@ class Diagnoser {
     out_.drift = std::move(drift.drift);
     const double white = unit * std::sqrt(drift.spokenOf.noise.variance.mean());
     out_.noise = drift.spokenOf.white * white;
-    out_.noiseStd = drift.spokenOf.whiteStd * white;
+    out_.noiseStd = search.whiteStdOf(drift.spokenOf) * white;
     fillScatter(q, found, unit, out_);
     fillMissingInputs(q, out_);
     separate(search, found, out_);

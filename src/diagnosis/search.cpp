@@ -68,21 +68,41 @@ std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
   return evidence;
 }
 
+std::vector<RandomBlock> Search::blocksOf(const std::vector<Member>& members,
+                                          const std::vector<double>& scatter, bool all,
+                                          std::vector<int>& ofBlock) const {
+  std::vector<RandomBlock> blocks;
+  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
+    if (all || scatter[b] > 0.0) {
+      blocks.push_back(q_.scatter[b]);
+      if (!blocks.back().fixed) blocks.back().ratio = scatter[b];
+      ofBlock.push_back(static_cast<int>(b));
+    }
+  for (const Member& m : members) blocks.push_back({*m.columns, m.size, 0.0, false});
+  return blocks;
+}
+
+double Search::whiteStdOf(const Explanation& found) const {
+  std::vector<int> ofBlock;
+  const NoiseFit fit(q_.rows, blocksOf(found.members, found.scatter, false, ofBlock));
+  NoiseFitResult at;
+  at.noise = found.noise;
+  for (const int b : ofBlock) at.ratios.push_back(found.scatter[static_cast<std::size_t>(b)]);
+  for (const Member& m : found.members) at.ratios.push_back(m.size);
+  at.white = found.white;
+  at.whiteStd = found.whiteStd;
+  at.freedoms = std::max<double>(1.0, q_.rows.length() - static_cast<double>(q_.rows.base.cols()));
+  return fit.whiteStdOf(at, {});
+}
+
 Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start, bool add,
                              int along) const {
   CancelScope::check();
   Explanation out;
   out.members = members;
-  std::vector<RandomBlock> blocks;
   std::vector<int> ofBlock;
-  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-    if (add || start.scatter[b] > 0.0) {
-      blocks.push_back(q_.scatter[b]);
-      if (!blocks.back().fixed) blocks.back().ratio = start.scatter[b];
-      ofBlock.push_back(static_cast<int>(b));
-    }
-  const std::size_t scatter = blocks.size();
-  for (const Member& m : members) blocks.push_back({*m.columns, m.size, 0.0, false});
+  std::vector<RandomBlock> blocks = blocksOf(members, start.scatter, add, ofBlock);
+  const std::size_t scatter = ofBlock.size();
   NoiseFitOptions options;
   options.addDrift = add;
   options.addAlong = along;

@@ -119,6 +119,9 @@ class Search {
   /// along one direction only, or along all (-1).
   Explanation refitted(const std::vector<Member>& members, const Explanation& start, bool add,
                        int along = -1) const;
+  /// Standard uncertainty of its white noise, in units of the stated one, beside drift that is not known
+  /// well.
+  double whiteStdOf(const Explanation& found) const;
   Member memberOf(const Gain& gain) const;
   /// A cause is there already, and no key of its effect could say that it is there once more.
   bool isThere(const std::vector<Member>& members, const Gain& gain) const;
@@ -157,6 +160,11 @@ class Search {
   std::vector<Pair> likelyPairs(const Evidence& evidence, const std::vector<Member>& members) const;
   Explanation exchanged(Explanation best) const;
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;
+
+  /// What scatters and the members, as the noise is fitted beside them. @param all what scatters by nothing,
+  /// too. @param ofBlock filled with what scatters, a block; those of the members follow.
+  std::vector<RandomBlock> blocksOf(const std::vector<Member>& members, const std::vector<double>& scatter,
+                                    bool all, std::vector<int>& ofBlock) const;
 
   struct Known {
     NoiseModel noise;

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/cancel_scope.h"
 #include "base/parallel.h"
@@ -279,6 +280,42 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
   }
   best.whiteStd = best.white / std::sqrt(2.0 * best.freedoms);
   return best;
+}
+
+double NoiseFit::whiteStdOf(const NoiseFitResult& found, const NoiseFitOptions& options) const {
+  // factors of the size and of the time constant of the shortest drift, as far as e^-4 of the evidence
+  constexpr double kSizes[] = {0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0, 1.12, 1.25, 1.5, 2.0, 3.0, 6.0};
+  constexpr double kTimes[] = {0.4, 0.6, 0.8, 1.0, 1.25, 1.7, 2.5};
+  constexpr std::size_t kTimesAsked = std::size(kTimes);
+  const auto shortest =
+      std::min_element(found.noise.drift.begin(), found.noise.drift.end(),
+                       [](const DriftTerm& a, const DriftTerm& b) { return a.tau < b.tau; });
+  if (shortest == found.noise.drift.end()) return found.whiteStd;
+  const auto k = static_cast<std::size_t>(shortest - found.noise.drift.begin());
+  // what lasts less than from one row to the next is white noise
+  const double least = std::min(shortest->tau, timeConstants_.empty() ? 0.0 : timeConstants_.front());
+  std::vector<double> evidence(std::size(kSizes) * kTimesAsked), white(evidence.size());
+  parallelFor(evidence.size(), [&](std::size_t i) {
+    NoiseModel other = found.noise;
+    other.drift[k].ratio *= kSizes[i / kTimesAsked];
+    other.drift[k].tau = std::max(least, other.drift[k].tau * kTimes[i % kTimesAsked]);
+    const Gram gram = gramOf(other, found.ratios, false);
+    double rest = 0.0;
+    evidence[i] = value(gram, found.ratios, &rest) - prices(other, found.ratios, options);
+    white[i] = std::sqrt(rest / found.freedoms);
+  });
+  const double most = *std::max_element(evidence.begin(), evidence.end());
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    // a step of each factor; any standard deviation of the white noise is as likely as another, beforehand
+    const std::size_t at = i / kTimesAsked;
+    const double before = kSizes[at == 0 ? 0 : at - 1],
+                 after = kSizes[std::min(at + 1, std::size(kSizes) - 1)];
+    const double weight = std::exp(evidence[i] - most) * std::log(after / before) * white[i];
+    sum += weight;
+    squares += weight * (white[i] - found.white) * (white[i] - found.white);
+  }
+  return std::hypot(found.whiteStd, std::sqrt(squares / sum));
 }
 
 NoiseFitResult fitManyRows(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,

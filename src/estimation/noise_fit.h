@@ -46,7 +46,7 @@ struct NoiseFitResult {
   double logEvidence =
       0.0;  // restricted, with the scale of the noise integrated out, less the prices of what is there
   double white = 1.0;     // standard deviation of the white noise, in units of the stated one
-  double whiteStd = 0.0;  // its standard uncertainty
+  double whiteStd = 0.0;  // its standard uncertainty, drift and blocks as they are
   double freedoms = 1.0;  // rows less the columns that are free
 };
 
@@ -73,6 +73,9 @@ class NoiseFit {
   NoiseFitResult run(const NoiseModel& start, const NoiseFitOptions& options) const;  ///< REML from `start`
   /// The evidence as it is, nothing fitted but the ratios of blocks that are not fixed.
   NoiseFitResult at(const NoiseModel& noise, const NoiseFitOptions& options) const;
+  /// Standard uncertainty of the white noise that was found, in units of the stated one. Drift that lasts but
+  /// a few rows looks much like white noise: what else the evidence allows of the shortest counts.
+  double whiteStdOf(const NoiseFitResult& found, const NoiseFitOptions& options) const;
   /// Time constants that are asked, s: from the spacing of the rows to the length of the session.
   const std::vector<double>& timeConstants() const { return timeConstants_; }
 

@@ -50,12 +50,15 @@ Diagnosis diagnosisOf(double memory, double places, std::uint64_t seed) {
 // before: told as scatter from one place to the next in 16 of 20 such sessions, and 3 were no more explained
 TEST(PlaceOrTime, NoiseWithMemoryIsDrift) {
   for (const double memory : {16.0, 40.0})
-    for (const std::uint64_t seed : {1, 2}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
       const Diagnosis d = diagnosisOf(memory, 0.0, seed);
       EXPECT_EQ(d.base.repeated.from, "runs");
       EXPECT_EQ(d.verdict, Verdict::kExplained) << d.sentence;
       ASSERT_EQ(d.drift.size(), 1u) << d.sentence;
       EXPECT_FALSE(d.drift[0].quick) << d.sentence;
+      // before: 0.117 ± 0.006, as if it were known that the rest is drift
+      EXPECT_NEAR(d.noise / kMicrometre, kNoise, 3.0 * d.noiseStd / kMicrometre) << d.sentence;
+      EXPECT_LT(d.noiseStd / kMicrometre, 0.3) << d.sentence;
       EXPECT_EQ(d.sentence.find("place"), std::string::npos) << d.sentence;
     }
 }
