@@ -39,11 +39,13 @@ const DriftResult* beyondTheRepeatability(const Diagnosis& d) {
   return nullptr;
 }
 
+bool hasRivals(const CandidateResult& missing) {
+  return std::any_of(missing.confusableWith.begin(), missing.confusableWith.end(),
+                     [](const Confusable& c) { return !c.same; });
+}
+
 void decide(Diagnosis& out) {
-  const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), [](const CandidateResult& m) {
-    return std::any_of(m.confusableWith.begin(), m.confusableWith.end(),
-                       [](const Confusable& c) { return !c.same; });
-  });
+  const bool confusable = std::any_of(out.missing.begin(), out.missing.end(), hasRivals);
   const bool known = out.base.repeatabilityFrom != "estimated";
   out.verdict = !out.profiles.empty()  ? Verdict::kUnknownEffect
                 : confusable           ? Verdict::kConfusable

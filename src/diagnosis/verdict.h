@@ -7,6 +7,8 @@ namespace mm {
 /// stated, within a factor of 1.3; from repeats, within what their degrees of freedom let chance do once in a
 /// hundred.
 void decide(Diagnosis& out);
+/// Whether another cause may act in its place: one that is not the same error in another frame.
+bool hasRivals(const CandidateResult& missing);
 /// Centres or radii of the balls that scatter beyond the repeatability, where that is known: null where none
 /// do.
 const ArtifactScatter* beyondTheFile(const Diagnosis& diagnosis);

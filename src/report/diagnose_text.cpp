@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
 #include "report/text.h"
 #include "report/text_parts.h"
@@ -210,8 +211,12 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
     text += "\nType next, for a plan of the moves; then measure it:\n  " +
             movesCommand(session, calibration) + "\n";
   const std::string next = addCommand(d, session, calibration);
+  const bool certain = !std::all_of(d.missing.begin(), d.missing.end(), hasRivals);
   if (!next.empty())
-    text += (measure ? "\nOr, without measuring, add the likeliest:\n  " : "\nType next:\n  ") + next + "\n";
+    text += (!measure  ? "\nType next:\n  "
+             : certain ? "\nMeanwhile add what is certain:\n  "
+                       : "\nOr, without measuring, add the likeliest:\n  ") +
+            next + "\n";
   return text;
 }
 

@@ -4,10 +4,13 @@
 
 #include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
+#include "diagnosis/verdict.h"
 
 namespace mm {
 
 const EffectSpec* nextToAdd(const Diagnosis& d) {
+  for (const CandidateResult& m : d.missing)
+    if (!hasRivals(m)) return &m.effect;
   if (!d.missing.empty()) return &d.missing.front().effect;
   if (!d.profiles.empty()) return &d.profiles.front().effect;
   if (!d.formulas.empty()) return &d.formulas.front().effect;

@@ -17,7 +17,8 @@ struct Learned {
   bool stopped = false;                // asked to; what was added before is kept
 };
 
-/// The effect that a diagnosis says to add next: what is missing, else a profile, else a formula, else what
+/// The effect that a diagnosis says to add next: what is missing, first that which nothing else may act in
+/// the place of, else a profile, else a formula, else what
 /// follows an effect that is not the same everywhere; null: none.
 const EffectSpec* nextToAdd(const Diagnosis& diagnosis);
 

@@ -11,6 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cmath>
 
 #include "drivers/modbus_temperature.h"
@@ -57,8 +59,11 @@ struct Module {
     if (got == 0) return;
     question.assign(bytes, got);
     said = answer;
-    if (::write(line, said.data(), said.size()) != static_cast<ssize_t>(said.size()))
-      mm::fuzz::broken("the pty");
+    for (std::size_t sent = 0; sent < said.size();) {  // libFuzzer's clock interrupts it now and then
+      const ssize_t more = ::write(line, said.data() + sent, said.size() - sent);
+      if (more < 0 && errno != EINTR) mm::fuzz::broken("the pty");
+      sent += static_cast<std::size_t>(std::max<ssize_t>(0, more));
+    }
     for (int turn = 0; turn < 10000 && unread() < said.size(); ++turn) ::sched_yield();
   }
   std::size_t unread() const {

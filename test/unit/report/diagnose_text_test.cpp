@@ -63,6 +63,15 @@ TEST(DiagnoseText, RivalsWithTheirOddsAndWhatWouldTell) {
   ASSERT_NE(moves, std::string::npos) << text;
   ASSERT_NE(add, std::string::npos) << text;
   EXPECT_LT(moves, add);
+  EXPECT_TRUE(has(text, "\nOr, without measuring, add the likeliest:\n  mm add")) << text;
+  Diagnosis two = confusable();
+  two.missing.push_back(play());
+  two.missing[1].effect = backlash("z");
+  const std::string both = textOf(two);
+  EXPECT_TRUE(has(both,
+                  "\nMeanwhile add what is certain:\n  mm add plate.bag --calibration plate.yaml "
+                  "'{type: backlash, axis: z}'"))
+      << both;
 }
 
 TEST(DiagnoseText, NoLineIsLongerThanAHundredCharacters) {

@@ -24,5 +24,18 @@ TEST(NextToAdd, IsWhatFollowsAnEffectThatVariesWhereNothingElseIsFound) {
   EXPECT_EQ(*nextToAdd(d), backlash);
 }
 
+TEST(NextToAdd, IsWhatIsCertainBeforeWhatMayBeAnother) {
+  Diagnosis d;
+  d.missing.resize(2);
+  d.missing[0].effect = EffectSpec("backlash").set("axis", "x");
+  d.missing[1].effect = EffectSpec("scale").set("axis", "y");
+  d.missing[0].confusableWith = {{EffectSpec("speed_lag"), 0.5, 0.4, false, "", ""}};
+  EXPECT_EQ(*nextToAdd(d), d.missing[1].effect);
+  d.missing[1].confusableWith = d.missing[0].confusableWith;
+  EXPECT_EQ(*nextToAdd(d), d.missing[0].effect) << "none is: the likeliest";
+  d.missing[0].confusableWith[0].same = true;
+  EXPECT_EQ(*nextToAdd(d), d.missing[0].effect) << "the same error in another frame is no other";
+}
+
 }  // namespace
 }  // namespace mm
