@@ -46,11 +46,11 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
 std::vector<double> surenessOf(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
                                std::size_t members);
 /// Of which members that fit has made what the session cannot tell from a smooth profile
-/// (Effect::mayBeClaimed): a wave that became longer than the travel, or is a small difference of large
-/// parts.
+/// (Effect::mayBeClaimed): a wave that became longer than the travel, or has its nodes at the places of the
+/// session, or is a small difference of large parts.
 /// @param first parameter of the answers.
-std::vector<char> whatRanOff(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
-                             std::size_t members);
+std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answer>& answers,
+                             const CalibrationResult& full, int first, std::size_t members);
 /// Sizes by the fit that knows the form of the balls, where they have one: least squares do not.
 void allowForForm(const Search& search, const Explanation& found, Diagnosis& out);
 void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,

@@ -99,25 +99,30 @@ struct Quickest {
   bool ofThePlace = false;  // it is the same in each run
 };
 
-/// Where runs agree, what changes within a part of one follows the place; else it is drift.
+/// Where runs agree, what changes, or what of it changes within a part of one, follows the place or the
+/// direction of travel; else it is drift.
 Quickest quickestOf(const Search& search, const Explanation& found, int direction) {
   const Questions& q = search.questions();
   const double spacing = medianSpacing(q.rows.time);
   if (q.space->fitted().repeated.from != "runs") return {spacing, false};
   const auto [first, last] = std::minmax_element(q.rows.time.begin(), q.rows.time.end());
+  const auto followsThePlace = [&](double most) {
+    const Eigen::VectorXd path = pathOf(search, found, direction, most);
+    const Problem& problem = q.space->problem();
+    Eigen::VectorXd values = Eigen::VectorXd::Constant(static_cast<int>(problem.rows().size()), kNotMeasured);
+    const std::vector<int>& used = q.space->used();
+    bool angular = false;
+    for (std::size_t i = 0; i < used.size() && static_cast<int>(i) < path.size(); ++i) {
+      if (path[static_cast<int>(i)] == 0.0) continue;
+      values[used[i]] = path[static_cast<int>(i)];
+      angular = problem.rows()[used[i]].angular;
+    }
+    return sharedByRuns(problem, values, angular) > kOfThePlace;
+  };
   const double part = std::max(spacing, kPartOfRun * (*last - *first));
-  const Eigen::VectorXd path = pathOf(search, found, direction, part);
-  const Problem& problem = q.space->problem();
-  Eigen::VectorXd values = Eigen::VectorXd::Constant(static_cast<int>(problem.rows().size()), kNotMeasured);
-  const std::vector<int>& used = q.space->used();
-  bool angular = false;
-  for (std::size_t i = 0; i < used.size() && static_cast<int>(i) < path.size(); ++i) {
-    if (path[static_cast<int>(i)] == 0.0) continue;
-    values[used[i]] = path[static_cast<int>(i)];
-    angular = problem.rows()[used[i]].angular;
-  }
-  const bool ofThePlace = sharedByRuns(problem, values, angular) > kOfThePlace;
-  return {ofThePlace ? part : spacing, ofThePlace};
+  for (const double most : {std::numeric_limits<double>::infinity(), part})
+    if (followsThePlace(most)) return {most, true};
+  return {spacing, false};
 }
 
 }  // namespace

@@ -102,8 +102,15 @@ CalibrationResult FullFit::fit(const Look& look, const CalibrationResult& fitted
 }
 
 void FullFit::dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) const {
-  bool dropped = false;
   int bans = 0;
+  if (!dropOnce(look, fitted, bans)) return;
+  look.found = Search(look.questions).settledWithPairs(std::move(look.found));
+  // two that cancel may have come for one that was dropped
+  if (dropOnce(look, fitted, bans)) look.found = Search(look.questions).settled(std::move(look.found));
+}
+
+bool FullFit::dropOnce(Look& look, const CalibrationResult& fitted, int& bans) const {
+  bool dropped = false;
   while (!look.found.members.empty()) {
     const Search search(look.questions);
     const std::vector<Answer> answers = answersOf(search, look.found);
@@ -114,7 +121,7 @@ void FullFit::dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) c
     try {
       const CalibrationResult full = fit(look, fitted, start.found, start.x);
       sure = surenessOf(answers, full, model_.parameterCount(), look.found.members.size());
-      ranOff = whatRanOff(answers, full, model_.parameterCount(), look.found.members.size());
+      ranOff = whatRanOff(*look.space, answers, full, model_.parameterCount(), look.found.members.size());
     } catch (const NumericalError&) {
       break;  // what the linearised fit says stands
     }
@@ -139,7 +146,7 @@ void FullFit::dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) c
     // what came with it must now earn its place alone
     look.found = search.pruned(search.without(look.found, least));
   }
-  if (dropped) look.found = Search(look.questions).settledWithPairs(std::move(look.found));
+  return dropped;
 }
 
 void FullFit::takeSizes(const Look& look, const CalibrationResult& fitted, Diagnosis& out) const {

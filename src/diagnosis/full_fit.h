@@ -39,6 +39,7 @@ class FullFit {
   void takeSizes(const Look& look, const CalibrationResult& fitted, Diagnosis& out) const;
 
  private:
+  bool dropOnce(Look& look, const CalibrationResult& fitted, int& bans) const;  // whether anything was
   Session withScatter(const Look& look) const;
   CalibrationResult fit(const Look& look, const CalibrationResult& fitted,
                         const std::vector<EffectPtr>& effects, const Eigen::VectorXd& start) const;

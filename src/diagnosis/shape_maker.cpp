@@ -13,6 +13,10 @@ namespace {
 /// Less than this share of a column is left by the model's unknowns: it is rounding, or would have to be
 /// enormous.
 constexpr double kSeen = 1e-3;
+/// Of a wave, either phase: where less is left, its nodes are at the places of the session, or the other
+/// unknowns absorb it there (places at equal distances, and a period that divides them), and it would have to
+/// be large to be seen at all.
+constexpr double kWaveSeen = 0.2;
 constexpr double kMoved = 1e-9;     // m or rad: less is the rounding of a reading
 constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apart are two
 constexpr int kMostMissing = 10;    // an input may be unknown in one of so many rows
@@ -66,7 +70,10 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
   for (const int joint : effect->variesAlong(domain_)) {
     RowMatrix varied = columns.front();
     varyAlong(problem_, space_.used(), joint, varied);
+    RowMatrix most = varied;  // at the ends, or in the middle: a nut works most there
+    varyAlong(problem_, space_.used(), joint, most);
     take(std::move(varied), kVariation);
+    if (nonlinear.empty()) take(3.0 / 2.0 * most - 1.0 / 2.0 * columns.front(), kVariation);
   }
   d.raw.resize(space_.length(), count);
   for (std::size_t k = 0; k < columns.size(); ++k)
@@ -101,14 +108,28 @@ MadeShape ShapeMaker::finish(const DraftShape& draft, const Eigen::VectorXd& lef
   return made;
 }
 
+/// Whether both phases of a wave show. @param raw sine and cosine. @param sine, cosine, both norms of what is
+/// left of them and of their sum.
+bool ShapeMaker::isSeen(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& raw, double sine,
+                        double cosine, double both) {
+  const double product = 0.5 * (both * both - sine * sine - cosine * cosine);
+  const double mean = 0.5 * (sine * sine + cosine * cosine);
+  const double least = mean - std::hypot(0.5 * (sine * sine - cosine * cosine), product);
+  return least > kWaveSeen * kWaveSeen * 0.5 * raw.squaredNorm();
+}
+
 std::vector<MadeShape> ShapeMaker::finished(const std::vector<DraftShape>& drafts) const {
+  const auto isWave = [](const DraftShape& d) {
+    return d.why.empty() && d.parts.front().count == 2 && d.shape.effect->fineWaves().joint >= 0;
+  };
   int columns = 0;
-  for (const DraftShape& d : drafts) columns += static_cast<int>(d.raw.cols());
+  for (const DraftShape& d : drafts) columns += static_cast<int>(d.raw.cols()) + (isWave(d) ? 1 : 0);
   RowMatrix together(space_.length(), columns);
   int at = 0;
   for (const DraftShape& d : drafts) {
     if (d.raw.cols() > 0) together.middleCols(at, d.raw.cols()) = d.raw;
     at += static_cast<int>(d.raw.cols());
+    if (isWave(d)) together.col(at++) = d.raw.col(0) + d.raw.col(1);
   }
   const Eigen::VectorXd left = space_.leftOf(together);
   std::vector<MadeShape> made(drafts.size());
@@ -119,6 +140,11 @@ std::vector<MadeShape> ShapeMaker::finished(const std::vector<DraftShape>& draft
       made[i] = finish(drafts[i], left.segment(at, count));
     else
       made[i].why = drafts[i].why;
+    if (isWave(drafts[i])) {
+      if (made[i].why.empty() && !isSeen(drafts[i].raw.leftCols(2), left[at], left[at + 1], left[at + count]))
+        made[i].why = "at the places of this session it has its nodes, or the other unknowns absorb it";
+      at += 1;
+    }
     at += count;
   }
   return made;

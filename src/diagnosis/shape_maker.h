@@ -47,6 +47,8 @@ class ShapeMaker {
 
  private:
   MadeShape finish(const DraftShape& draft, const Eigen::VectorXd& left) const;
+  static bool isSeen(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& raw, double sine,
+                     double cosine, double both);
   RowMatrix columnsOf(const Effect& effect, const std::vector<double>& nonlinear, std::string& why) const;
   double scaleOf(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<>>& raw, const Eigen::VectorXd& left,
                  std::string& why) const;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/answers.h"
+#include "diagnosis/shape_maker.h"
 #include "effects/linearity.h"
 #include "effects/profile.h"
 
@@ -78,8 +79,8 @@ std::vector<double> surenessOf(const std::vector<Answer>& answers, const Calibra
   return sure;
 }
 
-std::vector<char> whatRanOff(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
-                             std::size_t members) {
+std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answer>& answers,
+                             const CalibrationResult& full, int first, std::size_t members) {
   constexpr double kFarther = 1.3;  // times what the search allows: a fit may end a little beyond it
   constexpr double kLarger = 10.0;  // times the size that the search found: two of its parts cancel
   std::vector<char> ranOff(members, 0);
@@ -95,7 +96,8 @@ std::vector<char> whatRanOff(const std::vector<Answer>& answers, const Calibrati
     for (const int k : a.effect->nonlinearParameters()) size[k] = sizeBefore[k] = 0.0;
     at += a.effect->parameterCount();
     if (nonlinear.empty()) continue;
-    const bool allowed = allowedAt(1.0) || allowedAt(kFarther) || allowedAt(1.0 / kFarther);
+    const bool allowed = (allowedAt(1.0) || allowedAt(kFarther) || allowedAt(1.0 / kFarther)) &&
+                         GroupColumns(space)(a.effect, nonlinear).cols() > 0;
     if (!allowed || size.norm() > kLarger * sizeBefore.norm()) ranOff[static_cast<std::size_t>(a.member)] = 1;
   }
   return ranOff;

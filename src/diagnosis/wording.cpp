@@ -246,7 +246,8 @@ std::string scatterSentence(const Diagnosis& d) {
            shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
            repeatabilityWords(d) +
            (of->ofThePlace
-                ? ": the runs agree, so it follows the place, and changes within few of these positions."
+                ? ": the runs agree, so it follows the place or the direction of travel, as no effect of the "
+                  "catalogue does."
                 : ": an influence acts that follows nothing recorded, or one that changes within less than "
                   "the distance of these positions.") +
            " Measure at positions closer together.";
@@ -261,8 +262,11 @@ std::string scatterSentence(const Diagnosis& d) {
                                          : std::sqrt(std::max(0.0, d.base.figures.chi2PerDof));
   return nothing + ", but " + scatter + " is " + shortNumber(times) + " times the repeatability of " +
          repeatabilityWords(d) +
-         ": either that is stated too small, or an influence acts that follows nothing recorded. " + twenty +
-         " to find out which.";
+         (d.base.repeated.from == "runs" && d.base.repeatabilityFrom == "repeated"
+              ? ": the runs agree, so it follows the place, from one position to the next. Measure at "
+                "positions closer together, and at unequal distances."
+              : ": either that is stated too small, or an influence acts that follows nothing recorded. " +
+                    twenty + " to find out which.");
 }
 
 /// " Backlash of x is not the same everywhere: …"

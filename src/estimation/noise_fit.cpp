@@ -20,6 +20,7 @@ constexpr double kEnough = 0.3;  // nats: what another round must bring
 // they are meanwhile, above what fitting them again gives and takes.
 constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
 constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
+constexpr double kSmoothTime = 0.3;      // time constant of a smooth drift that is like a rough one of 1
 constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
 
 RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
@@ -246,7 +247,7 @@ void NoiseFit::refineTerms(int round, const NoiseFitOptions& options, NoiseFitRe
       while (steps < kMostSteps && scaled(ratio, tau)) ++steps;
       return steps > 0;
     };
-    for (const double tau : {1.0, 0.3}) {  // as rough as it was, or smooth
+    for (const double tau : {1.0, kSmoothTime}) {  // as rough as it was, or smooth
       NoiseModel other = best.noise;
       other.drift[k].smooth = !other.drift[k].smooth;
       other.drift[k].tau *= tau;
@@ -283,7 +284,7 @@ NoiseFitResult NoiseFit::run(const NoiseModel& start, const NoiseFitOptions& opt
 }
 
 double NoiseFit::whiteStdOf(const NoiseFitResult& found, const NoiseFitOptions& options) const {
-  // factors of the size and of the time constant of the shortest drift, as far as e^-4 of the evidence
+  // factors of the size and of the time constant of the shortest drift, which is rough or smooth
   constexpr double kSizes[] = {0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0, 1.12, 1.25, 1.5, 2.0, 3.0, 6.0};
   constexpr double kTimes[] = {0.4, 0.6, 0.8, 1.0, 1.25, 1.7, 2.5};
   constexpr std::size_t kTimesAsked = std::size(kTimes);
@@ -294,11 +295,17 @@ double NoiseFit::whiteStdOf(const NoiseFitResult& found, const NoiseFitOptions& 
   const auto k = static_cast<std::size_t>(shortest - found.noise.drift.begin());
   // what lasts less than from one row to the next is white noise
   const double least = std::min(shortest->tau, timeConstants_.empty() ? 0.0 : timeConstants_.front());
-  std::vector<double> evidence(std::size(kSizes) * kTimesAsked), white(evidence.size());
+  constexpr std::size_t kOfAKind = std::size(kSizes) * kTimesAsked;
+  std::vector<double> evidence(2 * kOfAKind), white(evidence.size());
   parallelFor(evidence.size(), [&](std::size_t i) {
     NoiseModel other = found.noise;
-    other.drift[k].ratio *= kSizes[i / kTimesAsked];
-    other.drift[k].tau = std::max(least, other.drift[k].tau * kTimes[i % kTimesAsked]);
+    DriftTerm& drift = other.drift[k];
+    if (i >= kOfAKind) {
+      drift.smooth = !drift.smooth;
+      drift.tau *= drift.smooth ? kSmoothTime : 1.0 / kSmoothTime;
+    }
+    drift.ratio *= kSizes[i % kOfAKind / kTimesAsked];
+    drift.tau = std::max(least, drift.tau * kTimes[i % kTimesAsked]);
     const Gram gram = gramOf(other, found.ratios, false);
     double rest = 0.0;
     evidence[i] = value(gram, found.ratios, &rest) - prices(other, found.ratios, options);
@@ -308,7 +315,7 @@ double NoiseFit::whiteStdOf(const NoiseFitResult& found, const NoiseFitOptions& 
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     // a step of each factor; any standard deviation of the white noise is as likely as another, beforehand
-    const std::size_t at = i / kTimesAsked;
+    const std::size_t at = i % kOfAKind / kTimesAsked;
     const double before = kSizes[at == 0 ? 0 : at - 1],
                  after = kSizes[std::min(at + 1, std::size(kSizes) - 1)];
     const double weight = std::exp(evidence[i] - most) * std::log(after / before) * white[i];
