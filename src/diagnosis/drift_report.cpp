@@ -19,6 +19,9 @@ constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must 
 constexpr double kPartOfRun = 0.05;  // of a session: half a run in one direction, of five in both (ISO 230-2)
 constexpr double kHopeless = -3.0;   // nats against drift alone
 constexpr double kOfThePlace = 0.5;  // of its variance that runs have in common: more follows the place
+/// Standard deviation of what two slow courses have in common by chance: each has one or two degrees of
+/// freedom in a run. What is told is no chance at two and a half of it.
+constexpr double kAlikeByChance = 0.7, kNoChance = 2.5;
 
 /// @param most time constant, s: longer ones do not count.
 double varianceAlong(const NoiseModel& noise, int direction, double white,
@@ -117,7 +120,9 @@ Quickest quickestOf(const Search& search, const Explanation& found, int directio
       values[used[i]] = path[static_cast<int>(i)];
       angular = problem.rows()[used[i]].angular;
     }
-    return sharedByRuns(problem, values, angular) > kOfThePlace;
+    const SharedByRuns shared = sharedByRuns(problem, values, angular);
+    return shared.share >
+           std::max(kOfThePlace, kNoChance * kAlikeByChance / std::sqrt(std::max(1, shared.pairs)));
   };
   const double part = std::max(spacing, kPartOfRun * (*last - *first));
   for (const double most : {std::numeric_limits<double>::infinity(), part})

@@ -97,7 +97,7 @@ class Repeats {
     return found;
   }
 
-  double shared() const {
+  SharedByRuns shared() const {
     struct Sums {
       double count = 0.0, earlier = 0.0, later = 0.0;
     };
@@ -114,7 +114,8 @@ class Repeats {
       common += earlier * later;
       all += 0.5 * (earlier * earlier + later * later);
     }
-    return all > 0.0 ? common / all : kNotMeasured;
+    if (!(all > 0.0)) return {};
+    return {common / all, static_cast<int>(groups.size())};
   }
 
  private:
@@ -308,7 +309,7 @@ Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd
   return found;
 }
 
-double sharedByRuns(const Problem& problem, const Eigen::VectorXd& values, bool angular) {
+SharedByRuns sharedByRuns(const Problem& problem, const Eigen::VectorXd& values, bool angular) {
   return Repeats(problem, values, angular).shared();
 }
 

@@ -23,9 +23,13 @@ struct Repeatability {
 /// @param residuals m or rad a data row. @param angular which kind of rows.
 Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd& residuals, bool angular);
 
-/// The share of the variance of some values that runs over the same targets have in common, without what
-/// shifts a whole run: about 1 where they follow the place, about 0 where they follow the time.
-/// @param values a data row, in any unit; NaN: none. @return NaN where nothing was measured in runs.
-double sharedByRuns(const Problem& problem, const Eigen::VectorXd& values, bool angular);
+/// What the runs over the same targets have in common.
+struct SharedByRuns {
+  double share = 0.0;  // of the variance: about 1 where values follow the place, about 0 where the time
+  int pairs = 0;       // of runs that were compared, for each kind of row; 0: nothing was measured in runs
+};
+/// How much of some values is the same in runs over the same targets, without what shifts a whole run.
+/// @param values a data row, in any unit; NaN: none.
+SharedByRuns sharedByRuns(const Problem& problem, const Eigen::VectorXd& values, bool angular);
 
 }  // namespace mm

@@ -151,5 +151,26 @@ TEST(Repeatability, OfARealNozzleHeight) {
   EXPECT_NEAR(r.repeatability, std::hypot(1.2e-6, 2.5e-6 / std::sqrt(12.0)), 0.25e-6);
 }
 
+// 0.6 of a standard deviation is what two random walks of a run have in common by chance
+TEST(Repeatability, RunsShareWhatFollowsThePlaceAndNotWhatFollowsTheTime) {
+  const Session s = session({}, 5);
+  const CalibrationResult result = calibrated(s);
+  std::mt19937 generator(9);
+  std::normal_distribution<double> normal;
+  const int rows = static_cast<int>(result.problem->rows().size());
+  Eigen::VectorXd place(rows), time(rows);
+  double walk = 0.0;
+  for (int i = 0; i < rows; ++i) {
+    const double x = result.problem->state(result.problem->rows()[i].observation).position[0];
+    place[i] = std::sin(200.0 * x) + 0.1 * normal(generator) + 5.0 * (i / 18);  // and each run is shifted
+    time[i] = walk += normal(generator);
+  }
+  const SharedByRuns ofPlace = sharedByRuns(*result.problem, place, false),
+                     ofTime = sharedByRuns(*result.problem, time, false);
+  EXPECT_EQ(ofPlace.pairs, 8);  // five runs, both ways
+  EXPECT_GT(ofPlace.share, 0.95);
+  EXPECT_LT(std::abs(ofTime.share), 0.6);
+}
+
 }  // namespace
 }  // namespace mm
