@@ -70,7 +70,7 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
   for (const int joint : effect->variesAlong(domain_)) {
     RowMatrix varied = columns.front();
     varyAlong(problem_, space_.used(), joint, varied);
-    RowMatrix most = varied;  // at the ends, or in the middle: a nut works most there
+    RowMatrix most = varied;  // Legendre's polynomial of degree 2: a nut works most in the middle
     varyAlong(problem_, space_.used(), joint, most);
     take(std::move(varied), kVariation);
     if (nonlinear.empty()) take(3.0 / 2.0 * most - 1.0 / 2.0 * columns.front(), kVariation);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "base/cancel_scope.h"
 #include "base/parallel.h"
@@ -288,10 +289,11 @@ double NoiseFit::whiteStdOf(const NoiseFitResult& found, const NoiseFitOptions& 
   constexpr double kSizes[] = {0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0, 1.12, 1.25, 1.5, 2.0, 3.0, 6.0};
   constexpr double kTimes[] = {0.4, 0.6, 0.8, 1.0, 1.25, 1.7, 2.5};
   constexpr std::size_t kTimesAsked = std::size(kTimes);
-  const auto shortest =
-      std::min_element(found.noise.drift.begin(), found.noise.drift.end(),
-                       [](const DriftTerm& a, const DriftTerm& b) { return a.tau < b.tau; });
-  if (shortest == found.noise.drift.end()) return found.whiteStd;
+  const auto shortest = std::min_element(
+      found.noise.drift.begin(), found.noise.drift.end(), [](const DriftTerm& a, const DriftTerm& b) {
+        return std::pair(!(a.ratio > 0.0), a.tau) < std::pair(!(b.ratio > 0.0), b.tau);
+      });
+  if (shortest == found.noise.drift.end() || !(shortest->ratio > 0.0)) return found.whiteStd;
   const auto k = static_cast<std::size_t>(shortest - found.noise.drift.begin());
   // what lasts less than from one row to the next is white noise
   const double least = std::min(shortest->tau, timeConstants_.empty() ? 0.0 : timeConstants_.front());

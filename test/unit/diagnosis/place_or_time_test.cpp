@@ -63,7 +63,7 @@ Diagnosis diagnosisOf(double memory, const Error& error, std::uint64_t seed, dou
 
 double nothing(double /*x*/, double /*way*/) { return 0.0; }
 
-// before: told as scatter from one place to the next in 16 of 20 such sessions, and 3 were no more explained
+// before: told as scatter from one place to the next in such sessions, and some were no more explained
 TEST(PlaceOrTime, NoiseWithMemoryIsDrift) {
   for (const double memory : {16.0, 40.0})
     for (const std::uint64_t seed : {1, 2, 3}) {
