@@ -87,7 +87,8 @@ std::vector<Confusable> rivalsOf(const Search& search, const Explanation& found,
     for (const Rival& r : found.rivals)
       if (r.member == member && r.group == g.group && r.behind < nearest.behind) nearest = r;
     if (std::isfinite(nearest.behind)) g.value = gain - nearest.behind;
-    if (search.actAlike(m.group, m.shape, g.group, g.shape)) g.value = gain;
+    if (search.actAlike(m.group, m.shape, g.group, g.shape))
+      g.value = gain + m.priceOfSize - rival.shapes[g.shape].priceOfSize(g.coefficient);
     if (gain - g.value >= kIndistinct) continue;
     if (rival.profile || rival.key == q.groups.groups[m.group].key ||
         std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))
@@ -201,8 +202,8 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     const Group& group = q.groups.groups[m.group];
     const std::vector<Member> others = search.beside(*evidence, found.members, j);
     const Evidence::Given given = evidence->given(others);
-    const double price = group.priceOfShape();
-    const double gain = evidence->gainOf(given, others, *m.columns).value - price;
+    const Gain own = evidence->gainOf(given, others, *m.columns);
+    const double gain = own.value - group.priceOfShape() - group.shapes[m.shape].priceOfSize(own.coefficient);
     const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;
     double weights = 1.0 + weightOf(q, gain);
     std::vector<Confusable> rivals;

@@ -226,6 +226,10 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
     const double value = at(size);
     if (value > gain.value) gain.value = value, gain.size = size;
   }
+  const double s2 = gain.size * gain.size;
+  const Eigen::ArrayXd shrunk =
+      s2 * (eigen.eigenvectors().transpose() * target).array() / (1.0 + s2 * values.array());
+  gain.coefficient = eigen.eigenvectors().row(0).dot(shrunk.matrix());
   return gain;
 }
 
@@ -253,7 +257,7 @@ Gain Evidence::gainOf(const Given& given, int group, std::vector<double>* ofShap
     Gain gain = this->best(products, target, given);
     gain.group = group;
     gain.shape = static_cast<int>(s);
-    gain.value -= price;
+    gain.value -= price + shape.priceOfSize(gain.coefficient);
     if (ofShapes != nullptr) ofShapes->push_back(gain.value);
     if (gain.value > best.value) best = gain;
   }

@@ -24,14 +24,17 @@ struct Member {
   /// partner of another was chosen among fewer. Empty: it came alone.
   std::string partner;
   double priceAsPartner = 0.0;
+  double priceOfSize = 0.0;  // nats, where it is larger than is usual
 };
 
 /// What one more group would bring.
 struct Gain {
   int group = -1, shape = 0;
-  double size = 0.0;  // at which the evidence is largest
-  double value =
-      -1e300;  // log evidence with it less that without, less the logarithm of the number of its shapes
+  double size = 0.0;         // at which the evidence is largest
+  double coefficient = 0.0;  // of its first column, there
+  /// Log evidence with it less that without, less the logarithm of the number of its shapes, less the price
+  /// of a size that is not usual.
+  double value = -1e300;
 };
 
 /// The number on which a diagnosis decides: the log evidence of a linear-Gaussian model of the residuals at

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,12 @@
 #include "model/model.h"
 
 namespace mm {
+
+/// Nats that a size costs for each factor of e by which it is larger than is usual: odds that fall with its
+/// third power, so that it can still be shown, and does not stand where an ordinary size of another cause
+/// explains as much (a scale, and an expansion of forty times that of steel at a temperature that hardly
+/// changed).
+constexpr double kUnusual = 3.0;
 
 /// One shape that a cause may have: its main columns and, with less weight, those that it has beside them.
 struct Shape {
@@ -19,6 +26,12 @@ struct Shape {
   int main = 0;                   // of these, the first are those of the effect itself
   std::vector<EffectSpec>
       mixed;  // not empty: a shape made of several members of the family, a main column each
+  /// Coefficient of the first column that is the largest usual one (Parameter::usual).
+  double usual = std::numeric_limits<double>::infinity();
+  /// Of a coefficient of the first column, in nats.
+  double priceOfSize(double coefficient) const {
+    return std::abs(coefficient) > usual ? kUnusual * std::log(std::abs(coefficient) / usual) : 0.0;
+  }
 };
 
 /// One question of a diagnosis: a physical cause with everything that it may look like, or a profile.

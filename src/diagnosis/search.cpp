@@ -39,7 +39,7 @@ double Search::priceOfOne(const Group& g) const {
 
 double Search::priceOf(const Member& member) const {
   return (member.partner.empty() ? priceOf(member.group) : member.priceAsPartner) +
-         q_.groups.groups[member.group].priceOfShape();
+         q_.groups.groups[member.group].priceOfShape() + member.priceOfSize;
 }
 
 std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
@@ -118,14 +118,18 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   out.white = fit.white;
   out.whiteStd = fit.whiteStd;
   out.worth = out.logEvidence;
-  for (Member& m : out.members) {
-    const bool alone = std::none_of(out.members.begin(), out.members.end(), [&](const Member& other) {
+  payInFullAlone(out.members);
+  for (const Member& m : out.members) out.worth -= priceOf(m);
+  return out;
+}
+
+void Search::payInFullAlone(std::vector<Member>& members) const {
+  for (Member& m : members) {
+    const bool alone = std::none_of(members.begin(), members.end(), [&](const Member& other) {
       return &other != &m && q_.groups.groups[other.group].key == m.partner;
     });
     if (alone) m.partner.clear();
-    out.worth -= priceOf(m);
   }
-  return out;
 }
 
 Member Search::memberOf(const Gain& gain) const {
@@ -134,10 +138,15 @@ Member Search::memberOf(const Gain& gain) const {
   m.group = gain.group;
   m.shape = gain.shape;
   m.nonlinear = shape.nonlinear;
-  m.size = gain.size;
+  takeSize(m, gain);
   m.columns = std::make_shared<RowMatrix>(q_.groups.columns.middleCols(shape.first, shape.count));
   m.id = idOf(m.group, m.shape, {});
   return m;
+}
+
+void Search::takeSize(Member& member, const Gain& gain) const {
+  member.size = std::max(kSmallestSize, gain.size);
+  member.priceOfSize = q_.groups.groups[member.group].shapes[member.shape].priceOfSize(gain.coefficient);
 }
 
 Member Search::moved(Member member, int group) const {
@@ -163,7 +172,7 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
   const Shape& shape = q_.groups.groups[member.group].shapes[member.shape];
   const Evidence::Given given = evidence.given(others);
   if (member.nonlinear.empty()) {
-    best.size = std::max(kSmallestSize, evidence.gainOf(given, others, *member.columns).size);
+    takeSize(best, evidence.gainOf(given, others, *member.columns));
     return best;
   }
   const GroupColumns make(*q_.space);
@@ -185,7 +194,7 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
           if (!(gain.value > most + kFiner)) break;
           most = gain.value;
           best.nonlinear = at;
-          best.size = std::max(kSmallestSize, gain.size);
+          takeSize(best, gain);
           best.columns = std::make_shared<RowMatrix>(std::move(columns));
           best.id = idOf(best.group, best.shape, best.nonlinear);
         }
@@ -201,6 +210,7 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
     others.erase(others.begin() + static_cast<long>(j));
     const Evidence::Given given = evidence.given(others);
     const Gain own = evidence.gainOf(given, others, *members[j].columns);
+    takeSize(members[j], own);
     const double now = own.value - priceOf(members[j]);
     Gain best;
     double most = -1e300;
@@ -223,8 +233,6 @@ std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Me
         (most > now + margin || (nameForCurve && best.value > priceOf(best.group)))) {
       members[j] = refined(evidence, others, memberOf(best));
       *changed = true;
-    } else {
-      members[j].size = std::max(kSmallestSize, own.size);
     }
   }
   return members;
@@ -239,12 +247,7 @@ Explanation Search::exchanged(Explanation best) const {
     if (!changed && members.size() > 1 && round == 0) {
       double mostGain = 0.0;
       std::vector<Member> mostMembers;
-      const auto worthAt = [&](const std::vector<Member>& of) {
-        double w = evidence->given(of).logEvidence;
-        for (const Member& m : of) w -= priceOf(m);
-        return w;
-      };
-      const double now = worthAt(members);
+      const double now = worthAt(*evidence, members);
       for (std::size_t j = 0; j < members.size(); ++j) {
         CancelScope::check();
         std::vector<Member> others = members;
@@ -260,7 +263,7 @@ Explanation Search::exchanged(Explanation best) const {
           others.push_back(refined(*evidence, others, memberOf(commoner(pick, gains, others))));
           bool again = false;
           const std::vector<Member> settled = exchangedAt(*evidence, others, &again);
-          const double gain = worthAt(settled) - now;
+          const double gain = worthAt(*evidence, settled) - now;
           if (gain > std::max(kExchange, mostGain)) mostGain = gain, mostMembers = settled;
         }
       }
@@ -362,9 +365,35 @@ Explanation Search::none(const Eigen::VectorXd& variance) const {
   return refitted({}, start, true);
 }
 
-std::vector<Member> Search::runHeld(const Explanation& noise, const Evidence& evidence) const {
-  std::vector<Member> members;
-  (void)noise;
+double Search::worthAt(const Evidence& evidence, const std::vector<Member>& members) const {
+  double worth = evidence.given(members).logEvidence;
+  for (const Member& m : members) worth -= priceOf(m);
+  return worth;
+}
+
+std::vector<Member> Search::runHeld(const Explanation& found, const Evidence& evidence) const {
+  std::vector<Member> anew = grownHeld(evidence, {});
+  if (found.members.empty()) return anew;
+  // one at a time, several causes may not come past one that imitates them all on fewer rows
+  std::vector<Member> kept = found.members;
+  double most = worthAt(evidence, kept);
+  for (bool again = true; again;) {
+    again = false;
+    std::vector<Member> fewer;
+    for (std::size_t j = 0; j < kept.size(); ++j) {
+      std::vector<Member> others = kept;
+      others.erase(others.begin() + static_cast<long>(j));
+      payInFullAlone(others);
+      const double without = worthAt(evidence, others);
+      if (without >= most) most = without, fewer = std::move(others), again = true;
+    }
+    if (again) kept = std::move(fewer);
+  }
+  kept = grownHeld(evidence, std::move(kept));
+  return worthAt(evidence, kept) > worthAt(evidence, anew) ? kept : anew;
+}
+
+std::vector<Member> Search::grownHeld(const Evidence& evidence, std::vector<Member> members) const {
   while (static_cast<int>(members.size()) < kMostMembers) {
     const Evidence::Given given = evidence.given(members);
     Gain pick;

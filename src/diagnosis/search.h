@@ -105,8 +105,9 @@ class Search {
   Explanation without(const Explanation& found, std::size_t member) const;
   /// Without the members that do not earn their price any more.
   Explanation pruned(Explanation best) const;
-  /// The search at one model of the noise that stays, on some of the rows.
-  std::vector<Member> runHeld(const Explanation& noise, const Evidence& evidence) const;
+  /// The search at one model of the noise that stays, on some of the rows: from nothing, and from what of
+  /// `found` these rows bear out; what is worth more to these rows alone.
+  std::vector<Member> runHeld(const Explanation& found, const Evidence& evidence) const;
 
   /// What a group must gain to be named.
   double priceOf(int group) const { return priceOfOne(q_.groups.groups[group]); }
@@ -123,6 +124,8 @@ class Search {
   /// well.
   double whiteStdOf(const Explanation& found) const;
   Member memberOf(const Gain& gain) const;
+  /// The size that a member has beside others, and what it costs where it is not usual.
+  void takeSize(Member& member, const Gain& gain) const;
   /// A cause is there already, and no key of its effect could say that it is there once more.
   bool isThere(const std::vector<Member>& members, const Gain& gain) const;
   /// A member whose group has another place in the list now.
@@ -158,6 +161,10 @@ class Search {
   Explanation paired(const Explanation& best) const;
   /// The best few, at one model of the noise.
   std::vector<Pair> likelyPairs(const Evidence& evidence, const std::vector<Member>& members) const;
+  std::vector<Member> grownHeld(const Evidence& evidence, std::vector<Member> members) const;
+  /// What came with a partner that is not among them any more has its whole price.
+  void payInFullAlone(std::vector<Member>& members) const;
+  double worthAt(const Evidence& evidence, const std::vector<Member>& members) const;
   Explanation exchanged(Explanation best) const;
   std::vector<Member> exchangedAt(const Evidence& evidence, std::vector<Member> members, bool* changed) const;
 

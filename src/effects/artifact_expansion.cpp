@@ -11,7 +11,7 @@ class ArtifactExpansion : public CatalogueEffect {
   explicit ArtifactExpansion(SpecReader& read)
       : CatalogueEffect(read, Stage::kArtifact), sensor_(read.sensor("sensor")) {
     name_ = read.domain().sensors[sensor_];
-    parameters_ = {parameter("expansion", kUnitMicrometre / kUnitMetre / kUnitKelvin, 1e-5, 1e-3)};
+    parameters_ = {expansionParameter(kUnitMicrometre / kUnitMetre / kUnitKelvin)};
   }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {

@@ -23,6 +23,9 @@ struct Parameter {
   double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
   double maximum = std::numeric_limits<double>::infinity();
   double priorStd = 0.0;  // about zero, before any data; 0: nothing is known
+  /// Largest magnitude that engineers meet, as of a constant of the material: what is larger is possible, and
+  /// the less likely the larger it is.
+  double usual = std::numeric_limits<double>::infinity();
 };
 
 /// Where the contribution of an effect is added. Used in two ways: values only, or values and derivatives.

@@ -44,6 +44,14 @@ inline Parameter parameter(const std::string& name, const Unit& unit, double sca
   return p;
 }
 
+/// A coefficient of thermal expansion, of lengths or of the unit given: metals have up to 30e-6/K (zinc),
+/// few plastics more than 100e-6/K.
+inline Parameter expansionParameter(const Unit& unit) {
+  Parameter p = parameter("expansion", unit, 1e-5, 1e-3);
+  p.usual = 3e-5;
+  return p;
+}
+
 /// A small error along a joint or direction: um up to 1 mm, arcsec up to 0.02 rad.
 inline Parameter errorParameter(const std::string& name, JointKind kind) {
   return kind == JointKind::kLinear ? parameter(name, kUnitMicrometre, 1e-6, 1e-3)

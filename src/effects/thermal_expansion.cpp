@@ -13,8 +13,7 @@ class ThermalExpansion : public CatalogueEffect {
     const Joint& joint = read.domain().joints[axis_];
     name_ = joint.name;
     sensorName_ = read.domain().sensors[sensor_];
-    parameters_ = {
-        parameter("expansion", errorUnit(joint.kind) / readingUnit(joint.kind) / kUnitKelvin, 1e-5, 1e-3)};
+    parameters_ = {expansionParameter(errorUnit(joint.kind) / readingUnit(joint.kind) / kUnitKelvin)};
   }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {

@@ -68,23 +68,49 @@ TEST(Diagnose, FindsTwoEffectsOneAfterTheOther) {
     EXPECT_EQ(d.missing[i].heldOutBefore, d.missing[i - 1].heldOutAfter);
 }
 
+/// Five balls measured one after another, and five errors of the machine.
+Simulation measuredOnFiveBalls(std::uint64_t seed) {
+  const Machine machine = Machine::load("three_axis");
+  return simulate(machine, Plan::load("config/demo_plan.yaml", machine), {{"backlash:x=3um"}, seed, ""});
+}
+
+TEST(Diagnose, AScaleIsNotTakenForAnExpansionOfFortyTimesSteel) {
+  // half a kelvin above 20 degC all the time: scale and expansion differ by the noise of the sensor
+  const Diagnosis d = diagnosed(measuredOnFiveBalls(11).session);
+  EXPECT_TRUE(names(d, "scale", "axis", "z")) << d.sentence;
+  EXPECT_EQ(d.missing.size(), 5u) << d.sentence;
+  for (const CandidateResult& m : d.missing) {
+    EXPECT_EQ(m.effect.type.find("expansion"), std::string::npos) << d.sentence;
+    for (const Confusable& c : m.confusableWith)
+      EXPECT_EQ(c.effect.type.find("expansion"), std::string::npos) << d.sentence;
+  }
+  // four of the five balls are enough to find all of it
+  EXPECT_LT(d.missing.back().heldOutAfter, 0.4e-6) << d.sentence;
+}
+
+TEST(Diagnose, AnExpansionThatIsNotUsualIsNamedWhereTheTemperatureTells) {
+  const Diagnosis d = diagnosed(measured({"thermal_expansion:x/bed=120um/m/K"}, 3).session);
+  ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.missing[0].effect.type, "thermal_expansion") << d.sentence;
+  EXPECT_EQ(d.missing[0].effect.text("sensor"), "bed") << d.sentence;
+  EXPECT_NEAR(d.missing[0].parameters[0].value, 120.0, 3.0 * d.missing[0].parameters[0].std) << d.sentence;
+}
+
 TEST(Diagnose, SeveralLargeEffectsAreNotTakenForBallsThatScatter) {
   MM_THOROUGH_ONLY("every day Pairs have several effects");
   // five balls, whose centres could be anywhere, and five errors of the machine: one at a time each explains
   // less than the scatter of all
-  const Machine machine = Machine::load("three_axis");
   const struct {
     std::uint64_t seed;
     int manyRows;  // of a longer session not all questions are compared at once
   } cases[] = {{1, 3000}, {5, 3000}, {5, 100}};
   for (const auto& [seed, manyRows] : cases) {
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", together up to " << manyRows);
-    const Simulation s =
-        simulate(machine, Plan::load("config/demo_plan.yaml", machine), {{"backlash:x=3um"}, seed, ""});
+    const Simulation s = measuredOnFiveBalls(seed);
     DiagnoseOptions options;
     options.manyRows = manyRows;
-    const Diagnosis d =
-        diagnose(s.session, Model(machine, observedDomain(s.session), std::vector<EffectSpec>{}), options);
+    const Diagnosis d = diagnose(
+        s.session, Model(s.session.machine, observedDomain(s.session), std::vector<EffectSpec>{}), options);
     EXPECT_TRUE(names(d, "scale", "axis", "x")) << d.sentence;
     EXPECT_TRUE(names(d, "scale", "axis", "y")) << d.sentence;
     EXPECT_TRUE(names(d, "backlash", "axis", "x")) << d.sentence;

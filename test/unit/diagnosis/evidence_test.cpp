@@ -103,6 +103,22 @@ TEST(Evidence, AGainIsADifferenceOfEvidence) {
   EXPECT_EQ(evidence.gains(evidence.given({})).front().group, 1);
 }
 
+TEST(Evidence, ASizeThatIsNotUsualHasItsPrice) {
+  Made made;
+  const Evidence evidence(made.rows, made.groups, made.noise, {});
+  const Evidence::Given given = evidence.given({});
+  const Gain usual = evidence.gainOf(given, 1);
+  const Evidence::Fit fit = evidence.fit({made.member(1, usual.size)});
+  EXPECT_NEAR(usual.coefficient, fit.values[0][0], 1e-8);
+  Shape& shape = made.groups.groups[1].shapes[0];
+  shape.usual = 2.0 * std::abs(usual.coefficient);
+  EXPECT_EQ(evidence.gainOf(given, 1).value, usual.value) << "an ordinary size costs nothing";
+  shape.usual = std::abs(usual.coefficient) / 10.0;
+  const Gain unusual = evidence.gainOf(given, 1);
+  EXPECT_NEAR(unusual.value, usual.value - kUnusual * std::log(10.0), 1e-8);
+  EXPECT_EQ(unusual.size, usual.size);
+}
+
 TEST(Evidence, RowsHeldOutCountNothing) {
   Made made;
   std::vector<char> held(Made::kRows, 0);
