@@ -56,7 +56,7 @@ void allowForForm(const Search& search, const Explanation& found, Diagnosis& out
 void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                     Diagnosis& out);
 void listCannotShow(const Questions& questions, const Explanation& found, Diagnosis& out);
-void fillScatter(const Questions& questions, const Explanation& found, double unit, Diagnosis& out);
+void fillScatter(const Search& search, const Explanation& found, double unit, Diagnosis& out);
 /// Inputs that the session did not record: what was assumed in their place, and what cannot be excluded
 /// without them.
 void fillMissingInputs(const Questions& questions, Diagnosis& out);

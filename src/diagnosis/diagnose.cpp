@@ -263,7 +263,7 @@ class Diagnoser {
     const double white = unit * std::sqrt(drift.spokenOf.noise.variance.mean());
     out_.noise = drift.spokenOf.white * white;
     out_.noiseStd = search.whiteStdOf(drift.spokenOf) * white;
-    fillScatter(q, found, unit, out_);
+    fillScatter(search, found, unit, out_);
     fillMissingInputs(q, out_);
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);

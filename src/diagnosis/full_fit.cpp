@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "diagnosis/fine_waves.h"
+#include "effects/registry.h"
 
 namespace mm {
 namespace {
@@ -98,7 +99,16 @@ CalibrationResult FullFit::fit(const Look& look, const CalibrationResult& fitted
   CalibrateOptions again = options_;
   again.rejectOutliers = false;
   again.weights = fitted.weight;
-  return calibrate(withScatter(look), with(effects), again, start);
+  std::vector<EffectPtr> all = effects;
+  Eigen::VectorXd from = start;
+  for (std::size_t b = 0; b < look.questions.scatter.size(); ++b)
+    if (look.questions.scatterNames[b] == kDatum && look.found.scatter[b] > 0.0)
+      for (const char* direction : {"x", "y", "z"}) {  // the artifact is displaced as a whole
+        all.push_back(createEffect(EffectSpec("formula").set("direction", direction).set("formula", "k1"),
+                                   model_.domain()));
+        append(from, Eigen::VectorXd::Zero(1));
+      }
+  return calibrate(withScatter(look), with(all), again, from);
 }
 
 void FullFit::dropWhatDoesNothing(Look& look, const CalibrationResult& fitted) const {

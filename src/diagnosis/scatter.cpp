@@ -12,8 +12,10 @@
 namespace mm {
 namespace {
 
-constexpr double kPrice = 3.0;  // nats: as for a drift term
-constexpr int kMostForm = 120;  // columns of form: each costs as much as an unknown
+constexpr double kPrice = 3.0;       // nats: as for a drift term
+constexpr double kDatumSize = 5.0;   // of the noise: a displacement of the whole artifact that costs nothing
+constexpr double kDatumSeen = 0.01;  // of a displacement: less is left where the places are unknowns
+constexpr int kMostForm = 120;       // columns of form: each costs as much as an unknown
 constexpr int kLowest = 2, kHighest = 6;
 constexpr int kHarmonics = (kHighest + 1) * (kHighest + 1) - kLowest * kLowest;
 
@@ -49,6 +51,30 @@ Eigen::MatrixXd shown(const Eigen::MatrixXd& all, int most) {
   const auto n = static_cast<int>(values.size());
   while (count < std::min(most, n) && values[n - 1 - count] > kNegligible * values[n - 1]) ++count;
   return all * eigen.eigenvectors().rightCols(count);
+}
+
+/// An artifact whose pose is stated as known lies beside it as a whole: a constant displacement. No cause of
+/// the catalogue is one; without it, drift and what is larger than nothing everywhere (a sag, a bow about its
+/// end) would have to carry it. @param unitOf of a row, by which it counts.
+/// @return data rows x 3 workpiece axes; no columns where the pose is an unknown, or nothing was touched.
+template <typename Unit>
+Eigen::MatrixXd datumColumns(const ResidualSpace& space, const Unit& unitOf) {
+  const Problem& problem = space.problem();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), 3);
+  if (!problem.session().artifact.poseKnown) return Eigen::MatrixXd(problem.rowCount(), 0);
+  const ErrorLayout layout = problem.model().machine().layout();
+  const Eigen::MatrixXd& g = space.linearisation().slotGradients();
+  bool touched = false;
+  for (const int row : space.used()) {
+    if (problem.session().observations[problem.rows()[row].observation].kind != ObservationKind::kContact)
+      continue;
+    touched = true;
+    for (int k = 0; k < 3; ++k) columns(row, k) = unitOf(row) * g(row, layout.volume(k));
+  }
+  const RowMatrix whitened = space.whiten(columns);
+  if (!touched || !(space.leftOf(whitened).minCoeff() > kDatumSeen * whitened.norm()))
+    columns.resize(Eigen::NoChange, 0);
+  return columns;
 }
 
 }  // namespace
@@ -101,6 +127,11 @@ void addScatter(Questions& q) {
     if (of->cols() > 0) add(*of, name);
   }
   if (form.cols() > 0) add(form, "form");
+  const Eigen::MatrixXd datum = datumColumns(space, unitOf);
+  if (datum.cols() > 0) {
+    q.scatter.push_back({RowMatrix(space.whiten(datum)), kDatumSize, 0.0, true});
+    q.scatterNames.emplace_back(kDatum);
+  }
 }
 
 }  // namespace mm

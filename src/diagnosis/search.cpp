@@ -107,6 +107,9 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   options.addDrift = add;
   options.addAlong = along;
   if (!add || along >= 0) options.rounds = 2;
+  const auto approach = std::find(q_.directions.begin(), q_.directions.end(), "approach");
+  if (approach != q_.directions.end())
+    options.constantIsACause = static_cast<int>(approach - q_.directions.begin());
   const NoiseFitResult fit = q_.many ? fitManyRows(q_.rows, std::move(blocks), start.noise, options)
                                      : NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
   out.noise = fit.noise;

@@ -16,7 +16,7 @@ struct Questions {
   NoiseRows rows;
   std::vector<RandomBlock> scatter;  // always there, never a cause
   std::vector<std::string>
-      scatterNames;  // "centres", "radii", "form"; empty: the shape of an effect of the model
+      scatterNames;  // "centres", "radii", "form", kDatum; empty: the shape of an effect of the model
   std::vector<std::string> directions;  // of drift
   std::vector<double> directionScale;   // m (rad) of a drift of ratio 1 over white noise of 1
   Groups groups;
@@ -181,6 +181,9 @@ class Search {
   const Questions& q_;
   mutable std::vector<Known> known_;  // the last few: the same noise is asked again and again
 };
+
+/// Name of what displaces an artifact of known pose as a whole.
+constexpr const char* kDatum = "datum";
 
 /// The scatter that a session of balls always has, and what the effects of the model leave of their shape.
 void addScatter(Questions& questions);

@@ -19,7 +19,7 @@ BallColumns ballColumns(const Linearisation& at, const std::vector<int>& rows) {
       places = true;
       for (int k = 0; k < 3; ++k) out.centres(row, 3 * o.feature + k) = g(row, layout.feature(k));
     }
-    if (features[o.feature].kind == FeatureKind::kBall) {
+    if (features[o.feature].kind == FeatureKind::kBall && problem.find(UnknownKind::kRadius, o.feature) < 0) {
       balls = true;
       out.radii(row, o.feature) = -1.0;
     }

@@ -10,7 +10,10 @@ namespace mm {
 /// have other radii.
 struct BallColumns {
   Eigen::MatrixXd centres;  // data rows of the problem x 3 a feature, m/m: zero where the place is an unknown
-  Eigen::MatrixXd radii;    // data rows x 1 a feature, m/m: zero for a point
+  /// Data rows x 1 a feature, m/m: zero for a point, and for a ball whose radius is an unknown, as it is
+  /// where the file states its uncertainty: beside that, a scatter of the radii would stand for whatever
+  /// moves balls.
+  Eigen::MatrixXd radii;
 };
 
 /// Their places scatter as one number, not as an unknown each, where there are so many; more are treated as

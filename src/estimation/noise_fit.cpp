@@ -21,6 +21,7 @@ constexpr double kEnough = 0.3;  // nats: what another round must bring
 // they are meanwhile, above what fitting them again gives and takes.
 constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
 constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
+constexpr double kHasMean = 1.0 / 16.0;  // of the longest time constant, two sessions: an eighth of one
 constexpr double kSmoothTime = 0.3;      // time constant of a smooth drift that is like a rough one of 1
 constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
 
@@ -166,8 +167,12 @@ double NoiseFit::fitRatios(const Gram& gram, std::vector<double>& ratios) const 
 double NoiseFit::prices(const NoiseModel& noise, const std::vector<double>& ratios,
                         const NoiseFitOptions& options) const {
   double sum = 0.0;
-  for (const DriftTerm& t : noise.drift)
-    if (t.ratio > 0.0) sum += t.smooth ? options.smoothPrice : options.driftPrice;
+  for (const DriftTerm& t : noise.drift) {
+    if (!(t.ratio > 0.0)) continue;
+    const bool hasMean = t.direction == options.constantIsACause && !timeConstants_.empty() &&
+                         t.tau > kHasMean * timeConstants_.back();
+    sum += t.smooth || hasMean ? options.smoothPrice : options.driftPrice;
+  }
   for (std::size_t b = 0; b < blocks_.size(); ++b) sum += ratios[b] > 0.0 ? blocks_[b].price : 0.0;
   return sum;
 }

@@ -79,6 +79,9 @@ class Soak(unittest.TestCase):
         """One after the other until the time is over; what fails is kept."""
         server = "/%s/calibration_server/" % machine
         client = actionlib.SimpleActionClient("/%s/measure/run" % machine, MeasureAction)
+        if not support.served(client):  # a goal that is sent before the server listens is lost
+            self.failures.append("%s: the action server of measure did not answer in 60 s" % machine)
+            return
         model = support.model("{type: scale, axis: x}", "{type: scale, axis: y}")
         while time.time() < self.until:
             try:

@@ -88,6 +88,28 @@ TEST(Diagnose, AScaleIsNotTakenForAnExpansionOfFortyTimesSteel) {
   EXPECT_LT(d.missing.back().heldOutAfter, 0.4e-6) << d.sentence;
 }
 
+TEST(Diagnose, APlateBesideItsKnownPlaceHidesNothing) {
+  // its file states how well it is known, and it lies 1.5 um lower than stated: no cause is a constant
+  Session s = measuredOnFiveBalls(11).session;
+  for (Feature& f : s.artifact.features) {
+    f.position[2] += 1.5e-6;
+    f.positionStd = 0.2e-6;
+    f.radiusStd = 0.1e-6;
+  }
+  s.prepare();
+  const Diagnosis d = diagnosed(s);
+  EXPECT_EQ(d.missing.size(), 5u) << d.sentence;
+  EXPECT_TRUE(names(d, "scale", "axis", "z")) << d.sentence;
+  EXPECT_TRUE(names(d, "backlash", "axis", "x")) << d.sentence;
+  EXPECT_TRUE(d.drift.empty()) << d.sentence;
+  ASSERT_EQ(d.artifactScatter.size(), 1u) << d.sentence;
+  EXPECT_EQ(d.artifactScatter[0].what, "datum");
+  EXPECT_NEAR(d.artifactScatter[0].std, 1.5e-6, 0.5e-6) << d.artifactScatter[0].inWords;
+  // and one that lies where it should says nothing of it
+  const Diagnosis there = diagnosed(measuredOnFiveBalls(11).session);
+  EXPECT_TRUE(there.artifactScatter.empty()) << there.artifactScatter[0].inWords;
+}
+
 TEST(Diagnose, AnExpansionThatIsNotUsualIsNamedWhereTheTemperatureTells) {
   const Diagnosis d = diagnosed(measured({"thermal_expansion:x/bed=120um/m/K"}, 3).session);
   ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
