@@ -368,34 +368,6 @@ Explanation Search::none(const Eigen::VectorXd& variance) const {
   return refitted({}, start, true);
 }
 
-double Search::worthAt(const Evidence& evidence, const std::vector<Member>& members) const {
-  double worth = evidence.given(members).logEvidence;
-  for (const Member& m : members) worth -= priceOf(m);
-  return worth;
-}
-
-std::vector<Member> Search::runHeld(const Explanation& found, const Evidence& evidence) const {
-  std::vector<Member> anew = grownHeld(evidence, {});
-  if (found.members.empty()) return anew;
-  // one at a time, several causes may not come past one that imitates them all on fewer rows
-  std::vector<Member> kept = found.members;
-  double most = worthAt(evidence, kept);
-  for (bool again = true; again;) {
-    again = false;
-    std::vector<Member> fewer;
-    for (std::size_t j = 0; j < kept.size(); ++j) {
-      std::vector<Member> others = kept;
-      others.erase(others.begin() + static_cast<long>(j));
-      payInFullAlone(others);
-      const double without = worthAt(evidence, others);
-      if (without >= most) most = without, fewer = std::move(others), again = true;
-    }
-    if (again) kept = std::move(fewer);
-  }
-  kept = grownHeld(evidence, std::move(kept));
-  return worthAt(evidence, kept) > worthAt(evidence, anew) ? kept : anew;
-}
-
 std::vector<Member> Search::grownHeld(const Evidence& evidence, std::vector<Member> members) const {
   while (static_cast<int>(members.size()) < kMostMembers) {
     const Evidence::Given given = evidence.given(members);
