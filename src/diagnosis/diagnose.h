@@ -88,7 +88,7 @@ struct DriftResult {
 
 /// Scatter that belongs to the artifact: deviations of its balls from the file in position, radius or form.
 struct ArtifactScatter {
-  std::string what;  // "centres", "radii", "form"
+  std::string what;  // "centres", "radii", "form"; "datum": the whole artifact beside its known place
   double std = 0.0;  // m
   std::string inWords;
 };

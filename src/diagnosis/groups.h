@@ -16,6 +16,8 @@ namespace mm {
 /// explains as much (a scale, and an expansion of forty times that of steel at a temperature that hardly
 /// changed).
 constexpr double kUnusual = 3.0;
+/// Nats that a sign costs which is seldom met (20 to 1): of causes that act alike it is not the first.
+constexpr double kSeldomSign = 3.0;
 
 /// One shape that a cause may have: its main columns and, with less weight, those that it has beside them.
 struct Shape {
@@ -28,9 +30,12 @@ struct Shape {
       mixed;  // not empty: a shape made of several members of the family, a main column each
   /// Coefficient of the first column that is the largest usual one (Parameter::usual).
   double usual = std::numeric_limits<double>::infinity();
+  bool seldomNegative = false;  // that coefficient (Parameter::seldomNegative)
   /// Of a coefficient of the first column, in nats.
   double priceOfSize(double coefficient) const {
-    return std::abs(coefficient) > usual ? kUnusual * std::log(std::abs(coefficient) / usual) : 0.0;
+    const double size = std::abs(coefficient);
+    return (size > usual ? kUnusual * std::log(size / usual) : 0.0) +
+           (seldomNegative && coefficient < 0.0 ? kSeldomSign : 0.0);
   }
 };
 

@@ -41,6 +41,17 @@ std::string expanded(double value, double std, const std::string& unit) {
          printed("%.*f", std::max(0, decimals), wide) + suffix;
 }
 
+double unitOf(bool angular) { return angular ? kArcsecond : kMicrometre; }
+std::string nameOfUnit(bool angular) { return angular ? "arcsec" : "um"; }
+std::string errorInWords(double value, bool angular) {
+  return shortNumber(value / unitOf(angular)) + " " + nameOfUnit(angular);
+}
+bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+
+std::string withFactor(const std::string& text) {
+  return text.find("±") == std::string::npos ? text : text + " (k = 2)";
+}
+
 std::string oddsInWords(double probability) {
   if (!std::isfinite(probability)) return "not known";
   const double p = std::clamp(probability, 0.0, 1.0);
@@ -85,9 +96,7 @@ std::string sizeInWords(const CandidateResult& c, bool angular) {
   const auto& p = c.parameters;
   if (p.size() == 1 || (p.size() == 2 && (p[1].unit == "s" || p[1].unit == "min" || p[1].unit == "h")))
     return expanded(p[0].value, p[0].std, p[0].unit);
-  return c.size > 0.0 ? shortNumber(c.size / (angular ? kArcsecond : kMicrometre)) +
-                            (angular ? " arcsec" : " um") + " RMS"
-                      : "";
+  return c.size > 0.0 ? errorInWords(c.size, angular) + " RMS" : "";
 }
 
 std::string foundInWords(const CandidateResult& c) {

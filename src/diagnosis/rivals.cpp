@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/tiny.h"
 #include "diagnosis/search.h"
@@ -49,9 +50,15 @@ Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains,
     return named.group >= 0 && explained(named) > kMostOfIt * explained(best) ? commoner(named, gains, there)
                                                                               : best;
   }
+  const auto unusual = [&](const Gain& g) {
+    return q_.groups.groups[g.group].shapes[g.shape].priceOfSize(g.coefficient);
+  };
+  const auto isBefore = [&](const Gain& a, const Gain& b) {
+    return std::pair(unusual(a), a.group) < std::pair(unusual(b), b.group);
+  };
   Gain first = best;
   for (const Gain& g : gains)
-    if (g.group >= 0 && g.group < first.group && !isThere(there, g) && g.value > best.value - kByShape &&
+    if (g.group >= 0 && isBefore(g, first) && !isThere(there, g) && g.value > best.value - kByShape &&
         actAlike(best.group, best.shape, g.group, g.shape))
       first = g;
   return first;

@@ -77,6 +77,16 @@ Eigen::MatrixXd datumColumns(const ResidualSpace& space, const Unit& unitOf) {
   return columns;
 }
 
+/// How large that displacement may be, of the noise: as large as it looks, where nothing else is asked yet. A
+/// plate that was put down a tenth of a millimetre off is no less likely than one that is off by ten times
+/// the noise, and what would have to carry it instead is drift.
+double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
+  Eigen::MatrixXd columns = whitened;
+  space.project(columns);
+  const Eigen::VectorXd shift = columns.colPivHouseholderQr().solve(space.target());
+  return std::max(kDatumSize, shift.norm() / std::sqrt(static_cast<double>(shift.size())));
+}
+
 }  // namespace
 
 void addScatter(Questions& q) {
@@ -129,7 +139,8 @@ void addScatter(Questions& q) {
   if (form.cols() > 0) add(form, "form");
   const Eigen::MatrixXd datum = datumColumns(space, unitOf);
   if (datum.cols() > 0) {
-    q.scatter.push_back({RowMatrix(space.whiten(datum)), kDatumSize, 0.0, true});
+    const RowMatrix whitened = space.whiten(datum);
+    q.scatter.push_back({whitened, datumSize(space, whitened), 0.0, true});
     q.scatterNames.emplace_back(kDatum);
   }
 }

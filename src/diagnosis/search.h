@@ -145,9 +145,9 @@ class Search {
   const Questions& questions() const { return q_; }
 
  private:
-  /// Of causes that act alike in this session (one speed: play and a late trigger) the one that comes first
-  /// in the catalogue, which goes from the common to the rare: their evidence differs by the freedom of their
-  /// shapes alone.
+  /// Of causes that act alike in this session (one speed: play and a late trigger) one of a usual size that
+  /// comes first in the catalogue, which goes from the common to the rare: their evidence differs by the
+  /// freedom of their shapes alone.
   Gain commoner(const Gain& best, const std::vector<Gain>& gains, const std::vector<Member>& there) const;
   /// @param bare with neither drift nor scatter.
   Explanation grown(Explanation best, bool bare = false) const;

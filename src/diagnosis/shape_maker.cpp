@@ -21,10 +21,8 @@ constexpr double kMoved = 1e-9;     // m or rad: less is the rounding of a readi
 constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apart are two
 constexpr int kMostMissing = 10;    // an input may be unknown in one of so many rows
 
-/// Of the first linear parameter, in its typical sizes.
-double usualCoefficient(const Effect& effect) {
-  const Parameter& first = effect.parameters()[static_cast<std::size_t>(linearParameters(effect).front())];
-  return first.usual / first.scale;
+const Parameter& firstLinear(const Effect& effect) {
+  return effect.parameters()[static_cast<std::size_t>(linearParameters(effect).front())];
 }
 
 }  // namespace
@@ -103,7 +101,11 @@ MadeShape ShapeMaker::finish(const DraftShape& draft, const Eigen::VectorXd& lef
       made.why.clear();
       continue;
     }
-    if (at == 0) made.shape.usual = usualCoefficient(*draft.shape.effect) / scale;
+    if (at == 0) {
+      const Parameter& first = firstLinear(*draft.shape.effect);
+      made.shape.usual = first.usual / first.scale / scale;
+      made.shape.seldomNegative = first.seldomNegative;
+    }
     made.columns.middleCols(at, part.count) = part.share * scale * raw;
     after.segment(at, part.count) = part.share * scale * rest;
     at += part.count;

@@ -3,23 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.h"
-#include "diagnosis/verdict.h"
+#include "diagnosis/noise_words.h"
 
 namespace mm {
 namespace {
-
-double unitOf(bool angular) { return angular ? kArcsecond : kMicrometre; }
-std::string nameOfUnit(bool angular) { return angular ? "arcsec" : "um"; }
-std::string length(double value, bool angular) {
-  return shortNumber(value / unitOf(angular)) + " " + nameOfUnit(angular);
-}
-bool positive(double value) { return std::isfinite(value) && value > 0.0; }
-
-/// "2.06 ± 0.06 um (k = 2)"
-std::string withFactor(const std::string& text) {
-  return text.find("±") == std::string::npos ? text : text + " (k = 2)";
-}
 
 std::string alongWords(const Diagnosis& d, const std::string& direction) {
   return direction == "approach"   ? "along the approach"
@@ -35,7 +22,7 @@ std::string heldOutWords(const Diagnosis& d) {
   if (!positive(after) && !d.missing.empty()) after = d.missing.back().heldOutAfter;
   if (!positive(after) && !d.profiles.empty()) after = d.profiles.back().heldOutAfter;
   if (!positive(before) || !positive(after)) return {};
-  return "held-out RMS " + shortNumber(before / unitOf(d.angular)) + " -> " + length(after, d.angular);
+  return "held-out RMS " + shortNumber(before / unitOf(d.angular)) + " -> " + errorInWords(after, d.angular);
 }
 
 /// What was named predicts what it was not fitted to no better than the model without it did.
@@ -205,118 +192,6 @@ std::string unknownSentence(const Diagnosis& d) {
                                           : " Add them as profiles, or look for their causes.");
 }
 
-/// "0.3 um (declared)"
-std::string repeatabilityWords(const Diagnosis& d) {
-  return length(d.base.repeatability, d.angular) + " (" +
-         (d.base.repeatabilityFrom == "repeated" ? "from repeated measurements" : d.base.repeatabilityFrom) +
-         ")";
-}
-
-std::string noiseWords(const Diagnosis& d) {
-  return withFactor(
-      expanded(d.noise / unitOf(d.angular), d.noiseStd / unitOf(d.angular), nameOfUnit(d.angular)));
-}
-
-std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter) {
-  const std::string what = scatter.what == "centres" ? "positions" : "radii";
-  return "No effect and no structure is left" +
-         (positive(d.noise) ? " in the noise of " + noiseWords(d) : std::string()) + ", but the balls' " +
-         scatter.what + " scatter by " + length(scatter.std, d.angular) + " about the " + what +
-         " in the artifact file: that is wrong, or the machine errs as this session cannot show. Calibrate "
-         "the "
-         "artifact, or turn it by 90 degrees and measure it again: its own errors turn with it, those of the "
-         "machine do not.";
-}
-
-std::string driftingQuantity(const DriftResult& drift) {
-  return drift.direction == "approach" ? "the error along the approach" : drift.direction;
-}
-
-std::string scatterInWords(const Diagnosis& d, const DriftResult& drift) {
-  return driftingQuantity(drift) + " scatters by " + length(drift.quickStd, isAngular(d, drift.direction)) +
-         " RMS from one " + (drift.ofThePlace ? "place" : "measurement") + " to the next";
-}
-
-std::string scatterSentence(const Diagnosis& d) {
-  const std::string nothing =
-      d.variations.empty() ? "No effect and no structure is left" : "No other cause is left";
-  if (const ArtifactScatter* of = beyondTheFile(d)) return artifactSentence(d, *of);
-  if (const DriftResult* of = beyondTheRepeatability(d))
-    return nothing + ", but " + scatterInWords(d, *of) + ", " +
-           shortNumber(of->quickStd / d.base.repeatability) + " times the repeatability of " +
-           repeatabilityWords(d) +
-           (of->ofThePlace
-                ? ": the runs agree, so it follows the place or the direction of travel, as no effect of the "
-                  "catalogue does."
-                : ": an influence acts that follows nothing recorded, or one that changes within less than "
-                  "the distance of these positions.") +
-           " Measure at positions closer together.";
-  const std::string twenty = d.angular ? "Point at one target twenty times" : "Touch one point twenty times";
-  const std::string scatter = positive(d.noise) ? "the scatter of " + noiseWords(d) : "the scatter";
-  if (d.base.repeatabilityFrom.empty() || d.base.repeatabilityFrom == "estimated" ||
-      !positive(d.base.repeatability))
-    return nothing + " in " + scatter + ", but the repeatability is not known. " + twenty +
-           (d.angular ? " in the same session, then diagnose again."
-                      : ", then diagnose again with their standard deviation as --repeatability-um.");
-  const double times = positive(d.noise) ? d.noise / d.base.repeatability
-                                         : std::sqrt(std::max(0.0, d.base.figures.chi2PerDof));
-  return nothing + ", but " + scatter + " is " + shortNumber(times) + " times the repeatability of " +
-         repeatabilityWords(d) +
-         (d.base.repeated.from == "runs" && d.base.repeatabilityFrom == "repeated"
-              ? ": the runs agree, so it follows the place, from one position to the next. Measure at "
-                "positions closer together, and at unequal distances."
-              : ": either that is stated too small, or an influence acts that follows nothing recorded. " +
-                    twenty + " to find out which.");
-}
-
-/// " Backlash of x is not the same everywhere: …"
-std::string variationSentence(const Diagnosis& d) {
-  std::string text;
-  for (const Variation& v : d.variations) {
-    text += v.along.empty() ? " But " + inWords(v.effect) + " does not have the shape of the model alone: "
-                            : " But " + inWords(v.effect) + " is not the same everywhere: along " + v.along +
-                                  " it differs from its one size by ";
-    text += withFactor(expanded(v.rms / unitOf(d.angular), v.std / unitOf(d.angular),
-                                nameOfUnit(d.angular) + " RMS")) +
-            (v.along.empty() ? " are left of it" : "");
-    std::string which = ", which ";  // the likelier first
-    const auto formula = [&] {
-      if (v.formula.type.empty()) return;
-      text += which + v.formula.yaml() + " follows";
-      which = ", or ";
-    };
-    const bool causeFirst = !v.instead.empty() && v.instead.front().probability > 0.5;
-    if (!causeFirst) formula();
-    for (const Alternative& a : v.instead) {
-      text += which + inWords(a.effect) + " explains, odds " + oddsInWords(a.probability);
-      which = ", or ";
-    }
-    if (causeFirst) formula();
-    text += ".";
-  }
-  return text;
-}
-
-std::string explainedSentence(const Diagnosis& d) {
-  if (!d.variations.empty())
-    return "No other cause is missing, with noise of " + noiseWords(d) + "." + variationSentence(d);
-  // Who reads that nothing is missing does not read on, and the drift may be as large as the noise.
-  const bool drifts = !d.drift.empty();
-  std::string text = drifts ? "No effect and no structure is left but drift"
-                            : "Nothing is missing: no effect and no structure is left";
-  if (positive(d.noise)) text += (drifts ? " and noise of " : " but noise of ") + noiseWords(d);
-  if (positive(d.base.repeatability)) text += ", at the repeatability of " + repeatabilityWords(d);
-  return text + ".";
-}
-
-std::string driftSentence(const Diagnosis& d) {
-  std::string text;
-  const DriftResult* told = d.verdict == Verdict::kScatter ? beyondTheRepeatability(d) : nullptr;
-  for (const DriftResult& drift : d.drift)
-    if (&drift != told) text += (text.empty() ? " Drift: " : "; ") + driftInWords(d, drift);
-  return text.empty() ? text : text + ".";
-}
-
 }  // namespace
 
 std::string nameOf(Verdict verdict) {
@@ -344,9 +219,9 @@ std::string sentenceOf(const Diagnosis& d) {
     case Verdict::kMissingEffect:
       return missingSentence(d) + remarks(d);
     case Verdict::kScatter:
-      return scatterSentence(d) + variationSentence(d) + driftSentence(d);
+      return scatterSentence(d) + variationSentence(d) + driftSentence(d) + dependenceSentence(d);
     case Verdict::kExplained:
-      return explainedSentence(d) + driftSentence(d);
+      return explainedSentence(d) + driftSentence(d) + dependenceSentence(d);
     default:
       return "The model cannot be fitted to this session: measure more, or take effects out of the model.";
   }
@@ -357,34 +232,6 @@ std::string whyNotApart(const Confusable& rival) {
     return "the same error expressed in another frame: no measurement on this machine separates them";
   if (rival.notRecorded.empty()) return {};
   return "cannot be excluded: " + inputInWords(rival.notRecorded) + " was not recorded";
-}
-
-std::string driftInWords(const Diagnosis& d, const DriftResult& drift) {
-  if (drift.quick) return scatterInWords(d, drift);
-  std::string text =
-      driftingQuantity(drift) + " drifts by " + length(drift.std, isAngular(d, drift.direction)) + " RMS";
-  if (positive(drift.timeConstant)) text += " with a time constant of " + durationInWords(drift.timeConstant);
-  if (!drift.perhaps.empty()) {
-    const DriftResult::Perhaps& first = drift.perhaps.front();
-    return text + "; perhaps " + inWords(first.effect) + ", odds " + oddsInWords(first.odds);
-  }
-  const bool temperatures = d.base.problem && !d.base.problem->session().temperatures.empty();
-  return text + (temperatures ? " and follows no recorded temperature" : " and follows nothing recorded");
-}
-
-std::string driftAdvice(const DriftResult& drift) {
-  if (drift.quick)
-    return "measure at positions closer together, and one position twenty times: it follows the position, or "
-           "nothing that is recorded";
-  // a quarter of the time constant: between two references the drift then changes by less than its own size
-  const std::string every =
-      positive(drift.timeConstant) ? "every " + durationInWords(drift.timeConstant / 4.0) : "at intervals";
-  if (drift.perhaps.empty())
-    return "measure the same reference again " + every +
-           ", or record the temperatures of what carries the probe";
-  return "measure the same places at other temperatures, out of step with time; until then the same "
-         "reference again " +
-         every;
 }
 
 std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t shown) {

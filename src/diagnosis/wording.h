@@ -24,6 +24,13 @@ std::string durationInWords(double seconds);
 /// Value and expanded uncertainty (twice `std`), this with one digit, or two where it begins with 1 or 2:
 /// "2.06 ± 0.06 um".
 std::string expanded(double value, double std, const std::string& unit);
+/// "2.06 ± 0.06 um (k = 2)": the coverage factor behind what has an uncertainty.
+std::string withFactor(const std::string& text);
+/// An error in um, or in arcsec: "0.3 um". @param value m or rad.
+std::string errorInWords(double value, bool angular);
+double unitOf(bool angular);  ///< m or rad of one of these
+std::string nameOfUnit(bool angular);
+bool positive(double value);  ///< and finite: a figure that is known
 /// A number with three significant digits.
 std::string shortNumber(double value);
 
@@ -45,10 +52,5 @@ std::string whyNotApart(const Confusable& rival);
 
 /// Whether errors along a direction are angles.
 bool isAngular(const Diagnosis& diagnosis, const std::string& direction);
-/// What drifts, how far and how slowly: "x drifts by 0.4 um RMS with a time constant of 20 min and follows
-/// no recorded temperature".
-std::string driftInWords(const Diagnosis& diagnosis, const DriftResult& drift);
-/// What to do about it: how often to measure a reference, what to record.
-std::string driftAdvice(const DriftResult& drift);
 
 }  // namespace mm

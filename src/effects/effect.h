@@ -26,6 +26,8 @@ struct Parameter {
   /// Largest magnitude that engineers meet, as of a constant of the material: what is larger is possible, and
   /// the less likely the larger it is.
   double usual = std::numeric_limits<double>::infinity();
+  /// A negative value is possible, and seldom met: a trigger that comes before the contact.
+  bool seldomNegative = false;
 };
 
 /// Where the contribution of an effect is added. Used in two ways: values only, or values and derivatives.

@@ -13,6 +13,7 @@ class SpeedLag : public CatalogueEffect {
   explicit SpeedLag(SpecReader& read) : CatalogueEffect(read, Stage::kAxis) {
     for (int j = 0; j < layout_.joints(); ++j) moved_.push_back(observedRange(read.domain(), j) > 0.0);
     parameters_ = {parameter("delay", {"ms", 1e3}, 1e-3, 1.0)};
+    parameters_[0].seldomNegative = true;
   }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {

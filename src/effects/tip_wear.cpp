@@ -15,6 +15,7 @@ class TipWear : public CatalogueEffect {
     const Parameter whole = errorParameter("rate", JointKind::kLinear);
     parameters_ = {parameter("rate", errorUnit(JointKind::kLinear) / kUnitHour, whole.scale / duration,
                              whole.bound / duration)};
+    parameters_[0].seldomNegative = true;  // a tip that picks something up
   }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {

@@ -1,4 +1,5 @@
 #include "base/units.h"
+#include "diagnosis/noise_words.h"
 #include "diagnosis/wording.h"
 #include "report/json.h"
 #include "report/json_parts.h"

@@ -3,6 +3,7 @@
 
 #include "base/units.h"
 #include "diagnosis/verdict.h"
+#include "diagnosis/noise_words.h"
 #include "diagnosis/wording.h"
 #include "report/text.h"
 #include "report/text_parts.h"

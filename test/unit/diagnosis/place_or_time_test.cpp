@@ -122,8 +122,9 @@ TEST(PlaceOrTime, AWaveOfTwoStepsIsNoLongerAndNoLarger) {
   }
 }
 
-/// Nine balls on a plate that lies nearly flat, each touched at the same ten heights, and noise alone.
-Session touchedAtTheSameHeights(std::uint64_t seed) {
+/// Nine balls on a plate that lies nearly flat, each touched at the same ten heights at one speed.
+/// @param walking um, of a random walk beside the noise. @param tipLarger um.
+Session touchedAtTheSameHeights(std::uint64_t seed, double walking = 0.5, double tipLarger = 0.0) {
   constexpr double kBall = 3.9685, kTip = 1.0, kLean = 0.004;  // mm, mm, rad
   RandomNumbers random(seed);
   std::string yaml = "name: plate\npose: free\nprobe: {tip_radius_mm: 1.0, repeatability_um: 0.5}\nballs:\n";
@@ -142,9 +143,9 @@ Session touchedAtTheSameHeights(std::uint64_t seed) {
   for (const auto& [b, k] : touches) {
     const double z = 1.0 - (k + 0.5) / 10.0, s = std::sqrt(1.0 - z * z), azimuth = 2.39996 * (k + 3 * b);
     const Eigen::Vector3d n(s * std::cos(azimuth), s * std::sin(azimuth), z);
-    walk += random.normal(0.5e-3 / 3.0);
+    walk += random.normal(1e-3 * walking / 3.0);
     const Eigen::Vector3d at = lean * Eigen::Vector3d(12.0 * (b % 3) - 12.0, 12.0 * (b / 3) - 12.0, 0.0) +
-                               (kBall + kTip + walk + random.normal(0.6e-3)) * n;
+                               (kBall + kTip + 1e-3 * tipLarger + walk + random.normal(0.6e-3)) * n;
     char line[200];
     std::snprintf(line, sizeof line, "%.1f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,b%d\n", time += 8.0, at.x(), at.y(),
                   at.z(), -2.0 * n.x(), -2.0 * n.y(), -2.0 * n.z(), b);
@@ -172,6 +173,26 @@ TEST(PlaceOrTime, AWaveWithItsNodesAtTheTouchesIsNotAsked) {
     EXPECT_EQ(columns(wave, {step}).cols(), 0);
     EXPECT_EQ(columns(wave, {step / 2.0}).cols(), 0);
     EXPECT_GT(columns(wave, {3.7 * step}).cols(), 0);
+  }
+}
+
+// before: a trigger that comes 1 ms before the contact stood first among what acts alike
+TEST(PlaceOrTime, ATriggerBeforeTheContactIsNotTheFirstOfWhatActsAlike) {
+  for (const double larger : {2.0, -2.0}) {
+    const Session session = touchedAtTheSameHeights(1, 0.0, larger);
+    const Diagnosis d =
+        diagnose(session, Model(session.machine, observedDomain(session), std::vector<EffectPtr>()), {});
+    ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+    const CandidateResult& m = d.missing[0];
+    const auto rival = [&](const std::string& type) {
+      return m.effect.type == type || std::any_of(m.confusableWith.begin(), m.confusableWith.end(),
+                                                  [&](const Confusable& c) { return c.effect.type == type; });
+    };
+    EXPECT_TRUE(rival("probe_radius")) << d.sentence;
+    if (larger > 0.0)
+      EXPECT_NE(m.effect.type, "speed_lag") << d.sentence;
+    else  // late, as triggers are
+      EXPECT_TRUE(rival("speed_lag")) << d.sentence;
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "diagnosis/noise_words.h"
+#include "diagnosis/wording.h"
 #include "made_up_diagnosis.h"
 
 namespace mm {

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "diagnosis/noise_words.h"
 #include "made_up_diagnosis.h"
 
 namespace mm {
@@ -266,6 +267,21 @@ TEST(Sentence, ExplainedSaysWhatIsLeftAndHowItDrifts) {
       sentenceOf(d).find("time constant of 20 min; perhaps thermal growth along x with bed, odds 1 to 2."),
       std::string::npos)
       << sentenceOf(d);
+}
+
+TEST(Sentence, SaysWhoseTheDependenceIsWhereNoCauseIsMissing) {
+  Diagnosis d = verdict(Verdict::kExplained);
+  d.where = {{"time", 0.2, 1e-5}, {"y", 0.4, 1e-9}};
+  EXPECT_EQ(sentenceOf(d).find("depend on"), std::string::npos);  // of nothing that is told
+  d.drift = {wander()};
+  EXPECT_NE(sentenceOf(d).find(" That the residuals depend on y comes of drift."), std::string::npos);
+  d.artifactScatter = {{"radii", 0.3e-6, ""}, {"datum", 2e-6, ""}};
+  EXPECT_NE(sentenceOf(d).find(" comes of drift, the scatter of the balls' radii and the displacement of the "
+                               "artifact."),
+            std::string::npos)
+      << sentenceOf(d);
+  d.where = {{"y", 0.1, 0.02}};
+  EXPECT_EQ(sentenceOf(d).find("depend on"), std::string::npos);
 }
 
 TEST(Sentence, AnglesAreInArcseconds) {

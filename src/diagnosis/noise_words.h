@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+
+#include "diagnosis/diagnose.h"
+
+namespace mm {
+
+// What is told where no cause is missing, or beside one: of the noise, of drift, of what is left of a cause.
+
+/// Sentence of Verdict::kScatter: what scatters, how much, and how to find out what it is.
+std::string scatterSentence(const Diagnosis& diagnosis);
+/// Sentence of Verdict::kExplained.
+std::string explainedSentence(const Diagnosis& diagnosis);
+/// Whose the dependences are that the residuals show where no cause is missing; empty where they show none.
+std::string dependenceSentence(const Diagnosis& diagnosis);
+/// " But backlash of x is not the same everywhere: …", and what would explain that; else empty.
+std::string variationSentence(const Diagnosis& diagnosis);
+/// " Drift: …", of all that is not told by another sentence; else empty.
+std::string driftSentence(const Diagnosis& diagnosis);
+
+/// What drifts, how far and how slowly: "x drifts by 0.4 um RMS with a time constant of 20 min and follows
+/// no recorded temperature".
+std::string driftInWords(const Diagnosis& diagnosis, const DriftResult& drift);
+/// What to do about it: how often to measure a reference, what to record.
+std::string driftAdvice(const DriftResult& drift);
+
+}  // namespace mm
