@@ -59,7 +59,9 @@ void GrblController::begin() {
     trouble_.clear();
     damaged_ = 0;
     offset_.clear();
-    resetAsked_ = false;
+    report_ = {};
+    resetAsked_ = locked_ = movingOff_ = false;
+    lastDirection_.assign(map_->size(), 0.0);
   }
   link_->connect(connectTimeout_);
   {
@@ -73,14 +75,17 @@ void GrblController::begin() {
 
 // Asks until the control has reported, with the offset of its work coordinates, and said its settings.
 void GrblController::awaitReady(double seconds) {
-  const double end = steadySeconds() + seconds;
-  bool settingsAsked = false;
+  const double end = steadySeconds() + seconds, mute = end - 0.5 * seconds;
+  bool settingsAsked = false, woken = false;
   for (double next = 0.0; steadySeconds() < end;) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       const bool reported = lastReport_ > 0.0;
-      const bool busy = report_.state != "Idle" && report_.state != "Alarm";
-      if (reported && busy && !resetAsked_) endStop();  // it moves for somebody who has gone
+      const bool busy = report_.state != "Idle" && report_.state != "Alarm" && report_.state != "Door";
+      // It moves for somebody who has gone; or waits for a reset after a limit, or homes, and says nothing.
+      const bool wake = !reported && !woken && steadySeconds() > mute;
+      if (!resetAsked_ && ((reported && busy) || wake)) endStop();
+      woken = woken || wake;
       if (reported && !busy && !settingsAsked) {
         settings_.clear();
         send("$$");
@@ -92,7 +97,7 @@ void GrblController::awaitReady(double seconds) {
           throw InputError(link_->address() + ": the control reports " +
                            std::to_string(report_.machine.size()) + " axes, " +
                            std::to_string(map_->needed()) + " are needed; is it built for as many?");
-        return;
+        return requireSettings();
       }
       if (steadySeconds() >= next) {
         next = steadySeconds() + 0.05;
@@ -103,11 +108,17 @@ void GrblController::awaitReady(double seconds) {
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   std::string why = "no status report came";
-  if (lastReport_ > 0.0) why = "it reports, but does not say its settings ($$)";
+  if (lastReport_ > 0.0) why = "it reports '" + report_.state + "', but does not say its settings ($$)";
   if (lastReport_ > 0.0 && settings_.count(110) > 0) why = "its reports have no WCO";
   if (!trouble_.empty()) why = trouble_;
   throw Error(link_->address() + " does not answer as grbl 1.1 or grblHAL: " + why +
               "; look at its power, the address and the baud rate");
+}
+
+void GrblController::requireSettings() const {
+  const auto inches = settings_.find(13);
+  if (inches != settings_.end() && inches->second != 0.0)
+    throw InputError(link_->address() + ": the control reports in inches ($13=1), mm are needed; set $13=0");
 }
 
 void GrblController::reconnect() {
@@ -207,8 +218,10 @@ AxesState GrblController::poll(double) {
     if (now - lastAsked_ > kNoAnswer) questions_.clear();
     ask();
   }
-  const bool quiet = task_ == Task::kHoming;  // grbl 1.1 does not report while it homes
-  if (quiet && now - taskBegan_ > homingTimeout_) {
+  if (locked_ && stopAsked_ && !resetAsked_) stopAsked_ = false;  // nothing moves in that alarm
+  const bool homes = task_ == Task::kHoming;                    // grbl 1.1 does not report meanwhile
+  const bool quiet = homes || locked_;
+  if (homes && now - taskBegan_ > homingTimeout_) {
     finish(Outcome::kAlarm, "homing has not ended within its time");
   } else if (!quiet && now - std::max({lastReport_, connected_, resetAt_.load()}) > silence_) {
     char text[120];
@@ -222,7 +235,7 @@ AxesState GrblController::poll(double) {
   const bool beginsAnew = now - resetAt_ < silence_ && task_ == Task::kNone;
   if (quiet || beginsAnew) state_.time = std::max(state_.time, now);
   AxesState state = state_;
-  state.moving = task_ != Task::kNone || stopAsked_;
+  state.moving = task_ != Task::kNone || stopAsked_ || report_.moves();  // also for another sender
   state.axisHomed = homed_;
   state.homed = std::all_of(homed_.begin(), homed_.end(), [](bool homed) { return homed; });
   state.emergencyStop = emergency_;
@@ -258,6 +271,9 @@ std::string GrblController::block(const std::vector<double>& target, const std::
 void GrblController::requireNoStop() const {
   if (emergency_) throw Error("emergency stop; reset it, then home again");
   if (stopAsked_ || resetAsked_) throw Error("a stop is under way; wait until the axes rest");
+  if (locked_)
+    throw Error("alarm " + std::to_string(state_.alarm.code) + ": " + state_.alarm.text +
+                "; the control waits for a reset; call ~clear_alarm first");
 }
 
 void GrblController::move(const AxesMotion& motion) {
@@ -293,7 +309,10 @@ void GrblController::home(const std::vector<std::size_t>& axes) {
   state_.outcome = Outcome::kUnderWay;
   answered_ = false;
   taskBegan_ = steadySeconds();
-  for (const std::size_t j : axes) homed_[j] = false;
+  for (const std::size_t j : axes) {
+    homed_[j] = false;
+    lastDirection_[j] = 0.0;
+  }
   if (axes.size() == map_->size()) return send("$H");
   for (const std::size_t j : axes) send(std::string("$H") + map_->letter(j));
 }
@@ -301,11 +320,9 @@ void GrblController::home(const std::vector<std::size_t>& axes) {
 void GrblController::clearAlarm() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (emergency_) throw Error("emergency stop; reset it");
-  const bool locked = state_.alarm.code == 1 || state_.alarm.code == 2;  // these wait for a reset
-  state_.alarm = {};
-  clearing_ = true;
-  if (!locked) return send("$X");
-  endStop();
+  clearing_ = true;  // until it is idle, or refuses
+  if (!locked_) return send("$X");
+  endStop();  // with which it listens again; its greeting is answered with $X
 }
 
 void GrblController::moveOffLimit() {
@@ -314,6 +331,10 @@ void GrblController::moveOffLimit() {
   std::string words;
   for (std::size_t j = 0; j < map_->size(); ++j) {
     if (state_.limitSwitch[j] == 0) continue;
+    if (lastDirection_[j] == 0.0 && !homed_[j])
+      throw Error("which of the two switches of " + map_->names()[j] +
+                  " is closed is not known: grbl reports both as one, and the axis was not homed nor moved "
+                  "from here; move it off by hand, then home");
     char word[48];
     std::snprintf(word, sizeof word, " %c%.4f", map_->letter(j),
                   -state_.limitSwitch[j] * map_->sign(j) * offLimit_);
@@ -321,6 +342,7 @@ void GrblController::moveOffLimit() {
   }
   if (words.empty()) throw Error("no axis stands on a limit switch");
   task_ = Task::kJog;
+  movingOff_ = true;
   answered_ = begun_ = false;
   state_.outcome = Outcome::kUnderWay;
   taskBegan_ = steadySeconds();

@@ -18,6 +18,7 @@ namespace mm {
 /// grbl has no clock: a state's time is the middle between question and answer on the host's steady clock. A
 /// report does not say which question it answers: it is taken for that of the oldest one that is open.
 /// What is latched at a trip are commanded positions, in steps.
+/// After ALARM:1 and ALARM:2 grbl 1.1 answers nothing, not even "?", until it is reset: no loss.
 /// Parameters: `address`, `axes`, `sign`, `zero` (as AxisMap), `report_rate` (Hz), `guard` (true, false),
 /// `connect_timeout` (s, for the first answers), `homing_timeout` (s), `off_limit_mm`, `silence` (s without a
 /// report: lost).
@@ -51,6 +52,7 @@ class GrblController final : public AxisController {
   void takeState(const std::vector<double>& machine, double at);
   void takePins(const std::string& pins);
   void takeCondition(const GrblReport& report);
+  void takeDoor(int substate);
   void judge(const std::string& state, int substate, double sent);
   void takeProbe(const GrblProbe& probe, double time);
   void takeAnswer(int code);
@@ -66,6 +68,7 @@ class GrblController final : public AxisController {
   void forgetLines();
   void endStop();
   void requireNoStop() const;
+  void requireSettings() const;
   std::string block(const std::vector<double>& target, const std::vector<double>& from, double seconds) const;
   void begin();
   void awaitReady(double seconds);
@@ -93,9 +96,11 @@ class GrblController final : public AxisController {
   std::vector<bool> homed_;
   std::vector<std::size_t> homing_;
   Task task_ = Task::kNone;
-  bool answered_ = false;  // the line of the task was answered
-  bool begun_ = false;     // the control was seen to move, or the line was answered
-  bool clearing_ = false;
+  bool answered_ = false;   // the line of the task was answered
+  bool begun_ = false;      // the control was seen to move, or the line was answered
+  bool clearing_ = false;   // an alarm, as was asked
+  bool locked_ = false;       // after a limit: it answers nothing until it is reset
+  bool movingOff_ = false;  // the jog leads off a limit switch
   std::optional<bool> tripped_;
   double taskBegan_ = 0.0;
   AxesMotion motion_;

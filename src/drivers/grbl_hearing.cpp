@@ -1,6 +1,7 @@
 // What a grbl control says, of itself and of its motions, and how it ends one.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 
 #include "drivers/grbl_controller.h"
@@ -11,6 +12,17 @@ namespace {
 constexpr double kReportDelay = 5e-3;  // s that the control may take to put a report together
 constexpr double kSameLimit = 1e-9;    // m or rad: rounding of two limits that are the same
 constexpr double kStepSlack = 0.002;   // mm or deg: reports have three decimals
+constexpr int kWholeOverride = 100;    // %
+constexpr int kSingleAxes = 2;         // bit of $22 in grblHAL
+constexpr double kAlwaysOn = 255.0;    // of $1: motors hold their place at rest
+const char* const kDoorText = "the safety door is open";
+
+constexpr int kHomingReset = 6, kHomingNoSwitch = 9, kHomingRequired = 11;  // alarms
+
+Alarm alarmOf(int code) {
+  const GrblWords words = grblAlarm(code);
+  return {code, words.text, words.remedy};
+}
 
 }  // namespace
 
@@ -76,8 +88,7 @@ void GrblController::takeReport(const GrblReport& report, double time) {
 void GrblController::takeState(const std::vector<double>& machine, double at) {
   const double gone = at - state_.time;
   std::vector<double> position(map_->size()), velocity(map_->size(), 0.0);
-  const bool moves = report_.state == "Run" || report_.state == "Jog" || report_.state == "Home" ||
-                     (report_.state == "Hold" && report_.substate != 0);
+  const bool moves = report_.moves();
   for (std::size_t j = 0; j < map_->size(); ++j) {
     position[j] = map_->toJoint(j, machine[map_->place(j)]);
     if (moves && state_.position.size() == position.size() && gone > 0.0)
@@ -107,7 +118,12 @@ void GrblController::takePins(const std::string& pins) {
 // Override, hold, and what keeps it from moving.
 void GrblController::takeCondition(const GrblReport& report) {
   if (report.feedOverride > 0) state_.feedOverride = 0.01 * report.feedOverride;
-  state_.held = report.state == "Hold" && report.substate <= 0;
+  // Somebody's: faster than was asked for is faster than the URDF may allow. Slower is an operator's right.
+  if (report.feedOverride > kWholeOverride) link_->write(grblOverride(1.0));
+  const bool door = report.state == "Door";
+  state_.held = report.restsInHold();
+  if (door) return takeDoor(report.substate);
+  if (state_.alarm.text == kDoorText) state_.alarm = {};
   if (report.state == "Alarm") {
     if (!state_.alarm.present()) {
       if (report.substate > 0) {
@@ -116,10 +132,19 @@ void GrblController::takeCondition(const GrblReport& report) {
         state_.alarm = {0, "the control is locked", "home, or call ~clear_alarm"};
       }
     }
-  } else if (!clearing_ && report.state == "Idle") {
-    if (state_.alarm.present() && task_ == Task::kNone) state_.alarm = {};  // cleared at its panel
+  } else if (report.state == "Idle" && task_ == Task::kNone) {
+    state_.alarm = {};  // cleared, here or at its panel
+    clearing_ = false;
   }
-  if (report.state == "Idle") clearing_ = false;
+}
+
+// It holds where it is: closed, it waits for ~resume; while it is open nothing may go on.
+void GrblController::takeDoor(int substate) {
+  if (substate == kGrblDoorClosed) {
+    if (state_.alarm.text == kDoorText) state_.alarm = {};
+  } else if (!state_.alarm.present()) {
+    state_.alarm = {0, kDoorText, "close it, then call ~resume, or ~stop to give the motion up"};
+  }
 }
 
 // Whether the task has ended, by a report that was asked for at `sent`.
@@ -127,7 +152,7 @@ void GrblController::judge(const std::string& state, int substate, double sent) 
   if (stopAsked_ && !resetAsked_) {
     // At rest already: whether its feed hold was heard is not known, and one that is left would keep the next
     // motion from beginning. The reset ends it.
-    if (state == "Hold" && substate <= 0) endStop();
+    if (report_.restsInHold()) endStop();
     if (state == "Idle" && sent > stopSent_) endStop();
     if (state == "Alarm" && sent > stopSent_) {  // nothing is held in an alarm
       stopAsked_ = false;
@@ -136,7 +161,7 @@ void GrblController::judge(const std::string& state, int substate, double sent) 
     return;
   }
   // A feed hold that nobody waits for would keep the next motion from beginning.
-  if (state == "Hold" && substate <= 0 && task_ == Task::kNone && !resetAsked_) return endStop();
+  if (task_ == Task::kNone && !resetAsked_ && substate <= 0 && report_.restsInHold()) return endStop();
   if (state == "Run" || state == "Jog") begun_ = true;
   // A motion has ended when its line was answered and a report that was asked for later says Idle.
   const bool rests = state == "Idle" && sent > taskBegan_;
@@ -145,6 +170,13 @@ void GrblController::judge(const std::string& state, int substate, double sent) 
   if (task_ == Task::kHoming && answered_ && rests) {
     for (const std::size_t j : homing_) homed_[j] = true;
     state_.alarm = {};
+    finish(Outcome::kReached);
+  }
+  // grblHAL stays locked until every axis is homed.
+  if (task_ == Task::kHoming && answered_ && state == "Alarm" && substate == kHomingRequired &&
+      sent > taskBegan_) {
+    for (const std::size_t j : homing_) homed_[j] = true;
+    state_.alarm = alarmOf(kHomingRequired);
     finish(Outcome::kReached);
   }
   if (task_ == Task::kPlain && answered_ && rests) finish(Outcome::kReached);
@@ -178,6 +210,12 @@ void GrblController::takeAnswer(int code) {
   if (inFlight_.empty()) return;  // the answer to the empty line, or to one from before a reset
   inFlight_.pop_front();
   pump();
+  if (code != 0 && clearing_) {
+    clearing_ = false;
+    if (state_.alarm.present())
+      state_.alarm.remedy = "the control refused to clear it, error " + std::to_string(code) + ": " +
+                            grblError(code).text + "; " + state_.alarm.remedy;
+  }
   const bool last = inFlight_.empty() && waiting_.empty();
   if (code != 0 && task_ != Task::kNone) {
     const GrblWords words = grblError(code);
@@ -195,11 +233,19 @@ void GrblController::takeAnswer(int code) {
 
 void GrblController::takeAlarm(int code) {
   damaged_ = 0;
-  const GrblWords words = grblAlarm(code);
-  state_.alarm = {code, words.text, words.remedy};
+  if (code == kHomingRequired && task_ == Task::kHoming) return;  // of the other axes
+  state_.alarm = alarmOf(code);
   if (!grblAlarmKeepsPosition(code)) homed_.assign(map_->size(), false);
   if (emergency_) state_.alarm = {};
   forgetLines();
+  report_.state = "Alarm";
+  locked_ = code == 1 || code == 2;
+  if (code == 1 && task_ == Task::kJog && movingOff_ && !stopAsked_ && !emergency_) {
+    // The switch opened: grbl 1.1 takes any change of its pin for a limit. Where it is closed still, the
+    // reports say so.
+    clearing_ = begun_ = true;
+    return endStop();
+  }
   finish(emergency_ || stopAsked_ ? Outcome::kStopped
          : code == 1 || code == 2 ? Outcome::kLimit
                                   : Outcome::kAlarm);
@@ -209,6 +255,8 @@ void GrblController::takeAlarm(int code) {
 void GrblController::takeWelcome() {
   damaged_ = 0;
   forgetLines();
+  locked_ = false;
+  report_.state.clear();
   const bool asked = resetAsked_ || emergency_;
   while (!questions_.empty() && (!asked || questions_.front() <= resetAt_))
     questions_.pop_front();  // those from before a reset went with it
@@ -216,11 +264,15 @@ void GrblController::takeWelcome() {
     resetAsked_ = false;
     if (emergency_) homed_.assign(map_->size(), false);
     if (stopSent_ <= resetAt_) stopAsked_ = false;  // else another feed hold is still on its way
-    finish(Outcome::kStopped);                      // what was asked for meanwhile went with the reset, too
+    // What was asked for meanwhile went with the reset, too.
+    if (!(movingOff_ && clearing_) || emergency_ || stopAsked_) finish(Outcome::kStopped);
     if (clearing_) send("$X");
     return;
   }
   if (lastReport_ == 0.0) return;  // the answer to opening the line
+  if (state_.alarm.code >= kHomingReset && state_.alarm.code <= kHomingNoSwitch)
+    return;  // its own, after these
+  lastDirection_.assign(map_->size(), 0.0);
   ++state_.resets;
   homed_.assign(map_->size(), false);
   finish(Outcome::kLost);
@@ -232,7 +284,7 @@ void GrblController::finish(Outcome outcome, const std::string& note) {
     state_.note = note;
   }
   task_ = Task::kNone;
-  homes_ = false;
+  homes_ = movingOff_ = false;
   homing_.clear();
 }
 
@@ -253,7 +305,7 @@ Capabilities GrblController::capabilities() const {
   Capabilities can;
   can.feedHold = can.feedOverride = can.moveOffLimit = true;
   can.guardsPositioning = guard_;
-  can.homingByAxis = hal_;
+  can.homingByAxis = hal_ && (static_cast<int>(setting(22)) & kSingleAxes) != 0;
   for (std::size_t j = 0; j < map_->size(); ++j) {
     const int place = static_cast<int>(map_->place(j));
     AxisCapability axis;
@@ -270,6 +322,16 @@ Capabilities GrblController::capabilities() const {
         can.notes.push_back("the URDF's limits of " + urdf.name + " reach beyond the control's soft limits");
     }
     can.axes.push_back(axis);
+  }
+  if (hal_ && !can.homingByAxis)
+    can.notes.push_back(
+        "single axes cannot be homed ($22 lacks 2): all are homed together, in the control's own order");
+  if (setting(1) < kAlwaysOn) {
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "the motors are switched off %g ms after a motion ($1); $1=255 keeps them in their place",
+                  setting(1));
+    can.notes.push_back(text);
   }
   if (setting(22) == 0.0) can.notes.push_back("homing is not enabled at the control ($22=0)");
   if (setting(21) == 0.0) can.notes.push_back("hard limits are not enabled at the control ($21=0)");

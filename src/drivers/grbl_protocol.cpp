@@ -80,6 +80,15 @@ std::optional<GrblReport> parseGrblReport(const std::string& line) {
   return report;
 }
 
+bool GrblReport::moves() const {
+  return state == "Run" || state == "Jog" || state == "Home" || (state == "Hold" && substate > 0) ||
+         (state == "Door" && substate > kGrblDoorOpen);
+}
+
+bool GrblReport::restsInHold() const {
+  return (state == "Hold" && substate <= 0) || (state == "Door" && substate <= kGrblDoorOpen);
+}
+
 std::optional<GrblProbe> parseGrblProbe(const std::string& line) {
   if (line.rfind("[PRB:", 0) != 0 || line.back() != ']') return std::nullopt;
   const std::vector<std::string> parts = split(line.substr(5, line.size() - 6), ':');
@@ -113,7 +122,8 @@ bool isGrblWelcome(const std::string& line) {
 GrblWords grblAlarm(int code) {
   switch (code) {
     case 1:
-      return {"a limit switch closed", "call ~clear_alarm, ~move_off_limit, then home again"};
+      return {"a limit switch closed",
+              "call ~clear_alarm, then home; where homing cannot leave the switch, ~move_off_limit first"};
     case 2:
       return {"the target is beyond the controller's soft limits",
               "call ~clear_alarm, choose another target"};
@@ -143,23 +153,33 @@ GrblWords grblAlarm(int code) {
 GrblWords grblError(int code) {
   switch (code) {
     case 5:
-      return {"homing is not enabled", "set $22=1 at the controller"};
+      return {"homing is not enabled", "set $22=1 at the controller; of single axes, with grblHAL, $22=3"};
     case 8:
       return {"it is not idle", "wait until it rests"};
     case 9:
       return {"it is locked by an alarm", "call ~clear_alarm or home"};
     case 15:
       return {"the target is beyond the controller's soft limits", "choose another target"};
+    case 13:
+      return {"the safety door is open", "close it"};
+    case 18:
+      return {"its reset input is active", "release it"};
     case 20:
       return {"it does not know the command", "this needs grbl 1.1 or grblHAL"};
     case 22:
       return {"the feed rate is missing", ""};
+    case 45:
+      return {"a limit switch is closed", "home, or move the axis off it by hand"};
+    case 46:
+      return {"homing is required", "call ~home"};
+    case 50:
+      return {"its emergency stop input is active", "release it"};
     default:
       return {"error " + std::to_string(code), "see the controller's manual"};
   }
 }
 
-bool grblAlarmKeepsPosition(int code) { return code == 2 || code == 4 || code == 5; }
+bool grblAlarmKeepsPosition(int code) { return code == 2 || code == 4 || code == 5 || code == 11; }
 
 std::string grblOverride(double share) {
   const int percent = static_cast<int>(std::lround(100.0 * share));

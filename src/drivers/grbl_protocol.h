@@ -21,7 +21,12 @@ struct GrblReport {
   double feed = 0.0;                  // mm/min
   int feedOverride = 0;               // %; 0: not in this report
   std::string pins;                   // letters of Pn: X Y Z A B C: limit switches; P: probe
+
+  bool moves() const;        ///< its axes, for whomever; in a hold on the way to rest, too
+  bool restsInHold() const;  ///< what is left of a motion waits, for ~resume or for the door
 };
+inline constexpr int kGrblDoorClosed = 0,
+                     kGrblDoorOpen = 1;  // substates at rest; 2, 3: on the way there or back
 /// @return nothing when it is no status report, or a damaged one.
 std::optional<GrblReport> parseGrblReport(const std::string& line);
 

@@ -10,6 +10,8 @@ LETTERS = "XYZABC"
 BUFFER = 128
 TRAVEL = 400.0  # mm or deg: machine coordinates go from -TRAVEL to 0, the reference switches are at the upper end
 PULL_OFF = 1.0
+INCH = 25.4
+SINGLE_AXES, HOMING_REQUIRED = 2, 4  # bits of $22 in grblHAL
 HOMING = 200.0  # units/s along the vector of all axes
 
 
@@ -19,6 +21,8 @@ class Grbl(device_double.Double):
         self.machine = device_double.Machine(a.axes, a.ball, a.tip, a.scale, a.acceleration)
         self.offset = [1.5, -2.25, 3.0, 0.0, 0.0, 0.0][:a.axes]  # G54: work coordinates are not machine coordinates
         self.deepest = -1e9
+        self.settings = {1: 255, 10: 1, 13: 0, 20: 1, 21: 1, 22: 3 if self.hal else 1}
+        self.door, self.refuses_x, self.homing_fails = None, False, False
         self.fresh(position_lost=True)
         super().__init__(a)
 
@@ -33,7 +37,7 @@ class Grbl(device_double.Double):
         self.machine.share = 1.0
         if position_lost:
             self.machine.position = [-3.0, -2.0, -4.0, -2.0, -2.0, -2.0][:self.machine.axes]
-            self.homed = False
+            self.homed, self.homed_axes = False, set()
 
     def power(self, on):
         self.fresh(position_lost=on)
@@ -59,6 +63,8 @@ class Grbl(device_double.Double):
                 self.report()
             elif byte == ord("!"):
                 self.told.append(["hold", time.monotonic()])
+                if self.state.startswith("Door"):
+                    continue
                 if self.state in ("Run", "Jog") or (self.state == "Idle"):
                     self.held, self.machine.hold = True, True
                     if self.state == "Idle":
@@ -66,7 +72,7 @@ class Grbl(device_double.Double):
                     elif self.state == "Run":
                         self.state = "Hold:1"
             elif byte == ord("~"):
-                if self.state.startswith("Hold"):
+                if self.state.startswith("Hold") or self.state == "Door:0":
                     self.held, self.machine.hold = False, False
                     self.state = "Run" if self.job else "Idle"
             elif byte == 0x85:
@@ -91,7 +97,7 @@ class Grbl(device_double.Double):
                     self.line += bytes([byte])
 
     def soft_reset(self):
-        moving = self.state in ("Run", "Jog", "Hold:1") and self.machine.moving()
+        moving = self.state in ("Run", "Jog", "Hold:1", "Door:2") and self.machine.moving()
         homing = self.state == "Home"
         self.fresh(position_lost=False)
         if moving or homing:
@@ -101,6 +107,15 @@ class Grbl(device_double.Double):
         elif moving:
             self.raise_alarm(3)
         self.welcome()
+        if self.door:
+            self.open_door()
+
+    def open_door(self):
+        """It comes to rest, and stays there until the door is closed and it is told to go on."""
+        self.door = True
+        if self.state != "Alarm":
+            self.state = "Door:2" if self.job and self.machine.moving() else "Door:1"
+            self.held = self.machine.hold = True
 
     def raise_alarm(self, code):
         self.machine.halt()
@@ -114,11 +129,14 @@ class Grbl(device_double.Double):
         position = list(self.machine.position)
         if self.fault == "wrong":
             position[0] += device_double.WRONG
-        return ",".join("%.3f" % p for p in position)
+        return self.places(position)
+
+    def places(self, values):
+        return ",".join("%.4f" % (v / INCH) for v in values) if self.settings[13] else ",".join("%.3f" % v for v in values)
 
     def report(self):
-        if self.state == "Home":
-            return  # grbl does not report while it homes
+        if self.state == "Home" or self.critical:
+            return  # grbl does not report while it homes, nor after a limit until it is reset
         state = "Alarm:%d" % self.alarm if self.state == "Alarm" and self.hal and self.alarm else self.state
         pins = "".join(LETTERS[i] for i in range(self.machine.axes) if self.machine.limits[i])
         if self.machine.closed():
@@ -127,8 +145,9 @@ class Grbl(device_double.Double):
         if pins:
             text += "|Pn:" + pins
         if self.reports % 10 == 0:
-            text += "|WCO:" + ",".join("%.3f" % o for o in self.offset)
-        elif self.reports % 10 == 1:
+            text += "|WCO:" + self.places(self.offset)
+        elif self.reports % 10 == 1 or self.share_told != self.machine.share:
+            self.share_told = self.machine.share
             text += "|Ov:%d,100,100" % round(100 * self.machine.share)
         self.reports += 1
         self.out(text + ">")
@@ -143,6 +162,8 @@ class Grbl(device_double.Double):
             self.buffer -= length
             self.interpret(line.strip().upper())
 
+    share_told = 1.0
+
     def blocking(self):
         return self.job is not None and self.job["kind"] in ("probe", "home", "wait")
 
@@ -152,12 +173,19 @@ class Grbl(device_double.Double):
                 if (self.machine.target[i] > self.machine.position[i]) == (switch > 0):
                     self.homed = False
                     return self.raise_alarm(1)
+        if self.state in ("Door:0", "Door:1"):
+            return
         job = self.job
         if job is None:
             return
         if job["kind"] == "wait" and not job.get("motion"):
             self.job = None
             return self.out("ok")
+        if job["kind"] == "home" and self.homing_fails:
+            self.raise_alarm(9)  # and begins anew, of its own accord
+            self.fresh(position_lost=True)
+            self.state, self.alarm = "Alarm", 9
+            return self.welcome()
         was = self.machine.closed() if job["kind"] == "probe" else False
         how = self.machine.step(seconds)
         if job["kind"] == "probe" and not was and not job.get("tripped") and self.machine.closed():
@@ -171,7 +199,7 @@ class Grbl(device_double.Double):
                 self.machine.halt()
                 self.job, self.state, self.held = None, "Idle", False
                 return
-            self.state = "Hold:0"
+            self.state = "Door:1" if self.state.startswith("Door") else "Hold:0"
             return
         if how == "arrived":
             if job["kind"] == "probe":
@@ -179,7 +207,10 @@ class Grbl(device_double.Double):
             self.job = None
             self.state = "Idle"
             if job["kind"] == "home":
-                self.homed = True
+                self.homed_axes |= set(job["axes"])
+                self.homed = len(self.homed_axes) == self.machine.axes
+                if self.hal and self.settings[22] & HOMING_REQUIRED and not self.homed:
+                    self.state, self.alarm = "Alarm", 11
                 self.out("ok")
             if job["kind"] == "wait":
                 self.out("ok")
@@ -205,7 +236,7 @@ class Grbl(device_double.Double):
 
     def system(self, line):
         if line == "$$":
-            values = {10: 1, 20: 1, 21: 1, 22: 1}
+            values = dict(self.settings)
             for i in range(self.machine.axes):
                 values.update({100 + i: 1000.0, 110 + i: 3000.0, 120 + i: self.machine.acceleration, 130 + i: TRAVEL})
             for key in sorted(values):
@@ -218,6 +249,10 @@ class Grbl(device_double.Double):
                 self.out("[FIRMWARE:grblHAL]")
             return self.out("ok")
         if line == "$X":
+            if self.refuses_x:
+                return self.out("error:45")
+            if self.hal and self.settings[22] & HOMING_REQUIRED and not self.homed:
+                return self.out("error:46")
             if self.state == "Alarm":
                 self.state, self.alarm = "Idle", 0
                 self.out("[MSG:Caution: Unlocked]")
@@ -225,6 +260,8 @@ class Grbl(device_double.Double):
         if line == "$H" or re.fullmatch(r"\$H[XYZABC]", line):
             if len(line) == 3 and not self.hal:
                 return self.out("error:3")
+            if len(line) == 3 and not self.settings[22] & SINGLE_AXES:
+                return self.out("error:5")
             if self.state not in ("Idle", "Alarm"):
                 return self.out("error:8")
             axes = range(self.machine.axes) if len(line) == 2 else [LETTERS.index(line[2])]
@@ -233,7 +270,7 @@ class Grbl(device_double.Double):
                 target[i] = -PULL_OFF
             self.state, self.alarm = "Home", 0
             self.machine.move(target, HOMING)
-            self.job = {"kind": "home"}
+            self.job = {"kind": "home", "axes": list(axes)}
             return None
         if line.startswith("$J="):
             if self.state not in ("Idle", "Jog"):
@@ -303,10 +340,43 @@ class Grbl(device_double.Double):
         self.machine.move(target, min(feed, 50.0))
         return None
 
+    def obey(self, line):
+        before = list(self.machine.limits)
+        answer = super().obey(line)
+        if self.machine.limits != before and not self.hal and self.state not in ("Alarm", "Home") and self.settings[21]:
+            self.homed = False
+            self.raise_alarm(1)  # grbl 1.1: any change of the pin, also a switch that opens
+        return answer
+
     def command(self, words):
         if words[0] == "alarm":
             self.raise_alarm(int(words[1]))
             return {"alarm": int(words[1])}
+        if words[0] == "set":
+            self.settings[int(words[1])] = int(words[2])
+            return {"set": self.settings}
+        if words[0] == "door":
+            if words[1] == "open":
+                self.open_door()
+            else:
+                self.door = False
+                if self.state == "Door:1":
+                    self.state = "Door:0"
+            return {"state": self.state}
+        if words[0] == "refuse_x":
+            self.refuses_x = words[1] == "on"
+            return {"refuse_x": self.refuses_x}
+        if words[0] == "homing_fails":
+            self.homing_fails = words[1] == "on"
+            return {"homing_fails": self.homing_fails}
+        if words[0] == "share":
+            return {"share": self.machine.share}
+        if words[0] == "override":  # at its panel
+            self.machine.share = float(words[1])
+            return {"override": self.machine.share}
+        if words[0] == "jog":  # of another sender
+            self.motion("G91 G21 X%s F600" % words[1], jog=True)
+            return {"state": self.state}
         if words[0] == "hold":  # at its panel
             self.received(None, b"!")
             return {"state": self.state}

@@ -9,15 +9,10 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "motion_fixture.h"
+#include "grbl_fixture.h"
 
 namespace mm {
 namespace {
-
-// A ball at x 20, y 30, z 10 mm of the joints; the control's zero lies 40 mm above theirs.
-const std::vector<std::string> kDouble = {"test/doubles/grbl_double.py", "--ball", "-20", "-10", "-30", "5"};
-const std::vector<double> kNear = {32, 34, 36}, kBeside = {31, 34, 36};  // mm, not far from the switches
-const char* const kZero = "x:-40 y:-40 z:-40 a:-40 b:-40 c:-40";
 
 TEST(GrblProtocol, ReadsWhatIsDocumented) {
   const auto report =
@@ -48,25 +43,6 @@ TEST(GrblProtocol, ReadsWhatIsDocumented) {
   EXPECT_EQ(grblOverride(0.67), std::string("\x90\x92\x92\x92\x94\x94\x94"));
   EXPECT_THROW(grblOverride(0.05), InputError);
 }
-
-class GrblTest : public DeviceMotionFixture {
- protected:
-  GrblTest() : DeviceMotionFixture("test/data/six_axis.urdf") {}
-  void begin(std::vector<std::string> extra = {}, AxisController::Parameters parameters = {}) {
-    std::vector<std::string> arguments = kDouble;
-    arguments.insert(arguments.end(), extra.begin(), extra.end());
-    double_ = std::make_unique<DeviceDouble>(arguments);
-    controller_ = std::make_shared<GrblController>();
-    parameters.emplace("address", double_->address());
-    parameters.emplace("zero", kZero);
-    parameters.emplace("report_rate", "100");
-    parameters.emplace("connect_timeout", std::to_string(kConnect));
-    control(controller_, parameters);
-  }
-  double shown(std::size_t j) { return 1e3 * control_->view().state.position[j]; }
-
-  std::shared_ptr<GrblController> controller_;
-};
 
 TEST_F(GrblTest, SixAxesHomeGoAndProbe) {
   begin();
