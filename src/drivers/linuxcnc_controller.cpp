@@ -14,6 +14,10 @@ namespace {
 
 constexpr double kSmallest = 1e-6;  // mm or deg, the last decimal of linuxcncrsh
 
+constexpr const char* kModes = "G21 G90 G94 G8";  // mm, absolute, per minute, radius
+
+constexpr int kHere = 5420;  // the first of LinuxCNC's parameters of where it is, in work coordinates
+
 constexpr double kAnswer = 5e-3;  // s that a cycle waits for the answers to its questions
 
 }  // namespace
@@ -60,13 +64,14 @@ void LinuxCncController::open(const ControllerSetup& setup) {
   };
   handlers.refused = [this](const std::string& command) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (task_ == Task::kNone || stopAsked_) return;
+    if (task_ == Task::kNone || stopAsked_ || failed_) return;  // what LinuxCNC itself says tells more
     failed_ = Outcome::kAlarm;
     note_ = "LinuxCNC refused it (" + command + ")";
   };
   handlers.stopRefused = [this](const std::string& command) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    trouble_ = "LinuxCNC refuses to " + command + "; use the machine's own emergency stop";
+    refusedStop_ = command;
+    refusedAt_ = steadySeconds();
   };
   handlers.damaged = [this] { damaged(); };
   talk_ = std::make_unique<LinuxCncTalk>(address, hello, enable, handlers);
@@ -80,6 +85,7 @@ void LinuxCncController::begin() {
     lastAsked_ = 0.0;
     resetting_ = false;
     trouble_.clear();
+    refusedStop_.clear();
     damaged_ = 0;
   }
   talk_->connect(connectTimeout_);
@@ -92,6 +98,10 @@ void LinuxCncController::begin() {
         if (last_.absolute.size() < map_->needed())
           throw InputError(talk_->address() + ": LinuxCNC reports " + std::to_string(last_.absolute.size()) +
                            " axes, " + std::to_string(map_->needed()) + " are needed");
+        requireUnits();
+        const std::lock_guard<std::mutex> feed(feedMutex_);
+        giveBack_ = holding_ || last_.feedOverride == 0.0;  // a hold that nobody is left to end
+        holding_ = false;
         return;
       }
       ask();
@@ -102,6 +112,17 @@ void LinuxCncController::begin() {
   }
   throw Error(talk_->address() + " does not answer as linuxcncrsh: " + why +
               "; is DISPLAY = linuxcncrsh in its .ini?");
+}
+
+// Positions come in the units of the machine, whatever those of the program are.
+void LinuxCncController::requireUnits() const {
+  if (last_.linearUnits != "MM")
+    throw InputError(
+        talk_->address() + ": LinuxCNC's machine counts in " + last_.linearUnits +
+        ", the driver in MM: set LINEAR_UNITS = mm in [TRAJ] of its .ini, and what depends on it");
+  if (last_.angularUnits != "DEG")
+    throw InputError(talk_->address() + ": LinuxCNC's machine turns in " + last_.angularUnits +
+                     ", the driver in DEG: set ANGULAR_UNITS = degree in [TRAJ] of its .ini");
 }
 
 void LinuxCncController::reconnect() {
@@ -153,6 +174,9 @@ void LinuxCncController::finish(Outcome outcome, const std::string& note) {
   task_ = Task::kNone;
   homing_.clear();
   state_.velocity.assign(map_->size(), 0.0);
+  const std::lock_guard<std::mutex> feed(feedMutex_);
+  giveBack_ = giveBack_ || holding_;
+  holding_ = false;
 }
 
 // ---- being asked ------------------------------------------------------------------------------------------
@@ -176,7 +200,7 @@ AxesState LinuxCncController::poll(double) {
     heard_.wait_for(lock, std::chrono::duration<double>(kAnswer), [&] { return next_.asked == 0.0; });
   }
   AxesState state = state_;
-  state.moving = task_ != Task::kNone || stopAsked_;
+  state.moving = task_ != Task::kNone || stopAsked_ || others_;
   return state;
 }
 
@@ -192,38 +216,81 @@ std::vector<ProbeEdge> LinuxCncController::takeProbeEdges() {
 void LinuxCncController::move(const AxesMotion& motion) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (last_.emergency || !last_.on) throw Error("LinuxCNC's machine is off; reset the emergency stop");
-  std::string words;
-  double seconds = 0.0, linear = 0.0, turning = 0.0;
-  for (std::size_t j = 0; j < map_->size(); ++j) {
-    const std::size_t place = map_->place(j);
-    const double to = map_->toControl(j, motion.target[j]), way = to - last_.absolute[place];
-    if (motion.speed[j] > 0.0)
-      seconds = std::max(seconds, std::abs(motion.target[j] - state_.position[j]) / motion.speed[j]);
-    if (std::abs(way) < kSmallest) continue;
-    (map_->axis(j).rotary ? turning : linear) += way * way;
-    const double offset = motion.probing ? last_.absolute[place] - last_.relative[place] : 0.0;
-    char word[48];
-    std::snprintf(word, sizeof word, " %c%.6f", map_->letter(j), to - offset);
-    words += word;
-  }
+  const std::vector<std::string> lines = motionLines(motion);
   beginTask(motion.probing ? Task::kProbing : Task::kGo);
   motion_ = motion;
   state_.motion = motion.id;
-  if (words.empty() || !(seconds > 0.0)) return finish(Outcome::kReached);
-  // The feed is that of the linear axes where one moves, else that of the rotary ones (LinuxCNC, G94).
-  char feed[64], said[96];
-  std::snprintf(feed, sizeof feed, " F%.6f", 60.0 * std::sqrt(linear > 0.0 ? linear : turning) / seconds);
-  const auto id = static_cast<unsigned long long>(motion.id);
+  if (lines.empty()) return finish(Outcome::kReached);
   std::vector<std::string> commands;
+  {
+    const std::lock_guard<std::mutex> feed(feedMutex_);
+    if (giveBack_) commands.push_back(overrideLine(false));  // of a motion that is over
+  }
   if (!last_.mdi) commands.push_back("mode mdi");
-  commands.push_back(std::string("mdi G21 G90 G94 ") + (motion.probing ? "G38.3" : "G53 G1") + words + feed);
-  std::snprintf(said, sizeof said, "mdi (DEBUG,mm %llu #5070 #5061 #5062 #5063 #5064 #5065 #5066)", id);
-  if (motion.probing) commands.push_back(said);
+  commands.insert(commands.end(), lines.begin(), lines.end());
   talk_->command(commands);
+}
+
+// Empty where the axes are there already.
+std::vector<std::string> LinuxCncController::motionLines(const AxesMotion& motion) const {
+  std::string words;
+  double seconds = 0.0, linear = 0.0, turning = 0.0;
+  std::vector<double> way(std::string(kControlLetters).size(), 0.0);
+  for (std::size_t j = 0; j < map_->size(); ++j) {
+    const std::size_t place = map_->place(j);
+    const double to = map_->toControl(j, motion.target[j]);
+    // From where it was commanded to, as LinuxCNC counts, not from where it is shown.
+    way[place] = to - (motion.probing ? last_.commanded : last_.absolute)[place];
+    if (motion.speed[j] > 0.0)
+      seconds = std::max(seconds, std::abs(motion.target[j] - state_.position[j]) / motion.speed[j]);
+    if (std::abs(way[place]) < kSmallest) way[place] = 0.0;
+    if (way[place] == 0.0) continue;
+    (map_->axis(j).rotary ? turning : linear) += way[place] * way[place];
+    char word[48];
+    std::snprintf(word, sizeof word, " %c%.6f", map_->letter(j), to);
+    words += word;
+  }
+  if (words.empty() || !(seconds > 0.0)) return {};
+  // The feed is that of the linear axes where one moves, else that of the rotary ones (LinuxCNC, G94).
+  char feed[64], said[160];
+  std::snprintf(feed, sizeof feed, " F%.6f", 60.0 * std::sqrt(linear > 0.0 ? linear : turning) / seconds);
+  if (!motion.probing) return {std::string("mdi ") + kModes + " G53 G1" + words + feed};
+  std::snprintf(said, sizeof said,
+                "mdi (DEBUG,mm %llu #5070 #5061 #5062 #5063 #5064 #5065 #5066 #5420 #5421 #5422 #5423 #5424 "
+                "#5425 #<_mm_r>)",
+                static_cast<unsigned long long>(motion.id));
+  return {std::string("mdi ") + kModes + " #<_mm_r>=#[5210+20*#5220]", "mdi G38.3" + probingWords(way) + feed,
+          said};
+}
+
+// G38 takes work coordinates only, and what these are made of (G54 to G59.3 with their rotation about Z, G92,
+// the tool) linuxcncrsh does not tell in full. So LinuxCNC itself adds the way, turned by that rotation, to
+// where it is (#5420 to #5425); nothing of the user's is changed.
+std::string LinuxCncController::probingWords(const std::vector<double>& way) const {
+  std::string words;
+  char word[96];
+  if (way[0] != 0.0 || way[1] != 0.0) {
+    const auto add = [&](char letter, int at, double along, double across) {
+      if (coordinates_.find(letter) == std::string::npos) return;
+      std::snprintf(word, sizeof word, " %c[#%d%+.6f*COS[#<_mm_r>]%+.6f*SIN[#<_mm_r>]]", letter, at, along,
+                    across);
+      words += word;
+    };
+    add('X', kHere, way[0], way[1]);
+    add('Y', kHere + 1, way[1], -way[0]);
+  }
+  for (std::size_t place = 2; place < way.size(); ++place) {
+    if (way[place] == 0.0) continue;
+    std::snprintf(word, sizeof word, " %c[#%d%+.6f]", kControlLetters[place], kHere + static_cast<int>(place),
+                  way[place]);
+    words += word;
+  }
+  return words;
 }
 
 void LinuxCncController::beginTask(Task task) {
   if (stopAsked_) throw Error("a stop is under way; wait until the axes rest");
+  if (others_) throw Error("another client of LinuxCNC moves the axes; wait until they rest, or call ~stop");
   task_ = task;
   state_.outcome = Outcome::kUnderWay;
   state_.note.clear();
@@ -268,15 +335,24 @@ void LinuxCncController::stop() {
 
 void LinuxCncController::emergencyStop() { talk_->emergencyStop("estop on"); }
 
+// A motion that is asked for in a hold stays held: who held it may have meant that one.
 void LinuxCncController::feedHold(bool hold) {
-  char text[64];
-  std::snprintf(text, sizeof text, "feed_override %.0f", hold ? 0.0 : 100.0 * share_);
-  talk_->command({text});
+  const std::lock_guard<std::mutex> feed(feedMutex_);
+  holding_ = hold;
+  if (!hold) stands_ = giveBack_ = false;
+  talk_->command({overrideLine(hold)});
 }
 
 void LinuxCncController::setOverride(double share) {
+  const std::lock_guard<std::mutex> feed(feedMutex_);
   share_ = share;
-  feedHold(false);
+  if (!holding_ && !stands_) talk_->command({overrideLine(false)});  // else with the end of the hold
+}
+
+std::string LinuxCncController::overrideLine(bool hold) const {
+  char text[64];
+  std::snprintf(text, sizeof text, "feed_override %.0f", hold ? 0.0 : 100.0 * share_);
+  return text;
 }
 
 }  // namespace mm

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
 #include "drivers/linuxcnc_controller.h"
 
 namespace mm {
@@ -11,6 +12,7 @@ constexpr double kChange = 2e-6;  // mm or deg: two of the last decimal of linux
 constexpr double kStill = 0.06;   // s without a change of position: at rest
 constexpr double kUntaken = 5.0;  // s for a command to be taken
 constexpr double kUnsaid = 1.0;   // s at rest after which nothing more is said of a motion
+constexpr double kSaid = 0.3;     // s within which LinuxCNC says why its machine went off
 constexpr double kHomed = 0.2;    // s that all flags must stand: between two sequences they may for a moment
 constexpr double kRefall = 1.0;   // s for the flags of axes that are homed already to fall
 
@@ -59,15 +61,17 @@ void LinuxCncController::takePart(const LinuxCncLine& line, double time) {
   }
 }
 
-// `mm 17 1.0 …` behind the probing motion 17: success and place.
+// `mm 17 1.0 …` behind the probing motion 17: success, place, where it then was, and the rotation.
 void LinuxCncController::takeMessage(const std::string& text) {
   if (text.rfind("mm ", 0) != 0) return;
   const std::vector<double> values = parseLinuxCncNumbers(text.substr(3));
   if (values.empty() || task_ == Task::kNone || values[0] != static_cast<double>(motion_.id)) return;
-  if (values.size() == 8) latched_ = std::vector<double>(values.begin() + 1, values.end());
+  if (values.size() == 15) latched_ = std::vector<double>(values.begin() + 1, values.end());
 }
 
 void LinuxCncController::takeError(const std::string& text) {
+  said_ = text;
+  saidAt_ = steadySeconds();
   if (task_ == Task::kNone) return;
   const bool tripped = text.find("robe tripped") != std::string::npos;
   // LinuxCNC says it where the probe closes. On a busy computer what it says of one motion comes within the
@@ -93,14 +97,19 @@ void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
   const double gone = at - state_.time + age_;
   const std::size_t axes = map_->size();
   std::vector<double> position(axes), velocity(axes, 0.0);
-  bool changed = last_.absolute.size() != now.absolute.size();
+  const bool first = last_.absolute.size() != now.absolute.size();
+  bool changed = first, driven = false;
   for (std::size_t j = 0; j < axes; ++j) {
     const std::size_t place = map_->place(j);
     position[j] = map_->toJoint(j, now.absolute[place]);
     changed = changed || std::abs(now.absolute[place] - last_.absolute[place]) > kChange;
-    if ((task_ != Task::kNone || stopAsked_) && gone > 0.0 && state_.position.size() == axes)
-      velocity[j] = (position[j] - state_.position[j]) / gone;
+    driven = driven || (!first && std::abs(now.commanded[place] - last_.commanded[place]) > kChange);
+    if (gone > 0.0 && state_.position.size() == axes) velocity[j] = (position[j] - state_.position[j]) / gone;
   }
+  if (driven && now.on) driven_ = now.came;
+  others_ = task_ == Task::kNone && !stopAsked_ && (now.runs || now.came - driven_ < kStill);
+  // Axes that nobody drives are at rest, whatever the last digit of an encoder does.
+  if (task_ == Task::kNone && !stopAsked_ && !others_) velocity.assign(axes, 0.0);
   if (changed || still_ == 0.0) still_ = now.came;
   went_ = went_ || (changed && task_ != Task::kNone);
   // Axes that went stand still while LinuxCNC says that it drives them: its task was held up, not the axes,
@@ -124,9 +133,28 @@ void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
   state_.emergencyStop = now.emergency || resetting_;
   state_.feedOverride = now.feedOverride;
   state_.held = task_ != Task::kNone && now.feedOverride == 0.0 && now.came - still_ >= kStill;
+  off_ = now.on ? 0.0 : off_ > 0.0 ? off_ : now.came;
   state_.alarm = {};
-  if (!now.emergency && !now.on)
-    state_.alarm = {0, "LinuxCNC's machine is off", "call ~clear_alarm to switch it on"};
+  if (now.emergency || now.on) return;
+  const std::string onLimit = axisOnLimit();
+  state_.alarm = {0, "LinuxCNC's machine is off", "call ~clear_alarm to switch it on"};
+  if (!onLimit.empty()) {
+    // linuxcncrsh takes no override of limits while the machine is off, and it goes off at once.
+    state_.alarm.text += ": " + onLimit;
+    state_.alarm.remedy =
+        "override limits at LinuxCNC's own panel and jog off it, or turn the axis off it by hand; then call "
+        "~clear_alarm";
+  } else if (saidAt_ > off_ - kSaid) {
+    state_.alarm.text += ": " + said_;
+  }
+}
+
+std::string LinuxCncController::axisOnLimit() const {
+  for (std::size_t j = 0; j < state_.limitSwitch.size(); ++j)
+    if (state_.limitSwitch[j] != 0)
+      return map_->names()[j] + " is at its " + (state_.limitSwitch[j] < 0 ? "lower" : "upper") +
+             " limit switch";
+  return {};
 }
 
 void LinuxCncController::takeProbe(bool closed, double at) {
@@ -140,15 +168,13 @@ void LinuxCncController::takeProbe(bool closed, double at) {
 
 // Whether the task has ended, by the round that came last.
 void LinuxCncController::judge() {
+  judgeStop();
+  giveOverrideBack();
   const bool rests = last_.came - still_ >= kStill;
-  if (stopAsked_ && last_.asked > stopSent_ && rests && !last_.runs) {
-    stopAsked_ = false;
-    finish(Outcome::kStopped);
-  }
   if (task_ == Task::kNone || last_.asked <= taskBegan_) return;
   const bool taken = taken_ > 0.0 && last_.asked > taken_;
-  if (last_.emergency || (!last_.on && (taken || task_ != Task::kHoming)))  // homing switches it on
-    return finish(Outcome::kStopped, "LinuxCNC was switched off");
+  if (last_.emergency) return finish(Outcome::kStopped, "LinuxCNC is in its emergency stop");
+  if (!last_.on && (taken || task_ != Task::kHoming)) return judgeOff();  // homing switches it on
   if (task_ == Task::kHoming && taken && !failed_) return judgeHoming();
   if (!rests || state_.held) return;
   if (failed_) return finish(*failed_, note_);
@@ -160,6 +186,44 @@ void LinuxCncController::judge() {
   if (!last_.idle) return;
   if (task_ == Task::kGo) return finish(Outcome::kReached);
   judgeProbing();
+}
+
+void LinuxCncController::judgeStop() {
+  const bool rests = last_.came - still_ >= kStill;
+  if (!refusedStop_.empty() && last_.asked > refusedAt_) {
+    // Off, it refuses to abort: there is nothing that it could end.
+    if (last_.on || refusedStop_ != "ABORT")
+      trouble_ = "LinuxCNC refuses to " + refusedStop_ + "; use the machine's own emergency stop";
+    refusedStop_.clear();
+  }
+  if (!stopAsked_ || last_.asked <= stopSent_ || !rests || last_.runs) return;
+  stopAsked_ = false;
+  finish(Outcome::kStopped);
+  const std::lock_guard<std::mutex> feed(feedMutex_);
+  giveBack_ = giveBack_ || last_.feedOverride == 0.0;  // the stop may have overtaken what was to end a hold
+}
+
+// The machine went off in a motion: by a limit or a fault, which LinuxCNC says at about the same time, or by
+// somebody.
+void LinuxCncController::judgeOff() {
+  if (failed_) return finish(*failed_, note_);
+  if (last_.came - off_ < kSaid) return;
+  const std::string onLimit = axisOnLimit();
+  if (!onLimit.empty()) return finish(Outcome::kLimit, "LinuxCNC: " + onLimit);
+  finish(Outcome::kStopped, "LinuxCNC's machine was switched off");
+}
+
+// A hold whose motion is over would keep the next one from beginning. Given back at rest, with nothing left
+// that could move for it; again until it is seen, since LinuxCNC refuses it while its machine is off.
+void LinuxCncController::giveOverrideBack() {
+  const std::lock_guard<std::mutex> feed(feedMutex_);
+  const bool settled = !talk_->commanding() && last_.asked > taken_;
+  if (settled && !holding_) stands_ = last_.feedOverride == 0.0;
+  if (!giveBack_ || !settled || task_ != Task::kNone || stopAsked_) return;
+  if (last_.feedOverride > 0.0)
+    giveBack_ = false;
+  else if (last_.on && !last_.runs && !others_ && last_.came - still_ >= kStill)
+    talk_->command({overrideLine(false)});
 }
 
 // Axes that were homed before keep their flags until it has begun; where it takes a moment only, their fall
@@ -180,6 +244,21 @@ void LinuxCncController::judgeHoming() {
     finish(Outcome::kAlarm, "homing has not ended within its time");
 }
 
+// In machine coordinates: from where it was commanded to at the end, back by what it went on after the trip,
+// which LinuxCNC tells in work coordinates.
+std::vector<double> LinuxCncController::latchedPlace() const {
+  const std::vector<double>& said = *latched_;
+  const std::size_t axes = std::string(kControlLetters).size();
+  std::vector<double> place(last_.commanded);
+  place.resize(axes, 0.0);
+  const double turn = said[1 + 2 * axes] * kDegree;
+  const double x = said[1] - said[1 + axes], y = said[2] - said[2 + axes];
+  place[0] += x * std::cos(turn) - y * std::sin(turn);
+  place[1] += x * std::sin(turn) + y * std::cos(turn);
+  for (std::size_t i = 2; i < axes; ++i) place[i] += said[1 + i] - said[1 + axes + i];
+  return place;
+}
+
 void LinuxCncController::judgeProbing() {
   if (!latched_ && last_.asked - std::max(still_, taken_) < kUnsaid) return;  // it is on its way
   if (!latched_)
@@ -192,10 +271,9 @@ void LinuxCncController::judgeProbing() {
     edge.timeUncertainty = pollPeriod_ + servoPeriod_ + state_.timeUncertainty;
     edge.probing = edge.actual = true;
     edge.motion = motion_.id;
+    const std::vector<double> place = latchedPlace();
     for (std::size_t j = 0; j < map_->size(); ++j) {
-      const std::size_t place = map_->place(j);
-      const double offset = last_.absolute[place] - last_.relative[place];
-      edge.position.push_back(map_->toJoint(j, (*latched_)[1 + place] + offset));
+      edge.position.push_back(map_->toJoint(j, place[map_->place(j)]));
       edge.velocity.push_back(std::copysign(motion_.speed[j], motion_.target[j] - edge.position[j]) *
                               state_.feedOverride);
     }

@@ -6,7 +6,7 @@
 namespace mm {
 namespace {
 
-constexpr std::size_t kAnswers = 10;  // of a round that are needed; messages are asked for beside them
+constexpr std::size_t kAnswers = 12;  // of a round that are needed; messages are asked for beside them
 
 std::vector<std::string> wordsOf(const std::string& text) {
   std::vector<std::string> words;
@@ -43,8 +43,8 @@ std::vector<double> parseLinuxCncNumbers(const std::string& text) {
 
 const char* LinuxCncRound::questions() {
   return "get estop\r\nget machine\r\nget joint_homed\r\nget joint_limit\r\nget abs_act_pos\r\n"
-         "get rel_act_pos\r\nget probe_value\r\nget mode\r\nget feed_override\r\nget error\r\n"
-         "get operator_display\r\nget program_status\r\n";
+         "get abs_cmd_pos\r\nget probe_value\r\nget mode\r\nget feed_override\r\nget user_linear_units\r\n"
+         "get user_angular_units\r\nget error\r\nget operator_display\r\nget program_status\r\n";
 }
 
 bool LinuxCncRound::take(const LinuxCncLine& line) {
@@ -63,9 +63,13 @@ bool LinuxCncRound::take(const LinuxCncLine& line) {
   } else if (word == "ABS_ACT_POS") {
     absolute = parseLinuxCncNumbers(rest);
     if (absolute.empty()) return true;
-  } else if (word == "REL_ACT_POS") {
-    relative = parseLinuxCncNumbers(rest);
-    if (relative.empty()) return true;
+  } else if (word == "ABS_CMD_POS") {
+    commanded = parseLinuxCncNumbers(rest);
+    if (commanded.empty()) return true;
+  } else if (word == "USER_LINEAR_UNITS") {
+    linearUnits = rest;
+  } else if (word == "USER_ANGULAR_UNITS") {
+    angularUnits = rest;
   } else if (word == "MODE") {
     mdi = rest == "MDI";
   } else if (word == "PROBE_VALUE") {
@@ -85,7 +89,7 @@ bool LinuxCncRound::take(const LinuxCncLine& line) {
 }
 
 bool LinuxCncRound::complete() const {
-  return answered.size() == kAnswers && !doubled && asked > 0.0 && relative.size() == absolute.size();
+  return answered.size() == kAnswers && !doubled && asked > 0.0 && commanded.size() == absolute.size();
 }
 
 }  // namespace mm

@@ -21,7 +21,8 @@ struct LinuxCncRound {
   bool emergency = false, on = false, probe = false, idle = true, runs = false, mdi = false;
   std::vector<bool> homed;  // LinuxCNC's joints
   std::vector<int> limits;  // -1, 0, 1: at its lower, no, at its upper limit; LinuxCNC's joints
-  std::vector<double> absolute, relative;  // mm or deg, X Y Z A B C; in the machine's and in work coordinates
+  std::vector<double> absolute, commanded;  // machine coordinates, in the machine's units: X Y Z A B C
+  std::string linearUnits, angularUnits;    // of the machine: MM, INCH, CM; DEG, RAD, GRAD
   double feedOverride = 1.0;
   std::set<std::string> answered;  // first words of the answers so far
   bool doubled = false;            // one came twice: of which round it is nobody knows

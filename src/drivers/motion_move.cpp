@@ -127,7 +127,7 @@ MotionControl::Report MotionControl::judge(const Current& current, bool cancelle
       if (!current.motion.probing) report.message = tripWords(current);
       return report;
     case Outcome::kStopped:
-      report.message = "stopped at the controller";
+      report.message = "stopped at the controller" + (state_.note.empty() ? "" : ": " + state_.note);
       return report;
     default:
       report.message = state_.note.empty() ? faultText() : state_.note;

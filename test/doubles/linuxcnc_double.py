@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """A machine that speaks the documented language of LinuxCNC's server linuxcncrsh: hello, enable, get and set on as many
-connections as come; MDI with G1, G38.3 and (DEBUG, …); homing, abort, emergency stop, feed override, soft limits.
+connections as come; MDI with G1, G38.3, G10 L2 P1 and (DEBUG, …), named parameters and expressions; work coordinates that
+are shifted and turned; homing, abort, emergency stop, feed override, soft limits, limit switches that switch it off.
 
 As in the server, a command keeps its connection busy for RECEPTION, in which nothing else that came on it is read; and a
 command that another connection gave meanwhile has changed the number that the first waits for: it then waits until the
 time limit (`set timeout`), or for ever."""
+import math
 import re
 import time
 
@@ -21,6 +23,8 @@ class LinuxCnc(device_double.Double):
     def __init__(self, a):
         self.machine = device_double.Machine(a.axes, a.ball, a.tip, a.scale, a.acceleration)
         self.offset = [2.0, -1.0, 0.5, 0.0, 0.0, 0.0][:a.axes]  # of the work coordinates
+        self.turn = 0.0  # deg, of the work coordinates about Z
+        self.units = "MM"
         self.begin()
         super().__init__(a)
 
@@ -30,6 +34,7 @@ class LinuxCnc(device_double.Double):
         self.machine.halt()
         self.machine.share = 1.0
         self.queue, self.job, self.errors, self.display = [], None, [], []
+        self.named = {}  # parameters #<…>
         self.refusals = 0
         self.said_late, self.unsaid = False, []
         self.homing = None  # when the joints begin to home, and which
@@ -105,7 +110,9 @@ class LinuxCnc(device_double.Double):
             "joint_homed": lambda: " ".join("YES" if h else "NO" for h in self.homed),
             "joint_limit": lambda: " ".join({-1: "MINHARD", 0: "OK", 1: "MAXHARD"}[l] for l in self.machine.limits),
             "abs_act_pos": lambda: self.numbers(self.shown()),
-            "rel_act_pos": lambda: self.numbers([p - o for p, o in zip(self.shown(), self.offset)]),
+            "abs_cmd_pos": lambda: self.numbers(self.shown()),
+            "rel_act_pos": lambda: self.numbers([p - o for p, o in zip(self.shown(), self.offset)]),  # without the turn
+            "user_linear_units": lambda: self.units, "user_angular_units": lambda: "DEG",
             "probe_value": lambda: "1" if self.machine.closed() else "0",
             "feed_override": lambda: "%d" % round(100 * self.machine.share),
             "error": lambda: self.errors.pop(0) if self.errors else "OK",
@@ -145,7 +152,23 @@ class LinuxCnc(device_double.Double):
     def command(self, words):
         """refuse N: the next N aborts and emergency stops are refused, as when another client takes control between.
         late: what the motion says of a trip arrives when the next motion has begun, as on a busy computer.
-        freeze S: for S seconds what is shown stays as it is, and the axes go on, as where the task is held up."""
+        freeze S: for S seconds what is shown stays as it is, and the axes go on, as where the task is held up.
+        mdi …: another client's. override PERCENT: of the feed, by another client. fault_joint N: its following error.
+        units INCH: of the machine. state: what a client cannot see otherwise."""
+        if words[0] == "mdi":
+            self.mode = "MDI"
+            self.queue.append(" ".join(words[1:]))
+            return {"mdi": self.queue}
+        if words[0] == "override":
+            self.machine.share = float(words[1]) / 100.0
+            return {"override": self.machine.share}
+        if words[0] == "fault_joint":
+            return self.switch_off("joint %s following error" % words[1])
+        if words[0] == "units":
+            self.units = words[1]
+            return {"units": self.units}
+        if words[0] == "state":
+            return {"override": self.machine.share, "on": self.on, "queue": len(self.queue), "job": bool(self.job)}
         if words[0] == "freeze":
             self.frozen = (time.monotonic() + float(words[1]), self.status())
             return {"frozen": float(words[1])}
@@ -157,7 +180,16 @@ class LinuxCnc(device_double.Double):
             return {"refusals": self.refusals}
         return {"error": "unknown"}
 
+    def switch_off(self, why):
+        """As motion does by itself: the axes rest, and the flags of homing stand."""
+        self.on = False
+        self.errors.append(why)
+        self.halt()
+        return {"off": why}
+
     def obeyed(self, what, value):
+        if not self.on and what not in ("estop", "machine"):
+            return "NAK"  # also an abort, and the override of limits
         if self.refusals > 0 and (what == "abort" or (what == "estop" and value.lower() == "on")):
             self.refusals -= 1
             return "NAK"
@@ -181,6 +213,7 @@ class LinuxCnc(device_double.Double):
                 self.job["aborted"], self.machine.hold = True, True
         elif what == "feed_override":
             self.machine.share = float(value) / 100.0
+            self.told.append(["override", float(value)])
         elif what == "home":
             self.home(int(value))
         elif what == "mdi":
@@ -212,6 +245,9 @@ class LinuxCnc(device_double.Double):
 
     def tick(self, seconds):
         self.look()
+        for joint, switch in enumerate(self.machine.limits):
+            if switch and self.on:
+                self.switch_off("joint %d on limit switch error" % joint)
         if self.job is None and self.homing and time.monotonic() >= self.homing[0]:
             self.begin_homing()
         if self.job is None and self.queue and self.fault != "stuck":
@@ -242,29 +278,60 @@ class LinuxCnc(device_double.Double):
             self.probed = job.get("tripped") or list(self.machine.position)
         self.job = None
 
+    def turned(self, at, by):
+        """@return the first two of `at` turned about Z by `by` deg, the others as they are."""
+        c, s = math.cos(math.radians(by)), math.sin(math.radians(by))
+        return [at[0] * c - at[1] * s, at[0] * s + at[1] * c] + list(at[2:])
+
+    def to_work(self, position):
+        return self.turned([p - o for p, o in zip(position, self.offset)], -self.turn)
+
+    def to_machine(self, work):
+        return [w + o for w, o in zip(self.turned(work, self.turn), self.offset)]
+
+    def parameter(self, number):
+        number = int(number)
+        for first, values in ((5061, self.to_work(self.probed)), (5420, self.to_work(self.machine.position))):
+            if first <= number < first + 6:
+                return values[number - first] if number - first < self.machine.axes else 0.0
+        return {5070: float(self.success), 5220: 1.0, 5230: self.turn}.get(number, 0.0)
+
+    def value(self, text):
+        """Of a number or an expression: [1+#5420*COS[#<_a>]]."""
+        text = re.sub(r"#<(\w+)>", lambda m: "(%r)" % self.named.get(m.group(1).upper(), 0.0), text)
+        text = re.sub(r"#(\d+)", lambda m: "(%r)" % self.parameter(m.group(1)), text)
+        text = text.replace("#[", "PARAMETER[").replace("[", "(").replace("]", ")")
+        names = {"PARAMETER": self.parameter, "COS": lambda a: math.cos(math.radians(a)), "SIN": lambda a: math.sin(math.radians(a))}
+        return float(eval(text, {"__builtins__": {}}, names))
+
     def begin_block(self, text):
         message = re.fullmatch(r"\(DEBUG,(.*)\)", text.strip())
         if message:
-            values = {5070: self.success}
-            for i in range(6):
-                values[5061 + i] = self.probed[i] - self.offset[i] if i < self.machine.axes else 0.0
-            self.display.append(re.sub(r"#(\d+)", lambda m: "%f" % values.get(int(m.group(1)), 0.0), message.group(1)))
-            return
-        words = re.findall(r"([A-Z])\s*(-?\d*\.?\d+)", text.upper())
+            said = re.sub(r"#(?:<\w+>|\d+)", lambda m: "%f" % self.value(m.group(0)), message.group(1))
+            return self.display.append(said)
+        text = text.upper()
+        words = [(w[0], self.value(w[1:])) for w in re.sub(r"#<\w+>=\S+", "", text).split()]
+        self.named.update({m.group(1): self.value(m.group(2)) for m in re.finditer(r"#<(\w+)>=(\S+)", text)})
         codes = [v for l, v in words if l == "G"]
-        target, feed = list(self.machine.position), 0.0
+        if 10.0 in codes:
+            return self.set_work(dict(words))
+        probes = any(38.0 < c < 39.0 for c in codes)
+        work, named, feed = self.to_work(self.machine.position), {}, 0.0
         for letter, value in words:
             if letter == "F":
-                feed = float(value) / 60.0
+                feed = value / 60.0
             if letter in LETTERS[:self.machine.axes]:
-                i = LETTERS.index(letter)
-                target[i] = float(value) + (0.0 if "53" in codes else self.offset[i])
+                named[LETTERS.index(letter)] = value
+        if 53.0 in codes:
+            target = [named.get(i, p) for i, p in enumerate(self.machine.position)]
+        else:
+            target = self.to_machine([named.get(i, w) for i, w in enumerate(work)]) if named else list(self.machine.position)
         for i, t in enumerate(target):
             if abs(t) > LIMIT:
                 self.errors.append("Linear move on line 0 would exceed %s's %s limit" % (LETTERS[i], "positive" if t > 0 else "negative"))
                 self.queue = []
                 return
-        if any(c.startswith("38.") for c in codes) and self.machine.closed():
+        if probes and self.machine.closed():
             self.errors.append("Probe is already tripped when starting G38.2 or G38.3 move")
             self.queue = []
             return
@@ -276,7 +343,13 @@ class LinuxCnc(device_double.Double):
         # The feed is that of the linear axes; the others arrive with them.
         self.machine.move(target, min(feed * (whole / linear if linear > 0.0 else 1.0), 2 * TOP))
         self.errors, self.unsaid = self.errors + self.unsaid, []
-        self.job = {"kind": "probe" if any(c.startswith("38.") for c in codes) else "move"}
+        self.job = {"kind": "probe" if probes else "move"}
+
+    def set_work(self, words):
+        """G10 L2 P1: of the work coordinates that are active."""
+        for i, letter in enumerate(LETTERS[:self.machine.axes]):
+            self.offset[i] = words.get(letter, self.offset[i])
+        self.turn = words.get("R", self.turn)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const double v : mm::parseLinuxCncNumbers(text))
       if (!std::isfinite(v)) mm::fuzz::broken("numbers are finite");
   }
-  for (const auto* values : {&round.absolute, &round.relative})
+  for (const auto* values : {&round.absolute, &round.commanded})
     for (const double v : *values)
       if (!std::isfinite(v)) mm::fuzz::broken("positions are finite");
   if (!std::isfinite(round.feedOverride)) mm::fuzz::broken("the override is finite");

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Sixty touches (24 every day) of LinuxCNC's own pretended hemisphere: its centre and its radius are found within the way of a servo period."""
+"""Sixty touches (24 every day) of LinuxCNC's own pretended hemisphere, in work coordinates that are turned: its centre and its radius
+are found within the way of a servo period. Before that: what another client of LinuxCNC, a feed hold and a limit switch do."""
 import fcntl
 import json
 import os
@@ -14,7 +15,8 @@ import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from measuring_machine.msg import MoveAction, MoveGoal, MoveResult, ProbeContact
+from measuring_machine.msg import AxisStatus, MotionStatus, MoveAction, MoveGoal, MoveResult, ProbeContact
+from measuring_machine.srv import SetOverride
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
@@ -30,13 +32,51 @@ def listens():
         return s.connect_ex(("127.0.0.1", 5007)) == 0
 
 
+class Client:
+    """Another client of linuxcncrsh: it may do what a panel does."""
+
+    def __init__(self):
+        self.socket = socket.create_connection(("127.0.0.1", 5007))
+        self.lines = self.socket.makefile("r", newline="\n")
+        for line in ("hello EMC panel 1.0", "set echo off", "set verbose on", "set enable EMCTOO", "set timeout 2.0"):
+            self.say(line)
+
+    def say(self, line):
+        """@return its answer."""
+        self.socket.sendall((line + "\r\n").encode())
+        return next(text.strip() for text in iter(self.lines.readline, "") if text.strip())
+
+    def get(self, what):
+        return self.say("get " + what).split(None, 1)[1]
+
+    def do(self, *commands):
+        for command in commands:
+            self.say("set enable EMCTOO")
+            assert self.say("set " + command).endswith("ACK"), command
+
+    def mdi(self, *blocks):
+        self.do("mode mdi", *("mdi " + block for block in blocks))
+
+    def close(self):
+        self.lines.close()
+        self.socket.close()
+
+
+def as_user(command):
+    """LinuxCNC and its tools refuse to run as root."""
+    return ["/usr/sbin/runuser", "-u", "nobody", "--"] + command if os.getuid() == 0 else command
+
+
+def hal(pin, value):
+    subprocess.check_call(as_user(["/usr/bin/halcmd", "setp", pin, value]))
+
+
 def linuxcnc(folder):
-    """LinuxCNC refuses to run as root."""
     command = ["/usr/bin/linuxcnc", os.path.join(folder, "machine.ini")]
     environment = dict(os.environ, HOME=folder, DISPLAY="", PATH="/usr/bin:/bin")
     if os.getuid() == 0:
         subprocess.check_call(["chown", "-R", "nobody", folder])
-        command = ["/usr/sbin/runuser", "-u", "nobody", "--", "/usr/bin/env"] + ["%s=%s" % (k, environment[k]) for k in ("HOME", "DISPLAY", "PATH")] + command
+        command = as_user(["/usr/bin/env"] + ["%s=%s" % (k, environment[k]) for k in ("HOME", "DISPLAY", "PATH")] + command)
     log = open(os.path.join(folder, "log"), "w")
     return subprocess.Popen(command, env=environment, stdout=log, stderr=log, cwd=folder, start_new_session=True)
 
@@ -62,8 +102,10 @@ class LinuxCnc(unittest.TestCase):
         assert support.wait_until(listens, 40), said()
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         assert support.served(cls.axes, seconds=40)
-        cls.states = []
+        cls.states, cls.motions, cls.statuses = [], [], []
         rospy.Subscriber("joint_states", JointState, cls.states.append)
+        rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motions.append)
+        rospy.Subscriber("axis_driver/status", AxisStatus, cls.statuses.append)
 
     @classmethod
     def tearDownClass(cls):
@@ -124,8 +166,73 @@ class LinuxCnc(unittest.TestCase):
         self.move(x=0.010)
         self.assertIn("emergency stop", self.end()[1].message)
 
-    def test_2_sixty_touches(self):
+    def call(self, name, kind=Trigger, *values):
+        return rospy.ServiceProxy("axis_driver/" + name, kind)(*values)
+
+    def holds(self):
+        """Holds a motion that is under way, and waits until it stands."""
+        self.move(x=-0.090, speed=0.005)
+        self.moves()
+        self.assertTrue(self.call("hold").success)
+        self.assertTrue(support.wait_until(lambda: self.motions[-1].held, 10))
+
+    def test_2_a_feed_hold_lasts_until_it_is_ended_and_ends_with_a_stop(self):
         cycle_support.ready()
+        self.move(x=0.0, y=0.0, z=-0.005)
+        self.reaches()
+        client = Client()
+        self.holds()
+        where = client.get("abs_cmd_pos")
+        self.call("override", SetOverride, 0.5)
+        self.assertEqual(client.get("feed_override"), "0")
+        self.assertEqual(client.get("abs_cmd_pos"), where)
+        self.assertTrue(self.call("stop").success)
+        self.assertEqual(self.end()[1].outcome, MoveResult.STOPPED)
+        self.assertTrue(support.wait_until(lambda: client.get("feed_override") == "50", 10), client.get("feed_override"))
+        self.assertEqual(client.get("abs_cmd_pos"), where)
+        self.call("override", SetOverride, 1.0)
+        self.holds()
+        self.assertTrue(self.call("emergency_stop", SetBool, True).success)
+        self.assertEqual(self.end()[1].outcome, MoveResult.STOPPED)
+        self.assertTrue(self.call("stop").success)  # which LinuxCNC refuses while it is off
+        cycle_support.ready()
+        self.move(x=0.0, y=0.0, z=-0.005)
+        self.reaches()
+        self.assertEqual(client.get("feed_override"), "100")
+        client.close()
+
+    def test_3_a_limit_switch_is_named_with_the_way_out(self):
+        cycle_support.ready()
+        self.move(x=-0.090, speed=0.01)
+        self.moves()
+        hal("joint.0.neg-lim-sw-in", "1")
+        result = self.end()[1]
+        self.assertEqual(result.outcome, MoveResult.LIMIT, result.message)
+        self.assertIn("joint 0 on limit switch error", result.message)
+        refused = self.call("clear_alarm").message
+        self.assertIn("x is at its lower limit switch", refused)
+        hal("joint.0.neg-lim-sw-in", "0")
+        self.assertTrue(support.wait_until(lambda: self.call("clear_alarm").success, 20))
+        self.move(x=0.0)
+        self.reaches()
+
+    def test_4_axes_that_somebody_else_moves_are_not_moved(self):
+        cycle_support.ready()
+        client = Client()
+        client.mdi("G21 G90 G94 G53 G1 X60 F300")
+        self.moves()
+        self.assertTrue(support.wait_until(lambda: self.statuses[-1].moving, 10))
+        self.move(y=0.010)
+        self.assertIn("the axes still move", self.end()[1].message)
+        self.assertTrue(self.call("stop").success)
+        self.assertTrue(support.wait_until(lambda: not self.statuses[-1].moving, 10))
+        client.close()
+
+    def test_5_sixty_touches_in_turned_work_coordinates(self):
+        cycle_support.ready()
+        client = Client()
+        client.mdi("G10 L2 P1 X7 Y-3 Z2 R37", "G92 X1 Y2 Z3", "G43.1 Z7", "G20 G91")
+        client.close()
         touches = 60 if support.thorough_tests() else 24
         plan = os.path.join(self.work, "plan.yaml")
         with open(os.path.join(FOLDER, "plan.yaml")) as all_of_them, open(plan, "w") as those:

@@ -21,6 +21,9 @@ class LinuxCncTest : public DeviceMotionFixture {
   void SetUp() override {
     double_ = std::make_unique<DeviceDouble>(
         std::vector<std::string>{"test/doubles/linuxcnc_double.py", "--ball", "20", "30", "10", "5"});
+    connect();
+  }
+  void connect() {
     control(std::make_shared<LinuxCncController>(), {{"address", double_->address()},
                                                      {"coordinates", "XYZAB"},
                                                      {"poll_rate", "100"},
@@ -118,6 +121,146 @@ TEST_F(LinuxCncTest, AStopThatIsRefusedIsSaidAgain) {
   control_->emergencyStop("/panel");
   EXPECT_TRUE(await([&] { return control_->view().lost.find("refuses to ESTOP") != std::string::npos; }))
       << control_->view().lost;
+}
+
+// A workpiece that was aligned leaves work coordinates that are turned, which linuxcncrsh does not show.
+TEST_F(LinuxCncTest, ProbingGoesAlongTheMachinesAxesWhereTheWorkCoordinatesAreTurned) {
+  readyAt({20, 30, 17});
+  for (const char* turn : {"mdi G10 L2 P1 X0 Y0 Z0 R90", "mdi G10 L2 P1 X7 Y-3 Z2 R30"}) {
+    EXPECT_EQ(go({40, 30, 7}).outcome, Outcome::kReached);
+    double_->tell(turn);
+    edges_.clear();
+    MotionControl::Report report = go({20, 30, 7}, 5e-3, true);
+    ASSERT_EQ(report.outcome, Outcome::kTripped) << turn << ": " << report.message;
+    const auto at = double_->tell("machine")["position"];
+    EXPECT_NEAR(at[1].get<double>(), 30.0, 1e-3) << turn;
+    EXPECT_NEAR(at[2].get<double>(), 7.0, 1e-3) << turn;
+    ASSERT_TRUE(await([&] {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return !edges_.empty();
+    }));
+    // the ball's radius and the tip's are 6 mm, 3 mm above its centre's height
+    EXPECT_NEAR(edges_[0].position[0], 1e-3 * (20.0 + std::sqrt(36.0 - 9.0)), 2e-5) << turn;
+    EXPECT_NEAR(edges_[0].position[1], 30e-3, 1e-6) << turn;
+    EXPECT_NEAR(edges_[0].position[2], 7e-3, 1e-6) << turn;
+    EXPECT_EQ(go({40, 30, 7}).outcome, Outcome::kReached);
+    report = go({40, 40, 8}, 0.02, true);
+    EXPECT_EQ(report.outcome, Outcome::kReached) << turn << ": " << report.message;
+  }
+}
+
+// What it says of its axes is in the units of its .ini.
+TEST_F(LinuxCncTest, AMachineInInchesIsRefused) {
+  DeviceDouble inches({"test/doubles/linuxcnc_double.py"});
+  inches.tell("units INCH");
+  LinuxCncController controller;
+  const std::string why = refusal([&] {
+    controller.open(controllerSetup(machine_, {{"address", inches.address()}, {"coordinates", "XYZAB"}}));
+  });
+  expectWords(why, "LINEAR_UNITS");
+  expectWords(why, "INCH");
+}
+
+TEST_F(LinuxCncTest, AnOverrideDuringFeedHoldIsGivenAtItsEnd) {
+  readyAt({0, 0, 4});
+  auto held = start({-30, 0, 4}, 0.02);
+  control_->hold(true);
+  ASSERT_TRUE(await([&] { return control_->view().state.held; }));
+  control_->setOverride(0.5);
+  control_->hold(false);
+  EXPECT_EQ(held.get().outcome, Outcome::kReached);
+  std::vector<double> told;
+  const auto machine = double_->tell("machine");
+  for (const auto& one : machine["told"])
+    if (one[0] == "override") told.push_back(one[1]);
+  EXPECT_EQ(told, (std::vector<double>{0.0, 50.0})) << "once, when the hold ended";
+}
+
+TEST_F(LinuxCncTest, AStopEndsAFeedHoldAndNothingMovesFor) {
+  readyAt({0, 0, 4});
+  auto held = start({-90, 0, 4}, 0.02);
+  control_->setOverride(0.8);
+  control_->hold(true);
+  ASSERT_TRUE(await([&] { return control_->view().state.held; }));
+  const double where = shown(0);
+  control_->stop("/panel");
+  EXPECT_EQ(held.get().outcome, Outcome::kStopped);
+  EXPECT_TRUE(await([&] { return control_->view().state.feedOverride == 0.8; }))
+      << control_->view().state.feedOverride;
+  EXPECT_EQ(shown(0), where);
+  EXPECT_FALSE(control_->view().state.held);
+  EXPECT_EQ(go({0, 0, 4}).outcome, Outcome::kReached);
+}
+
+TEST_F(LinuxCncTest, AnEmergencyStopEndsAFeedHold) {
+  readyAt({0, 0, 4});
+  auto held = start({-90, 0, 4}, 0.02);
+  control_->hold(true);
+  ASSERT_TRUE(await([&] { return control_->view().state.held; }));
+  control_->emergencyStop("/panel");
+  EXPECT_EQ(held.get().outcome, Outcome::kStopped);
+  control_->resetEmergencyStop();
+  EXPECT_TRUE(await([&] { return control_->view().state.feedOverride == 1.0; }));
+  readyAt({0, 0, 4});
+}
+
+// One that was left by a driver that ended.
+TEST_F(LinuxCncTest, AFeedHoldThatIsFoundIsEnded) {
+  readyAt({0, 0, 4});
+  TearDown();
+  double_->tell("override 0");
+  ending_ = false;
+  connect();
+  readyAt({10, 0, 4});
+  EXPECT_EQ(control_->view().state.feedOverride, 1.0);
+}
+
+// LinuxCNC switches its machine off, and takes nothing but switching it on until the switch is open.
+TEST_F(LinuxCncTest, ALimitSwitchIsNamedAndTheWayOutLeadsOut) {
+  readyAt({0, 0, 4});
+  auto moving = start({-90, 0, 4}, 0.02);
+  double_->tell("limit 0 -1");
+  MotionControl::Report report = moving.get();
+  EXPECT_EQ(report.outcome, Outcome::kLimit) << report.message;
+  expectWords(report.message, "joint 0 on limit switch error");
+  ASSERT_TRUE(await([&] { return control_->view().state.alarm.present(); }));
+  expectWords(control_->view().fault, "x is at its lower limit switch");
+  EXPECT_EQ(refusal([&] { control_->stop("/panel"); }), "") << "nothing moves that it refuses to end";
+  const std::string closed = refusal([&] { control_->clearAlarm(); });
+  expectWords(closed, "x is at its lower limit switch");
+  EXPECT_EQ(closed.find("call ~clear_alarm to switch it on"), std::string::npos) << closed;
+  double_->tell("limit 0 0");
+  EXPECT_TRUE(await([&] { return refusal([&] { control_->clearAlarm(); }).empty(); }));
+  EXPECT_TRUE(control_->view().state.homed);
+  report = go({0, 0, 4});
+  EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
+}
+
+TEST_F(LinuxCncTest, AFaultThatSwitchesItOffIsSaidInItsWords) {
+  readyAt({0, 0, 4});
+  auto moving = start({-90, 0, 4}, 0.02);
+  double_->tell("fault_joint 1");
+  const MotionControl::Report report = moving.get();
+  EXPECT_EQ(report.outcome, Outcome::kAlarm);
+  expectWords(report.message, "joint 1 following error");
+  ASSERT_TRUE(await([&] { return control_->view().state.alarm.present(); }));
+  expectWords(control_->view().fault, "joint 1 following error");
+  EXPECT_EQ(refusal([&] { control_->clearAlarm(); }), "");
+}
+
+TEST_F(LinuxCncTest, AxesThatSomebodyElseMovesAreSeenAndNoMotionIsQueuedBehind) {
+  readyAt({0, 0, 4});
+  double_->tell("mdi G21 G90 G53 G1 X60 F900");
+  ASSERT_TRUE(await([&] { return control_->view().state.moving; }));
+  EXPECT_TRUE(await([&] { return std::abs(control_->view().state.velocity[0] - 15e-3) < 3e-3; }));
+  expectWords(refusal([&] { go({0, 20, 4}); }), "the axes still move");
+  EXPECT_LE(double_->tell("state")["queue"].get<int>(), 0);
+  control_->stop("/panel");
+  EXPECT_FALSE(double_->tell("machine")["moving"]);
+  EXPECT_LT(shown(0), 59.0);
+  EXPECT_TRUE(await([&] { return !control_->view().state.moving; }));
+  EXPECT_EQ(control_->view().state.velocity[0], 0.0);
+  EXPECT_EQ(go({0, 0, 4}).outcome, Outcome::kReached);
 }
 
 // The flags of axes that were homed before stand until homing has begun.

@@ -18,10 +18,10 @@ TEST(LinuxCncProtocol, ReadsWhatLinuxcncrshSays) {
 
 // An answer that comes twice does not stand for one that is missing.
 TEST(LinuxCncProtocol, ARoundIsCompleteWhenEachAnswerCameOnce) {
-  const std::vector<std::string> answers = {"ESTOP OFF",          "MACHINE ON",      "JOINT_HOMED YES YES",
-                                            "JOINT_LIMIT OK OK",  "ABS_ACT_POS 1 2", "REL_ACT_POS 1 2",
-                                            "PROBE_VALUE 0",      "MODE MDI",        "FEED_OVERRIDE 100",
-                                            "PROGRAM_STATUS IDLE"};
+  const std::vector<std::string> answers = {
+      "ESTOP OFF",         "MACHINE ON",           "JOINT_HOMED YES YES",    "JOINT_LIMIT OK OK",
+      "ABS_ACT_POS 1 2",   "ABS_CMD_POS 1 2",      "PROBE_VALUE 0",          "MODE MDI",
+      "FEED_OVERRIDE 100", "USER_LINEAR_UNITS MM", "USER_ANGULAR_UNITS DEG", "PROGRAM_STATUS IDLE"};
   const auto roundOf = [&](const std::vector<std::string>& lines) {
     LinuxCncRound round;
     round.asked = 1.0;
