@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "drivers/serial_address.h"
 
 namespace mm {
 namespace {
@@ -36,34 +37,24 @@ double steadySeconds() {
 
 DeviceLink::DeviceLink(std::string address, LineHandler handler)
     : address_(std::move(address)), handler_(std::move(handler)) {
-  const auto number = [&](const std::string& text, int highest) {
-    std::size_t used = 0;
-    int value = 0;
-    try {
-      value = std::stoi(text, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used == 0 || used != text.size() || value <= 0 || value > highest)
-      throw InputError("address '" + address_ + "': '" + text + "' is not a number from 1 to " +
-                       std::to_string(highest));
-    return value;
-  };
-  if (address_.rfind("tcp:", 0) == 0) {
-    const std::size_t colon = address_.rfind(':');
-    if (colon <= 4) throw InputError("address '" + address_ + "' has no port; write tcp:<host>:<port>");
-    host_ = address_.substr(4, colon - 4);
-    port_ = number(address_.substr(colon + 1), 65535);
-  } else if (address_.rfind("serial:", 0) == 0) {
-    device_ = address_.substr(7);
-    if (const std::size_t colon = device_.find(':'); colon != std::string::npos) {
-      baud_ = number(device_.substr(colon + 1), 10000000);
-      device_.resize(colon);
-    }
-    if (device_.empty()) throw InputError("address '" + address_ + "' names no device");
-  } else {
-    throw InputError("address '" + address_ + "' is neither tcp:<host>:<port> nor serial:<device>[:<baud>]");
+  const std::string form = "tcp:<host>:<port> or serial:<device>[:<baud>]";
+  if (isSerialAddress(address_)) {
+    const SerialAddress line = parseSerialAddress(address_, false, form);
+    device_ = line.device;
+    if (line.baud > 0) baud_ = line.baud;
+    return;
   }
+  if (address_.rfind("tcp:", 0) != 0)
+    throw InputError("address '" + address_ + "' is neither tcp:<host>:<port> nor serial:<device>[:<baud>]");
+  const std::size_t colon = address_.rfind(':');
+  if (colon <= 4) throw InputError("address '" + address_ + "' has no port; write tcp:<host>:<port>");
+  host_ = address_.substr(4, colon - 4);
+  const std::string port = address_.substr(colon + 1);
+  const bool digits =
+      !port.empty() && port.size() < 6 && port.find_first_not_of("0123456789") == std::string::npos;
+  port_ = digits ? std::stoi(port) : 0;
+  if (port_ < 1 || port_ > 65535)
+    throw InputError("address '" + address_ + "': '" + port + "' is not a number from 1 to 65535 (port)");
 }
 
 DeviceLink::~DeviceLink() { close(); }

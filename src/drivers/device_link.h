@@ -22,7 +22,8 @@ class DeviceLink {
   /// Told of each line without its end, and when its last byte came (s, steady clock); in the link's thread.
   using LineHandler = std::function<void(const std::string& line, double time)>;
 
-  /// @param address `tcp:<host>:<port>`, or `serial:<device>` with `:<baud>` behind it (115200).
+  /// @param address `tcp:<host>:<port>`, or `serial:<device>` with `:<baud>` behind it (115200), or the
+  /// device's path alone.
   /// @throw InputError naming what is wrong with it.
   DeviceLink(std::string address, LineHandler handler);
   ~DeviceLink();

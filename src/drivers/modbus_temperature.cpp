@@ -11,21 +11,9 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "drivers/serial_address.h"
 
 namespace mm {
-namespace {
-
-int wholeNumber(const std::string& address, const std::string& text, int lower, int upper) {
-  const bool digits =
-      !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
-  const int value = digits ? std::stoi(text) : lower - 1;
-  if (value < lower || value > upper)
-    throw InputError("address '" + address + "': '" + text + "' is not a number from " +
-                     std::to_string(lower) + " to " + std::to_string(upper));
-  return value;
-}
-
-}  // namespace
 
 double registerValue(const std::array<std::uint16_t, 2>& registers, const RegisterLayout& layout) {
   using Type = RegisterLayout::Type;
@@ -40,30 +28,15 @@ double registerValue(const std::array<std::uint16_t, 2>& registers, const Regist
 }
 
 ModbusLine parseModbusLine(const std::string& address) {
-  const std::string form = "; write serial:<device>:<baud>:<bits>, as serial:/dev/ttyUSB0:9600:8N1";
-  if (address.rfind("serial:", 0) != 0)
-    throw InputError("address '" + address + "' is no serial line" + form);
-  std::vector<std::string> parts(1);
-  for (const char c : address.substr(7)) {
-    if (c == ':')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
+  const SerialAddress written =
+      parseSerialAddress(address, true, "serial:<device>:<baud>:<bits>, as serial:/dev/ttyUSB0:9600:8N1");
   ModbusLine line;
-  line.device = parts[0];
-  if (line.device.empty() || line.device[0] != '/' || parts.size() > 3)
-    throw InputError("address '" + address + "' names no device" + form);
-  if (parts.size() > 1) line.baud = wholeNumber(address, parts[1], 300, 4000000);
-  if (parts.size() > 2) {
-    const std::string& bits = parts[2];
-    if (bits.size() != 3 || (bits[0] != '7' && bits[0] != '8') || std::strchr("NEO", bits[1]) == nullptr ||
-        (bits[2] != '1' && bits[2] != '2'))
-      throw InputError("address '" + address + "': '" + bits + "' is not 8N1, 8E1, 8O1, 8N2 or the like" +
-                       form);
-    line.dataBits = bits[0] - '0';
-    line.parity = bits[1];
-    line.stopBits = bits[2] - '0';
+  line.device = written.device;
+  if (written.baud > 0) line.baud = written.baud;
+  if (!written.bits.empty()) {
+    line.dataBits = written.bits[0] - '0';
+    line.parity = written.bits[1];
+    line.stopBits = written.bits[2] - '0';
   }
   return line;
 }

@@ -3,18 +3,13 @@
 #include <sensor_msgs/Temperature.h>
 
 #include <chrono>
-#include <cmath>
 #include <sstream>
 
-#include "base/format.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 
 namespace mm {
 namespace {
-
-constexpr double kStep =
-    1.0;  // K by which any reading may differ from the one before: it is quantised and noisy
 
 std::string textOf(const XmlRpc::XmlRpcValue& value) {
   std::ostringstream text;
@@ -69,10 +64,10 @@ TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
     : node_(node), updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(
       own, {"frozen_after", "timeout", "variance", "fastest", "sensors", "poll_rate", "sysfs"});
-  frozenAfter_ = numberParameter(own, "frozen_after", 1800.0, 0.0, 1e9);
+  trust_.frozenAfter = numberParameter(own, "frozen_after", trust_.frozenAfter, 0.0, 1e9);
   timeout_ = numberParameter(own, "timeout", 10.0, 0.01, 1e6);
   variance_ = numberParameter(own, "variance", 0.0, 0.0, 1e6);
-  fastest_ = numberParameter(own, "fastest", 1.0, 0.0, 1e6);
+  trust_.fastest = numberParameter(own, "fastest", trust_.fastest, 0.0, 1e6);
   const double period = 1.0 / numberParameter(own, "poll_rate", 2.0, 0.001, 100.0);
   for (auto& device : makeTemperatureDevices(sensorsParameter(own), textParameter(own, "sysfs", "/sys"))) {
     for (const std::string& name : device->names()) {
@@ -85,6 +80,10 @@ TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
     pollers_.back()->device = std::move(device);
   }
   in_ = node.subscribe("axis_driver/temperatures", 100, &TemperatureNode::take, this);
+  accept_ = own.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
+      "accept", [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+        return accept(response);
+      });
   updater_.setHardwareID("temperature sensors");
   updater_.add("sensors", this, &TemperatureNode::diagnose);
   timer_ =
@@ -135,17 +134,14 @@ void TemperatureNode::takePolled() {
     }
     for (const Polled& polled : waiting) {
       if (polled.stamp.isZero()) continue;  // before the first word of /clock
-      const bool back = polled.stamp < sensors_[poller->device->names().front()].seen;
       for (std::size_t i = 0; i < polled.readings.size(); ++i)
-        takeOne(poller->device->names()[i], polled.readings[i], polled.stamp, back);
+        takeOne(poller->device->names()[i], polled.readings[i], polled.stamp);
     }
   }
 }
 
 void TemperatureNode::take(const measuring_machine::SensorReadings& readings) {
   const ros::Time now = readings.header.stamp;
-  const bool back = now < last_;  // the clock went back: nothing is known about how long a value has stood
-  last_ = now;
   for (std::size_t i = 0; i < std::min(readings.name.size(), readings.temperature.size()); ++i) {
     if (own_.count(readings.name[i]) > 0) {
       ROS_ERROR_ONCE("sensor '%s' is at the controller and in the parameter 'sensors'; the latter counts",
@@ -158,50 +154,26 @@ void TemperatureNode::take(const measuring_machine::SensorReadings& readings) {
           readings.name[i].c_str(), topics_[topicOf(readings.name[i])].c_str());
       continue;
     }
-    takeOne(readings.name[i], {readings.temperature[i], {}}, now, back);
+    takeOne(readings.name[i], {readings.temperature[i], {}}, now);
   }
-}
-
-/// Why a reading is not passed on; empty: it is.
-std::string TemperatureNode::doubtOf(const std::string& name, const Sensor& sensor,
-                                     const TemperatureReading& reading, const ros::Time& now) const {
-  const std::string who = "sensor '" + name + "' ";
-  const double value = reading.value;
-  if (!std::isfinite(value))
-    return who + "does not answer" + (reading.wrong.empty() ? "" : ": " + reading.wrong);
-  if (value < kColdest || value > kHottest)
-    return who + format("reads %.1f degC, which no sensor of a machine can (%.0f to %.0f)", value, kColdest,
-                        kHottest);
-  if (frozenAfter_ > 0.0 && now - sensor.changed >= ros::Duration(frozenAfter_))
-    return who + "is frozen: its value has not changed for " +
-           std::to_string(static_cast<int>((now - sensor.changed).toSec())) + " s";
-  const double jump = std::abs(value - sensor.passed);
-  if (fastest_ > 0.0 && !sensor.published.isZero() && now > sensor.published &&
-      jump > kStep + fastest_ * (now - sensor.published).toSec())
-    return who + format("jumped by %.1f K in %.1f s (~fastest is %g K/s)", value - sensor.passed,
-                        (now - sensor.published).toSec(), fastest_);
-  return {};
 }
 
 void TemperatureNode::takeOne(const std::string& name, const TemperatureReading& reading,
-                              const ros::Time& now, bool back) {
-  Sensor& sensor = sensors_[name];
-  if (!sensor.out)
-    sensor.out = node_.advertise<sensor_msgs::Temperature>("temperature/" + topicOf(name), 100);
-  const bool number = std::isfinite(reading.value);  // a failed reading is no change
-  if (sensor.seen.isZero() || back || (number && reading.value != sensor.value)) sensor.changed = now;
-  if (back) sensor.published = ros::Time();
-  sensor.seen = now;
-  if (number) sensor.value = reading.value;
-  const bool before = sensor.wrong.empty();
-  sensor.wrong = doubtOf(name, sensor, reading, now);
-  if (before && !sensor.wrong.empty()) {
-    ROS_WARN("%s; it is not published", sensor.wrong.c_str());
-    updater_.force_update();
+                              const ros::Time& now) {
+  auto found = sensors_.find(name);
+  if (found == sensors_.end()) {
+    const ros::Publisher out = node_.advertise<sensor_msgs::Temperature>("temperature/" + topicOf(name), 100);
+    found = sensors_.emplace(name, Sensor{out, TemperatureTrust(name, trust_), now}).first;
   }
-  if (!sensor.wrong.empty()) return;
-  sensor.published = now;
-  sensor.passed = reading.value;
+  Sensor& sensor = found->second;
+  const TemperatureTrust::Doubt before = sensor.trust.doubt();
+  const bool believed = sensor.trust.take(reading, now.toSec());
+  sensor.seen = now;
+  if (!believed && sensor.trust.doubt() != before)
+    ROS_WARN("%s; it is not published", sensor.trust.why().c_str());
+  if (!sensor.trust.remark().empty()) ROS_WARN("%s", sensor.trust.remark().c_str());
+  if (sensor.trust.doubt() != before || !sensor.trust.remark().empty()) updater_.force_update();
+  if (!believed) return;
   sensor_msgs::Temperature message;
   message.header.stamp = now;
   message.header.frame_id = name;
@@ -210,15 +182,29 @@ void TemperatureNode::takeOne(const std::string& name, const TemperatureReading&
   sensor.out.publish(message);
 }
 
+bool TemperatureNode::accept(std_srvs::Trigger::Response& response) {
+  for (auto& entry : sensors_) {
+    const std::string changes = entry.second.trust.accept();
+    if (changes.empty()) continue;
+    ROS_WARN("%s, because somebody called ~accept", changes.c_str());
+    response.message += (response.message.empty() ? "" : "; ") + changes;
+  }
+  response.success = !response.message.empty();
+  if (!response.success) response.message = "no sensor has jumped: there is nothing to accept";
+  return true;
+}
+
 void TemperatureNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   status.summary(DiagnosticStatus::OK, std::to_string(sensors_.size()) + " sensors");
   if (sensors_.empty()) status.summary(DiagnosticStatus::WARN, "no sensor has been heard yet");
   const ros::Time now = ros::Time::now();
   for (const auto& [name, sensor] : sensors_) {
-    status.add(name, sensor.value);
-    if (!sensor.wrong.empty())
-      status.mergeSummary(DiagnosticStatus::ERROR, sensor.wrong);
+    status.add(name, sensor.trust.value());
+    if (!sensor.trust.toLookAt().empty())
+      status.mergeSummary(DiagnosticStatus::WARN, sensor.trust.toLookAt());
+    if (!sensor.trust.why().empty())
+      status.mergeSummary(DiagnosticStatus::ERROR, sensor.trust.why());
     else if (now > sensor.seen && (now - sensor.seen).toSec() > timeout_)
       status.mergeSummary(DiagnosticStatus::ERROR,
                           "sensor '" + name + "' has been silent for " +

@@ -2,6 +2,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <measuring_machine/SensorReadings.h>
 #include <ros/ros.h>
+#include <std_srvs/Trigger.h>
 
 #include <atomic>
 #include <map>
@@ -12,16 +13,17 @@
 #include <vector>
 
 #include "drivers/temperature_device.h"
+#include "drivers/temperature_trust.h"
 
 namespace mm {
 
 /// Makes `/temperature/<sensor>` of the sensors at the motion controller, and of those of its own: behind
 /// drivers of the kernel (hwmon, IIO) or on lines of Modbus RTU, each line in a thread of its own. A reading
-/// that is no number, beyond any thermometer, faster than a body of metal can be, or that has not changed by
-/// a bit for a long time, is not passed on; diagnostics say which sensor and why. Parameters: `frozen_after`
-/// (s without any change; 0: never), `timeout` (s without a message), `variance` (K^2 of a reading; 0: not
-/// stated), `fastest` (K/s; 0: any), `sensors` (see docs/sensors.md), `poll_rate` (Hz), `sysfs` (where the
-/// kernel shows its devices).
+/// that cannot be believed (`TemperatureTrust`) is not passed on; log and diagnostics say which sensor and
+/// why. Service `~accept`: somebody says that the sensors which jumped are right as they are. Parameters:
+/// `frozen_after` (s without any change; 0: never), `timeout` (s without a message), `variance` (K^2 of a
+/// reading; 0: not stated), `fastest` (K/s; 0: any), `sensors` (see docs/sensors.md), `poll_rate` (Hz),
+/// `sysfs` (where the kernel shows its devices).
 class TemperatureNode {
  public:
   /// @throw InputError naming the parameter or the sensor.
@@ -31,10 +33,8 @@ class TemperatureNode {
  private:
   struct Sensor {
     ros::Publisher out;
-    double value = 0.0;   // degC, the last finite one
-    double passed = 0.0;  // degC, the last that was published
-    ros::Time changed, seen, published;
-    std::string wrong;  // why it is not passed on
+    TemperatureTrust trust;
+    ros::Time seen;
   };
   struct Polled {  // what one device said at one time
     ros::Time stamp;
@@ -49,22 +49,22 @@ class TemperatureNode {
   };
   void take(const measuring_machine::SensorReadings& readings);
   void takePolled();
-  void takeOne(const std::string& name, const TemperatureReading& reading, const ros::Time& now, bool back);
-  std::string doubtOf(const std::string& name, const Sensor& sensor, const TemperatureReading& reading,
-                      const ros::Time& now) const;
+  void takeOne(const std::string& name, const TemperatureReading& reading, const ros::Time& now);
+  bool accept(std_srvs::Trigger::Response& response);
   void poll(Poller& poller, double period) const;
   bool topicIsOf(const std::string& name);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle node_;
-  double frozenAfter_, timeout_, variance_, fastest_;
+  double timeout_, variance_;
+  TemperatureTrust::Settings trust_;
   std::map<std::string, Sensor> sensors_;
   std::map<std::string, std::string> topics_;  // the sensor of each
   std::map<std::string, bool> own_;            // names that the node reads itself
-  ros::Time last_;
   std::atomic<bool> ends_{false};
   std::vector<std::unique_ptr<Poller>> pollers_;
   ros::Subscriber in_;
+  ros::ServiceServer accept_;
   ros::WallTimer timer_, pollTimer_;
   diagnostic_updater::Updater updater_;
 };

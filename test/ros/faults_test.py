@@ -192,7 +192,7 @@ class Faults(unittest.TestCase):
 
         def frozen():
             nonlocal sent
-            message = SensorReadings(name=["frame", "air", "motor left"], temperature=[21.25, math.nan, 20.0 + 0.01 * sent])
+            message = SensorReadings(name=["frame", "air", "motor left"], temperature=[21.253, math.nan, 20.0 + 0.01 * sent])
             message.header.stamp = rospy.Time.now()
             out.publish(message)
             sent += 1
@@ -202,7 +202,7 @@ class Faults(unittest.TestCase):
         self.assertTrue(support.wait_until(frozen), said)
         self.assertTrue(any("sensor 'air' does not answer" in s for s in said), said)
         self.assertGreater(len(passed), 0)
-        # it passed while it was not yet frozen, which takes a second
+        # it passed while it was not yet frozen, which takes a second for what is read to 0.001 K
         held = passed[-1].header.stamp - passed[0].header.stamp
         self.assertLess(held, rospy.Duration(1.0))
         self.assertGreater(sent, len(passed))
