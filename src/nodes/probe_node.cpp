@@ -1,5 +1,6 @@
 #include "nodes/probe_node.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -11,7 +12,8 @@
 namespace mm {
 namespace {
 
-constexpr double kNear = 2e-3;  // m between a contact and the surface of the ball that it belongs to
+constexpr double kLongestWait = 0.5;  // s that a contact waits for what other drivers say
+constexpr double kNear = 2e-3;        // m between a contact and the surface of the ball that it belongs to
 
 ProbeDebounce::Settings debounceFrom(const ros::NodeHandle& own) {
   ProbeDebounce::Settings settings;
@@ -39,11 +41,15 @@ ProbeNode::ProbeNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& m
     throw InputError("parameter ~drivers is empty; name the driver that has the probe");
   latchIn_ = node.subscribe(first + "/latch", 1000, &ProbeNode::takeLatch, this);
   statusIn_ = node.subscribe(first + "/status", 100, &ProbeNode::takeStatus, this);
-  for (std::string other; drivers >> other;)
-    othersIn_.push_back(node.subscribe<measuring_machine::ProbeLatch>(
-        other + "/latch", 1000, [this](const measuring_machine::ProbeLatchConstPtr& latch) {
-          if (latch->closed && !latch->position.empty()) others_.push_back(*latch);
-        }));
+  for (std::string other; drivers >> other;) listenTo(node, other);
+  if (!othersIn_.empty())
+    othersIn_.push_back(node.subscribe<sensor_msgs::JointState>(
+        "joint_states", 1000,
+        [this](const sensor_msgs::JointStateConstPtr& message) {
+          resting_.take(*message);
+          publishKnown();
+        },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
   artifactIn_ = node.subscribe<measuring_machine::Artifact>(
       "artifact", 1, [this](const measuring_machine::ArtifactConstPtr& message) {
         try {
@@ -57,8 +63,18 @@ ProbeNode::ProbeNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& m
   timer_ = node.createTimer(ros::Duration(0.005), &ProbeNode::poll, this);
 }
 
+void ProbeNode::listenTo(ros::NodeHandle& node, const std::string& other) {
+  othersIn_.push_back(node.subscribe<measuring_machine::ProbeLatch>(
+      other + "/latch", 1000, [this](const measuring_machine::ProbeLatchConstPtr& latch) {
+        if (latch->closed && !latch->position.empty()) others_.push_back(*latch);
+      }));
+  othersIn_.push_back(node.subscribe<measuring_machine::AxisStatus>(
+      other + "/status", 100,
+      [this](const measuring_machine::AxisStatusConstPtr& status) { resting_.take(*status); }));
+}
+
 void ProbeNode::takeLatch(const measuring_machine::ProbeLatch& latch) {
-  if (std::isfinite(latch.laser_reading)) return publish(latch);
+  if (std::isfinite(latch.laser_reading)) return confirmed(latch);
   if (latch.closed) closings_.push_back(latch);
   debounce_.edge(fromMessage(latch));
 }
@@ -70,15 +86,18 @@ void ProbeNode::poll(const ros::TimerEvent&) {
   if (now < last_) {  // a replay began again
     debounce_.reset();
     closings_.clear();
+    waiting_.clear();
+    resting_.forget();
   }
   last_ = now;
   const std::optional<ProbeEdge> contact = debounce_.poll(now.toSec(), status_.probe_closed, status_.probing);
   if (contact)
     for (const measuring_machine::ProbeLatch& latch : closings_)
       if (latch.header.stamp.toSec() == contact->time) {
-        publish(latch);
+        confirmed(latch);
         break;
       }
+  publishKnown();
   while (!closings_.empty() && (contact || now - closings_.front().header.stamp > ros::Duration(1.0)))
     closings_.pop_front();
   while (!others_.empty() && now - others_.front().header.stamp > ros::Duration(2.0)) others_.pop_front();
@@ -89,11 +108,44 @@ void ProbeNode::poll(const ros::TimerEvent&) {
   updater_.update();
 }
 
+void ProbeNode::confirmed(const measuring_machine::ProbeLatch& latch) {
+  if (othersIn_.empty()) return publish(latch);
+  waiting_.push_back(latch);
+  publishKnown();
+}
+
+/// Whether every joint of another driver was latched, or is known until after the trip.
+bool ProbeNode::isKnown(const measuring_machine::ProbeLatch& latch) const {
+  const ros::Time from = restFrom(latch), to = restTo(latch);
+  for (const Joint& joint : machine_.joints()) {
+    const auto has = [&](const measuring_machine::ProbeLatch& one) {
+      return std::count(one.name.begin(), one.name.end(), joint.name) > 0;
+    };
+    const bool latched =
+        has(latch) ||
+        std::any_of(others_.begin(), others_.end(), [&](const measuring_machine::ProbeLatch& one) {
+          return one.header.stamp >= from && one.header.stamp <= to && has(one);
+        });
+    if (!latched && !resting_.heard(joint.name, to)) return false;
+  }
+  return true;
+}
+
+void ProbeNode::publishKnown() {
+  while (!waiting_.empty() &&
+         (isKnown(waiting_.front()) || last_ - waiting_.front().header.stamp > ros::Duration(kLongestWait))) {
+    const measuring_machine::ProbeLatch latch = waiting_.front();
+    waiting_.pop_front();
+    publish(latch);
+  }
+}
+
 void ProbeNode::publish(const measuring_machine::ProbeLatch& latch) {
   try {
-    const std::vector<measuring_machine::ProbeLatch> others(others_.begin(), others_.end());
-    measuring_machine::ProbeContact contact =
-        toContactMessage(joinLatches(latch, others, machine_, tolerance_), machine_);
+    measuring_machine::ProbeLatch whole = latch;
+    if (!othersIn_.empty())
+      whole = joinLatches(latch, {others_.begin(), others_.end()}, resting_, machine_, tolerance_);
+    measuring_machine::ProbeContact contact = toContactMessage(whole, machine_);
     if (contact.feature.empty()) contact.feature = featureAt(contact);
     contactsOut_.publish(contact);
     ++contacts_;

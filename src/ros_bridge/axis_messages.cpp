@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -12,6 +13,32 @@ namespace {
 
 const char* const kNotHomed = "not homed";
 const char* const kHomedAt = "homed at ";
+
+/// A joint as another controller latched it.
+struct OtherLatch {
+  double position, velocity;  // m or rad, and a second; velocity NaN: not known
+  double apart;               // s between the latches, uncertainties included
+  /// By how much the joint may have moved between the latches; NaN: not known.
+  double moved() const { return velocity == 0.0 ? 0.0 : std::abs(velocity) * apart; }
+};
+
+/// The latch nearest to the trip; nothing: there is none.
+std::optional<OtherLatch> otherLatchOf(const std::string& joint, const measuring_machine::ProbeLatch& first,
+                                       const std::vector<measuring_machine::ProbeLatch>& others) {
+  std::optional<OtherLatch> nearest;
+  double nearestAway = 0.0;
+  for (const measuring_machine::ProbeLatch& other : others) {
+    const auto found = std::find(other.name.begin(), other.name.end(), joint);
+    const std::size_t i = static_cast<std::size_t>(found - other.name.begin());
+    if (found == other.name.end() || i >= other.position.size()) continue;
+    const double away = std::abs((other.header.stamp - first.header.stamp).toSec());
+    if (nearest && away >= nearestAway) continue;
+    nearestAway = away;
+    nearest = OtherLatch{other.position[i], i < other.velocity.size() ? other.velocity[i] : std::nan(""),
+                         away + other.time_uncertainty + first.time_uncertainty};
+  }
+  return nearest;
+}
 
 }  // namespace
 
@@ -71,40 +98,45 @@ ProbeEdge fromMessage(const measuring_machine::ProbeLatch& message) {
   return edge;
 }
 
+ros::Time restFrom(const measuring_machine::ProbeLatch& latch) {
+  return latch.header.stamp - ros::Duration(latch.time_uncertainty + kRestAround);
+}
+
+ros::Time restTo(const measuring_machine::ProbeLatch& latch) {
+  return latch.header.stamp + ros::Duration(latch.time_uncertainty + kRestAround);
+}
+
 measuring_machine::ProbeLatch joinLatches(const measuring_machine::ProbeLatch& first,
                                           const std::vector<measuring_machine::ProbeLatch>& others,
-                                          const Machine& machine, const LatchTolerance& tolerance) {
+                                          const RestingJoints& resting, const Machine& machine,
+                                          const LatchTolerance& tolerance) {
   measuring_machine::ProbeLatch joined = first;
+  if (joined.position.size() < joined.name.size()) return joined;  // said by whoever needs it
   joined.velocity.resize(joined.name.size(), std::nan(""));
   for (const Joint& joint : machine.joints()) {
     if (std::count(joined.name.begin(), joined.name.end(), joint.name) > 0) continue;
-    const measuring_machine::ProbeLatch* nearest = nullptr;
-    std::size_t place = 0;
-    for (const measuring_machine::ProbeLatch& other : others) {
-      const auto found = std::find(other.name.begin(), other.name.end(), joint.name);
-      const std::size_t i = static_cast<std::size_t>(found - other.name.begin());
-      if (found == other.name.end() || i >= other.position.size()) continue;
-      const auto away = [&](const measuring_machine::ProbeLatch& latch) {
-        return std::abs((latch.header.stamp - first.header.stamp).toSec());
-      };
-      if (nearest != nullptr && away(other) >= away(*nearest)) continue;
-      nearest = &other;
-      place = i;
-    }
-    if (nearest == nullptr) continue;  // said by whoever needs it
-    const double apart = std::abs((nearest->header.stamp - first.header.stamp).toSec()) +
-                         nearest->time_uncertainty + first.time_uncertainty;
-    const double velocity = place < nearest->velocity.size() ? nearest->velocity[place] : std::nan("");
     const bool turns = joint.kind == JointKind::kRotary;
-    const double moved = velocity == 0.0 ? 0.0 : std::abs(velocity) * apart;
-    if (!(moved <= (turns ? tolerance.rotary : tolerance.linear)))
-      throw InputError("joint '" + joint.name + "' was latched by another controller within " +
-                       std::to_string(1e3 * apart) + " ms, uncertainties included, while it moved at " +
-                       std::to_string(velocity) + (turns ? " rad/s" : " m/s") +
-                       "; the latches are not synchronised, no contact was published");
+    const double bound = turns ? tolerance.rotary : tolerance.linear;
     joined.name.push_back(joint.name);
-    joined.position.push_back(nearest->position[place]);
-    joined.velocity.push_back(velocity);
+    const std::optional<OtherLatch> other = otherLatchOf(joint.name, first, others);
+    if (other && other->moved() <= bound) {
+      joined.position.push_back(other->position);
+      joined.velocity.push_back(other->velocity);
+      continue;
+    }
+    const RestingJoints::Rest rest = resting.over(joint.name, restFrom(first), restTo(first), bound);
+    if (!rest.why.empty() && other)
+      throw InputError("joint '" + joint.name + "' was latched by another controller within " +
+                       std::to_string(1e3 * other->apart) +
+                       " ms, uncertainties included, while it moved at " + std::to_string(other->velocity) +
+                       (turns ? " rad/s" : " m/s") +
+                       "; the latches are not synchronised, no contact was published");
+    if (!rest.why.empty())
+      throw InputError("joint '" + joint.name + "' was not latched, and it cannot be said that it rested: " +
+                       rest.why + "; wire the probe's switch to its controller too, or let it rest");
+    joined.position.push_back(rest.position);
+    joined.velocity.push_back(0.0);
+    joined.time_uncertainty = std::max(joined.time_uncertainty, rest.apart);
   }
   return joined;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drivers/axis_controller.h"
+#include "ros_bridge/resting_joints.h"
 
 namespace mm {
 
@@ -37,12 +38,22 @@ struct LatchTolerance {
   double linear = 0.1e-6;  // m
   double rotary = 1e-6;    // rad
 };
-/// The latch of one controller with the joints that others latched at the same trip: of each other the one
-/// nearest in time. @throw InputError naming the joint that moved by more than the tolerance between the
-/// latches, their uncertainties included: the latches are not synchronised.
+/// s before and behind a trip, beside its uncertainty, over which a joint must have rested to be known
+/// without a latch of its own.
+inline constexpr double kRestAround = 0.05;
+/// When a joint that nobody latched must have rested: around the trip, uncertainty and margin included.
+ros::Time restFrom(const measuring_machine::ProbeLatch& latch);
+ros::Time restTo(const measuring_machine::ProbeLatch& latch);
+
+/// The latch of one controller with the joints of the others: each as another latched it at the same trip, of
+/// several latches the one nearest in time, or, where none did, as its joint states say if it rested; the
+/// time uncertainty is then that of those states. @throw InputError naming the joint that moved by more than
+/// the tolerance between the latches, their uncertainties included: the latches are not synchronised; or that
+/// was not latched, and why it cannot be said that it rested.
 measuring_machine::ProbeLatch joinLatches(const measuring_machine::ProbeLatch& first,
                                           const std::vector<measuring_machine::ProbeLatch>& others,
-                                          const Machine& machine, const LatchTolerance& tolerance);
+                                          const RestingJoints& resting, const Machine& machine,
+                                          const LatchTolerance& tolerance);
 
 /// The contact that a latched edge is. @param machine gives the direction of the approach: that of the tip's
 /// motion by the latched velocities, or along the beam for a laser; zero at standstill.

@@ -1,0 +1,82 @@
+#include "ros_bridge/resting_joints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/format.h"
+
+namespace mm {
+namespace {
+
+const ros::Duration kKept(3.0);
+
+/// Keeps the newest of those that are too old: it is what holds at the beginning.
+template <typename Entry>
+void append(std::deque<Entry>& entries, Entry entry) {
+  if (!entries.empty() && entry.stamp < entries.back().stamp) entries.clear();  // another driver, or a replay
+  entries.push_back(std::move(entry));
+  while (entries.size() > 1 && entries.back().stamp - entries[1].stamp > kKept) entries.pop_front();
+}
+
+std::string motionOf(const measuring_machine::AxisStatus& status) {
+  if (status.moving) return "its driver says that it moves";
+  if (!status.homed) return "its driver says that it is not homed";
+  if (status.emergency_stop) return "its driver is in emergency stop";
+  if (!status.fault.empty()) return "its driver says: " + status.fault;
+  return {};
+}
+
+}  // namespace
+
+void RestingJoints::take(const sensor_msgs::JointState& message) {
+  for (std::size_t i = 0; i < std::min(message.name.size(), message.position.size()); ++i)
+    append(joints_[message.name[i]].positions, Position{message.header.stamp, message.position[i]});
+}
+
+void RestingJoints::take(const measuring_machine::AxisStatus& message) {
+  for (const std::string& name : message.name)
+    append(joints_[name].said, Said{message.header.stamp, motionOf(message)});
+}
+
+bool RestingJoints::heard(const std::string& joint, const ros::Time& until) const {
+  const auto found = joints_.find(joint);
+  return found != joints_.end() && !found->second.positions.empty() &&
+         found->second.positions.back().stamp >= until;
+}
+
+RestingJoints::Rest RestingJoints::over(const std::string& joint, const ros::Time& from, const ros::Time& to,
+                                        double resolution) const {
+  Rest rest;
+  const auto found = joints_.find(joint);
+  if (found == joints_.end() || found->second.positions.empty() || found->second.said.empty()) {
+    rest.why = "no driver tells where it is";
+    return rest;
+  }
+  const std::deque<Position>& positions = found->second.positions;
+  const auto first = std::upper_bound(positions.begin(), positions.end(), from,
+                                      [](const ros::Time& t, const Position& p) { return t < p.stamp; });
+  const auto last = std::lower_bound(positions.begin(), positions.end(), to,
+                                     [](const Position& p, const ros::Time& t) { return p.stamp < t; });
+  if (first == positions.begin() || last == positions.end()) {
+    rest.why = "there is no joint state " + std::string(last == positions.end() ? "behind" : "before") +
+               " the contact";
+    return rest;
+  }
+  const std::deque<Said>& said = found->second.said;
+  if (said.front().stamp > from) rest.why = "its driver said nothing before the contact";
+  for (std::size_t i = 0; i < said.size() && rest.why.empty(); ++i)
+    if (said[i].stamp <= to && (i + 1 == said.size() || said[i + 1].stamp > from)) rest.why = said[i].why;
+  if (!rest.why.empty()) return rest;
+  const auto [least, most] = std::minmax_element(
+      first - 1, last + 1, [](const Position& a, const Position& b) { return a.value < b.value; });
+  if (!(most->value - least->value <= resolution)) {
+    rest.why = format("it moved by %.3g um or urad in the %.0f ms around it",
+                      1e6 * (most->value - least->value), 1e3 * (last->stamp - (first - 1)->stamp).toSec());
+    return rest;
+  }
+  rest.position = 0.5 * (least->value + most->value);
+  rest.apart = std::max((to - (first - 1)->stamp).toSec(), (last->stamp - from).toSec());
+  return rest;
+}
+
+}  // namespace mm

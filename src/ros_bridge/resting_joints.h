@@ -1,0 +1,49 @@
+#pragma once
+#include <measuring_machine/AxisStatus.h>
+#include <sensor_msgs/JointState.h>
+
+#include <deque>
+#include <map>
+#include <string>
+
+namespace mm {
+
+/// Which joints rest, by their joint states and by what their drivers say: a joint that does not move is
+/// where its states say, also where its controller latched nothing. Messages in the order of their stamps;
+/// forgets what is older than a few seconds.
+class RestingJoints {
+ public:
+  /// A joint over an interval of time.
+  struct Rest {
+    std::string why;        // it cannot be said that it rested; empty: it did
+    double position = 0.0;  // m or rad
+    double apart = 0.0;     // s from a moment of the interval to the farther of the states around it
+  };
+
+  void take(const sensor_msgs::JointState& message);
+  void take(const measuring_machine::AxisStatus& message);
+  /// Whether a state of the joint is known that is not before this time.
+  bool heard(const std::string& joint, const ros::Time& until) const;
+  /// Of the states from the last before the interval to the first behind it. It rested where its driver, all
+  /// the while, said that it is homed, without a fault and does not move, and these states differ by no more
+  /// than the resolution. @param resolution m or rad.
+  Rest over(const std::string& joint, const ros::Time& from, const ros::Time& to, double resolution) const;
+  void forget() { joints_.clear(); }  ///< e.g. after the clock went back
+
+ private:
+  struct Position {
+    ros::Time stamp;
+    double value;
+  };
+  struct Said {
+    ros::Time stamp;
+    std::string why;  // it is not at rest; empty: it is
+  };
+  struct Joint {
+    std::deque<Position> positions;
+    std::deque<Said> said;
+  };
+  std::map<std::string, Joint> joints_;
+};
+
+}  // namespace mm
