@@ -32,7 +32,8 @@ class MotionControl {
     double late = 0.25;             // s by which states may be late while something moves
     double restTimeout = 5.0;       // s within which the axes must rest after a stop
     double holdLimit = 600.0;       // s of feed hold until a motion is given up
-    double escape = 2e-3;           // m within which the probe must open when a motion leaves a surface
+    double escape = 2e-3;           // m from where the probe closed within which it must open again
+    double rotaryEscape = 20e-3;    // rad: 2 mm at a lever of 100 mm
     double settle = 20e-3;          // s open until the probe is trusted again after that
     double reconnect = 1.0;         // s between attempts
     bool simulatedTime = false;     // the controller makes the time: clocks are not compared
@@ -137,6 +138,9 @@ class MotionControl {
   void regain();
   void take(const AxesState& state, double host);
   void watchProbe(const AxesState& state, const std::vector<ProbeEdge>& edges);
+  std::string stuckWords(const Current& current) const;
+  void takeRest(const AxesState& state);
+  void takeSurface(const AxesState& state);
   void force(Outcome outcome, const std::string& why);
   void sendStop();
   bool atRest() const;
@@ -171,10 +175,14 @@ class MotionControl {
   std::optional<Current> current_;
   MotionId lastId_ = 0;
   std::uint32_t unsuccessful_ = 0;
-  bool touched_ = false;                    // a trip ended the last motion: the next one leaves a surface
-  std::uint64_t states_ = 0;                // taken so far
-  Wall::time_point fresh_;                  // of the last state that was newer than the one before
-  std::optional<Wall::time_point> asking_;  // since when the controller owes an answer
+  bool touched_ = false;  // a trip ended the last motion: the next one leaves a surface
+  std::optional<std::vector<double>> closedAt_;  // where the probe closed, until it has opened for good
+  std::optional<double> openSince_;              // s on the controller's clock, while `closedAt_`
+  std::vector<double> restsAt_;                  // since `restsSince_` no axis was further away than noise
+  double restsSince_ = 0.0;                      // s on the controller's clock
+  std::uint64_t states_ = 0;                     // taken so far
+  Wall::time_point fresh_;                       // of the last state that was newer than the one before
+  std::optional<Wall::time_point> asking_;       // since when the controller owes an answer
   Wall::time_point nextReconnect_;
 
   mutable std::mutex stopperMutex_;  // held to copy a name and for nothing else: no stop waits for it

@@ -61,7 +61,8 @@ void MotionControl::home(const std::vector<std::string>& names, const Mover& mov
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (state_.homed) homedHere_ = true;
-  touched_ = false;  // homing has led away from the surface
+  touched_ = false;   // homing has led away from the surface
+  closedAt_.reset();  // with the zero that was before
 }
 
 void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen) {
@@ -104,6 +105,7 @@ void MotionControl::moveOffLimit(const Mover& mover) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       requireAnswering(stopsSeen);
+      beginCurrent(!state_.probeClosed);
     }
     controller_->moveOffLimit();
   });
@@ -111,11 +113,13 @@ void MotionControl::moveOffLimit(const Mover& mover) {
   std::unique_lock<std::mutex> lock(mutex_);
   const std::uint64_t first = states_ + 1;
   if (!changed_.wait_for(lock, std::chrono::seconds(60), [&] {
-        return ending_ || stops_ != stopsSeen || !lost_.empty() || (states_ > first && !state_.moving);
+        return ending_ || stops_ != stopsSeen || !lost_.empty() || current_->forced != Outcome::kUnderWay ||
+               (states_ > first && !state_.moving);
       }))
     throw Error("the axes did not come off the limit within 60 s");
   if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy());
   if (!lost_.empty()) throw Error(faultText());
+  if (current_->forced != Outcome::kUnderWay) throw Error(current_->why);
   for (std::size_t j = 0; j < state_.limitSwitch.size(); ++j)
     if (state_.limitSwitch[j] != 0) throw Error("the limit switch of " + axes_[j] + " is still closed");
 }

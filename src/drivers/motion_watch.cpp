@@ -10,7 +10,11 @@
 namespace mm {
 namespace {
 
-constexpr double kNoSpeed = 1e-9;  // m/s or rad/s
+// An encoder at rest dithers by a digit, which its driver may call a velocity: rest is where the readings
+// stay.
+constexpr double kNoSpeed = 1e-6;                       // m/s or rad/s
+constexpr double kDither = 1e-6, kRotaryDither = 1e-5;  // m, rad
+constexpr double kStays = 0.1;                          // s
 
 }  // namespace
 
@@ -146,8 +150,33 @@ void MotionControl::take(const AxesState& state, double host) {
   if (state_.limitSwitch.empty()) state_.limitSwitch.assign(axes, 0);
   if (state_.axisHomed.empty()) state_.axisHomed.assign(axes, state.homed);
   if (!state.homed) homedHere_ = false;
+  takeRest(state);
+  takeSurface(state);
   if (!settings_.simulatedTime) clock_.add(state.time, host);
   ++states_;
+}
+
+void MotionControl::takeRest(const AxesState& state) {
+  bool moved = restsAt_.size() != state.position.size() || state.time < restsSince_;
+  for (std::size_t j = 0; !moved && j < axes_.size(); ++j)
+    moved = std::abs(state.position[j] - restsAt_[j]) >
+            (joints_[j].kind == JointKind::kRotary ? kRotaryDither : kDither);
+  if (!moved) return;
+  restsAt_ = state.position;
+  restsSince_ = state.time;
+}
+
+// A switch that chatters has opened for good when it stays open for a while.
+void MotionControl::takeSurface(const AxesState& state) {
+  if (state.probeClosed) {
+    if (!closedAt_) closedAt_ = state.position;
+    openSince_.reset();
+  } else if (closedAt_) {
+    if (!openSince_) openSince_ = state.time;
+    if (state.time - *openSince_ < settings_.settle) return;
+    closedAt_.reset();
+    openSince_.reset();
+  }
 }
 
 std::string MotionControl::tripWords(const Current& current) const {
@@ -179,23 +208,37 @@ void MotionControl::watchProbe(const AxesState& state, const std::vector<ProbeEd
     return;
   }
   current.openSince.reset();
-  if (current.homing) return;
-  double way = 0.0;
-  for (std::size_t j = 0; j < axes_.size(); ++j)
-    if (joints_[j].kind == JointKind::kLinear) way = std::hypot(way, state.position[j] - current.from[j]);
-  if (way <= settings_.escape) return;
-  char text[160];
+  const std::string stuck = stuckWords(current);
+  if (!stuck.empty()) force(Outcome::kTripped, stuck);
+}
+
+// However many motions lead on from where the probe closed: what a surface lets go of opens within a short
+// way.
+std::string MotionControl::stuckWords(const Current& current) const {
+  const std::vector<double>& from = closedAt_ ? *closedAt_ : current.from;
+  double way = 0.0, turn = 0.0;
+  for (std::size_t j = 0; j < axes_.size(); ++j) {
+    const double gone = state_.position[j] - from[j];
+    if (joints_[j].kind == JointKind::kLinear)
+      way = std::hypot(way, gone);
+    else
+      turn = std::max(turn, std::abs(gone));
+  }
+  if (way <= settings_.escape && turn <= settings_.rotaryEscape) return {};
+  char text[200];
   std::snprintf(text, sizeof text,
-                "the probe stayed closed for %.3g mm of the way; it sticks, or the way leads into something. "
+                "the probe stayed closed for %.3g %s of the way; it sticks, or the way leads into something. "
                 "All axes were stopped",
-                1e3 * way);
-  force(Outcome::kTripped, text);
+                way > settings_.escape ? way / kMillimetre : turn / kDegree,
+                way > settings_.escape ? "mm" : "deg");
+  return text;
 }
 
 bool MotionControl::atRest() const {
   if (state_.moving) return false;
-  return std::all_of(state_.velocity.begin(), state_.velocity.end(),
-                     [](double v) { return std::isnan(v) || std::abs(v) < kNoSpeed; });
+  const bool slow = std::all_of(state_.velocity.begin(), state_.velocity.end(),
+                                [](double v) { return std::isnan(v) || std::abs(v) < kNoSpeed; });
+  return slow || state_.time - restsSince_ >= kStays;
 }
 
 // At rest by a state that was made after the call: the one that comes next may be older.

@@ -180,6 +180,51 @@ TEST_F(MotionControlTest, ATripWhilePositioningStopsAllAxes) {
   EXPECT_LT(into.position[0], 0.0025);
 }
 
+// before: each of these was counted from where it began
+TEST_F(MotionControlTest, SeveralShortMotionsDoNotLeadIntoASurfaceEither) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  const MotionControl::Report trip = report.get();
+  ASSERT_EQ(trip.outcome, Outcome::kTripped);
+  MotionControl::Report further;
+  for (int i = 1; i <= 4 && further.outcome == Outcome::kReached; ++i)
+    further = go({trip.position[0] + 1.5e-3 * i, 0.0, 0.0}, 0.01);
+  EXPECT_EQ(further.outcome, Outcome::kTripped);
+  expectWords(further.message, "the probe stayed closed for 2");
+  EXPECT_LT(further.position[0] - trip.position[0], 2.5e-3);
+  // out of it, and in again: it counts from there
+  auto away = start({0.0, 0.0, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = false; });
+  EXPECT_EQ(away.get().outcome, Outcome::kReached);
+}
+
+TEST_F(MotionControlTest, HomingEndsWhereTheProbeStaysClosed) {
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  ASSERT_TRUE(await([&] { return control_->view().state.probeClosed; }));
+  expectWords(refusal([&] { home(); }), "homing did not end: the probe stayed closed for 2");
+  EXPECT_FALSE(control_->view().state.homed);
+  controller_->set([](AxesState& state) { state.probeClosed = false; });
+  ASSERT_TRUE(await([&] { return !control_->view().state.probeClosed; }));
+  home();
+}
+
+// before: "whether the axes rest is not known", after 5 s
+TEST_F(MotionControlTest, StopAnswersBesideAnEncoderThatDithers) {
+  home();
+  std::atomic<int> polls{0};
+  controller_->change = [&](AxesState& told) {  // a tenth of a micrometre, up and down
+    const double sign = ++polls % 2 ? 1.0 : -1.0;
+    for (double& p : told.position) p += sign * 5e-8;
+    told.velocity.assign(3, sign * 10e-6);
+  };
+  auto report = start({0.010, 0.0, 0.0});
+  EXPECT_EQ(refusal([&] { control_->stop("/panel"); }), "");
+  EXPECT_EQ(report.get().outcome, Outcome::kStopped);
+  EXPECT_EQ(refusal([&] { control_->stop("/panel"); }), "") << "at rest";
+  finish();
+}
+
 // A switch that chatters is open when it is asked for, and closed when the controller begins.
 TEST_F(MotionControlTest, TheMotionAfterATripLeavesASurfaceWhateverTheSwitchSaysNow) {
   home();
