@@ -12,6 +12,11 @@
 #include "session/session.h"
 
 namespace mm {
+namespace {
+
+constexpr double kPastSeen = 1e-9;  // m: less is no news
+
+}  // namespace
 
 Compensator::Compensator(const Calibration& calibration, Options options)
     : id_(calibration.id),
@@ -103,28 +108,53 @@ void Compensator::judge(const State& state, const Part& part, Correction& c) con
 }
 
 /// Between a reversal and the end of the play the slide has not followed yet: the model, which knows the two
-/// ends alone, may be off by what is left of the difference between them. Taken as its standard deviation.
-void Compensator::addPlay(const State& state, const std::vector<double>& sinceReversal, const Part& part,
-                          Workspace& work, Correction& c) const {
+/// ends alone, may be off by what is left of the difference between them, and, while a reversal is too short
+/// to be called one, by the way back. Taken as its standard deviation.
+void Compensator::addPlay(const State& state, const MovingState& moved, const Part& part, Workspace& work,
+                          Correction& c) const {
   if (!c.corrected.position.allFinite()) return;
-  for (std::size_t j = 0; j < sinceReversal.size(); ++j) {
-    if (!limits_->usesTravel(j) || state.travel[j] == 0.0 || std::isnan(sinceReversal[j])) continue;
+  for (std::size_t j = 0; j < state.travel.size(); ++j) {
+    if (!limits_->usesTravel(j) || state.travel[j] == 0.0) continue;
+    const double since = j < moved.sinceReversal.size() ? moved.sinceReversal[j] : kNotMeasured;
+    const double back = j < moved.back.size() ? moved.back[j] : 0.0;
+    if (std::isnan(since) && !(back > 0.0)) continue;
     State other = state;
     other.travel[j] = -state.travel[j];
     const Eigen::Vector3d play =
         part.model->corrected(other, part.parameters.data(), work.model).position - c.corrected.position;
-    const double left = play.norm() - sinceReversal[j];
-    if (!(left > 0.0)) continue;
-    const Eigen::Vector3d off = play * (left / play.norm());
+    const double left = std::isnan(since) ? 0.0 : play.norm() - since;
+    const double open = std::max(left, std::min(back, play.norm()));
+    if (!(open > 0.0)) continue;
+    const Eigen::Vector3d off = play * (open / play.norm());
     c.covariance += off * off.transpose();
-    c.note += (c.note.empty() ? "" : "; ") + format("play of %s is being taken up: %.3g of %.3g um are left",
-                                                    model_.machine().joints()[j].name.c_str(),
-                                                    left / kMicrometre, play.norm() / kMicrometre);
+    if (left > 0.0)
+      c.note +=
+          (c.note.empty() ? "" : "; ") + format("play of %s is being taken up: %.3g of %.3g um are left",
+                                                model_.machine().joints()[j].name.c_str(), left / kMicrometre,
+                                                play.norm() / kMicrometre);
   }
 }
 
-Correction Compensator::apply(const State& state, const std::vector<double>& sinceReversal,
-                              Workspace& work) const {
+/// What the temperatures were before they were first heard decides what lags behind them, until that has
+/// decayed. Taken as the difference that the other past makes, as a standard deviation.
+void Compensator::addPast(const State& state, const Part& part, Workspace& work, Correction& c) const {
+  const auto* young = dynamic_cast<const YoungHistory*>(state.history);
+  const TemperatureHistory* past = young == nullptr ? nullptr : young->otherPast();
+  if (past == nullptr || !c.corrected.position.allFinite()) return;
+  State other = state;
+  other.history = past;
+  const Eigen::Vector3d off =
+      part.model->corrected(other, part.parameters.data(), work.model).position - c.corrected.position;
+  if (!(off.norm() > kPastSeen)) return;
+  c.pastUnknown = true;
+  c.covariance += off * off.transpose();
+  c.note +=
+      (c.note.empty() ? "" : "; ") +
+      format("what lags behind the temperatures may be off by %.3g um: they were not heard for long enough",
+             off.norm() / kMicrometre);
+}
+
+Correction Compensator::apply(const State& state, const MovingState* moved, Workspace& work) const {
   Correction c;
   const Domain& d = model_.domain();
   if (state.position.size() != d.joints.size() || state.velocity.size() != d.joints.size() ||
@@ -156,35 +186,36 @@ Correction Compensator::apply(const State& state, const std::vector<double>& sin
         c.covariance += w.std * w.std * along * along.transpose();
       }
     }
-    addPlay(state, sinceReversal, part, work, c);
+    if (moved != nullptr) addPlay(state, *moved, part, work, c);
+    addPast(state, part, work, c);
     c.sigma = std::sqrt(std::max(0.0, c.covariance.trace() / 3.0));
   }
-  const std::string play = c.note;
+  const std::string past = c.note;
   c.note.clear();
   judge(state, part, c);
   const auto note = [&](const std::string& more) {
     if (!more.empty()) c.note += (c.note.empty() ? "" : "; ") + more;
   };
-  if (c.valid) note(play);
+  if (c.valid) note(past);
   if (c.tooOld) {
     char age[160];
     std::snprintf(age, sizeof age,
                   "time %.6g s is outside the calibrated 0 to %.6g s: not applied: ", state.time, d.duration);
     c.note.clear();
     note(age + timed_);
-    if (c.valid) note(play);
+    if (c.valid) note(past);
   }
   return c;
 }
 
 Correction Compensator::apply(const State& state) const {
   Workspace work;
-  return apply(state, {}, work);
+  return apply(state, nullptr, work);
 }
 
 Correction Compensator::apply(const MovingState& state) const {
   Workspace work;
-  return apply(state, state.sinceReversal, work);
+  return apply(state, &state, work);
 }
 
 }  // namespace mm

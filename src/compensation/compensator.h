@@ -19,16 +19,28 @@ struct Correction {
   bool valid = false;          // may be used as a measured position
   bool extrapolating = false;  // an input is outside the calibrated range by more than the margin
   bool inputLost = false;      // a temperature or covariate that the model uses is not known
+  bool pastUnknown = false;    // temperatures were not heard for long enough for what lags behind them
   bool tooOld = false;         // outside the calibrated duration: effects of time are not applied
   std::string reason;          // why it is not valid; empty when it is
   std::string note;            // what to know although it is valid
 };
 
+/// A history that began while it was asked already: what was before is not known.
+class YoungHistory : public TemperatureHistory {
+ public:
+  /// The same had the temperatures before the first value been a standard deviation away from it; null: what
+  /// was before has decayed.
+  virtual const TemperatureHistory* otherPast() const = 0;
+};
+
 /// A state with what its joints did before it.
 struct MovingState : State {
-  /// A joint; m or rad that it has travelled since its last reversal: below the play, the play is still being
-  /// taken up. Empty or NaN: not known, and taken as far enough.
+  /// A joint; m or rad that it has travelled since its last reversal, at the least: below the play, the play
+  /// is still being taken up. Empty or NaN: taken as far enough.
   std::vector<double> sinceReversal;
+  /// A joint; m or rad that it has come back from its farthest reading, too little to be called a reversal.
+  /// Empty: nothing.
+  std::vector<double> back;
   MovingState() = default;
   MovingState(State state) : State(std::move(state)) {}
 };
@@ -97,9 +109,10 @@ class Compensator {
   };
   Part partOf(const Calibration& calibration, bool timed) const;
   void judge(const State& state, const Part& part, Correction& c) const;
-  Correction apply(const State& state, const std::vector<double>& sinceReversal, Workspace& work) const;
-  void addPlay(const State& state, const std::vector<double>& sinceReversal, const Part& part,
-               Workspace& work, Correction& c) const;
+  Correction apply(const State& state, const MovingState* moved, Workspace& work) const;
+  void addPast(const State& state, const Part& part, Workspace& work, Correction& c) const;
+  void addPlay(const State& state, const MovingState& moved, const Part& part, Workspace& work,
+               Correction& c) const;
 
   std::string id_;
   Options options_;

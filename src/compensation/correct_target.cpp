@@ -59,6 +59,7 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Movi
   std::string upwards;
   Workspace work;
   start.sinceReversal.assign(joints, std::numeric_limits<double>::quiet_NaN());
+  start.back.clear();
   for (std::size_t j = 0; j < std::min(joints, arrival.size()); ++j)
     if (arrival[j] != 0.0) start.travel[j] = arrival[j];
   // Of a joint that the move brings from another place, the direction of its last motion says nothing.
@@ -83,7 +84,7 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Movi
   };
   model_.place(start);
   for (target.iterations = 0;; ++target.iterations) {
-    target.correction = apply(start, start.sinceReversal, work);
+    target.correction = apply(start, &start, work);
     const Eigen::Vector3d miss = truePoint - target.correction.corrected.position;
     target.position = start.position;
     target.sigma = target.correction.sigma;

@@ -28,6 +28,13 @@ LiveInputs::Settings settingsFrom(const ros::NodeHandle& own) {
   return settings;
 }
 
+void setAside(const std::string& what, const ros::Time& stamp) {
+  ROS_WARN_THROTTLE(10.0, "%s set aside: %s", what.c_str(),
+                    stamp.isZero()
+                        ? "it has no stamp"
+                        : "its stamp lies before that of the last one; look at its publisher's clock");
+}
+
 std::string wordsOf(std::string text) {
   text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '+' && c <= '9'; }),
              text.end());
@@ -43,6 +50,7 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
       watch_(CalibrationStore(storeFolder(own, machine)), machine, machineSpace(),
              numberParameter(own, "margin", 0.1, 0.0, 10.0)),
       inputs_(machine, settingsFrom(own)),
+      homing_(machine.joints().size()),
       updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(own, {"store", "margin", "frame_prefix", "joint_timeout", "sensor_timeout",
                                 "travel_deadband", "travel_deadband_rotary"});
@@ -66,12 +74,14 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
   axesIn_ = node.subscribe<measuring_machine::AxisStatus>(
       "axis_driver/status", 10, [this](const measuring_machine::AxisStatusConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
+        if (!message->name.empty()) axes_[message->name.front()] = *message;
         takeStatus(*message);
       });
   artifactIn_ = node.subscribe<measuring_machine::Artifact>(
       "artifact", 10, [this](const measuring_machine::ArtifactConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (!homedKnown_) inputs_.setTimeZero(nanoseconds(message->header.stamp));  // a session replayed
+        if (homing_.zero() == 0)
+          inputs_.setTimeZero(nanoseconds(message->header.stamp));  // a session replayed
       });
   jointsIn_ = node.subscribe("joint_states", 5000, &CompensationNode::takeJoints, this, fast);
   spinner_->start();
@@ -121,7 +131,8 @@ void CompensationNode::subscribeSensors() {
           "temperature/" + topicOf(name), 100, [this, name](const sensor_msgs::TemperatureConstPtr& m) {
             if (sensorOf(topicOf(name), m->header.frame_id) != name) return;  // another one on the same topic
             const std::lock_guard<std::mutex> lock(mutex_);
-            inputs_.takeTemperature(name, nanoseconds(m->header.stamp), m->temperature);
+            if (!inputs_.takeTemperature(name, nanoseconds(m->header.stamp), m->temperature))
+              setAside("temperature '" + name + "'", m->header.stamp);
           });
   for (const std::string& name : inputs_.covariates())
     if (covariatesIn_.count(name) == 0)
@@ -129,7 +140,8 @@ void CompensationNode::subscribeSensors() {
           "covariate/" + topicOf(name), 100, [this, name](const measuring_machine::CovariateConstPtr& m) {
             if (m->name != name) return;
             const std::lock_guard<std::mutex> lock(mutex_);
-            inputs_.takeCovariate(name, nanoseconds(m->header.stamp), m->value);
+            if (!inputs_.takeCovariate(name, nanoseconds(m->header.stamp), m->value))
+              setAside("covariate '" + name + "'", m->header.stamp);
           });
 }
 
@@ -142,29 +154,32 @@ void CompensationNode::withhold(const std::string& reason) {
 /// A homing gives the readings another zero, and another driver does not know how the last one moved.
 void CompensationNode::takeHoming(const sensor_msgs::JointState& message) {
   const Homing homing = homingOf(message);
-  if (homing.told && (!homing_.told || homing.at != homing_.at)) {
-    inputs_.forgetTravel();
-    inputs_.setTimeZero(nanoseconds(homing.at));
-    homing_ = homing;
-    takeStatus(axes_);  // it may have come before
-  }
-  homing_ = homing;
   if (!homing.told) return;
-  homedKnown_ = homing.homed;
-  notHomed_ = !homing.homed;
+  bool changed = false;
+  for (const std::string& name : message.name) {
+    const int joint = machine_.findJoint(name);
+    if (joint < 0) continue;
+    const auto change = homing_.take(joint, {homing.homed, nanoseconds(homing.at)});
+    if (change == HomingWatch::Change::kForget) inputs_.forgetTravel(joint);
+    if (change == HomingWatch::Change::kCountAnew) inputs_.countAnew(joint);
+    changed = changed || change != HomingWatch::Change::kNone;
+  }
+  if (!changed) return;
+  inputs_.setTimeZero(homing_.zero());
+  for (const auto& [driver, status] : axes_) takeStatus(status);  // it may have come before
 }
 
 void CompensationNode::takeStatus(const measuring_machine::AxisStatus& message) {
-  axes_ = message;
-  if (homing_.told) {
-    if (message.homed && message.homed_at == homing_.at) inputs_.takeTravel(message.name, message.travel);
-    return;
-  }
   if (message.header.stamp.isZero()) return;  // none was heard yet
-  homedKnown_ = !message.homed_at.isZero();
-  notHomed_ = !message.homed;
-  inputs_.setTimeZero(nanoseconds(message.homed_at));
-  inputs_.takeTravel(message.name, message.travel);
+  const std::int64_t at = nanoseconds(message.homed_at);
+  for (std::size_t i = 0; i < message.name.size(); ++i) {
+    const int joint = machine_.findJoint(message.name[i]);
+    if (joint < 0) continue;
+    homing_.takeStatus(joint, {message.homed != 0, at});
+    if (message.homed && homing_.isOf(joint, at) && i < message.travel.size())
+      inputs_.takeTravel({message.name[i]}, {message.travel[i]});
+  }
+  inputs_.setTimeZero(homing_.zero());
 }
 
 void CompensationNode::takeJoints(const sensor_msgs::JointStateConstPtr& message) {
@@ -175,7 +190,7 @@ void CompensationNode::takeJoints(const sensor_msgs::JointStateConstPtr& message
   std::string reason;
   const bool ready = inputs_.takeJoints(nanoseconds(message->header.stamp), message->name, message->position,
                                         message->velocity, reason);
-  if (ready && notHomed_) reason = kUnhomed;
+  if (ready && homing_.anyNotHomed()) reason = kUnhomed;
   if (!reason.empty() || !ready) {
     if (!reason.empty()) {
       withhold(reason);
@@ -221,7 +236,7 @@ void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!active_.loaded) return;
   try {
-    if (notHomed_) throw InputError(kUnhomed);
+    if (homing_.anyNotHomed()) throw InputError(kUnhomed);
     const Observation contact = fromMessage(*message, machine_);
     const Compensator& compensator = active_.loaded->contacts;
     MovingState state = compensator.blankState();
@@ -240,10 +255,14 @@ void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr
   }
 }
 
+bool CompensationNode::isSilent() const {
+  return heard_.isZero() || ros::WallTime::now() - heard_ > ros::WallDuration(kSilent);
+}
+
 measuring_machine::CompensationStatus CompensationNode::statusNow() {
   const std::lock_guard<std::mutex> lock(mutex_);
   measuring_machine::CompensationStatus status = status_;
-  const bool silent = heard_.isZero() || ros::WallTime::now() - heard_ > ros::WallDuration(kSilent);
+  const bool silent = isSilent();
   status.calibration_id = active_.loaded ? active_.loaded->id : "";
   status.candidate_id = candidate_.loaded ? candidate_.loaded->id : "";
   const auto add = [](std::string& message, const std::string& more) {
@@ -264,7 +283,12 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
   add(status.candidate_message, pair_->candidateWarning);
   if (status.publishing) {
     MovingState state = active_.state;
-    status.sigma = active_.loaded->contacts.apply(state).sigma;
+    const Correction now = active_.loaded->contacts.apply(state);
+    status.sigma = now.sigma;
+    if (now.pastUnknown)
+      add(status.message,
+          "the temperatures were not heard for long enough to know what lags behind them; sigma says by how "
+          "much");
   }
   withheldSince_.clear();
   return status;
@@ -296,7 +320,7 @@ bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& 
   answer(response, [&] {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!active_.loaded) throw InputError("no calibration is active; calibrate and promote one");
-    if (notHomed_ && request.name.empty()) throw InputError(kUnhomed);
+    if (homing_.anyNotHomed() && request.name.empty()) throw InputError(kUnhomed);
     MovingState state = active_.state;
     std::vector<double> arrival(machine_.joints().size(), 0.0);
     const std::size_t named = request.name.empty() ? arrival.size() : request.name.size();
@@ -308,6 +332,11 @@ bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& 
       if (joint >= 0) arrival[joint] = request.travel[i] > 0 ? 1.0 : (request.travel[i] < 0 ? -1.0 : 0.0);
     }
     if (request.name.empty()) {
+      if (isSilent())
+        throw InputError(
+            "no joint states are arriving, so the present readings are not known; name joints and positions "
+            "to "
+            "start from");
       if (!inputs_.complete())
         throw InputError("the present readings are not known; name joints and positions to start from");
       inputs_.fill(active_.view, state);

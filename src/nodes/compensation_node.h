@@ -16,6 +16,7 @@
 #include <mutex>
 
 #include "nodes/calibration_watch.h"
+#include "nodes/homing_watch.h"
 #include "nodes/live_inputs.h"
 #include "ros_bridge/axis_messages.h"
 
@@ -53,6 +54,7 @@ class CompensationNode {
   void apply(Applied& applied, const std::shared_ptr<const LoadedCalibration>& loaded);
   void subscribeSensors();
   void look(const ros::WallTimerEvent& event);
+  bool isSilent() const;
   measuring_machine::CompensationStatus statusNow();
   bool correctTarget(measuring_machine::CorrectTarget::Request& request,
                      measuring_machine::CorrectTarget::Response& response);
@@ -69,11 +71,10 @@ class CompensationNode {
   Applied active_, candidate_;
   tf2_msgs::TFMessage frames_;
   measuring_machine::CompensationStatus status_;
-  std::string withheldSince_;                   // the reason of a frame withheld since the last status
-  ros::WallTime heard_;                         // the last joint state
-  bool homedKnown_ = false, notHomed_ = false;  // as the axis driver says
-  Homing homing_;                               // of the last joint state
-  measuring_machine::AxisStatus axes_;          // the last one
+  std::string withheldSince_;  // the reason of a frame withheld since the last status
+  ros::WallTime heard_;        // the last joint state
+  HomingWatch homing_;
+  std::map<std::string, measuring_machine::AxisStatus> axes_;  // by a driver's first joint: its last one
   std::map<std::string, ros::Subscriber> temperaturesIn_, covariatesIn_;
 
   measuring_machine::CompensationStatus shown_;

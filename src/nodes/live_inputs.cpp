@@ -12,6 +12,8 @@ constexpr std::int64_t kBlink =
     100000000;  // ns: what comes later than that out of order is a clock that went back
 constexpr std::int64_t kDense = 5000000000;  // ns between the values that a history keeps
 constexpr std::size_t kHistory = 20000;      // values: more than a day
+constexpr int kClockWentBack = 5;            // stamps in a row that lie behind: it is no single bad one
+constexpr double kDecayed = 7.0;             // time constants: a thousandth is left
 
 int indexOf(const std::vector<std::string>& names, const std::string& name) {
   const auto found = std::find(names.begin(), names.end(), name);
@@ -21,10 +23,16 @@ int indexOf(const std::vector<std::string>& names, const std::string& name) {
 }  // namespace
 
 /// The past of one domain's sensors; made anew when a temperature has arrived, and only when it is asked.
-class LiveInputs::History final : public TemperatureHistory {
+class LiveInputs::History final : public YoungHistory {
  public:
-  History(const LiveInputs& inputs, std::vector<int> sensors)
-      : inputs_(inputs), sensors_(std::move(sensors)) {}
+  /// @param lower, upper calibrated range of each sensor, degC: where it may have been before it was heard.
+  History(const LiveInputs& inputs, std::vector<int> sensors, std::vector<double> lower,
+          std::vector<double> upper)
+      : inputs_(inputs),
+        sensors_(std::move(sensors)),
+        lower_(std::move(lower)),
+        upper_(std::move(upper)),
+        other_(*this) {}
 
   double lagged(int sensor, double tau, double /*time*/, double* byTau) const override {
     if (!series_ || revision_ != inputs_.revision_) {
@@ -33,13 +41,48 @@ class LiveInputs::History final : public TemperatureHistory {
       series_ = std::make_unique<SeriesHistory>(std::move(past));
       revision_ = inputs_.revision_;
     }
-    return series_->lagged(sensor, tau, static_cast<double>(inputs_.last_ - inputs_.origin_) * kNanosecond,
-                           byTau);
+    longest_ = std::max(longest_, tau);
+    return series_->lagged(sensor, tau, now(), byTau);
+  }
+
+  const TemperatureHistory* otherPast() const override {
+    for (std::size_t s = 0; s < sensors_.size(); ++s)
+      if (heardFor(static_cast<int>(s)) < kDecayed * longest_) return &other_;
+    return nullptr;
   }
 
  private:
+  /// The same where the sensor was elsewhere in its range before it was heard, at a standard deviation of a
+  /// uniform distribution.
+  class Other final : public TemperatureHistory {
+   public:
+    explicit Other(const History& heard) : heard_(heard) {}
+    double lagged(int sensor, double tau, double time, double* byTau) const override {
+      const double value = heard_.lagged(sensor, tau, time, byTau);
+      if (sensor < 0 || sensor >= static_cast<int>(heard_.lower_.size()) || !(tau > 0.0)) return value;
+      const auto& past = heard_.inputs_.sensors_[heard_.sensors_[sensor]].history.value;
+      if (past.empty()) return value;
+      const double away =
+          std::max(past.front() - heard_.lower_[sensor], heard_.upper_[sensor] - past.front());
+      return value + std::max(0.0, away) / std::sqrt(3.0) * std::exp(-heard_.heardFor(sensor) / tau);
+    }
+
+   private:
+    const History& heard_;
+  };
+
+  double now() const { return static_cast<double>(inputs_.last_ - inputs_.origin_) * kNanosecond; }
+  /// s since its first value.
+  double heardFor(int sensor) const {
+    const std::vector<double>& times = inputs_.sensors_[sensors_[sensor]].history.time;
+    return times.empty() ? 0.0 : now() - times.front();
+  }
+
   const LiveInputs& inputs_;
   std::vector<int> sensors_;
+  std::vector<double> lower_, upper_;
+  Other other_;
+  mutable double longest_ = 0.0;  // time constant that was asked, s
   mutable std::unique_ptr<SeriesHistory> series_;
   mutable std::uint64_t revision_ = 0;
 };
@@ -66,13 +109,13 @@ bool LiveInputs::concerns(const std::vector<std::string>& names) const {
                      [this](const std::string& name) { return indexOf(joints_, name) >= 0; });
 }
 
-void LiveInputs::forgetTravel() {
-  for (TravelTracker& tracker : travel_) tracker.forget();
-}
+void LiveInputs::forgetTravel(int joint) { travel_[joint].forget(); }
+
+void LiveInputs::countAnew(int joint) { travel_[joint].countAnew(); }
 
 void LiveInputs::forget() {
   std::fill(seen_.begin(), seen_.end(), 0);
-  forgetTravel();
+  for (TravelTracker& tracker : travel_) tracker.forget();
   for (Logged& logged : sensors_) logged = Logged();
   for (Logged& logged : covariates_) logged = Logged();
   ++revision_;
@@ -128,15 +171,20 @@ void LiveInputs::takeTravel(const std::vector<std::string>& names, const std::ve
   }
 }
 
-void LiveInputs::take(Logged& logged, std::int64_t stamp, double value) {
-  if (stamp < logged.stamp - kBlink) logged = Logged();
-  if (stamp <= logged.stamp) return;
+bool LiveInputs::take(Logged& logged, std::int64_t stamp, double value) {
+  if (stamp <= 0) return false;
+  if (stamp < logged.stamp - kBlink) {
+    if (++logged.behind < kClockWentBack) return false;
+    logged = Logged();
+  }
+  if (stamp <= logged.stamp) return true;
+  logged.behind = 0;
   if (origin_ == 0) origin_ = stamp;
   const bool gap = logged.stamp != 0 &&
                    static_cast<double>(stamp - logged.stamp) * kNanosecond > 10.0 * settings_.sensorAge;
   logged.stamp = stamp;
   logged.value = value;
-  if (!std::isfinite(value)) return;
+  if (!std::isfinite(value)) return true;
   std::vector<double>&times = logged.history.time, &values = logged.history.value;
   if (gap) times.clear(), values.clear();  // what happened in between nobody knows
   const double t = static_cast<double>(stamp - origin_) * kNanosecond;
@@ -149,18 +197,19 @@ void LiveInputs::take(Logged& logged, std::int64_t stamp, double value) {
     times.erase(times.begin(), times.begin() + kHistory / 4);
     values.erase(values.begin(), values.begin() + kHistory / 4);
   }
+  return true;
 }
 
-void LiveInputs::takeTemperature(const std::string& name, std::int64_t stamp, double value) {
+bool LiveInputs::takeTemperature(const std::string& name, std::int64_t stamp, double value) {
   const int sensor = indexOf(sensorNames_, name);
-  if (sensor < 0) return;
-  take(sensors_[sensor], stamp, value);
+  if (sensor < 0) return true;
   ++revision_;
+  return take(sensors_[sensor], stamp, value);
 }
 
-void LiveInputs::takeCovariate(const std::string& name, std::int64_t stamp, double value) {
+bool LiveInputs::takeCovariate(const std::string& name, std::int64_t stamp, double value) {
   const int covariate = indexOf(covariateNames_, name);
-  if (covariate >= 0) take(covariates_[covariate], stamp, value);
+  return covariate < 0 || take(covariates_[covariate], stamp, value);
 }
 
 LiveInputs::View LiveInputs::watch(const Domain& domain) {
@@ -176,7 +225,7 @@ LiveInputs::View LiveInputs::watch(const Domain& domain) {
   for (const std::string& name : domain.sensors) view.sensors.push_back(place(name, sensorNames_, sensors_));
   for (const std::string& name : domain.covariates)
     view.covariates.push_back(place(name, covariateNames_, covariates_));
-  view.history = std::make_shared<History>(*this, view.sensors);
+  view.history = std::make_shared<History>(*this, view.sensors, domain.sensorLower, domain.sensorUpper);
   ++revision_;
   return view;
 }
@@ -205,9 +254,11 @@ void LiveInputs::fillLogged(const View& view, std::int64_t stamp, MovingState& s
   state.history = view.history.get();
   state.travel.resize(travel_.size());
   state.sinceReversal.resize(travel_.size());
+  state.back.resize(travel_.size());
   for (std::size_t j = 0; j < travel_.size(); ++j) {
     state.travel[j] = travel_[j].direction();
     state.sinceReversal[j] = travel_[j].sinceReversal();
+    state.back[j] = travel_[j].back();
   }
 }
 
@@ -227,6 +278,7 @@ void LiveInputs::fill(const View& view, std::int64_t stamp, const std::vector<do
     if (direction == 0.0 || direction == state.travel[j]) continue;
     state.travel[j] = direction;
     state.sinceReversal[j] = kNotMeasured;
+    state.back[j] = 0.0;
   }
 }
 

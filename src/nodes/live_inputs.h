@@ -36,16 +36,20 @@ class LiveInputs {
   bool takeJoints(std::int64_t stamp, const std::vector<std::string>& names,
                   const std::vector<double>& position, const std::vector<double>& velocity,
                   std::string& reason);
-  /// @param name of a sensor that is watched; others are left alone. @param value degC.
-  void takeTemperature(const std::string& name, std::int64_t stamp, double value);
-  void takeCovariate(const std::string& name, std::int64_t stamp, double value);
+  /// @param name of a sensor that is watched; others are left alone. @param value degC. @return false where
+  /// it was set aside: it has no stamp, or one before the last. Several such in a row are a clock that went
+  /// back.
+  bool takeTemperature(const std::string& name, std::int64_t stamp, double value);
+  bool takeCovariate(const std::string& name, std::int64_t stamp, double value);
   /// Whether a message has a joint of this machine.
   bool concerns(const std::vector<std::string>& names) const;
   /// Directions of the last motions as the driver tells them, -1, 0 or 1: they count for a joint that has not
   /// been seen to move, as when the driver homed before this began to listen.
   void takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel);
-  /// The driver of the axes is another one: how its joints moved before is not known.
-  void forgetTravel();
+  /// How the joint moved before is not known.
+  void forgetTravel(int joint);
+  /// Its readings count from another zero from the next one on.
+  void countAnew(int joint);
   /// What `t = 0` is: the last homing, or the session's start. 0: not known.
   void setTimeZero(std::int64_t stamp) { zero_ = stamp; }
 
@@ -71,8 +75,9 @@ class LiveInputs {
     std::int64_t stamp = 0;  // 0: never
     double value = 0.0;
     Series history;  // t in s since origin_
+    int behind = 0;  // stamps in a row before the last one
   };
-  void take(Logged& logged, std::int64_t stamp, double value);
+  bool take(Logged& logged, std::int64_t stamp, double value);
   double at(const Logged& logged, std::int64_t stamp) const;
   void fillLogged(const View& view, std::int64_t stamp, MovingState& state) const;
   void forget();

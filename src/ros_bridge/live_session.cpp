@@ -28,8 +28,7 @@ LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) 
       });
   subscribers_["probe/contact"] = node_.subscribe<measuring_machine::ProbeContact>(
       "probe/contact", kQueue, [this](const measuring_machine::ProbeContactConstPtr& m) {
-        const std::int64_t stamp = nanoseconds(m->header.stamp);
-        beginAgainIfBack(stamp);
+        beginAgainIfBack(*m);
         take([&](SessionCollector& collector) { collector.addContact(*m); });
       });
   subscribers_["measure/measured"] = node_.subscribe<measuring_machine::Measured>(
@@ -64,11 +63,24 @@ void LiveSession::takeMeasured(const measuring_machine::Measured& message) {
   measured_[message.header.stamp] = message.contacts;
 }
 
-void LiveSession::beginAgainIfBack(std::int64_t stamp) {
+// One contact with a stamp that lies behind is one bad contact, as in a bag; two of them are a clock that
+// went back.
+void LiveSession::beginAgainIfBack(const measuring_machine::ProbeContact& message) {
+  const std::int64_t stamp = nanoseconds(message.header.stamp);
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (stamp == 0 || stamp >= collector_.newest() - kBlink) return;
+  if (stamp == 0 || stamp >= collector_.newest() - kBlink) {
+    behind_.reset();
+    return;
+  }
+  const std::int64_t first = behind_ ? nanoseconds(behind_->header.stamp) : 0;
+  if (!behind_ || stamp < first) {
+    behind_ = message;
+    return;
+  }
   ROS_WARN("the clock went back: the live session begins anew");
-  collector_.dropAfter(stamp);
+  collector_.dropAfter(first);
+  collector_.addContact(*behind_);
+  behind_.reset();
   wrong_.clear();
   measured_.clear();
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <measuring_machine/Measured.h>
+#include <measuring_machine/ProbeContact.h>
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
 #include <ros/timer.h>
@@ -8,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "ros_bridge/session_collector.h"
@@ -35,7 +37,7 @@ class LiveSession {
   void subscribe(const std::string& topic, void (SessionCollector::*add)(const Message&));
   void takeArtifact(const measuring_machine::Artifact& message);
   void take(const std::function<void(SessionCollector&)>& add);
-  void beginAgainIfBack(std::int64_t stamp);
+  void beginAgainIfBack(const measuring_machine::ProbeContact& message);
   void takeMeasured(const measuring_machine::Measured& message);
   void findTopics(const ros::WallTimerEvent& event);
 
@@ -44,6 +46,7 @@ class LiveSession {
   SessionCollector collector_;
   std::string wrong_;  // why the machine or the artifact could not be taken
   ros::Time artifact_;
+  std::optional<measuring_machine::ProbeContact> behind_;  // the last contact, where its stamp lies behind
   std::map<ros::Time, std::uint32_t> measured_;  // contacts in this session, as each measure node says
   std::map<std::string, ros::Subscriber> subscribers_;
   ros::WallTimer timer_;

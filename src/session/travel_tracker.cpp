@@ -10,6 +10,10 @@ namespace {
 constexpr double kDeadband = 1e-6;        // m: an encoder at rest moves less
 constexpr double kRotaryDeadband = 1e-5;  // rad
 
+// s within which a velocity at which a joint really moves would take it past the deadband. An encoder at rest
+// that dithers by a digit says a tenth of that.
+constexpr double kMoves = 10e-3;
+
 constexpr std::int64_t kSparse =
     200000000;  // ns: readings further apart may have a whole motion between them
 
@@ -24,10 +28,7 @@ double travelDeadband(JointKind kind) { return kind == JointKind::kLinear ? kDea
 
 bool TravelTracker::turn(double direction, double from) {
   const bool changed = direction != direction_;
-  if (changed) {
-    turnKnown_ = true;
-    turn_ = from;
-  }
+  if (changed) turn_ = from;
   direction_ = direction;
   farthest_ = position_;
   return changed;
@@ -35,18 +36,23 @@ bool TravelTracker::turn(double direction, double from) {
 
 bool TravelTracker::take(std::int64_t stamp, double position, double velocity) {
   if (!std::isfinite(position)) return false;
+  if (anotherZero_) {
+    anotherZero_ = false;
+    turn_ += position - position_;
+    farthest_ += position - position_;
+    low_ = high_ = position_ = position;
+    last_ = stamp;
+    return false;
+  }
   const bool sparse = started_ && stamp - last_ > kSparse;
   last_ = stamp;
   position_ = position;
-  if (!started_) farthest_ = low_ = high_ = position;
+  if (!started_) turn_ = farthest_ = low_ = high_ = position;
   const bool first = !started_;
   started_ = true;
-  if ((first || sparse) && directionOf(velocity) != 0.0) {
-    const double before = direction_;
-    const bool changed = turn(directionOf(velocity), position);
-    if (changed && before == 0.0) turnKnown_ = false;  // it was under way when this began to look
-    return changed;
-  }
+  // What was told is of one who saw it move; a first velocity beside it is none.
+  if (((first && direction_ == 0.0) || sparse) && std::abs(velocity) * kMoves > deadband_)
+    return turn(directionOf(velocity), position);
   if (direction_ != 0.0) {
     if ((position - farthest_) * direction_ > 0.0) farthest_ = position;
     if ((farthest_ - position) * direction_ > deadband_) return turn(-direction_, farthest_);
@@ -61,12 +67,13 @@ bool TravelTracker::take(std::int64_t stamp, double position, double velocity) {
 
 void TravelTracker::tell(double direction) {
   direction_ = direction;
-  farthest_ = position_;
-  turnKnown_ = false;
+  turn_ = farthest_ = position_;
 }
 
 double TravelTracker::sinceReversal() const {
-  return turnKnown_ ? std::abs(position_ - turn_) : std::numeric_limits<double>::quiet_NaN();
+  return direction_ != 0.0 ? std::abs(position_ - turn_) : std::numeric_limits<double>::quiet_NaN();
 }
+
+double TravelTracker::back() const { return std::max(0.0, (farthest_ - position_) * direction_); }
 
 }  // namespace mm

@@ -28,17 +28,23 @@ class TravelTracker {
   /// As another tells it (-1 or +1), who saw the joint move.
   void tell(double direction);
   void forget() { *this = TravelTracker(deadband_); }  ///< knows nothing any more
+  /// The next reading counts from another zero, after a homing: between them nothing moved.
+  void countAnew() { anotherZero_ = started_; }
 
   double direction() const { return direction_; }  ///< -1, +1; 0: not known
-  /// m or rad from the last reversal; NaN: not known where that was.
+  /// m or rad from the last reversal, or from where this began to look: so much at the least. NaN: it was not
+  /// seen to move.
   double sinceReversal() const;
+  /// m or rad that it has come back from its farthest reading, within the deadband: noise, or the beginning
+  /// of a reversal.
+  double back() const;
 
  private:
   bool turn(double direction, double from);
 
   double deadband_;
   std::int64_t last_ = 0;
-  bool started_ = false, turnKnown_ = false;
+  bool started_ = false, anotherZero_ = false;
   double direction_ = 0.0, position_ = 0.0, farthest_ = 0.0, turn_ = 0.0;
   double low_ = 0.0, high_ = 0.0;  // while no direction is known
 };

@@ -29,14 +29,14 @@ def ready(seconds=60):
     assert support.wait_until(homed, 20), said[-1].message
 
 
-def record(plan, bag, seconds):
-    """@return the result of the plan."""
+def record(plan, bag, seconds, first=0):
+    """@param first the move with which the plan begins, or goes on. @return the result of the plan."""
     recorder = subprocess.Popen(["rosbag", "record", "-O", bag, "-e", "/" + TOPICS, "__name:=recorder"])
     try:
         assert support.wait_until(lambda: os.path.exists(bag + ".active"), 20)
         measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
         assert support.served(measure, seconds=20)
-        measure.send_goal(MeasureGoal(plan=plan))
+        measure.send_goal(MeasureGoal(plan=plan, first=first))
         assert support.ended(measure, seconds), "the plan did not end"
         assert measure.get_state() == GoalStatus.SUCCEEDED, measure.get_result().message
         return measure.get_result()

@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import subprocess
 import time
 import unittest
 
@@ -10,13 +11,14 @@ import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from measuring_machine.msg import AxisStatus, MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact
 from measuring_machine.srv import Calibrate
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import JointState, Temperature
 from std_srvs.srv import SetBool, Trigger
 
+import cycle_support
 import support
 
 PLAN = os.path.join(support.PACKAGE, "test/ros/short_plan.yaml")
@@ -33,6 +35,9 @@ class Instrument(unittest.TestCase):
         cls.thrown_away = []  # what a node's action client did not listen to
         rospy.Subscriber("/rosout_agg", Log, lambda m: cls.thrown_away.append(m.msg) if m.name == "/measure" and "not tracking" in m.msg else None)
         rospy.Subscriber("joint_states", JointState, lambda m: cls.joints.__setitem__(0, m))
+        cls.diagnostics = {}  # of each name the last level and message
+        rospy.Subscriber("/diagnostics", DiagnosticArray,
+                         lambda m: cls.diagnostics.update({s.name: (s.level, s.message) for s in m.status}))
         cls.status = []
         rospy.Subscriber("axis_driver/status", AxisStatus, cls.status.append)
         assert support.wait_until(lambda: cls.joints[0] and cls.status)
@@ -62,7 +67,17 @@ class Instrument(unittest.TestCase):
         support.wait_until(self.measure.get_goal_status_text, 5.0)
         return self.measure.get_goal_status_text()
 
+    def reports(self, name, level, words, seconds=10):
+        """A status of /diagnostics with this name, level, and words that its message matches."""
+        def said():
+            found = self.diagnostics.get(name, (None, ""))
+            return found[0] == level and re.search(words, found[1])
+
+        self.assertTrue(support.wait_until(said, seconds), "%s: %s" % (name, self.diagnostics.get(name)))
+
     def test_1_no_motion_before_homing(self):
+        self.reports("measure: plan", DiagnosticStatus.OK, "^ready$")
+        self.reports("calibration_server: session", DiagnosticStatus.OK, "^ready$")
         self.start([0.0, 0.0, 0.01])
         state, text = self.end()
         self.assertEqual(state, GoalStatus.ABORTED)
@@ -115,11 +130,13 @@ class Instrument(unittest.TestCase):
         self.assertTrue(support.wait_until(lambda: len(contacts) >= 2, 30))
         self.call("measure/pause", SetBool, True)
         self.assertTrue(support.wait_until(lambda: told[-1].paused))
+        self.reports("measure: plan", DiagnosticStatus.OK, "^paused$")
         self.assertTrue(support.wait_until(lambda: len(contacts) >= told[-1].contacts))
         held = len(contacts)
         time.sleep(1.0)
         self.assertEqual(len(contacts), held)
         self.call("measure/pause", SetBool, False)
+        self.reports("measure: plan", DiagnosticStatus.OK, "^measuring$")
         self.assertTrue(support.wait_until(lambda: len(contacts) >= held + 2, 30))
         self.measure.cancel_goal()
         self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.PREEMPTED, 10))
@@ -169,6 +186,31 @@ class Instrument(unittest.TestCase):
         self.assertIn("candidate ", message)
         self.assertRegex(message, "/probe/contact message [0-9]+ is set aside: the reading of joint 'x' is not a number"
                                   "|/temperature/bed message [0-9]+ is set aside: its header has no stamp")
+        self.reports("calibration_server: session", DiagnosticStatus.WARN, "^[0-9]+ set aside, the last: /")
+
+    def test_5_one_contact_of_another_time_costs_no_other(self):
+        """Ten minutes behind: in the live session, too, it is one bad contact, and no clock that went back."""
+        def answer():
+            return self.call("calibration_server/calibrate", Calibrate, "", support.model("{type: probe_radius}"), "least_squares", 1)
+
+        def count(text, pattern):
+            found = re.search(pattern, text)
+            return int(found.group(1)) if found else 0
+
+        contacts = rospy.Publisher("probe/contact", ProbeContact, queue_size=10)
+        self.assertTrue(support.wait_until(lambda: contacts.get_num_connections() >= 2))
+        before = answer()
+        there = [CENTRE[0], CENTRE[1], CENTRE[2] + DISTANCE]
+        late = ProbeContact(name=["x", "y", "z"], position=there, laser_reading=math.nan, feature="b0")
+        late.header.stamp = rospy.Time.now() - rospy.Duration(600)
+        contacts.publish(late)
+        wrong = ProbeContact(name=["x", "y", "z"], position=[math.nan, 0.0, 0.0], laser_reading=math.nan, feature="b0")
+        wrong.header.stamp = rospy.Time.now()
+        contacts.publish(wrong)  # when this one is there the other is
+        aside = "([0-9]+) (?:is|are) set aside"
+        self.assertTrue(support.wait_until(lambda: count(answer().message, aside) > count(before.message, aside)), before.message)
+        pattern = '"observations": ([0-9]+)'
+        self.assertGreaterEqual(count(answer().json, pattern), count(before.json, pattern))
 
     def test_5_the_server_is_started_again_in_the_middle(self):
         """It answers with what it has, and says how much that is; the plan can be gone on with."""
@@ -204,6 +246,7 @@ class Instrument(unittest.TestCase):
             self.measure.send_goal(MeasureGoal(plan=plan))
             self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.ABORTED))
             self.assertIn(words, self.text())
+            self.reports("measure: plan", DiagnosticStatus.ERROR, "^the last plan: .*" + words)
 
     def test_7_the_axis_driver_dies_in_the_middle(self):
         told = []
@@ -220,6 +263,22 @@ class Instrument(unittest.TestCase):
                 return False  # still the one that died
 
         self.assertTrue(support.wait_until(homed, 20))
+
+    def test_8_a_plan_that_goes_on_in_a_recording_of_its_own(self):
+        told = []
+        self.measure.send_goal(MeasureGoal(plan=PLAN), feedback_cb=told.append)
+        self.assertTrue(support.wait_until(lambda: told and told[-1].contacts >= 3, 30), self.measure.get_goal_status_text())
+        self.measure.cancel_goal()
+        self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.PREEMPTED, 10))
+        support.kill("/measure")  # what it had published once and for all has gone with it
+        self.assertTrue(support.served(actionlib.SimpleActionClient("measure/run", MeasureAction)))
+        folder = support.folder()
+        self.addCleanup(support.remove, folder)
+        bag = os.path.join(folder, "second.bag")
+        cycle_support.record(PLAN, bag, 40, first=told[-1].move)
+        checked = subprocess.run([support.node("mm"), "check", bag], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertEqual(checked.returncode, 0, checked.stdout)
+        self.assertRegex(checked.stdout, "b0")
 
     def test_9_no_answer_was_thrown_away(self):
         self.assertEqual(self.thrown_away, [])

@@ -207,6 +207,49 @@ TEST(Compensator, sigmaSaysThatPlayIsBeingTakenUp) {
   }
   state.sinceReversal = {test::kUnknown, 0, 0};
   EXPECT_EQ(compensator.apply(state).sigma, settled);
+  // too little to be called a reversal, and already of the play
+  for (const auto& [back, off] : {std::pair{0.0, 0.0}, {0.9e-6, 0.9e-6}, {9e-6, 4e-6}}) {
+    state.back = {back, 0, 0};
+    EXPECT_NEAR(compensator.apply(state).sigma, std::sqrt(settled * settled + off * off / 3.0), 1e-12)
+        << back;
+  }
+}
+
+/// A past in which the lag of the one sensor is elsewhere.
+class Past final : public YoungHistory {
+ public:
+  explicit Past(double value, const Past* other = nullptr) : value_(value), other_(other) {}
+  double lagged(int, double, double, double* byTau) const override {
+    if (byTau != nullptr) *byTau = 0.0;
+    return value_;
+  }
+  const TemperatureHistory* otherPast() const override { return other_; }
+
+ private:
+  double value_;
+  const Past* other_;
+};
+
+TEST(Compensator, sigmaSaysThatThePastOfATemperatureIsNotKnown) {
+  Calibration c = test::calibrationOf(
+      Machine::load("three_axis"),
+      {EffectSpec("thermal_growth").set("direction", "z").set("sensor", "bed").set("lag", "true")});
+  c.values[0].value = 2e-6;   // m/K
+  c.values[1].value = 100.0;  // s
+  const Compensator compensator(c);
+  State state = test::stateAt(compensator, {0.001, 0, 0});
+  state.temperature.assign(state.temperature.size(), 24.0);
+  const Past elsewhere(21.0), known(24.0), young(24.0, &elsewhere);
+  state.history = &known;
+  const Correction settled = compensator.apply(state);
+  ASSERT_TRUE(settled.valid) << settled.reason;
+  EXPECT_FALSE(settled.pastUnknown);
+  state.history = &young;
+  const Correction now = compensator.apply(state);
+  EXPECT_TRUE(now.pastUnknown);
+  EXPECT_EQ(now.displacement, settled.displacement);
+  EXPECT_NEAR(now.sigma, std::sqrt(settled.sigma * settled.sigma + 36e-12 / 3.0), 1e-12) << "3 K of 2 um/K";
+  EXPECT_NE(now.note.find("may be off by 6 um"), std::string::npos) << now.note;
 }
 
 }  // namespace

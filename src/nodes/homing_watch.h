@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace mm {
+
+/// Whether the joints of a machine have a zero, as their drivers tell it: one driver may move all of them, or
+/// each of several some. Stamps in ns.
+class HomingWatch {
+ public:
+  /// What a driver tells of its joints.
+  struct Told {
+    bool homed = false;
+    std::int64_t at = 0;  // of the homing; 0: not homed
+  };
+  enum class Change {
+    kNone,
+    kForget,    // how it moved until now is not known: another driver, or another life of it
+    kCountAnew  // it was seen to be homed: its readings have another zero, its motion was seen
+  };
+
+  explicit HomingWatch(std::size_t joints) : joints_(joints) {}
+
+  /// As a joint state says it.
+  Change take(int joint, const Told& told);
+  /// As a status says it; counts for a joint whose states do not.
+  void takeStatus(int joint, const Told& told);
+  /// Whether a status that tells of a homing at `at` is of the life that the joint's states are of.
+  bool isOf(int joint, std::int64_t at) const;
+
+  bool anyNotHomed() const;   ///< a joint that is said to be without a zero
+  std::int64_t zero() const;  ///< of the last homing; 0: not known
+
+ private:
+  struct Joint {
+    bool byState = false, known = false;
+    Told told;
+  };
+  std::vector<Joint> joints_;
+};
+
+}  // namespace mm
