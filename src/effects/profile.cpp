@@ -22,6 +22,7 @@ constexpr int kFunctionsOfTwo = 4, kMostOfTwo = 8;  // each: with the products 2
 constexpr int kMostFunctions = 80;
 constexpr double kRough = 0.5;  // smoothness of what changes within a few positions
 constexpr double kSize = 20.0;  // um or arcsec: weak, larger than most that a machine errs
+constexpr double kLeastSize = 1e-6, kMostSize = 1e6;  // um or arcsec
 
 const std::vector<std::string>& profileKeys() {
   static const std::vector<std::string> keys{"direction",  "variable", "variables",  "functions",
@@ -50,7 +51,7 @@ class ProfileLaw {
     const std::string key = linear ? "size_um" : "size_arcsec", other = linear ? "size_arcsec" : "size_um";
     if (read.has(other))
       read.fail("the size along " + direction_.name + " is given as " + key + ", not " + other);
-    const double size = read.number(key, 1e-6, 1e6, kSize) * (linear ? kMicrometre : kArcsecond);
+    const double size = read.number(key, kLeastSize, kMostSize, kSize) * (linear ? kMicrometre : kArcsecond);
     for (const Variable& v : chosen_) indices_.push_back(v.index);
     const int n = basis_.size();
     for (std::size_t v = 0; v < chosen_.size(); ++v)
@@ -238,8 +239,10 @@ EffectSpec sizedProfile(EffectSpec profile, double size, const Domain& domain) {
   const int joint = domain.findJoint(profile.text("direction"));
   const bool angular =
       joint >= 0 && domain.joints[static_cast<std::size_t>(joint)].kind == JointKind::kRotary;
+  // Of a curve that is hardly there an estimate may be anything above zero.
+  const double told = std::clamp(size / (angular ? kArcsecond : kMicrometre), kLeastSize, kMostSize);
   char text[32];  // two digits: it is the width of a prior
-  std::snprintf(text, sizeof text, "%.1e", size / (angular ? kArcsecond : kMicrometre));
+  std::snprintf(text, sizeof text, "%.1e", told);
   return profile.set(angular ? "size_arcsec" : "size_um", std::strtod(text, nullptr));
 }
 

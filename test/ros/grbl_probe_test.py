@@ -48,8 +48,10 @@ class GrblProbe(unittest.TestCase):
     def rests(self):
         self.assertTrue(support.wait_until(lambda: not self.double.tell("machine")["moving"], 5))
 
-    def test_1_a_switch_that_chatters(self):
-        self.double.tell("probe chatter")
+    def chattering_plan(self):
+        """@return its contacts: each touch has one at most, on the ball, and what is missed is said."""
+        self.contacts.clear()
+        self.said.clear()
         state, result = self.run_plan()
         print("chatter: %d contacts, %d missed: %s" % (result.contacts, result.missed, result.message))
         # A touch that does not settle is tried again and set aside, a way back that the switch ends is begun again: the plan goes on,
@@ -61,6 +63,8 @@ class GrblProbe(unittest.TestCase):
         # Where the switch closes is by chance: now and then it is no touch that meets it. What is missed is said.
         if result.contacts < 20:
             self.assertRegex(result.message, "tried again|set aside|closed again on the way back|in a row without a contact")
+        if result.contacts == 0:
+            self.assertTrue(support.wait_until(lambda: any("the probe opened again at once" in s for s in self.said)), set(self.said))
         support.wait_until(lambda: len(self.contacts) >= result.contacts, 10)  # they come beside the result
         self.assertEqual(len(self.contacts), result.contacts, "each touch is one contact at most, however often the switch closes")
         self.rests()
@@ -69,6 +73,23 @@ class GrblProbe(unittest.TestCase):
             away = math.sqrt(sum(((at[j] - ZERO) * k + ZERO - c) ** 2 for j, c, k in zip("xyz", CENTRE, SCALE)))
             # 0.5 um a millisecond of approach, and a closure in some of those
             self.assertLess(abs(away - DISTANCE), 15e-6, contact)
+        return result.contacts
+
+    def away_from_the_ball(self):
+        """Where a plan has given up."""
+        self.double.tell("probe ok")
+        self.axes.send_goal(MoveGoal(name=["z"], position=[0.031], linear_speed=0.005))
+        self.assertTrue(support.ended(self.axes, 30), "%s %s" % (self.double.tell("machine"), self.said[-9:]))
+
+    def test_1_a_switch_that_chatters(self):
+        # On a busy computer the first closing and the opening behind it are heard together, touch after touch: no contact is made up
+        # of those. But a switch that is closed half of the time is a contact sooner or later.
+        for _ in range(5):
+            self.double.tell("probe chatter")
+            if self.chattering_plan() > 0:
+                return
+            self.away_from_the_ball()
+        self.fail("no contact in five plans")
 
     def test_2_closed_already(self):
         self.double.tell("probe stuck")
@@ -101,8 +122,7 @@ class GrblProbe(unittest.TestCase):
         self.rests()
 
     def test_5_and_it_measures_again(self):
-        self.axes.send_goal(MoveGoal(name=["z"], position=[0.031], linear_speed=0.005))
-        self.assertTrue(support.ended(self.axes, 30), "%s %s" % (self.double.tell("machine"), self.said[-9:]))
+        self.away_from_the_ball()
         state, result = self.run_plan()
         self.assertEqual((state, result.contacts, result.missed), (GoalStatus.SUCCEEDED, 20, 0), result.message)
 

@@ -188,6 +188,9 @@ TEST_F(ProfileEffect, specHasTheSizeInTheUnitOfItsDirection) {
   EXPECT_EQ(sizedProfile(profileSpec("x", {"bed", "y"}), 0.0, domain).yaml(),
             "{type: profile, direction: x, variables: [bed, y]}");
   const Domain five = domainOf(Machine::load("five_axis"), true);
+  // What an estimate says of a curve that is hardly there, or of one beyond all bounds, can be read again.
+  for (const double size : {2.9e-153, 1e-13, 1e9})
+    EXPECT_NO_THROW(createEffect(sizedProfile(profileSpec("x", {"bed"}), size, domain), domain)) << size;
   const EffectSpec spec = sizedProfile(profileSpec("b", {"bed"}), 2.0 * kArcsecond, five);
   EXPECT_EQ(spec.yaml(), "{type: profile, direction: b, variable: bed, size_arcsec: 2}");
   EXPECT_TRUE(createEffect(spec, five)->spec() == spec);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <tuple>
 
 #include "diagnosis/diagnose.h"
 #include "import_support.h"
@@ -31,8 +32,9 @@ const bool kSet = [] {
 /// How one and the same measurement is written down.
 struct Writing {
   std::vector<std::string> names{"x", "y", "z"};
-  std::string unit = "mm";
-  double perMillimetre = 1.0;
+  std::string unit = "mm", speed = "mm_s", temperature = "degC", time = "s";
+  double perMillimetre = 1.0, perMillimetreASecond = 1.0, perSecond = 1.0;
+  double perKelvin = 1.0, atZeroCelsius = 0.0;              // of a temperature
   std::vector<std::size_t> order;                           // of the rows; empty: as measured
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  // of the artifact's own coordinates, mm
   int copies = 1;
@@ -46,17 +48,19 @@ std::string number(double value) {
 }
 
 std::string csvOf(const std::vector<PlateRow>& rows, const Writing& w) {
-  std::string csv = "time_s,feature,bed_degC";
+  std::string csv = "time_" + w.time + ",feature,bed_" + w.temperature;
   for (const std::string& name : w.names)
-    csv += "," + name + "_" + w.unit + "," + name + "_velocity_" + w.unit + "_s";
+    csv += "," + name + "_" + w.unit + "," + name + "_velocity_" + w.speed;
   csv += "\n";
   for (int copy = 0; copy < w.copies; ++copy)
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const PlateRow& r = rows[w.order.empty() ? i : w.order[i]];
-      csv += number(r.time + (w.later ? copy * (rows.back().time + 60.0) : 0.0)) + "," + r.feature + "," +
-             number(r.bed);
+      const double time = r.time + (w.later ? copy * (rows.back().time + 60.0) : 0.0);
+      csv +=
+          number(time * w.perSecond) + "," + r.feature + "," + number(r.bed * w.perKelvin + w.atZeroCelsius);
       for (int j = 0; j < 3; ++j)
-        csv += "," + number(r.position[j] * w.perMillimetre) + "," + number(r.velocity[j] * w.perMillimetre);
+        csv += "," + number(r.position[j] * w.perMillimetre) + "," +
+               number(r.velocity[j] * w.perMillimetreASecond);
       csv += "\n";
     }
   return csv;
@@ -181,9 +185,15 @@ RC_GTEST_PROP(Invariance, TheOrderOfTheRows, ()) {
 
 RC_GTEST_PROP(Invariance, TheUnitsOfTheTable, ()) {
   Writing w;
-  const auto unit = *rc::gen::element(std::make_pair("m", 1e-3), std::make_pair("inch", 1.0 / 25.4));
-  w.unit = unit.first;
-  w.perMillimetre = unit.second;
+  const auto of = [](std::vector<std::pair<const char*, double>> units) {
+    return *rc::gen::elementOf(std::move(units));
+  };
+  std::tie(w.unit, w.perMillimetre) = of({{"m", 1e-3}, {"cm", 0.1}, {"um", 1e3}, {"inch", 1.0 / 25.4}});
+  std::tie(w.speed, w.perMillimetreASecond) =
+      of({{"m_s", 1e-3}, {"mm_min", 60.0}, {"um_s", 1e3}, {"inch_min", 60.0 / 25.4}});
+  std::tie(w.time, w.perSecond) = of({{"ms", 1e3}, {"us", 1e6}, {"min", 1.0 / 60.0}, {"h", 1.0 / 3600.0}});
+  std::tie(w.temperature, w.perKelvin) = of({{"K", 1.0}, {"degF", 1.8}});
+  w.atZeroCelsius = w.temperature == "K" ? 273.15 : 32.0;
   const Session session = sessionOf(measured(), w);
   expectSame(reference(), calibrated(session, effectsFor(w)));
   RC_ASSERT(diagnosisOf(session, w) == verdict());
