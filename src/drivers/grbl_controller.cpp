@@ -60,7 +60,8 @@ void GrblController::begin() {
     damaged_ = 0;
     offset_.clear();
     report_ = {};
-    resetAsked_ = locked_ = movingOff_ = false;
+    resetAsked_ = locked_ = movingOff_ = clearing_ = false;
+    state_.alarm = {};  // it says so again
     lastDirection_.assign(map_->size(), 0.0);
   }
   link_->connect(connectTimeout_);
@@ -81,12 +82,16 @@ void GrblController::awaitReady(double seconds) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       const bool reported = lastReport_ > 0.0;
-      const bool busy = report_.state != "Idle" && report_.state != "Alarm" && report_.state != "Door";
+      const bool ready = report_.state == "Idle" || report_.state == "Alarm" || report_.state == "Door";
+      const bool busy = !ready && !report_.state.empty();
       // It moves for somebody who has gone; or waits for a reset after a limit, or homes, and says nothing.
       const bool wake = !reported && !woken && steadySeconds() > mute;
-      if (!resetAsked_ && ((reported && busy) || wake)) endStop();
+      if (!resetAsked_ && ((reported && busy) || wake)) {
+        endStop();
+        settingsAsked = false;  // what was asked goes with the reset
+      }
       woken = woken || wake;
-      if (reported && !busy && !settingsAsked) {
+      if (reported && ready && !resetAsked_ && !settingsAsked) {
         settings_.clear();
         send("$$");
         send("$I");
@@ -219,10 +224,11 @@ AxesState GrblController::poll(double) {
     ask();
   }
   if (locked_ && stopAsked_ && !resetAsked_) stopAsked_ = false;  // nothing moves in that alarm
-  const bool homes = task_ == Task::kHoming;                    // grbl 1.1 does not report meanwhile
+  const bool homes = task_ == Task::kHoming;                      // grbl 1.1 does not report meanwhile
   const bool quiet = homes || locked_;
   if (homes && now - taskBegan_ > homingTimeout_) {
     finish(Outcome::kAlarm, "homing has not ended within its time");
+    if (!resetAsked_) endStop();
   } else if (!quiet && now - std::max({lastReport_, connected_, resetAt_.load()}) > silence_) {
     char text[120];
     std::snprintf(text, sizeof text, ": no status report for %.1f s; look at its power and its cable",

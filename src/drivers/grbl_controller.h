@@ -99,7 +99,7 @@ class GrblController final : public AxisController {
   bool answered_ = false;   // the line of the task was answered
   bool begun_ = false;      // the control was seen to move, or the line was answered
   bool clearing_ = false;   // an alarm, as was asked
-  bool locked_ = false;       // after a limit: it answers nothing until it is reset
+  bool locked_ = false;     // after a limit: it answers nothing until it is reset
   bool movingOff_ = false;  // the jog leads off a limit switch
   std::optional<bool> tripped_;
   double taskBegan_ = 0.0;

@@ -17,6 +17,7 @@ constexpr int kSingleAxes = 2;         // bit of $22 in grblHAL
 constexpr double kAlwaysOn = 255.0;    // of $1: motors hold their place at rest
 const char* const kDoorText = "the safety door is open";
 
+constexpr int kCriticalEvent = 79;                                          // error of $X and $H
 constexpr int kHomingReset = 6, kHomingNoSwitch = 9, kHomingRequired = 11;  // alarms
 
 Alarm alarmOf(int code) {
@@ -120,6 +121,7 @@ void GrblController::takeCondition(const GrblReport& report) {
   if (report.feedOverride > 0) state_.feedOverride = 0.01 * report.feedOverride;
   // Somebody's: faster than was asked for is faster than the URDF may allow. Slower is an operator's right.
   if (report.feedOverride > kWholeOverride) link_->write(grblOverride(1.0));
+  if (report.state != "Alarm") locked_ = false;  // somebody reset it
   const bool door = report.state == "Door";
   state_.held = report.restsInHold();
   if (door) return takeDoor(report.substate);
@@ -140,7 +142,7 @@ void GrblController::takeCondition(const GrblReport& report) {
 
 // It holds where it is: closed, it waits for ~resume; while it is open nothing may go on.
 void GrblController::takeDoor(int substate) {
-  if (substate == kGrblDoorClosed) {
+  if (substate == kGrblDoorClosed || substate == kGrblDoorRestores) {
     if (state_.alarm.text == kDoorText) state_.alarm = {};
   } else if (!state_.alarm.present()) {
     state_.alarm = {0, kDoorText, "close it, then call ~resume, or ~stop to give the motion up"};
@@ -212,9 +214,10 @@ void GrblController::takeAnswer(int code) {
   pump();
   if (code != 0 && clearing_) {
     clearing_ = false;
+    if (code == kCriticalEvent) locked_ = true;  // grblHAL: the next ~clear_alarm resets it first
     if (state_.alarm.present())
       state_.alarm.remedy = "the control refused to clear it, error " + std::to_string(code) + ": " +
-                            grblError(code).text + "; " + state_.alarm.remedy;
+                            grblError(code).text + "; " + alarmOf(state_.alarm.code).remedy;
   }
   const bool last = inFlight_.empty() && waiting_.empty();
   if (code != 0 && task_ != Task::kNone) {
@@ -235,6 +238,8 @@ void GrblController::takeAlarm(int code) {
   damaged_ = 0;
   if (code == kHomingRequired && task_ == Task::kHoming) return;  // of the other axes
   state_.alarm = alarmOf(code);
+  clearing_ = false;
+  state_.velocity.assign(map_->size(), 0.0);  // of a control that says nothing more, too
   if (!grblAlarmKeepsPosition(code)) homed_.assign(map_->size(), false);
   if (emergency_) state_.alarm = {};
   forgetLines();
@@ -266,7 +271,7 @@ void GrblController::takeWelcome() {
     if (stopSent_ <= resetAt_) stopAsked_ = false;  // else another feed hold is still on its way
     // What was asked for meanwhile went with the reset, too.
     if (!(movingOff_ && clearing_) || emergency_ || stopAsked_) finish(Outcome::kStopped);
-    if (clearing_) send("$X");
+    if (clearing_ && !emergency_) send("$X");
     return;
   }
   if (lastReport_ == 0.0) return;  // the answer to opening the line

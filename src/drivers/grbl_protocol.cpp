@@ -174,6 +174,8 @@ GrblWords grblError(int code) {
       return {"homing is required", "call ~home"};
     case 50:
       return {"its emergency stop input is active", "release it"};
+    case 79:
+      return {"it waits for a reset", "call ~clear_alarm once more"};
     default:
       return {"error " + std::to_string(code), "see the controller's manual"};
   }

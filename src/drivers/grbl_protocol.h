@@ -25,6 +25,7 @@ struct GrblReport {
   bool moves() const;        ///< its axes, for whomever; in a hold on the way to rest, too
   bool restsInHold() const;  ///< what is left of a motion waits, for ~resume or for the door
 };
+inline constexpr int kGrblDoorRestores = 3;
 inline constexpr int kGrblDoorClosed = 0,
                      kGrblDoorOpen = 1;  // substates at rest; 2, 3: on the way there or back
 /// @return nothing when it is no status report, or a damaged one.

@@ -141,6 +141,7 @@ class MotionControl {
   std::string stuckWords(const Current& current) const;
   void takeRest(const AxesState& state);
   void takeSurface(const AxesState& state);
+  void forgetSurface();
   void force(Outcome outcome, const std::string& why);
   void sendStop();
   bool atRest() const;

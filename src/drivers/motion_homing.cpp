@@ -61,8 +61,8 @@ void MotionControl::home(const std::vector<std::string>& names, const Mover& mov
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (state_.homed) homedHere_ = true;
-  touched_ = false;   // homing has led away from the surface
-  closedAt_.reset();  // with the zero that was before
+  touched_ = false;  // homing has led away from the surface
+  forgetSurface();
 }
 
 void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen) {

@@ -12,9 +12,11 @@ namespace {
 
 // An encoder at rest dithers by a digit, which its driver may call a velocity: rest is where the readings
 // stay.
-constexpr double kNoSpeed = 1e-6;                       // m/s or rad/s
-constexpr double kDither = 1e-6, kRotaryDither = 1e-5;  // m, rad
-constexpr double kStays = 0.1;                          // s
+constexpr double kNoSpeed = 1e-6;                         // m/s or rad/s
+constexpr double kDither = 1e-6, kRotaryDither = 1e-5;    // m, rad
+constexpr double kDeeper = 0.1e-3, kTurnedDeeper = 1e-3;  // m, rad further in: it leads on, not out
+constexpr double kBesideAWay = 5.0;  // times the rotary limit, where a linear way leads out meanwhile
+constexpr double kStays = 0.1;       // s
 
 }  // namespace
 
@@ -86,6 +88,7 @@ void MotionControl::loseDevice(const std::string& why) {
     lose(why, false);
     check_.forget();
     clock_.reset();
+    forgetSurface();
   }
   if (stop) sendStop();
   changed_.notify_all();
@@ -103,6 +106,7 @@ bool MotionControl::weigh(Observation& seen, double elapsed, double host) {
   if (state.resets != state_.resets) {
     check_.forget();
     clock_.reset();
+    forgetSurface();
     if (!capabilities_.positionSurvivesReset) homedHere_ = false;
     force(Outcome::kLost, "the controller was reset");
   }
@@ -112,6 +116,7 @@ bool MotionControl::weigh(Observation& seen, double elapsed, double host) {
   if (states_ == 0 || state.time > state_.time || state.resets != state_.resets) fresh_ = now;
   const double age = std::chrono::duration<double>(now - fresh_).count();
   if (!wrong.empty()) {
+    if (check_.jumped()) forgetSurface();
     lose(wrong, check_.jumped());
     return current_.has_value();
   }
@@ -145,6 +150,8 @@ bool MotionControl::weigh(Observation& seen, double elapsed, double host) {
 
 void MotionControl::take(const AxesState& state, double host) {
   const std::size_t axes = axes_.size();
+  const bool zeroed = !state.axisHomed.empty() && state.axisHomed != state_.axisHomed;
+  if (zeroed || state.homed != state_.homed) forgetSurface();
   state_ = state;
   if (state_.velocity.empty()) state_.velocity.assign(axes, std::nan(""));
   if (state_.limitSwitch.empty()) state_.limitSwitch.assign(axes, 0);
@@ -166,6 +173,12 @@ void MotionControl::takeRest(const AxesState& state) {
   restsSince_ = state.time;
 }
 
+// The place where the probe closed is of the zero that was.
+void MotionControl::forgetSurface() {
+  closedAt_.reset();
+  openSince_.reset();
+}
+
 // A switch that chatters has opened for good when it stays open for a while.
 void MotionControl::takeSurface(const AxesState& state) {
   if (state.probeClosed) {
@@ -174,8 +187,7 @@ void MotionControl::takeSurface(const AxesState& state) {
   } else if (closedAt_) {
     if (!openSince_) openSince_ = state.time;
     if (state.time - *openSince_ < settings_.settle) return;
-    closedAt_.reset();
-    openSince_.reset();
+    forgetSurface();
   }
 }
 
@@ -213,24 +225,28 @@ void MotionControl::watchProbe(const AxesState& state, const std::vector<ProbeEd
 }
 
 // However many motions lead on from where the probe closed: what a surface lets go of opens within a short
-// way.
+// way. Whoever stands deeper than that already, as after a fast collision, may move as long as it leads out.
 std::string MotionControl::stuckWords(const Current& current) const {
-  const std::vector<double>& from = closedAt_ ? *closedAt_ : current.from;
-  double way = 0.0, turn = 0.0;
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    const double gone = state_.position[j] - from[j];
-    if (joints_[j].kind == JointKind::kLinear)
-      way = std::hypot(way, gone);
-    else
-      turn = std::max(turn, std::abs(gone));
-  }
-  if (way <= settings_.escape && turn <= settings_.rotaryEscape) return {};
+  const std::vector<double>& surface = closedAt_ ? *closedAt_ : current.from;
+  const auto away = [&](const std::vector<double>& at, JointKind kind) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < axes_.size(); ++j)
+      if (joints_[j].kind == kind) sum = std::hypot(sum, at[j] - surface[j]);
+    return sum;
+  };
+  const auto beyond = [&](JointKind kind, double escape, double slack) {
+    const double now = away(state_.position, kind);
+    return now > escape && now > away(current.from, kind) + slack ? now : 0.0;
+  };
+  const double way = beyond(JointKind::kLinear, settings_.escape, kDeeper);
+  const double turns = away(state_.position, JointKind::kLinear) > kDeeper ? kBesideAWay : 1.0;
+  const double turn = beyond(JointKind::kRotary, turns * settings_.rotaryEscape, kTurnedDeeper);
+  if (!(way > 0.0) && !(turn > 0.0)) return {};
   char text[200];
   std::snprintf(text, sizeof text,
                 "the probe stayed closed for %.3g %s of the way; it sticks, or the way leads into something. "
                 "All axes were stopped",
-                way > settings_.escape ? way / kMillimetre : turn / kDegree,
-                way > settings_.escape ? "mm" : "deg");
+                way > 0.0 ? way / kMillimetre : turn / kDegree, way > 0.0 ? "mm" : "deg");
   return text;
 }
 

@@ -59,7 +59,10 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
   temperatureRate_ = numberParameter(own, "temperature_rate", 1.0, 1e-3, 100.0);
   timeFactor_ = numberParameter(own, "time_factor", 1.0, 1e-3, 1000.0);
   travel_.assign(control_.axes().size(), 0);
-  for (const Joint& joint : control_.joints()) trackers_.emplace_back(travelDeadband(joint.kind));
+  for (const Joint& joint : control_.joints()) {
+    trackers_.emplace_back(travelDeadband(joint.kind));
+    axisHomed_.push_back(false);
+  }
   jointsOut_ = node.advertise<sensor_msgs::JointState>("joint_states", 1000);
   statusOut_ = own.advertise<measuring_machine::AxisStatus>("status", 100, true);
   motionOut_ = own.advertise<measuring_machine::MotionStatus>("motion", 100, true);
@@ -137,6 +140,8 @@ void AxisDriver::cycle(double elapsed) {
       }
       const auto ns = static_cast<std::int64_t>(stamp.toNSec());
       for (std::size_t j = 0; j < travel_.size(); ++j) {
+        if (seen->state.axisHomed[j] && !axisHomed_[j]) trackers_[j].countAnew();
+        axisHomed_[j] = seen->state.axisHomed[j];
         trackers_[j].take(ns, seen->state.position[j], seen->state.velocity[j]);
         travel_[j] = static_cast<std::int8_t>(trackers_[j].direction());
       }

@@ -101,6 +101,7 @@ class AxisDriver {
   MotionControl::Observation last_;
   ros::Time homedAt_, lastStamp_;
   std::vector<TravelTracker> trackers_;         // of each axis
+  std::vector<bool> axisHomed_;                 // by the last state
   std::vector<std::int8_t> travel_;             // of each axis: direction of its last motion; 0: none yet
   std::string shown_, shownMotion_, lostSaid_;  // as last published
   ros::Time nextStatus_, nextMotion_, nextTemperature_;

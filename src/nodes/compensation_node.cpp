@@ -159,10 +159,9 @@ void CompensationNode::takeHoming(const sensor_msgs::JointState& message) {
   for (const std::string& name : message.name) {
     const int joint = machine_.findJoint(name);
     if (joint < 0) continue;
-    const auto change = homing_.take(joint, {homing.homed, nanoseconds(homing.at)});
-    if (change == HomingWatch::Change::kForget) inputs_.forgetTravel(joint);
-    if (change == HomingWatch::Change::kCountAnew) inputs_.countAnew(joint);
-    changed = changed || change != HomingWatch::Change::kNone;
+    if (!homing_.take(joint, {homing.homed, nanoseconds(homing.at)})) continue;
+    inputs_.forgetTravel(joint);
+    changed = true;
   }
   if (!changed) return;
   inputs_.setTimeZero(homing_.zero());

@@ -4,14 +4,12 @@
 
 namespace mm {
 
-HomingWatch::Change HomingWatch::take(int joint, const Told& told) {
+bool HomingWatch::take(int joint, const Told& told) {
   Joint& j = joints_[joint];
-  const Joint before = j;
+  const bool same = j.byState && told.homed == j.told.homed && told.at == j.told.at;
   j.byState = j.known = true;
   j.told = told;
-  if (!before.byState) return Change::kForget;
-  if (told.homed == before.told.homed && told.at == before.told.at) return Change::kNone;
-  return told.homed && !before.told.homed ? Change::kCountAnew : Change::kForget;
+  return !same;
 }
 
 void HomingWatch::takeStatus(int joint, const Told& told) {

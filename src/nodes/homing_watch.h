@@ -13,16 +13,11 @@ class HomingWatch {
     bool homed = false;
     std::int64_t at = 0;  // of the homing; 0: not homed
   };
-  enum class Change {
-    kNone,
-    kForget,    // how it moved until now is not known: another driver, or another life of it
-    kCountAnew  // it was seen to be homed: its readings have another zero, its motion was seen
-  };
-
   explicit HomingWatch(std::size_t joints) : joints_(joints) {}
 
-  /// As a joint state says it.
-  Change take(int joint, const Told& told);
+  /// As a joint state says it. @return true when its zero is another one: how it moved until now says
+  /// nothing.
+  bool take(int joint, const Told& told);
   /// As a status says it; counts for a joint whose states do not.
   void takeStatus(int joint, const Told& told);
   /// Whether a status that tells of a homing at `at` is of the life that the joint's states are of.

@@ -75,7 +75,7 @@ class LiveInputs::History final : public YoungHistory {
   /// s since its first value.
   double heardFor(int sensor) const {
     const std::vector<double>& times = inputs_.sensors_[sensors_[sensor]].history.time;
-    return times.empty() ? 0.0 : now() - times.front();
+    return times.empty() ? 0.0 : std::max(0.0, now() - times.front());
   }
 
   const LiveInputs& inputs_;
@@ -110,8 +110,6 @@ bool LiveInputs::concerns(const std::vector<std::string>& names) const {
 }
 
 void LiveInputs::forgetTravel(int joint) { travel_[joint].forget(); }
-
-void LiveInputs::countAnew(int joint) { travel_[joint].countAnew(); }
 
 void LiveInputs::forget() {
   std::fill(seen_.begin(), seen_.end(), 0);

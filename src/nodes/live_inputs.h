@@ -48,8 +48,6 @@ class LiveInputs {
   void takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel);
   /// How the joint moved before is not known.
   void forgetTravel(int joint);
-  /// Its readings count from another zero from the next one on.
-  void countAnew(int joint);
   /// What `t = 0` is: the last homing, or the session's start. 0: not known.
   void setTimeZero(std::int64_t stamp) { zero_ = stamp; }
 

@@ -31,6 +31,8 @@ std::optional<OtherLatch> otherLatchOf(const std::string& joint, const measuring
     const auto found = std::find(other.name.begin(), other.name.end(), joint);
     const std::size_t i = static_cast<std::size_t>(found - other.name.begin());
     if (found == other.name.end() || i >= other.position.size()) continue;
+    if (other.header.stamp < restFrom(first) || other.header.stamp > restTo(first))
+      continue;  // another touch's
     const double away = std::abs((other.header.stamp - first.header.stamp).toSec());
     if (nearest && away >= nearestAway) continue;
     nearestAway = away;

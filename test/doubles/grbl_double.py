@@ -99,7 +99,10 @@ class Grbl(device_double.Double):
     def soft_reset(self):
         moving = self.state in ("Run", "Jog", "Hold:1", "Door:2") and self.machine.moving()
         homing = self.state == "Home"
+        kept = self.alarm if self.hal and self.state == "Alarm" else 0  # grblHAL stays locked over a reset
         self.fresh(position_lost=False)
+        if kept:
+            self.state, self.alarm = "Alarm", kept
         if moving or homing:
             self.homed = False
         if homing:
@@ -135,8 +138,8 @@ class Grbl(device_double.Double):
         return ",".join("%.4f" % (v / INCH) for v in values) if self.settings[13] else ",".join("%.3f" % v for v in values)
 
     def report(self):
-        if self.state == "Home" or self.critical:
-            return  # grbl does not report while it homes, nor after a limit until it is reset
+        if not self.hal and (self.state == "Home" or self.critical):
+            return  # grbl 1.1 does not report while it homes, nor after a limit until it is reset; grblHAL does
         state = "Alarm:%d" % self.alarm if self.state == "Alarm" and self.hal and self.alarm else self.state
         pins = "".join(LETTERS[i] for i in range(self.machine.axes) if self.machine.limits[i])
         if self.machine.closed():
@@ -157,7 +160,7 @@ class Grbl(device_double.Double):
         if self.fault == "stuck" and not self.job:
             return
         self.advance(seconds)
-        while self.lines and not self.blocking() and not self.critical:
+        while self.lines and not self.blocking() and (self.hal or not self.critical):
             line, length = self.lines.pop(0)
             self.buffer -= length
             self.interpret(line.strip().upper())
@@ -228,6 +231,8 @@ class Grbl(device_double.Double):
             return
         if not line:
             return self.out("ok")
+        if self.critical:
+            return self.out("error:79")  # of grblHAL; grbl 1.1 does not even answer
         if line[0] == "$":
             return self.system(line)
         if self.state == "Alarm":

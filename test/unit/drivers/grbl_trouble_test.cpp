@@ -36,6 +36,16 @@ TEST_F(GrblTroubleTest, AControlThatWaitsForItsResetAfterALimitIsNotLost) {
   double_->tell("limit 0 0");
 }
 
+TEST_F(GrblTroubleTest, GrblHalReportsInsteadAndStaysLockedOverAReset) {
+  begin();
+  runIntoTheLimit();
+  expectWords(refusal([&] { home(); }), "call ~clear_alarm first");
+  EXPECT_EQ(refusal([&] { control_->clearAlarm(); }), "");
+  double_->tell("limit 0 0");
+  home();
+  EXPECT_EQ(go(kNear).outcome, Outcome::kReached);
+}
+
 TEST_F(GrblTroubleTest, ASwitchThatOpensIsAnAlarmOfGrblAndTheWayOffALimitGoesOn) {
   begin({"--no-hal"});
   runIntoTheLimit();

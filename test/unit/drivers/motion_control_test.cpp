@@ -199,6 +199,41 @@ TEST_F(MotionControlTest, SeveralShortMotionsDoNotLeadIntoASurfaceEither) {
   EXPECT_EQ(away.get().outcome, Outcome::kReached);
 }
 
+TEST_F(MotionControlTest, WhoeverStandsDeepAfterAFastCollisionMayLeave) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  ASSERT_EQ(report.get().outcome, Outcome::kTripped);
+  for (int i = 0; i < 75; ++i) {  // the way to rest, 3 mm
+    const double before = control_->view().state.position[0];
+    controller_->set([](AxesState& state) { state.position[0] += 40e-6; });
+    ASSERT_TRUE(await([&] { return control_->view().state.position[0] > before; }));
+  }
+  const double deep = control_->view().state.position[0];
+  const MotionControl::Report further = go({deep + 1e-3, 0.0, 0.0}, 0.01);
+  EXPECT_EQ(further.outcome, Outcome::kTripped) << "further in";
+  auto away = start({0.0, 0.0, 0.0}, 0.01);
+  ASSERT_TRUE(await([&] { return control_->view().state.position[0] < deep - 1e-3; }));
+  controller_->set([](AxesState& state) { state.probeClosed = false; });
+  const MotionControl::Report left = away.get();
+  EXPECT_EQ(left.outcome, Outcome::kReached) << left.message;
+}
+
+TEST_F(MotionControlTest, ThePlaceOfASurfaceIsOfItsZero) {
+  home();
+  auto report = start({0.010, 0.0, 0.0});
+  controller_->set([](AxesState& state) { state.probeClosed = true; });
+  ASSERT_EQ(report.get().outcome, Outcome::kTripped);
+  controller_->set([](AxesState& state) {  // it begins anew, and counts from where it stands
+    ++state.resets;
+    state.position = {0.5e-3, 0.0, 0.0};
+    state.axisHomed.assign(3, false);
+  });
+  ASSERT_TRUE(await([&] { return !control_->view().state.homed; }));
+  home();  // half a millimetre, and the probe closed
+  EXPECT_TRUE(control_->view().state.homed);
+}
+
 TEST_F(MotionControlTest, HomingEndsWhereTheProbeStaysClosed) {
   controller_->set([](AxesState& state) { state.probeClosed = true; });
   ASSERT_TRUE(await([&] { return control_->view().state.probeClosed; }));

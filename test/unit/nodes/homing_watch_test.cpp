@@ -5,7 +5,6 @@
 namespace mm {
 namespace {
 
-using Change = HomingWatch::Change;
 constexpr std::int64_t kFirst = 1000, kSecond = 2000;
 
 // before: the last driver that spoke was believed for all
@@ -25,21 +24,21 @@ TEST(HomingWatch, OneDriverThatIsNotHomedKeepsTheMachineWithoutAZero) {
 // before: the direction of travel was forgotten at every message
 TEST(HomingWatch, DriversThatWereHomedAtDifferentTimesDisturbNoOther) {
   HomingWatch watch(2);
-  EXPECT_EQ(watch.take(0, {true, kFirst}), Change::kForget) << "how it moved before is not known";
-  EXPECT_EQ(watch.take(1, {true, kSecond}), Change::kForget);
+  EXPECT_TRUE(watch.take(0, {true, kFirst})) << "how it moved before is not known";
+  EXPECT_TRUE(watch.take(1, {true, kSecond}));
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(watch.take(0, {true, kFirst}), Change::kNone);
-    EXPECT_EQ(watch.take(1, {true, kSecond}), Change::kNone);
+    EXPECT_FALSE(watch.take(0, {true, kFirst}));
+    EXPECT_FALSE(watch.take(1, {true, kSecond}));
     EXPECT_EQ(watch.zero(), kSecond);
   }
 }
 
-TEST(HomingWatch, AHomingThatWasSeenCountsAnewAndAnotherLifeIsForgotten) {
+TEST(HomingWatch, AnotherHomingAndAnotherLifeAreAnotherZero) {
   HomingWatch watch(1);
   watch.take(0, {false, 0});
-  EXPECT_EQ(watch.take(0, {true, kFirst}), Change::kCountAnew);
-  EXPECT_EQ(watch.take(0, {true, kSecond}), Change::kForget) << "homed while nobody listened";
-  EXPECT_EQ(watch.take(0, {false, 0}), Change::kForget) << "killed and started again";
+  EXPECT_TRUE(watch.take(0, {true, kFirst}));
+  EXPECT_TRUE(watch.take(0, {true, kSecond})) << "homed while nobody listened";
+  EXPECT_TRUE(watch.take(0, {false, 0})) << "killed and started again";
 }
 
 TEST(HomingWatch, AStatusCountsWhereTheStatesDoNotSay) {
