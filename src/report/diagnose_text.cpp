@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "base/units.h"
-#include "diagnosis/verdict.h"
 #include "diagnosis/noise_words.h"
+#include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
 #include "report/text.h"
 #include "report/text_parts.h"

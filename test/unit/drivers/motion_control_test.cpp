@@ -234,16 +234,6 @@ TEST_F(MotionControlTest, ThePlaceOfASurfaceIsOfItsZero) {
   EXPECT_TRUE(control_->view().state.homed);
 }
 
-TEST_F(MotionControlTest, HomingEndsWhereTheProbeStaysClosed) {
-  controller_->set([](AxesState& state) { state.probeClosed = true; });
-  ASSERT_TRUE(await([&] { return control_->view().state.probeClosed; }));
-  expectWords(refusal([&] { home(); }), "homing did not end: the probe stayed closed for 2");
-  EXPECT_FALSE(control_->view().state.homed);
-  controller_->set([](AxesState& state) { state.probeClosed = false; });
-  ASSERT_TRUE(await([&] { return !control_->view().state.probeClosed; }));
-  home();
-}
-
 // before: "whether the axes rest is not known", after 5 s
 TEST_F(MotionControlTest, StopAnswersBesideAnEncoderThatDithers) {
   home();
