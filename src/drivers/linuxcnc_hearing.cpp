@@ -135,8 +135,9 @@ void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
   state_.held = task_ != Task::kNone && now.feedOverride == 0.0 && now.came - still_ >= kStill;
   off_ = now.on ? 0.0 : off_ > 0.0 ? off_ : now.came;
   state_.alarm = {};
-  if (now.emergency || now.on) return;
   const std::string onLimit = axisOnLimit();
+  // Switched on beside a closed switch it goes off again at once: for a round it looks cleared.
+  if (now.emergency || (now.on && onLimit.empty())) return;
   state_.alarm = {0, "LinuxCNC's machine is off", "call ~clear_alarm to switch it on"};
   if (!onLimit.empty()) {
     // linuxcncrsh takes no override of limits while the machine is off, and it goes off at once.

@@ -15,8 +15,7 @@ namespace {
 constexpr double kNoSpeed = 1e-6;                         // m/s or rad/s
 constexpr double kDither = 1e-6, kRotaryDither = 1e-5;    // m, rad
 constexpr double kDeeper = 0.1e-3, kTurnedDeeper = 1e-3;  // m, rad further in: it leads on, not out
-constexpr double kBesideAWay = 5.0;  // times the rotary limit, where a linear way leads out meanwhile
-constexpr double kStays = 0.1;       // s
+constexpr double kStays = 0.1;                            // s
 
 }  // namespace
 
@@ -240,8 +239,11 @@ std::string MotionControl::stuckWords(const Current& current) const {
     return now > escape && now > away(current.from, kind) + slack ? now : 0.0;
   };
   const double way = beyond(JointKind::kLinear, settings_.escape, kDeeper);
-  const double turns = away(state_.position, JointKind::kLinear) > kDeeper ? kBesideAWay : 1.0;
-  const double turn = beyond(JointKind::kRotary, turns * settings_.rotaryEscape, kTurnedDeeper);
+  double gone = 0.0;  // since this motion began: who retracts along a way may turn as far as he likes
+  for (std::size_t j = 0; j < axes_.size(); ++j)
+    if (joints_[j].kind == JointKind::kLinear) gone = std::hypot(gone, state_.position[j] - current.from[j]);
+  const double turn =
+      gone > kDeeper ? 0.0 : beyond(JointKind::kRotary, settings_.rotaryEscape, kTurnedDeeper);
   if (!(way > 0.0) && !(turn > 0.0)) return {};
   char text[200];
   std::snprintf(text, sizeof text,
