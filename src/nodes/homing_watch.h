@@ -13,6 +13,7 @@ class HomingWatch {
     bool homed = false;
     std::int64_t at = 0;  // of the homing; 0: not homed
   };
+  /// Nothing is known of any of so many joints.
   explicit HomingWatch(std::size_t joints) : joints_(joints) {}
 
   /// As a joint state says it. @return true when its zero is another one: how it moved until now says

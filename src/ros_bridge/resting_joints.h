@@ -20,8 +20,9 @@ class RestingJoints {
     double apart = 0.0;     // s from a moment of the interval to the farther of the states around it
   };
 
-  void take(const sensor_msgs::JointState& message);
-  void take(const measuring_machine::AxisStatus& message);
+  void take(const sensor_msgs::JointState& message);  ///< where its joints are
+  void take(
+      const measuring_machine::AxisStatus& message);  ///< whether they are homed, without a fault, and move
   /// Whether a state of the joint is known that is not before this time.
   bool heard(const std::string& joint, const ros::Time& until) const;
   /// Of the states from the last before the interval to the first behind it. It rested where its driver, all
