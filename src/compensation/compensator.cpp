@@ -150,8 +150,10 @@ void Compensator::addPast(const State& state, const Part& part, Workspace& work,
   c.covariance += off * off.transpose();
   c.note +=
       (c.note.empty() ? "" : "; ") +
-      format("what lags behind the temperatures may be off by %.3g um: they were not heard for long enough",
-             off.norm() / kMicrometre);
+      format(
+          "what lags behind the temperatures may be off by %.3g um (one standard deviation): they were not "
+          "heard for long enough",
+          off.norm() / kMicrometre);
 }
 
 Correction Compensator::apply(const State& state, const MovingState* moved, Workspace& work) const {

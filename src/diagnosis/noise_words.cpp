@@ -28,8 +28,7 @@ std::string artifactSentence(const Diagnosis& d, const ArtifactScatter& scatter)
          scatter.what + " scatter by " + errorInWords(scatter.std, d.angular) + " about the " + what +
          " in the artifact file: that is wrong, or the machine errs as this session cannot show. Calibrate "
          "the artifact, or turn it by 90 degrees and measure it again: its own errors turn with it, those of "
-         "the "
-         "machine do not.";
+         "the machine do not.";
 }
 
 std::string driftingQuantity(const DriftResult& drift) {

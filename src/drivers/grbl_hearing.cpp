@@ -1,9 +1,9 @@
 // What a grbl control says, of itself and of its motions, and how it ends one.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
+#include "base/format.h"
 #include "drivers/grbl_controller.h"
 
 namespace mm {
@@ -331,13 +331,10 @@ Capabilities GrblController::capabilities() const {
   if (hal_ && !can.homingByAxis)
     can.notes.push_back(
         "single axes cannot be homed ($22 lacks 2): all are homed together, in the control's own order");
-  if (setting(1) < kAlwaysOn) {
-    char text[120];
-    std::snprintf(text, sizeof text,
-                  "the motors are switched off %g ms after a motion ($1); $1=255 keeps them in their place",
-                  setting(1));
-    can.notes.push_back(text);
-  }
+  if (setting(1) < kAlwaysOn)
+    can.notes.push_back(
+        format("the motors are switched off %g ms after a motion ($1); $1=255 keeps them in their place",
+               setting(1)));
   if (setting(22) == 0.0) can.notes.push_back("homing is not enabled at the control ($22=0)");
   if (setting(21) == 0.0) can.notes.push_back("hard limits are not enabled at the control ($21=0)");
   return can;

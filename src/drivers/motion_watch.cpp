@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "drivers/motion_control.h"
 
@@ -245,12 +246,10 @@ std::string MotionControl::stuckWords(const Current& current) const {
   const double turn =
       gone > kDeeper ? 0.0 : beyond(JointKind::kRotary, settings_.rotaryEscape, kTurnedDeeper);
   if (!(way > 0.0) && !(turn > 0.0)) return {};
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "the probe stayed closed for %.3g %s of the way; it sticks, or the way leads into something. "
-                "All axes were stopped",
-                way > 0.0 ? way / kMillimetre : turn / kDegree, way > 0.0 ? "mm" : "deg");
-  return text;
+  return format(
+      "the probe stayed closed for %.3g %s of the way; it sticks, or the way leads into something. All axes "
+      "were stopped",
+      way > 0.0 ? way / kMillimetre : turn / kDegree, way > 0.0 ? "mm" : "deg");
 }
 
 bool MotionControl::atRest() const {

@@ -126,7 +126,7 @@ measuring_machine::ProbeLatch joinLatches(const measuring_machine::ProbeLatch& f
       joined.velocity.push_back(other->velocity);
       continue;
     }
-    const RestingJoints::Rest rest = resting.over(joint.name, restFrom(first), restTo(first), bound);
+    const RestingJoints::Rest rest = resting.over(joint, restFrom(first), restTo(first), bound);
     if (!rest.why.empty() && other)
       throw InputError("joint '" + joint.name + "' was latched by another controller within " +
                        std::to_string(1e3 * other->apart) +

@@ -17,8 +17,8 @@
 namespace mm {
 
 /// Collects the live session from the topics that a session is recorded from. /artifact with a new stamp
-/// begins a new session; so does a clock that goes back. Temperatures and covariates are found by their
-/// topics' names. Thread-safe.
+/// begins a new session; so does a clock that goes back, as two contacts in a row say. Temperatures and
+/// covariates are found by their topics' names. Thread-safe.
 class LiveSession {
  public:
   explicit LiveSession(ros::NodeHandle node);  ///< subscribes

@@ -44,10 +44,10 @@ bool RestingJoints::heard(const std::string& joint, const ros::Time& until) cons
          found->second.positions.back().stamp >= until;
 }
 
-RestingJoints::Rest RestingJoints::over(const std::string& joint, const ros::Time& from, const ros::Time& to,
+RestingJoints::Rest RestingJoints::over(const Joint& joint, const ros::Time& from, const ros::Time& to,
                                         double resolution) const {
   Rest rest;
-  const auto found = joints_.find(joint);
+  const auto found = joints_.find(joint.name);
   if (found == joints_.end() || found->second.positions.empty() || found->second.said.empty()) {
     rest.why = "no driver tells where it is";
     return rest;
@@ -70,8 +70,9 @@ RestingJoints::Rest RestingJoints::over(const std::string& joint, const ros::Tim
   const auto [least, most] = std::minmax_element(
       first - 1, last + 1, [](const Position& a, const Position& b) { return a.value < b.value; });
   if (!(most->value - least->value <= resolution)) {
-    rest.why = format("it moved by %.3g um or urad in the %.0f ms around it",
-                      1e6 * (most->value - least->value), 1e3 * (last->stamp - (first - 1)->stamp).toSec());
+    rest.why = format("it moved by %.3g %s in the %.0f ms around it", 1e6 * (most->value - least->value),
+                      joint.kind == JointKind::kRotary ? "urad" : "um",
+                      1e3 * (last->stamp - (first - 1)->stamp).toSec());
     return rest;
   }
   rest.position = 0.5 * (least->value + most->value);

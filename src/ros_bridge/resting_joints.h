@@ -6,6 +6,8 @@
 #include <map>
 #include <string>
 
+#include "machine/machine.h"
+
 namespace mm {
 
 /// Which joints rest, by their joint states and by what their drivers say: a joint that does not move is
@@ -20,15 +22,16 @@ class RestingJoints {
     double apart = 0.0;     // s from a moment of the interval to the farther of the states around it
   };
 
-  void take(const sensor_msgs::JointState& message);  ///< where its joints are
-  void take(
-      const measuring_machine::AxisStatus& message);  ///< whether they are homed, without a fault, and move
+  /// Where its joints are.
+  void take(const sensor_msgs::JointState& message);
+  /// Whether they are homed, without a fault, and move.
+  void take(const measuring_machine::AxisStatus& message);
   /// Whether a state of the joint is known that is not before this time.
   bool heard(const std::string& joint, const ros::Time& until) const;
   /// Of the states from the last before the interval to the first behind it. It rested where its driver, all
   /// the while, said that it is homed, without a fault and does not move, and these states differ by no more
   /// than the resolution. @param resolution m or rad.
-  Rest over(const std::string& joint, const ros::Time& from, const ros::Time& to, double resolution) const;
+  Rest over(const Joint& joint, const ros::Time& from, const ros::Time& to, double resolution) const;
   void forget() { joints_.clear(); }  ///< e.g. after the clock went back
 
  private:
@@ -40,11 +43,11 @@ class RestingJoints {
     ros::Time stamp;
     std::string why;  // it is not at rest; empty: it is
   };
-  struct Joint {
+  struct Track {
     std::deque<Position> positions;
     std::deque<Said> said;
   };
-  std::map<std::string, Joint> joints_;
+  std::map<std::string, Track> joints_;
 };
 
 }  // namespace mm

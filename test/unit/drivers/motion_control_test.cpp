@@ -67,6 +67,13 @@ class MotionControlTest : public MotionFixture {
     return report;
   }
   void home() { control_->home({}, {"test", 0}); }
+  /// Homes, positions along x, and meets something on the way.
+  MotionControl::Report meetSomething() {
+    home();
+    auto report = start({0.010, 0.0, 0.0});
+    controller_->set([](AxesState& state) { state.probeClosed = true; });
+    return report.get();
+  }
 
   Machine machine_ = Machine::load("three_axis");
   std::shared_ptr<FakeController> controller_;
@@ -182,10 +189,7 @@ TEST_F(MotionControlTest, ATripWhilePositioningStopsAllAxes) {
 
 // before: each of these was counted from where it began
 TEST_F(MotionControlTest, SeveralShortMotionsDoNotLeadIntoASurfaceEither) {
-  home();
-  auto report = start({0.010, 0.0, 0.0});
-  controller_->set([](AxesState& state) { state.probeClosed = true; });
-  const MotionControl::Report trip = report.get();
+  const MotionControl::Report trip = meetSomething();
   ASSERT_EQ(trip.outcome, Outcome::kTripped);
   MotionControl::Report further;
   for (int i = 1; i <= 4 && further.outcome == Outcome::kReached; ++i)
@@ -200,10 +204,7 @@ TEST_F(MotionControlTest, SeveralShortMotionsDoNotLeadIntoASurfaceEither) {
 }
 
 TEST_F(MotionControlTest, WhoeverStandsDeepAfterAFastCollisionMayLeave) {
-  home();
-  auto report = start({0.010, 0.0, 0.0});
-  controller_->set([](AxesState& state) { state.probeClosed = true; });
-  ASSERT_EQ(report.get().outcome, Outcome::kTripped);
+  ASSERT_EQ(meetSomething().outcome, Outcome::kTripped);
   for (int i = 0; i < 75; ++i) {  // the way to rest, 3 mm
     const double before = control_->view().state.position[0];
     controller_->set([](AxesState& state) { state.position[0] += 40e-6; });
@@ -220,10 +221,7 @@ TEST_F(MotionControlTest, WhoeverStandsDeepAfterAFastCollisionMayLeave) {
 }
 
 TEST_F(MotionControlTest, ThePlaceOfASurfaceIsOfItsZero) {
-  home();
-  auto report = start({0.010, 0.0, 0.0});
-  controller_->set([](AxesState& state) { state.probeClosed = true; });
-  ASSERT_EQ(report.get().outcome, Outcome::kTripped);
+  ASSERT_EQ(meetSomething().outcome, Outcome::kTripped);
   controller_->set([](AxesState& state) {  // it begins anew, and counts from where it stands
     ++state.resets;
     state.position = {0.5e-3, 0.0, 0.0};
