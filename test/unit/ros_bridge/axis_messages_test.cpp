@@ -117,7 +117,7 @@ TEST_F(AJointThatNobodyLatched, IsRefusedWhereItBeganToMoveAroundTheContact) {
 TEST_F(AJointThatNobodyLatched, IsRefusedWhereItsStatesShowMotionThatItsDriverDoesNot) {
   says(99.0, false);
   states(98.0, 100.2, 1e-5);
-  expectRefused("it moved by 1.4 um or urad in the 140 ms around it; wire the probe's switch");
+  expectRefused("it moved by 1.4 um in the 140 ms around it; wire the probe's switch");
 }
 
 TEST_F(AJointThatNobodyLatched, IsRefusedWithoutStatesOnBothSidesOrWithoutAZero) {
