@@ -62,7 +62,7 @@ void MeasureNode::giveAxes() {
 
 // Whoever cancels does not want the tip to stay on the ball: what leaves a surface is not cancelled, only
 // stopped.
-bool MeasureNode::cancelAsked() { return !ros::ok() || (server_.isPreemptRequested() && !leaving_); }
+bool MeasureNode::cancelAsked() { return !ros::ok() || (cancel_ && !leaving_); }
 
 void MeasureNode::goOn() {
   if (cancelAsked()) throw Cancelled("cancelled");

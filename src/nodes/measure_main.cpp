@@ -5,8 +5,8 @@ int main(int argc, char** argv) {
   return mm::runNode(argc, argv, "measure", [] {
     ros::NodeHandle node, own("~");
     ros::AsyncSpinner spinner(3);
-    spinner.start();
     const mm::MeasureNode measure(node, own, mm::machineFromParameter(node));
+    spinner.start();
     ros::waitForShutdown();
   });
 }

@@ -78,6 +78,7 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
   updater_.add("plan", this, &MeasureNode::diagnose);
   timer_ =
       node.createWallTimer(ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { updater_.update(); });
+  server_.registerPreemptCallback([this] { cancel_ = true; });
   server_.start();
 }
 
@@ -155,6 +156,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     blockedWays_.clear();
   };
   begin();
+  if (server_.isPreemptRequested()) cancel_ = true;  // asked for before the goal's turn had come
   try {
     const Plan plan = loadPlan(goal->plan);
     for (const PlanMove& move : plan.moves)
@@ -191,6 +193,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     }
     server_.setAborted(result, result.message);
   }
+  cancel_ = false;  // the next goal's turn comes after this
 }
 
 void MeasureNode::runFrom(const Plan& plan, std::size_t first) {

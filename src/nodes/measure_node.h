@@ -85,10 +85,11 @@ class MeasureNode {
   int left_ = 0;                 // ways back from a surface that the probe ended
   measuring_machine::MeasureFeedback feedback_;
   std::atomic<bool> paused_{false};
-  std::uint32_t measured_ = 0;  // contacts in the session
-  bool leaving_ = false;        // the way back from a touch
-  ros::Time announced_;         // the stamp of the session
-  std::string announcedPlan_;   // its text
+  std::uint32_t measured_ = 0;       // contacts in the session
+  bool leaving_ = false;             // the way back from a touch
+  std::atomic<bool> cancel_{false};  // of the goal under way, or another goal has come
+  ros::Time announced_;              // the stamp of the session
+  std::string announcedPlan_;        // its text
   std::mutex mutex_;
   std::condition_variable contact_;  // or arrival
   std::uint64_t contacts_ = 0;       // seen on /probe/contact

@@ -115,8 +115,7 @@ TEST_F(GrblTest, StopRestsKeepsThePositionAndHoming) {
 }
 
 TEST_F(GrblTest, AReportFromBeforeAStopDoesNotEndIt) {
-  silence_ = 3.0;
-  begin({}, {{"silence", "3"}});
+  begin();
   ASSERT_EQ(arrive(kNear).outcome, Outcome::kReached);
   for (int i = 0; i < 7; ++i) {
     // More than one question is open then; what answers the second one left the control before the stop. What
@@ -218,7 +217,7 @@ TEST_F(GrblTest, EveryFaultOfTheLineIsSaidAndNothingMovesThatShouldNot) {
                                                                    {"wrong", "the position of x jumped by"},
                                                                    {"slow", "late"},
                                                                    {"intermittent", "no status report for"}};
-  late_ = MotionControl::Settings{}.late;
+  watchAsTheDriver();
   begin();
   for (const auto& [fault, words] : faults) {
     const MotionControl::Report went = arrive(kNear);

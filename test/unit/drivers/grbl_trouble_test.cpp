@@ -24,6 +24,7 @@ class GrblTroubleTest : public GrblTest {
 
 // before: lost, and connected again without end
 TEST_F(GrblTroubleTest, AControlThatWaitsForItsResetAfterALimitIsNotLost) {
+  watchAsTheDriver();
   begin({"--no-hal"});
   runIntoTheLimit();
   // longer than it may be silent

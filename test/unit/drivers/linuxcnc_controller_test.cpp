@@ -27,7 +27,8 @@ class LinuxCncTest : public DeviceMotionFixture {
     control(std::make_shared<LinuxCncController>(), {{"address", double_->address()},
                                                      {"coordinates", "XYZAB"},
                                                      {"poll_rate", "100"},
-                                                     {"connect_timeout", std::to_string(kConnect)}});
+                                                     {"connect_timeout", std::to_string(kConnect)},
+                                                     {"silence", std::to_string(linkSilence_)}});
   }
   void readyAt(const std::vector<double>& at) {
     ASSERT_TRUE(await([&] { return refusal([&] { control_->resetEmergencyStop(); }).empty(); }));
@@ -39,7 +40,7 @@ class LinuxCncTest : public DeviceMotionFixture {
 
 class LinuxCncFaultsTest : public LinuxCncTest {
  protected:
-  LinuxCncFaultsTest() { late_ = MotionControl::Settings{}.late; }
+  LinuxCncFaultsTest() { watchAsTheDriver(); }
 };
 
 TEST_F(LinuxCncTest, HomesGoesProbesStops) {
