@@ -339,14 +339,16 @@ void LinuxCncController::emergencyStop() { talk_->emergencyStop("estop on"); }
 void LinuxCncController::feedHold(bool hold) {
   const std::lock_guard<std::mutex> feed(feedMutex_);
   holding_ = hold;
-  if (!hold) stands_ = giveBack_ = false;
+  if (!hold) stands_ = giveBack_ = owed_ = false;
   talk_->command({overrideLine(hold)});
 }
 
 void LinuxCncController::setOverride(double share) {
   const std::lock_guard<std::mutex> feed(feedMutex_);
   share_ = share;
-  if (!holding_ && !stands_) talk_->command({overrideLine(false)});  // else with the end of the hold
+  if (holding_) return;  // with the end of the hold
+  owed_ = stands_;
+  if (!stands_) talk_->command({overrideLine(false)});
 }
 
 std::string LinuxCncController::overrideLine(bool hold) const {

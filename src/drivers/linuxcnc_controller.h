@@ -96,6 +96,7 @@ class LinuxCncController final : public AxisController {
   double off_ = 0.0;         // s since when the machine is seen off; 0: it is on
   std::string said_;         // by LinuxCNC as an error, and when
   double saidAt_ = 0.0;      // s
+  std::string offSaid_;      // behind a colon: what it said when its machine went off
   std::string refusedStop_;  // a stop that LinuxCNC refused, and when
   double refusedAt_ = 0.0;   // s
   std::optional<std::vector<double>> latched_;
@@ -110,6 +111,7 @@ class LinuxCncController final : public AxisController {
   bool holding_ = false;          // asked for by `feedHold`
   bool stands_ = false;           // LinuxCNC shows an override of 0, whoever gave it
   bool giveBack_ = false;         // a hold that has lost its motion
+  bool owed_ = false;             // an override that was asked for while LinuxCNC showed 0
 };
 
 }  // namespace mm

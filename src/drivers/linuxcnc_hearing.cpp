@@ -12,6 +12,7 @@ constexpr double kChange = 2e-6;  // mm or deg: two of the last decimal of linux
 constexpr double kStill = 0.06;   // s without a change of position: at rest
 constexpr double kUntaken = 5.0;  // s for a command to be taken
 constexpr double kUnsaid = 1.0;   // s at rest after which nothing more is said of a motion
+constexpr double kWhole = 1.0;    // a feed override: LinuxCNC tells it in whole percents
 constexpr double kSaid = 0.3;     // s within which LinuxCNC says why its machine went off
 constexpr double kHomed = 0.2;    // s that all flags must stand: between two sequences they may for a moment
 constexpr double kRefall = 1.0;   // s for the flags of axes that are homed already to fall
@@ -137,6 +138,7 @@ void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
   state_.alarm = {};
   const std::string onLimit = axisOnLimit();
   // Switched on beside a closed switch it goes off again at once: for a round it looks cleared.
+  if (now.on) offSaid_.clear();
   if (now.emergency || (now.on && onLimit.empty())) return;
   state_.alarm = {0, "LinuxCNC's machine is off", "call ~clear_alarm to switch it on"};
   if (!onLimit.empty()) {
@@ -145,9 +147,11 @@ void LinuxCncController::takeState(const LinuxCncRound& now, double at) {
     state_.alarm.remedy =
         "override limits at LinuxCNC's own panel and jog off it, or turn the axis off it by hand; then call "
         "~clear_alarm";
-  } else if (saidAt_ > off_ - kSaid) {
-    state_.alarm.text += ": " + said_;
+    return;
   }
+  // What it says later is of something else, as that a command is refused.
+  if (offSaid_.empty() && std::abs(saidAt_ - off_) < kSaid) offSaid_ = ": " + said_;
+  state_.alarm.text += offSaid_;
 }
 
 std::string LinuxCncController::axisOnLimit() const {
@@ -219,7 +223,16 @@ void LinuxCncController::judgeOff() {
 void LinuxCncController::giveOverrideBack() {
   const std::lock_guard<std::mutex> feed(feedMutex_);
   const bool settled = !talk_->commanding() && last_.asked > taken_;
-  if (settled && !holding_) stands_ = last_.feedOverride == 0.0;
+  if (settled && !holding_) {
+    stands_ = last_.feedOverride == 0.0;
+    // One that was asked for while the panel stood at 0 counts from when it does not; and no motion is faster
+    // than its speed, which the URDF limits.
+    if (!stands_ && (owed_ || last_.feedOverride > kWhole)) {
+      owed_ = false;
+      talk_->command({overrideLine(false)});
+      return;
+    }
+  }
   if (!giveBack_ || !settled || task_ != Task::kNone || stopAsked_) return;
   if (last_.feedOverride > 0.0)
     giveBack_ = false;

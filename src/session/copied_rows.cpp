@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
+
+#include "base/format.h"
+#include "base/units.h"
 
 namespace mm {
 namespace {
@@ -21,20 +26,121 @@ bool sameRow(const Observation& a, const Observation& b) {
          sameNumbers(a.deviationStd, b.deviationStd);
 }
 
+/// All that was measured in a row, to the bit, but its time.
+std::vector<double> contentOf(const Session& session, const Observation& o, bool whole) {
+  std::vector<double> content;
+  const auto add = [&](double v) { content.push_back(std::isnan(v) ? INFINITY : v); };
+  for (const auto* values : {&o.position, &o.deviation})
+    for (const double v : *values) add(v);
+  add(static_cast<double>(o.kind));
+  add(o.feature);
+  add(o.laserReading);
+  for (int k = 0; k < 3; ++k) add(o.reference[k]);
+  if (!whole) return content;
+  add(o.setup);
+  for (const auto* values : {&o.velocity, &o.deviationStd})
+    for (const double v : *values) add(v);
+  for (int k = 0; k < 3; ++k) add(o.approach[k]);
+  for (const auto* all : {&session.temperatures, &session.covariates})
+    for (const Series& series : *all) add(series.at(o.time));
+  return content;
+}
+
+/// Whether values differ by less than `fine` times `digit`, as far as their digits tell.
+class Digits {
+ public:
+  explicit Digits(double digit) : digit_(digit) {}
+  void add(double value) {
+    constexpr double kEqual = 1e-3;  // of a digit
+    if (!std::isfinite(value)) return;
+    if (std::isnan(first_)) first_ = value;
+    const double digits = (value - first_) / digit_;
+    broken_ = broken_ || std::abs(digits - std::round(digits)) > kEqual;
+    common_ = std::gcd(common_, std::llround(digits));
+  }
+  bool finer(long long digits) const { return broken_ || (common_ > 0 && common_ < digits); }
+
+ private:
+  double digit_;
+  double first_ = kNotMeasured;
+  bool broken_ = false;   // has smaller ones
+  long long common_ = 0;  // what all differences are multiples of, digits; 0: they are all the same
+};
+
+/// Whether what was measured has digits that noise would change.
+bool fineDigits(const Session& session) {
+  constexpr double kNanometre = 1e-9, kDigitOfAnAngle = 1e-4 * kArcsecond;
+  constexpr long long kFine = 100;
+  std::vector<Digits> columns;
+  const auto& joints = session.machine.joints();
+  for (int of = 0; of < 2; ++of)  // positions, deviations
+    for (const Joint& joint : joints)
+      columns.emplace_back(joint.kind == JointKind::kLinear ? kNanometre : kDigitOfAnAngle);
+  columns.resize(columns.size() + 4, Digits(kNanometre));  // references, the laser
+  for (const Observation& o : session.observations) {
+    auto column = columns.begin();
+    // a position that an instrument looks at is where the joint was sent
+    for (const double v : o.position) (column++)->add(o.kind == ObservationKind::kContact ? v : kNotMeasured);
+    column = columns.begin() + static_cast<long>(joints.size());
+    for (const double v : o.deviation) (column++)->add(v);
+    column = columns.end() - 4;
+    for (int k = 0; k < 3; ++k) (column++)->add(o.reference[k]);
+    column->add(o.laserReading);
+  }
+  return std::any_of(columns.begin(), columns.end(), [](const Digits& d) { return d.finer(kFine); });
+}
+
 }  // namespace
 
-std::vector<std::pair<std::size_t, std::size_t>> copiedRows(const std::vector<Observation>& observations) {
-  std::vector<std::pair<std::size_t, std::size_t>> copies;
+std::vector<RepeatedStretch> repeatedStretches(const Session& session, std::size_t least, bool whole) {
+  constexpr std::size_t kMost = 100000;  // rows
+  const auto& all = session.observations;
+  if (all.size() < 2 * least || all.size() > kMost || !fineDigits(session)) return {};
+  std::map<std::vector<double>, std::size_t> last;  // content -> where it was last
+  std::vector<RepeatedStretch> stretches;
+  RepeatedStretch now;
+  const auto end = [&] {
+    if (now.length >= least && now.distance >= least) stretches.push_back(now);
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto [found, isNew] = last.emplace(contentOf(session, all[i], whole), i);
+    const std::size_t distance = isNew ? 0 : i - found->second;
+    found->second = i;
+    if (distance == 0 || distance != now.distance) {
+      end();
+      now = {i, 0, distance};
+    }
+    if (distance > 0) ++now.length;
+  }
+  end();
+  return stretches;
+}
+
+std::vector<CopiedRow> copiedRows(const Session& session) {
+  const auto& all = session.observations;
+  std::vector<CopiedRow> copies;
+  const auto isAgain = [&](std::size_t i) {
+    return "is " + session.rowText(all[i].row) + " once more, to the ";
+  };
   std::vector<std::size_t> kept;  // of the time of the row at hand
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!kept.empty() && observations[kept.front()].time != observations[i].time) kept.clear();
-    const auto same = std::find_if(kept.begin(), kept.end(),
-                                   [&](std::size_t k) { return sameRow(observations[k], observations[i]); });
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!kept.empty() && all[kept.front()].time != all[i].time) kept.clear();
+    const auto same =
+        std::find_if(kept.begin(), kept.end(), [&](std::size_t k) { return sameRow(all[k], all[i]); });
     if (same == kept.end())
       kept.push_back(i);
     else
-      copies.emplace_back(i, *same);
+      copies.push_back({i, isAgain(*same) + "same time and the last digit; it counts once"});
   }
+  // Nothing that is measured repeats itself so.
+  constexpr std::size_t kPasted = 10;
+  for (const RepeatedStretch& stretch : repeatedStretches(session, kPasted, true))
+    for (std::size_t i = stretch.begin; i < stretch.begin + stretch.length; ++i)
+      copies.push_back(
+          {i, isAgain(i - stretch.distance) +
+                  format("last digit, and so are %zu rows in a row: a run that was pasted or read "
+                         "twice; it counts once",
+                         stretch.length)});
   return copies;
 }
 

@@ -97,10 +97,7 @@ class GrossRows {
   }
 
   void copies() {
-    for (const auto& [copy, original] : copiedRows(session_.observations))
-      name(copy, kCopiedRow, "",
-           "is " + session_.rowText(session_.observations[original].row) +
-               " once more, to the same time and the last digit; it counts once");
+    for (const CopiedRow& copy : copiedRows(session_)) name(copy.row, kCopiedRow, "", copy.why);
   }
 
   void column(Column column, const std::string& field, const char* unit, double toUnit) {

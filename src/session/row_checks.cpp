@@ -7,6 +7,7 @@
 
 #include "base/format.h"
 #include "base/units.h"
+#include "session/copied_rows.h"
 
 namespace mm {
 namespace {
@@ -200,60 +201,18 @@ class RowAsker {
                  lasts / kDay));
   }
 
-  /// All that was measured in a row, to the bit, but its time.
-  std::vector<double> contentOf(const Observation& o) const {
-    std::vector<double> content = o.position;
-    const auto add = [&](double v) { content.push_back(std::isnan(v) ? INFINITY : v); };
-    add(static_cast<double>(o.kind));
-    add(o.feature);
-    add(o.laserReading);
-    for (int k = 0; k < 3; ++k) add(o.reference[k]);
-    for (const double d : o.deviation) add(d);
-    return content;
-  }
-
-  /// Whether a row says more than 0.1 um or 0.02 arcsec: no such machine repeats a run of rows so well.
-  bool fine(const Observation& o) const {
-    constexpr double kFine = 1e-7, kEqual = 1e-3;  // m or rad; of it
-    const auto isFine = [](double v) {
-      const double steps = v / kFine;
-      return std::isfinite(v) && std::abs(steps - std::round(steps)) > kEqual;
-    };
-    if (o.kind == ObservationKind::kDeviation)
-      return std::any_of(o.deviation.begin(), o.deviation.end(), isFine);
-    if (o.kind == ObservationKind::kPosition)
-      return isFine(o.reference.x()) || isFine(o.reference.y()) || isFine(o.reference.z());
-    return isFine(o.laserReading) || std::any_of(o.position.begin(), o.position.end(), isFine);
-  }
-
-  /// A stretch of rows that is there twice: pasted, or read twice. Single equal rows are a coarse resolution.
+  /// What `prepare` did not set aside: a direction of travel or a temperature differs, or the stretch is
+  /// short.
   void repeats() {
-    constexpr std::size_t kStretch = 6, kDifferent = 4, kMost = 100000;  // rows
+    constexpr std::size_t kStretch = 6;
+    const std::vector<RepeatedStretch> stretches = repeatedStretches(session_, kStretch, false);
+    if (stretches.empty()) return;
+    const RepeatedStretch& longest = *std::max_element(
+        stretches.begin(), stretches.end(), [](const auto& a, const auto& b) { return a.length < b.length; });
     const auto& all = session_.observations;
-    if (all.size() < 2 * kStretch || all.size() > kMost) return;
-    std::map<std::vector<double>, std::size_t> index;
-    std::vector<std::size_t> content;
-    for (const Observation& o : all)
-      content.push_back(index.emplace(contentOf(o), index.size()).first->second);
-    std::map<std::size_t, std::size_t> last;  // content -> where it was last
-    std::size_t length = 0, distance = 0, best = 0, bestAt = 0, bestDistance = 0;
-    for (std::size_t i = 0; i < content.size(); ++i) {
-      const auto found = last.find(content[i]);
-      const std::size_t away = found == last.end() ? 0 : i - found->second;
-      length = away == 0 ? 0 : away == distance ? length + 1 : 1;
-      distance = away;
-      // not longer than the stretch that it repeats
-      if (length > best && length <= std::max(distance, kStretch))
-        best = length, bestAt = i, bestDistance = distance;
-      last[content[i]] = i;
-    }
-    if (best < kStretch || bestDistance < kDifferent) return;
-    const std::size_t begin = bestAt + 1 - best;
-    std::size_t told = 0;
-    for (std::size_t i = begin; i <= bestAt; ++i) told += fine(all[i]);
-    if (told < kStretch) return;  // a coarse resolution repeats itself
-    doubt(format("%zu rows from ", best) + session_.rowText(all[begin].row) +
-          " on are to the last digit those from " + session_.rowText(all[begin - bestDistance].row) +
+    doubt(format("%zu rows from ", longest.length) + session_.rowText(all[longest.begin].row) +
+          " on are to the last digit those from " +
+          session_.rowText(all[longest.begin - longest.distance].row) +
           " on: is a run there twice? (noise would be taken for smaller than it is)");
   }
 

@@ -154,7 +154,7 @@ class LinuxCnc(device_double.Double):
         late: what the motion says of a trip arrives when the next motion has begun, as on a busy computer.
         freeze S: for S seconds what is shown stays as it is, and the axes go on, as where the task is held up.
         mdi …: another client's. override PERCENT: of the feed, by another client. fault_joint N: its following error.
-        units INCH: of the machine. state: what a client cannot see otherwise."""
+        units INCH: of the machine. say …: an error of LinuxCNC's. state: what a client cannot see otherwise."""
         if words[0] == "mdi":
             self.mode = "MDI"
             self.queue.append(" ".join(words[1:]))
@@ -164,6 +164,9 @@ class LinuxCnc(device_double.Double):
             return {"override": self.machine.share}
         if words[0] == "fault_joint":
             return self.switch_off("joint %s following error" % words[1])
+        if words[0] == "say":
+            self.errors.append(" ".join(words[1:]))
+            return {"said": self.errors[-1]}
         if words[0] == "units":
             self.units = words[1]
             return {"units": self.units}

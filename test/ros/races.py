@@ -4,7 +4,8 @@
 Debian's libraries are not built with the sanitizer: it sees their accesses, but not all of what orders them (the atomic
 counters of a shared pointer whose other half is inlined here). A report is a library's own where every access, and every lock of a
 cycle, was made by a function of the library itself: beside code of this package none is. So is one where oneTBB's own bookkeeping
-is on one side: nobody else sees that memory before it is given back.
+is on one side: nobody else sees that memory before it is given back. And so is one where the library gives memory back that it
+counts the owners of (a message's buffer), and the sanitizer no longer knows who read it: the last owner gives it back.
 The last line is `<ours> <libraries'>`; the exit status is 1 where one is ours."""
 import collections
 import re
@@ -16,6 +17,7 @@ LIBRARIES = re.compile(
 # What a library's templates and the sanitizer itself put on top of the caller's frame.
 ON_TOP = re.compile(r"libtsan\.so|^(void |bool )?boost::|^(void )?std::|^(void )?ros::(SubscriptionCallbackHelperT|serialization|MessageEvent)"
                     r"|/usr/(include|lib/gcc)/(?!oneapi)")
+FREED = re.compile(r"Write of size \d+ .*\n\s+#0 operator delete")
 STACK = re.compile(r"(acquired here|(Write|Read|read|write) of size|atomic write|atomic read|^WARNING.*(unlock|destroy|double lock))")
 
 
@@ -45,6 +47,8 @@ def main():
                 if "WARNING: ThreadSanitizer" not in report:
                     continue
                 frames = callers(report)
+                if FREED.search(report):
+                    frames = [f for f in frames if f != "?"]
                 if frames and (all(LIBRARIES.search(f) for f in frames) or any(TBB.search(f) for f in frames)):
                     kinds[re.search(r"ThreadSanitizer: ([^(\n]*)", report).group(1).strip() + " in " + frames[0].split("(")[0]] += 1
                 else:

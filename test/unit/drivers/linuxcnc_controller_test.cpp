@@ -216,6 +216,30 @@ TEST_F(LinuxCncTest, AFeedHoldThatIsFoundIsEnded) {
   EXPECT_EQ(control_->view().state.feedOverride, 1.0);
 }
 
+TEST_F(LinuxCncTest, AnOverrideThatIsAskedForWhileThePanelStandsAtZeroCountsFromWhenItDoesNot) {
+  readyAt({0, 0, 4});
+  double_->tell("override 0");
+  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 0.0; }));
+  control_->setOverride(0.5);
+  EXPECT_EQ(double_->tell("state")["override"], 0.0) << "what the panel holds is not let go";
+  double_->tell("override 100");
+  EXPECT_TRUE(await([&] { return control_->view().state.feedOverride == 0.5; }))
+      << control_->view().state.feedOverride;
+}
+
+// The speed limits of the URDF hold for the whole; before, a motion ran at 1.2 times its speed.
+TEST_F(LinuxCncTest, AnOverrideAboveTheWholeIsTakenBack) {
+  readyAt({0, 0, 4});
+  auto moving = start({-60, 0, 4}, 0.02);
+  double_->tell("override 120");
+  EXPECT_TRUE(await([&] { return double_->tell("state")["override"] == 1.0; }));
+  EXPECT_EQ(moving.get().outcome, Outcome::kReached);
+  control_->setOverride(0.5);
+  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 0.5; }));
+  double_->tell("override 120");
+  EXPECT_TRUE(await([&] { return double_->tell("state")["override"] == 0.5; }));
+}
+
 // LinuxCNC switches its machine off, and takes nothing but switching it on until the switch is open.
 TEST_F(LinuxCncTest, ALimitSwitchIsNamedAndTheWayOutLeadsOut) {
   readyAt({0, 0, 4});
@@ -246,6 +270,10 @@ TEST_F(LinuxCncTest, AFaultThatSwitchesItOffIsSaidInItsWords) {
   expectWords(report.message, "joint 1 following error");
   ASSERT_TRUE(await([&] { return control_->view().state.alarm.present(); }));
   expectWords(control_->view().fault, "joint 1 following error");
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  double_->tell("say a command was refused");
+  EXPECT_FALSE(await([&] { return control_->view().fault.find("refused") != std::string::npos; }, 0.3))
+      << "what is said later is not why it went off: " << control_->view().fault;
   EXPECT_EQ(refusal([&] { control_->clearAlarm(); }), "");
 }
 

@@ -97,6 +97,45 @@ TEST_F(GrossRows, ARowThatIsThereTwiceCountsOnce) {
   EXPECT_EQ(prepared.setAside.size(), 21u);
 }
 
+// Before, only a question was asked of it, and the diagnosis of the doubled session was another.
+TEST_F(GrossRows, ARunThatIsPastedAtLaterTimesCountsOnce) {
+  const std::vector<PlateRow> rows = test::plateRows();
+  for (const int copies : {1, 2}) {
+    std::vector<PlateRow> with = rows;
+    for (int copy = 1; copy <= copies; ++copy)
+      for (PlateRow row : rows) {
+        row.time += copy * (rows.back().time + 60.0);
+        with.push_back(row);
+      }
+    const Session once = read(test::plateCsv(rows, true)), s = read(test::plateCsv(with, true));
+    ASSERT_EQ(s.observations.size(), rows.size()) << copies;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      EXPECT_EQ(s.observations[i].time, once.observations[i].time);
+    EXPECT_THAT(setAsideLines(s)[0], HasSubstr("line 677 of c.csv is line 2 of c.csv once more, to the last "
+                                               "digit, and so are"));
+  }
+}
+
+// What differs by a temperature was measured again, and a coarse scale repeats itself.
+TEST_F(GrossRows, ARunThatWasMeasuredAgainIsNoCopy) {
+  const std::vector<PlateRow> rows = test::plateRows();
+  std::vector<PlateRow> warm = rows, coarse = rows;
+  for (PlateRow& row : coarse)
+    for (int j = 0; j < 3; ++j) row.position[j] = 1.25e-3 * std::round(row.position[j] / 1.25e-3);
+  const std::vector<PlateRow> once = coarse;
+  for (PlateRow row : rows) {
+    row.time += rows.back().time + 60.0;
+    row.bed += 0.5;
+    warm.push_back(row);
+  }
+  for (PlateRow row : once) {
+    row.time += rows.back().time + 60.0;
+    coarse.push_back(row);
+  }
+  EXPECT_TRUE(read(test::plateCsv(warm, true)).setAside.empty());
+  EXPECT_TRUE(read(test::plateCsv(coarse, true)).setAside.empty());
+}
+
 TEST_F(GrossRows, AReadingThatIsNotNearItsBallIsSetAside) {
   for (const double factor : {10.0, -1.0, 0.1}) {
     std::vector<PlateRow> rows = test::plateRows();
