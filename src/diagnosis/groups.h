@@ -16,8 +16,8 @@ namespace mm {
 /// explains as much (a scale, and an expansion of forty times that of steel at a temperature that hardly
 /// changed).
 constexpr double kUnusual = 3.0;
-/// Nats that a sign costs which is seldom met (10 to 1): of causes that act alike it is not the first, and still
-/// among them.
+/// Nats that a sign costs which is seldom met (10 to 1): of causes that act alike it is not the first, and
+/// still among them.
 constexpr double kSeldomSign = 2.3;
 
 /// One shape that a cause may have: its main columns and, with less weight, those that it has beside them.

@@ -119,9 +119,7 @@ std::vector<RepeatedStretch> repeatedStretches(const Session& session, std::size
 std::vector<CopiedRow> copiedRows(const Session& session) {
   const auto& all = session.observations;
   std::vector<CopiedRow> copies;
-  const auto isAgain = [&](std::size_t i) {
-    return "is " + session.rowText(all[i].row) + " once more, to the ";
-  };
+  const auto is = [&](std::size_t i) { return "is " + session.rowText(all[i].row); };
   std::vector<std::size_t> kept;  // of the time of the row at hand
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!kept.empty() && all[kept.front()].time != all[i].time) kept.clear();
@@ -130,16 +128,16 @@ std::vector<CopiedRow> copiedRows(const Session& session) {
     if (same == kept.end())
       kept.push_back(i);
     else
-      copies.push_back({i, isAgain(*same) + "same time and the last digit; it counts once"});
+      copies.push_back({i, is(*same) + " once more, to the same time and the last digit; it counts once"});
   }
   // Nothing that is measured repeats itself so.
   constexpr std::size_t kPasted = 10;
   for (const RepeatedStretch& stretch : repeatedStretches(session, kPasted, true))
     for (std::size_t i = stretch.begin; i < stretch.begin + stretch.length; ++i)
       copies.push_back(
-          {i, isAgain(i - stretch.distance) +
-                  format("last digit, and so are %zu rows in a row: a run that was pasted or read "
-                         "twice; it counts once",
+          {i, is(i - stretch.distance) +
+                  format(" once more, to the last digit, and so are %zu rows in a row: a run that was "
+                         "pasted or read twice; it counts once",
                          stretch.length)});
   return copies;
 }
