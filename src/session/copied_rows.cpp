@@ -46,7 +46,7 @@ std::vector<double> contentOf(const Session& session, const Observation& o, bool
   return content;
 }
 
-/// Whether values differ by less than `fine` times `digit`, as far as their digits tell.
+/// How fine the values of a column are, as far as their digits tell.
 class Digits {
  public:
   explicit Digits(double digit) : digit_(digit) {}
@@ -55,6 +55,8 @@ class Digits {
     if (!std::isfinite(value)) return;
     if (std::isnan(first_)) first_ = value;
     const double digits = (value - first_) / digit_;
+    constexpr double kMost = 1e15;  // which a number holds: what is farther apart has no such digits
+    if (!(std::abs(digits) < kMost)) return;
     broken_ = broken_ || std::abs(digits - std::round(digits)) > kEqual;
     common_ = std::gcd(common_, std::llround(digits));
   }
