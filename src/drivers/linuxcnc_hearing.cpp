@@ -226,8 +226,8 @@ void LinuxCncController::giveOverrideBack() {
   if (settled && !holding_) {
     stands_ = last_.feedOverride == 0.0;
     // One that was asked for while the panel stood at 0 counts from when it does not; and no motion is faster
-    // than its speed, which the URDF limits.
-    if (!stands_ && (owed_ || last_.feedOverride > kWhole)) {
+    // than its speed, which the URDF limits. LinuxCNC refuses it while its machine is off.
+    if (!stands_ && last_.on && (owed_ || last_.feedOverride > kWhole)) {
       owed_ = false;
       talk_->command({overrideLine(false)});
       return;

@@ -192,6 +192,7 @@ class LinuxCnc(device_double.Double):
 
     def obeyed(self, what, value):
         if not self.on and what not in ("estop", "machine"):
+            self.told.append(["refused", what])
             return "NAK"  # also an abort, and the override of limits
         if self.refusals > 0 and (what == "abort" or (what == "estop" and value.lower() == "on")):
             self.refusals -= 1

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -237,6 +238,28 @@ TEST_F(LinuxCncTest, AnOverrideAboveTheWholeIsTakenBack) {
   control_->setOverride(0.5);
   ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 0.5; }));
   double_->tell("override 120");
+  EXPECT_TRUE(await([&] { return double_->tell("state")["override"] == 0.5; }));
+}
+
+// Off, LinuxCNC refuses every override: it is not asked again and again, and not forgotten either.
+TEST_F(LinuxCncTest, AnOverrideIsGivenWhenTheMachineIsOnAgain) {
+  readyAt({0, 0, 4});
+  const auto refused = [&] {
+    const auto machine = double_->tell("machine");
+    const auto& told = machine["told"];
+    return std::count(told.begin(), told.end(), nlohmann::json{"refused", "feed_override"});
+  };
+  double_->tell("override 0");
+  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 0.0; }));
+  control_->setOverride(0.5);
+  double_->tell("fault_joint 1");
+  ASSERT_TRUE(await([&] { return control_->view().state.alarm.present(); }));
+  double_->tell("override 120");
+  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 1.2; }));
+  EXPECT_FALSE(await([&] { return refused() > 0; }, 0.3));
+  double_->tell("override 100");
+  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 1.0; }));
+  ASSERT_EQ(refusal([&] { control_->clearAlarm(); }), "");
   EXPECT_TRUE(await([&] { return double_->tell("state")["override"] == 0.5; }));
 }
 
