@@ -6,7 +6,8 @@ command a line and answers with one line of JSON:
     fault <ok|off|stuck|garbage|wrong|slow [by how many seconds]|intermittent>
     probe <ok|dead|stuck|chatter>       the switch of the probe
     limit <axis> <-1|0|1>               a limit switch
-    machine                             where it truly is, whether it moves, how it was told to stop and when
+    machine                             where it truly is, whether it moves, when it moved last (s of the monotonic clock), how it
+                                        was told to stop and when
 """
 import argparse
 import json
@@ -196,11 +197,11 @@ class Double:
             self.machine.limits[int(words[1])] = int(words[2])
             return {"limits": self.machine.limits}
         if words[0] == "machine":
-            return {"position": self.machine.position, "moving": self.machine.moving(), "depth": self.machine.depth(),
+            return {"position": self.machine.position, "moving": self.machine.moving(), "moved": self.moved, "depth": self.machine.depth(),
                     "told": self.told, "deepest": self.deepest}
         return self.command(words)
 
-    deepest = -1e9
+    deepest, moved = -1e9, 0.0
 
     def run(self):
         last = time.monotonic()
@@ -217,7 +218,10 @@ class Double:
             while last + TICK <= now:
                 last += TICK
                 if self.fault != "off":
+                    before = self.machine.position
                     self.tick(TICK)
+                    if self.machine.position != before:
+                        self.moved = last
                     self.deepest = max(self.deepest, self.machine.depth())
             for one in ready:
                 if one is self.control:
@@ -272,5 +276,6 @@ def arguments(axes):
     parser.add_argument("--tip", type=float, default=1.0, help="radius of the tip, mm")
     parser.add_argument("--scale", type=float, nargs=3, default=[1.0, 1.0, 1.0], help="true / shown of X Y Z")
     parser.add_argument("--acceleration", type=float, default=500.0, help="mm/s^2")
+    parser.add_argument("--homing", type=float, default=200.0, help="units/s along the vector of all axes")
     parser.add_argument("--no-hal", action="store_true", help="grbl 1.1, not grblHAL")
     return parser.parse_known_args()[0]  # roslaunch adds arguments of its own

@@ -12,12 +12,11 @@ TRAVEL = 400.0  # mm or deg: machine coordinates go from -TRAVEL to 0, the refer
 PULL_OFF = 1.0
 INCH = 25.4
 SINGLE_AXES, HOMING_REQUIRED = 2, 4  # bits of $22 in grblHAL
-HOMING = 200.0  # units/s along the vector of all axes
 
 
 class Grbl(device_double.Double):
     def __init__(self, a):
-        self.hal = not a.no_hal
+        self.hal, self.homing = not a.no_hal, a.homing
         self.machine = device_double.Machine(a.axes, a.ball, a.tip, a.scale, a.acceleration)
         self.offset = [1.5, -2.25, 3.0, 0.0, 0.0, 0.0][:a.axes]  # G54: work coordinates are not machine coordinates
         self.deepest = -1e9
@@ -274,7 +273,7 @@ class Grbl(device_double.Double):
             for i in axes:
                 target[i] = -PULL_OFF
             self.state, self.alarm = "Home", 0
-            self.machine.move(target, HOMING)
+            self.machine.move(target, self.homing)
             self.job = {"kind": "home", "axes": list(axes)}
             return None
         if line.startswith("$J="):
