@@ -26,7 +26,7 @@ constexpr std::size_t kLongestLine = 4096;  // what is longer is no line of a co
 
 struct DeviceLink::Port {
   asio::io_context context;
-  std::optional<asio::ip::tcp::socket> socket;
+  std::optional<asio::generic::stream_protocol::socket> socket;
   std::optional<asio::serial_port> serial;
   std::array<char, 1024> buffer;
 };
@@ -57,30 +57,36 @@ DeviceLink::DeviceLink(std::string address, LineHandler handler)
     throw InputError("address '" + address_ + "': '" + port + "' is not a number from 1 to 65535 (port)");
 }
 
+DeviceLink::DeviceLink(std::string address, std::vector<std::string> program, LineHandler handler)
+    : address_(std::move(address)), program_(std::move(program)), handler_(std::move(handler)) {}
+
 DeviceLink::~DeviceLink() { close(); }
 
 void DeviceLink::connect(double timeout) {
   close();
   auto port = std::make_unique<Port>();
   try {
-    if (device_.empty()) {
+    if (!program_.empty()) {
+      port->socket.emplace(port->context, asio::generic::stream_protocol(AF_UNIX, 0), child_.start(program_));
+    } else if (device_.empty()) {
       asio::ip::tcp::resolver resolver(port->context);
       const auto found = resolver.resolve(host_, std::to_string(port_));
-      port->socket.emplace(port->context);
+      asio::ip::tcp::socket socket(port->context);
       boost::system::error_code failed = asio::error::timed_out;
-      asio::async_connect(*port->socket, found,
+      asio::async_connect(socket, found,
                           [&](const boost::system::error_code& code, const auto&) { failed = code; });
       port->context.run_for(
           std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(timeout)));
       if (failed) {
-        port->socket->close();
+        socket.close();
         port->context.restart();
         port->context.run();
         throw boost::system::system_error(failed);
       }
       port->context.restart();
-      port->socket->set_option(asio::ip::tcp::no_delay(true));
-      port->socket->native_non_blocking(true);
+      socket.set_option(asio::ip::tcp::no_delay(true));
+      socket.native_non_blocking(true);
+      port->socket.emplace(std::move(socket));
     } else {
       port->serial.emplace(port->context, device_);
       port->serial->set_option(asio::serial_port::baud_rate(static_cast<unsigned>(baud_)));
@@ -115,8 +121,11 @@ void DeviceLink::close() {
     });
   }
   if (thread_.joinable()) thread_.join();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  open_.reset();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    open_.reset();
+  }
+  child_.end();
 }
 
 std::string DeviceLink::lost() const {
@@ -145,7 +154,7 @@ void DeviceLink::readOn() {
 
 // A peer that sends small packets waits for the acknowledgement of each: 40 ms, unless it comes at once.
 void DeviceLink::answerAtOnce() {
-  if (!open_->socket) return;
+  if (!open_->socket || host_.empty()) return;
   const int on = 1;
   ::setsockopt(open_->socket->native_handle(), IPPROTO_TCP, TCP_QUICKACK, &on, sizeof on);
 }

@@ -5,6 +5,9 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
+
+#include "drivers/device_child.h"
 
 namespace mm {
 
@@ -15,8 +18,8 @@ inline constexpr int kLinkDamaged = 20;      // lines in a row that are not the 
 /// s on the host's steady clock: the one on which lines are stamped.
 double steadySeconds();
 
-/// Lines of text to and from a device on a serial line or a TCP port. A thread of its own reads; whoever
-/// writes does not wait: what the device does not take at once is an error.
+/// Lines of text to and from a device on a serial line or a TCP port, or a program that speaks for it. A
+/// thread of its own reads; whoever writes does not wait: what the device does not take at once is an error.
 class DeviceLink {
  public:
   /// Told of each line without its end, and when its last byte came (s, steady clock); in the link's thread.
@@ -26,6 +29,9 @@ class DeviceLink {
   /// device's path alone.
   /// @throw InputError naming what is wrong with it.
   DeviceLink(std::string address, LineHandler handler);
+  /// To a program that each connection starts and whose standard input and output the lines are.
+  /// @param address what it is called, for people. @param program its path, and arguments.
+  DeviceLink(std::string address, std::vector<std::string> program, LineHandler handler);
   ~DeviceLink();
   DeviceLink(const DeviceLink&) = delete;
   DeviceLink& operator=(const DeviceLink&) = delete;
@@ -49,6 +55,8 @@ class DeviceLink {
 
   std::string address_, host_, device_;
   int port_ = 0, baud_ = 115200;
+  std::vector<std::string> program_;
+  DeviceChild child_;
   LineHandler handler_;
   std::unique_ptr<Port> open_;
   std::thread thread_;

@@ -1,27 +1,30 @@
-// What linuxcncrsh answers: lines, and the round of questions that they belong to.
+// What linuxcnc_helper tells, line by line.
 #include <cmath>
 #include <sstream>
 
-#include "drivers/linuxcnc_protocol.h"
+#include "base/error.h"
+#include "drivers/linuxcnc_state.h"
 #include "fuzz_support.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::istringstream lines(mm::fuzz::textOf(data, size));
-  mm::LinuxCncRound round;
-  round.asked = 1.0;  // else it is never complete
   for (std::string text; std::getline(lines, text);) {
-    if (const auto line = mm::parseLinuxCncLine(text)) {
-      if (line->word.empty()) mm::fuzz::broken("a line has a first word");
-      round.take(*line);
-      mm::LinuxCncRound::isLast(*line);
+    mm::LinuxCncLine line;
+    try {
+      line = mm::parseLinuxCncLine(text);
+    } catch (const mm::Error&) {
+      continue;
     }
-    for (const double v : mm::parseLinuxCncNumbers(text))
+    if (line.kind != mm::LinuxCncLine::Kind::kState) continue;
+    const mm::LinuxCncState& state = line.state;
+    for (const auto* values : {&state.actual, &state.commanded, &state.probed}) {
+      if (values->size() != 6) mm::fuzz::broken("a state has six places");
+      for (const double v : *values)
+        if (!std::isfinite(v)) mm::fuzz::broken("positions are finite");
+    }
+    for (const double v :
+         {state.time, state.within, state.linear, state.angular, state.rotation, state.override})
       if (!std::isfinite(v)) mm::fuzz::broken("numbers are finite");
   }
-  for (const auto* values : {&round.absolute, &round.commanded})
-    for (const double v : *values)
-      if (!std::isfinite(v)) mm::fuzz::broken("positions are finite");
-  if (!std::isfinite(round.feedOverride)) mm::fuzz::broken("the override is finite");
-  if (round.complete() && round.absolute.empty()) mm::fuzz::broken("a complete round has positions");
   return 0;
 }

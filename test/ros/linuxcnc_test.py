@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Sixty touches (24 every day) of LinuxCNC's own pretended hemisphere, in work coordinates that are turned: its centre and its radius
-are found within the way of a servo period. Before that: what another client of LinuxCNC, a feed hold and a limit switch do."""
+are found within the way of a servo period. Before that: what another client of LinuxCNC, a feed hold, a limit switch and the end of the
+driver do. The test looks through linuxcncrsh, which the driver does not use."""
 import fcntl
 import json
 import os
@@ -10,8 +11,10 @@ import socket
 import subprocess
 import time
 import unittest
+import xmlrpc.client
 
 import actionlib
+import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
@@ -25,6 +28,7 @@ import support
 
 FOLDER = os.path.join(support.PACKAGE, "test/ros/linuxcnc")
 CENTRE, RADIUS, PERIOD = (10.0, 5.0, -20.0), 3.9685, 0.5e-3  # mm; mm of way in a servo period of 1 ms
+DEAD_MAN = 3.0  # s, of linuxcnc.yaml
 
 
 def listens():
@@ -194,7 +198,7 @@ class LinuxCnc(unittest.TestCase):
         self.holds()
         self.assertTrue(self.call("emergency_stop", SetBool, True).success)
         self.assertEqual(self.end()[1].outcome, MoveResult.STOPPED)
-        self.assertTrue(self.call("stop").success)  # which LinuxCNC refuses while it is off
+        self.assertTrue(self.call("stop").success)  # also while it is off
         cycle_support.ready()
         self.move(x=0.0, y=0.0, z=-0.005)
         self.reaches()
@@ -228,7 +232,34 @@ class LinuxCnc(unittest.TestCase):
         self.assertTrue(support.wait_until(lambda: not self.statuses[-1].moving, 10))
         client.close()
 
-    def test_5_sixty_touches_in_turned_work_coordinates(self):
+    def test_5_a_driver_that_is_killed_or_hangs_leaves_nothing_moving(self):
+        client = Client()
+        for number in (signal.SIGKILL, signal.SIGSTOP):
+            self.assertTrue(support.wait_until(lambda: self.axes.wait_for_server(rospy.Duration(1.0)), 40))
+            cycle_support.ready()
+            self.move(x=0.0, y=0.0, z=-0.005)
+            self.reaches()
+            self.move(x=-0.090, speed=0.005)  # 18 s
+            self.moves()
+            pid = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/axis_driver")).getPid("/test")[2]
+            os.kill(pid, number)
+            began, seen = time.monotonic(), []
+
+            def rests():
+                seen.append(client.get("abs_cmd_pos"))
+                return len(seen) > 20 and len(set(seen[-20:])) == 1
+
+            self.assertTrue(support.wait_until(rests, 15))
+            took = time.monotonic() - began
+            print("driver %s: LinuxCNC rests after %.2f s" % ("killed" if number == signal.SIGKILL else "stopped", took))
+            self.assertGreater(float(seen[-1].split()[0]), -85.0)
+            self.assertLess(took, DEAD_MAN + 3.0)
+            if number == signal.SIGSTOP:
+                os.kill(pid, signal.SIGCONT)
+                self.assertNotEqual(self.end()[1].outcome, MoveResult.REACHED)
+        client.close()
+
+    def test_6_sixty_touches_in_turned_work_coordinates(self):
         cycle_support.ready()
         client = Client()
         client.mdi("G10 L2 P1 X7 Y-3 Z2 R37", "G92 X1 Y2 Z3", "G43.1 Z7", "G20 G91")

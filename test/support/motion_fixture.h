@@ -61,6 +61,9 @@ class DeviceMotionFixture : public MotionFixture {
     settings.late = late_;
     settings.silence = silence_;
     control_ = std::make_unique<MotionControl>(controller, machine_, settings);
+    cycle();
+  }
+  void cycle() {
     loop_ = std::thread([this] {
       while (!ending_) {
         std::this_thread::sleep_for(std::chrono::milliseconds(4));

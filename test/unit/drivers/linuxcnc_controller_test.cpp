@@ -1,9 +1,12 @@
 #include "drivers/linuxcnc_controller.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <future>
@@ -15,20 +18,40 @@
 namespace mm {
 namespace {
 
-/// LinuxCNC's double with X Y Z A B and a ball at x 20, y 30, z 10 mm.
+/// LinuxCNC's double, behind the real helpers, with X Y Z A B and a ball at x 20, y 30, z 10 mm.
 class LinuxCncTest : public DeviceMotionFixture {
  protected:
   LinuxCncTest() : DeviceMotionFixture("test/ros/linuxcnc/machine.urdf") {}
   void SetUp() override {
     double_ = std::make_unique<DeviceDouble>(
         std::vector<std::string>{"test/doubles/linuxcnc_double.py", "--ball", "20", "30", "10", "5"});
+    speakWith(*double_);
     connect();
   }
+  /// The helpers' module LinuxCNC is the double.
+  static void speakWith(const DeviceDouble& one) {
+    const std::string address = one.address();
+    ::setenv("MM_LINUXCNC_DOUBLE", address.substr(address.rfind(':') + 1).c_str(), 1);
+    ::setenv("PYTHONPATH", "test/doubles/linuxcnc_module", 1);
+  }
+  /// The helpers' processes: of the role that states tell, or of that which gives commands.
+  static std::vector<pid_t> helpers(const std::string& role) {
+    std::vector<pid_t> found;
+    for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+      std::ifstream file(process.path() / "cmdline"), stat(process.path() / "stat");
+      std::string command{std::istreambuf_iterator<char>(file), {}}, number, name, state, parent;
+      stat >> number >> name >> state >> parent;
+      const std::string words = std::string("linuxcnc_helper") + '\0' + role;
+      if (command.find(words) != std::string::npos && parent == std::to_string(::getpid()))
+        found.push_back(std::stoi(number));
+    }
+    return found;
+  }
   void connect() {
-    control(std::make_shared<LinuxCncController>(), {{"address", double_->address()},
-                                                     {"coordinates", "XYZAB"},
+    control(std::make_shared<LinuxCncController>(), {{"coordinates", "XYZAB"},
                                                      {"poll_rate", "100"},
                                                      {"connect_timeout", std::to_string(kConnect)},
+                                                     {"dead_man", std::to_string(linkSilence_)},
                                                      {"silence", std::to_string(linkSilence_)}});
   }
   void readyAt(const std::vector<double>& at) {
@@ -106,7 +129,7 @@ TEST_F(LinuxCncFaultsTest, AMotionWhoseStatusStandsStillIsNotWatched) {
   EXPECT_GT(double_->tell("machine")["position"][0].get<double>(), -85.0) << "stopped on its way";
 }
 
-TEST_F(LinuxCncTest, AStopThatIsRefusedIsSaidAgain) {
+TEST_F(LinuxCncTest, AStopThatHasNoEffectIsSaidAgain) {
   readyAt({0, 0, 4});
   auto moving = start({-90, 0, 4}, 0.01);
   double_->tell("refuse 3");
@@ -118,14 +141,95 @@ TEST_F(LinuxCncTest, AStopThatIsRefusedIsSaidAgain) {
   EXPECT_EQ(control_->emergencyStop("/panel"), "");
   EXPECT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); }));
   EXPECT_NE(moving.get().outcome, Outcome::kReached);
-  // For ever refused: said, and the connections are made anew.
+  // For ever without effect: said.
+  control_->resetEmergencyStop();
+  ASSERT_TRUE(await([&] { return !control_->view().state.emergencyStop; }));
   double_->tell("refuse 1000");
   control_->emergencyStop("/panel");
-  EXPECT_TRUE(await([&] { return control_->view().lost.find("refuses to ESTOP") != std::string::npos; }))
+  EXPECT_TRUE(await([&] { return control_->view().lost.find("use the machine's own") != std::string::npos; }))
       << control_->view().lost;
 }
 
-// A workpiece that was aligned leaves work coordinates that are turned, which linuxcncrsh does not show.
+// Whichever helper cannot: the other one stops what moves.
+TEST_F(LinuxCncTest, AHelperThatHangsOrIsKilledKeepsNoStopBack) {
+  for (const int signal : {SIGSTOP, SIGKILL}) {
+    for (const char* role : {"watch", "act"}) {
+      readyAt({0, 0, 4});
+      auto moving = start({-90, 0, 4}, 0.01);
+      const std::vector<pid_t> pids = helpers(role);
+      ASSERT_EQ(pids.size(), 1u) << role;
+      ASSERT_EQ(::kill(pids[0], signal), 0);
+      const double asked = steadySeconds();
+      auto stopped =
+          std::async(std::launch::async, [&] { return refusal([&] { control_->stop("/panel"); }); });
+      EXPECT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); }, kLate))
+          << role << signal;
+      std::printf("stop with '%s' %s: at rest after %.0f ms\n", role,
+                  signal == SIGSTOP ? "stopped" : "killed", 1e3 * (steadySeconds() - asked));
+      EXPECT_GT(double_->tell("machine")["position"][0].get<double>(), -85.0);
+      if (signal == SIGSTOP) ::kill(pids[0], SIGCONT);
+      stopped.get();
+      EXPECT_NE(moving.get().outcome, Outcome::kReached);
+    }
+  }
+}
+
+/// Without a driver's cycle: nobody says that it lives.
+class LinuxCncDeadManTest : public LinuxCncTest {
+ protected:
+  void stopCycling() {
+    ending_ = true;
+    loop_.join();
+    loop_ = std::thread([] {});
+  }
+};
+
+TEST_F(LinuxCncDeadManTest, ADriverThatGivesNoSignIsStoppedAndSaysSo) {
+  linkSilence_ = 0.5;
+  TearDown();
+  ending_ = false;
+  connect();
+  readyAt({0, 0, 4});
+  auto moving = start({-90, 0, 4}, 0.01);
+  const double from = double_->tell("machine")["position"][0];
+  stopCycling();
+  EXPECT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); }, 2.0));
+  EXPECT_GT(double_->tell("machine")["position"][0].get<double>(), from - 20.0);
+  ending_ = false;
+  loop_.join();
+  cycle();
+  const MotionControl::Report report = moving.get();
+  EXPECT_EQ(report.outcome, Outcome::kStopped);
+  expectWords(report.message, "no sign of life");
+}
+
+// The end of the driver's process is the end of the pipe.
+TEST_F(LinuxCncDeadManTest, ADriverThatIsKilledLeavesNothingMoving) {
+  readyAt({0, 0, 4});
+  TearDown();
+  const pid_t driver = ::fork();
+  if (driver == 0) {
+    LinuxCncController one;
+    one.open(controllerSetup(machine_, {{"coordinates", "XYZAB"}}));
+    AxesState state = one.poll(0.0);
+    AxesMotion motion = straightMotion(machine_.joints(), state.position, {-90e-3, 0, 4e-3, 0, 0}, 0.01, 0.7);
+    motion.id = 1;
+    one.move(motion);
+    for (;;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      one.poll(0.01);
+    }
+  }
+  ASSERT_TRUE(await([&] { return double_->tell("machine")["moving"].get<bool>(); }, 10.0));
+  ::kill(driver, SIGKILL);
+  ::waitpid(driver, nullptr, 0);
+  const double from = steadySeconds();
+  EXPECT_TRUE(await([&] { return !double_->tell("machine")["moving"].get<bool>(); }, 2.0));
+  std::printf("driver killed: at rest after %.0f ms\n", 1e3 * (steadySeconds() - from));
+}
+
+// A workpiece that was aligned leaves work coordinates that are turned, in which alone G38 is told where to
+// go.
 TEST_F(LinuxCncTest, ProbingGoesAlongTheMachinesAxesWhereTheWorkCoordinatesAreTurned) {
   readyAt({20, 30, 17});
   for (const char* turn : {"mdi G10 L2 P1 X0 Y0 Z0 R90", "mdi G10 L2 P1 X7 Y-3 Z2 R30"}) {
@@ -154,13 +258,42 @@ TEST_F(LinuxCncTest, ProbingGoesAlongTheMachinesAxesWhereTheWorkCoordinatesAreTu
 // What it says of its axes is in the units of its .ini.
 TEST_F(LinuxCncTest, AMachineInInchesIsRefused) {
   DeviceDouble inches({"test/doubles/linuxcnc_double.py"});
-  inches.tell("units INCH");
+  inches.tell("units 0.0393700787");
+  speakWith(inches);
   LinuxCncController controller;
-  const std::string why = refusal([&] {
-    controller.open(controllerSetup(machine_, {{"address", inches.address()}, {"coordinates", "XYZAB"}}));
-  });
-  expectWords(why, "LINEAR_UNITS");
-  expectWords(why, "INCH");
+  expectWords(refusal([&] {
+                controller.open(controllerSetup(machine_, {{"coordinates", "XYZAB"}}));
+              }),
+              "LINEAR_UNITS");
+}
+
+TEST_F(LinuxCncTest, ParametersOfLinuxcncrshAreRefusedWithTheRemedy) {
+  for (const char* name : {"address", "connect_password", "enable_password"}) {
+    LinuxCncController controller;
+    const std::string why = refusal([&] { controller.open(controllerSetup(machine_, {{name, "x"}})); });
+    expectWords(why, name);
+    expectWords(why, "remove it");
+  }
+  LinuxCncController controller;
+  expectWords(refusal([&] {
+                controller.open(controllerSetup(machine_, {{"helper", "/nowhere"}}));
+              }),
+              "/nowhere");
+}
+
+TEST_F(LinuxCncTest, AHelperThatSpeaksAnotherLanguageIsNamed) {
+  LinuxCncController controller;
+  expectWords(refusal([&] {
+                controller.open(controllerSetup(machine_, {{"helper", "/bin/echo"}}));
+              }),
+              "no line of linuxcnc_helper");
+}
+
+TEST_F(LinuxCncTest, WhereNoLinuxCncRunsThatIsSaid) {
+  double_->tell("fault off");
+  ASSERT_TRUE(await([&] { return !control_->view().lost.empty(); }));
+  double_->tell("fault ok");
+  ASSERT_TRUE(await([&] { return control_->view().lost.empty(); }, 10.0)) << control_->view().lost;
 }
 
 TEST_F(LinuxCncTest, AnOverrideDuringFeedHoldIsGivenAtItsEnd) {
@@ -241,26 +374,15 @@ TEST_F(LinuxCncTest, AnOverrideAboveTheWholeIsTakenBack) {
   EXPECT_TRUE(await([&] { return double_->tell("state")["override"] == 0.5; }));
 }
 
-// Off, LinuxCNC refuses every override: it is not asked again and again, and not forgotten either.
-TEST_F(LinuxCncTest, AnOverrideIsGivenWhenTheMachineIsOnAgain) {
+TEST_F(LinuxCncTest, AnOverrideIsGivenWhileTheMachineIsOff) {
   readyAt({0, 0, 4});
-  const auto refused = [&] {
-    const auto machine = double_->tell("machine");
-    const auto& told = machine["told"];
-    return std::count(told.begin(), told.end(), nlohmann::json{"refused", "feed_override"});
-  };
-  double_->tell("override 0");
-  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 0.0; }));
-  control_->setOverride(0.5);
   double_->tell("fault_joint 1");
   ASSERT_TRUE(await([&] { return control_->view().state.alarm.present(); }));
-  double_->tell("override 120");
-  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 1.2; }));
-  EXPECT_FALSE(await([&] { return refused() > 0; }, 0.3));
-  double_->tell("override 100");
-  ASSERT_TRUE(await([&] { return control_->view().state.feedOverride == 1.0; }));
-  ASSERT_EQ(refusal([&] { control_->clearAlarm(); }), "");
+  control_->setOverride(0.5);
   EXPECT_TRUE(await([&] { return double_->tell("state")["override"] == 0.5; }));
+  double_->tell("override 120");
+  EXPECT_TRUE(await([&] { return double_->tell("state")["override"] == 0.5; }));
+  ASSERT_EQ(refusal([&] { control_->clearAlarm(); }), "");
 }
 
 // LinuxCNC switches its machine off, and takes nothing but switching it on until the switch is open.
@@ -325,12 +447,10 @@ TEST_F(LinuxCncTest, HomingAgainEndsWhenTheAxesAreHomedAgain) {
   EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
 }
 
-TEST_F(LinuxCncFaultsTest, EveryFaultOfTheLineIsSaidAndTheEmergencyStopComesThrough) {
-  const std::vector<std::pair<std::string, std::string>> faults = {{"off", "the connection ended"},
+TEST_F(LinuxCncFaultsTest, EveryFaultOfLinuxCncIsSaidAndTheEmergencyStopComesThrough) {
+  const std::vector<std::pair<std::string, std::string>> faults = {{"off", "ended"},
                                                                    {"stuck", "has given no state"},
-                                                                   {"garbage", "no language of linuxcncrsh"},
                                                                    {"wrong", "the position of x jumped by"},
-                                                                   {"slow", "late"},
                                                                    {"intermittent", "has given no state"}};
   for (const auto& [fault, words] : faults) {
     readyAt({0, 0, 4});
