@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "base/error.h"
-#include "base/units.h"
 
 namespace mm {
 namespace {
@@ -244,8 +243,7 @@ void LinuxCncController::move(const AxesMotion& motion) {
   give(lines);
 }
 
-// Empty where the axes are there already. A probing motion takes work coordinates only: LinuxCNC itself adds
-// the way, turned as they are, to where it is in them (#5420 to #5425).
+// Empty where the axes are there already.
 std::vector<std::string> LinuxCncController::motionLines(const AxesMotion& motion) const {
   double seconds = 0.0, linear = 0.0, turning = 0.0;
   std::vector<double> way(last_->commanded.size(), 0.0), to(way);
@@ -260,25 +258,39 @@ std::vector<std::string> LinuxCncController::motionLines(const AxesMotion& motio
     (map_->axis(j).rotary ? turning : linear) += way[place] * way[place];
   }
   if (linear + turning == 0.0 || !(seconds > 0.0)) return {};
-  if (motion.probing) {
-    const double turn = last_->rotation * kDegree, x = way[0], y = way[1];
-    way[0] = x * std::cos(turn) + y * std::sin(turn);
-    way[1] = y * std::cos(turn) - x * std::sin(turn);
-  }
-  std::string line = std::string(kModes) + (motion.probing ? " G38.3" : " G53 G1");
+  std::string line = motion.probing ? "mdi G38.3" + probingWords(way) : std::string(kModes) + " G53 G1";
   char word[48];
-  for (std::size_t place = 0; place < way.size(); ++place) {
-    if (std::abs(way[place]) < kSmallest) continue;
-    if (motion.probing)
-      std::snprintf(word, sizeof word, " %c[#%d%+.6f]", kControlLetters[place],
-                    kHere + static_cast<int>(place), way[place]);
-    else
-      std::snprintf(word, sizeof word, " %c%.6f", kControlLetters[place], to[place]);
+  for (std::size_t place = 0; place < way.size() && !motion.probing; ++place) {
+    if (way[place] == 0.0) continue;
+    std::snprintf(word, sizeof word, " %c%.6f", kControlLetters[place], to[place]);
     line += word;
   }
   // The feed is that of the linear axes where one moves, else that of the rotary ones (LinuxCNC, G94).
   std::snprintf(word, sizeof word, " F%.6f", 60.0 * std::sqrt(linear > 0.0 ? linear : turning) / seconds);
-  return {"mdi_mode", line + word};
+  if (!motion.probing) return {"mdi_mode", line + word};
+  return {"mdi_mode", std::string(kModes) + " #<_mm_r>=#[5210+20*#5220]", line + word};
+}
+
+// G38 takes work coordinates only (G54 to G59.3 with their rotation about Z, G92, the tool). So LinuxCNC
+// itself adds the way, turned by that rotation, to where it is in them (#5420 to #5425).
+std::string LinuxCncController::probingWords(const std::vector<double>& way) const {
+  std::string words;
+  char word[96];
+  const auto add = [&](char letter, int at, double along, double across) {
+    if ((along == 0.0 && across == 0.0) || coordinates_.find(letter) == std::string::npos) return;
+    std::snprintf(word, sizeof word, " %c[#%d%+.6f*COS[#<_mm_r>]%+.6f*SIN[#<_mm_r>]]", letter, at, along,
+                  across);
+    words += word;
+  };
+  add('X', kHere, way[0], way[1]);
+  add('Y', kHere + 1, way[1], -way[0]);
+  for (std::size_t place = 2; place < way.size(); ++place) {
+    if (way[place] == 0.0) continue;
+    std::snprintf(word, sizeof word, " %c[#%d%+.6f]", kControlLetters[place], kHere + static_cast<int>(place),
+                  way[place]);
+    words += word;
+  }
+  return words;
 }
 
 // The flags fall first, so that they say when it has ended.

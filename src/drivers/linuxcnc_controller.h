@@ -59,6 +59,7 @@ class LinuxCncController final : public AxisController {
   void finish(Outcome outcome, const std::string& note);
   void beginTask(Task task);
   std::vector<std::string> motionLines(const AxesMotion& motion) const;
+  std::string probingWords(const std::vector<double>& way) const;
   void give(const std::vector<std::string>& commands);
   void giveOverride(double share);
   void beat();

@@ -30,7 +30,6 @@ LinuxCncState stateOf(const json& line) {
                                    {"within", &s.within},
                                    {"linear", &s.linear},
                                    {"angular", &s.angular},
-                                   {"rotation", &s.rotation},
                                    {"override", &s.override}})
     *value = line.at(key).get<double>();
   for (const auto& [key, flag] : {std::pair<const char*, bool*>{"busy", &s.busy},
@@ -42,7 +41,8 @@ LinuxCncState stateOf(const json& line) {
   s.echo = wholeOf(line.at("echo"));
   s.lapses = wholeOf(line.at("lapses"));
   s.axes = wholeOf(line.at("axes"));
-  for (const json& limit : line.at("limits")) s.limits.push_back(wholeOf(limit));
+  for (const json& limit : line.at("limits").get_ref<const json::array_t&>())
+    s.limits.push_back(wholeOf(limit));
   line.at("homed").get_to(s.homed);
   line.at("said").get_to(s.said);
   s.actual = placesOf(line, "actual");

@@ -19,7 +19,6 @@ struct LinuxCncState {
   std::vector<double> probed;          // the same where the probe tripped last: feedback, latched by motion
   std::int64_t axes = 0;               // bits of X Y Z A B C that the machine has
   double linear = 0.0, angular = 0.0;  // units of the machine per mm and deg
-  double rotation = 0.0;               // deg, of the work coordinates about Z
   double override = 1.0;               // of the feed
   std::vector<std::string> said;       // errors since the state before
 };

@@ -62,6 +62,7 @@ class LinuxCnc(device_double.Double):
         self.machine.halt()
         self.machine.share = 1.0
         self.queue, self.job, self.errors = [], None, []
+        self.named = {}  # parameters #<…>
         self.refusals = 0
         self.said_late, self.unsaid = False, []
         self.homing = None  # when the joints begin to home, and which
@@ -76,7 +77,10 @@ class LinuxCnc(device_double.Double):
 
     # -- the module
     def say(self, connection, value):
-        connection.sendall((json.dumps(value) + "\n").encode())
+        try:
+            connection.sendall((json.dumps(value) + "\n").encode())
+        except OSError:
+            pass  # it has gone
 
     def received(self, connection, data):
         self.lines[connection] = self.lines.get(connection, b"") + data
@@ -112,7 +116,7 @@ class LinuxCnc(device_double.Double):
             "homed": self.homed, "limit": [{-1: 1, 0: 0, 1: 2}[l] for l in self.machine.limits],
             "actual_position": full(position), "position": full(position), "axis_mask": 2**axes - 1,
             "linear_units": self.units, "angular_units": 1.0, "probe_val": int(self.machine.closed()), "probe_tripped": self.tripped,
-            "probed_position": full(self.probed), "rotation_xy": self.turn, "feedrate": self.machine.share}
+            "probed_position": full(self.probed), "feedrate": self.machine.share}
         self.memory.writes.value += 1
 
     # -- commands
@@ -266,14 +270,24 @@ class LinuxCnc(device_double.Double):
     def to_machine(self, work):
         return [w + o for w, o in zip(self.turned(work, self.turn), self.offset)]
 
+    def parameter(self, number):
+        work, number = self.to_work(self.machine.position), int(number)
+        if 5420 <= number < 5420 + len(work):
+            return work[number - 5420]
+        return {5220: 1.0, 5230: self.turn}[number]
+
     def value(self, text):
-        """Of a number or of [#5420+1.5], where it is in work coordinates and more."""
-        work = self.to_work(self.machine.position)
-        text = re.sub(r"#(\d+)", lambda m: "(%r)" % work[int(m.group(1)) - 5420], text)
-        return float(eval(text.replace("[", "(").replace("]", ")"), {"__builtins__": {}}))
+        """Of a number or an expression: [#5420+1.5*COS[#<_a>]]."""
+        text = re.sub(r"#<(\w+)>", lambda m: "(%r)" % self.named[m.group(1).upper()], text)
+        text = re.sub(r"#(\d+)", lambda m: "(%r)" % self.parameter(m.group(1)), text)
+        text = text.replace("#[", "PARAMETER[").replace("[", "(").replace("]", ")")
+        names = {"PARAMETER": self.parameter, "COS": lambda a: math.cos(math.radians(a)), "SIN": lambda a: math.sin(math.radians(a))}
+        return float(eval(text, {"__builtins__": {}}, names))
 
     def begin_block(self, text):
-        words = [(w[0], self.value(w[1:])) for w in text.upper().split()]
+        text = text.upper()
+        self.named.update({m.group(1): self.value(m.group(2)) for m in re.finditer(r"#<(\w+)>=(\S+)", text)})
+        words = [(w[0], self.value(w[1:])) for w in re.sub(r"#<\w+>=\S+", "", text).split()]
         codes = [v for l, v in words if l == "G"]
         if 10.0 in codes:
             return self.set_work(dict(words))

@@ -13,7 +13,7 @@ const char* const kLine =
     R"({"time": 2.5, "within": 0.001, "echo": 17, "lapses": 0, "busy": false, "emergency": false, "on": true,
         "homed": [true, false], "limits": [0, -1], "actual": [10, 5, -16.06, 0, 0, 0],
         "commanded": [10, 5, -16.061, 0, 0, 0], "axes": 31, "linear": 1.0, "angular": 1.0, "probe": true,
-        "tripped": true, "probed": [10, 5, -16.05, 0, 0, 0], "rotation": 37.0, "override": 0.5,
+        "tripped": true, "probed": [10, 5, -16.05, 0, 0, 0], "override": 0.5,
         "said": ["Linear move would exceed X's limit"]})";
 
 TEST(LinuxCncState, ReadsWhatTheHelperTells) {
