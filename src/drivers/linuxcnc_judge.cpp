@@ -145,7 +145,10 @@ bool LinuxCncController::arrived(const LinuxCncState& now) const {
 
 // How a task ends: by the first of these lines that holds.
 void LinuxCncController::judge(const LinuxCncState& now) {
-  const bool taken = settled(now), ended = taken && !now.busy && rests(now);
+  const bool taken = settled(now);
+  // Between two of its steps LinuxCNC may be idle for a moment, with the trip of the motion before.
+  if (!taken || now.busy) idleSince_ = now.time;
+  const bool ended = rests(now) && now.time - idleSince_ >= kStill;
   if (stopSaid_ > 0.0) {
     if (!ended && taken && now.time - stopSaid_ > kNoEffect) stop();
     if (!ended || now.time <= stopSaid_) return;

@@ -232,34 +232,7 @@ class LinuxCnc(unittest.TestCase):
         self.assertTrue(support.wait_until(lambda: not self.statuses[-1].moving, 10))
         client.close()
 
-    def test_5_a_driver_that_is_killed_or_hangs_leaves_nothing_moving(self):
-        client = Client()
-        for number in (signal.SIGKILL, signal.SIGSTOP):
-            self.assertTrue(support.wait_until(lambda: self.axes.wait_for_server(rospy.Duration(1.0)), 40))
-            cycle_support.ready()
-            self.move(x=0.0, y=0.0, z=-0.005)
-            self.reaches()
-            self.move(x=-0.090, speed=0.005)  # 18 s
-            self.moves()
-            pid = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/axis_driver")).getPid("/test")[2]
-            os.kill(pid, number)
-            began, seen = time.monotonic(), []
-
-            def rests():
-                seen.append(client.get("abs_cmd_pos"))
-                return len(seen) > 20 and len(set(seen[-20:])) == 1
-
-            self.assertTrue(support.wait_until(rests, 15))
-            took = time.monotonic() - began
-            print("driver %s: LinuxCNC rests after %.2f s" % ("killed" if number == signal.SIGKILL else "stopped", took))
-            self.assertGreater(float(seen[-1].split()[0]), -85.0)
-            self.assertLess(took, DEAD_MAN + 3.0)
-            if number == signal.SIGSTOP:
-                os.kill(pid, signal.SIGCONT)
-                self.assertNotEqual(self.end()[1].outcome, MoveResult.REACHED)
-        client.close()
-
-    def test_6_sixty_touches_in_turned_work_coordinates(self):
+    def test_5_sixty_touches_in_turned_work_coordinates(self):
         cycle_support.ready()
         client = Client()
         client.mdi("G10 L2 P1 X7 Y-3 Z2 R37", "G92 X1 Y2 Z3", "G43.1 Z7", "G20 G91")
@@ -286,6 +259,33 @@ class LinuxCnc(unittest.TestCase):
         for a, b in zip(centre, CENTRE):
             self.assertAlmostEqual(a, b, delta=0.1e-3 + PERIOD)
         self.assertAlmostEqual(1e-3 * change, -1.0 * PERIOD, delta=0.1e-3 + PERIOD)
+
+    def test_6_a_driver_that_is_killed_or_hangs_leaves_nothing_moving(self):
+        client = Client()
+        for number in (signal.SIGKILL, signal.SIGSTOP):
+            self.assertTrue(support.wait_until(lambda: self.axes.wait_for_server(rospy.Duration(1.0)), 40))
+            cycle_support.ready()
+            self.move(x=0.0, y=0.0, z=-0.005)
+            self.reaches()
+            self.move(x=-0.090, speed=0.005)  # 18 s
+            self.moves()
+            pid = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/axis_driver")).getPid("/test")[2]
+            os.kill(pid, number)
+            began, seen = time.monotonic(), []
+
+            def rests():
+                seen.append(client.get("abs_cmd_pos"))
+                return len(seen) > 20 and len(set(seen[-20:])) == 1
+
+            self.assertTrue(support.wait_until(rests, 15))
+            took = time.monotonic() - began
+            print("driver %s: LinuxCNC rests after %.2f s" % ("killed" if number == signal.SIGKILL else "stopped", took))
+            self.assertGreater(float(seen[-1].split()[0]), -85.0)
+            self.assertLess(took, DEAD_MAN + 3.0)
+            if number == signal.SIGSTOP:
+                os.kill(pid, signal.SIGCONT)
+                self.assertNotEqual(self.end()[1].outcome, MoveResult.REACHED)
+        client.close()
 
 
 if __name__ == "__main__":
