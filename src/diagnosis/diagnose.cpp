@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "diagnosis/answers.h"
+#include "diagnosis/diagnosis_method.h"
 #include "diagnosis/drift_report.h"
 #include "diagnosis/full_fit.h"
 #include "diagnosis/held_out.h"
@@ -29,8 +30,9 @@ constexpr int kMostLooks = 3;       // at what stands apart
 
 class Diagnoser {
  public:
-  Diagnoser(const Session& session, const Model& model, const DiagnoseOptions& options, Diagnosis& out)
-      : session_(session), model_(model), options_(options), out_(out) {}
+  Diagnoser(const Session& session, const Model& model, const DiagnoseOptions& options,
+            DiagnosisMethod method, Diagnosis& out)
+      : session_(session), model_(model), options_(options), method_(method), out_(out) {}
 
   void run(const Eigen::VectorXd& start) {
     report("fit", 0.0);
@@ -71,7 +73,7 @@ class Diagnoser {
       again.weights = refitted.weight;
       fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
     }
-    full.dropWhatDoesNothing(look, fitted);
+    if (look.posterior == nullptr) full.dropWhatDoesNothing(look, fitted);
     conclude(look, fitted, full);
   }
 
@@ -134,6 +136,10 @@ class Diagnoser {
     addScatter(q);
     q.many = look.space->rows() > options_.manyRows;
     report("questions", 0.1 + 0.2 * round);
+    if (method_ == DiagnosisMethod::kPosterior) {
+      drawFromPosterior(look, fitted, round);
+      return look;
+    }
     if (q.many) {
       lookAtMany(look, round);
     } else {
@@ -149,6 +155,45 @@ class Diagnoser {
     lookAtPairs(look);
     look.found = Search(q).settledWithPairs(std::move(look.found));
     return look;
+  }
+
+  /// All questions together, answered by one sample.
+  void drawFromPosterior(Look& look, const CalibrationResult& fitted, int round) const {
+    Questions& q = look.questions;
+    q.groups = QuestionList::causes(*look.space).all();
+    q.asked = q.groups.causes;
+    Groups profiles = QuestionList::profiles(*look.space).all();
+    q.profiles = static_cast<int>(profiles.groups.size());
+    append(q.groups, std::move(profiles));
+    report("posterior", 0.2 + 0.2 * round);
+    const auto draw = [&](const Eigen::VectorXd& variance) {
+      look.posterior = std::make_shared<PosteriorAnswer>(
+          explainByPosterior(q, variance, statedFreedomsOf(fitted), options_.seed));
+      look.found = look.posterior->found;
+    };
+    draw(Eigen::VectorXd::Ones(q.rows.rows()));
+    const Tails tails = tailsOf(Search(q), look.found);
+    if (!(tails.dof > 0.0)) return;
+    look.tailDof = tails.dof;
+    draw(tails.variance);
+  }
+
+  /// A name must also predict: a cause that does not lower the error of rows that were not seen, by more than
+  /// its standard error, may act, and is not named.
+  static void dropWhatPredictsNothing(Look& look) {
+    const Search search(look.questions);
+    const HeldOut held(search, look.found, false);
+    std::vector<Member> kept;
+    for (std::size_t j = 0; j < look.found.members.size(); ++j) {
+      const Member& m = look.found.members[j];
+      if (held.worthOf(j) > 1.0) {
+        kept.push_back(m);
+        continue;
+      }
+      for (Slot& slot : look.posterior->slots)
+        if (slot.named && slot.causes.front() == m.group) slot.named = false;
+    }
+    if (kept.size() < look.found.members.size()) look.found = search.refitted(kept, look.found, false);
   }
 
   /// The search on with the weights that the tails of the noise ask for.
@@ -247,9 +292,12 @@ class Diagnoser {
     const double unit = unitOf(*look.space);
     out_.tailDof = look.tailDof;
     out_.resolution = q.resolution;
-    sortByGain(search, found);
+    if (look.posterior == nullptr)
+      sortByGain(search, found);
+    else
+      dropWhatPredictsNothing(look);
     report("held out", 0.7);
-    const HeldOut held(search, found);
+    const HeldOut held(search, found, look.posterior == nullptr);
     out_.heldOutBefore = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
@@ -263,11 +311,12 @@ class Diagnoser {
     const double white = unit * std::sqrt(drift.spokenOf.noise.variance.mean());
     out_.noise = drift.spokenOf.white * white;
     out_.noiseStd = search.whiteStdOf(drift.spokenOf) * white;
+    if (look.posterior != nullptr) takeOdds(q, *look.posterior, out_);
     fillScatter(search, found, unit, out_);
     fillMissingInputs(q, out_);
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);
-    if (out_.missing.empty() && out_.profiles.empty())
+    if (look.posterior == nullptr && out_.missing.empty() && out_.profiles.empty())
       out_.variations =
           variationsOf(*look.space, out_.candidates, unit, std::max(out_.noise, out_.base.repeatability));
     decide(out_);
@@ -277,6 +326,7 @@ class Diagnoser {
   const Session& session_;
   Model model_;
   const DiagnoseOptions& options_;
+  const DiagnosisMethod method_;
   Diagnosis& out_;
   CalibrateOptions fit_;
 };
@@ -285,10 +335,17 @@ class Diagnoser {
 
 Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options,
                    const Eigen::VectorXd& start) {
+  return diagnoseBy(DiagnosisMethod::kSearch, session, model, options, start);
+}
+
+Diagnosis diagnoseBy(DiagnosisMethod method, const Session& session, const Model& model,
+                     const DiagnoseOptions& options, const Eigen::VectorXd& start) {
   Diagnosis out;
   const CancelScope scope(options.cancelled);
   try {
-    Threads(options.calibrate.threads).run([&] { Diagnoser(session, model, options, out).run(start); });
+    Threads(options.calibrate.threads).run([&] {
+      Diagnoser(session, model, options, method, out).run(start);
+    });
   } catch (const NumericalError& error) {
     out.verdict = Verdict::kInsufficientData;
     out.sentence = std::string("The model cannot be fitted to this session: ") + error.what();

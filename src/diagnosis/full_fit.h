@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "diagnosis/answers.h"
+#include "diagnosis/posterior_search.h"
 
 namespace mm {
 
@@ -11,6 +12,7 @@ struct Look {
   std::unique_ptr<ResidualSpace> space;
   Questions questions;
   Explanation found;
+  std::shared_ptr<PosteriorAnswer> posterior;  // where the answer was drawn from it
   double tailDof = 0.0;
 };
 

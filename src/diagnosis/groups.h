@@ -31,6 +31,8 @@ struct Shape {
       mixed;  // not empty: a shape made of several members of the family, a main column each
   /// Coefficient of the first column that is the largest usual one (Parameter::usual).
   double usual = std::numeric_limits<double>::infinity();
+  /// Coefficient of the first column beyond which sizes are met less and less (half-t).
+  double plausible = std::numeric_limits<double>::infinity();
   bool seldomNegative = false;  // that coefficient (Parameter::seldomNegative)
   /// Of a coefficient of the first column, in nats.
   double priceOfSize(double coefficient) const {

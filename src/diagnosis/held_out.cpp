@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "estimation/folds.h"
 
@@ -14,7 +15,8 @@ constexpr int kGap = 2;  // observations on either side that are neither fitted 
 
 }  // namespace
 
-HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(search), found_(found) {
+HeldOut::HeldOut(const Search& search, const Explanation& found, bool again)
+    : search_(search), found_(found) {
   const Questions& q = search.questions();
   const ResidualSpace& space = *q.space;
   const Folds& blocks = space.folds();
@@ -37,25 +39,48 @@ HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(searc
   for (Fold& fold : folds_) {
     fold.own = determinedWithin(q.rows.base, fold.held, fold.unused);
     fold.evidence = search.evidenceAt(found, &fold.unused);
-    fold.members = search.runHeld(found, *fold.evidence);
+    fold.members = again ? search.runHeld(found, *fold.evidence) : found.members;
   }
 }
 
-double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const {
+Eigen::VectorXd HeldOut::errorsOf(const Fold& fold, const std::vector<Member>& members) const {
   const Questions& q = search_.questions();
+  const Eigen::VectorXd expected = fold.evidence->fit(members).expected;
+  std::vector<double> of;
+  for (int i = 0; i < q.rows.rows(); ++i)
+    if (fold.held[i]) of.push_back(q.rows.target[i] - expected[i]);
+  Eigen::VectorXd left = Eigen::Map<Eigen::VectorXd>(of.data(), static_cast<long>(of.size()));
+  return left - fold.own * (fold.own.transpose() * left).eval();
+}
+
+double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const {
   double sum = 0.0;
   int n = 0;
   for (const Fold& fold : folds_) {
-    const Eigen::VectorXd expected = fold.evidence->fit(members(fold)).expected;
-    std::vector<double> of;
-    for (int i = 0; i < q.rows.rows(); ++i)
-      if (fold.held[i]) of.push_back(q.rows.target[i] - expected[i]);
-    Eigen::Map<Eigen::VectorXd> left(of.data(), static_cast<long>(of.size()));
-    left -= fold.own * (fold.own.transpose() * left).eval();
+    const Eigen::VectorXd left = errorsOf(fold, members(fold));
     sum += left.squaredNorm();
     n += static_cast<int>(left.size() - fold.own.cols());
   }
   return n > 0 ? std::sqrt(sum / n) : 0.0;
+}
+
+double HeldOut::worthOf(std::size_t member) const {
+  std::vector<Member> others = found_.members;
+  others.erase(others.begin() + static_cast<long>(member));
+  const std::vector<int>& blockOfRow = search_.questions().space->folds().blockOfRow;
+  std::map<int, double> lower;  // a block: by how much
+  for (const Fold& fold : folds_) {
+    const Eigen::VectorXd gain =
+        errorsOf(fold, others).cwiseAbs2() - errorsOf(fold, found_.members).cwiseAbs2();
+    int at = 0;
+    for (std::size_t i = 0; i < fold.held.size(); ++i)
+      if (fold.held[i]) lower[blockOfRow[i]] += gain[at++];
+  }
+  double sum = 0.0, squares = 0.0;
+  for (const auto& [block, value] : lower) sum += value;
+  const double n = static_cast<double>(lower.size()), mean = sum / n;
+  for (const auto& [block, value] : lower) squares += (value - mean) * (value - mean);
+  return sum / std::sqrt(std::max(1e-300, squares * n / std::max(1.0, n - 1.0)));
 }
 
 double HeldOut::before() const {

@@ -13,7 +13,9 @@ namespace mm {
 class HeldOut {
  public:
   /// @param found the explanation of all rows, in the order in which its members are told.
-  HeldOut(const Search& search, const Explanation& found);
+  /// @param again whether the folds are searched; else they have the members of `found`, fitted to their
+  /// rows.
+  HeldOut(const Search& search, const Explanation& found, bool again = true);
 
   /// RMS over the rows, in units of the stated noise times `unit`, m or rad.
   double before() const;                   // with nothing found, drift predicted
@@ -23,6 +25,9 @@ class HeldOut {
   double withGroup(int group) const;
   /// With these members, whatever the folds found.
   double withMembers(const std::vector<Member>& members) const;
+  /// How much a member lowers the sum of squared errors beside the others, over its standard error, blocks of
+  /// rows being independent; what predicts nothing is about 0.
+  double worthOf(std::size_t member) const;
   /// Share of the folds that found the cause of a member.
   double foundShare(std::size_t member) const;
 
@@ -34,6 +39,8 @@ class HeldOut {
     std::shared_ptr<const Evidence> evidence;
     std::vector<Member> members;
   };
+  /// Errors of the judged rows of a fold, what only they determine taken out.
+  Eigen::VectorXd errorsOf(const Fold& fold, const std::vector<Member>& members) const;
   double rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const;
 
   const Search& search_;

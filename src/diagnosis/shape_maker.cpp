@@ -19,7 +19,9 @@ constexpr double kSeen = 1e-3;
 constexpr double kWaveSeen = 0.2;
 constexpr double kMoved = 1e-9;     // m or rad: less is the rounding of a reading
 constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apart are two
-constexpr int kMostMissing = 10;    // an input may be unknown in one of so many rows
+constexpr double kUsualOfBound =
+    0.1;                          // of the largest plausible size: what is met, where nothing else is known
+constexpr int kMostMissing = 10;  // an input may be unknown in one of so many rows
 
 const Parameter& firstLinear(const Effect& effect) {
   return effect.parameters()[static_cast<std::size_t>(linearParameters(effect).front())];
@@ -105,6 +107,8 @@ MadeShape ShapeMaker::finish(const DraftShape& draft, const Eigen::VectorXd& lef
       const Parameter& first = firstLinear(*draft.shape.effect);
       made.shape.usual = first.usual / first.scale / scale;
       made.shape.seldomNegative = first.seldomNegative;
+      const double plausible = std::isfinite(first.usual) ? first.usual : kUsualOfBound * first.bound;
+      made.shape.plausible = plausible / first.scale / scale;
     }
     made.columns.middleCols(at, part.count) = part.share * scale * raw;
     after.segment(at, part.count) = part.share * scale * rest;

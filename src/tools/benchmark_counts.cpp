@@ -40,6 +40,7 @@ nlohmann::ordered_json jsonOf(const Trial& r, bool uncatalogued) {
   json["hits"] = hits;
   json["wrong"] = r.score.wrong;
   json["first_right"] = r.score.firstRight;
+  json["said"] = r.said;
   json["held_out_rms"] = jsonNumber(r.heldOutEnd);
   json["seconds"] = r.seconds;
   if (r.oracleGain) json["oracle_gain"] = *r.oracleGain;

@@ -193,11 +193,17 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
   DiagnoseOptions diagnosing;
   diagnosing.seed = seed;
   const auto begin = std::chrono::steady_clock::now();
-  const Diagnosis d = diagnose(simulation.session, model, diagnosing);
+  const Diagnosis d = diagnoseBy(options.method, simulation.session, model, diagnosing);
   trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   trial.verdict = d.verdict;
 
   trial.score = scoreOf(d, trial.hidden);
+  constexpr double kLikely = 0.2;
+  for (const CandidateResult& c : d.candidates)
+    if (c.odds > kLikely)
+      trial.said.emplace_back(c.odds,
+                              std::any_of(trial.hidden.begin(), trial.hidden.end(),
+                                          [&](const EffectSpec& h) { return sameCause(h, c.effect); }));
   for (const CandidateResult& m : d.missing) trial.found.push_back(m.effect.yaml());
   for (const ProfileResult& p : d.profiles) trial.found.push_back(p.effect.yaml());
   for (const FormulaResult& f : d.formulas) trial.found.push_back(f.effect.yaml());

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/diagnose.h"
+#include "diagnosis/diagnosis_method.h"
 #include "machine/machine.h"
 #include "session/progress.h"
 #include "tools/benchmark_oracle.h"
@@ -24,6 +24,8 @@ struct Trial {
   Verdict verdict = Verdict::kExplained;
   Score score;
   int rightByCorrelation = 0;
+  /// Causes of the catalogue that were said to be likely: their probability, and whether they were hidden.
+  std::vector<std::pair<double, bool>> said;
   double heldOutEnd = 0.0;   // held-out RMS with everything named in the model, over the noise
   double seconds = 0.0;      // of the diagnosis
   bool notShown = false;     // nothing was tried: no draw was of effects that such a session shows
@@ -42,7 +44,8 @@ struct TrialOptions {
   std::vector<std::string> only;  // types to draw from; empty: all kinds
   bool uncatalogued = false;      // hide effects outside the catalogue
   std::vector<EffectSpec> base;   // the model that knows nothing of what is hidden
-  std::string rough;              // how the sessions are rougher than the plan says: as for mm simulate
+  DiagnosisMethod method = DiagnosisMethod::kSearch;
+  std::string rough;  // how the sessions are rougher than the plan says: as for mm simulate
 };
 
 /// Runs one trial. The size of each hidden effect is set by a noise-free simulation of it alone. Only the

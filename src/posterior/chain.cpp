@@ -1,0 +1,237 @@
+#include "posterior/chain.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mm {
+namespace {
+
+/// Rate, shared by all causes, at which a cause is tried that does not look likely: without it two that are
+/// likely only together would never meet.
+constexpr double kTried = 0.3;
+constexpr double kRedrawn = 0.5;  // rate at which the shape of one that acts is drawn again
+constexpr int kNoiseEvery = 3;    // steps
+constexpr int kPairEvery = 10;
+constexpr double kFlat = 0.5;  // power of the odds by which partners are proposed
+constexpr int kMostActing = 12;
+constexpr double kNever = -1e300;  // log weight
+
+/// log(1 + e^x)
+double softPlus(double x) { return x > 0.0 ? x + std::log1p(std::exp(-x)) : std::log1p(std::exp(x)); }
+double logAdd(double a, double b) { return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b))); }
+
+void insert(ActingSet& set, Acting a) {
+  set.insert(std::lower_bound(set.begin(), set.end(), a,
+                              [](const Acting& s, const Acting& t) { return s.shape < t.shape; }),
+             a);
+}
+
+}  // namespace
+
+PosteriorChain::PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::uint64_t seed,
+                               int number, int noise)
+    : problem_(problem),
+      pool_(pool),
+      random_(seed, "posterior chain " + std::to_string(number)),
+      noise_(noise) {}
+
+int PosteriorChain::causeOf(Acting a) const {
+  return problem_.shapes[static_cast<std::size_t>(a.shape)].cause;
+}
+
+int PosteriorChain::memberOf(const ActingSet& set, int cause) const {
+  for (std::size_t k = 0; k < set.size(); ++k)
+    if (causeOf(set[k]) == cause) return static_cast<int>(k);
+  return -1;
+}
+
+PosteriorChain::Rates PosteriorChain::ratesOf(const Conditionals& look, const ActingSet& set) const {
+  // a cause in state s is flipped at (p(acts) + tried) / p(s), given all others
+  const auto causes = static_cast<int>(look.logOdds.size());
+  const double logTried = std::log(kTried / std::max(1, causes));
+  Rates rates;
+  for (int c = 0; c < causes; ++c) {
+    const double odds = look.logOdds[static_cast<std::size_t>(c)];
+    const double logActs = -softPlus(-odds);
+    const double logState = memberOf(set, c) >= 0 ? logActs : -softPlus(odds);
+    rates.logRate.push_back(logAdd(logActs, logTried) - logState);
+  }
+  for (std::size_t k = 0; k < set.size(); ++k) rates.logRate.push_back(std::log(kRedrawn));
+  if (static_cast<int>(set.size()) >= kMostActing)  // full: what does not act stays out
+    for (int c = 0; c < causes; ++c)
+      if (memberOf(set, c) < 0) rates.logRate[static_cast<std::size_t>(c)] = kNever;
+  rates.logSum = logSumExp(Eigen::Map<const Eigen::ArrayXd>(rates.logRate.data(),
+                                                            static_cast<Eigen::Index>(rates.logRate.size())));
+  return rates;
+}
+
+std::size_t PosteriorChain::drawFrom(const std::vector<double>& logWeights) {
+  const double most = *std::max_element(logWeights.begin(), logWeights.end());
+  double sum = 0.0;
+  for (const double w : logWeights) sum += std::exp(w - most);
+  double left = random_.uniform() * sum;
+  for (std::size_t i = 0; i < logWeights.size(); ++i) {
+    left -= std::exp(logWeights[i] - most);
+    if (left < 0.0) return i;
+  }
+  return static_cast<std::size_t>(std::max_element(logWeights.begin(), logWeights.end()) -
+                                  logWeights.begin());
+}
+
+Acting PosteriorChain::drawShape(const Conditionals& look, int cause) {
+  const Cause& c = problem_.causes[static_cast<std::size_t>(cause)];
+  const auto part = look.logWeights.middleRows(c.first, c.end - c.first);
+  const std::vector<double> weights(part.data(), part.data() + part.size());
+  const auto drawn = static_cast<int>(drawFrom(weights));
+  return {c.first + drawn / kSizes, drawn % kSizes};
+}
+
+void PosteriorChain::moveTo(ActingSet set, Conditionals look, Rates rates) {
+  set_ = std::move(set);
+  look_ = std::move(look);
+  rates_ = std::move(rates);
+  remember();
+}
+
+void PosteriorChain::remember() {
+  const double density = view().logDensity(set_);
+  if (density <= bestDensity_) return;
+  bestDensity_ = density;
+  best_ = set_;
+  bestNoise_ = noise_;
+}
+
+void PosteriorChain::stepSet() {
+  const std::size_t move = drawFrom(rates_.logRate);
+  ActingSet set = set_;
+  if (move < look_.logOdds.size()) {
+    const int cause = static_cast<int>(move), member = memberOf(set, cause);
+    if (member >= 0)
+      set.erase(set.begin() + member);
+    else
+      insert(set, drawShape(look_, cause));
+  } else {
+    const std::size_t member = move - look_.logOdds.size();
+    const int cause = causeOf(set[member]);
+    set[member] = drawShape(look_, cause);
+  }
+  Conditionals look = view().look(set);
+  Rates rates = ratesOf(look, set);
+  moveTo(std::move(set), std::move(look), std::move(rates));
+}
+
+void PosteriorChain::stepNoise() {
+  if (pool_.size() < 2) return;
+  // proposed by its density beside the set, or any: both are drawn without regard to where the chain is
+  std::vector<double> densities;
+  for (const auto& v : pool_) densities.push_back(v->logDensity(set_));
+  const bool any = random_.uniform() < 0.5;
+  const std::size_t to =
+      any ? static_cast<std::size_t>(random_.below(static_cast<int>(pool_.size()))) : drawFrom(densities);
+  if (static_cast<int>(to) == noise_) return;
+  const auto from = static_cast<std::size_t>(noise_);
+  Conditionals look = pool_[to]->look(set_);
+  Rates rates = ratesOf(look, set_);
+  double logRatio = rates.logSum - rates_.logSum;
+  if (any) logRatio += densities[to] - densities[from];
+  if (std::log(1.0 - random_.uniform()) >= logRatio) return;
+  noise_ = static_cast<int>(to);
+  moveTo(set_, std::move(look), std::move(rates));
+}
+
+double PosteriorChain::logDrawn(const Conditionals& look, Acting a) const {
+  return look.logWeights(a.shape, a.size) - look.logOdds[static_cast<std::size_t>(causeOf(a))];
+}
+
+/// Log probabilities by which a cause is proposed; those of `never` are not.
+std::vector<double> PosteriorChain::proposals(const Conditionals& look, const ActingSet& never,
+                                              int nor) const {
+  std::vector<double> log;
+  for (const double odds : look.logOdds) log.push_back(kFlat * odds);
+  for (const Acting& a : never) log[static_cast<std::size_t>(causeOf(a))] = kNever;
+  if (nor >= 0) log[static_cast<std::size_t>(nor)] = kNever;
+  const double sum =
+      logSumExp(Eigen::Map<const Eigen::ArrayXd>(log.data(), static_cast<Eigen::Index>(log.size())));
+  for (double& value : log) value -= sum;
+  return log;
+}
+
+void PosteriorChain::stepPair() {
+  const bool split = random_.uniform() < 0.5;
+  const int members = static_cast<int>(set_.size()), causes = static_cast<int>(look_.logOdds.size());
+  if (split ? members < 1 || members + 1 > kMostActing || causes < members + 2
+            : members < 2 || causes < members + 1)
+    return;
+  // what stays, what goes, and what comes
+  ActingSet common = set_, one, two;
+  const auto take = [&](ActingSet& to) {
+    const auto k = random_.below(static_cast<int>(common.size()));
+    to.push_back(common[static_cast<std::size_t>(k)]);
+    common.erase(common.begin() + k);
+  };
+  take(split ? one : two);
+  if (!split) take(two);
+  const Conditionals beside = view().look(common);
+  const auto with = [&](Acting a) {
+    ActingSet set = common;
+    insert(set, a);
+    return set;
+  };
+  if (split) {
+    const int instead = causeOf(one[0]);
+    two.push_back(drawShape(beside, static_cast<int>(drawFrom(proposals(beside, common, instead)))));
+    const ActingSet first = with(two[0]);
+    const Conditionals next = view().look(first);
+    two.push_back(drawShape(next, static_cast<int>(drawFrom(proposals(next, first, instead)))));
+  } else {
+    ActingSet gone = common;
+    gone.insert(gone.end(), two.begin(), two.end());
+    one.push_back(drawShape(beside, static_cast<int>(drawFrom(proposals(beside, gone, -1)))));
+  }
+  // log probability of two in the place of one, in either order, and of one in the place of two
+  const int instead = causeOf(one[0]);
+  double inOrder[2];
+  for (int k = 0; k < 2; ++k) {
+    const Acting first = two[static_cast<std::size_t>(k)], second = two[static_cast<std::size_t>(1 - k)];
+    const ActingSet set = with(first);
+    const Conditionals next = view().look(set);
+    inOrder[k] = proposals(beside, common, instead)[static_cast<std::size_t>(causeOf(first))] +
+                 logDrawn(beside, first) +
+                 proposals(next, set, instead)[static_cast<std::size_t>(causeOf(second))] +
+                 logDrawn(next, second);
+  }
+  ActingSet gone = common;
+  gone.insert(gone.end(), two.begin(), two.end());
+  const double few = members + (split ? 0.0 : -1.0);  // members of the smaller set
+  const double apart = logAdd(inOrder[0], inOrder[1]) - std::log(few);
+  const double together = proposals(beside, gone, -1)[static_cast<std::size_t>(instead)] +
+                          logDrawn(beside, one[0]) - std::log(few * (few + 1.0) / 2.0);
+  ActingSet to = common;
+  for (const Acting& a : split ? two : one) insert(to, a);
+  Conditionals look = view().look(to);
+  Rates rates = ratesOf(look, to);
+  const double logRatio = view().logDensity(to) + rates.logSum - view().logDensity(set_) - rates_.logSum +
+                          (split ? together - apart : apart - together);
+  if (std::log(1.0 - random_.uniform()) < logRatio) moveTo(std::move(to), std::move(look), std::move(rates));
+}
+
+void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
+  look_ = view().look(set_);
+  rates_ = ratesOf(look_, set_);
+  remember();
+  for (int step = 0; step < steps; ++step) {
+    if (step % kNoiseEvery == 0) stepNoise();
+    if (step % kPairEvery == kPairEvery - 1) stepPair();
+    if (visits != nullptr) {
+      Visit v;
+      v.logWeight = -rates_.logSum;
+      v.noise = noise_;
+      v.set = set_;
+      for (const double odds : look_.logOdds) v.inclusion.push_back(std::exp(-softPlus(-odds)));
+      visits->push_back(std::move(v));
+    }
+    stepSet();
+  }
+}
+
+}  // namespace mm

@@ -1,0 +1,69 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "base/random.h"
+#include "posterior/noise_view.h"
+
+namespace mm {
+
+using NoisePool = std::vector<std::shared_ptr<const NoiseView>>;
+
+/// One state that a chain visited, and what it says of every cause.
+struct Visit {
+  double logWeight = 0.0;
+  int noise = 0;  // of the pool
+  ActingSet set;
+  std::vector<double> inclusion;  // a cause: that it acts, given all else of the state (Rao-Blackwell)
+};
+
+/// Tempered Gibbs sampling over sets of causes (Zanella & Roberts, J. R. Stat. Soc. B 81 (2019)): a cause is
+/// chosen the likelier the less its state fits all others, and changes it; where the chain went too often is
+/// weighted down by what is known, so that its samples are those of the posterior. The state of the noise is
+/// drawn from a pool by Metropolis's rule under the same tempered density.
+class PosteriorChain {
+ public:
+  /// @param pool may grow between runs; problem and pool must outlive it. @param noise of the pool, to begin
+  /// with; no cause acts there.
+  PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::uint64_t seed, int number,
+                 int noise = 0);
+
+  /// @param visits those of these steps are added; null: they are not kept.
+  void run(int steps, std::vector<Visit>* visits);
+  /// The densest state that it met: set and noise.
+  const ActingSet& best() const { return best_; }
+  int bestNoise() const { return bestNoise_; }
+
+ private:
+  struct Rates {                  // of the moves from a state
+    double logSum = 0.0;          // the tempered density is the density times this
+    std::vector<double> logRate;  // a cause: that it changes its state; then each member: that its shape does
+  };
+  Rates ratesOf(const Conditionals& look, const ActingSet& set) const;
+  void stepNoise();
+  void stepSet();
+  /// One that acts for two others, or two for one: neither of the two need be likely alone.
+  void stepPair();
+  std::vector<double> proposals(const Conditionals& look, const ActingSet& never, int nor) const;
+  double logDrawn(const Conditionals& look, Acting a) const;  // that drawShape gives it
+  void moveTo(ActingSet set, Conditionals look, Rates rates);
+  int causeOf(Acting a) const;
+  int memberOf(const ActingSet& set, int cause) const;  // its index, -1: it does not act
+  Acting drawShape(const Conditionals& look, int cause);
+  std::size_t drawFrom(const std::vector<double>& logWeights);
+  const NoiseView& view() const { return *pool_[static_cast<std::size_t>(noise_)]; }
+  void remember();
+
+  const PosteriorProblem& problem_;
+  const NoisePool& pool_;
+  Random random_;
+  int noise_ = 0;
+  ActingSet set_;
+  Conditionals look_;
+  Rates rates_;
+  ActingSet best_;
+  double bestDensity_ = -1e300;
+  int bestNoise_ = 0;
+};
+
+}  // namespace mm

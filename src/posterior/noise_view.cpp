@@ -1,0 +1,250 @@
+#include "posterior/noise_view.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "base/cancel_scope.h"
+
+namespace mm {
+namespace {
+
+constexpr std::size_t kColumnsTogether = 192;  // whitened at a time; part of the layout, not of the threads
+
+}  // namespace
+
+double logSumExp(const Eigen::Ref<const Eigen::ArrayXd>& values) {
+  const double most = values.maxCoeff();
+  return most + std::log((values - most).exp().sum());
+}
+
+NoiseView::NoiseView(const PosteriorProblem& problem, NoiseState state,
+                     std::shared_ptr<const PackedColumns> packed)
+    : problem_(problem),
+      state_(std::move(state)),
+      packed_(packed ? std::move(packed) : std::make_shared<const PackedColumns>(problem.columns)),
+      logPrior_(state_.logPrior(problem)) {
+  const NoiseRows& rows = problem.rows;
+  whitener_ = std::make_unique<TimeWhitener>(rows.time, rows.factors, state_.variance, state_.drift);
+  const int base = static_cast<int>(rows.base.cols());
+  int count = base;
+  for (std::size_t b = 0; b < problem.scatter.size(); ++b)
+    if (state_.scatter[b] > 0.0) count += static_cast<int>(problem.scatter[b].columns.cols());
+  fixed_.resize(rows.length(), count);
+  fixed_.leftCols(base) = rows.base;
+  int at = base;
+  for (std::size_t b = 0; b < problem.scatter.size(); ++b) {
+    if (!(state_.scatter[b] > 0.0)) continue;
+    const auto k = problem.scatter[b].columns.cols();
+    fixed_.middleCols(at, k) = state_.scatter[b] * problem.scatter[b].columns;
+    at += static_cast<int>(k);
+  }
+  whitener_->whiten(fixed_);
+  RowMatrix target = rows.target;
+  whitener_->whiten(target);
+  target_ = target.col(0);
+  Eigen::MatrixXd m = rowProducts(fixed_);
+  for (int k = 0; k < count; ++k) m(k, k) += k < base ? kRidge : 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> llt(m);
+  factor_ = llt.matrixL();
+  byTarget_ = factor_.triangularView<Eigen::Lower>().solve(fixed_.transpose() * target_);
+  rest_ = std::max(0.0, target_.squaredNorm() - byTarget_.squaredNorm()) + problem.statedFreedoms;
+  logDeterminant_ = whitener_->logDeterminant() + 2.0 * factor_.diagonal().array().log().sum();
+  freedoms_ = std::max(1, rows.length() - base) + problem.statedFreedoms;
+}
+
+void NoiseView::makeAll() const {
+  CancelScope::check();
+  const int all = static_cast<int>(problem_.columns.cols());
+  byFixed_.resize(fixed_.cols(), all);
+  allTarget_.resize(all);
+  products_.resize(problem_.shapes.size());
+  // parts of whole shapes
+  std::vector<std::size_t> parts = {0};
+  int columns = 0;
+  for (std::size_t s = 0; s < problem_.shapes.size(); ++s) {
+    if (columns + problem_.shapes[s].count > static_cast<int>(kColumnsTogether))
+      parts.push_back(s), columns = 0;
+    columns += problem_.shapes[s].count;
+  }
+  parts.push_back(problem_.shapes.size());
+  // one thread: the chains are the parts that run together, and a thread that waited here for others could be
+  // given a chain that waits for it
+  for (std::size_t p = 0; p + 1 < parts.size(); ++p) {
+    if (parts[p] == parts[p + 1]) continue;
+    const int first = problem_.shapes[parts[p]].first;
+    const CauseShape& last = problem_.shapes[parts[p + 1] - 1];
+    const int count = last.first + last.count - first;
+    RowMatrix part = problem_.columns.middleCols(first, count);
+    whitener_->whiten(part);
+    RowMatrix by = rowProducts(fixed_, part);
+    factor_.triangularView<Eigen::Lower>().solveInPlace(by);
+    allTarget_.segment(first, count) = part.transpose() * target_ - by.transpose() * byTarget_;
+    for (std::size_t s = parts[p]; s < parts[p + 1]; ++s) {
+      const CauseShape& shape = problem_.shapes[s];
+      const auto block = part.middleCols(shape.first - first, shape.count);
+      const auto absorbed = by.middleCols(shape.first - first, shape.count);
+      products_[s] = Eigen::MatrixXd(rowProducts(block)) - absorbed.transpose() * absorbed;
+    }
+    byFixed_.middleCols(first, count) = by;
+  }
+}
+
+NoiseView::Columns& NoiseView::columnsOf(int shape) const {
+  Columns* kept = nullptr;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    auto& slot = kept_[shape];
+    if (!slot) slot = std::make_unique<Columns>();
+    kept = slot.get();
+  }
+  std::call_once(kept->once, [&] {
+    const CauseShape& s = problem_.shapes[static_cast<std::size_t>(shape)];
+    kept->whitened = problem_.columns.middleCols(s.first, s.count);
+    whitener_->whiten(kept->whitened);
+    kept->byFixed = rowProducts(fixed_, kept->whitened);
+    factor_.triangularView<Eigen::Lower>().solveInPlace(kept->byFixed);
+    kept->target = kept->whitened.transpose() * target_ - kept->byFixed.transpose() * byTarget_;
+  });
+  return *kept;
+}
+
+const RowMatrix& NoiseView::crossOf(int shape) const {
+  std::call_once(onceAll_, [this] { makeAll(); });
+  Columns& own = columnsOf(shape);
+  std::call_once(own.onceCross, [&] {
+    const CauseShape& s = problem_.shapes[static_cast<std::size_t>(shape)];
+    RowMatrix weighted = problem_.columns.middleCols(s.first, s.count);  // V^-1 times these
+    const int rows = problem_.rows.rows();
+    for (int k = 0; k < s.count; ++k) {
+      const Eigen::VectorXd column = weighted.col(k).head(rows);
+      weighted.col(k).head(rows) = (column - whitener_->driftIn(column)).cwiseQuotient(state_.variance);
+    }
+    own.cross.resize(s.count, problem_.columns.cols());
+    packed_->productsWith(weighted, 0, static_cast<int>(problem_.columns.cols()), own.cross);
+    own.cross.noalias() -= own.byFixed.transpose() * byFixed_;
+  });
+  return own.cross;
+}
+
+NoiseView::Joint NoiseView::jointOf(const ActingSet& set) const {
+  int count = 0;
+  for (const Acting& a : set) count += problem_.shapes[static_cast<std::size_t>(a.shape)].count;
+  Eigen::MatrixXd products(count, count);
+  Eigen::VectorXd target(count);
+  int at = 0;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const Columns& a = columnsOf(set[i].shape);
+    const auto n = a.whitened.cols();
+    const double size = sizeGrid()[set[i].size];
+    target.segment(at, n) = size * a.target;
+    int to = 0;
+    for (std::size_t j = 0; j <= i; ++j) {
+      const Columns& b = columnsOf(set[j].shape);
+      const auto m = b.whitened.cols();
+      products.block(at, to, n, m) =
+          size * sizeGrid()[set[j].size] *
+          (Eigen::MatrixXd(rowProducts(a.whitened, b.whitened)) - a.byFixed.transpose() * b.byFixed);
+      to += static_cast<int>(m);
+    }
+    at += static_cast<int>(n);
+  }
+  products.diagonal().array() += 1.0;
+  Joint joint;
+  joint.factor.compute(products.selfadjointView<Eigen::Lower>());
+  joint.explained = joint.factor.matrixL().solve(target);
+  joint.rest = std::max(problem_.statedFreedoms * 1e-12, rest_ - joint.explained.squaredNorm());
+  joint.logDeterminant = 2.0 * joint.factor.matrixLLT().diagonal().array().log().sum();
+  return joint;
+}
+
+double NoiseView::logDensity(const ActingSet& set) const {
+  const Joint joint = jointOf(set);
+  double prior = logPrior_;
+  for (const Acting& a : set) {
+    const CauseShape& s = problem_.shapes[static_cast<std::size_t>(a.shape)];
+    prior += problem_.causes[static_cast<std::size_t>(s.cause)].logPriorOdds + s.logPrior[a.size];
+  }
+  return prior - 0.5 * (logDeterminant_ + joint.logDeterminant) - 0.5 * freedoms_ * std::log(joint.rest);
+}
+
+double NoiseView::whiteVariance(const ActingSet& set) const { return jointOf(set).rest / freedoms_; }
+
+NoiseView::Fit NoiseView::fit(const ActingSet& set) const {
+  const Joint joint = jointOf(set);
+  const Eigen::VectorXd values = joint.factor.matrixU().solve(joint.explained);
+  const auto n = values.size();
+  const Eigen::MatrixXd inverse = joint.factor.solve(Eigen::MatrixXd::Identity(n, n));
+  const double variance = joint.rest / freedoms_;
+  Fit fit;
+  int at = 0;
+  for (const Acting& a : set) {
+    const int k = problem_.shapes[static_cast<std::size_t>(a.shape)].count;
+    const double size = sizeGrid()[a.size];
+    fit.values.emplace_back(size * values.segment(at, k));
+    fit.covariance.emplace_back(variance * size * size * inverse.block(at, at, k, k));
+    at += k;
+  }
+  return fit;
+}
+
+/// @param absorbed by the members of the set: their factor's rows x columns from `firstColumn` on.
+void NoiseView::askShapes(int first, int end, const ActingSet& set, const Joint& joint,
+                          const RowMatrix& absorbed, int firstColumn, Conditionals& look) const {
+  for (int s = first; s < end; ++s) {
+    const CauseShape& shape = problem_.shapes[static_cast<std::size_t>(s)];
+    Eigen::MatrixXd products = products_[static_cast<std::size_t>(s)];
+    Eigen::VectorXd target = allTarget_.segment(shape.first, shape.count);
+    if (!set.empty()) {
+      const auto by = absorbed.middleCols(shape.first - firstColumn, shape.count);
+      products.noalias() -= by.transpose() * by;
+      target.noalias() -= by.transpose() * joint.explained;
+    }
+    look.logWeights.row(s) = (logBayesFactors(products, target, joint.rest, freedoms_) + shape.logPrior +
+                              problem_.causes[static_cast<std::size_t>(shape.cause)].logPriorOdds)
+                                 .transpose();
+  }
+}
+
+Conditionals NoiseView::look(const ActingSet& set) const {
+  CancelScope::check();
+  std::call_once(onceAll_, [this] { makeAll(); });
+  const int shapes = static_cast<int>(problem_.shapes.size());
+  Conditionals out;
+  out.logWeights.resize(shapes, kSizes);
+  // what each cause would bring beside those of `beside`
+  const auto absorbedBy = [&](const ActingSet& beside, const Joint& joint, int first, int count) {
+    RowMatrix absorbed(joint.explained.size(), count);
+    int at = 0;
+    for (const Acting& a : beside) {
+      const RowMatrix& cross = crossOf(a.shape);
+      absorbed.middleRows(at, cross.rows()) = sizeGrid()[a.size] * cross.middleCols(first, count);
+      at += static_cast<int>(cross.rows());
+    }
+    joint.factor.matrixL().solveInPlace(absorbed);
+    return absorbed;
+  };
+  const Joint joint = jointOf(set);
+  askShapes(0, shapes, set, joint, absorbedBy(set, joint, 0, static_cast<int>(problem_.columns.cols())), 0,
+            out);
+  for (std::size_t k = 0; k < set.size(); ++k) {
+    ActingSet others = set;
+    others.erase(others.begin() + static_cast<long>(k));
+    const Joint rest = jointOf(others);
+    const Cause& own =
+        problem_
+            .causes[static_cast<std::size_t>(problem_.shapes[static_cast<std::size_t>(set[k].shape)].cause)];
+    const CauseShape &first = problem_.shapes[static_cast<std::size_t>(own.first)],
+                     &last = problem_.shapes[static_cast<std::size_t>(own.end - 1)];
+    askShapes(own.first, own.end, others, rest,
+              absorbedBy(others, rest, first.first, last.first + last.count - first.first), first.first, out);
+  }
+  for (const Cause& c : problem_.causes) {
+    const auto part = out.logWeights.middleRows(c.first, c.end - c.first);
+    const double most = part.maxCoeff();
+    out.logOdds.push_back(most + std::log((part - most).exp().sum()));
+  }
+  return out;
+}
+
+}  // namespace mm

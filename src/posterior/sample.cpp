@@ -1,0 +1,118 @@
+#include "posterior/sample.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace mm {
+namespace {
+
+class Sampler {
+ public:
+  Sampler(const PosteriorProblem& problem, const SampleOptions& options)
+      : problem_(problem),
+        options_(options),
+        packed_(std::make_shared<const PackedColumns>(problem.columns)),
+        visits_(static_cast<std::size_t>(options.chains)) {}
+
+  PosteriorSample run(const Eigen::VectorXd& variance) {
+    for (NoiseState& s : plainStates(problem_, variance)) add(std::move(s));
+    add(fittedBeside(problem_, {}, pool_.front()->state()));
+    add(fittedBeside(problem_, {}, pool_[densest({})]->state()));
+    // from the two ends: no noise but the white, and the noise that explains most alone
+    for (int c = 0; c < options_.chains; ++c)
+      chains_.emplace_back(problem_, pool_, options_.seed, c, c % 2 == 0 ? 0 : static_cast<int>(densest({})));
+    for (int fit = 0; fit < options_.fits; ++fit) {
+      advance(options_.warmUp, false);
+      fitBesideWhatWasFound();
+    }
+    advance(options_.warmUp, false);
+    PosteriorSample out;
+    for (int round = 0; round < options_.mostRounds; ++round) {
+      advance(options_.steps, true);
+      read(out);
+      if (out.settled) break;
+    }
+    out.pool = pool_;
+    double most = -1e300;
+    for (const PosteriorChain& c : chains_) {
+      const double density = pool_[static_cast<std::size_t>(c.bestNoise())]->logDensity(c.best());
+      if (density > most) most = density, out.best = c.best(), out.bestNoise = c.bestNoise();
+    }
+    return out;
+  }
+
+ private:
+  void add(NoiseState state) {
+    for (const auto& v : pool_)
+      if (v->state().resembles(state)) return;
+    pool_.push_back(std::make_shared<NoiseView>(problem_, std::move(state), packed_));
+  }
+
+  std::size_t densest(const ActingSet& set) const {
+    std::size_t best = 0;
+    for (std::size_t v = 1; v < pool_.size(); ++v)
+      if (pool_[v]->logDensity(set) > pool_[best]->logDensity(set)) best = v;
+    return best;
+  }
+
+  void fitBesideWhatWasFound() {
+    std::vector<NoiseState> fitted(chains_.size());
+    for (std::size_t c = 0; c < chains_.size(); ++c)
+      fitted[c] = fittedBeside(problem_, chains_[c].best(), pool_[densest(chains_[c].best())]->state());
+    for (NoiseState& s : fitted) add(std::move(s));
+  }
+
+  void advance(int steps, bool keep) {
+    parallelFor(chains_.size(), [&](std::size_t c) { chains_[c].run(steps, keep ? &visits_[c] : nullptr); });
+  }
+
+  void read(PosteriorSample& out) const {
+    const std::size_t causes = problem_.causes.size();
+    std::vector<std::vector<double>> ofChain;
+    out.visits.clear();
+    out.weights.clear();
+    for (const auto& visits : visits_) {
+      double most = -1e300, sum = 0.0;
+      for (const Visit& v : visits) most = std::max(most, v.logWeight);
+      for (const Visit& v : visits) sum += std::exp(v.logWeight - most);
+      std::vector<double> inclusion(causes, 0.0);
+      for (const Visit& v : visits) {
+        const double weight = std::exp(v.logWeight - most) / sum;
+        for (std::size_t c = 0; c < causes; ++c) inclusion[c] += weight * v.inclusion[c];
+        out.visits.push_back(v);
+        out.weights.push_back(weight / static_cast<double>(visits_.size()));
+      }
+      ofChain.push_back(std::move(inclusion));
+    }
+    out.inclusion.assign(causes, 0.0);
+    out.disagreement = 0.0;
+    for (std::size_t c = 0; c < causes; ++c) {
+      double low = 1.0, high = 0.0;
+      for (const auto& inclusion : ofChain) {
+        out.inclusion[c] += inclusion[c] / static_cast<double>(ofChain.size());
+        low = std::min(low, inclusion[c]);
+        high = std::max(high, inclusion[c]);
+      }
+      out.disagreement = std::max(out.disagreement, high - low);
+    }
+    out.settled = out.disagreement <= kAgree;
+  }
+
+  const PosteriorProblem& problem_;
+  const SampleOptions& options_;
+  std::shared_ptr<const PackedColumns> packed_;
+  NoisePool pool_;
+  std::vector<PosteriorChain> chains_;
+  std::vector<std::vector<Visit>> visits_;
+};
+
+}  // namespace
+
+PosteriorSample samplePosterior(const PosteriorProblem& problem, const Eigen::VectorXd& variance,
+                                const SampleOptions& options) {
+  return Sampler(problem, options).run(variance);
+}
+
+}  // namespace mm

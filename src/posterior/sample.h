@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "posterior/chain.h"
+
+namespace mm {
+
+struct SampleOptions {
+  int chains = 2;      // beside each other
+  int warmUp = 25;     // steps before each fit of the noise beside what was found
+  int fits = 2;        // of the noise beside what was found
+  int steps = 120;     // of a chain, that are read
+  int mostRounds = 3;  // of so many steps, until the chains agree
+  std::uint64_t seed = 1;
+};
+
+/// What was drawn from the posterior. Everything that a diagnosis says is a marginal of it.
+struct PosteriorSample {
+  NoisePool pool;
+  std::vector<Visit> visits;      // of all chains
+  std::vector<double> weights;    // a visit, of sum 1; each chain has the same in all
+  std::vector<double> inclusion;  // a cause: probability that it acts
+  double disagreement = 0.0;      // largest difference of an inclusion between two chains
+  bool settled = false;           // it is small
+
+  /// The set and noise of greatest density that were visited.
+  ActingSet best;
+  int bestNoise = 0;
+};
+
+/// Chains agree where no inclusion differs by more.
+constexpr double kAgree = 0.02;
+
+/// Draws from the posterior of a problem. The same seed gives the same bits, on any number of threads.
+PosteriorSample samplePosterior(const PosteriorProblem& problem, const Eigen::VectorXd& variance,
+                                const SampleOptions& options);
+
+/// States of the noise with which a pool begins: none, each kind alone, small and large; what is not in the
+/// pool cannot win. @param variance a data row.
+std::vector<NoiseState> plainStates(const PosteriorProblem& problem, const Eigen::VectorXd& variance);
+/// The noise fitted beside a set, from a state.
+NoiseState fittedBeside(const PosteriorProblem& problem, const ActingSet& set, const NoiseState& start);
+
+}  // namespace mm

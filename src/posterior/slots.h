@@ -1,0 +1,31 @@
+#pragma once
+#include <vector>
+
+#include "posterior/sample.h"
+
+namespace mm {
+
+/// A place in the answer: causes of which one acts, likeliest first.
+struct Slot {
+  std::vector<int> causes;
+  std::vector<double> shares;  // a cause: probability that it acts
+  double probability = 0.0;    // that one of them acts
+  bool named = false;          // it is sure enough to be said
+};
+
+constexpr double kNamed = 0.99;  // probability at which a cause, or a set of rivals, is named
+
+/// The one decision of a diagnosis. The likeliest cause that is not used gets rivals, each the one that acts
+/// in most of what is left, until one of them is sure to act; where that is not reached its causes may act.
+std::vector<Slot> slotsOf(const PosteriorSample& sample);
+
+/// The shape of a cause that has most of its probability, and its size there. @return shape -1: it was never
+/// visited.
+Acting shapeOf(const PosteriorSample& sample, const PosteriorProblem& problem, int cause);
+/// The state of the noise with most of the probability.
+int likeliestNoise(const PosteriorSample& sample);
+
+/// A probability from the sample as it may be said: no sample of this length knows more than its length.
+double odds(const PosteriorSample& sample, double probability);
+
+}  // namespace mm

@@ -1,0 +1,112 @@
+// The samples of a chain against sums over every state of a small problem.
+#include "posterior/chain.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "posterior_support.h"
+
+using namespace mm;
+
+namespace {
+
+/// Every set: of each cause nothing, or one of its shapes at one of the sizes.
+std::vector<ActingSet> everySet(const PosteriorProblem& problem) {
+  std::vector<ActingSet> all = {{}};
+  for (const Cause& c : problem.causes) {
+    std::vector<ActingSet> more;
+    for (const ActingSet& set : all)
+      for (int s = c.first; s < c.end; ++s)
+        for (int k = 0; k < kSizes; ++k) {
+          more.push_back(set);
+          more.back().push_back({s, k});
+        }
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
+struct Exact {
+  std::vector<double> inclusion;
+  double walking = 0.0;  // probability of the second state of the noise
+};
+
+Exact exactOf(const PosteriorProblem& problem, const NoisePool& pool) {
+  const std::vector<ActingSet> sets = everySet(problem);
+  Exact exact;
+  exact.inclusion.assign(problem.causes.size(), 0.0);
+  double sum = 0.0, most = -1e300;
+  for (const auto& view : pool) most = std::max(most, view->logDensity({}));
+  for (std::size_t v = 0; v < pool.size(); ++v)
+    for (const ActingSet& set : sets) {
+      const double weight = std::exp(pool[v]->logDensity(set) - most);
+      sum += weight;
+      for (const Acting& a : set) exact.inclusion[problem.shapes[a.shape].cause] += weight;
+      if (v == 1) exact.walking += weight;
+    }
+  for (double& p : exact.inclusion) p /= sum;
+  exact.walking /= sum;
+  return exact;
+}
+
+}  // namespace
+
+TEST(NoiseView, DensityIsThatOfDenseMatrices) {
+  const SmallProblem small(3);
+  const ActingSet sets[] = {{}, {{0, 5}}, {{0, 7}, {2, 4}}, {{1, 2}, {3, 12}}};
+  for (const NoiseState& noise : {small.plain(), small.walking()}) {
+    const NoiseView view(small.problem, noise);
+    const double offset = view.logDensity({}) - small.brute(noise, {});
+    EXPECT_NEAR(offset, 0.0, 1e-5);
+    for (const ActingSet& set : sets) EXPECT_NEAR(view.logDensity(set), small.brute(noise, set), 1e-5);
+  }
+}
+
+TEST(NoiseView, ConditionalsSumShapesAndSizesGivenTheOthers) {
+  const SmallProblem small(4);
+  const NoiseView view(small.problem, small.walking());
+  const ActingSet set = {{0, 6}, {3, 3}};
+  const Conditionals look = view.look(set);
+  for (int c = 0; c < 3; ++c) {
+    ActingSet others;
+    for (const Acting& a : set)
+      if (small.problem.shapes[a.shape].cause != c) others.push_back(a);
+    double sum = 0.0;
+    for (int s = small.problem.causes[c].first; s < small.problem.causes[c].end; ++s)
+      for (int k = 0; k < kSizes; ++k) {
+        ActingSet with = others;
+        with.push_back({s, k});
+        const double ratio = view.logDensity(with) - view.logDensity(others);
+        EXPECT_NEAR(look.logWeights(s, k), ratio, 1e-8) << c << " " << s << " " << k;
+        sum += std::exp(ratio);
+      }
+    EXPECT_NEAR(look.logOdds[c], std::log(sum), 1e-8);
+  }
+}
+
+TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
+  for (const unsigned seed : {1u, 2u, 5u, 8u}) {
+    const SmallProblem small(seed, 0.35);
+    const NoisePool pool = {std::make_shared<NoiseView>(small.problem, small.plain()),
+                            std::make_shared<NoiseView>(small.problem, small.walking())};
+    const Exact exact = exactOf(small.problem, pool);
+    PosteriorChain chain(small.problem, pool, 1, 0);
+    std::vector<Visit> visits;
+    chain.run(20000, &visits);
+    double sum = 0.0, walking = 0.0;
+    std::vector<double> inclusion(3, 0.0), visited(3, 0.0);
+    for (const Visit& v : visits) {
+      const double weight = std::exp(v.logWeight);
+      sum += weight;
+      walking += weight * v.noise;
+      for (int c = 0; c < 3; ++c) inclusion[c] += weight * v.inclusion[c];
+      for (const Acting& a : v.set) visited[small.problem.shapes[a.shape].cause] += weight;
+    }
+    EXPECT_NEAR(walking / sum, exact.walking, 0.02) << seed;
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(inclusion[c] / sum, exact.inclusion[c], 0.01) << seed << " " << c;
+      EXPECT_NEAR(visited[c] / sum, exact.inclusion[c], 0.03) << seed << " " << c;  // without Rao-Blackwell
+    }
+  }
+}

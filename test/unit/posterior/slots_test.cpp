@@ -1,0 +1,52 @@
+#include "posterior/slots.h"
+
+#include <gtest/gtest.h>
+
+using namespace mm;
+
+namespace {
+
+/// A sample in which each visit has the same weight.
+PosteriorSample sampleOf(const std::vector<std::vector<double>>& inclusion) {
+  PosteriorSample s;
+  s.inclusion.assign(inclusion[0].size(), 0.0);
+  for (const auto& of : inclusion) {
+    Visit v;
+    v.inclusion = of;
+    s.visits.push_back(v);
+    s.weights.push_back(1.0 / static_cast<double>(inclusion.size()));
+    for (std::size_t c = 0; c < of.size(); ++c)
+      s.inclusion[c] += of[c] / static_cast<double>(inclusion.size());
+  }
+  return s;
+}
+
+}  // namespace
+
+TEST(Slots, OneThatIsSureIsNamedAlone) {
+  const std::vector<Slot> slots = slotsOf(sampleOf({{0.999, 0.001}, {0.998, 0.002}}));
+  ASSERT_EQ(slots.size(), 1u);
+  EXPECT_TRUE(slots[0].named);
+  EXPECT_EQ(slots[0].causes, std::vector<int>{0});
+}
+
+TEST(Slots, TwoThatExcludeEachOtherAreRivalsOfOnePlace) {
+  const std::vector<Slot> slots = slotsOf(sampleOf({{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {1.0, 0.0, 0.3}}));
+  ASSERT_FALSE(slots.empty());
+  EXPECT_TRUE(slots[0].named);
+  EXPECT_EQ(slots[0].causes, (std::vector<int>{0, 1}));
+  EXPECT_NEAR(slots[0].shares[0], 2.0 / 3.0, 1e-12);
+}
+
+TEST(Slots, TwoThatActTogetherHaveAPlaceEach) {
+  const std::vector<Slot> slots = slotsOf(sampleOf({{1.0, 0.995}, {0.999, 1.0}}));
+  ASSERT_EQ(slots.size(), 2u);
+  EXPECT_TRUE(slots[0].named && slots[1].named);
+}
+
+TEST(Slots, WhatIsLessSureIsNotNamed) {
+  const std::vector<Slot> slots = slotsOf(sampleOf({{0.97, 0.0}, {0.97, 0.0}}));
+  ASSERT_EQ(slots.size(), 1u);
+  EXPECT_FALSE(slots[0].named);
+  EXPECT_NEAR(slots[0].probability, 0.97, 1e-12);
+}
