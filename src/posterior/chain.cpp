@@ -12,7 +12,8 @@ constexpr double kTried = 0.3;
 constexpr double kRedrawn = 0.5;  // rate at which the shape of one that acts is drawn again
 constexpr int kNoiseEvery = 3;    // steps
 constexpr int kPairEvery = 10;
-constexpr double kFlat = 0.5;  // power of the odds by which partners are proposed
+constexpr double kNearlyAny = 0.1;  // power of the density by which a state of the noise is proposed
+constexpr double kFlat = 0.5;       // power of the odds by which partners are proposed
 constexpr int kMostActing = 12;
 constexpr double kNever = -1e300;  // log weight
 
@@ -122,18 +123,17 @@ void PosteriorChain::stepSet() {
 
 void PosteriorChain::stepNoise() {
   if (pool_.size() < 2) return;
-  // proposed by its density beside the set, or any: both are drawn without regard to where the chain is
-  std::vector<double> densities;
+  // proposed by its density beside the set, or nearly any: drawn without regard to where the chain is
+  std::vector<double> densities, proposed;
   for (const auto& v : pool_) densities.push_back(v->logDensity(set_));
-  const bool any = random_.uniform() < 0.5;
-  const std::size_t to =
-      any ? static_cast<std::size_t>(random_.below(static_cast<int>(pool_.size()))) : drawFrom(densities);
+  const double power = random_.uniform() < 0.5 ? kNearlyAny : 1.0;
+  for (const double density : densities) proposed.push_back(power * density);
+  const std::size_t to = drawFrom(proposed);
   if (static_cast<int>(to) == noise_) return;
   const auto from = static_cast<std::size_t>(noise_);
   Conditionals look = pool_[to]->look(set_);
   Rates rates = ratesOf(look, set_);
-  double logRatio = rates.logSum - rates_.logSum;
-  if (any) logRatio += densities[to] - densities[from];
+  const double logRatio = rates.logSum - rates_.logSum + (1.0 - power) * (densities[to] - densities[from]);
   if (std::log(1.0 - random_.uniform()) >= logRatio) return;
   noise_ = static_cast<int>(to);
   moveTo(set_, std::move(look), std::move(rates));
