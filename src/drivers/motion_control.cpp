@@ -30,6 +30,7 @@ MotionControl::MotionControl(std::shared_ptr<AxisController> controller, const M
       settings_(std::move(settings)),
       capabilities_(controller_->capabilities()),
       check_(joints_, capabilities_.axes),
+      probe_(settings_.probe),
       fresh_(Wall::now()) {
   stagesOf({});
   cycle(0.0, 0.0);
@@ -117,6 +118,9 @@ MotionControl::View MotionControl::view() const {
   view.stops = stops_;
   view.stoppedBy = stoppedBy();
   view.late = settings_.simulatedTime ? 0.0 : clock_.late();
+  view.probe = switchWords();
+  view.bounces = probe_.bounces();
+  view.jolts = probe_.jolts();
   return view;
 }
 

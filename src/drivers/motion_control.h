@@ -12,6 +12,7 @@
 #include "drivers/axis_controller.h"
 #include "drivers/clock_map.h"
 #include "drivers/motion_owner.h"
+#include "drivers/probe_debounce.h"
 #include "drivers/state_check.h"
 
 namespace mm {
@@ -36,6 +37,8 @@ class MotionControl {
     double rotaryEscape = 20e-3;    // rad: 2 mm at a lever of 100 mm
     double settle = 20e-3;          // s open until the probe is trusted again after that
     double reconnect = 1.0;         // s between attempts
+    ProbeDebounce::Settings probe;  // of its switch
+    unsigned silentMoves = 3;       // probing motions in a row without a trip until it is said
     bool simulatedTime = false;     // the controller makes the time: clocks are not compared
     std::vector<std::vector<std::string>> homingOrder;  // axes that are homed together, in order; empty: all
   };
@@ -55,13 +58,14 @@ class MotionControl {
     std::uint32_t stops = 0;         // stops and emergency stops so far
     std::string stoppedBy;           // the last of them, for people
     double late = 0.0;               // s by which states arrive late
+    std::string probe;               // what is wrong with the probe, for people; empty: nothing
+    int bounces = 0, jolts = 0;      // of its switch: edges swallowed, closings that did not last
   };
-  /// What a cycle found. `host` are the times (s) of the state and of the edges on the host's clock.
+  /// What a cycle found. `host` is the time (s) of the state on the host's clock.
   struct Observation {
     AxesState state;
     double host = 0.0;
-    std::vector<ProbeEdge> edges;
-    std::vector<double> edgeHost;
+    std::vector<ProbeEdge> edges, trips;  // of the probe's switch; closings that have settled
   };
   /// Told of the newest state while a motion is under way. @return false: cancel.
   using Watch = std::function<bool(const AxesState& state)>;
@@ -152,6 +156,7 @@ class MotionControl {
   void requireReady(std::uint32_t stopsSeen) const;
   void beginCurrent(bool armed);
   std::string faultText() const;
+  std::string switchWords() const;
   void awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen);
   Report judge(const Current& current, bool cancelled) const;
   std::string tripWords(const Current& current) const;
@@ -169,6 +174,7 @@ class MotionControl {
   mutable std::condition_variable changed_;
   StateCheck check_;
   ClockMap clock_;
+  ProbeDebounce probe_;
   AxesState state_;
   std::string lost_;
   bool regained_ = false;   // after a loss, until the axes rest

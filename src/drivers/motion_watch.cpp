@@ -144,7 +144,7 @@ bool MotionControl::weigh(Observation& seen, double elapsed, double host) {
   }
   seen.state = state_;
   seen.host = clock_.toHost(state.time);
-  for (const ProbeEdge& edge : seen.edges) seen.edgeHost.push_back(clock_.toHost(edge.time));
+  seen.trips = probe_.take(seen.edges, state, current_ && current_->motion.probing);
   return stop;
 }
 
@@ -173,8 +173,9 @@ void MotionControl::takeRest(const AxesState& state) {
   restsSince_ = state.time;
 }
 
-// The place where the probe closed is of the zero that was.
+// The place where the probe closed is of the zero that was, and so is a trip that has not settled.
 void MotionControl::forgetSurface() {
+  probe_.forget();
   closedAt_.reset();
   openSince_.reset();
 }
@@ -187,8 +188,16 @@ void MotionControl::takeSurface(const AxesState& state) {
   } else if (closedAt_) {
     if (!openSince_) openSince_ = state.time;
     if (state.time - *openSince_ < settings_.settle) return;
-    forgetSurface();
+    closedAt_.reset();
+    openSince_.reset();
   }
+}
+
+std::string MotionControl::switchWords() const {
+  if (!probe_.complaint().empty() || unsuccessful_ < settings_.silentMoves) return probe_.complaint();
+  return "the probe does not trigger: " + std::to_string(unsuccessful_) +
+         " probing moves in a row ended without a contact; look at the stylus, the cable, and where the "
+         "artifact is";
 }
 
 std::string MotionControl::tripWords(const Current& current) const {

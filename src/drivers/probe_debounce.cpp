@@ -1,67 +1,61 @@
 #include "drivers/probe_debounce.h"
 
-#include <cmath>
-
 namespace mm {
 
-void ProbeDebounce::reset() { *this = ProbeDebounce(settings_); }
+void ProbeDebounce::forget() {
+  pending_.reset();
+  closedSince_.reset();
+  level_ = settled_ = false;
+}
 
-void ProbeDebounce::refuse(const std::string& why) {
-  ++refused_;
-  complaint_ = why;
+std::vector<ProbeEdge> ProbeDebounce::take(const std::vector<ProbeEdge>& edges, const AxesState& state,
+                                           bool probing) {
+  std::vector<ProbeEdge> trips;
+  for (const ProbeEdge& edge : edges) {
+    settle(edge.time, trips);
+    takeEdge(edge);
+  }
+  settle(state.time, trips);
+  watchLevel(state, probing);
+  return trips;
+}
+
+void ProbeDebounce::takeEdge(const ProbeEdge& edge) {
+  // Closed again soon after it opened, and after a trip: still the same touch.
+  const bool again = settled_ && edge.time - lastEdge_ < settings_.longest;
+  level_ = edge.closed;
+  lastEdge_ = edge.time;
+  if (pending_ || (edge.closed && again)) {
+    ++bounces_;
+  } else if (edge.closed) {
+    settled_ = false;
+    pending_ = edge;
+  }
+}
+
+void ProbeDebounce::settle(double time, std::vector<ProbeEdge>& trips) {
+  if (!pending_) return;
+  if (level_ ? time - lastEdge_ < settings_.settle : time - pending_->time < settings_.longest) return;
+  if (level_) {
+    trips.push_back(*pending_);
+    complaint_.clear();
+  } else {
+    ++jolts_;
+    complaint_ = "the probe opened again at once: a jolt, or a loose contact; no contact was published";
+  }
   pending_.reset();
   settled_ = true;
 }
 
-void ProbeDebounce::edge(const ProbeEdge& edge) {
-  if (!edge.closed) {
-    if (pending_) ++bounces_;
-    level_ = false;
-    lastEdge_ = edge.time;
-    return;
-  }
-  // Closed again soon after it opened, and after a contact: still the same touch.
-  const bool again = settled_ && edge.time - lastEdge_ < settings_.longest;
-  level_ = true;
-  lastEdge_ = edge.time;
-  if (pending_ || again) {
-    ++bounces_;
-    return;
-  }
-  settled_ = false;
-  pending_ = edge;
-}
-
-std::optional<ProbeEdge> ProbeDebounce::poll(double time, bool closed, bool probing) {
-  if (!closed || probing)
+void ProbeDebounce::watchLevel(const AxesState& state, bool probing) {
+  if (!state.probeClosed || probing)
     closedSince_.reset();
   else if (!closedSince_)
-    closedSince_ = time;
-  if (closedSince_ && time - *closedSince_ >= settings_.stuck)
+    closedSince_ = state.time;
+  if (closedSince_ && state.time - *closedSince_ >= settings_.stuck)
     complaint_ =
-        "the probe is stuck: its switch stays closed outside of a probing move; look at the stylus "
-        "and the cable";
-  if (!pending_) return std::nullopt;
-  if (!level_ && time - pending_->time >= settings_.longest) {
-    refuse("the probe opened again at once: a jolt, or a loose contact; no contact was published");
-    return std::nullopt;
-  }
-  if (!level_ || time - lastEdge_ < settings_.settle) return std::nullopt;
-  if (!pending_->probing) {
-    refuse("the probe tripped outside of a probing move: a collision? No contact was published");
-    return std::nullopt;
-  }
-  bool latched = !pending_->position.empty();
-  for (const double value : pending_->position) latched = latched && std::isfinite(value);
-  if (!latched) {
-    refuse("the controller latched no position at the trip; no contact was published");
-    return std::nullopt;
-  }
-  const ProbeEdge contact = *pending_;
-  pending_.reset();
-  settled_ = true;
-  complaint_.clear();
-  return contact;
+        "the probe is stuck: its switch stays closed outside of a probing move; look at the stylus and the "
+        "cable";
 }
 
 }  // namespace mm

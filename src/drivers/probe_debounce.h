@@ -1,14 +1,14 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "drivers/axis_controller.h"
 
 namespace mm {
 
-/// Makes one contact of the edges of a probe's switch: the first closing edge of a probing motion, once the
-/// switch has stayed closed. What bounces is swallowed; the latched position is always that of the first
-/// edge.
+/// Makes one trip of the edges of a probe's switch: its first closing edge, once the switch has stayed
+/// closed. What bounces is swallowed; what was latched is always that of the first edge.
 class ProbeDebounce {
  public:
   struct Settings {
@@ -20,30 +20,29 @@ class ProbeDebounce {
   explicit ProbeDebounce(Settings settings) : settings_(settings) {}  ///< settings in s
   ProbeDebounce() : ProbeDebounce(Settings()) {}
 
-  /// Edges in the order of their time.
-  void edge(const ProbeEdge& edge);
-  /// @param time s on the clock of the edges. @param closed the switch's level now. @param probing a probing
-  /// motion is under way. @return a contact that has just been confirmed.
-  std::optional<ProbeEdge> poll(double time, bool closed, bool probing);
+  /// @param edges since the last call, oldest first. @param state after them, on their clock. @param probing
+  /// a probing motion is under way. @return trips that have settled since.
+  std::vector<ProbeEdge> take(const std::vector<ProbeEdge>& edges, const AxesState& state, bool probing);
 
-  /// What is wrong with the probe, for people; empty: nothing.
+  /// What is wrong with the switch, for people; empty: nothing.
   const std::string& complaint() const { return complaint_; }
   int bounces() const { return bounces_; }  ///< edges swallowed
-  int refused() const { return refused_; }  ///< trips that gave no contact
-  /// Forgets everything; e.g. after the clock went back.
-  void reset();
+  int jolts() const { return jolts_; }      ///< closings that did not last
+  void forget();                            ///< a trip that has not settled; e.g. after a reset
 
  private:
-  void refuse(const std::string& why);
+  void takeEdge(const ProbeEdge& edge);
+  void settle(double time, std::vector<ProbeEdge>& trips);
+  void watchLevel(const AxesState& state, bool probing);
 
   Settings settings_;
   std::optional<ProbeEdge> pending_;
   double lastEdge_ = 0.0;
   bool level_ = false;                 // after the edges so far
-  bool settled_ = false;               // the contact of this closing was given or refused
+  bool settled_ = false;               // this closing was a trip, or a jolt
   std::optional<double> closedSince_;  // outside of probing
   std::string complaint_;
-  int bounces_ = 0, refused_ = 0;
+  int bounces_ = 0, jolts_ = 0;
 };
 
 }  // namespace mm

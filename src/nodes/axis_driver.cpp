@@ -29,9 +29,10 @@ std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
 }  // namespace
 
 MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool clock) {
-  refuseUnknownParameters(own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor",
-                                "clock", "hardware", "tolerance", "rotary_tolerance", "silence", "late",
-                                "rest_timeout", "hold_limit", "homing_order"});
+  refuseUnknownParameters(
+      own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor", "clock", "hardware",
+            "tolerance", "rotary_tolerance", "silence", "late", "rest_timeout", "hold_limit", "homing_order",
+            "probe_settle", "probe_longest", "probe_stuck", "silent_moves"});
   MotionControl::Settings settings;
   settings.tolerance = numberParameter(own, "tolerance", settings.tolerance, 1e-9, 1e-2);
   settings.rotaryTolerance = numberParameter(own, "rotary_tolerance", settings.rotaryTolerance, 1e-9, 0.1);
@@ -39,6 +40,12 @@ MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool cl
   settings.late = numberParameter(own, "late", settings.late, 0.02, 60.0);
   settings.restTimeout = numberParameter(own, "rest_timeout", settings.restTimeout, 0.05, 600.0);
   settings.holdLimit = numberParameter(own, "hold_limit", settings.holdLimit, 0.1, 86400.0);
+  ProbeDebounce::Settings& probe = settings.probe;
+  probe.settle = numberParameter(own, "probe_settle", probe.settle, 0.0, 1.0);
+  probe.longest = numberParameter(own, "probe_longest", probe.longest, probe.settle, 10.0);
+  probe.stuck = numberParameter(own, "probe_stuck", probe.stuck, 0.1, 3600.0);
+  settings.silentMoves =
+      static_cast<unsigned>(numberParameter(own, "silent_moves", settings.silentMoves, 1, 1000));
   settings.homingOrder = stagesOf(textParameter(own, "homing_order", ""));
   settings.simulatedTime = clock;
   return settings;
@@ -75,6 +82,7 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
   advertise(own);
   updater_.setHardwareID(textParameter(own, "hardware", "simulated"));
   updater_.add("motion", this, &AxisDriver::diagnose);
+  updater_.add("probe", this, &AxisDriver::diagnoseProbe);
   moveServer_ = std::make_unique<MoveServer>(
       own, "move", [this](Goal goal) { takeGoal(goal); }, [this](Goal goal) { cancelGoal(goal); }, false);
   moveServer_->start();
@@ -127,6 +135,11 @@ void AxisDriver::cycle(double elapsed) {
     if (!view.lost.empty() && lostSaid_.empty()) ROS_ERROR("controller: %s", view.lost.c_str());
     if (view.lost.empty() && !lostSaid_.empty()) ROS_INFO("controller: answers again");
     lostSaid_ = view.lost;
+    if (view.probe != probeSaid_) {
+      if (!view.probe.empty()) ROS_WARN("%s", view.probe.c_str());
+      nextDiagnostics_ = {};
+    }
+    probeSaid_ = view.probe;
     ros::Time stamp = clock_ ? lastStamp_ : ros::Time::now();
     if (seen) stamp = stampOf(seen->state.time, seen->host);
     const bool homed = !homedAt_.isZero();
@@ -145,7 +158,10 @@ void AxisDriver::cycle(double elapsed) {
         trackers_[j].take(ns, seen->state.position[j], seen->state.velocity[j]);
         travel_[j] = static_cast<std::int8_t>(trackers_[j].direction());
       }
-      publishEdges(*seen, stamp);
+      for (const ProbeEdge& trip : seen->trips)
+        latchOut_.publish(toLatchMessage(trip, control_.axes(),
+                                         stampOf(trip.time, control_.toHost(trip.time)),
+                                         trip.probing ? probedFeature() : ""));
       if (stamp > lastStamp_) publishJoints(*seen, stamp);
       publishTemperatures(stamp);
       lastStamp_ = std::max(stamp, lastStamp_);
@@ -176,16 +192,17 @@ void AxisDriver::publishJoints(const MotionControl::Observation& seen, const ros
   truthOut_.publish(truth);
 }
 
-void AxisDriver::publishEdges(const MotionControl::Observation& seen, const ros::Time& stamp) {
-  std::string feature;
-  {
-    const std::lock_guard<std::mutex> lock(goals_);
-    feature = feature_;
-  }
-  for (const ProbeEdge& edge : seen.edges) {
-    const ros::Time at = stamp - ros::Duration(seen.state.time - edge.time);
-    latchOut_.publish(toLatchMessage(edge, control_.axes(), at, edge.probing ? feature : std::string()));
-  }
+std::string AxisDriver::probedFeature() {
+  const std::lock_guard<std::mutex> lock(goals_);
+  return feature_;
+}
+
+bool AxisDriver::latchLaser(const std::string& feature) {
+  const std::optional<ProbeEdge> reading = control_.readLaser();
+  if (reading)
+    latchOut_.publish(toLatchMessage(*reading, control_.axes(),
+                                     stampOf(reading->time, control_.toHost(reading->time)), feature));
+  return reading.has_value();
 }
 
 void AxisDriver::publishTemperatures(const ros::Time& stamp) {
@@ -271,6 +288,16 @@ void AxisDriver::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
       status.add("limit switch",
                  control_.joints()[j].name + (view.state.limitSwitch[j] > 0 ? " upper" : " lower"));
   for (const std::string& note : control_.capabilities().notes) status.add("note", note);
+}
+
+void AxisDriver::diagnoseProbe(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const MotionControl::View view = control_.view();
+  status.summary(view.probe.empty() ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
+                 view.probe.empty() ? "ready" : view.probe);
+  status.add("bounces swallowed", view.bounces);
+  status.add("closings that did not last", view.jolts);
+  status.add("switch", view.state.probeClosed ? "closed" : "open");
 }
 
 }  // namespace mm

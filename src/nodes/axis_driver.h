@@ -38,7 +38,8 @@ namespace mm {
 /// (the simulation makes the time), `time_factor` (simulated seconds a second, with `clock`), `tolerance` (m)
 /// and `rotary_tolerance` (rad) of an arrival, `silence` (s until a controller without a new state is lost),
 /// `rest_timeout` (s within which the axes must rest after a stop), `hold_limit` (s of feed hold),
-/// `homing_order` (`z; x y`: stages, one after the other).
+/// `homing_order` (`z; x y`: stages, one after the other), `probe_settle`, `probe_longest`, `probe_stuck` (s,
+/// as in ProbeDebounce), `silent_moves` (probing moves without a trip until it is said).
 class AxisDriver {
  public:
   /// @param controller opened; belongs to this node from here on.
@@ -68,7 +69,7 @@ class AxisDriver {
   void publishJoints(const MotionControl::Observation& seen, const ros::Time& stamp);
   void publishStatus(const MotionControl::View& view, const ros::Time& stamp);
   void publishMotion(const MotionControl::View& view, const ros::Time& stamp);
-  void publishEdges(const MotionControl::Observation& seen, const ros::Time& stamp);
+  std::string probedFeature();
   void publishTemperatures(const ros::Time& stamp);
   ros::Time stampOf(double controllerTime, double host) const;
 
@@ -77,7 +78,7 @@ class AxisDriver {
   void execute(const Asked& asked);
   void forgetGoal();
   AxesMotion motionOf(const measuring_machine::MoveGoal& goal) const;
-  void latchLaser(const std::string& feature, measuring_machine::MoveResult& result);
+  bool latchLaser(const std::string& feature);
 
   // Threads of actions and services.
   void takeGoal(Goal goal);
@@ -89,6 +90,7 @@ class AxisDriver {
   bool hold(TriggerCall& call, bool on);
   bool take(Take::Request& request, Take::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnoseProbe(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   Machine machine_;
   double rate_, linearSpeed_, rotarySpeed_, temperatureRate_, timeFactor_;
@@ -100,10 +102,10 @@ class AxisDriver {
   // Of the loop's thread.
   MotionControl::Observation last_;
   ros::Time homedAt_, lastStamp_;
-  std::vector<TravelTracker> trackers_;         // of each axis
-  std::vector<bool> axisHomed_;                 // by the last state
-  std::vector<std::int8_t> travel_;             // of each axis: direction of its last motion; 0: none yet
-  std::string shown_, shownMotion_, lostSaid_;  // as last published
+  std::vector<TravelTracker> trackers_;  // of each axis
+  std::vector<bool> axisHomed_;          // by the last state
+  std::vector<std::int8_t> travel_;      // of each axis: direction of its last motion; 0: none yet
+  std::string shown_, shownMotion_, lostSaid_, probeSaid_;  // as last published
   ros::Time nextStatus_, nextMotion_, nextTemperature_;
   ros::WallTime nextDiagnostics_;
   std::atomic<std::uint64_t> cycles_{0}, late_{0};
@@ -113,7 +115,7 @@ class AxisDriver {
   std::condition_variable asked_;
   std::unique_ptr<Asked> next_, now_;
   bool cancelled_ = false;  // the goal that is under way
-  std::string feature_;
+  std::string feature_;     // of the last goal that probes
 
   ros::Publisher jointsOut_, statusOut_, motionOut_, latchOut_, temperaturesOut_, truthOut_, clockOut_;
   std::vector<ros::ServiceServer> services_;

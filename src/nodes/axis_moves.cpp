@@ -159,7 +159,8 @@ void AxisDriver::moveAll() {
       if (ending_) return;
       now_ = std::move(next_);
       cancelled_ = false;
-      feature_ = now_->goal.getGoal()->feature;
+      const auto goal = now_->goal.getGoal();
+      if (goal->kind == measuring_machine::MoveGoal::PROBE) feature_ = goal->feature;
       asked = *now_;
     }
     execute(asked);
@@ -215,7 +216,7 @@ void AxisDriver::execute(const Asked& asked) {
     result.tripped = motion.probing && report.outcome == Outcome::kTripped;
     result.message = report.message;
     const bool done = report.outcome == Outcome::kReached || result.tripped;
-    if (done && goal->kind == measuring_machine::MoveGoal::LASER) latchLaser(goal->feature, result);
+    if (done && goal->kind == measuring_machine::MoveGoal::LASER) result.tripped = latchLaser(goal->feature);
     if (done) return finish(&Goal::setSucceeded);
     if (report.outcome == Outcome::kStopped && result.message.rfind("cancelled", 0) == 0)
       return finish(&Goal::setCanceled);
@@ -224,14 +225,6 @@ void AxisDriver::execute(const Asked& asked) {
     result.message = e.what();
     finish(&Goal::setAborted);
   }
-}
-
-void AxisDriver::latchLaser(const std::string& feature, measuring_machine::MoveResult& result) {
-  const std::optional<ProbeEdge> reading = control_.readLaser();
-  result.tripped = reading.has_value();
-  if (!reading) return;
-  latchOut_.publish(toLatchMessage(*reading, control_.axes(),
-                                   stampOf(reading->time, control_.toHost(reading->time)), feature));
 }
 
 bool AxisDriver::home(TriggerCall& call) {

@@ -14,32 +14,56 @@ namespace {
 const char* const kNotHomed = "not homed";
 const char* const kHomedAt = "homed at ";
 
-/// A joint as another controller latched it.
-struct OtherLatch {
+constexpr double kRestAround = 0.05;  // s that a joint without a latch must have rested, on either side
+
+struct JointAtTrip {
   double position, velocity;  // m or rad, and a second; velocity NaN: not known
-  double apart;               // s between the latches, uncertainties included
-  /// By how much the joint may have moved between the latches; NaN: not known.
-  double moved() const { return velocity == 0.0 ? 0.0 : std::abs(velocity) * apart; }
 };
 
-/// The latch nearest to the trip; nothing: there is none.
-std::optional<OtherLatch> otherLatchOf(const std::string& joint, const measuring_machine::ProbeLatch& first,
-                                       const std::vector<measuring_machine::ProbeLatch>& others) {
-  std::optional<OtherLatch> nearest;
-  double nearestAway = 0.0;
+std::optional<JointAtTrip> latchedIn(const measuring_machine::ProbeLatch& latch, const std::string& joint) {
+  const auto found = std::find(latch.name.begin(), latch.name.end(), joint);
+  const std::size_t i = static_cast<std::size_t>(found - latch.name.begin());
+  if (found == latch.name.end() || i >= latch.position.size() || !std::isfinite(latch.position[i]))
+    return std::nullopt;
+  return JointAtTrip{latch.position[i], i < latch.velocity.size() ? latch.velocity[i] : std::nan("")};
+}
+
+/// A joint that this controller does not move.
+JointAtTrip elsewhere(const Joint& joint, const measuring_machine::ProbeLatch& trip,
+                      const std::vector<measuring_machine::ProbeLatch>& others, const RestingJoints& resting,
+                      const LatchTolerance& tolerance) {
+  const bool turns = joint.kind == JointKind::kRotary;
+  const double bound = turns ? tolerance.rotary : tolerance.linear;
+  const ros::Duration around(trip.time_uncertainty + kRestAround);
+  std::optional<JointAtTrip> nearest;
+  double away = around.toSec(), apart = 0.0;  // s from the trip; with the uncertainties of both latches
   for (const measuring_machine::ProbeLatch& other : others) {
-    const auto found = std::find(other.name.begin(), other.name.end(), joint);
-    const std::size_t i = static_cast<std::size_t>(found - other.name.begin());
-    if (found == other.name.end() || i >= other.position.size()) continue;
-    if (other.header.stamp < restFrom(first) || other.header.stamp > restTo(first))
-      continue;  // another touch's
-    const double away = std::abs((other.header.stamp - first.header.stamp).toSec());
-    if (nearest && away >= nearestAway) continue;
-    nearestAway = away;
-    nearest = OtherLatch{other.position[i], i < other.velocity.size() ? other.velocity[i] : std::nan(""),
-                         away + other.time_uncertainty + first.time_uncertainty};
+    const double gone = std::abs((other.header.stamp - trip.header.stamp).toSec());
+    const std::optional<JointAtTrip> latched = latchedIn(other, joint.name);
+    if (!latched || gone > away) continue;  // another touch's
+    nearest = latched;
+    away = gone;
+    apart = gone + other.time_uncertainty + trip.time_uncertainty;
   }
-  return nearest;
+  if (nearest && (nearest->velocity == 0.0 || std::abs(nearest->velocity) * apart <= bound)) return *nearest;
+  const RestingJoints::Rest rest =
+      resting.over(joint, trip.header.stamp - around, trip.header.stamp + around, bound);
+  if (rest.why.empty()) return {rest.position, 0.0};
+  if (nearest)
+    throw InputError("joint '" + joint.name + "' was latched by another controller within " +
+                     std::to_string(1e3 * apart) + " ms, uncertainties included, while it moved at " +
+                     std::to_string(nearest->velocity) + (turns ? " rad/s" : " m/s") +
+                     "; the latches are not synchronised, no contact was published");
+  throw InputError("joint '" + joint.name + "' was not latched, and it cannot be said that it rested: " +
+                   rest.why + "; wire the probe's switch to its controller too, or let it rest");
+}
+
+Eigen::Vector3d approachOf(const measuring_machine::ProbeContact& contact, const Machine& machine) {
+  if (std::isfinite(contact.laser_reading))
+    return machine.nominal(contact.position.data(), 0.0).orientation.col(2);
+  const Eigen::Map<const Eigen::VectorXd> velocity(contact.velocity.data(), machine.jointCount());
+  const Eigen::Vector3d motion = machine.jacobian(contact.position.data(), 0.0).topRows<3>() * velocity;
+  return motion.norm() > 0.0 ? motion.normalized() : Eigen::Vector3d::Zero();  // of an unknown one, too
 }
 
 }  // namespace
@@ -70,110 +94,47 @@ Homing homingOf(const sensor_msgs::JointState& message) {
   return homing;
 }
 
-measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& edge, const std::vector<std::string>& axes,
+measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& trip, const std::vector<std::string>& axes,
                                              const ros::Time& stamp, const std::string& feature) {
   measuring_machine::ProbeLatch message;
   message.header.stamp = stamp;
   message.header.frame_id = "workpiece";
-  message.closed = edge.closed;
-  message.probing = edge.probing;
+  message.probing = trip.probing;
   message.name = axes;
-  message.position = edge.position;
-  message.velocity = edge.velocity;
-  message.laser_reading = edge.laserReading;
+  message.position = trip.position;
+  message.velocity = trip.velocity;
+  message.laser_reading = trip.laserReading;
   message.feature = feature;
-  message.time_uncertainty = edge.timeUncertainty;
-  message.actual = edge.actual;
+  message.time_uncertainty = trip.timeUncertainty;
+  message.actual = trip.actual;
   return message;
 }
 
-ProbeEdge fromMessage(const measuring_machine::ProbeLatch& message) {
-  ProbeEdge edge;
-  edge.time = message.header.stamp.toSec();
-  edge.closed = message.closed != 0;
-  edge.probing = message.probing != 0;
-  edge.position = message.position;
-  edge.velocity = message.velocity;
-  edge.laserReading = message.laser_reading;
-  edge.timeUncertainty = message.time_uncertainty;
-  edge.actual = message.actual != 0;
-  return edge;
-}
-
-ros::Time restFrom(const measuring_machine::ProbeLatch& latch) {
-  return latch.header.stamp - ros::Duration(latch.time_uncertainty + kRestAround);
-}
-
-ros::Time restTo(const measuring_machine::ProbeLatch& latch) {
-  return latch.header.stamp + ros::Duration(latch.time_uncertainty + kRestAround);
-}
-
-measuring_machine::ProbeLatch joinLatches(const measuring_machine::ProbeLatch& first,
+measuring_machine::ProbeContact contactOf(const measuring_machine::ProbeLatch& trip,
                                           const std::vector<measuring_machine::ProbeLatch>& others,
                                           const RestingJoints& resting, const Machine& machine,
                                           const LatchTolerance& tolerance) {
-  measuring_machine::ProbeLatch joined = first;
-  if (joined.position.size() < joined.name.size()) return joined;  // said by whoever needs it
-  joined.velocity.resize(joined.name.size(), std::nan(""));
-  for (const Joint& joint : machine.joints()) {
-    if (std::count(joined.name.begin(), joined.name.end(), joint.name) > 0) continue;
-    const bool turns = joint.kind == JointKind::kRotary;
-    const double bound = turns ? tolerance.rotary : tolerance.linear;
-    joined.name.push_back(joint.name);
-    const std::optional<OtherLatch> other = otherLatchOf(joint.name, first, others);
-    if (other && other->moved() <= bound) {
-      joined.position.push_back(other->position);
-      joined.velocity.push_back(other->velocity);
-      continue;
-    }
-    const RestingJoints::Rest rest = resting.over(joint, restFrom(first), restTo(first), bound);
-    if (!rest.why.empty() && other)
-      throw InputError("joint '" + joint.name + "' was latched by another controller within " +
-                       std::to_string(1e3 * other->apart) +
-                       " ms, uncertainties included, while it moved at " + std::to_string(other->velocity) +
-                       (turns ? " rad/s" : " m/s") +
-                       "; the latches are not synchronised, no contact was published");
-    if (!rest.why.empty())
-      throw InputError("joint '" + joint.name + "' was not latched, and it cannot be said that it rested: " +
-                       rest.why + "; wire the probe's switch to its controller too, or let it rest");
-    joined.position.push_back(rest.position);
-    joined.velocity.push_back(0.0);
-    joined.time_uncertainty = std::max(joined.time_uncertainty, rest.apart);
-  }
-  return joined;
-}
-
-measuring_machine::ProbeContact toContactMessage(const measuring_machine::ProbeLatch& latch,
-                                                 const Machine& machine) {
+  if (!trip.probing && !std::isfinite(trip.laser_reading))
+    throw InputError("the probe tripped outside of a probing move: a collision? No contact was published");
   measuring_machine::ProbeContact contact;
-  contact.header = latch.header;
-  contact.laser_reading = latch.laser_reading;
-  contact.feature = latch.feature;
-  std::vector<double> velocity;
+  contact.header = trip.header;
+  contact.laser_reading = trip.laser_reading;
+  contact.feature = trip.feature;
   for (const Joint& joint : machine.joints()) {
-    const auto found = std::find(latch.name.begin(), latch.name.end(), joint.name);
-    const std::size_t i = static_cast<std::size_t>(found - latch.name.begin());
-    if (found == latch.name.end() || i >= latch.position.size())
-      throw InputError("joint '" + joint.name + "' was not latched; every joint of the machine must be");
+    const bool own = std::count(trip.name.begin(), trip.name.end(), joint.name) > 0;
+    const std::optional<JointAtTrip> at =
+        own ? latchedIn(trip, joint.name) : elsewhere(joint, trip, others, resting, tolerance);
+    if (!at) throw InputError("the controller latched no position at the trip; no contact was published");
     contact.name.push_back(joint.name);
-    contact.position.push_back(latch.position[i]);
-    velocity.push_back(i < latch.velocity.size() ? latch.velocity[i] : std::nan(""));
+    contact.position.push_back(at->position);
+    contact.velocity.push_back(at->velocity);
   }
-  const bool laser = std::isfinite(latch.laser_reading);
-  Eigen::Vector3d approach = Eigen::Vector3d::Zero();
-  if (laser) {
-    approach = machine.nominal(contact.position.data(), 0.0).orientation.col(2);
-  } else if (std::none_of(velocity.begin(), velocity.end(), [](double v) { return std::isnan(v); })) {
-    const auto jacobian = machine.jacobian(contact.position.data(), 0.0);
-    const Eigen::Map<const Eigen::VectorXd> v(velocity.data(), static_cast<Eigen::Index>(velocity.size()));
-    const Eigen::Vector3d motion = jacobian.topRows<3>() * v;
-    if (motion.norm() > 0.0) approach = motion.normalized();
-  }
+  const Eigen::Vector3d approach = approachOf(contact, machine);
   contact.approach.x = approach.x();
   contact.approach.y = approach.y();
   contact.approach.z = approach.z();
-  if (std::any_of(velocity.begin(), velocity.end(), [](double v) { return !std::isnan(v); }))
-    contact.velocity = velocity;
+  if (std::all_of(contact.velocity.begin(), contact.velocity.end(), [](double v) { return std::isnan(v); }))
+    contact.velocity.clear();
   return contact;
 }
 

@@ -38,12 +38,6 @@ void RestingJoints::take(const measuring_machine::AxisStatus& message) {
     append(joints_[name].said, Said{message.header.stamp, motionOf(message)});
 }
 
-bool RestingJoints::heard(const std::string& joint, const ros::Time& until) const {
-  const auto found = joints_.find(joint);
-  return found != joints_.end() && !found->second.positions.empty() &&
-         found->second.positions.back().stamp >= until;
-}
-
 RestingJoints::Rest RestingJoints::over(const Joint& joint, const ros::Time& from, const ros::Time& to,
                                         double resolution) const {
   Rest rest;
@@ -76,7 +70,6 @@ RestingJoints::Rest RestingJoints::over(const Joint& joint, const ros::Time& fro
     return rest;
   }
   rest.position = 0.5 * (least->value + most->value);
-  rest.apart = std::max((to - (first - 1)->stamp).toSec(), (last->stamp - from).toSec());
   return rest;
 }
 

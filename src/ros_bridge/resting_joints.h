@@ -19,15 +19,12 @@ class RestingJoints {
   struct Rest {
     std::string why;        // it cannot be said that it rested; empty: it did
     double position = 0.0;  // m or rad
-    double apart = 0.0;     // s from a moment of the interval to the farther of the states around it
   };
 
   /// Where its joints are.
   void take(const sensor_msgs::JointState& message);
   /// Whether they are homed, without a fault, and move.
   void take(const measuring_machine::AxisStatus& message);
-  /// Whether a state of the joint is known that is not before this time.
-  bool heard(const std::string& joint, const ros::Time& until) const;
   /// Of the states from the last before the interval to the first behind it. It rested where its driver, all
   /// the while, said that it is homed, without a fault and does not move, and these states differ by no more
   /// than the resolution. @param resolution m or rad.

@@ -69,7 +69,7 @@ class DeviceMotionFixture : public MotionFixture {
         std::this_thread::sleep_for(std::chrono::milliseconds(4));
         const auto seen = control_->cycle(4e-3, steadySeconds());
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (seen) edges_.insert(edges_.end(), seen->edges.begin(), seen->edges.end());
+        if (seen) trips_.insert(trips_.end(), seen->trips.begin(), seen->trips.end());
       }
     });
   }
@@ -125,7 +125,7 @@ class DeviceMotionFixture : public MotionFixture {
   std::unique_ptr<MotionControl> control_;
   std::atomic<bool> ending_{false};
   std::mutex mutex_;
-  std::vector<ProbeEdge> edges_;
+  std::vector<ProbeEdge> trips_;
   std::thread loop_;
 
  private:

@@ -63,16 +63,16 @@ TEST_F(GrblTest, SixAxesHomeGoAndProbe) {
   ASSERT_EQ(report.outcome, Outcome::kTripped) << report.message;
   ASSERT_TRUE(await([&] {  // the cycle that said so hands it over
     const std::lock_guard<std::mutex> lock(mutex_);
-    return !edges_.empty();
+    return !trips_.empty();
   }));
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    EXPECT_TRUE(edges_[0].closed && edges_[0].probing);
-    EXPECT_FALSE(edges_[0].actual);
-    EXPECT_NEAR(edges_[0].position[2], 16e-3, 5e-6)
+    EXPECT_TRUE(trips_[0].closed && trips_[0].probing);
+    EXPECT_FALSE(trips_[0].actual);
+    EXPECT_NEAR(trips_[0].position[2], 16e-3, 5e-6)
         << "radius 5 and tip 1 mm above z 10; a millisecond at 3 mm/s";
-    EXPECT_NEAR(edges_[0].velocity[2], -3e-3, 1e-9);
-    EXPECT_GT(edges_[0].timeUncertainty, 0.0);
+    EXPECT_NEAR(trips_[0].velocity[2], -3e-3, 1e-9);
+    EXPECT_GT(trips_[0].timeUncertainty, 0.0);
   }
   EXPECT_TRUE(control_->view().state.probeClosed);
   EXPECT_EQ(go({20, 30, 25, 10, -20, 30}).outcome, Outcome::kReached) << "away from it";

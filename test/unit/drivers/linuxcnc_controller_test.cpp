@@ -74,10 +74,10 @@ TEST_F(LinuxCncTest, HomesGoesProbesStops) {
   ASSERT_EQ(report.outcome, Outcome::kTripped) << report.message;
   ASSERT_TRUE(await([&] {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return !edges_.empty();
+    return !trips_.empty();
   }));
-  EXPECT_TRUE(edges_[0].probing && edges_[0].actual);
-  EXPECT_NEAR(edges_[0].position[2], 16e-3, 5e-6) << "work offsets taken off";
+  EXPECT_TRUE(trips_[0].probing && trips_[0].actual);
+  EXPECT_NEAR(trips_[0].position[2], 16e-3, 5e-6) << "work offsets taken off";
   EXPECT_EQ(go({20, 30, 25}).outcome, Outcome::kReached);
   report = go({20, 30, 5});
   EXPECT_EQ(report.outcome, Outcome::kTripped);
@@ -235,7 +235,7 @@ TEST_F(LinuxCncTest, ProbingGoesAlongTheMachinesAxesWhereTheWorkCoordinatesAreTu
   for (const char* turn : {"mdi G10 L2 P1 X0 Y0 Z0 R90", "mdi G10 L2 P1 X7 Y-3 Z2 R30"}) {
     EXPECT_EQ(go({40, 30, 7}).outcome, Outcome::kReached);
     double_->tell(turn);
-    edges_.clear();
+    trips_.clear();
     MotionControl::Report report = go({20, 30, 7}, 5e-3, true);
     ASSERT_EQ(report.outcome, Outcome::kTripped) << turn << ": " << report.message;
     const auto at = double_->tell("machine")["position"];
@@ -243,12 +243,12 @@ TEST_F(LinuxCncTest, ProbingGoesAlongTheMachinesAxesWhereTheWorkCoordinatesAreTu
     EXPECT_NEAR(at[2].get<double>(), 7.0, 1e-3) << turn;
     ASSERT_TRUE(await([&] {
       const std::lock_guard<std::mutex> lock(mutex_);
-      return !edges_.empty();
+      return !trips_.empty();
     }));
     // the ball's radius and the tip's are 6 mm, 3 mm above its centre's height
-    EXPECT_NEAR(edges_[0].position[0], 1e-3 * (20.0 + std::sqrt(36.0 - 9.0)), 2e-5) << turn;
-    EXPECT_NEAR(edges_[0].position[1], 30e-3, 1e-6) << turn;
-    EXPECT_NEAR(edges_[0].position[2], 7e-3, 1e-6) << turn;
+    EXPECT_NEAR(trips_[0].position[0], 1e-3 * (20.0 + std::sqrt(36.0 - 9.0)), 2e-5) << turn;
+    EXPECT_NEAR(trips_[0].position[1], 30e-3, 1e-6) << turn;
+    EXPECT_NEAR(trips_[0].position[2], 7e-3, 1e-6) << turn;
     EXPECT_EQ(go({40, 30, 7}).outcome, Outcome::kReached);
     report = go({40, 40, 8}, 0.02, true);
     EXPECT_EQ(report.outcome, Outcome::kReached) << turn << ": " << report.message;

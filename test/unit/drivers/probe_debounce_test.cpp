@@ -14,79 +14,71 @@ ProbeEdge edgeAt(double time, bool closed, double x = 1.0) {
   return edge;
 }
 
-TEST(ProbeDebounce, ABouncingTripIsOneContactAtItsFirstEdge) {
-  ProbeDebounce probe;
-  probe.edge(edgeAt(10.0, true, 1.0));
-  probe.edge(edgeAt(10.0004, false, 1.1));
-  probe.edge(edgeAt(10.001, true, 1.2));
-  EXPECT_FALSE(probe.poll(10.002, true, true)) << "1 ms after the last edge";
-  const auto contact = probe.poll(10.0031, true, true);
-  ASSERT_TRUE(contact);
-  EXPECT_EQ(contact->time, 10.0);
-  EXPECT_EQ(contact->position[0], 1.0);
-  EXPECT_FALSE(probe.poll(10.01, true, true));
-  EXPECT_EQ(probe.bounces(), 2);
-  EXPECT_EQ(probe.complaint(), "");
-}
-
-TEST(ProbeDebounce, ReleaseMayBounceToo) {
-  ProbeDebounce probe;
-  probe.edge(edgeAt(1.0, true));
-  ASSERT_TRUE(probe.poll(1.01, true, true));
-  probe.edge(edgeAt(1.500, false));
-  probe.edge(edgeAt(1.501, true));
-  probe.edge(edgeAt(1.502, false));
-  EXPECT_FALSE(probe.poll(1.6, false, false));
-  probe.edge(edgeAt(2.0, true, 7.0));
-  const auto second = probe.poll(2.01, true, true);
-  ASSERT_TRUE(second);
-  EXPECT_EQ(second->position[0], 7.0);
-}
-
-TEST(ProbeDebounce, AJoltIsNoContact) {
-  ProbeDebounce probe;
-  probe.edge(edgeAt(1.0, true));
-  probe.edge(edgeAt(1.001, false));
-  EXPECT_FALSE(probe.poll(1.01, false, true));
-  EXPECT_FALSE(probe.poll(1.03, false, true));
-  EXPECT_EQ(probe.refused(), 1);
-  EXPECT_NE(probe.complaint().find("jolt"), std::string::npos);
-}
-
-TEST(ProbeDebounce, OnlyWithALatchedPosition) {
-  for (const std::vector<double>& position :
-       {std::vector<double>{}, std::vector<double>{1.0, std::nan(""), 0.0}}) {
-    ProbeDebounce probe;
-    ProbeEdge edge = edgeAt(1.0, true);
-    edge.position = position;
-    probe.edge(edge);
-    EXPECT_FALSE(probe.poll(1.01, true, true));
-    EXPECT_NE(probe.complaint().find("latched no position"), std::string::npos);
+class Switch : public ::testing::Test {
+ protected:
+  std::vector<ProbeEdge> at(double time, const std::vector<ProbeEdge>& edges = {}, bool closed = true,
+                            bool probing = true) {
+    AxesState state;
+    state.time = time;
+    state.probeClosed = closed;
+    return probe_.take(edges, state, probing);
   }
+  ProbeDebounce probe_;
+};
+
+TEST_F(Switch, ABouncingTripIsOneAtItsFirstEdge) {
+  EXPECT_TRUE(at(10.0, {edgeAt(10.0, true, 1.0)}).empty());
+  EXPECT_TRUE(at(10.002, {edgeAt(10.0004, false, 1.1), edgeAt(10.001, true, 1.2)}).empty())
+      << "1 ms after the last edge";
+  const auto trips = at(10.0031);
+  ASSERT_EQ(trips.size(), 1u);
+  EXPECT_EQ(trips[0].time, 10.0);
+  EXPECT_EQ(trips[0].position[0], 1.0);
+  EXPECT_TRUE(at(10.01).empty());
+  EXPECT_EQ(probe_.bounces(), 2);
+  EXPECT_EQ(probe_.complaint(), "");
 }
 
-TEST(ProbeDebounce, ATripWithoutAProbingMoveIsACollision) {
-  ProbeDebounce probe;
-  ProbeEdge edge = edgeAt(1.0, true);
-  edge.probing = false;
-  probe.edge(edge);
-  EXPECT_FALSE(probe.poll(1.01, true, false));
-  EXPECT_NE(probe.complaint().find("collision"), std::string::npos);
+TEST_F(Switch, ReleaseMayBounceToo) {
+  ASSERT_EQ(at(1.01, {edgeAt(1.0, true)}).size(), 1u);
+  EXPECT_TRUE(
+      at(1.6, {edgeAt(1.500, false), edgeAt(1.501, true), edgeAt(1.502, false)}, false, false).empty());
+  const auto second = at(2.01, {edgeAt(2.0, true, 7.0)});
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_EQ(second[0].position[0], 7.0);
 }
 
-TEST(ProbeDebounce, AStuckProbeIsNoticed) {
-  ProbeDebounce probe;
-  EXPECT_FALSE(probe.poll(1.0, true, false));
-  EXPECT_FALSE(probe.poll(5.9, true, false));
-  EXPECT_EQ(probe.complaint(), "");
-  EXPECT_FALSE(probe.poll(6.1, true, false));
-  EXPECT_NE(probe.complaint().find("stuck"), std::string::npos);
+TEST_F(Switch, TouchesThatAreToldTogetherAreTwo) {
+  const auto trips = at(2.0, {edgeAt(1.0, true, 1.0), edgeAt(1.1, false), edgeAt(1.2, true, 2.0)});
+  ASSERT_EQ(trips.size(), 2u);
+  EXPECT_EQ(trips[1].position[0], 2.0);
 }
 
-TEST(ProbeDebounce, HeldAgainstTheBallByTheMoveIsNotStuck) {
-  ProbeDebounce probe;
-  for (double t = 0.0; t < 20.0; t += 1.0) probe.poll(t, true, true);
-  EXPECT_EQ(probe.complaint(), "");
+TEST_F(Switch, AJoltIsNoTrip) {
+  EXPECT_TRUE(at(1.01, {edgeAt(1.0, true), edgeAt(1.001, false)}, false).empty());
+  EXPECT_EQ(probe_.jolts(), 0) << "it may close again";
+  EXPECT_TRUE(at(1.03, {}, false).empty());
+  EXPECT_EQ(probe_.jolts(), 1);
+  EXPECT_NE(probe_.complaint().find("jolt"), std::string::npos);
+}
+
+TEST_F(Switch, WhatHadNotSettledIsForgotten) {
+  at(1.0, {edgeAt(1.0, true)});
+  probe_.forget();
+  EXPECT_TRUE(at(1.1).empty());
+}
+
+TEST_F(Switch, AStuckOneIsNoticed) {
+  at(1.0, {}, true, false);
+  at(5.9, {}, true, false);
+  EXPECT_EQ(probe_.complaint(), "");
+  at(6.1, {}, true, false);
+  EXPECT_NE(probe_.complaint().find("stuck"), std::string::npos);
+}
+
+TEST_F(Switch, HeldAgainstTheBallByTheMoveIsNotStuck) {
+  for (double t = 0.0; t < 20.0; t += 1.0) at(t);
+  EXPECT_EQ(probe_.complaint(), "");
 }
 
 }  // namespace

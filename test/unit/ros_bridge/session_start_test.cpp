@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "ros_bridge/axis_messages.h"
 #include "ros_bridge/session_collector.h"
 #include "session/session_summary.h"
 
@@ -93,23 +92,6 @@ TEST(SessionStart, AClockThatWentBackForgetsTheFuture) {
   EXPECT_EQ(c.observationCount(), 0u);
   c.addContact(contact(3.0, 5e-3));
   EXPECT_EQ(c.build().observations.size(), 1u);
-}
-
-TEST(ToContactMessage, ApproachIsThatOfTheTipsMotion) {
-  measuring_machine::ProbeLatch latch;
-  latch.name = {"z", "x", "y"};
-  latch.position = {3.0, 1.0, 2.0};
-  latch.velocity = {-4e-3, 3e-3, 0.0};
-  latch.laser_reading = kNotMeasured;
-  latch.feature = "b0";
-  const Machine machine = Machine::load("three_axis");
-  const auto message = toContactMessage(latch, machine);
-  EXPECT_EQ(message.name, (std::vector<std::string>{"x", "y", "z"}));
-  EXPECT_EQ(message.position, (std::vector<double>{1.0, 2.0, 3.0}));
-  EXPECT_NEAR(message.approach.x, 0.6, 1e-12);
-  EXPECT_NEAR(message.approach.z, -0.8, 1e-12);
-  latch.position.pop_back();
-  EXPECT_THROW(toContactMessage(latch, machine), InputError);
 }
 
 sensor_msgs::JointState joints(double t, std::vector<std::string> names, double position, double velocity) {
