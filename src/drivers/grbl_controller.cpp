@@ -60,7 +60,7 @@ void GrblController::begin() {
     damaged_ = 0;
     offset_.clear();
     report_ = {};
-    resetAsked_ = locked_ = movingOff_ = clearing_ = false;
+    resetAsked_ = locked_ = clearing_ = false;
     state_.alarm = {};  // it says so again
     lastDirection_.assign(map_->size(), 0.0);
   }
@@ -282,6 +282,15 @@ void GrblController::requireNoStop() const {
                 "; the control waits for a reset; call ~clear_alarm first");
 }
 
+void GrblController::start(Task task) {
+  task_ = task;
+  taskBegan_ = steadySeconds();
+  answered_ = begun_ = tripped_ = false;
+  homing_.clear();
+  state_.outcome = Outcome::kUnderWay;
+  state_.note.clear();
+}
+
 void GrblController::move(const AxesMotion& motion) {
   const std::lock_guard<std::mutex> lock(mutex_);
   requireNoStop();
@@ -292,12 +301,7 @@ void GrblController::move(const AxesMotion& motion) {
       seconds = std::max(seconds, std::abs(motion.target[j] - state_.position[j]) / motion.speed[j]);
   motion_ = motion;
   state_.motion = motion.id;
-  state_.outcome = Outcome::kUnderWay;
-  state_.note.clear();
-  answered_ = begun_ = false;
-  tripped_.reset();
-  taskBegan_ = steadySeconds();
-  task_ = motion.probing ? Task::kProbing : guard_ && !motion.leaving ? Task::kGuarded : Task::kPlain;
+  start(motion.probing ? Task::kProbing : guard_ && !motion.leaving ? Task::kGuarded : Task::kPlain);
   const std::string words = seconds > 0.0 ? block(motion.target, state_.position, seconds) : "";
   if (words.empty()) return finish(Outcome::kReached);  // it is there
   for (std::size_t j = 0; j < map_->size(); ++j)
@@ -309,12 +313,8 @@ void GrblController::move(const AxesMotion& motion) {
 void GrblController::home(const std::vector<std::size_t>& axes) {
   const std::lock_guard<std::mutex> lock(mutex_);
   requireNoStop();
-  task_ = Task::kHoming;
-  homes_ = true;
+  start(Task::kHoming);
   homing_ = axes;
-  state_.outcome = Outcome::kUnderWay;
-  answered_ = false;
-  taskBegan_ = steadySeconds();
   for (const std::size_t j : axes) {
     homed_[j] = false;
     lastDirection_[j] = 0.0;
@@ -347,11 +347,7 @@ void GrblController::moveOffLimit() {
     words += word;
   }
   if (words.empty()) throw Error("no axis stands on a limit switch");
-  task_ = Task::kJog;
-  movingOff_ = true;
-  answered_ = begun_ = false;
-  state_.outcome = Outcome::kUnderWay;
-  taskBegan_ = steadySeconds();
+  start(Task::kJog);
   send("$J=G91 G21" + words + " F100");
 }
 
@@ -371,7 +367,7 @@ std::vector<ProbeEdge> GrblController::takeProbeEdges() {
 
 // These take no lock but that of writing a byte. A feed hold does not end homing, a reset does.
 void GrblController::stop() {
-  if (homes_) {
+  if (task_ == Task::kHoming) {
     stopAsked_ = true;
     stopSent_ = steadySeconds();
     return endStop();

@@ -3,7 +3,6 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <optional>
 
 #include "drivers/axis_map.h"
 #include "drivers/device_link.h"
@@ -45,28 +44,46 @@ class GrblController final : public AxisController {
   void setOverride(double share) override;
 
  private:
-  enum class Task { kNone, kPlain, kJog, kGuarded, kProbing, kHoming };
+  enum class Task { kNone, kPlain, kJog, kGuarded, kProbing, kHoming };  // kJog: off a limit switch
+  // How far what is under way has come. Free: nothing is. Sent: the control has not answered its line.
+  // Answered: it has, and ends when a report says so. Stopping: a feed hold was sent; it ends with a soft
+  // reset. Resetting: one was sent; only the greeting ends it.
+  enum class Phase { kFree, kSent, kAnswered, kStopping, kResetting };
+  struct Transition {
+    Phase phase;
+    std::vector<GrblShows> shows;
+    bool since;  // only by a report that was asked for after the order, or the stop
+    void (GrblController::*then)();
+  };
+  static const std::vector<Transition> kTransitions;
   // In the link's thread.
   void take(const std::string& line, double time);
+  bool understood(const std::string& line, double time);
   void takeReport(const GrblReport& report, double time);
   void takeState(const std::vector<double>& machine, double at);
   void takePins(const std::string& pins);
   void takeCondition(const GrblReport& report);
-  void takeDoor(int substate);
-  void judge(const std::string& state, int substate, double sent);
+  Phase phase() const;
+  void judge(double sent);
+  void arrive();
+  void endHoming();
+  void endStopInAlarm();
   void takeProbe(const GrblProbe& probe, double time);
   void takeAnswer(int code);
   void takeAlarm(int code);
-  void takeWelcome();
+  void takeWelcome(const std::string& line);
+  void takeInfo(const std::string& line);
   // With `mutex_` held.
   void send(const std::string& line);
   void pump();
   void ask();
   bool askNow(double now) const;
   double questionOf(double time);
+  void start(Task task);
   void finish(Outcome outcome, const std::string& note = {});
   void forgetLines();
   void endStop();
+  void endReset();
   void requireNoStop() const;
   void requireSettings() const;
   std::string block(const std::vector<double>& target, const std::vector<double>& from, double seconds) const;
@@ -95,13 +112,12 @@ class GrblController final : public AxisController {
   AxesState state_;
   std::vector<bool> homed_;
   std::vector<std::size_t> homing_;
-  Task task_ = Task::kNone;
-  bool answered_ = false;   // the line of the task was answered
-  bool begun_ = false;      // the control was seen to move, or the line was answered
-  bool clearing_ = false;   // an alarm, as was asked
-  bool locked_ = false;     // after a limit: it answers nothing until it is reset
-  bool movingOff_ = false;  // the jog leads off a limit switch
-  std::optional<bool> tripped_;
+  std::atomic<Task> task_{Task::kNone};
+  bool answered_ = false;  // the line of the task was answered
+  bool begun_ = false;     // the control was seen to move, or the line was answered
+  bool clearing_ = false;  // an alarm, as was asked
+  bool locked_ = false;    // after a limit: it answers nothing until it is reset
+  bool tripped_ = false;
   double taskBegan_ = 0.0;
   AxesMotion motion_;
   std::vector<double> lastDirection_;
@@ -109,7 +125,7 @@ class GrblController final : public AxisController {
   std::string away_;     // why it could not be connected again
   std::string trouble_;  // why what arrives is not grbl
   int damaged_ = 0;      // lines in a row that were not
-  std::atomic<bool> stopAsked_{false}, emergency_{false}, resetAsked_{false}, homes_{false};
+  std::atomic<bool> stopAsked_{false}, emergency_{false}, resetAsked_{false};
   std::atomic<double> stopSent_{0.0}, resetAt_{0.0};  // s
 };
 

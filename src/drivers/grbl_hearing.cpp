@@ -15,10 +15,8 @@ constexpr double kStepSlack = 0.002;   // mm or deg: reports have three decimals
 constexpr int kWholeOverride = 100;    // %
 constexpr int kSingleAxes = 2;         // bit of $22 in grblHAL
 constexpr double kAlwaysOn = 255.0;    // of $1: motors hold their place at rest
+constexpr double kJogBegins = 0.2;     // s after which a jog that is not seen to move has ended
 const char* const kDoorText = "the safety door is open";
-
-constexpr int kCriticalEvent = 79;                                          // error of $X and $H
-constexpr int kHomingReset = 6, kHomingNoSwitch = 9, kHomingRequired = 11;  // alarms
 
 Alarm alarmOf(int code) {
   const GrblWords words = grblAlarm(code);
@@ -27,35 +25,24 @@ Alarm alarmOf(int code) {
 
 }  // namespace
 
+// What a report ends: the first row that fits. A feed hold that is left would keep the next motion from
+// beginning, and of axes at rest it is not known whether they heard it: a reset ends it. An alarm holds
+// nothing.
+const std::vector<GrblController::Transition> GrblController::kTransitions = {
+    {Phase::kStopping, {GrblShows::kHeld, GrblShows::kHeldByDoor}, false, &GrblController::endStop},
+    {Phase::kStopping, {GrblShows::kRest}, true, &GrblController::endStop},
+    {Phase::kStopping, {GrblShows::kLocked, GrblShows::kNotHomed}, true, &GrblController::endStopInAlarm},
+    {Phase::kFree, {GrblShows::kHeld}, false, &GrblController::endStop},
+    {Phase::kAnswered, {GrblShows::kRest}, true, &GrblController::arrive},
+    {Phase::kAnswered, {GrblShows::kNotHomed}, true, &GrblController::endHoming},
+};
+
 void GrblController::take(const std::string& line, double time) {
   const std::lock_guard<std::mutex> lock(mutex_);
   try {
-    if (const auto report = parseGrblReport(line)) return takeReport(*report, time);
-    if (const auto answer = parseGrblAnswer(line)) return takeAnswer(*answer);
-    if (const auto alarm = parseGrblAlarm(line)) return takeAlarm(*alarm);
-    if (const auto probe = parseGrblProbe(line)) return takeProbe(*probe, time);
-    if (const auto setting = parseGrblSetting(line)) {
-      settings_[setting->first] = setting->second;
+    if (understood(line, time)) {
       damaged_ = 0;
-      return;
-    }
-    if (isGrblWelcome(line)) {
-      hal_ = line[0] == 'g' || line.rfind("GrblHAL", 0) == 0;
-      return takeWelcome();
-    }
-    if (line.rfind("[OPT:", 0) == 0) {
-      // [OPT:VNM,35,254]: the last number is the receive buffer.
-      const std::size_t comma = line.find(',', line.find(',') + 1);
-      const int size = comma == std::string::npos ? 0 : std::atoi(line.c_str() + comma + 1);
-      if (size >= 64 && size <= 65536) buffer_ = static_cast<std::size_t>(size);
-    }
-    if (line.rfind("[FIRMWARE:grblHAL]", 0) == 0) hal_ = true;
-    if (line.front() == '[' && line.back() == ']') {
-      damaged_ = 0;
-      return;
-    }
-    if (line.front() == '$' || line.front() == '>') return;  // echoes of start-up blocks
-    if (++damaged_ >= kLinkDamaged) {
+    } else if (line.front() != '$' && line.front() != '>' && ++damaged_ >= kLinkDamaged) {  // no echoes
       trouble_ = "what arrives is no language of grbl (last: '" + line.substr(0, 40) + "')";
       for (char& c : trouble_)
         if (static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) > '~') c = '.';
@@ -65,8 +52,36 @@ void GrblController::take(const std::string& line, double time) {
   }
 }
 
+bool GrblController::understood(const std::string& line, double time) {
+  if (const auto report = parseGrblReport(line))
+    takeReport(*report, time);
+  else if (const auto answer = parseGrblAnswer(line))
+    takeAnswer(*answer);
+  else if (const auto alarm = parseGrblAlarm(line))
+    takeAlarm(*alarm);
+  else if (const auto probe = parseGrblProbe(line))
+    takeProbe(*probe, time);
+  else if (const auto setting = parseGrblSetting(line))
+    settings_[setting->first] = setting->second;
+  else if (isGrblWelcome(line))
+    takeWelcome(line);
+  else if (line.front() == '[' && line.back() == ']')
+    takeInfo(line);
+  else
+    return false;
+  return true;
+}
+
+void GrblController::takeInfo(const std::string& line) {
+  if (line.rfind("[FIRMWARE:grblHAL]", 0) == 0) hal_ = true;
+  if (line.rfind("[OPT:", 0) != 0) return;
+  // [OPT:VNM,35,254]: the last number is the receive buffer.
+  const std::size_t comma = line.find(',', line.find(',') + 1);
+  const int size = comma == std::string::npos ? 0 : std::atoi(line.c_str() + comma + 1);
+  if (size >= 64 && size <= 65536) buffer_ = static_cast<std::size_t>(size);
+}
+
 void GrblController::takeReport(const GrblReport& report, double time) {
-  damaged_ = 0;
   trouble_.clear();
   const double sent = questionOf(time);
   std::vector<double> machine = report.machine;
@@ -83,7 +98,8 @@ void GrblController::takeReport(const GrblReport& report, double time) {
   takeState(machine, 0.5 * (sent + time));
   takePins(report.pins);
   takeCondition(report);
-  judge(report.state, report.substate, sent);
+  begun_ = begun_ || report.state == "Run" || report.state == "Jog";
+  judge(sent);
 }
 
 void GrblController::takeState(const std::vector<double>& machine, double at) {
@@ -111,8 +127,8 @@ void GrblController::takePins(const std::string& pins) {
     state_.limitSwitch[j] = upper ? 1 : -1;
   }
   const bool closed = pins.find('P') != std::string::npos;
-  if (closed != state_.probeClosed && task_ != Task::kProbing)
-    edges_.push_back(seenEdge(state_, closed, reportPeriod_));
+  const bool told = task_ == Task::kProbing || task_ == Task::kGuarded;  // with what was latched
+  if (closed != state_.probeClosed && !told) edges_.push_back(seenEdge(state_, closed, reportPeriod_));
   state_.probeClosed = closed;
 }
 
@@ -121,74 +137,63 @@ void GrblController::takeCondition(const GrblReport& report) {
   if (report.feedOverride > 0) state_.feedOverride = 0.01 * report.feedOverride;
   // Somebody's: faster than was asked for is faster than the URDF may allow. Slower is an operator's right.
   if (report.feedOverride > kWholeOverride) link_->write(grblOverride(1.0));
+  const GrblShows shows = report.shows();
+  state_.held = shows == GrblShows::kHeld || shows == GrblShows::kHeldByDoor;
   if (report.state != "Alarm") locked_ = false;  // somebody reset it
-  const bool door = report.state == "Door";
-  state_.held = report.restsInHold();
-  if (door) return takeDoor(report.substate);
-  if (state_.alarm.text == kDoorText) state_.alarm = {};
-  if (report.state == "Alarm") {
-    if (!state_.alarm.present()) {
-      if (report.substate > 0) {
-        takeAlarm(report.substate);
-      } else if (task_ != Task::kHoming) {
-        state_.alarm = {0, "the control is locked", "home, or call ~clear_alarm"};
-      }
-    }
-  } else if (report.state == "Idle" && task_ == Task::kNone) {
+  // A door holds where it is: closed, it waits for ~resume.
+  if (state_.alarm.text == kDoorText && !report.doorIsOpen()) state_.alarm = {};
+  if (shows == GrblShows::kRest && task_ == Task::kNone) {
     state_.alarm = {};  // cleared, here or at its panel
     clearing_ = false;
   }
-}
-
-// It holds where it is: closed, it waits for ~resume; while it is open nothing may go on.
-void GrblController::takeDoor(int substate) {
-  if (substate == kGrblDoorClosed || substate == kGrblDoorRestores) {
-    if (state_.alarm.text == kDoorText) state_.alarm = {};
-  } else if (!state_.alarm.present()) {
+  if (state_.alarm.present()) return;
+  if (report.doorIsOpen())
     state_.alarm = {0, kDoorText, "close it, then call ~resume, or ~stop to give the motion up"};
+  else if (report.state == "Alarm" && report.substate > 0)
+    takeAlarm(report.substate);
+  else if (report.state == "Alarm" && task_ != Task::kHoming)
+    state_.alarm = {0, "the control is locked", "home, or call ~clear_alarm"};
+}
+
+GrblController::Phase GrblController::phase() const {
+  if (resetAsked_) return Phase::kResetting;
+  if (stopAsked_) return Phase::kStopping;
+  if (task_ == Task::kNone) return Phase::kFree;
+  return answered_ ? Phase::kAnswered : Phase::kSent;
+}
+
+// By a report that was asked for at `sent`.
+void GrblController::judge(double sent) {
+  const Phase now = phase();
+  const bool since = sent > (now == Phase::kStopping ? stopSent_.load() : taskBegan_);
+  if (task_ == Task::kJog && now == Phase::kAnswered && !begun_ && sent - taskBegan_ <= kJogBegins) return;
+  for (const Transition& row : kTransitions) {
+    if (row.phase != now || (row.since && !since)) continue;
+    if (std::count(row.shows.begin(), row.shows.end(), report_.shows()) == 0) continue;
+    return (this->*row.then)();
   }
 }
 
-// Whether the task has ended, by a report that was asked for at `sent`.
-void GrblController::judge(const std::string& state, int substate, double sent) {
-  if (stopAsked_ && !resetAsked_) {
-    // At rest already: whether its feed hold was heard is not known, and one that is left would keep the next
-    // motion from beginning. The reset ends it.
-    if (report_.restsInHold()) endStop();
-    if (state == "Idle" && sent > stopSent_) endStop();
-    if (state == "Alarm" && sent > stopSent_) {  // nothing is held in an alarm
-      stopAsked_ = false;
-      finish(Outcome::kStopped);
-    }
-    return;
-  }
-  // A feed hold that nobody waits for would keep the next motion from beginning.
-  if (task_ == Task::kNone && !resetAsked_ && substate <= 0 && report_.restsInHold()) return endStop();
-  if (state == "Run" || state == "Jog") begun_ = true;
-  // A motion has ended when its line was answered and a report that was asked for later says Idle.
-  const bool rests = state == "Idle" && sent > taskBegan_;
-  if (task_ == Task::kJog && answered_ && rests && (begun_ || sent - taskBegan_ > 0.2))
-    finish(Outcome::kReached);
-  if (task_ == Task::kHoming && answered_ && rests) {
-    for (const std::size_t j : homing_) homed_[j] = true;
-    state_.alarm = {};
-    finish(Outcome::kReached);
-  }
-  // grblHAL stays locked until every axis is homed.
-  if (task_ == Task::kHoming && answered_ && state == "Alarm" && substate == kHomingRequired &&
-      sent > taskBegan_) {
-    for (const std::size_t j : homing_) homed_[j] = true;
-    state_.alarm = alarmOf(kHomingRequired);
-    finish(Outcome::kReached);
-  }
-  if (task_ == Task::kPlain && answered_ && rests) finish(Outcome::kReached);
-  if ((task_ == Task::kGuarded || task_ == Task::kProbing) && answered_ && rests)
-    finish(tripped_.value_or(false) ? Outcome::kTripped : Outcome::kReached);
+void GrblController::arrive() {
+  if (task_ == Task::kHoming) state_.alarm = {};
+  for (const std::size_t j : homing_) homed_[j] = true;
+  finish(tripped_ ? Outcome::kTripped : Outcome::kReached);
+}
+
+// grblHAL stays locked until every axis is homed.
+void GrblController::endHoming() {
+  if (task_ != Task::kHoming) return;
+  arrive();
+  state_.alarm = alarmOf(kGrblHomingRequired);
+}
+
+void GrblController::endStopInAlarm() {
+  stopAsked_ = false;
+  finish(Outcome::kStopped);
 }
 
 // Commanded positions at the trip; when it was follows from the way to rest that came after it.
 void GrblController::takeProbe(const GrblProbe& probe, double time) {
-  damaged_ = 0;
   if (task_ != Task::kProbing && task_ != Task::kGuarded) return;
   tripped_ = probe.tripped;
   if (!probe.tripped || probe.machine.size() < map_->needed()) return;
@@ -208,13 +213,12 @@ void GrblController::takeProbe(const GrblProbe& probe, double time) {
 }
 
 void GrblController::takeAnswer(int code) {
-  damaged_ = 0;
   if (inFlight_.empty()) return;  // the answer to the empty line, or to one from before a reset
   inFlight_.pop_front();
   pump();
   if (code != 0 && clearing_) {
     clearing_ = false;
-    if (code == kCriticalEvent) locked_ = true;  // grblHAL: the next ~clear_alarm resets it first
+    if (code == kGrblCriticalEvent) locked_ = true;  // grblHAL: the next ~clear_alarm resets it first
     if (state_.alarm.present())
       state_.alarm.remedy = "the control refused to clear it, error " + std::to_string(code) + ": " +
                             grblError(code).text + "; " + alarmOf(state_.alarm.code).remedy;
@@ -224,7 +228,7 @@ void GrblController::takeAnswer(int code) {
     const GrblWords words = grblError(code);
     const std::string text = "the control refused it, error " + std::to_string(code) + ": " + words.text +
                              (words.remedy.empty() ? "" : "; " + words.remedy);
-    finish(code == 15 ? Outcome::kLimit : Outcome::kAlarm, text);
+    finish(code == kGrblTargetBeyond ? Outcome::kLimit : Outcome::kAlarm, text);
     return;
   }
   if (!last || task_ == Task::kNone) return;
@@ -235,8 +239,7 @@ void GrblController::takeAnswer(int code) {
 }
 
 void GrblController::takeAlarm(int code) {
-  damaged_ = 0;
-  if (code == kHomingRequired && task_ == Task::kHoming) return;  // of the other axes
+  if (code == kGrblHomingRequired && task_ == Task::kHoming) return;  // of the other axes
   state_.alarm = alarmOf(code);
   clearing_ = false;
   state_.velocity.assign(map_->size(), 0.0);  // of a control that says nothing more, too
@@ -244,43 +247,44 @@ void GrblController::takeAlarm(int code) {
   if (emergency_) state_.alarm = {};
   forgetLines();
   report_.state = "Alarm";
-  locked_ = code == 1 || code == 2;
-  if (code == 1 && task_ == Task::kJog && movingOff_ && !stopAsked_ && !emergency_) {
+  locked_ = grblAlarmIsLimit(code);
+  const bool ended = stopAsked_ || emergency_;
+  if (code == kGrblHardLimit && task_ == Task::kJog && !ended) {
     // The switch opened: grbl 1.1 takes any change of its pin for a limit. Where it is closed still, the
     // reports say so.
     clearing_ = begun_ = true;
     return endStop();
   }
-  finish(emergency_ || stopAsked_ ? Outcome::kStopped
-         : code == 1 || code == 2 ? Outcome::kLimit
-                                  : Outcome::kAlarm);
+  finish(ended ? Outcome::kStopped : locked_ ? Outcome::kLimit : Outcome::kAlarm);
 }
 
 // The control began anew: because it was told to, or because it lost its power.
-void GrblController::takeWelcome() {
-  damaged_ = 0;
+void GrblController::takeWelcome(const std::string& line) {
+  hal_ = line[0] == 'g' || line.rfind("GrblHAL", 0) == 0;
   forgetLines();
   locked_ = false;
   report_.state.clear();
   const bool asked = resetAsked_ || emergency_;
   while (!questions_.empty() && (!asked || questions_.front() <= resetAt_))
     questions_.pop_front();  // those from before a reset went with it
-  if (asked) {
-    resetAsked_ = false;
-    if (emergency_) homed_.assign(map_->size(), false);
-    if (stopSent_ <= resetAt_) stopAsked_ = false;  // else another feed hold is still on its way
-    // What was asked for meanwhile went with the reset, too.
-    if (!(movingOff_ && clearing_) || emergency_ || stopAsked_) finish(Outcome::kStopped);
-    if (clearing_ && !emergency_) send("$X");
-    return;
-  }
+  if (asked) return endReset();
   if (lastReport_ == 0.0) return;  // the answer to opening the line
-  if (state_.alarm.code >= kHomingReset && state_.alarm.code <= kHomingNoSwitch)
+  if (state_.alarm.code >= kGrblHomingReset && state_.alarm.code <= kGrblHomingNoSwitch)
     return;  // its own, after these
   lastDirection_.assign(map_->size(), 0.0);
   ++state_.resets;
   homed_.assign(map_->size(), false);
   finish(Outcome::kLost);
+}
+
+// What was asked for meanwhile went with the reset, too; but the way off a limit switch goes on.
+void GrblController::endReset() {
+  resetAsked_ = false;
+  if (stopSent_ <= resetAt_) stopAsked_ = false;  // else another feed hold is still on its way
+  if (emergency_) homed_.assign(map_->size(), false);
+  const bool clears = clearing_ && !emergency_;
+  if (task_ != Task::kJog || !clears || stopAsked_) finish(Outcome::kStopped);
+  if (clears) send("$X");
 }
 
 void GrblController::finish(Outcome outcome, const std::string& note) {
@@ -289,7 +293,6 @@ void GrblController::finish(Outcome outcome, const std::string& note) {
     state_.note = note;
   }
   task_ = Task::kNone;
-  homes_ = movingOff_ = false;
   homing_.clear();
 }
 

@@ -1,7 +1,9 @@
 #include "drivers/grbl_protocol.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 
 #include "base/error.h"
@@ -10,6 +12,49 @@ namespace mm {
 namespace {
 
 constexpr double kMostCode = 255.0, kMostOverride = 1000.0;  // beyond these a line is damaged
+
+struct AlarmRow {
+  int code;
+  bool keepsPosition;
+  const char *text, *remedy;
+};
+
+constexpr AlarmRow kAlarms[] = {
+    {kGrblHardLimit, false, "a limit switch closed",
+     "call ~clear_alarm, then home; where homing cannot leave the switch, ~move_off_limit first"},
+    {kGrblSoftLimit, true, "the target is beyond the controller's soft limits",
+     "call ~clear_alarm, choose another target"},
+    {3, false, "it was reset while it moved, its position is lost", "call ~clear_alarm, then home again"},
+    {4, true, "the probe was closed before the probing motion", "call ~clear_alarm, retract the probe"},
+    {5, true, "the probe did not trip on the way", "call ~clear_alarm; look at the probe and the artifact"},
+    {kGrblHomingReset, false, "homing was ended by a reset", "home again"},
+    {7, false, "homing was ended by the safety door", "close it, then home again"},
+    {8, false, "homing could not leave the switch", "look at the switch, and at the setting $27"},
+    {kGrblHomingNoSwitch, false, "homing did not find the switch",
+     "look at the switch, and at the travel $130 to $135"},
+    {10, false, "its emergency stop input is active", "release it, then home again"},
+    {kGrblHomingRequired, true, "homing is required", "home again"},
+};
+
+struct ErrorRow {
+  int code;
+  const char *text, *remedy;
+};
+
+constexpr ErrorRow kErrors[] = {
+    {5, "homing is not enabled", "set $22=1 at the controller; of single axes, with grblHAL, $22=3"},
+    {8, "it is not idle", "wait until it rests"},
+    {9, "it is locked by an alarm", "call ~clear_alarm or home"},
+    {13, "the safety door is open", "close it"},
+    {kGrblTargetBeyond, "the target is beyond the controller's soft limits", "choose another target"},
+    {18, "its reset input is active", "release it"},
+    {20, "it does not know the command", "this needs grbl 1.1 or grblHAL"},
+    {22, "the feed rate is missing", ""},
+    {45, "a limit switch is closed", "home, or move the axis off it by hand"},
+    {46, "homing is required", "call ~home"},
+    {50, "its emergency stop input is active", "release it"},
+    {kGrblCriticalEvent, "it waits for a reset", "call ~clear_alarm once more"},
+};
 
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
@@ -85,8 +130,15 @@ bool GrblReport::moves() const {
          (state == "Door" && substate > kGrblDoorOpen);
 }
 
-bool GrblReport::restsInHold() const {
-  return (state == "Hold" && substate <= 0) || (state == "Door" && substate <= kGrblDoorOpen);
+bool GrblReport::doorIsOpen() const {
+  return state == "Door" && substate != kGrblDoorClosed && substate != kGrblDoorRestores;
+}
+
+GrblShows GrblReport::shows() const {
+  if (state == "Idle") return GrblShows::kRest;
+  if (state == "Alarm") return substate == kGrblHomingRequired ? GrblShows::kNotHomed : GrblShows::kLocked;
+  if ((state == "Hold" || state == "Door") && substate <= 0) return GrblShows::kHeld;
+  return state == "Door" && substate == kGrblDoorOpen ? GrblShows::kHeldByDoor : GrblShows::kOther;
 }
 
 std::optional<GrblProbe> parseGrblProbe(const std::string& line) {
@@ -120,68 +172,23 @@ bool isGrblWelcome(const std::string& line) {
 }
 
 GrblWords grblAlarm(int code) {
-  switch (code) {
-    case 1:
-      return {"a limit switch closed",
-              "call ~clear_alarm, then home; where homing cannot leave the switch, ~move_off_limit first"};
-    case 2:
-      return {"the target is beyond the controller's soft limits",
-              "call ~clear_alarm, choose another target"};
-    case 3:
-      return {"it was reset while it moved, its position is lost", "call ~clear_alarm, then home again"};
-    case 4:
-      return {"the probe was closed before the probing motion", "call ~clear_alarm, retract the probe"};
-    case 5:
-      return {"the probe did not trip on the way", "call ~clear_alarm; look at the probe and the artifact"};
-    case 6:
-      return {"homing was ended by a reset", "home again"};
-    case 7:
-      return {"homing was ended by the safety door", "close it, then home again"};
-    case 8:
-      return {"homing could not leave the switch", "look at the switch, and at the setting $27"};
-    case 9:
-      return {"homing did not find the switch", "look at the switch, and at the travel $130 to $135"};
-    case 10:
-      return {"its emergency stop input is active", "release it, then home again"};
-    case 11:
-      return {"homing is required", "home again"};
-    default:
-      return {"alarm " + std::to_string(code), "see the controller's manual; then ~clear_alarm"};
-  }
+  for (const AlarmRow& row : kAlarms)
+    if (row.code == code) return {row.text, row.remedy};
+  return {"alarm " + std::to_string(code), "see the controller's manual; then ~clear_alarm"};
 }
 
 GrblWords grblError(int code) {
-  switch (code) {
-    case 5:
-      return {"homing is not enabled", "set $22=1 at the controller; of single axes, with grblHAL, $22=3"};
-    case 8:
-      return {"it is not idle", "wait until it rests"};
-    case 9:
-      return {"it is locked by an alarm", "call ~clear_alarm or home"};
-    case 15:
-      return {"the target is beyond the controller's soft limits", "choose another target"};
-    case 13:
-      return {"the safety door is open", "close it"};
-    case 18:
-      return {"its reset input is active", "release it"};
-    case 20:
-      return {"it does not know the command", "this needs grbl 1.1 or grblHAL"};
-    case 22:
-      return {"the feed rate is missing", ""};
-    case 45:
-      return {"a limit switch is closed", "home, or move the axis off it by hand"};
-    case 46:
-      return {"homing is required", "call ~home"};
-    case 50:
-      return {"its emergency stop input is active", "release it"};
-    case 79:
-      return {"it waits for a reset", "call ~clear_alarm once more"};
-    default:
-      return {"error " + std::to_string(code), "see the controller's manual"};
-  }
+  for (const ErrorRow& row : kErrors)
+    if (row.code == code) return {row.text, row.remedy};
+  return {"error " + std::to_string(code), "see the controller's manual"};
 }
 
-bool grblAlarmKeepsPosition(int code) { return code == 2 || code == 4 || code == 5 || code == 11; }
+bool grblAlarmKeepsPosition(int code) {
+  return std::any_of(std::begin(kAlarms), std::end(kAlarms),
+                     [&](const AlarmRow& row) { return row.code == code && row.keepsPosition; });
+}
+
+bool grblAlarmIsLimit(int code) { return code == kGrblHardLimit || code == kGrblSoftLimit; }
 
 std::string grblOverride(double share) {
   const int percent = static_cast<int>(std::lround(100.0 * share));

@@ -12,6 +12,15 @@ inline constexpr char kGrblSoftReset =
 // What grbl 1.1 and grblHAL say, as documented in their interface descriptions ("Grbl v1.1 Interface",
 // "grblHAL: extended protocol"). Lengths are mm, angles deg, as on the wire.
 
+// Codes that more is made of than words: alarms, and errors.
+inline constexpr int kGrblHardLimit = 1, kGrblSoftLimit = 2, kGrblHomingReset = 6, kGrblHomingNoSwitch = 9,
+                     kGrblHomingRequired = 11;
+inline constexpr int kGrblTargetBeyond = 15, kGrblCriticalEvent = 79;
+
+/// What a report says of what is under way; kHeld, kHeldByDoor: at rest, and what is left of a motion waits,
+/// for ~resume, or for the door to be closed.
+enum class GrblShows { kRest, kHeld, kHeldByDoor, kLocked, kNotHomed, kOther };
+
 /// `<Idle|MPos:0.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000|Ov:100,100,100|Pn:P>`
 struct GrblReport {
   std::string state;                  // Idle, Run, Hold, Jog, Alarm, Door, Check, Home, Sleep, Tool
@@ -22,8 +31,9 @@ struct GrblReport {
   int feedOverride = 0;               // %; 0: not in this report
   std::string pins;                   // letters of Pn: X Y Z A B C: limit switches; P: probe
 
-  bool moves() const;        ///< its axes, for whomever; in a hold on the way to rest, too
-  bool restsInHold() const;  ///< what is left of a motion waits, for ~resume or for the door
+  GrblShows shows() const;
+  bool moves() const;       ///< its axes, for whomever; in a hold on the way to rest, too
+  bool doorIsOpen() const;  ///< the safety door
 };
 inline constexpr int kGrblDoorRestores = 3;
 inline constexpr int kGrblDoorClosed = 0,
@@ -55,6 +65,8 @@ GrblWords grblAlarm(int code);  ///< of ALARM:code
 GrblWords grblError(int code);  ///< of error:code
 /// Whether the position is still known after an alarm.
 bool grblAlarmKeepsPosition(int code);
+/// Of a switch or of the travel: until it is reset, grbl 1.1 answers nothing more.
+bool grblAlarmIsLimit(int code);
 
 /// Real-time bytes that bring the feed override from whatever it is to a share. @throw InputError below 0.1.
 std::string grblOverride(double share);

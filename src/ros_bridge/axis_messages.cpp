@@ -63,7 +63,8 @@ Eigen::Vector3d approachOf(const measuring_machine::ProbeContact& contact, const
     return machine.nominal(contact.position.data(), 0.0).orientation.col(2);
   const Eigen::Map<const Eigen::VectorXd> velocity(contact.velocity.data(), machine.jointCount());
   const Eigen::Vector3d motion = machine.jacobian(contact.position.data(), 0.0).topRows<3>() * velocity;
-  return motion.norm() > 0.0 ? motion.normalized() : Eigen::Vector3d::Zero();  // of an unknown one, too
+  if (!(motion.norm() > 0.0)) return Eigen::Vector3d::Zero();  // of an unknown one, too
+  return motion.normalized();
 }
 
 }  // namespace
