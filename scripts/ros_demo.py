@@ -12,11 +12,11 @@ import threading
 
 import actionlib
 import rospy
+import tf2_ros
 from geometry_msgs.msg import PointStamped
 from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact, ReferenceMeasurement
 from measuring_machine.srv import Calibrate, Promote
 from std_srvs.srv import Trigger
-from tf2_msgs.msg import TFMessage
 
 TOPICS = (
     "(joint_states|reference|artifact|robot_description|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
@@ -26,54 +26,6 @@ CLEAR = 0.0078  # m, z above every ball and within the calibrated volume
 CHECKS = [(x, y, CLEAR) for x in (-0.015, 0.002, 0.014) for y in (-0.009, 0.011, 0.027)]
 CHECKS += [(x, y, z) for x, y in ((0.0, -0.009), (0.001, 0.027), (-0.013, 0.010), (0.012, 0.009)) for z in (0.0, -0.006)]
 LASER_CHECKS = 12  # postures half-way between two of the plan: a laser meets nothing on its way
-
-
-def rotated(q, v):
-    """v turned by the unit quaternion (x, y, z, w)."""
-    x, y, z, w = q
-    t = (2.0 * (y * v[2] - z * v[1]), 2.0 * (z * v[0] - x * v[2]), 2.0 * (x * v[1] - y * v[0]))
-    return (v[0] + w * t[0] + y * t[2] - z * t[1], v[1] + w * t[1] + z * t[0] - x * t[2], v[2] + w * t[2] + x * t[1] - y * t[0])
-
-
-class FrameTree:
-    """Positions of frames in `workpiece`, from the transforms of one stamp and the fixed ones."""
-
-    def __init__(self):
-        self.fixed, self.moving = {}, {}
-
-    def take(self, message, fixed=False):
-        for t in message.transforms:
-            v, q = t.transform.translation, t.transform.rotation
-            link = (t.header.frame_id, (v.x, v.y, v.z), (q.x, q.y, q.z, q.w))
-            if fixed:
-                self.fixed[t.child_frame_id] = link
-            else:
-                self.moving.setdefault(t.header.stamp, {})[t.child_frame_id] = link
-
-    def root_of(self, frame, links):
-        """(root frame, position of the frame's origin in it, way down to it)"""
-        way = []
-        while frame in links:
-            way.append(links[frame])
-            frame = links[frame][0]
-        point = (0.0, 0.0, 0.0)
-        for _, shift, turn in way:
-            point = tuple(a + b for a, b in zip(rotated(turn, point), shift))
-        return frame, point, way
-
-    def position(self, frame, stamp):
-        """m, in workpiece; None when the stamp lacks a link."""
-        links = {**self.fixed, **self.moving.get(stamp, {})}
-        if frame not in links:
-            return None
-        root, point, _ = self.root_of(frame, links)
-        base, _, way = self.root_of("workpiece", links)
-        if root != base:
-            return None
-        for _, shift, turn in reversed(way):  # from the root up to workpiece
-            back = (-turn[0], -turn[1], -turn[2], turn[3])
-            point = rotated(back, tuple(a - b for a, b in zip(point, shift)))
-        return point
 
 
 def without_seconds(text):
@@ -86,8 +38,7 @@ class Demo:
     def __init__(self, folder, plan, model):
         self.folder, self.plan, self.model = folder, plan, model
         self.lock = threading.Lock()
-        self.truth, self.frames, self.contacts = {}, FrameTree(), []
-        rospy.Subscriber("/tf_static", TFMessage, lambda m: self.frames.take(m, True), queue_size=100)
+        self.truth, self.contacts = {}, []
         rospy.Subscriber("probe/contact", ProbeContact, self.contacts.append, queue_size=1000)
         self.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         self.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
@@ -95,12 +46,6 @@ class Demo:
     def take_truth(self, message):
         with self.lock:
             self.truth[message.header.stamp] = (message.point.x, message.point.y, message.point.z)
-
-    def take_frames(self, message):
-        with self.lock:
-            self.frames.take(message)
-            while len(self.frames.moving) > 500:
-                del self.frames.moving[next(iter(self.frames.moving))]
 
     def ways(self):
         """The fresh points as moves: lists of (joints, positions)."""
@@ -115,17 +60,17 @@ class Demo:
         """RMS and largest distance between a frame and the true tip, um, over the fresh points."""
         errors = []
         # Heard only here: over a whole measurement they would be a hundred thousand messages.
-        heard = [rospy.Subscriber("axis_driver/truth", PointStamped, self.take_truth, queue_size=1000),
-                 rospy.Subscriber("/tf", TFMessage, self.take_frames, queue_size=1000)]
+        truth = rospy.Subscriber("axis_driver/truth", PointStamped, self.take_truth, queue_size=1000)
+        frames = tf2_ros.Buffer()
+        listener = tf2_ros.TransformListener(frames)
         for way in self.ways():
             for names, position in way:
                 self.go(names, position)
             with self.lock:
                 self.truth.clear()
-                self.frames.moving.clear()
-            errors.append(self.error_now(frame))
-        for subscriber in heard:
-            subscriber.unregister()
+            errors.append(self.error_now(frames, frame))
+        truth.unregister()
+        listener.unregister()
         self.checks = len(errors)
         return math.sqrt(sum(e * e for e in errors) / len(errors)), max(errors)
 
@@ -137,17 +82,21 @@ class Demo:
         if self.axes.get_state() != actionlib.GoalStatus.SUCCEEDED:
             raise RuntimeError("a check position was not reached: " + self.axes.get_goal_status_text())
 
-    def error_now(self, frame):
+    def error_now(self, frames, frame):
+        """At the third stamp, from now on, for which both the truth and the frame have come, um."""
+        errors = {}
         for _ in range(500):
             self.go_on()
+            try:
+                stamp = frames.get_latest_common_time("workpiece", frame)
+                at = frames.lookup_transform("workpiece", frame, stamp).transform.translation
+            except tf2_ros.TransformException:
+                at = None
             with self.lock:
-                both = []
-                for stamp in sorted(self.truth):
-                    position = self.frames.position(frame, stamp)
-                    if position:
-                        both.append(1e6 * math.dist(self.truth[stamp], position))
-                if len(both) >= 3:
-                    return both[-1]
+                if at and stamp in self.truth:
+                    errors[stamp] = 1e6 * math.dist(self.truth[stamp], (at.x, at.y, at.z))
+            if len(errors) >= 3:
+                return errors[max(errors)]
             rospy.rostime.wallsleep(0.02)
         raise RuntimeError("no frame '%s' arrives with the stamps of the joint states" % frame)
 

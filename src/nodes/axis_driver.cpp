@@ -32,7 +32,7 @@ MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool cl
   refuseUnknownParameters(
       own, {"rate", "linear_speed", "rotary_speed", "temperature_rate", "time_factor", "clock", "hardware",
             "tolerance", "rotary_tolerance", "silence", "late", "rest_timeout", "hold_limit", "homing_order",
-            "probe_settle", "probe_longest", "probe_stuck", "silent_moves"});
+            "probe_settle", "probe_longest", "probe_stuck", "silent_moves", "frame_prefix"});
   MotionControl::Settings settings;
   settings.tolerance = numberParameter(own, "tolerance", settings.tolerance, 1e-9, 1e-2);
   settings.rotaryTolerance = numberParameter(own, "rotary_tolerance", settings.rotaryTolerance, 1e-9, 0.1);
@@ -54,6 +54,7 @@ MotionControl::Settings AxisDriver::settings(const ros::NodeHandle& own, bool cl
 AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_ptr<AxisController> controller,
                        const Machine& machine)
     : machine_(machine),
+      prefix_(framePrefix(own)),
       clock_(flagParameter(own, "clock", false)),
       controller_(std::move(controller)),
       control_(controller_, machine_, settings(own, clock_)),
@@ -159,9 +160,8 @@ void AxisDriver::cycle(double elapsed) {
         travel_[j] = static_cast<std::int8_t>(trackers_[j].direction());
       }
       for (const ProbeEdge& trip : seen->trips)
-        latchOut_.publish(toLatchMessage(trip, control_.axes(),
-                                         stampOf(trip.time, control_.toHost(trip.time)),
-                                         trip.probing ? probedFeature() : ""));
+        publishLatch(toLatchMessage(trip, control_.axes(), stampOf(trip.time, control_.toHost(trip.time)),
+                                    trip.probing ? probedFeature() : ""));
       if (stamp > lastStamp_) publishJoints(*seen, stamp);
       publishTemperatures(stamp);
       lastStamp_ = std::max(stamp, lastStamp_);
@@ -179,11 +179,11 @@ void AxisDriver::cycle(double elapsed) {
 }
 
 void AxisDriver::publishJoints(const MotionControl::Observation& seen, const ros::Time& stamp) {
-  jointsOut_.publish(toJointState(control_.axes(), seen.state, stamp, homedAt_));
+  jointsOut_.publish(toJointState(control_.axes(), seen.state, stamp, prefix_));
   if (!truthOut_) return;
   geometry_msgs::PointStamped truth;
   truth.header.stamp = stamp;
-  truth.header.frame_id = "workpiece";
+  truth.header.frame_id = prefix_ + "workpiece";
   const std::array<double, 3> tip =
       controller_->trueTip().value_or(std::array<double, 3>{std::nan(""), std::nan(""), std::nan("")});
   truth.point.x = tip[0];
@@ -200,9 +200,14 @@ std::string AxisDriver::probedFeature() {
 bool AxisDriver::latchLaser(const std::string& feature) {
   const std::optional<ProbeEdge> reading = control_.readLaser();
   if (reading)
-    latchOut_.publish(toLatchMessage(*reading, control_.axes(),
-                                     stampOf(reading->time, control_.toHost(reading->time)), feature));
+    publishLatch(toLatchMessage(*reading, control_.axes(),
+                                stampOf(reading->time, control_.toHost(reading->time)), feature));
   return reading.has_value();
+}
+
+void AxisDriver::publishLatch(measuring_machine::ProbeLatch latch) {
+  latch.header.frame_id = prefix_ + latch.header.frame_id;
+  latchOut_.publish(latch);
 }
 
 void AxisDriver::publishTemperatures(const ros::Time& stamp) {

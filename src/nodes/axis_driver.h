@@ -70,6 +70,7 @@ class AxisDriver {
   void publishStatus(const MotionControl::View& view, const ros::Time& stamp);
   void publishMotion(const MotionControl::View& view, const ros::Time& stamp);
   std::string probedFeature();
+  void publishLatch(measuring_machine::ProbeLatch latch);
   void publishTemperatures(const ros::Time& stamp);
   ros::Time stampOf(double controllerTime, double host) const;
 
@@ -93,6 +94,7 @@ class AxisDriver {
   void diagnoseProbe(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   Machine machine_;
+  std::string prefix_;  // of the frames' names
   double rate_, linearSpeed_, rotarySpeed_, temperatureRate_, timeFactor_;
   bool clock_;
   ros::Time clockStart_;

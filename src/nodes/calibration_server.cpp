@@ -52,13 +52,14 @@ CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, 
       store_(storeFolder(own, machine)),
       threads_(static_cast<unsigned>(numberParameter(own, "threads", 0, 0, 1024))),
       residualScale_(numberParameter(own, "residual_scale", 0.0, 0.0, 1e9)),
-      prefix_(textParameter(own, "frame_prefix", "")),
+      prefix_(framePrefix(own)),
       live_(node),
       job_([this](const Job::State& state) { publishProgress(state); }),
       updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(own, {"store", "threads", "residual_scale", "frame_prefix"});
   progressOut_ = own.advertise<measuring_machine::Progress>("progress", 100, true);
   ledgerOut_ = own.advertise<std_msgs::String>("ledger", 10, true);
+  verdictOut_ = own.advertise<visualization_msgs::Marker>("verdict", 1, true);
   residualsOut_ = own.advertise<visualization_msgs::MarkerArray>("residuals", 10, true);
   changedOut_ = own.advertise<std_msgs::String>("changed", 10, true);
   offer<measuring_machine::Calibrate>("calibrate", &CalibrationServer::calibrate);
@@ -242,6 +243,9 @@ bool CalibrationServer::diagnose(measuring_machine::Diagnose::Request& request,
       job_.step("answering", 1.0);  // a search that was cut short is no verdict
       response.json = diagnoseJson(diagnosis);
       response.message = diagnosis.sentence;
+      visualization_msgs::Marker verdict = wordsIn(prefix_ + "workpiece", "verdict", diagnosis.sentence);
+      verdict.pose.position.z = 0.03;
+      verdictOut_.publish(verdict);
       add(response.message, lossText(*session));
     });
   });

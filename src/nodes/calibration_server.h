@@ -82,7 +82,7 @@ class CalibrationServer {
   Job job_;
   SessionPtr last_;        // of the last long call; only the running job touches it
   std::string lastSpace_;  // the namespace that it was measured in
-  ros::Publisher progressOut_, ledgerOut_, residualsOut_, changedOut_;
+  ros::Publisher progressOut_, ledgerOut_, residualsOut_, verdictOut_, changedOut_;
   std::vector<ros::ServiceServer> services_;
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;

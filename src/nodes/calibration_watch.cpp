@@ -1,5 +1,7 @@
 #include "nodes/calibration_watch.h"
 
+#include <utility>
+
 #include "base/error.h"
 #include "base/read_file.h"
 #include "calibration_file/calibration_fit.h"
@@ -74,45 +76,55 @@ void CalibrationWatch::Followed::note(const Link& now, bool given) {
   if (!given) again = Wall::now() + kAgain;
 }
 
-bool CalibrationWatch::loadFirst() {
-  // Nothing is in memory yet: a damaged file falls back on what was active before it.
+/// Nothing is in memory yet: a damaged file falls back on what was active before it.
+void CalibrationWatch::loadFirst() {
+  bool given = true;
   try {
     CalibrationStore::Active active = store_.active();
     now_.warning = active.warning;
     if (active.calibration) now_.active = fitting(std::move(*active.calibration), now_.warning);
-    return true;
   } catch (const std::exception& e) {
     now_.warning = e.what();
-    return dynamic_cast<const UnreadableFile*>(&e) == nullptr;
+    given = dynamic_cast<const UnreadableFile*>(&e) == nullptr;
+  }
+  const Link link = look("active");
+  const bool standsIn = now_.active && now_.active->id != link.id;
+  active_.note(link, given && !standsIn);
+}
+
+bool CalibrationWatch::followActive() {
+  const Link link = look("active");
+  if (!active_.due(link)) return false;
+  active_.note(link, load(link, "active", now_.active, now_.warning));
+  return true;
+}
+
+void CalibrationWatch::followCandidate(bool activeChanged) {
+  const Link link = look("candidate");
+  const bool none = link.wrong.empty() && (link.id.empty() || link.id == active_.link.id);
+  if (none || (now_.candidate && now_.candidate->id != link.id)) now_.candidate = nullptr;
+  if (none) {
+    now_.candidateWarning.clear();
+    candidate_.note(link, true);
+  } else if (candidate_.due(link) || (activeChanged && !now_.candidate)) {
+    candidate_.note(link, load(link, "candidate", now_.candidate, now_.candidateWarning));
   }
 }
 
 std::shared_ptr<const CalibrationPair> CalibrationWatch::refresh() {
   const CalibrationPair before = now_;
-  const bool first = first_;
-  Link active = first ? Link() : look("active");
-  const bool activeDue = first || active_.due(active);
-  if (first) {
-    const bool given = loadFirst();
-    active = look("active");
-    // What was active before may stand in for one that the disk did not give.
-    active_.note(active, given && !(now_.active && now_.active->id != active.id));
-    first_ = false;
-  } else if (activeDue) {
-    active_.note(active, load(active, "active", now_.active, now_.warning));
-  }
-  const Link candidate = look("candidate");
-  const bool none = candidate.wrong.empty() && (candidate.id.empty() || candidate.id == active.id);
-  if (none || (now_.candidate && now_.candidate->id != candidate.id)) now_.candidate = nullptr;
-  if (none) {
-    now_.candidateWarning.clear();
-    candidate_.note(candidate, true);
-  } else if (candidate_.due(candidate) || (activeDue && !now_.candidate)) {
-    candidate_.note(candidate, load(candidate, "candidate", now_.candidate, now_.candidateWarning));
-  }
-  const bool changed = first || now_.active != before.active || now_.candidate != before.candidate ||
-                       now_.warning != before.warning || now_.candidateWarning != before.candidateWarning;
-  return changed ? std::make_shared<const CalibrationPair>(now_) : nullptr;
+  const bool first = std::exchange(first_, false);
+  if (first) loadFirst();
+  const bool activeChanged = first || followActive();
+  followCandidate(activeChanged);
+  return first || !(now_ == before) ? std::make_shared<const CalibrationPair>(now_) : nullptr;
+}
+
+std::shared_ptr<const CalibrationPair> CalibrationWatch::setMargin(double margin) {
+  margin_ = margin;
+  for (auto* loaded : {&now_.active, &now_.candidate})
+    if (*loaded) *loaded = std::make_shared<const LoadedCalibration>((*loaded)->calibration, margin_);
+  return std::make_shared<const CalibrationPair>(now_);
 }
 
 }  // namespace mm

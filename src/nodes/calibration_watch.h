@@ -23,6 +23,10 @@ struct LoadedCalibration {
 struct CalibrationPair {
   std::shared_ptr<const LoadedCalibration> active, candidate;
   std::string warning, candidateWarning;  // why it is not what the folder says, or that its file is damaged
+  bool operator==(const CalibrationPair& o) const {
+    return active == o.active && candidate == o.candidate && warning == o.warning &&
+           candidateWarning == o.candidateWarning;
+  }
 };
 
 /// Follows a folder of calibrations. What is in memory stays in use until something readable takes its place:
@@ -37,6 +41,8 @@ class CalibrationWatch {
   /// Looks whether links or files changed, and loads what did. @return a new pair, or null when neither a
   /// calibration nor a warning changed. Does not throw: what is wrong is in the warnings.
   std::shared_ptr<const CalibrationPair> refresh();
+  /// What is in memory with another margin, as Compensator::Options. @return a new pair.
+  std::shared_ptr<const CalibrationPair> setMargin(double margin);
 
  private:
   struct Link {
@@ -60,7 +66,9 @@ class CalibrationWatch {
   /// @return false: the disk did not give it, and it is to be asked again.
   bool load(const Link& link, const char* what, std::shared_ptr<const LoadedCalibration>& loaded,
             std::string& warning) const;
-  bool loadFirst();  ///< @return as load
+  void loadFirst();
+  bool followActive();  ///< @return whether its link or file changed
+  void followCandidate(bool activeChanged);
 
   CalibrationStore store_;
   Machine machine_;

@@ -4,7 +4,10 @@
 #include <measuring_machine/CorrectedContact.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <set>
+#include <sstream>
 
 #include "base/error.h"
 #include "ros_bridge/correction_messages.h"
@@ -14,8 +17,9 @@
 namespace mm {
 namespace {
 
-constexpr double kSilent = 1.0;  // s without a joint state, on the wall clock
-const char* const kUnhomed = "the axes are not homed, so their readings have no zero; call axis_driver/home";
+constexpr double kSilent = 1.0;   // s without a joint state, on the wall clock
+constexpr double kNamed = 10.0;   // s for which status and diagnostics name who is not believed
+constexpr double kAwaited = 5.0;  // s for the first status of a driver that the master knows
 constexpr int kSensorWait = 100;  // times 20 ms, for the first readings of a new calibration's sensors
 
 LiveInputs::Settings settingsFrom(const ros::NodeHandle& own) {
@@ -35,6 +39,22 @@ void setAside(const std::string& what, const ros::Time& stamp) {
                         : "its stamp lies before that of the last one; look at its publisher's clock");
 }
 
+std::vector<std::string> namesOf(const Machine& machine) {
+  std::vector<std::string> names;
+  for (const Joint& joint : machine.joints()) names.push_back(joint.name);
+  return names;
+}
+
+/// s of a clock that never goes back.
+double steadyNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+template <typename Event>
+JointOwners::Sender senderOf(const Event& event) {
+  return {event.getPublisherName(), event.getConnectionHeaderPtr()};
+}
+
 std::string wordsOf(std::string text) {
   text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '+' && c <= '9'; }),
              text.end());
@@ -46,16 +66,17 @@ std::string wordsOf(std::string text) {
 CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
     : node_(node),
       machine_(machine),
-      prefix_(textParameter(own, "frame_prefix", "")),
+      prefix_(framePrefix(own)),
       watch_(CalibrationStore(storeFolder(own, machine)), machine, machineSpace(),
              numberParameter(own, "margin", 0.1, 0.0, 10.0)),
       inputs_(machine, settingsFrom(own)),
-      homing_(machine.joints().size()),
+      owners_(namesOf(machine)),
       updater_(node, own, ros::this_node::getName()) {
-  refuseUnknownParameters(own, {"store", "margin", "frame_prefix", "joint_timeout", "sensor_timeout",
-                                "travel_deadband", "travel_deadband_rotary"});
-  framesOut_ = node.advertise<tf2_msgs::TFMessage>("/tf", 5000);
+  refuseUnknownParameters(own, {"store", "margin", "frame_prefix", "drivers", "joint_timeout",
+                                "sensor_timeout", "travel_deadband", "travel_deadband_rotary"});
   contactsOut_ = node.advertise<measuring_machine::CorrectedContact>("probe/contact_corrected", 1000);
+  margin_ = numberParameter(own, "margin", 0.1, 0.0, 10.0);
+  markersOut_ = own.advertise<visualization_msgs::MarkerArray>("correction", 10);
   statusOut_ = own.advertise<measuring_machine::CompensationStatus>("status", 100, true);
   if (const auto pair = watch_.refresh()) install(pair);
   updater_.setHardwareID("compensation");
@@ -69,22 +90,33 @@ CompensationNode::CompensationNode(ros::NodeHandle node, ros::NodeHandle own, co
   timer_ = slowNode.createWallTimer(ros::WallDuration(0.05), &CompensationNode::look, this);
   spinner_ = std::make_unique<ros::AsyncSpinner>(1, &slow_);
 
+  reconfigured_ =
+      std::make_unique<dynamic_reconfigure::Server<measuring_machine::CompensationConfig>>(slowOwn);
+  reconfigured_->setCallback(
+      [this](measuring_machine::CompensationConfig& config, std::uint32_t) { reconfigure(config); });
+
   const ros::TransportHints fast = ros::TransportHints().tcpNoDelay();
   contactsIn_ = node.subscribe("probe/contact", 1000, &CompensationNode::takeContact, this, fast);
-  axesIn_ = node.subscribe<measuring_machine::AxisStatus>(
-      "axis_driver/status", 10, [this](const measuring_machine::AxisStatusConstPtr& message) {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        if (!message->name.empty()) axes_[message->name.front()] = *message;
-        takeStatus(*message);
-      });
+  subscribeDrivers(own);
   artifactIn_ = node.subscribe<measuring_machine::Artifact>(
       "artifact", 10, [this](const measuring_machine::ArtifactConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (homing_.zero() == 0)
+        if (owners_.zero() == 0)
           inputs_.setTimeZero(nanoseconds(message->header.stamp));  // a session replayed
       });
   jointsIn_ = node.subscribe("joint_states", 5000, &CompensationNode::takeJoints, this, fast);
   spinner_->start();
+}
+
+/// By dynamic_reconfigure, in the slow thread; at the start with the parameters as they are.
+void CompensationNode::reconfigure(const measuring_machine::CompensationConfig& config) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    inputs_.setTimeouts(config.joint_timeout, config.sensor_timeout);
+  }
+  if (config.margin == margin_) return;
+  margin_ = config.margin;
+  install(watch_.setMargin(margin_));
 }
 
 void CompensationNode::apply(Applied& applied, const std::shared_ptr<const LoadedCalibration>& loaded) {
@@ -129,7 +161,8 @@ void CompensationNode::subscribeSensors() {
     if (temperaturesIn_.count(name) == 0)
       temperaturesIn_[name] = node_.subscribe<sensor_msgs::Temperature>(
           "temperature/" + topicOf(name), 100, [this, name](const sensor_msgs::TemperatureConstPtr& m) {
-            if (sensorOf(topicOf(name), m->header.frame_id) != name) return;  // another one on the same topic
+            const std::string sensor = sensorOf(topicOf(name), m->header.frame_id);
+            if (sensor != topicOf(name) && sensor != name) return;  // another one on the same topic
             const std::lock_guard<std::mutex> lock(mutex_);
             if (!inputs_.takeTemperature(name, nanoseconds(m->header.stamp), m->temperature))
               setAside("temperature '" + name + "'", m->header.stamp);
@@ -151,45 +184,84 @@ void CompensationNode::withhold(const std::string& reason) {
   withheldSince_ = reason;
 }
 
-/// A homing gives the readings another zero, and another driver does not know how the last one moved.
-void CompensationNode::takeHoming(const sensor_msgs::JointState& message) {
-  const Homing homing = homingOf(message);
-  if (!homing.told) return;
-  bool changed = false;
-  for (const std::string& name : message.name) {
-    const int joint = machine_.findJoint(name);
-    if (joint < 0) continue;
-    if (!homing_.take(joint, {homing.homed, nanoseconds(homing.at)})) continue;
-    inputs_.forgetTravel(joint);
-    changed = true;
+void CompensationNode::subscribeDrivers(const ros::NodeHandle& own) {
+  std::set<std::string> topics;
+  std::istringstream drivers(textParameter(own, "drivers", "axis_driver"));
+  for (std::string driver; drivers >> driver;) {
+    axesIn_.push_back(node_.subscribe(driver + "/status", 10, &CompensationNode::takeStatus, this));
+    topics.insert(axesIn_.back().getTopic());
   }
-  if (!changed) return;
-  inputs_.setTimeZero(homing_.zero());
-  for (const auto& [driver, status] : axes_) takeStatus(status);  // it may have come before
+  ros::master::V_TopicInfo published;
+  ros::master::getTopics(published);
+  for (const ros::master::TopicInfo& topic : published)
+    if (topics.count(topic.name) != 0) owners_.awaitStatus(steadyNow() + kAwaited);
 }
 
-void CompensationNode::takeStatus(const measuring_machine::AxisStatus& message) {
+void CompensationNode::takeStatus(const StatusEvent& event) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const measuring_machine::AxisStatus& message = *event.getConstMessage();
   if (message.header.stamp.isZero()) return;  // none was heard yet
-  const std::int64_t at = nanoseconds(message.homed_at);
+  JointOwners::Status status;
+  status.stamp = nanoseconds(message.header.stamp);
+  status.homed = message.homed != 0;
+  status.homedAt = nanoseconds(message.homed_at);
   for (std::size_t i = 0; i < message.name.size(); ++i) {
     const int joint = machine_.findJoint(message.name[i]);
     if (joint < 0) continue;
-    homing_.takeStatus(joint, {message.homed != 0, at});
-    if (message.homed && homing_.isOf(joint, at) && i < message.travel.size())
-      inputs_.takeTravel({message.name[i]}, {message.travel[i]});
+    status.joints.push_back(joint);
+    status.travel.push_back(i < message.travel.size() ? message.travel[i] : 0);
   }
-  inputs_.setTimeZero(homing_.zero());
+  nameStranger(owners_.take(senderOf(event), status, steadyNow()));
+  inputs_.setTimeZero(owners_.zero());
 }
 
-void CompensationNode::takeJoints(const sensor_msgs::JointStateConstPtr& message) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!inputs_.concerns(message->name)) return;  // a gripper's
+void CompensationNode::nameStranger(const std::string& why) {
+  if (why.empty()) return;
+  ROS_WARN_THROTTLE(10.0, "%s", why.c_str());
+  stranger_ = why;
+  strangerAt_ = ros::WallTime::now();
+}
+
+/// Whether the joint state is of whom the joints are, and of a machine that is homed. What its driver knows
+/// of the motion until then counts from it on.
+bool CompensationNode::believes(const JointsEvent& event) {
+  const sensor_msgs::JointState& message = *event.getConstMessage();
+  joints_.clear();
+  for (const std::string& name : message.name)
+    if (const int joint = machine_.findJoint(name); joint >= 0) joints_.push_back(joint);
+  if (joints_.empty()) return false;  // a gripper's
+  const Homing homing = homingOf(message);
+  const JointOwners::State state{nanoseconds(message.header.stamp), homing.told, homing.homed,
+                                 nanoseconds(homing.at)};
+  const JointOwners::Verdict verdict = owners_.take(senderOf(event), state, joints_, steadyNow());
+  if (verdict.foreign) {
+    ++status_.withheld;
+    nameStranger(verdict.why);
+    return false;
+  }
   heard_ = ros::WallTime::now();
-  takeHoming(*message);
+  if (verdict.forget) {
+    for (const int joint : joints_) inputs_.forgetTravel(joint);
+    inputs_.setTimeZero(owners_.zero());
+  }
+  if (!verdict.why.empty()) {
+    withhold(verdict.why);
+    candidate_.reason = verdict.why;
+    return false;
+  }
+  for (std::size_t i = 0; verdict.status && i < verdict.status->joints.size(); ++i)
+    inputs_.takeTravel(verdict.status->joints[i], verdict.status->stamp, verdict.status->travel[i]);
+  return true;
+}
+
+void CompensationNode::takeJoints(const JointsEvent& event) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!believes(event)) return;
+  const sensor_msgs::JointState& message = *event.getConstMessage();
   std::string reason;
-  const bool ready = inputs_.takeJoints(nanoseconds(message->header.stamp), message->name, message->position,
-                                        message->velocity, reason);
-  if (ready && homing_.anyNotHomed()) reason = kUnhomed;
+  const bool ready = inputs_.takeJoints(nanoseconds(message.header.stamp), message.name, message.position,
+                                        message.velocity, reason);
+  if (ready && owners_.anyNotHomed()) reason = JointOwners::kUnhomed;
   if (!reason.empty() || !ready) {
     if (!reason.empty()) {
       withhold(reason);
@@ -197,10 +269,10 @@ void CompensationNode::takeJoints(const sensor_msgs::JointStateConstPtr& message
     }
     return;
   }
-  frames_.transforms.clear();
-  if (active_.loaded) addFrame(active_, message->header.stamp, "probe_tip_corrected", true);
-  if (candidate_.loaded) addFrame(candidate_, message->header.stamp, "probe_tip_candidate", false);
-  if (!frames_.transforms.empty()) framesOut_.publish(frames_);
+  frames_.clear();
+  if (active_.loaded) addFrame(active_, message.header.stamp, "probe_tip_corrected", true);
+  if (candidate_.loaded) addFrame(candidate_, message.header.stamp, "probe_tip_candidate", false);
+  if (!frames_.empty()) broadcaster_.sendTransform(frames_);
 }
 
 void CompensationNode::addFrame(Applied& applied, const ros::Time& stamp, const std::string& child,
@@ -228,14 +300,14 @@ void CompensationNode::addFrame(Applied& applied, const ros::Time& stamp, const 
   }
   applied.reason.clear();
   if (isActive) ++status_.frames;
-  frames_.transforms.push_back(toTransform(c.corrected, stamp, prefix_ + "workpiece", prefix_ + child));
+  frames_.push_back(toTransform(c.corrected, stamp, prefix_ + "workpiece", prefix_ + child));
 }
 
 void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!active_.loaded) return;
   try {
-    if (homing_.anyNotHomed()) throw InputError(kUnhomed);
+    if (owners_.anyNotHomed()) throw InputError(JointOwners::kUnhomed);
     const Observation contact = fromMessage(*message, machine_);
     const Compensator& compensator = active_.loaded->contacts;
     MovingState state = compensator.blankState();
@@ -275,6 +347,8 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
     add(status.message, "nothing is published: " + active_.reason);
   else if (!withheldSince_.empty())
     add(status.message, "frames or contacts were withheld: " + withheldSince_);
+  if (!stranger_.empty() && ros::WallTime::now() - strangerAt_ < ros::WallDuration(kNamed))
+    add(status.message, stranger_);
   add(status.message, pair_->warning);
   add(status.message, active_.note);
   status.publishing = !silent && active_.loaded && inputs_.complete() && active_.reason.empty();
@@ -284,6 +358,10 @@ measuring_machine::CompensationStatus CompensationNode::statusNow() {
     MovingState state = active_.state;
     const Correction now = active_.loaded->contacts.apply(state);
     status.sigma = now.sigma;
+    if (markersOut_.getNumSubscribers() > 0 && ros::WallTime::now() >= nextMarkers_) {
+      nextMarkers_ = ros::WallTime::now() + ros::WallDuration(0.2);
+      markersOut_.publish(correctionMarkers(now, prefix_ + "workpiece"));
+    }
     if (now.pastUnknown)
       add(status.message,
           "the temperatures were not heard for long enough to know what lags behind them; sigma says by how "
@@ -319,7 +397,7 @@ bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& 
   answer(response, [&] {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!active_.loaded) throw InputError("no calibration is active; calibrate and promote one");
-    if (homing_.anyNotHomed() && request.name.empty()) throw InputError(kUnhomed);
+    if (owners_.anyNotHomed() && request.name.empty()) throw InputError(JointOwners::kUnhomed);
     MovingState state = active_.state;
     std::vector<double> arrival(machine_.joints().size(), 0.0);
     const std::size_t named = request.name.empty() ? arrival.size() : request.name.size();

@@ -1,6 +1,8 @@
 #pragma once
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/server.h>
 #include <measuring_machine/AxisStatus.h>
+#include <measuring_machine/CompensationConfig.h>
 #include <measuring_machine/CompensationStatus.h>
 #include <measuring_machine/CorrectTarget.h>
 #include <measuring_machine/Covariate.h>
@@ -9,14 +11,14 @@
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/Temperature.h>
-#include <tf2_msgs/TFMessage.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include <map>
 #include <memory>
 #include <mutex>
 
 #include "nodes/calibration_watch.h"
-#include "nodes/homing_watch.h"
+#include "nodes/joint_owners.h"
 #include "nodes/live_inputs.h"
 #include "ros_bridge/axis_messages.h"
 
@@ -27,9 +29,11 @@ namespace mm {
 /// published;
 /// `~status` and diagnostics say why. Joint states, contacts and sensors come on the node's own queue (one
 /// thread); files are read and services answered by another. A calibration of another machine is refused.
-/// Whether the axes are homed is what the joint state itself says; of a driver that does not say it, what its
-/// status says. Parameters: `store`, `margin`, `frame_prefix`, `joint_timeout` (s), `sensor_timeout` (s),
-/// `travel_deadband` (m) and `travel_deadband_rotary` (rad): a shorter way back is no reversal.
+/// A joint state is believed only from the publisher that owns its joints (JointOwners); others are named.
+/// Parameters: `store`, `margin`, `frame_prefix`, `drivers` (names of the nodes whose status is heard, of
+/// several controllers), `joint_timeout` (s), `sensor_timeout` (s), `travel_deadband` (m) and
+/// `travel_deadband_rotary` (rad): a shorter way back is no reversal, of a machine whose driver does not tell
+/// the direction of travel.
 class CompensationNode {
  public:
   CompensationNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
@@ -44,16 +48,21 @@ class CompensationNode {
     std::string reason, note;  // why the last frame was withheld; what to know although it was not
   };
 
-  void takeJoints(const sensor_msgs::JointStateConstPtr& message);
+  using JointsEvent = ros::MessageEvent<sensor_msgs::JointState const>;
+  using StatusEvent = ros::MessageEvent<measuring_machine::AxisStatus const>;
+  void subscribeDrivers(const ros::NodeHandle& own);
+  void takeJoints(const JointsEvent& event);
   void addFrame(Applied& applied, const ros::Time& stamp, const std::string& child, bool isActive);
   void takeContact(const measuring_machine::ProbeContactConstPtr& message);
   void withhold(const std::string& reason);
-  void takeHoming(const sensor_msgs::JointState& message);
-  void takeStatus(const measuring_machine::AxisStatus& message);
+  bool believes(const JointsEvent& event);
+  void takeStatus(const StatusEvent& event);
+  void nameStranger(const std::string& why);
   void install(const std::shared_ptr<const CalibrationPair>& pair);
   void apply(Applied& applied, const std::shared_ptr<const LoadedCalibration>& loaded);
   void subscribeSensors();
   void look(const ros::WallTimerEvent& event);
+  void reconfigure(const measuring_machine::CompensationConfig& config);
   bool isSilent() const;
   measuring_machine::CompensationStatus statusNow();
   bool correctTarget(measuring_machine::CorrectTarget::Request& request,
@@ -69,23 +78,29 @@ class CompensationNode {
   LiveInputs inputs_;
   std::shared_ptr<const CalibrationPair> pair_;
   Applied active_, candidate_;
-  tf2_msgs::TFMessage frames_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  std::vector<geometry_msgs::TransformStamped> frames_;  // of one joint state
   measuring_machine::CompensationStatus status_;
   std::string withheldSince_;  // the reason of a frame withheld since the last status
   ros::WallTime heard_;        // the last joint state
-  HomingWatch homing_;
-  std::map<std::string, measuring_machine::AxisStatus> axes_;  // by a driver's first joint: its last one
+  JointOwners owners_;
+  std::string stranger_;  // the last joint state that was not its owner's, and why it was not believed
+  ros::WallTime strangerAt_;
+  std::vector<int> joints_;  // of the machine in the message at hand
   std::map<std::string, ros::Subscriber> temperaturesIn_, covariatesIn_;
 
   measuring_machine::CompensationStatus shown_;
   std::string words_;  // of the status as last published
-  ros::WallTime nextStatus_;
+  ros::WallTime nextStatus_, nextMarkers_;
   ros::CallbackQueue slow_;
-  ros::Publisher framesOut_, contactsOut_, statusOut_;
-  ros::Subscriber jointsIn_, contactsIn_, axesIn_, artifactIn_;
+  ros::Publisher markersOut_, contactsOut_, statusOut_;
+  ros::Subscriber jointsIn_, contactsIn_, artifactIn_;
+  std::vector<ros::Subscriber> axesIn_;
   ros::ServiceServer correctTarget_, correctTargetShort_;
   ros::WallTimer timer_;
   diagnostic_updater::Updater updater_;
+  double margin_ = 0.0;  // of what is in use
+  std::unique_ptr<dynamic_reconfigure::Server<measuring_machine::CompensationConfig>> reconfigured_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;
 };
 

@@ -93,6 +93,7 @@ LiveInputs::LiveInputs(const Machine& machine, Settings settings) : settings_(se
     travel_.emplace_back(joint.kind == JointKind::kLinear ? settings.deadband : settings.rotaryDeadband);
   }
   seen_.assign(joints_.size(), 0);
+  told_.resize(joints_.size());
   position_.assign(joints_.size(), kNotMeasured);
   velocity_ = position_;
 }
@@ -109,15 +110,32 @@ bool LiveInputs::concerns(const std::vector<std::string>& names) const {
                      [this](const std::string& name) { return indexOf(joints_, name) >= 0; });
 }
 
-void LiveInputs::forgetTravel(int joint) { travel_[joint].forget(); }
+void LiveInputs::forgetTravel(int joint) {
+  travel_[joint].forget();
+  told_[joint] = Told();
+}
 
 void LiveInputs::forget() {
   std::fill(seen_.begin(), seen_.end(), 0);
-  for (TravelTracker& tracker : travel_) tracker.forget();
+  for (std::size_t j = 0; j < joints_.size(); ++j) forgetTravel(static_cast<int>(j));
   for (Logged& logged : sensors_) logged = Logged();
   for (Logged& logged : covariates_) logged = Logged();
   ++revision_;
   last_ = origin_ = 0;
+}
+
+/// After the reading of a joint at last_. What the driver told of the time before counts first.
+void LiveInputs::followTravel(int joint) {
+  const Told& told = told_[joint];
+  TravelTracker& tracker = travel_[joint];
+  const bool known = told.direction != 0.0 && told.stamp <= last_;
+  if (std::isnan(velocity_[joint])) {
+    tracker.forget();  // a publisher that tells no velocity: nothing is guessed
+  } else {
+    if (known && told.stamp < last_) tracker.tell(told.stamp, told.direction);
+    tracker.take(last_, position_[joint], velocity_[joint]);
+  }
+  if (known) tracker.tell(told.stamp, told.direction);
 }
 
 bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& names,
@@ -143,10 +161,7 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
     seen_[j] = stamp;
     position_[j] = position[i];
     velocity_[j] = velocity.empty() ? kNotMeasured : velocity[i];
-    if (std::isnan(velocity_[j]))
-      travel_[j].forget();  // a driver that tells no velocity: nothing is guessed
-    else
-      travel_[j].take(stamp, position_[j], velocity_[j]);
+    followTravel(j);
   }
   complete_ = false;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -159,14 +174,6 @@ bool LiveInputs::takeJoints(std::int64_t stamp, const std::vector<std::string>& 
   }
   complete_ = true;
   return true;
-}
-
-void LiveInputs::takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel) {
-  for (std::size_t i = 0; i < std::min(names.size(), travel.size()); ++i) {
-    const int j = indexOf(joints_, names[i]);
-    if (j >= 0 && travel[i] != 0 && travel_[j].direction() == 0.0)
-      travel_[j].tell(travel[i] > 0 ? 1.0 : -1.0);
-  }
 }
 
 bool LiveInputs::take(Logged& logged, std::int64_t stamp, double value) {

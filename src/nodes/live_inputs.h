@@ -43,9 +43,14 @@ class LiveInputs {
   bool takeCovariate(const std::string& name, std::int64_t stamp, double value);
   /// Whether a message has a joint of this machine.
   bool concerns(const std::vector<std::string>& names) const;
-  /// Directions of the last motions as the driver tells them, -1, 0 or 1: they count for a joint that has not
-  /// been seen to move, as when the driver homed before this began to listen.
-  void takeTravel(const std::vector<std::string>& names, const std::vector<std::int8_t>& travel);
+  /// Direction of the last motion of a joint as its driver tells it, -1 or 1; 0: it does not know. It counts
+  /// from the joint state of that stamp on, before what was seen here until then.
+  void takeTravel(int joint, std::int64_t stamp, double direction) { told_[joint] = {stamp, direction}; }
+  /// As Settings: s by which the readings of one frame may differ, and after which a sensor counts as lost.
+  void setTimeouts(double jointAge, double sensorAge) {
+    settings_.jointAge = jointAge;
+    settings_.sensorAge = sensorAge;
+  }
   /// How the joint moved before is not known.
   void forgetTravel(int joint);
   /// What `t = 0` is: the last homing, or the session's start. 0: not known.
@@ -78,6 +83,7 @@ class LiveInputs {
   bool take(Logged& logged, std::int64_t stamp, double value);
   double at(const Logged& logged, std::int64_t stamp) const;
   void fillLogged(const View& view, std::int64_t stamp, MovingState& state) const;
+  void followTravel(int joint);
   void forget();
   void orderFor(const std::vector<std::string>& names);
 
@@ -86,6 +92,11 @@ class LiveInputs {
   std::vector<std::int64_t> seen_;  // a joint; 0: never
   std::vector<double> position_, velocity_;
   std::vector<TravelTracker> travel_;  // a joint
+  struct Told {
+    std::int64_t stamp = 0;
+    double direction = 0.0;  // 0: nothing
+  };
+  std::vector<Told> told_;  // a joint
   std::vector<std::string> namesBefore_, sensorNames_, covariateNames_;
   std::vector<int> order_;  // an entry of the message: joint, or -1
   std::vector<Logged> sensors_, covariates_;

@@ -22,6 +22,7 @@ constexpr double kRenewal = 1.0;  // s between renewals
 
 MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
     : machine_(machine),
+      prefix_(framePrefix(own)),
       updater_(node, own, ros::this_node::getName()),
       axes_(node, "axis_driver/move",
             [this] {
@@ -32,7 +33,7 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
             }),
       server_(
           own, "run", [this](const measuring_machine::MeasureGoalConstPtr& goal) { execute(goal); }, false) {
-  refuseUnknownParameters(own, {"retries", "give_up", "contact_timeout", "release_timeout"});
+  refuseUnknownParameters(own, {"retries", "give_up", "contact_timeout", "release_timeout", "frame_prefix"});
   retries_ = static_cast<int>(numberParameter(own, "retries", 2, 0, 100));
   giveUp_ = static_cast<int>(numberParameter(own, "give_up", 3, 1, 1000));
   contactTimeout_ = numberParameter(own, "contact_timeout", 1.0, 0.01, 100.0);
@@ -124,6 +125,7 @@ void MeasureNode::announce(const Plan& plan, bool again) {
   }
   announcedPlan_ = plan.text;
   artifact.header.stamp = announced_;
+  artifact.header.frame_id = prefix_ + artifact.header.frame_id;
   artifactOut_.publish(artifact);
   tellMeasured();
 }

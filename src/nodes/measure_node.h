@@ -78,6 +78,7 @@ class MeasureNode {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   Machine machine_;
+  std::string prefix_;  // of the frames' names
   int retries_, giveUp_;
   int lost_ = 0;  // motions in a row that were lost with their controller
   double contactTimeout_, releaseTimeout_;

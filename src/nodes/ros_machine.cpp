@@ -4,6 +4,7 @@
 #include <measuring_machine/Rollback.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include <cmath>
 
@@ -49,9 +50,8 @@ RosMachine::RosMachine(ros::NodeHandle node, const Machine& machine, std::string
       readings_(static_cast<std::size_t>(machine.jointCount()), kNotMeasured),
       measure_(node, "measure/run") {
   const ros::TransportHints quick = ros::TransportHints().tcpNoDelay();
-  // of joint states and frames the latest counts: one waits, and newer ones take its place
+  // of joint states the latest counts: one waits, and newer ones take its place
   subscribers_.push_back(node_.subscribe("joint_states", 1, &RosMachine::takeJoints, this, quick));
-  subscribers_.push_back(node_.subscribe("/tf", 50, &RosMachine::takeFrames, this, quick));
   subscribers_.push_back(node_.subscribe("probe/contact", 1000, &RosMachine::takeContact, this, quick));
   subscribers_.push_back(node_.subscribe("artifact", 10, &RosMachine::takeArtifact, this));
   subscribers_.push_back(node_.subscribe<measuring_machine::CompensationStatus>(
@@ -85,14 +85,17 @@ void RosMachine::takeJoints(const sensor_msgs::JointStateConstPtr& message) {
   }
 }
 
-void RosMachine::takeFrames(const tf2_msgs::TFMessageConstPtr& message) {
-  for (const geometry_msgs::TransformStamped& frame : message->transforms) {
-    const bool corrected = frame.child_frame_id == prefix_ + "probe_tip_corrected";
-    if (!corrected && frame.child_frame_id != prefix_ + "probe_tip_candidate") continue;
-    const auto& at = frame.transform.translation;
-    const std::lock_guard<std::mutex> lock(mutex_);
-    (corrected ? corrected_ : candidate_) = {Eigen::Vector3d(at.x, at.y, at.z), ros::WallTime::now()};
+Eigen::Vector3d RosMachine::look(const std::string& child, Frame& frame) const {
+  const ros::WallTime now = ros::WallTime::now();
+  try {
+    const auto found = buffer_.lookupTransform(prefix_ + "workpiece", prefix_ + child, ros::Time(0));
+    if (found.header.stamp != frame.stamp)
+      frame = {tf2::transformToEigen(found).translation(), found.header.stamp, now};
+  } catch (const tf2::TransformException&) {
+    // none was published yet
   }
+  const bool lately = (now - frame.heard).toSec() < kFrameKept;
+  return lately ? frame.position : Eigen::Vector3d::Constant(kNotMeasured);
 }
 
 void RosMachine::takeContact(const measuring_machine::ProbeContactConstPtr& message) {
@@ -129,8 +132,8 @@ LiveMachine::State RosMachine::state() {
   bool known = true;
   for (const double reading : readings_) known = known && std::isfinite(reading);
   if (known) s.nominal = machine_.nominal(readings_.data(), 0.0).position;
-  if ((now - corrected_.heard).toSec() < kFrameKept) s.corrected = corrected_.position;
-  if ((now - candidate_.heard).toSec() < kFrameKept) s.candidate = candidate_.position;
+  s.corrected = look("probe_tip_corrected", corrected_);
+  s.candidate = look("probe_tip_candidate", candidate_);
   s.sigma = compensation_.sigma;
   s.calibration = compensation_.calibration_id;
   s.status = compensation_.message;

@@ -6,7 +6,7 @@
 #include <measuring_machine/ProbeContact.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
-#include <tf2_msgs/TFMessage.h>
+#include <tf2_ros/transform_listener.h>
 
 #include <condition_variable>
 #include <mutex>
@@ -45,11 +45,13 @@ class RosMachine : public LiveMachine {
   /// Where a frame was published last, and when.
   struct Frame {
     Eigen::Vector3d position = Eigen::Vector3d::Constant(kNotMeasured);
+    ros::Time stamp;
     ros::WallTime heard;
   };
 
   void takeJoints(const sensor_msgs::JointStateConstPtr& message);
-  void takeFrames(const tf2_msgs::TFMessageConstPtr& message);
+  /// Looks for a frame of another stamp. @return where it is; not a number: none came for a while.
+  Eigen::Vector3d look(const std::string& child, Frame& frame) const;
   void takeContact(const measuring_machine::ProbeContactConstPtr& message);
   void takeArtifact(const measuring_machine::ArtifactConstPtr& message);
   void serveStops();
@@ -58,7 +60,9 @@ class RosMachine : public LiveMachine {
   Machine machine_;
   std::string prefix_;
   LiveSession live_;
-  std::mutex mutex_;  // everything to the next blank line
+  tf2_ros::Buffer buffer_;
+  tf2_ros::TransformListener listener_{buffer_};  // has a thread of its own
+  std::mutex mutex_;                              // everything to the next blank line
   std::vector<double> readings_;
   ros::WallTime moved_;  // when a joint was last seen to move
   Frame corrected_, candidate_;

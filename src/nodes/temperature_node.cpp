@@ -62,10 +62,11 @@ std::vector<TemperatureSetup> sensorsParameter(const ros::NodeHandle& own) {
 
 TemperatureNode::TemperatureNode(ros::NodeHandle node, ros::NodeHandle own)
     : node_(node), updater_(node, own, ros::this_node::getName()) {
-  refuseUnknownParameters(
-      own, {"frozen_after", "timeout", "variance", "fastest", "sensors", "poll_rate", "sysfs"});
+  refuseUnknownParameters(own, {"frozen_after", "timeout", "variance", "fastest", "sensors", "poll_rate",
+                                "sysfs", "frame_prefix"});
   trust_.frozenAfter = numberParameter(own, "frozen_after", trust_.frozenAfter, 0.0, 1e9);
   timeout_ = numberParameter(own, "timeout", 10.0, 0.01, 1e6);
+  frame_ = framePrefix(own) + "workpiece";  // where on the machine it sits is not known
   variance_ = numberParameter(own, "variance", 0.0, 0.0, 1e6);
   trust_.fastest = numberParameter(own, "fastest", trust_.fastest, 0.0, 1e6);
   const double period = 1.0 / numberParameter(own, "poll_rate", 2.0, 0.001, 100.0);
@@ -176,7 +177,7 @@ void TemperatureNode::takeOne(const std::string& name, const TemperatureReading&
   if (!believed) return;
   sensor_msgs::Temperature message;
   message.header.stamp = now;
-  message.header.frame_id = name;
+  message.header.frame_id = frame_;
   message.temperature = reading.value;
   message.variance = variance_;
   sensor.out.publish(message);

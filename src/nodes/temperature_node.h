@@ -57,6 +57,7 @@ class TemperatureNode {
 
   ros::NodeHandle node_;
   double timeout_, variance_;
+  std::string frame_;
   TemperatureTrust::Settings trust_;
   std::map<std::string, Sensor> sensors_;
   std::map<std::string, std::string> topics_;  // the sensor of each

@@ -61,7 +61,7 @@ void serve() {
   mm::loadEffectPlugins([](const std::string& line) { ROS_WARN("%s", line.c_str()); });
   const mm::Machine machine = mm::machineFromParameter(node);
   ros::AsyncSpinner spinner(3);
-  mm::RosMachine live(node, machine, mm::textParameter(own, "frame_prefix", ""));
+  mm::RosMachine live(node, machine, mm::framePrefix(own));
   spinner.start();
   mm::BenchOptions options;
   options.bag = mm::textParameter(own, "bag", "");

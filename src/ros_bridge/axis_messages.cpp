@@ -1,5 +1,7 @@
 #include "ros_bridge/axis_messages.h"
 
+#include <tf2_eigen/tf2_eigen.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,8 +13,11 @@
 namespace mm {
 namespace {
 
-const char* const kNotHomed = "not homed";
-const char* const kHomedAt = "homed at ";
+const char* const kWorkpiece = "workpiece";
+const char* const kUnhomed = "unhomed";
+
+/// A frame's name without the prefix of its machine.
+std::string bareName(const std::string& frame) { return frame.substr(frame.rfind('/') + 1); }
 
 constexpr double kRestAround = 0.05;  // s that a joint without a latch must have rested, on either side
 
@@ -70,11 +75,10 @@ Eigen::Vector3d approachOf(const measuring_machine::ProbeContact& contact, const
 }  // namespace
 
 sensor_msgs::JointState toJointState(const std::vector<std::string>& axes, const AxesState& state,
-                                     const ros::Time& stamp, const ros::Time& homedAt) {
+                                     const ros::Time& stamp, const std::string& prefix) {
   sensor_msgs::JointState message;
   message.header.stamp = stamp;
-  message.header.frame_id =
-      state.homed && !homedAt.isZero() ? format("%s%u.%09u", kHomedAt, homedAt.sec, homedAt.nsec) : kNotHomed;
+  message.header.frame_id = prefix + (state.homed ? kWorkpiece : kUnhomed);
   message.name = axes;
   message.position = state.position;
   message.velocity = state.velocity;
@@ -90,7 +94,8 @@ Homing homingOf(const sensor_msgs::JointState& message) {
     homing.told = homing.homed = true;
     homing.at = ros::Time(seconds, nanoseconds);
   } else {
-    homing.told = text == kNotHomed;
+    homing.homed = bareName(text) == kWorkpiece;
+    homing.told = homing.homed || bareName(text) == kUnhomed || text == "not homed";
   }
   return homing;
 }
@@ -130,10 +135,7 @@ measuring_machine::ProbeContact contactOf(const measuring_machine::ProbeLatch& t
     contact.position.push_back(at->position);
     contact.velocity.push_back(at->velocity);
   }
-  const Eigen::Vector3d approach = approachOf(contact, machine);
-  contact.approach.x = approach.x();
-  contact.approach.y = approach.y();
-  contact.approach.z = approach.z();
+  tf2::toMsg(approachOf(contact, machine), contact.approach);
   if (std::all_of(contact.velocity.begin(), contact.velocity.end(), [](double v) { return std::isnan(v); }))
     contact.velocity.clear();
   return contact;

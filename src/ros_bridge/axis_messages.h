@@ -18,13 +18,14 @@ namespace mm {
 struct Homing {
   bool told = false;   // false: not by a driver of this package
   bool homed = false;  // the readings have a zero
-  ros::Time at;        // of the homing; zero: not homed
+  ros::Time at;        // of the homing; zero: it does not say
 };
 
-/// Readings and velocities in m, rad and s, stamped `stamp`. `header.frame_id` tells the homing: "homed at
-/// 1795316193.267980268" or "not homed". @param homedAt stamp of the homing; zero: not homed.
+/// Readings and velocities in m, rad and s, stamped `stamp`. `header.frame_id` is the frame that they count
+/// in: the workpiece's, or `unhomed`, which no tree has. @param prefix of the frames' names.
 sensor_msgs::JointState toJointState(const std::vector<std::string>& axes, const AxesState& state,
-                                     const ros::Time& stamp, const ros::Time& homedAt);
+                                     const ros::Time& stamp, const std::string& prefix);
+/// Also of recordings in which the frame says "homed at 1795316193.267980268" or "not homed".
 Homing homingOf(const sensor_msgs::JointState& message);
 
 /// What the controller latched at a trip of the probe, or as the laser was read, m and rad.

@@ -97,7 +97,8 @@ class SessionWriter {
         if (startsWith(c.topic, kTemperatureTopics)) {
           sensor_msgs::Temperature message;
           message.header.stamp = at;
-          message.header.frame_id = c.series->name;
+          const std::string& name = c.series->name;  // stands in the topic, where a topic can hold it
+          message.header.frame_id = topicOf(name) == name ? "workpiece" : name;
           message.temperature = value;
           bag_.write(c.topic, at, message);
         } else {

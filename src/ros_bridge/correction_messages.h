@@ -2,6 +2,7 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <measuring_machine/CorrectedContact.h>
 #include <measuring_machine/ProbeContact.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <string>
 
@@ -20,5 +21,9 @@ geometry_msgs::TransformStamped toTransform(const ProbePose& pose, const ros::Ti
 measuring_machine::CorrectedContact toContactMessage(const measuring_machine::ProbeContact& contact,
                                                      const Correction& correction,
                                                      const Calibration& calibration);
+
+/// For rviz: an arrow from the nominal position of the tip to the corrected one, a thousand times as long,
+/// and its components in words. @param frame of the workpiece.
+visualization_msgs::MarkerArray correctionMarkers(const Correction& correction, const std::string& frame);
 
 }  // namespace mm

@@ -122,15 +122,14 @@ void MasterWatch::remember() {
       if (has(state[2][i][1], self)) services.insert(static_cast<std::string>(state[2][i][0]));
     services_.insert(services.begin(), services.end());
   }
-  if (known_) return;
   ros::NodeHandle node;
   std::vector<std::string> names;
   ros::param::getParamNames(names);
-  std::string description;
-  if (!node.searchParam("robot_description", description)) description.clear();
+  std::set<std::string> shared{"/use_sim_time"};
+  for (const char* of : {"robot_description", "serial", "frame_prefix", "tf_prefix"})
+    if (std::string found; node.searchParam(of, found)) shared.insert(found);
   for (const std::string& name : names)
-    if (name.rfind(self + "/", 0) == 0 || name == "/use_sim_time" || name == description)
-      ros::param::get(name, parameters_[name]);
+    if (name.rfind(self + "/", 0) == 0 || shared.count(name) != 0) ros::param::get(name, parameters_[name]);
 }
 
 bool MasterWatch::registerAgain() {

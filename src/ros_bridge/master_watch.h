@@ -11,8 +11,8 @@ namespace mm {
 
 /// Keeps a node findable when the ROS master ends and another one comes: roscpp registers only once. Looks
 /// every second whether the master knows this node; where it does not, registers every topic and service
-/// again and sets the node's parameters that the new master has not. What is connected goes on meanwhile.
-/// Says what happens on /rosout. Has a thread of its own, from `ros::init` on.
+/// again and sets those of the node's and of the machine's parameters that the new master has not. What is
+/// connected goes on meanwhile. Says what happens on /rosout. Has a thread of its own, from `ros::init` on.
 class MasterWatch {
  public:
   MasterWatch();

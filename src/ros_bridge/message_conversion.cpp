@@ -1,5 +1,7 @@
 #include "ros_bridge/message_conversion.h"
 
+#include <tf2_eigen/tf2_eigen.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -87,9 +89,7 @@ measuring_machine::Artifact toMessage(const Artifact& artifact) {
     measuring_machine::ArtifactFeature feature;
     feature.kind = f.kind == FeatureKind::kBall ? feature.BALL : feature.POINT;
     feature.name = f.name;
-    feature.position.x = f.position.x();
-    feature.position.y = f.position.y();
-    feature.position.z = f.position.z();
+    feature.position = tf2::toMsg(f.position);
     feature.position_known = f.known;
     feature.position_std = f.positionStd;
     feature.radius = f.radius;
@@ -115,7 +115,7 @@ Artifact fromMessage(const measuring_machine::Artifact& message) {
     Feature feature;
     feature.kind = f.kind == f.BALL ? FeatureKind::kBall : FeatureKind::kPoint;
     feature.name = f.name;
-    feature.position = {f.position.x, f.position.y, f.position.z};
+    tf2::fromMsg(f.position, feature.position);
     feature.known = f.position_known != 0;
     feature.positionStd = f.position_std;
     feature.radius = f.radius;
@@ -142,11 +142,7 @@ measuring_machine::ProbeContact toContactMessage(const Observation& contact, con
   message.name = jointNames(machine);
   message.position = contact.position;
   message.velocity = unlessAllNaN(contact.velocity);
-  if (!contact.approach.hasNaN()) {
-    message.approach.x = contact.approach.x();
-    message.approach.y = contact.approach.y();
-    message.approach.z = contact.approach.z();
-  }
+  if (!contact.approach.hasNaN()) tf2::toMsg(contact.approach, message.approach);
   message.laser_reading = contact.laserReading;
   if (contact.feature >= 0) message.feature = artifact.features.at(contact.feature).name;
   return message;
@@ -158,7 +154,8 @@ Observation fromMessage(const measuring_machine::ProbeContact& message, const Ma
   const std::vector<int> order = jointOrder(message.name, machine);
   contact.position = inMachineOrder(message.position, order, "position", false);
   contact.velocity = inMachineOrder(message.velocity, order, "velocity", true);
-  const Eigen::Vector3d approach(message.approach.x, message.approach.y, message.approach.z);
+  Eigen::Vector3d approach;
+  tf2::fromMsg(message.approach, approach);
   if (!approach.hasNaN() && !approach.isZero(0.0)) {
     constexpr double kUnitLength = 1e-3;  // what is written with three digits is a unit vector
     if (std::abs(approach.norm() - 1.0) > kUnitLength)

@@ -20,7 +20,8 @@ namespace mm {
 /// The end of a topic's name for a sensor or covariate: what a graph name must not have ("motor left") is
 /// `_`.
 std::string topicOf(const std::string& name);
-/// The sensor of a temperature: its `frame_id` where the topic is named after that, else the topic's end.
+/// The sensor of a temperature: the topic's end; of a name that a topic cannot hold, what an import wrote
+/// into `frame_id`.
 std::string sensorOf(const std::string& topicEnd, const std::string& frameId);
 
 /// Of a stamp, since the epoch.

@@ -49,6 +49,11 @@ Machine machineFromParameter(const ros::NodeHandle& node) {
   return Machine(urdf, "robot_description");
 }
 
+std::string framePrefix(const ros::NodeHandle& own) {
+  std::string name;
+  return own.searchParam("frame_prefix", name) ? textParameter(own, name, "") : "";
+}
+
 std::string machineSpace() { return ros::this_node::getNamespace(); }
 
 std::string textParameter(const ros::NodeHandle& node, const std::string& name, const std::string& standard) {

@@ -27,6 +27,9 @@ bool flagParameter(const ros::NodeHandle& node, const std::string& name, bool st
 /// (by its serial, else by its namespace; the only machine has the whole).
 /// @param own the node's private handle.
 std::filesystem::path storeFolder(const ros::NodeHandle& own, const Machine& machine);
+/// What stands before the names of the machine's frames: parameter `frame_prefix`, looked for upwards from
+/// the node's private namespace. @throw InputError when it has another type.
+std::string framePrefix(const ros::NodeHandle& own);
 /// Namespace that the node stands in, "/" or "/m1".
 std::string machineSpace();
 /// @throw InputError naming a private parameter that the node does not know. Those with a `/` belong to

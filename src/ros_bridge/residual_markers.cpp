@@ -1,6 +1,10 @@
 #include "ros_bridge/residual_markers.h"
 
+#include <tf2_eigen/tf2_eigen.h>
+
 #include <cmath>
+
+#include "base/format.h"
 
 namespace mm {
 namespace {
@@ -9,31 +13,11 @@ using visualization_msgs::Marker;
 
 constexpr double kUsualArrow = 2e-3;  // m
 
-Marker marker(const std::string& frame, const std::string& name, int type) {
-  Marker m;
-  m.header.frame_id = frame;
-  m.ns = name;
-  m.type = type;
-  m.action = Marker::ADD;
-  m.pose.orientation.w = 1.0;
-  return m;
-}
-
-geometry_msgs::Point toPoint(const Eigen::Vector3d& p) {
-  geometry_msgs::Point point;
-  point.x = p.x();
-  point.y = p.y();
-  point.z = p.z();
-  return point;
-}
-
-std_msgs::ColorRGBA colour(double r, double g, double b, double a) {
-  std_msgs::ColorRGBA c;
-  c.r = static_cast<float>(r);
-  c.g = static_cast<float>(g);
-  c.b = static_cast<float>(b);
-  c.a = static_cast<float>(a);
-  return c;
+/// The longest of 1, 2, 5, 10 … um that an arrow of `scale` shows no longer than a centimetre.
+double roundLength(double scale) {
+  double length = 1e-9;
+  for (int i = 0; 1e-2 >= scale * length * (i % 3 == 1 ? 2.5 : 2.0); ++i) length *= i % 3 == 1 ? 2.5 : 2.0;
+  return length;
 }
 
 /// Where an observation was, and its residual as a vector (m); zero where there is none in m.
@@ -69,22 +53,65 @@ Eigen::Vector3d residualVector(const CalibrationResult& result, int observation,
   return residual;
 }
 
+/// A bar of a round length beside the arrows, and what it stands for.
+void addScale(const std::string& frame, double scale, const Eigen::Vector3d& top,
+              visualization_msgs::MarkerArray& all) {
+  const double length = roundLength(scale);
+  const Eigen::Vector3d at = top + Eigen::Vector3d(0.0, 0.0, 5e-3);
+  Marker bar = markerIn(frame, "scale", Marker::LINE_LIST);
+  bar.scale.x = 0.4e-3;  // m, width
+  bar.color = colourOf(0.1, 0.6, 1.0);
+  bar.points = {tf2::toMsg(at), tf2::toMsg(Eigen::Vector3d(at - Eigen::Vector3d(scale * length, 0.0, 0.0)))};
+  Marker words = wordsIn(frame, "scale in words", format("residuals: this is %g um", 1e6 * length));
+  words.pose.position = tf2::toMsg(Eigen::Vector3d(at + Eigen::Vector3d(0.0, 0.0, 2e-3)));
+  all.markers.push_back(bar);
+  all.markers.push_back(words);
+}
+
 }  // namespace
+
+std_msgs::ColorRGBA colourOf(double red, double green, double blue, double opaque) {
+  std_msgs::ColorRGBA c;
+  c.r = static_cast<float>(red);
+  c.g = static_cast<float>(green);
+  c.b = static_cast<float>(blue);
+  c.a = static_cast<float>(opaque);
+  return c;
+}
+
+Marker markerIn(const std::string& frame, const std::string& name, int type) {
+  Marker m;
+  m.header.frame_id = frame;
+  m.ns = name;
+  m.type = type;
+  m.action = Marker::ADD;
+  m.pose.orientation.w = 1.0;
+  return m;
+}
+
+Marker wordsIn(const std::string& frame, const std::string& name, const std::string& text) {
+  Marker m = markerIn(frame, name, Marker::TEXT_VIEW_FACING);
+  m.text = text;
+  m.scale.z = 2e-3;  // m, height of a letter
+  m.color = colourOf(1.0, 1.0, 1.0);
+  return m;
+}
 
 visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result, double scale,
                                                 const std::string& frame) {
   if (!(scale > 0.0)) scale = result.figures.rms > 0.0 ? kUsualArrow / result.figures.rms : 1.0;
   visualization_msgs::MarkerArray all;
-  Marker clear = marker(frame, "", Marker::SPHERE);
+  Marker clear = markerIn(frame, "", Marker::SPHERE);
   clear.action = Marker::DELETEALL;
   all.markers.push_back(clear);
 
-  Marker arrows = marker(frame, "residuals", Marker::LINE_LIST);
+  Marker arrows = markerIn(frame, "residuals", Marker::LINE_LIST);
   constexpr double kShaft = 0.1e-3;  // m, width of an arrow
   arrows.scale.x = kShaft;           // m, width
-  Marker dots = marker(frame, "contacts", Marker::SPHERE_LIST);
+  Marker dots = markerIn(frame, "contacts", Marker::SPHERE_LIST);
   constexpr double kDot = 0.3e-3;  // m, side of a dot
   dots.scale.x = dots.scale.y = dots.scale.z = kDot;
+  Eigen::Vector3d top = Eigen::Vector3d::Constant(-1e9);  // the highest of each coordinate, m
   const Problem& problem = *result.problem;
   for (int i = 0; i < static_cast<int>(problem.session().observations.size()); ++i) {
     if (!problem.uses(i)) continue;
@@ -92,17 +119,19 @@ visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result,
     bool counts = true;
     const Eigen::Vector3d residual = residualVector(result, i, at, counts);
     if (!at.allFinite() || !residual.allFinite()) continue;
-    const std_msgs::ColorRGBA shade = counts ? colour(0.1, 0.6, 1.0, 1.0) : colour(1.0, 0.1, 0.1, 1.0);
-    arrows.points.push_back(toPoint(at));
-    arrows.points.push_back(toPoint(at + scale * residual));
+    const std_msgs::ColorRGBA shade = counts ? colourOf(0.1, 0.6, 1.0, 1.0) : colourOf(1.0, 0.1, 0.1, 1.0);
+    top = top.cwiseMax(at);
+    arrows.points.push_back(tf2::toMsg(at));
+    arrows.points.push_back(tf2::toMsg(Eigen::Vector3d(at + scale * residual)));
     arrows.colors.push_back(shade);
     arrows.colors.push_back(shade);
-    dots.points.push_back(toPoint(at));
+    dots.points.push_back(tf2::toMsg(at));
     dots.colors.push_back(shade);
   }
   if (!arrows.points.empty()) {
     all.markers.push_back(arrows);
     all.markers.push_back(dots);
+    addScale(frame, scale, top, all);
   }
   int id = 0;
   const Artifact& artifact = problem.session().artifact;
@@ -110,11 +139,11 @@ visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result,
     if (artifact.features[f].kind != FeatureKind::kBall) continue;
     const Eigen::Vector3d centre = problem.featureInWorkpiece(static_cast<int>(f), result.x);
     if (!centre.allFinite()) continue;
-    Marker ball = marker(frame, "balls", Marker::SPHERE);
+    Marker ball = markerIn(frame, "balls", Marker::SPHERE);
     ball.id = id++;
-    ball.pose.position = toPoint(centre);
+    ball.pose.position = tf2::toMsg(centre);
     ball.scale.x = ball.scale.y = ball.scale.z = 2.0 * artifact.features[f].radius;
-    ball.color = colour(0.7, 0.7, 0.7, 0.5);
+    ball.color = colourOf(0.7, 0.7, 0.7, 0.5);
     all.markers.push_back(ball);
   }
   return all;

@@ -7,8 +7,16 @@
 
 namespace mm {
 
+std_msgs::ColorRGBA colourOf(double red, double green, double blue, double opaque = 1.0);
+/// A marker to fill. @param frame, name its frame and namespace. @param type of visualization_msgs/Marker.
+visualization_msgs::Marker markerIn(const std::string& frame, const std::string& name, int type);
+/// A line of words, 2 mm high, that faces the viewer.
+visualization_msgs::Marker wordsIn(const std::string& frame, const std::string& name,
+                                   const std::string& text);
+
 /// Residuals for rviz: an arrow at every contact, balls where the calibration found them, contacts as dots,
-/// outliers in red. @param scale length of an arrow over its residual;
+/// outliers in red; a bar says what the arrows
+/// stand for. @param scale length of an arrow over its residual;
 /// 0: such that a residual of the size of the RMS is 2 mm long. @param frame of the workpiece.
 visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result, double scale,
                                                 const std::string& frame);

@@ -31,6 +31,7 @@ bool TravelTracker::turn(double direction, double from) {
   if (changed) turn_ = from;
   direction_ = direction;
   farthest_ = position_;
+  turned_ = last_;
   return changed;
 }
 
@@ -65,8 +66,10 @@ bool TravelTracker::take(std::int64_t stamp, double position, double velocity) {
   return false;
 }
 
-void TravelTracker::tell(double direction) {
+void TravelTracker::tell(std::int64_t stamp, double direction) {
+  if (direction == direction_ || stamp < turned_) return;
   direction_ = direction;
+  turned_ = stamp;
   turn_ = farthest_ = position_;
 }
 

@@ -25,8 +25,9 @@ class TravelTracker {
   /// @param stamp ns, ascending. @param position m or rad; not a number: nothing is learned.
   /// @param velocity m/s or rad/s; NaN: not known. @return true when the direction changed.
   bool take(std::int64_t stamp, double position, double velocity);
-  /// As another tells it (-1 or +1), who saw the joint move.
-  void tell(double direction);
+  /// As another tells it (-1 or +1), who saw the joint move until `stamp`: a reversal that was seen here
+  /// after that stays.
+  void tell(std::int64_t stamp, double direction);
   void forget() { *this = TravelTracker(deadband_); }  ///< knows nothing any more
   /// The next reading counts from another zero, after a homing: between them nothing moved.
   void countAnew() { anotherZero_ = started_; }
@@ -43,7 +44,7 @@ class TravelTracker {
   bool turn(double direction, double from);
 
   double deadband_;
-  std::int64_t last_ = 0;
+  std::int64_t last_ = 0, turned_ = 0;  // stamps of the last reading and of the last reversal
   bool started_ = false, anotherZero_ = false;
   double direction_ = 0.0, position_ = 0.0, farthest_ = 0.0, turn_ = 0.0;
   double low_ = 0.0, high_ = 0.0;  // while no direction is known

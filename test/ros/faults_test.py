@@ -206,7 +206,7 @@ class Faults(unittest.TestCase):
         held = passed[-1].header.stamp - passed[0].header.stamp
         self.assertLess(held, rospy.Duration(1.0))
         self.assertGreater(sent, len(passed))
-        self.assertTrue(support.wait_until(lambda: spaced and spaced[-1].header.frame_id == "motor left"), "a name with a space")
+        self.assertTrue(support.wait_until(lambda: spaced and spaced[-1].header.frame_id == "workpiece"), "a name with a space")
 
     def test_calibration_file_damaged_while_active(self):
         file = os.path.join(self.store, self.scales.calibration_id + ".yaml")

@@ -29,7 +29,7 @@ class Kills(unittest.TestCase):
         with self.lock:
             position = dict(zip(message.name, message.position))
             insort(self.stamps, message.header.stamp.to_nsec())
-            self.states[message.header.stamp.to_nsec()] = (message.header.frame_id != "not homed", position["x"], position["y"])
+            self.states[message.header.stamp.to_nsec()] = (message.header.frame_id != "unhomed", position["x"], position["y"])
 
     def check(self):
         """Frames against their states; both are then forgotten. @return how many frames were compared."""

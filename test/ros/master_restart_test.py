@@ -46,6 +46,9 @@ class MasterRestart(unittest.TestCase):
         master = self.start_master()
         with open(os.path.join(support.PACKAGE, "urdf/three_axis.urdf")) as urdf:
             self.ask("setParam", "/robot_description", urdf.read())
+        machine = {"/serial": "MM-7", "/frame_prefix": "m1/", "/tf_prefix": "m1"}
+        for name, value in machine.items():
+            self.ask("setParam", name, value)
         logs, nodes = {}, []
         for name in NODES:
             logs[name] = os.path.join(folder, name + ".log")
@@ -64,6 +67,7 @@ class MasterRestart(unittest.TestCase):
                     found += [name] * f.read().count(words)
             return sorted(found)
 
+        self.ask("setParam", "/compensation/late", "what a node sets after its start")
         time.sleep(3.0)  # the services are looked at every second, and nobody tells when that was
         topics, subscriptions, services = (self.registered(kind) for kind in range(3))
         for turn in range(1, 4 if support.long_tests() else 2):
@@ -81,6 +85,8 @@ class MasterRestart(unittest.TestCase):
                 self.assertEqual(missing, {}, "turn %d, kind %d" % (turn, kind))
         self.assertIn("probe_mount", self.ask("getParam", "/robot_description"))
         self.assertEqual(self.ask("getParam", "/compensation/store"), folder)
+        self.assertEqual({name: self.ask("getParam", name) for name in machine}, machine)
+        self.assertEqual(self.ask("getParam", "/compensation/late"), "what a node sets after its start")
         self.assertIn("success: True", self.run_command("rosservice", "call", "/axis_driver/home"))
         self.assertIn("no calibration is active", self.run_command("rosservice", "call", "/correct_target", "{}"))
         self.assertIn("nothing is running", self.run_command("rosservice", "call", "/calibration_server/cancel", "{}"))

@@ -26,7 +26,7 @@ class Respawn(unittest.TestCase):
         frames, statuses, unhomed, homed = support.Frames(CORRECTED), support.Statuses(), set(), set()
 
         def take(message):
-            (unhomed if message.header.frame_id == "not homed" else homed).add(message.header.stamp.to_nsec())
+            (unhomed if message.header.frame_id == "unhomed" else homed).add(message.header.stamp.to_nsec())
 
         rospy.Subscriber("joint_states", JointState, take, queue_size=None, buff_size=1 << 24, tcp_nodelay=True)
         self.home()

@@ -40,7 +40,7 @@ class Sensors(unittest.TestCase):
             for message in self.heard[name]:
                 self.assertGreaterEqual(message.temperature, 20.0 + above - resolution, name)
                 self.assertLessEqual(message.temperature, 21.0 + above + resolution, name)
-            self.assertEqual(self.heard[name][0].header.frame_id.replace(" ", "_"), name)
+            self.assertEqual(self.heard[name][0].header.frame_id, "workpiece")
         # those of one double show one wave: sampled within the time of the wave that a poll takes
         last = {n: self.heard[n][-1].temperature - {**KERNEL, **MODBUS}[n][0] for n in list(KERNEL) + list(MODBUS)}
         for names in (KERNEL, MODBUS):

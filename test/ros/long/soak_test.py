@@ -48,7 +48,7 @@ class Sample:
             rospy.Subscriber("/tf", TFMessage, self.frame, queue_size=None, buff_size=1 << 22, tcp_nodelay=True)]
 
     def state(self, message):
-        if message.header.frame_id != "not homed" and "x" in message.name:
+        if message.header.frame_id != "unhomed" and "x" in message.name:
             self.states[message.header.stamp.to_nsec()] = time.time()
 
     def frame(self, message):

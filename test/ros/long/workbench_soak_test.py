@@ -56,7 +56,7 @@ class Count:
         if self.last is not None and number != self.last + 1:
             self.gaps += number - self.last - 1
         self.last = number
-        if frame != b"not homed":
+        if frame != b"unhomed":
             self.states[s * 10**9 + ns] = time.time()
 
     def frame(self, message):

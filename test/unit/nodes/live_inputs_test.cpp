@@ -48,13 +48,19 @@ TEST_F(LiveInputsTest, AVelocityThatIsMissingIsNotGuessed) {
   EXPECT_TRUE(std::isnan(state().velocity[0]));
 }
 
-TEST_F(LiveInputsTest, TheDriverTellsTheTravelOfAJointThatWasNotSeenToMove) {
-  inputs_.takeTravel({"z", "stranger", "x"}, {1, -1, -1});
+TEST_F(LiveInputsTest, TheDirectionOfTravelIsTheDriversFromItsStampOn) {
+  inputs_.takeTravel(0, kStart, 1.0);
+  inputs_.takeTravel(2, kStart + kSecond, -1.0);
   EXPECT_TRUE(joints(kStart));
-  EXPECT_EQ(state().travel, (std::vector<double>{-1.0, 0.0, 1.0}));
-  EXPECT_TRUE(joints(kStart + kSecond, 1e-3));
-  inputs_.takeTravel({"x"}, {-1});  // older than what was seen
-  EXPECT_EQ(state().travel, (std::vector<double>{1.0, 0.0, 1.0}));
+  EXPECT_EQ(state().travel, (std::vector<double>{1.0, 0.0, 0.0})) << "z turns a second later";
+  EXPECT_TRUE(joints(kStart + kSecond / 10, -1e-3, 0.999));
+  EXPECT_EQ(state().travel[0], -1.0) << "a reversal that was seen after what the driver told";
+  inputs_.takeTravel(0, kStart + kSecond, 1.0);
+  EXPECT_TRUE(joints(kStart + kSecond, 0.0, 0.999));
+  EXPECT_EQ(state().travel, (std::vector<double>{1.0, 0.0, -1.0})) << "but it knows better";
+  inputs_.takeTravel(0, kStart + kSecond, 0.0);
+  EXPECT_TRUE(joints(kStart + 2 * kSecond, 0.0, 0.999));
+  EXPECT_EQ(state().travel[0], 1.0) << "it says nothing";
   EXPECT_TRUE(joints(kStart - 50 * kSecond));
   EXPECT_EQ(state().travel, (std::vector<double>{0.0, 0.0, 0.0}));
 }

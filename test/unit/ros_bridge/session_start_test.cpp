@@ -209,15 +209,19 @@ TEST(Homing, IsToldByTheJointStateItself) {
   state.position = {0.0};
   state.velocity = {0.0};
   state.homed = true;
-  const ros::Time homedAt(1795316193, 7);
-  Homing homing = homingOf(toJointState({"x"}, state, at(1.0), homedAt));
-  EXPECT_TRUE(homing.told && homing.homed);
-  EXPECT_EQ(homing.at, homedAt);
+  sensor_msgs::JointState message = toJointState({"x"}, state, at(1.0), "m1/");
+  EXPECT_EQ(message.header.frame_id, "m1/workpiece") << "a frame of the tree";
+  EXPECT_TRUE(homingOf(message).told && homingOf(message).homed);
+  EXPECT_TRUE(homingOf(message).at.isZero()) << "its status says when";
   state.homed = false;
-  homing = homingOf(toJointState({"x"}, state, at(1.0), homedAt));
-  EXPECT_TRUE(homing.told);
-  EXPECT_FALSE(homing.homed);
-  EXPECT_TRUE(homing.at.isZero());
+  message = toJointState({"x"}, state, at(1.0), "m1/");
+  EXPECT_EQ(message.header.frame_id, "m1/unhomed") << "a frame that no tree has";
+  EXPECT_TRUE(homingOf(message).told);
+  EXPECT_FALSE(homingOf(message).homed);
+  message.header.frame_id = "homed at 1795316193.000000007";  // as in older recordings
+  EXPECT_EQ(homingOf(message).at, ros::Time(1795316193, 7));
+  message.header.frame_id = "not homed";
+  EXPECT_TRUE(homingOf(message).told && !homingOf(message).homed);
   EXPECT_FALSE(homingOf(sensor_msgs::JointState()).told) << "a driver of others";
 }
 

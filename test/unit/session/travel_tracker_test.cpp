@@ -54,7 +54,9 @@ TEST(TravelTracker, whatIsNoNumberTellsNothing) {
   tracker.take(kCycle, 0.0, 0.0);
   EXPECT_FALSE(tracker.take(2 * kCycle, NAN, 0.0));
   EXPECT_TRUE(tracker.take(3 * kCycle, 5e-6, 0.0));
-  tracker.tell(-1.0);
+  tracker.tell(2 * kCycle, -1.0);
+  EXPECT_EQ(tracker.direction(), 1.0) << "who tells has not seen the reversal yet";
+  tracker.tell(3 * kCycle, -1.0);
   EXPECT_EQ(tracker.direction(), -1.0);
   EXPECT_EQ(tracker.sinceReversal(), 0.0) << "so much at the least";
   tracker.take(4 * kCycle, 2e-6, 0.0);
@@ -68,12 +70,12 @@ TEST(TravelTracker, anEncoderThatDithersByADigitAtRestHasNoDirection) {
   TravelTracker tracker(1e-6);
   EXPECT_FALSE(tracker.take(kCycle, 0.0, 10e-6)) << "a tenth of a micrometre in a hundredth of a second";
   EXPECT_EQ(tracker.direction(), 0.0);
-  tracker.tell(-1.0);
+  tracker.tell(kCycle, -1.0);
   for (std::int64_t i = 1; i < 20; ++i)  // four readings a second
     EXPECT_FALSE(tracker.take(i * 250000000, (i % 2) * 1e-7, i % 2 ? 2e-6 : -2e-6)) << i;
   EXPECT_EQ(tracker.direction(), -1.0);
   tracker.forget();
-  tracker.tell(-1.0);
+  tracker.tell(0, -1.0);
   EXPECT_FALSE(tracker.take(kCycle, 0.0, 10e-3)) << "what was told is of one who saw it move";
   EXPECT_EQ(tracker.direction(), -1.0);
 }
