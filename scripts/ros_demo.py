@@ -14,13 +14,11 @@ import actionlib
 import rospy
 import tf2_ros
 from geometry_msgs.msg import PointStamped
-from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact, ReferenceMeasurement
+from measuring_machine.msg import MeasureAction, MeasureGoal, MoveAction, MoveGoal, ProbeContact
 from measuring_machine.srv import Calibrate, Promote
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-TOPICS = (
-    "(joint_states|reference|artifact|robot_description|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
-)
 CLEAR = 0.0078  # m, z above every ball and within the calibrated volume
 # Fresh points of the touching machine, m: none of them is a point of the plan; the low ones lie between the balls.
 CHECKS = [(x, y, CLEAR) for x in (-0.015, 0.002, 0.014) for y in (-0.009, 0.011, 0.027)]
@@ -113,14 +111,17 @@ class Demo:
             raise rospy.ROSInterruptException("stopped")
 
     def record(self, bag):
-        recorder = subprocess.Popen(["rosbag", "record", "-q", "-O", bag, "-e", rospy.get_namespace() + TOPICS, "__name:=record"])
-        contacts = rospy.Publisher("reference", ReferenceMeasurement, queue_size=1)  # heard by whoever records a session
-        for _ in range(500):
+        """Begins; what is measured after this is in the bag."""
+        recorder = subprocess.Popen([os.path.join(os.path.dirname(os.path.realpath(__file__)), "session_recorder.py"), bag, "__name:=record"])
+        begun = []
+        heard = rospy.Subscriber("record/recording", String, begun.append)
+        while not begun:
             self.go_on()
-            if contacts.get_num_connections() >= 2:
-                return recorder
+            if recorder.poll() is not None:
+                raise RuntimeError("the session is not recorded: session_recorder.py ended with status %d" % recorder.returncode)
             rospy.rostime.wallsleep(0.02)
-        raise RuntimeError("rosbag record does not start")
+        heard.unregister()
+        return recorder
 
     def run(self):
         shutil.rmtree(os.path.join(self.folder, "calibrations"), ignore_errors=True)
@@ -153,6 +154,8 @@ class Demo:
         print("calibrate: %s" % answer.message, flush=True)
         if not answer.success:
             raise RuntimeError("calibration failed")
+        if not same:
+            raise RuntimeError("the bag is not the session that was measured: " + (live.message if not live.success else answer.message))
         with open(os.path.join(self.folder, "calibration.json"), "w") as out:
             out.write(answer.json + "\n")
         promoted = rospy.ServiceProxy("calibration_server/promote", Promote)()
