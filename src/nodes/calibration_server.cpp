@@ -8,6 +8,7 @@
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
+#include "base/requested_file.h"
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
@@ -21,8 +22,6 @@
 namespace mm {
 namespace {
 
-constexpr std::uintmax_t kLargestModel = 1 << 20;  // bytes
-
 /// What is doubtful about a result although there is one; empty: nothing.
 std::string doubtsOf(const CalibrationResult& result) {
   if (result.cancelled) return "cancelled; what is kept is the best found so far";
@@ -30,13 +29,6 @@ std::string doubtsOf(const CalibrationResult& result) {
   for (const LostDirection& l : result.identifiability.lost)
     if (l.lacking()) return "not determined by this session: " + l.inWords + "; " + l.wouldShow;
   return {};
-}
-
-/// Whether a text names a file: a text of many letters or lines is none, whatever the file system says to it.
-bool namesFile(const std::string& text) {
-  std::error_code failed;
-  return text.find('\n') == std::string::npos && text.size() < 4096 &&
-         std::filesystem::is_regular_file(text, failed) && !failed;
 }
 
 void add(std::string& message, const std::string& more) {
@@ -55,6 +47,10 @@ CalibrationServer::CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, 
       prefix_(framePrefix(own)),
       live_(node),
       job_([this](const Job::State& state) { publishProgress(state); }),
+      calibrateAction_(own, "calibrate", job_,
+                       [this](const auto& goal, auto& result) { calibrateSession(goal, result); }),
+      diagnoseAction_(own, "diagnose", job_,
+                      [this](const auto& goal, auto& result) { diagnoseSession(goal, result); }),
       updater_(node, own, ros::this_node::getName()) {
   refuseUnknownParameters(own, {"store", "threads", "residual_scale", "frame_prefix"});
   progressOut_ = own.advertise<measuring_machine::Progress>("progress", 100, true);
@@ -95,7 +91,6 @@ void CalibrationServer::offer(const std::string& name,
                               bool (CalibrationServer::*method)(typename Service::Request&,
                                                                 typename Service::Response&)) {
   services_.push_back(own_.advertiseService(name, method, this));
-  services_.push_back(node_.advertiseService(name, method, this));
 }
 
 void CalibrationServer::publishProgress(const Job::State& state) {
@@ -105,6 +100,8 @@ void CalibrationServer::publishProgress(const Job::State& state) {
   message.stage = state.stage;
   message.share = state.share;
   progressOut_.publish(message);
+  calibrateAction_.tell(state);
+  diagnoseAction_.tell(state);
 }
 
 CalibrateOptions CalibrationServer::options() {
@@ -152,11 +149,7 @@ ModelSpec CalibrationServer::modelFrom(const std::string& model, const Session& 
     return spec;
   }
   if (namesFile(model)) {
-    // A file of another kind is not read: what stands in it is not for whoever may call a service.
-    const std::string kind = std::filesystem::path(model).extension();
-    if ((kind != ".yaml" && kind != ".yml") || std::filesystem::file_size(model) > kLargestModel)
-      throw InputError("model '" + model + "' is no model file: its name ends in .yaml, and it is short");
-    spec = loadModelSpec(model);
+    spec = loadModelSpec(requestedYaml(model, "model"));
     checkMachine(spec, std::filesystem::path(model).parent_path(), session);
   } else if (model.find(':') != std::string::npos) {
     spec = parseModelSpec(model, "model of the request");
@@ -195,19 +188,20 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
   return id;
 }
 
+template <typename Asked, typename Answer>
+void CalibrationServer::calibrateSession(const Asked& asked, Answer& answer) {
+  CalibrateOptions fit = options();
+  fit.method = methodOf(asked.method.empty() ? nameOf(fit.method) : asked.method);
+  fit.seed = asked.seed != 0 ? asked.seed : fit.seed;
+  const SessionPtr session = openSession(asked.bag, machine_);
+  Recalibration done = recalibrate(*session, modelFrom(asked.model, *session), fit);
+  answer.calibration_id = keep(done, *session, answer.success, answer.message);
+  answer.json = calibrateJson(done.result);
+}
+
 bool CalibrationServer::calibrate(measuring_machine::Calibrate::Request& request,
                                   measuring_machine::Calibrate::Response& response) {
-  answer(response, [&] {
-    job_.run("calibrate", [&] {
-      CalibrateOptions fit = options();
-      fit.method = methodOf(request.method.empty() ? nameOf(fit.method) : request.method);
-      fit.seed = request.seed != 0 ? request.seed : fit.seed;
-      const SessionPtr session = openSession(request.bag, machine_);
-      Recalibration done = recalibrate(*session, modelFrom(request.model, *session), fit);
-      response.calibration_id = keep(done, *session, response.success, response.message);
-      response.json = calibrateJson(done.result);
-    });
-  });
+  answer(response, [&] { job_.run("calibrate", [&] { calibrateSession(request, response); }); });
   return true;
 }
 
@@ -229,26 +223,27 @@ bool CalibrationServer::compare(measuring_machine::Compare::Request& request,
   return true;
 }
 
+template <typename Asked, typename Answer>
+void CalibrationServer::diagnoseSession(const Asked& asked, Answer& answer) {
+  const Calibration calibration = calibrationFrom(asked.calibration);
+  const SessionPtr session = openSession(asked.bag, Machine(calibration.urdf, calibration.machineName));
+  DiagnoseOptions how;
+  how.calibrate = options();
+  how.cancelled = how.calibrate.cancelled;
+  how.progress = how.calibrate.progress;
+  const Diagnosis diagnosis = diagnoseCalibration(*session, calibration, how);
+  job_.step("answering", 1.0);  // a search that was cut short is no verdict
+  answer.json = diagnoseJson(diagnosis);
+  answer.message = diagnosis.sentence;
+  visualization_msgs::Marker verdict = wordsIn(prefix_ + "workpiece", "verdict", diagnosis.sentence);
+  verdict.pose.position.z = 0.03;
+  verdictOut_.publish(verdict);
+  add(answer.message, lossText(*session));
+}
+
 bool CalibrationServer::diagnose(measuring_machine::Diagnose::Request& request,
                                  measuring_machine::Diagnose::Response& response) {
-  answer(response, [&] {
-    job_.run("diagnose", [&] {
-      const Calibration calibration = calibrationFrom(request.calibration);
-      const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
-      DiagnoseOptions how;
-      how.calibrate = options();
-      how.cancelled = how.calibrate.cancelled;
-      how.progress = how.calibrate.progress;
-      const Diagnosis diagnosis = diagnoseCalibration(*session, calibration, how);
-      job_.step("answering", 1.0);  // a search that was cut short is no verdict
-      response.json = diagnoseJson(diagnosis);
-      response.message = diagnosis.sentence;
-      visualization_msgs::Marker verdict = wordsIn(prefix_ + "workpiece", "verdict", diagnosis.sentence);
-      verdict.pose.position.z = 0.03;
-      verdictOut_.publish(verdict);
-      add(response.message, lossText(*session));
-    });
-  });
+  answer(response, [&] { job_.run("diagnose", [&] { diagnoseSession(request, response); }); });
   return true;
 }
 

@@ -2,9 +2,11 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <measuring_machine/AddEffect.h>
 #include <measuring_machine/Calibrate.h>
+#include <measuring_machine/CalibrateAction.h>
 #include <measuring_machine/Cancel.h>
 #include <measuring_machine/Compare.h>
 #include <measuring_machine/Diagnose.h>
+#include <measuring_machine/DiagnoseAction.h>
 #include <measuring_machine/Promote.h>
 #include <measuring_machine/RemoveEffect.h>
 #include <measuring_machine/Rollback.h>
@@ -16,18 +18,19 @@
 
 #include "calibration_file/calibration_store.h"
 #include "machine/machine.h"
+#include "nodes/job_action.h"
 #include "ros_bridge/live_session.h"
 #include "workflow/job.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
 
-/// The loop measure, calibrate, compare, diagnose, add, as services with the JSON of `mm`. One long call at a
-/// time, each in the thread of its caller; everything else goes on. Services under `~` and, with the same
-/// names, in the node's namespace; topics `~progress`, `~ledger`, `~residuals`, `~changed` (id made active).
-/// An answer's message says what of the session was lost or set aside. Calibrations of other machines are not
-/// promoted. Parameters: `store`, `threads`, `residual_scale` (of the arrows; 0: by their size),
-/// `frame_prefix`. Needs several threads.
+/// The loop measure, calibrate, compare, diagnose, add, as services with the JSON of `mm`; `~calibrate` and
+/// `~diagnose` are actions as well. One long call at a time, each in the thread of its caller; everything
+/// else goes on. Services are under `~`; topics `~progress`, `~ledger`, `~residuals`, `~changed` (id made
+/// active). An answer's message says what of the session was lost or set aside. Calibrations of other
+/// machines are not promoted. Parameters: `store`, `threads`, `residual_scale` (of the arrows; 0: by their
+/// size), `frame_prefix`. Needs several threads.
 class CalibrationServer {
  public:
   CalibrationServer(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
@@ -55,6 +58,11 @@ class CalibrationServer {
   bool verify(measuring_machine::Verify::Request& request, measuring_machine::Verify::Response& response);
   bool cancel(measuring_machine::Cancel::Request& request, measuring_machine::Cancel::Response& response);
 
+  /// What service and action do, within the job: a request or goal in, a response or result out.
+  template <typename Asked, typename Answer>
+  void calibrateSession(const Asked& asked, Answer& answer);
+  template <typename Asked, typename Answer>
+  void diagnoseSession(const Asked& asked, Answer& answer);
   template <typename Response>
   void change(const std::string& task, const std::string& effect, Change change, Response& response);
   SessionPtr openSession(const std::string& bag, const Machine& fallback);
@@ -84,6 +92,8 @@ class CalibrationServer {
   std::string lastSpace_;  // the namespace that it was measured in
   ros::Publisher progressOut_, ledgerOut_, residualsOut_, verdictOut_, changedOut_;
   std::vector<ros::ServiceServer> services_;
+  JobAction<measuring_machine::CalibrateAction> calibrateAction_;
+  JobAction<measuring_machine::DiagnoseAction> diagnoseAction_;
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
 };

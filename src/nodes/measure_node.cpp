@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "base/requested_file.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 #include "session/plan_ways.h"
@@ -101,7 +102,7 @@ Plan MeasureNode::loadPlan(const std::string& plan) const {
   if (plan.empty()) throw InputError("the goal names no plan; give the path of a plan file, or its text");
   if (plan.find('\n') != std::string::npos)
     return Plan::parse(plan, "plan of the goal", std::filesystem::current_path(), machine_);
-  return Plan::load(plan, machine_);
+  return Plan::load(requestedYaml(plan, "plan"), machine_);
 }
 
 // Before anything moves, while somebody may still be there to stop it.

@@ -48,7 +48,7 @@ struct SessionTopic {
 
 SessionTopic splitTopic(const std::string& full) {
   for (const char* name : {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description",
-                           "/imported_from"}) {
+                           "/imported_from", "/measure/measured"}) {
     const std::string end = name;
     if (full.size() >= end.size() && full.compare(full.size() - end.size(), end.size(), end) == 0)
       return {full.substr(0, full.size() - end.size()), end};
@@ -126,6 +126,8 @@ class NamespacedSessions {
       session.addRobotDescription(decode<std_msgs::String>(raw, source_).data);
     else if (topic == "/imported_from")
       session.addImportedFrom(decode<std_msgs::String>(raw, source_).data);
+    else if (topic == "/measure/measured")
+      session.addMeasured(decode<measuring_machine::Measured>(raw, source_));
     else if (topic.rfind(kTemperatureTopics, 0) == 0)
       session.addTemperature(topic.substr(kTemperatureTopics.size()),
                              decode<sensor_msgs::Temperature>(raw, source_));

@@ -11,13 +11,16 @@
 namespace mm {
 namespace {
 
-constexpr int kQueue = 0;                    // without limit: a session misses nothing
+// Messages that wait while a session is copied: minutes of a machine's joint states at 1 kHz.
+constexpr int kQueue = 100000;
+constexpr std::size_t kMost = 100000;        // measurements, and values of each series, that are kept
 constexpr std::int64_t kBlink = 1000000000;  // ns: contacts out of order by more are a clock that went back
 const char* const kName = "the live session";
 
 }  // namespace
 
 LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) {
+  collector_.bound(kMost);
   subscribe("joint_states", &SessionCollector::addJointState);
   subscribe("reference", &SessionCollector::addReference);
   subscribers_["artifact"] = node_.subscribe<measuring_machine::Artifact>(
@@ -60,7 +63,7 @@ void LiveSession::take(const std::function<void(SessionCollector&)>& add) {
 void LiveSession::takeMeasured(const measuring_machine::Measured& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!message.header.stamp.isZero() && message.header.stamp < artifact_) return;  // of the session before
-  measured_[message.header.stamp] = message.contacts;
+  collector_.addMeasured(message);
 }
 
 // One contact with a stamp that lies behind is one bad contact, as in a bag; two of them are a clock that
@@ -82,7 +85,6 @@ void LiveSession::beginAgainIfBack(const measuring_machine::ProbeContact& messag
   collector_.addContact(*behind_);
   behind_.reset();
   wrong_.clear();
-  measured_.clear();
 }
 
 void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
@@ -93,7 +95,6 @@ void LiveSession::takeArtifact(const measuring_machine::Artifact& message) {
     if (stamp < artifact_) collector_.dropAfter(nanoseconds(stamp));
     collector_.dropBefore(nanoseconds(stamp));
     wrong_.clear();
-    while (!measured_.empty() && measured_.begin()->first < stamp) measured_.erase(measured_.begin());
     if (before > 0) ROS_INFO("a new session begins; the %zu contacts before it are forgotten", before);
   }
   if (!stamp.isZero()) artifact_ = stamp;
@@ -122,22 +123,13 @@ void LiveSession::findTopics(const ros::WallTimerEvent&) {
 
 Session LiveSession::session(const Machine& fallback) const {
   SessionCollector copy(kName);
-  std::size_t measured = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (const auto& [session, contacts] : measured_) measured += contacts;
     if (!wrong_.empty()) throw InputError(wrong_ + "; begin a new session (measure a plan)");
     copy = collector_;
   }
   if (!copy.hasMachine()) copy.setMachine(fallback);
-  const std::size_t heard = copy.observationCount() + copy.refusedCount();
-  Session session = copy.build();
-  if (heard < measured)
-    session.warning += (session.warning.empty() ? "" : "; ") + std::to_string(heard) + " of " +
-                       std::to_string(measured) +
-                       " contacts that were measured are here: the others came before this node listened; "
-                       "measure those again, or use the recorded bag";
-  return session;
+  return copy.build();
 }
 
 std::string LiveSession::complaint() const {

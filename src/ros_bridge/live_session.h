@@ -47,7 +47,6 @@ class LiveSession {
   std::string wrong_;  // why the machine or the artifact could not be taken
   ros::Time artifact_;
   std::optional<measuring_machine::ProbeContact> behind_;  // the last contact, where its stamp lies behind
-  std::map<ros::Time, std::uint32_t> measured_;  // contacts in this session, as each measure node says
   std::map<std::string, ros::Subscriber> subscribers_;
   ros::WallTimer timer_;
 };

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "ros_bridge/bounded_log.h"
 #include "session/session_time.h"
 
 namespace mm {
@@ -73,6 +74,7 @@ void SessionCollector::addArtifact(const measuring_machine::Artifact& message) {
 }
 
 void SessionCollector::addContact(const measuring_machine::ProbeContact& message) {
+  if (!roomFor(kContactTopic, contactCount_ + 1, nanoseconds(message.header.stamp))) return;
   if (machine_)
     convert(message);
   else
@@ -80,6 +82,7 @@ void SessionCollector::addContact(const measuring_machine::ProbeContact& message
 }
 
 void SessionCollector::addReference(const measuring_machine::ReferenceMeasurement& message) {
+  if (!roomFor(kReferenceTopic, referenceCount_ + 1, nanoseconds(message.header.stamp))) return;
   if (machine_)
     convert(message);
   else
@@ -112,8 +115,7 @@ void SessionCollector::convertOrRefuse(const Message& message, const char* topic
     }
     rows_.push_back({stamp, std::move(o), message.header.seq});
   } catch (const InputError& e) {
-    refused_.push_back(
-        {topic, static_cast<std::size_t>(number), e.what(), nanoseconds(message.header.stamp)});
+    refuse(topic, static_cast<std::size_t>(number), e.what(), nanoseconds(message.header.stamp));
   }
 }
 
@@ -142,19 +144,22 @@ void SessionCollector::addValue(Logged& logged, const std::string& topic, const 
                                 double value) {
   ++logged.messages;
   if (stamp.isZero()) {
-    refused_.push_back(
-        {topic, logged.messages, "its header has no stamp; the time of the reading is needed", 0});
+    refuse(topic, logged.messages, "its header has no stamp; the time of the reading is needed", 0);
     return;
   }
   const std::int64_t ns = stampOf(stamp);
-  if (std::isfinite(value))
-    logged.values.emplace_back(ns, value);
-  else
+  if (!std::isfinite(value)) {
     ++logged.lost;
+    return;
+  }
+  logged.dropped +=
+      makeRoom(logged.values, most_, artifactStamp_.value_or(0), [](const auto& v) { return v.first; });
+  logged.values.emplace_back(ns, value);
 }
 
 void SessionCollector::addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message) {
   const std::string name = sensorOf(sensor, message.header.frame_id);
+  if (!roomForName(temperatures_, name)) return;
   Logged& logged = temperatures_[name];
   logged.unit = "degC";
   addValue(logged, "/temperature/" + sensor, message.header.stamp, message.temperature);
@@ -162,12 +167,12 @@ void SessionCollector::addTemperature(const std::string& sensor, const sensor_ms
 
 void SessionCollector::addCovariate(const measuring_machine::Covariate& message) {
   const std::string topic = "/covariate/" + topicOf(message.name);
+  if (!roomForName(covariates_, message.name)) return;
   Logged& logged = covariates_[message.name];
   if (logged.messages > 0 && logged.unit != message.unit) {
     ++logged.messages;
-    refused_.push_back({topic, logged.messages,
-                        "its unit '" + message.unit + "' was '" + logged.unit + "' before",
-                        nanoseconds(message.header.stamp)});
+    refuse(topic, logged.messages, "its unit '" + message.unit + "' was '" + logged.unit + "' before",
+           nanoseconds(message.header.stamp));
     return;
   }
   logged.unit = message.unit;
@@ -182,6 +187,7 @@ void SessionCollector::addJointState(const sensor_msgs::JointState& message) {
     if (found == tracks_.end()) {
       const int joint = machine_ ? machine_->findJoint(message.name[i]) : -1;
       if (machine_ && joint < 0) continue;  // another machine's, or a gripper: its clock says nothing either
+      if (most_ > 0 && tracks_.size() >= kMostLoggedNames) continue;
       const JointKind kind = joint < 0 ? JointKind::kLinear : machine_->joints()[joint].kind;
       found = tracks_.emplace(message.name[i], Track{TravelTracker(travelDeadband(kind)), {}, ns}).first;
     }
@@ -192,8 +198,10 @@ void SessionCollector::addJointState(const sensor_msgs::JointState& message) {
       if (message.velocity[i] != 0.0) track.motions.push_back({ns, message.velocity[i] > 0.0 ? 1.0 : -1.0});
       continue;
     }
-    if (track.travel.take(ns, message.position[i], message.velocity[i]))
-      track.motions.push_back({ns, track.travel.direction()});
+    if (!track.travel.take(ns, message.position[i], message.velocity[i])) continue;
+    track.dropped +=
+        makeRoom(track.motions, most_, artifactStamp_.value_or(0), [](const Motion& m) { return m.stamp; });
+    track.motions.push_back({ns, track.travel.direction()});
   }
 }
 
@@ -264,6 +272,7 @@ void SessionCollector::dropAfter(std::int64_t stamp) {
   for (std::map<std::string, Logged>* all : {&temperatures_, &covariates_})
     for (auto& [name, logged] : *all) erase(logged.values, [&](const auto& v) { return v.first >= stamp; });
   erase(refused_, [&](const Refused& r) { return r.stamp == 0 || r.stamp >= stamp; });
+  counted_.clear();  // what they counted is gone
   for (auto& [joint, track] : tracks_) {
     erase(track.motions, [&](const Motion& m) { return m.stamp >= stamp; });
     track.travel.forget();
@@ -288,11 +297,14 @@ void SessionCollector::dropBefore(std::int64_t stamp) {
         if (at <= stamp) last = std::max(last, at);
       erase(logged.values, [&](const auto& v) { return v.first < last; });
       logged.messages = logged.values.size();
-      logged.lost = 0;
+      logged.lost = logged.dropped = 0;
     }
   erase(refused_, [&](const Refused& r) { return r.stamp < stamp; });
+  refusedMore_ = 0;
+  erase(counted_, [&](const Counted& c) { return nanoseconds(c.session) < stamp; });
   for (auto& [joint, track] : tracks_) {
     track.earliest = std::max(track.earliest, stamp);
+    track.dropped = 0;
     std::vector<Motion>& motions = track.motions;
     if (motions.size() < 2) continue;
     auto keep = motions.begin();
@@ -309,6 +321,9 @@ std::vector<Series> SessionCollector::series(const std::map<std::string, Logged>
     if (logged.lost > 0)
       warning += (warning.empty() ? "" : "; ") + std::to_string(logged.lost) + " readings of '" + name +
                  "' are not numbers and were left out";
+    if (logged.dropped > 0)
+      warning += (warning.empty() ? "" : "; ") + std::to_string(logged.dropped) + " readings of '" + name +
+                 "', the oldest of the session, are no longer kept";
     auto values = logged.values;
     std::stable_sort(values.begin(), values.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -356,6 +371,7 @@ Session SessionCollector::build() const {
   for (const Feature& f : session.artifact.features) names.push_back(f.name);
   for (const std::string& name : features_) features.push_back(session.artifact.findFeature(name));
   std::vector<Row> rows = sortedRows();
+  session.warning = lacking(rows);
   const auto unknown = [&](const Row& row) {
     const Observation& o = row.observation;
     if (o.kind != ObservationKind::kContact || features[o.feature] >= 0) return false;
@@ -384,6 +400,14 @@ Session SessionCollector::build() const {
   session.covariates = series(covariates_, start, session.warning);
   session.epoch = secondsBetween(0, start);
   setRefusedAside(refused, session);
+  const auto warn = [&](const std::string& words) {
+    session.warning += (session.warning.empty() ? "" : "; ") + words;
+  };
+  for (const auto& [joint, track] : tracks_)
+    if (track.dropped > 0)
+      warn(std::to_string(track.dropped) + " reversals of '" + joint +
+           "', the oldest of the session, are no longer kept");
+  if (refusedMore_ > 0) warn(std::to_string(refusedMore_) + " more messages were set aside");
   session.prepare();
   return session;
 }

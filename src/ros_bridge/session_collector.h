@@ -1,4 +1,5 @@
 #pragma once
+#include <measuring_machine/Measured.h>
 #include <sensor_msgs/JointState.h>
 
 #include <cstdint>
@@ -33,6 +34,13 @@ class SessionCollector {
   void addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message);
   void addCovariate(const measuring_machine::Covariate& message);
   void addJointState(const sensor_msgs::JointState& message);
+  /// How many contacts a measure node has brought: those that are not here are told in the session's warning.
+  void addMeasured(const measuring_machine::Measured& message);
+
+  /// Bounds what is kept, as a server that runs for weeks needs it: observations beyond are set aside and
+  /// counted; of what is logged, what lies before the session goes first, then the oldest, and the warning
+  /// says so. Without a call everything is kept, as of a bag.
+  void bound(std::size_t most) { most_ = most; }
 
   /// Forgets everything stamped earlier (ns): a new session begins there. Live only.
   void dropBefore(std::int64_t stamp);
@@ -43,7 +51,7 @@ class SessionCollector {
 
   /// What was set aside so far, "/probe/contact message 3: why".
   std::vector<std::string> refused() const;
-  std::size_t refusedCount() const { return refused_.size(); }
+  std::size_t refusedCount() const { return refused_.size() + refusedMore_; }
   std::size_t reversals() const;                                                   ///< kept of all joints
   std::size_t observationCount() const { return rows_.size() + waiting_.size(); }  ///< so far
   bool hasMachine() const { return machine_.has_value(); }                         ///< a URDF was heard
@@ -65,7 +73,11 @@ class SessionCollector {
   struct Logged {
     std::string unit;
     std::vector<std::pair<std::int64_t, double>> values;  // stamp in ns, value
-    std::size_t messages = 0, lost = 0;                   // lost: not a number
+    std::size_t messages = 0, lost = 0, dropped = 0;      // lost: not a number; dropped: for want of room
+  };
+  struct Counted {
+    ros::Time session;  // with which stamp of /artifact it began; zero: it goes on
+    std::uint32_t contacts;
   };
   struct Motion {
     std::int64_t stamp;
@@ -75,6 +87,7 @@ class SessionCollector {
     TravelTracker travel;
     std::vector<Motion> motions;  // where the direction of travel changed
     std::int64_t earliest;        // ns
+    std::size_t dropped = 0;      // motions, for want of room
   };
   struct Refused {
     std::string topic;
@@ -84,6 +97,11 @@ class SessionCollector {
   };
 
   std::int64_t stampOf(const ros::Time& stamp);
+  void refuse(const std::string& topic, std::size_t number, const std::string& why, std::int64_t stamp);
+  /// @return whether there is room for one observation more; else it is counted as set aside.
+  bool roomFor(const char* topic, std::size_t number, std::int64_t stamp);
+  bool roomForName(const std::map<std::string, Logged>& all, const std::string& name);
+  std::string lacking(const std::vector<Row>& rows) const;
   template <typename Message>
   void convertOrRefuse(const Message& message, const char* topic, std::int64_t number);
   void convert(const measuring_machine::ProbeContact& message);
@@ -108,6 +126,9 @@ class SessionCollector {
   std::map<std::string, Logged> temperatures_, covariates_;
   std::map<std::string, Track> tracks_;
   std::vector<Refused> refused_;
+  std::size_t refusedMore_ = 0;   // of which only the number is kept
+  std::vector<Counted> counted_;  // in the order of arrival
+  std::size_t most_ = 0;          // 0: without bound
   std::int64_t contactCount_ = 0, referenceCount_ = 0;
   std::optional<std::int64_t> earliest_, artifactStamp_;
 };

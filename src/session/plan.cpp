@@ -27,6 +27,10 @@ void readArtifact(const YamlMapping& root, const std::filesystem::path& folder, 
     return;
   }
   const std::filesystem::path file = node.Scalar();
+  // Plans also come in goals of actions: no other file is read, whose lines a message would then tell.
+  if (file.extension() != ".yaml" && file.extension() != ".yml")
+    throw InputError(plan.source + ":" + std::to_string(root.line("artifact")) + ": artifact '" +
+                     file.string() + "' is no artifact file: its name ends in .yaml");
   plan.artifact = loadArtifact(file.is_absolute() ? file : folder / file);
 }
 

@@ -16,15 +16,20 @@ Job::State Job::state() const {
   return state;
 }
 
+std::string Job::whyBusy() const {
+  const State now = state();
+  if (now.task.empty()) return {};
+  return "'" + now.task + "' has been running for " + std::to_string(std::lround(now.seconds)) + " s (" +
+         (now.stage.empty() ? "begins" : now.stage) + ", " + std::to_string(std::lround(100.0 * now.share)) +
+         " %); wait for it, or call cancel";
+}
+
 void Job::run(const std::string& task, const std::function<void()>& work) {
   {
-    const State now = state();
+    const std::string why = whyBusy();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!state_.task.empty())
-      throw InputError("'" + state_.task + "' has been running for " +
-                       std::to_string(std::lround(now.seconds)) + " s (" +
-                       (now.stage.empty() ? "begins" : now.stage) + ", " +
-                       std::to_string(std::lround(100.0 * now.share)) + " %); wait for it, or call cancel");
+      throw InputError(why.empty() ? "'" + state_.task + "' begins; wait for it, or call cancel" : why);
     state_ = State();
     state_.task = task;
     began_ = std::chrono::steady_clock::now();

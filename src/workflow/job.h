@@ -32,6 +32,8 @@ class Job {
   /// Asks the running work to stop. @return its state; an empty task: nothing runs.
   State cancel();
   State state() const;
+  /// What runs, for how long, and what to do about it; empty: nothing runs.
+  std::string whyBusy() const;
 
  private:
   std::function<void(const State&)> changed_;

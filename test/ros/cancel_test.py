@@ -7,7 +7,8 @@ import unittest
 
 import rospy
 import rostest
-from measuring_machine.msg import Progress
+from actionlib import GoalStatus, SimpleActionClient
+from measuring_machine.msg import CalibrateAction, CalibrateGoal, DiagnoseAction, DiagnoseGoal, Progress
 from measuring_machine.srv import Calibrate, Cancel, Compare, Diagnose
 
 import support
@@ -87,6 +88,56 @@ class CancelTest(unittest.TestCase):
             self.assertIn("cancelled", answers[0].message)
             watch.unregister()
         self.assertTrue(service("compare", Compare, bag=self.bag, calibration=small.calibration_id).success)
+
+    def client(self, name, kind):
+        client = SimpleActionClient("calibration_server/" + name, kind)
+        self.assertTrue(support.served(client))
+        return client
+
+    def test_the_action_does_what_the_service_does(self):
+        request = dict(bag=self.bag, model=support.model("{type: scale, axis: x}"), method="least_squares")
+        answer, client, stages = service("calibrate", Calibrate, **request), self.client("calibrate", CalibrateAction), []
+        client.send_goal(CalibrateGoal(**request), feedback_cb=lambda f: stages.append(f.stage))
+        self.assertTrue(support.ended(client, PATIENCE))
+        self.assertEqual(client.get_state(), GoalStatus.SUCCEEDED)
+        self.assertEqual(support.figures(client.get_result().json), support.figures(answer.json))
+        self.assertTrue(client.get_result().calibration_id)
+        self.assertIn("reading the bag", stages)
+        client.send_goal(CalibrateGoal(bag="/nowhere/s.bag", model=request["model"]))
+        self.assertTrue(support.ended(client, PATIENCE))
+        self.assertEqual(client.get_state(), GoalStatus.ABORTED)
+        self.assertIn("/nowhere/s.bag", client.get_result().message)
+        diagnosis = self.client("diagnose", DiagnoseAction)
+        diagnosis.send_goal(DiagnoseGoal(bag="/nowhere/s.bag"))
+        self.assertTrue(support.ended(diagnosis, PATIENCE))
+        self.assertEqual(diagnosis.get_state(), GoalStatus.ABORTED)
+
+    def test_a_goal_is_cancelled_and_none_takes_its_place(self):
+        big = support.simulate(os.path.join(self.folder, "big_goal.bag"), "config/plans/micro_machine_tool.yaml")
+        goal = CalibrateGoal(bag=big, model=support.model("{type: mmt_deviation, axis: x, lead_mm: 0.5}", "{type: mmt_deviation, axis: y, lead_mm: 0.5}"))
+        first, second, seen = self.client("calibrate", CalibrateAction), self.client("calibrate", CalibrateAction), []
+        first.send_goal(goal, feedback_cb=lambda f: seen.append(f.stage))
+        self.assertTrue(support.wait_until(lambda: "genetic" in seen, PATIENCE), seen)
+        second.send_goal(goal)
+        self.assertTrue(support.ended(second, PATIENCE))
+        self.assertEqual(second.get_state(), GoalStatus.REJECTED)
+        self.assertIn("'calibrate' has been running for", second.get_result().message)
+        refused = service("compare", Compare, bag=self.bag)
+        self.assertIn("'calibrate' has been running for", refused.message)
+        second.cancel_goal()  # of a goal that has ended: it is not the first one's
+        self.assertNotEqual(first.get_state(), GoalStatus.PREEMPTED)
+        first.cancel_goal()
+        self.assertTrue(support.ended(first, PATIENCE))
+        self.assertEqual(first.get_state(), GoalStatus.PREEMPTED)
+        self.assertIn("cancelled", first.get_result().message)
+        # The cancel of a goal that is over does not reach what another caller began.
+        answers = []
+        call = threading.Thread(target=lambda: answers.append(service("calibrate", Calibrate, bag=self.bag, method="least_squares",
+                                                                      model=support.model("{type: scale, axis: x}"))))
+        call.start()
+        first.cancel_all_goals()
+        call.join(PATIENCE)
+        self.assertTrue(answers[0].success, answers[0].message)
 
 
 if __name__ == "__main__":
