@@ -97,7 +97,8 @@ double MotionControl::toHost(double time) const {
 
 std::string MotionControl::faultText() const {
   if (!lost_.empty()) return "the controller does not answer: " + lost_;
-  if (emergency_ || state_.emergencyStop) return "emergency stop; reset it, then home again";
+  if (!forbidden_.empty()) return forbidden_;
+  if (emergency() || state_.emergencyStop) return "emergency stop; reset it, then home again";
   if (state_.alarm.present())
     return "alarm" + (state_.alarm.code != 0 ? " " + std::to_string(state_.alarm.code) : std::string()) +
            ": " + state_.alarm.text + (state_.alarm.remedy.empty() ? "" : "; " + state_.alarm.remedy);
@@ -108,7 +109,7 @@ MotionControl::View MotionControl::view() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   View view;
   view.state = state_;
-  view.state.emergencyStop = state_.emergencyStop || emergency_;
+  view.state.emergencyStop = state_.emergencyStop || emergency();
   view.state.homed = state_.homed && homedHere_ && !view.state.emergencyStop;
   view.lost = lost_;
   view.fault = faultText();
@@ -122,6 +123,11 @@ MotionControl::View MotionControl::view() const {
   view.bounces = probe_.bounces();
   view.jolts = probe_.jolts();
   return view;
+}
+
+void MotionControl::forbid(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  forbidden_ = why;
 }
 
 // The name first: whoever sees that it was stopped says by whom.
@@ -154,14 +160,25 @@ void MotionControl::stop(const std::string& who) {
               (lost_.empty() ? std::string() : ": " + lost_) + "; use the emergency stop");
 }
 
+bool MotionControl::shutDown(const std::string& who) {
+  leaving_ = true;
+  try {
+    stop(who);
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 std::string MotionControl::emergencyStop(const std::string& who) {
-  emergency_ = true;
+  ++emergencies_;
   std::string failed;
   try {
     controller_->emergencyStop();
   } catch (const std::exception& e) {
     failed = e.what();
   }
+  ++emergencies_;
   countStop(who + " (emergency stop)");
   owner_.revoke("emergency stop by " + who);
   changed_.notify_all();
@@ -169,7 +186,7 @@ std::string MotionControl::emergencyStop(const std::string& who) {
 }
 
 void MotionControl::resetEmergencyStop() {
-  const std::uint32_t before = stops_;
+  const std::uint32_t before = stops_, undone = emergencies_;
   withDevice([&] { controller_->resetEmergencyStop(); });
   std::unique_lock<std::mutex> lock(mutex_);
   homedHere_ = false;
@@ -180,8 +197,12 @@ void MotionControl::resetEmergencyStop() {
   if (!reset || ending_)
     throw Error(lost_.empty() ? "the controller stays in its emergency stop; look at its button and its panel"
                               : "the controller does not answer: " + lost_);
-  if (stops_ != before) throw Error("stopped again by " + stoppedBy());
-  emergency_ = false;
+  if (stops_ != before ||
+      emergencies_ != undone) {  // it holds, and at the controller again, which may have been reset after it
+    controller_->emergencyStop();
+    throw Error("stopped again by " + stoppedBy());
+  }
+  undone_ = undone;
 }
 
 void MotionControl::hold(bool on) {

@@ -21,9 +21,10 @@ namespace mm {
 inline constexpr const char* kProbeIsClosed = "the probe is closed before the probing move";
 
 /// Stands between whoever wants a motion and the controller that makes it: checks what the controller says,
-/// keeps every motion within the URDF, ends one that meets what it should not, and says how each ended.
-/// Stop and emergency stop have a way of their own to the controller, past everything that may be waiting.
-/// No ROS. `cycle` is called by one thread; everything else by any.
+/// keeps every motion within the URDF, ends one that meets what it should not or that nobody answers for any
+/// more (`MotionOwner`), and says how each ended. Stop and emergency stop have a way of their own to the
+/// controller, past everything that may be waiting. No ROS. `cycle` is called by one thread; everything else
+/// by any.
 class MotionControl {
  public:
   struct Settings {
@@ -84,13 +85,16 @@ class MotionControl {
   std::optional<Observation> cycle(double elapsed, double host);
   /// This process paused: what it measures of clocks does not hold.
   void paused() { clock_.reset(); }
+  /// Nothing may move, and what moves is stopped, as long as there is a reason. @param why for people; empty:
+  /// there is none any more.
+  void forbid(const std::string& why);
   View view() const;
 
   /// Makes a motion and waits for its end. @param stopsSeen `stops()` when it was asked for: a stop since
   /// then ends it. @throw Error when it cannot begin, with why.
   Report move(AxesMotion motion, const Mover& mover, std::uint32_t stopsSeen, const Watch& watch = {});
   /// Homes axes by name in the order of the settings; none: all. Waits. @throw Error saying why not.
-  void home(const std::vector<std::string>& names, const Mover& mover);
+  void home(const std::vector<std::string>& names, const Mover& mover, const Watch& watch = {});
   /// Ends every motion and every ticket, and waits until the axes rest. @throw Error when that is not known.
   void stop(const std::string& who);
   /// Power off now; does not wait for anything. @return what could not be done, for people; empty: it was.
@@ -107,6 +111,9 @@ class MotionControl {
   std::uint32_t stops() const { return stops_; }
   /// s on the host's clock of a time on the controller's.
   double toHost(double time) const;
+  /// No motion begins any more; what moves is stopped. Waits until the axes rest, while `cycle` goes on.
+  /// @return false: whether they rest is not known.
+  bool shutDown(const std::string& who);
   /// Ends every wait with an error; before the last owner ends.
   void end();
 
@@ -121,6 +128,19 @@ class MotionControl {
     Outcome forced = Outcome::kUnderWay;  // why it was ended from here
     std::string why;
   };
+  /// A reason not to believe a state, and what follows from it.
+  struct Doubt {
+    std::string (MotionControl::*words)(const AxesState& state);  // empty: it does not apply
+    // @return whether what moves must be told to stop.
+    bool (MotionControl::*then)(const AxesState& state, const std::string& why);
+  };
+  /// A reason to end what moves, whatever its controller says.
+  struct Ending {
+    Outcome outcome;
+    std::string (MotionControl::*words)(const Observation& seen);  // empty: it does not apply
+  };
+  static const std::vector<Doubt> kDoubts;
+  static const std::vector<Ending> kEndings;
 
   /// Frees the axes for the next who asks, however a motion ends.
   struct EndOfMotion {
@@ -136,12 +156,21 @@ class MotionControl {
   double owing() const;                           // s that the controller has owed an answer; 0: it owes none
   static std::string shortSeconds(double value);  // for people, with its unit
   void loseDevice(const std::string& why);
-  bool weigh(Observation& seen, double elapsed, double host);
+  bool weigh(Observation& seen, double host);
+  void takeReset();
+  std::string impossibleWords(const AxesState& state);
+  std::string oldWords(const AxesState& state);
+  std::string settlingWords(const AxesState& state);
+  bool loseBy(const AxesState& state, const std::string& why);
+  bool awaitSettled(const AxesState& state, const std::string& why);
+  std::string leaseWords(const Observation& seen);
+  std::string forbiddenWords(const Observation& seen);
+  std::string probeWords(const Observation& seen);
+  std::string lateWords(const Observation& seen);
   bool awaitEnd(std::unique_lock<std::mutex>& lock, std::uint32_t stopsSeen, const Watch& watch);
   void lose(const std::string& why, bool zeroInDoubt);
   void regain();
   void take(const AxesState& state, double host);
-  void watchProbe(const AxesState& state, const std::vector<ProbeEdge>& edges);
   std::string stuckWords(const Current& current) const;
   void takeRest(const AxesState& state);
   void takeSurface(const AxesState& state);
@@ -152,12 +181,13 @@ class MotionControl {
   bool awaitRest(std::unique_lock<std::mutex>& lock, double seconds);
   void countStop(const std::string& who);
   std::string stoppedBy() const;
+  bool emergency() const { return emergencies_ != undone_; }
   void requireAnswering(std::uint32_t stopsSeen) const;  // with `mutex_` held, as the next two
   void requireReady(std::uint32_t stopsSeen) const;
   void beginCurrent(bool armed);
   std::string faultText() const;
   std::string switchWords() const;
-  void awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen);
+  void awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen, const Watch& watch);
   Report judge(const Current& current, bool cancelled) const;
   std::string tripWords(const Current& current) const;
   std::vector<std::vector<std::size_t>> stagesOf(const std::vector<std::string>& names) const;
@@ -176,7 +206,7 @@ class MotionControl {
   ClockMap clock_;
   ProbeDebounce probe_;
   AxesState state_;
-  std::string lost_;
+  std::string lost_, forbidden_;
   bool regained_ = false;   // after a loss, until the axes rest
   bool homedHere_ = false;  // since this object began, and no reset since
   std::optional<Current> current_;
@@ -196,7 +226,10 @@ class MotionControl {
   std::string stopper_;
   std::atomic<std::uint32_t> stops_{0};
   std::atomic<int> stopping_{0};
-  std::atomic<bool> emergency_{false}, ending_{false};
+  // An emergency stop counts before and after it told the controller: it holds until a reset that began after
+  // both has come through.
+  std::atomic<std::uint32_t> emergencies_{0}, undone_{0};
+  std::atomic<bool> ending_{false}, leaving_{false};
 };
 
 }  // namespace mm

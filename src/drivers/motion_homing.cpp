@@ -35,7 +35,7 @@ std::vector<std::vector<std::size_t>> MotionControl::stagesOf(const std::vector<
   return stages;
 }
 
-void MotionControl::home(const std::vector<std::string>& names, const Mover& mover) {
+void MotionControl::home(const std::vector<std::string>& names, const Mover& mover, const Watch& watch) {
   std::vector<std::vector<std::size_t>> stages = stagesOf(names);
   if (!capabilities_.homingByAxis) {
     if (!names.empty() && names.size() < axes_.size())
@@ -57,7 +57,7 @@ void MotionControl::home(const std::vector<std::string>& names, const Mover& mov
       controller_->home(stage);
     });
     if (stops_ != stopsSeen) sendStop();
-    awaitHoming(stage, stopsSeen);
+    awaitHoming(stage, stopsSeen, watch);
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (state_.homed) homedHere_ = true;
@@ -65,7 +65,8 @@ void MotionControl::home(const std::vector<std::string>& names, const Mover& mov
   forgetSurface();
 }
 
-void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen) {
+void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint32_t stopsSeen,
+                                const Watch& watch) {
   std::unique_lock<std::mutex> lock(mutex_);
   const std::uint64_t first = states_ + 1;
   std::string why;
@@ -81,6 +82,12 @@ void MotionControl::awaitHoming(const std::vector<std::size_t>& stage, std::uint
       why = "the controller has not answered for " + shortSeconds(age);
     else if (states_ > first && !state_.moving)
       break;
+    if (!why.empty() || !watch) continue;
+    const AxesState now = state_;
+    lock.unlock();
+    const bool goOn = watch(now);
+    lock.lock();
+    if (!goOn) why = "cancelled";
   }
   const bool ended = state_.outcome == Outcome::kReached || state_.outcome == Outcome::kUnderWay;
   if (why.empty() && ended &&

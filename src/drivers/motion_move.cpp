@@ -12,7 +12,8 @@ namespace mm {
 // An alarm is no reason: homing or the way off a limit may be what ends it.
 void MotionControl::requireAnswering(std::uint32_t stopsSeen) const {
   if (stopping_ > 0) throw Error("a stop is under way; wait until the axes rest");
-  if (!lost_.empty() || emergency_ || state_.emergencyStop) throw Error(faultText());
+  if (leaving_) throw Error("the driver ends");
+  if (!lost_.empty() || !forbidden_.empty() || emergency() || state_.emergencyStop) throw Error(faultText());
   if (stops_ != stopsSeen) throw Error("stopped by " + stoppedBy());
   // Another motion's stop has not come through yet, or somebody moves them at the control.
   if (state_.moving) throw Error("the axes still move; wait until they rest, or call ~stop");

@@ -39,7 +39,7 @@ void MotionControl::regain() {
   controller_->reconnect();
   regained_ = true;
   controller_->stop();  // it may have gone on alone
-  if (emergency_) controller_->emergencyStop();
+  if (emergency()) controller_->emergencyStop();
 }
 
 std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, double host) {
@@ -57,7 +57,7 @@ std::optional<MotionControl::Observation> MotionControl::cycle(double elapsed, d
   bool stop = false, lost = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    stop = weigh(seen, elapsed, host);
+    stop = weigh(seen, host);
     lost = !lost_.empty();
   }
   if (stop) sendStop();
@@ -100,52 +100,88 @@ void MotionControl::loseDevice(const std::string& why) {
   }
 }
 
+// Why a state is not believed; the first that applies.
+const std::vector<MotionControl::Doubt> MotionControl::kDoubts = {
+    {&MotionControl::impossibleWords, &MotionControl::loseBy},
+    {&MotionControl::oldWords, &MotionControl::loseBy},
+    {&MotionControl::settlingWords, &MotionControl::awaitSettled},
+};
+
+// What ends a motion; the first that applies.
+const std::vector<MotionControl::Ending> MotionControl::kEndings = {
+    {Outcome::kStopped, &MotionControl::leaseWords},
+    {Outcome::kStopped, &MotionControl::forbiddenWords},
+    {Outcome::kTripped, &MotionControl::probeWords},
+    {Outcome::kLost, &MotionControl::lateWords},
+};
+
 // @return whether what moves must be told to stop. With `mutex_` held.
-bool MotionControl::weigh(Observation& seen, double elapsed, double host) {
+bool MotionControl::weigh(Observation& seen, double host) {
   const AxesState state = seen.state;
-  if (state.resets != state_.resets) {
-    check_.forget();
-    clock_.reset();
-    forgetSurface();
-    if (!capabilities_.positionSurvivesReset) homedHere_ = false;
-    force(Outcome::kLost, "the controller was reset");
-  }
+  const bool watched = current_ && current_->forced == Outcome::kUnderWay;
+  if (state.resets != state_.resets) takeReset();
+  if (states_ == 0 || state.time > state_.time || state.resets != state_.resets) fresh_ = Wall::now();
   if (current_ && current_->homing) check_.forget();
-  const std::string wrong = check_.complaint(state);
-  const Wall::time_point now = Wall::now();
-  if (states_ == 0 || state.time > state_.time || state.resets != state_.resets) fresh_ = now;
-  const double age = std::chrono::duration<double>(now - fresh_).count();
-  if (!wrong.empty()) {
-    if (check_.jumped()) forgetSurface();
-    lose(wrong, check_.jumped());
-    return current_.has_value();
-  }
-  if (elapsed > 0.0 && age > settings_.silence) {
-    lose("its state is older than " + shortSeconds(settings_.silence), false);
-    return current_.has_value();
-  }
-  if (regained_ && state.moving) {
-    // A motion that is asked for now would end with the stop of `regain`.
-    lost_ = "it answers again; its axes are brought to rest";
-    state_.time = state.time;
-    return false;
+  for (const Doubt& doubt : kDoubts) {
+    const std::string why = (this->*doubt.words)(state);
+    if (why.empty()) continue;
+    return (this->*doubt.then)(state, why);
   }
   regained_ = false;
   lost_.clear();
   take(state, host);
-  bool stop = false;
-  if (current_ && current_->forced == Outcome::kUnderWay) {
-    watchProbe(state, seen.edges);
-    const double behind = clock_.late() + state.timeUncertainty;
-    if (!settings_.simulatedTime && !current_->homing && behind > settings_.late)
-      force(Outcome::kLost, "the controller's states arrive " + shortSeconds(behind) +
-                                " late, so that the motion cannot be watched");
-    stop = current_->forced != Outcome::kUnderWay;
+  for (const Ending& ending : kEndings) {
+    if (!current_ || current_->forced != Outcome::kUnderWay) break;
+    const std::string why = (this->*ending.words)(seen);
+    if (!why.empty()) force(ending.outcome, why);
   }
   seen.state = state_;
   seen.host = clock_.toHost(state.time);
   seen.trips = probe_.take(seen.edges, state, current_ && current_->motion.probing);
-  return stop;
+  return watched && current_->forced != Outcome::kUnderWay;
+}
+
+void MotionControl::takeReset() {
+  check_.forget();
+  clock_.reset();
+  forgetSurface();
+  if (!capabilities_.positionSurvivesReset) homedHere_ = false;
+  force(Outcome::kLost, "the controller was reset");
+}
+
+std::string MotionControl::impossibleWords(const AxesState& state) { return check_.complaint(state); }
+
+std::string MotionControl::oldWords(const AxesState&) {
+  const double age = std::chrono::duration<double>(Wall::now() - fresh_).count();
+  return age > settings_.silence ? "its state is older than " + shortSeconds(settings_.silence) : "";
+}
+
+std::string MotionControl::settlingWords(const AxesState& state) {
+  return regained_ && state.moving ? "it answers again; its axes are brought to rest" : "";
+}
+
+bool MotionControl::loseBy(const AxesState&, const std::string& why) {
+  if (check_.jumped()) forgetSurface();
+  lose(why, check_.jumped());
+  return current_.has_value();
+}
+
+// A motion that is asked for now would end with the stop of `regain`.
+bool MotionControl::awaitSettled(const AxesState& state, const std::string& why) {
+  lost_ = why;
+  state_.time = state.time;
+  return false;
+}
+
+std::string MotionControl::leaseWords(const Observation&) { return owner_.lapse(); }
+
+std::string MotionControl::forbiddenWords(const Observation&) { return forbidden_; }
+
+std::string MotionControl::lateWords(const Observation& seen) {
+  const double behind = clock_.late() + seen.state.timeUncertainty;
+  if (settings_.simulatedTime || current_->homing || behind <= settings_.late) return {};
+  return "the controller's states arrive " + shortSeconds(behind) +
+         " late, so that the motion cannot be watched";
 }
 
 void MotionControl::take(const AxesState& state, double host) {
@@ -214,24 +250,23 @@ std::string MotionControl::tripWords(const Current& current) const {
 }
 
 // Outside of probing a trip is a collision; whoever leaves a surface has the probe closed at first.
-void MotionControl::watchProbe(const AxesState& state, const std::vector<ProbeEdge>& edges) {
+std::string MotionControl::probeWords(const Observation& seen) {
   Current& current = *current_;
-  if (current.motion.probing) return;
+  const AxesState& state = seen.state;
+  if (current.motion.probing) return {};
   if (current.armed) {
     bool closed = state.probeClosed;
-    for (const ProbeEdge& edge : edges) closed = closed || (edge.closed && !edge.probing);
-    if (closed) force(Outcome::kTripped, tripWords(current));
-    return;
+    for (const ProbeEdge& edge : seen.edges) closed = closed || (edge.closed && !edge.probing);
+    return closed ? tripWords(current) : std::string();
   }
   if (!state.probeClosed) {
     if (!current.openSince) current.openSince = state.time;
     current.armed = state.time - *current.openSince >= settings_.settle;
-    return;
+    return {};
   }
   current.openSince.reset();
-  if (current.homing) return;  // with a probe that is broken, too, a machine must find its zero
-  const std::string stuck = stuckWords(current);
-  if (!stuck.empty()) force(Outcome::kTripped, stuck);
+  // With a probe that is broken, too, a machine must find its zero.
+  return current.homing ? std::string() : stuckWords(current);
 }
 
 // However many motions lead on from where the probe closed: what a surface lets go of opens within a short

@@ -13,7 +13,6 @@ namespace mm {
 namespace {
 
 constexpr double kLongestGap = 0.1;  // s: after a longer pause of the process the motion does not jump
-constexpr int kStopThreads = 4;      // each stop waits in one until the axes rest
 
 std::vector<std::vector<std::string>> stagesOf(const std::string& text) {
   std::vector<std::vector<std::string>> stages;
@@ -58,8 +57,8 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
       clock_(flagParameter(own, "clock", false)),
       controller_(std::move(controller)),
       control_(controller_, machine_, settings(own, clock_)),
-      stopSpinner_(kStopThreads, &stopQueue_),
-      emergencySpinner_(2, &emergencyQueue_),
+      holdSpinner_(1, &holdQueue_),
+      leaseSpinner_(1, &leaseQueue_),
       updater_(node, own, ros::this_node::getName()) {
   rate_ = numberParameter(own, "rate", 100.0, 1.0, 1000.0);
   linearSpeed_ = numberParameter(own, "linear_speed", 0.01, 1e-6, 10.0);
@@ -87,19 +86,33 @@ AxisDriver::AxisDriver(ros::NodeHandle node, ros::NodeHandle own, std::shared_pt
   moveServer_ = std::make_unique<MoveServer>(
       own, "move", [this](Goal goal) { takeGoal(goal); }, [this](Goal goal) { cancelGoal(goal); }, false);
   moveServer_->start();
+  homeServer_ = std::make_unique<HomeServer>(
+      own, "home", [this](HomeServer::GoalHandle goal) { takeHoming(goal); },
+      [this](HomeServer::GoalHandle) { homingCancelled_ = true; }, false);
+  homeServer_->start();
+  watchListeners(own);
   thread_ = std::thread([this] { run(); });
   mover_ = std::thread([this] { moveAll(); });
-  stopSpinner_.start();
-  emergencySpinner_.start();
+  homer_ = std::thread([this] { homeAll(); });
+  holdSpinner_.start();
+  leaseSpinner_.start();
+  stops_->begin();
 }
 
 AxisDriver::~AxisDriver() {
-  ending_ = true;
+  if (!control_.shutDown("the end of the driver"))
+    ROS_ERROR("the driver ends: stop was sent, but whether the axes rest is not known");
+  {
+    const std::lock_guard<std::mutex> lock(goals_);
+    ending_ = true;
+  }
   control_.end();
   asked_.notify_all();
-  stopSpinner_.stop();
-  emergencySpinner_.stop();
+  stops_.reset();
+  holdSpinner_.stop();
+  leaseSpinner_.stop();
   mover_.join();
+  homer_.join();
   thread_.join();
 }
 
@@ -130,9 +143,13 @@ ros::Time AxisDriver::stampOf(double controllerTime, double host) const {
 
 void AxisDriver::cycle(double elapsed) {
   try {
+    if (!clock_) control_.forbid(time_.look());
     const std::optional<MotionControl::Observation> seen =
         control_.cycle(elapsed, clock_ ? 0.0 : ros::Time::now().toSec());
     const MotionControl::View view = control_.view();
+    if (view.fault != faultSaid_ && view.lost.empty() && !view.fault.empty())
+      ROS_WARN("nothing moves: %s", view.fault.c_str());
+    faultSaid_ = view.fault;
     if (!view.lost.empty() && lostSaid_.empty()) ROS_ERROR("controller: %s", view.lost.c_str());
     if (view.lost.empty() && !lostSaid_.empty()) ROS_INFO("controller: answers again");
     lostSaid_ = view.lost;

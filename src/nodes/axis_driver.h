@@ -4,6 +4,7 @@
 #include <geometry_msgs/PointStamped.h>
 #include <measuring_machine/AxisStatus.h>
 #include <measuring_machine/BreakDevice.h>
+#include <measuring_machine/HomeAction.h>
 #include <measuring_machine/HomeAxes.h>
 #include <measuring_machine/MotionStatus.h>
 #include <measuring_machine/MoveAction.h>
@@ -24,6 +25,9 @@
 #include <thread>
 
 #include "drivers/motion_control.h"
+#include "nodes/listeners.h"
+#include "nodes/time_watch.h"
+#include "ros_bridge/direct_server.h"
 #include "session/travel_tracker.h"
 
 namespace mm {
@@ -31,9 +35,12 @@ namespace mm {
 /// One motion controller under ROS: publishes its state, takes goals, keeps the limits of the URDF.
 /// Topics: `joint_states`, `~status`, `~motion`, `~latch`, `~temperatures`, of a simulation also `~truth`
 /// (and
-/// `/clock` with the parameter `clock`). Action `~move`; services `~home`, `~home_axes`, `~stop`,
+/// `/clock` with the parameter `clock`). Actions `~move`, `~home`; services `~home`, `~home_axes`, `~stop`,
 /// `~emergency_stop`, `~hold`, `~resume`, `~override`, `~clear_alarm`, `~move_off_limit`, `~take`,
-/// `~break_device`. Stop and emergency stop have threads of their own that nothing else may occupy.
+/// `~break_device`. Stop and emergency stop have a port and threads of their own that nothing else may
+/// occupy. A motion ends when whoever asked for it no longer listens to `~move/status`, or does not renew its
+/// ticket
+/// (`~take`). Ends by stopping the axes.
 /// Parameters: `rate` (Hz), `linear_speed` (m/s), `rotary_speed` (rad/s), `temperature_rate` (Hz), `clock`
 /// (the simulation makes the time), `time_factor` (simulated seconds a second, with `clock`), `tolerance` (m)
 /// and `rotary_tolerance` (rad) of an arrival, `silence` (s until a controller without a new state is lost),
@@ -50,8 +57,8 @@ class AxisDriver {
  private:
   using MoveServer = actionlib::ActionServer<measuring_machine::MoveAction>;
   using Goal = MoveServer::GoalHandle;
+  using HomeServer = actionlib::ActionServer<measuring_machine::HomeAction>;
   using TriggerCall = ros::ServiceEvent<std_srvs::TriggerRequest, std_srvs::TriggerResponse>;
-  using SwitchCall = ros::ServiceEvent<std_srvs::SetBoolRequest, std_srvs::SetBoolResponse>;
   using HomeCall = ros::ServiceEvent<measuring_machine::HomeAxesRequest, measuring_machine::HomeAxesResponse>;
   using Take = measuring_machine::TakeMotion;
   struct Asked {  // a goal, and the stops there had been when it came
@@ -62,6 +69,7 @@ class AxisDriver {
 
   static MotionControl::Settings settings(const ros::NodeHandle& own, bool clock);
   void advertise(ros::NodeHandle own);
+  void watchListeners(ros::NodeHandle own);
 
   // The loop's thread.
   void run();
@@ -84,10 +92,15 @@ class AxisDriver {
   // Threads of actions and services.
   void takeGoal(Goal goal);
   void cancelGoal(Goal goal);
+  void takeHoming(HomeServer::GoalHandle goal);
+  void homeAll();
+  void executeHoming(HomeServer::GoalHandle goal);
+  Mover callerOf(const std::string& node);
+  Mover moverOf(const std::string& sender, std::uint64_t ticket);
   bool home(TriggerCall& call);
   bool homeAxes(HomeCall& call);
-  bool stop(TriggerCall& call);
-  bool emergencyStop(SwitchCall& call);
+  void stop(const std::string& caller, std_srvs::TriggerResponse& response);
+  void emergencyStop(const std::string& caller, bool on, std_srvs::SetBoolResponse& response);
   bool hold(TriggerCall& call, bool on);
   bool take(Take::Request& request, Take::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -104,10 +117,11 @@ class AxisDriver {
   // Of the loop's thread.
   MotionControl::Observation last_;
   ros::Time homedAt_, lastStamp_;
+  TimeWatch time_;
   std::vector<TravelTracker> trackers_;  // of each axis
   std::vector<bool> axisHomed_;          // by the last state
   std::vector<std::int8_t> travel_;      // of each axis: direction of its last motion; 0: none yet
-  std::string shown_, shownMotion_, lostSaid_, probeSaid_;  // as last published
+  std::string shown_, shownMotion_, lostSaid_, faultSaid_, probeSaid_;  // as last published
   ros::Time nextStatus_, nextMotion_, nextTemperature_;
   ros::WallTime nextDiagnostics_;
   std::atomic<std::uint64_t> cycles_{0}, late_{0};
@@ -116,17 +130,23 @@ class AxisDriver {
   std::mutex goals_;  // the goals and the feature
   std::condition_variable asked_;
   std::unique_ptr<Asked> next_, now_;
+  std::unique_ptr<HomeServer::GoalHandle> nextHoming_;
   bool cancelled_ = false;  // the goal that is under way
   std::string feature_;     // of the last goal that probes
 
   ros::Publisher jointsOut_, statusOut_, motionOut_, latchOut_, temperaturesOut_, truthOut_, clockOut_;
   std::vector<ros::ServiceServer> services_;
-  ros::CallbackQueue stopQueue_, emergencyQueue_;
-  ros::AsyncSpinner stopSpinner_, emergencySpinner_;
+  Listeners listeners_;  // to `~move/status` and `~home/status`: every client of the actions
+  std::vector<ros::Publisher> listening_;
+  ros::CallbackQueue holdQueue_, leaseQueue_;
+  ros::AsyncSpinner holdSpinner_, leaseSpinner_;
   diagnostic_updater::Updater updater_;
   std::unique_ptr<MoveServer> moveServer_;
+  std::unique_ptr<HomeServer> homeServer_;
+  std::atomic<bool> homes_{false}, homingCancelled_{false};
   std::atomic<bool> ending_{false};
-  std::thread thread_, mover_;
+  std::thread thread_, mover_, homer_;
+  std::unique_ptr<DirectServer> stops_;  // stop and emergency stop
 };
 
 }  // namespace mm

@@ -1,6 +1,7 @@
 #include <pluginlib/class_loader.hpp>
 
 #include "nodes/axis_driver.h"
+#include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 
 namespace {
@@ -35,7 +36,8 @@ int main(int argc, char** argv) {
     controller->open(mm::controllerSetup(machine, controllerParameters(own)));
     ros::AsyncSpinner spinner(4);
     mm::AxisDriver driver(node, own, controller, machine);
+    mm::endWhileRosLives();
     spinner.start();
-    ros::waitForShutdown();
+    mm::waitForEnd();
   });
 }

@@ -13,6 +13,7 @@ namespace {
 using MoveResult = measuring_machine::MoveResult;
 
 constexpr double kFeedbackPeriod = 0.05;  // s
+constexpr double kConnects = 0.05;        // s within which it is told that a client has connected
 
 // The name of the node that made a goal is the beginning of the goal's id, in roscpp and in rospy.
 std::string senderOf(const std::string& goalId) {
@@ -23,19 +24,25 @@ std::string senderOf(const std::string& goalId) {
 }  // namespace
 
 void AxisDriver::advertise(ros::NodeHandle own) {
-  ros::NodeHandle stopping(own), emergency(own);
-  stopping.setCallbackQueue(&stopQueue_);
-  emergency.setCallbackQueue(&emergencyQueue_);
-  services_.push_back(emergency.advertiseService("emergency_stop", &AxisDriver::emergencyStop, this));
-  services_.push_back(stopping.advertiseService("stop", &AxisDriver::stop, this));
-  services_.push_back(stopping.advertiseService<TriggerCall>(
+  ros::NodeHandle holding(own), lease(own);
+  holding.setCallbackQueue(&holdQueue_);
+  lease.setCallbackQueue(&leaseQueue_);
+  stops_ = std::make_unique<DirectServer>();
+  stops_->add<std_srvs::Trigger>(own.resolveName("stop"),
+                                 [this](const std::string& caller, const std_srvs::TriggerRequest&,
+                                        std_srvs::TriggerResponse& response) { stop(caller, response); });
+  stops_->add<std_srvs::SetBool>(
+      own.resolveName("emergency_stop"),
+      [this](const std::string& caller, const std_srvs::SetBoolRequest& request,
+             std_srvs::SetBoolResponse& response) { emergencyStop(caller, request.data, response); });
+  services_.push_back(holding.advertiseService<TriggerCall>(
       "hold", boost::function<bool(TriggerCall&)>([this](TriggerCall& call) { return hold(call, true); })));
-  services_.push_back(stopping.advertiseService<TriggerCall>(
+  services_.push_back(holding.advertiseService<TriggerCall>(
       "resume",
       boost::function<bool(TriggerCall&)>([this](TriggerCall& call) { return hold(call, false); })));
   services_.push_back(own.advertiseService("home", &AxisDriver::home, this));
   services_.push_back(own.advertiseService("home_axes", &AxisDriver::homeAxes, this));
-  services_.push_back(own.advertiseService("take", &AxisDriver::take, this));
+  services_.push_back(lease.advertiseService("take", &AxisDriver::take, this));
   services_.push_back(
       own.advertiseService<measuring_machine::SetOverrideRequest, measuring_machine::SetOverrideResponse>(
           "override", [this](measuring_machine::SetOverrideRequest& request,
@@ -54,7 +61,7 @@ void AxisDriver::advertise(ros::NodeHandle own) {
   services_.push_back(own.advertiseService<std_srvs::TriggerRequest, std_srvs::TriggerResponse>(
       "move_off_limit", [this](std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
         answer(response, [&] {
-          control_.moveOffLimit({"~move_off_limit", 0});
+          control_.moveOffLimit({"~move_off_limit"});
           response.message = "off the limit";
         });
         return true;
@@ -66,6 +73,86 @@ void AxisDriver::advertise(ros::NodeHandle own) {
             answer(response, [&] { control_.breakDevice(request.fault); });
             return true;
           }));
+}
+
+// Beside what the action's server publishes there: who comes and goes. A client that was killed goes with its
+// connection; of the topics that it publishes roscpp would look for it again and again.
+void AxisDriver::watchListeners(ros::NodeHandle own) {
+  own.setCallbackQueue(&leaseQueue_);
+  for (const char* topic : {"move/status", "home/status"})
+    listening_.push_back(own.advertise<actionlib_msgs::GoalStatusArray>(
+        topic, 50,
+        [this](const ros::SingleSubscriberPublisher& client) { listeners_.came(client.getSubscriberName()); },
+        [this](const ros::SingleSubscriberPublisher& client) { listeners_.left(client.getSubscriberName()); },
+        ros::VoidConstPtr(), true));
+}
+
+// A client that has heard the status is connected, though it may not have been told here yet.
+Mover AxisDriver::moverOf(const std::string& sender, std::uint64_t ticket) {
+  listeners_.await(sender, kConnects);
+  return {
+      sender, ticket, [this, sender]() -> std::string {
+        if (listeners_.listens(sender)) return {};
+        return "'" + sender +
+               "', which asked for the motion, does not listen to its action's status (any more); a motion "
+               "ends with whoever asked for it";
+      }};
+}
+
+// Of a service's caller nobody knows whether it is still there, unless it is a client of the actions, too.
+Mover AxisDriver::callerOf(const std::string& node) {
+  return listeners_.listens(node) ? moverOf(node, 0) : Mover{node};
+}
+
+void AxisDriver::takeHoming(HomeServer::GoalHandle goal) {
+  {
+    const std::lock_guard<std::mutex> lock(goals_);
+    if (homes_.exchange(true)) return goal.setRejected({}, "homing is under way; wait until it has ended");
+    homingCancelled_ = false;
+    goal.setAccepted();
+    nextHoming_ = std::make_unique<HomeServer::GoalHandle>(goal);
+  }
+  asked_.notify_all();
+}
+
+void AxisDriver::homeAll() {
+  while (!ending_) {
+    std::unique_ptr<HomeServer::GoalHandle> goal;
+    {
+      std::unique_lock<std::mutex> lock(goals_);
+      asked_.wait(lock, [&] { return ending_ || nextHoming_; });
+      if (ending_) return;
+      goal = std::move(nextHoming_);
+    }
+    executeHoming(*goal);
+  }
+}
+
+void AxisDriver::executeHoming(HomeServer::GoalHandle goal) {
+  measuring_machine::HomeResult result;
+  measuring_machine::HomeFeedback told;
+  const auto watch = [&](const AxesState& state) {
+    measuring_machine::HomeFeedback homed;
+    for (std::size_t j = 0; j < control_.axes().size(); ++j)
+      if (state.axisHomed[j]) homed.homed.push_back(control_.axes()[j]);
+    if (homed.homed != told.homed) goal.publishFeedback(homed);
+    told = homed;
+    return !homingCancelled_;
+  };
+  try {
+    const std::string sender = senderOf(goal.getGoalID().id);
+    control_.home(goal.getGoal()->name, moverOf(sender, 0), watch);
+    result.message = control_.view().state.homed ? "homed" : "homed; other axes are not";
+    homes_ = false;  // before the result: it may be answered with the next goal at once
+    goal.setSucceeded(result, result.message);
+  } catch (const std::exception& e) {
+    result.message = e.what();
+    homes_ = false;
+    if (homingCancelled_)
+      goal.setCanceled(result, result.message);
+    else
+      goal.setAborted(result, result.message);
+  }
 }
 
 AxesMotion AxisDriver::motionOf(const measuring_machine::MoveGoal& goal) const {
@@ -211,7 +298,7 @@ void AxisDriver::execute(const Asked& asked) {
       return true;
     };
     const MotionControl::Report report =
-        control_.move(motion, {asked.sender, goal->ticket}, asked.stops, watch);
+        control_.move(motion, moverOf(asked.sender, goal->ticket), asked.stops, watch);
     result.outcome = static_cast<std::uint8_t>(report.outcome);
     result.tripped = motion.probing && report.outcome == Outcome::kTripped;
     result.message = report.message;
@@ -230,7 +317,7 @@ void AxisDriver::execute(const Asked& asked) {
 bool AxisDriver::home(TriggerCall& call) {
   auto& response = call.getResponse();
   answer(response, [&] {
-    control_.home({}, {call.getCallerName(), 0});
+    control_.home({}, callerOf(call.getCallerName()));
     response.message = "homed";
   });
   return true;
@@ -239,38 +326,33 @@ bool AxisDriver::home(TriggerCall& call) {
 bool AxisDriver::homeAxes(HomeCall& call) {
   auto& response = call.getResponse();
   answer(response, [&] {
-    control_.home(call.getRequest().name, {call.getCallerName(), 0});
+    control_.home(call.getRequest().name, callerOf(call.getCallerName()));
     response.message = control_.view().state.homed ? "homed" : "homed; other axes are not";
   });
   return true;
 }
 
-bool AxisDriver::stop(TriggerCall& call) {
-  auto& response = call.getResponse();
+void AxisDriver::stop(const std::string& caller, std_srvs::TriggerResponse& response) {
   answer(response, [&] {
-    control_.stop(call.getCallerName());
+    control_.stop(caller);
     response.message = "stopped: the axes rest";
   });
-  return true;
 }
 
-bool AxisDriver::emergencyStop(SwitchCall& call) {
-  auto& response = call.getResponse();
+void AxisDriver::emergencyStop(const std::string& caller, bool on, std_srvs::SetBoolResponse& response) {
   answer(response, [&] {
-    if (!call.getRequest().data) {
-      // At most one at a time, so that the other thread is free for an emergency stop.
+    if (!on) {
       const std::unique_lock<std::mutex> alone(reset_, std::try_to_lock);
       if (!alone.owns_lock()) throw Error("a reset is under way");
       control_.resetEmergencyStop();
       response.message = "reset; home again";
       return;
     }
-    const std::string failed = control_.emergencyStop(call.getCallerName());
+    const std::string failed = control_.emergencyStop(caller);
     if (!failed.empty())
       throw Error("the emergency stop did not reach the controller: " + failed + "; use its button");
     response.message = "emergency stop";
   });
-  return true;
 }
 
 bool AxisDriver::hold(TriggerCall& call, bool on) {
@@ -283,6 +365,11 @@ bool AxisDriver::hold(TriggerCall& call, bool on) {
 }
 
 bool AxisDriver::take(Take::Request& request, Take::Response& response) {
+  const struct Count {  // after the ticket was taken, or was found to be taken away
+    MotionControl& control;
+    Take::Response& response;
+    ~Count() { response.stops = control.stops(); }
+  } count{control_, response};
   answer(response, [&] {
     if (request.seconds == 0.0) {
       control_.owner().give(request.ticket);

@@ -1,6 +1,4 @@
 // The axes as a plan has them: whose they are, and one motion.
-#include <measuring_machine/TakeMotion.h>
-
 #include "base/error.h"
 #include "drivers/motion_control.h"
 #include "nodes/measure_node.h"
@@ -8,7 +6,9 @@
 namespace mm {
 namespace {
 
-constexpr double kTicket = 5.0;       // s that the axes are taken for
+constexpr double kLease = 0.5;                                   // s that the axes are taken for
+constexpr double kFirstAnswer = 3.0;                             // s for the first answer on a new connection
+constexpr std::chrono::milliseconds kRenewal(100), kIdle(1000);  // between renewals; between plans
 constexpr double kRecovery = 10.0;    // s within which a controller must answer again
 const ros::WallDuration kLook(0.02);  // s between looks at it
 const char* const kDriverGone = "the axis driver has gone; home again, then go on from this move";
@@ -16,39 +16,90 @@ const char* const kDriverGone = "the axis driver has gone; home again, then go o
 }  // namespace
 
 void MeasureNode::takeAxes(const std::string& plan) {
-  measuring_machine::TakeMotion take;
-  take.request.owner = ros::this_node::getName() + " (" + plan + ")";
   lost_ = 0;
-  take.request.seconds = kTicket;
+  owner_ = ros::this_node::getName() + " (" + plan + ")";
   {
     std::unique_lock<std::mutex> lock(mutex_);
     contact_.wait_for(lock, std::chrono::seconds(5), [this] { return motion_.has_value(); });
     if (!motion_) throw Error(kDriverGone);
-    stopsBefore_ = motion_->stops;
     lostTicket_.clear();
+    lapse_.clear();
   }
-  if (!take_.call(take)) throw Error(kDriverGone);
-  if (!take.response.success) throw Error(take.response.message);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  ticket_ = take.response.ticket;
+  stopsBefore_ = takeTicket();
 }
 
-void MeasureNode::renew() {
+/// @return the stops until then. @throw Error
+std::uint32_t MeasureNode::takeTicket() {
   measuring_machine::TakeMotion take;
+  take.request.owner = owner_;
+  take.request.seconds = kLease;
+  if (!take_.connect() || !take_.call(take, kFirstAnswer)) throw Error(kDriverGone);
+  if (!take.response.success) throw Error(take.response.message);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    take.request.ticket = ticket_;
+    lapse_.clear();
+    ticket_ = take.response.ticket;
   }
-  if (take.request.ticket == 0) return;
-  take.request.owner = ros::this_node::getName();
-  take.request.seconds = kTicket;
-  const bool answered = take_.call(take);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!answered || take.response.success || ticket_ != take.request.ticket) return;
-  lostTicket_ = take.response.message;
   contact_.notify_all();
+  return take.response.stops;
 }
 
+// A computer that was busy does not end a plan of hours: its motion was stopped, and it goes on with a new
+// lease. After a stop there is none.
+void MeasureNode::keepLease() {
+  std::string lapse;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    lapse = lapse_;
+  }
+  if (lapse.empty()) return;
+  if (++lost_ > retries_) throw Error("the plan was ended: " + lapse);
+  ROS_WARN("axes: %s; they are taken again (%d of %d)", lapse.c_str(), lost_, retries_);
+  if (takeTicket() != stopsBefore_) throw Error("the plan was ended: the axes were stopped");
+}
+
+void MeasureNode::renewAll() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!over_) {
+    contact_.wait(lock, [this] { return over_ || (ticket_ != 0 && lostTicket_.empty() && lapse_.empty()); });
+    contact_.wait_for(lock, kRenewal, [this] { return over_.load(); });
+    const std::uint64_t ticket = ticket_;
+    if (ticket == 0) continue;
+    if (left()) {
+      lostTicket_ = "whoever began it has not renewed it in time";
+      lock.unlock();
+      giveAxes();
+      lock.lock();
+    } else {
+      lock.unlock();
+      renew(ticket);
+      lock.lock();
+    }
+    contact_.notify_all();
+  }
+}
+
+// With `mutex_` held.
+bool MeasureNode::left() const {
+  return lease_ > 0.0 && Wall::now() - renewed_ > std::chrono::duration<double>(lease_);
+}
+
+void MeasureNode::renew(std::uint64_t ticket) {
+  measuring_machine::TakeMotion take;
+  take.request.ticket = ticket;
+  take.request.owner = owner_;
+  take.request.seconds = kLease;
+  const bool answered = take_.call(take, kLease);
+  if (answered && take.response.success) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (ticket_ != ticket) return;
+  if (!answered)
+    lapse_ = "the axis driver has not answered to the renewal of the lease";
+  else
+    (take.response.stops == stopsBefore_ ? lapse_ : lostTicket_) = take.response.message;
+}
+
+// On the connection of the lease: a motion under way stops with it.
 void MeasureNode::giveAxes() {
   measuring_machine::TakeMotion give;
   {
@@ -56,20 +107,27 @@ void MeasureNode::giveAxes() {
     give.request.ticket = ticket_;
     ticket_ = 0;
   }
-  give.request.owner = ros::this_node::getName();
-  take_.call(give);
+  if (give.request.ticket == 0) return;
+  give.request.owner = owner_;
+  take_.call(give, kLease);
 }
 
 // Whoever cancels does not want the tip to stay on the ball: what leaves a surface is not cancelled, only
 // stopped.
-bool MeasureNode::cancelAsked() { return !ros::ok() || (cancel_ && !leaving_); }
+bool MeasureNode::cancelAsked() { return !ros::ok() || ending_ || (cancel_ && !leaving_); }
 
 void MeasureNode::goOn() {
   if (cancelAsked()) throw Cancelled("cancelled");
   const std::lock_guard<std::mutex> lock(mutex_);
   if (motion_ && motion_->stops != stopsBefore_)
     throw Error("the plan was ended: stopped by " + motion_->stopped_by);
+  requireLease();
+}
+
+// With `mutex_` held: what is sent without a ticket is another's motion.
+void MeasureNode::requireLease() {
   if (!lostTicket_.empty()) throw Error("the plan was ended: " + lostTicket_);
+  if (ticket_ == 0) throw Cancelled("cancelled");
 }
 
 // After backing off the probe opens; what stays closed sticks, or stands in something.
@@ -98,8 +156,10 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   goal.rotary_speed = plan.rapidRotary;
   goal.feature = feature;
   goOn();
+  keepLease();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    requireLease();
     goal.ticket = ticket_;
   }
   axes_.send(goal);
@@ -114,18 +174,28 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   }
   const auto [state, result] = axes_.end();
   // A touch that came before the cancel counts, and the tip leaves the ball before the plan ends.
-  const bool touched = kind == measuring_machine::MoveGoal::PROBE && result.tripped && ros::ok();
+  const bool touched = kind == measuring_machine::MoveGoal::PROBE && result.tripped && ros::ok() && !ending_;
   if (cancelAsked() && !touched) throw Cancelled("cancelled");
   if (state == actionlib::TerminalState::SUCCEEDED) {
     lost_ = 0;
     return result.tripped;
   }
   if (state == actionlib::TerminalState::LOST || !axes_.isServerConnected()) throw Error(kDriverGone);
+  bool lapsed = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    requireLease();
+    lapsed = !lapse_.empty();
+  }
+  // The axes rest where they were stopped. A way is gone again; a probing motion begins from its approach.
+  const auto again = [&] {
+    return kind == measuring_machine::MoveGoal::GO && drive(plan, kind, position, speed, feature);
+  };
+  if (lapsed) return again();
   if (unsettled(kind, result)) throw UnsettledProbe("axes: " + state.getText());
   if (!lostController(result.outcome) || !answersAgain(state.getText()))
     throw Error("axes: " + state.getText());
-  // The axes rest where they were stopped. A way is gone again; a probing motion begins from its approach.
-  return kind == measuring_machine::MoveGoal::GO && drive(plan, kind, position, speed, feature);
+  return again();
 }
 
 // The last motion: the probe closed on the way out of a surface, or was closed as a probing motion was to

@@ -1,4 +1,5 @@
 #include "nodes/measure_node.h"
+#include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 
 int main(int argc, char** argv) {
@@ -6,7 +7,8 @@ int main(int argc, char** argv) {
     ros::NodeHandle node, own("~");
     ros::AsyncSpinner spinner(3);
     const mm::MeasureNode measure(node, own, mm::machineFromParameter(node));
+    mm::endWhileRosLives();
     spinner.start();
-    ros::waitForShutdown();
+    mm::waitForEnd();
   });
 }

@@ -1,6 +1,5 @@
 #include "nodes/measure_node.h"
 
-#include <measuring_machine/TakeMotion.h>
 #include <std_msgs/String.h>
 
 #include <chrono>
@@ -17,13 +16,12 @@ namespace {
 
 const ros::WallDuration kShortWait(0.02);  // s between looks at pause and cancel
 
-constexpr double kRenewal = 1.0;  // s between renewals
-
 }  // namespace
 
 MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine)
     : machine_(machine),
       prefix_(framePrefix(own)),
+      take_(node, "axis_driver/take"),
       updater_(node, own, ros::this_node::getName()),
       axes_(node, "axis_driver/move",
             [this] {
@@ -39,7 +37,6 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
   giveUp_ = static_cast<int>(numberParameter(own, "give_up", 3, 1, 1000));
   contactTimeout_ = numberParameter(own, "contact_timeout", 1.0, 0.01, 100.0);
   releaseTimeout_ = numberParameter(own, "release_timeout", 2.0, 0.01, 100.0);
-  take_ = node.serviceClient<measuring_machine::TakeMotion>("axis_driver/take");
   statusIn_ = node.subscribe<measuring_machine::AxisStatus>(
       "axis_driver/status", 100, [this](const measuring_machine::AxisStatusConstPtr& message) {
         {
@@ -56,8 +53,6 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
         }
         contact_.notify_all();
       });
-  renewal_ =
-      node.createWallTimer(ros::WallDuration(kRenewal), [this](const ros::WallTimerEvent&) { renew(); });
   artifactOut_ = node.advertise<measuring_machine::Artifact>("artifact", 10, true);
   measuredOut_ = own.advertise<measuring_machine::Measured>("measured", 10, true);
   descriptionOut_ = node.advertise<std_msgs::String>("robot_description", 10, true);
@@ -76,12 +71,34 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
         response.message = paused_ ? "pauses after the move that is under way" : "continues";
         return true;
       });
+  renewIn_ = own.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
+      "renew", [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        renewed_ = Wall::now();
+        response.success = true;
+        return true;
+      });
   updater_.setHardwareID("measure");
   updater_.add("plan", this, &MeasureNode::diagnose);
   timer_ =
       node.createWallTimer(ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { updater_.update(); });
   server_.registerPreemptCallback([this] { cancel_ = true; });
+  renewer_ = std::thread([this] { renewAll(); });
   server_.start();
+}
+
+// The axes stop with the lease, before anything else ends.
+MeasureNode::~MeasureNode() {
+  ending_ = true;
+  giveAxes();
+  contact_.notify_all();
+  server_.shutdown();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    over_ = true;
+  }
+  contact_.notify_all();
+  renewer_.join();
 }
 
 void MeasureNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -174,6 +191,13 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
     sayBlockedWays(plan);
     if (!axes_.waitForServer(ros::Duration(5.0)))
       throw Error("the axis driver does not answer; is the node axis_driver running?");
+    if (!(goal->lease == 0.0 || (goal->lease >= 0.1 && goal->lease <= 60.0)))
+      throw InputError("'lease' is " + std::to_string(goal->lease) + "; it must be 0, or from 0.1 to 60");
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      lease_ = goal->lease;
+      renewed_ = Wall::now();
+    }
     takeAxes(plan.name.empty() ? plan.source : plan.name);
     struct Give {
       MeasureNode& node;

@@ -7,32 +7,42 @@
 #include <measuring_machine/MotionStatus.h>
 #include <measuring_machine/MoveAction.h>
 #include <measuring_machine/ProbeContact.h>
+#include <measuring_machine/TakeMotion.h>
 #include <ros/ros.h>
 #include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
 
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <thread>
 
 #include "base/error.h"
 #include "machine/machine.h"
 #include "nodes/action_call.h"
+#include "nodes/persistent_call.h"
 #include "session/plan.h"
 
 namespace mm {
 
-/// Runs a measurement plan on the axis and probe nodes. Action `~run`; service `~pause`. Publishes the plan's
-/// `artifact` and `robot_description`, latched: with them a session begins; `~measured`, its contacts so far.
-/// Owns the axes while it runs: a stop takes its ticket away, and so ends the plan wherever it is.
-/// A touch that brings no contact is tried again, and set aside when none comes; how often is said at the
-/// end. Parameters: `retries` of a touch, `give_up` (misses in a row that end the plan), `contact_timeout` (s
-/// between a trip and its contact), `release_timeout` (s for the probe to open after it was backed off).
+/// Runs a measurement plan on the axis and probe nodes. Action `~run`; services `~pause`, `~renew`. Publishes
+/// the plan's `artifact` and `robot_description`, latched: with them a session begins; `~measured`, its
+/// contacts so far. Owns the axes while it runs, by a lease that it renews on a connection of its own: a stop
+/// takes it away, and so ends the plan wherever it is; what ends this node, or the one whose lease the plan
+/// is, stops the axes. A touch that brings no contact is tried again, and set aside when none comes; how
+/// often is said at the end. Parameters: `retries` of a touch, `give_up` (misses in a row that end the plan),
+/// `contact_timeout` (s between a trip and its contact), `release_timeout` (s for the probe to open after it
+/// was backed off).
 class MeasureNode {
  public:
   MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
+  ~MeasureNode();
+  MeasureNode(const MeasureNode&) = delete;
+  MeasureNode& operator=(const MeasureNode&) = delete;
 
  private:
+  using Wall = std::chrono::steady_clock;
   using Server = actionlib::SimpleActionServer<measuring_machine::MeasureAction>;
   /// The probe closed where it had to be open, but not for long: a switch that chatters.
   class UnsettledProbe : public Error {
@@ -58,7 +68,12 @@ class MeasureNode {
   bool answersAgain(const std::string& why);
   bool waitForArrival(double wallSeconds);
   void takeAxes(const std::string& plan);
-  void renew();
+  void renewAll();  // the thread of the lease
+  void renew(std::uint64_t ticket);
+  std::uint32_t takeTicket();
+  void keepLease();
+  bool left() const;
+  void requireLease();
   void giveAxes();
   /// Ends the plan when it was cancelled, or the axes were stopped. @throw Cancelled, Error
   void goOn();
@@ -92,18 +107,21 @@ class MeasureNode {
   ros::Time announced_;              // the stamp of the session
   std::string announcedPlan_;        // its text
   std::mutex mutex_;
-  std::condition_variable contact_;  // or arrival
-  std::uint64_t contacts_ = 0;       // seen on /probe/contact
-  std::uint64_t ticket_ = 0;         // of the axes; 0: none
-  std::uint32_t stopsBefore_ = 0;    // when the ticket was taken
-  std::string lostTicket_;           // why the ticket was not renewed
+  std::condition_variable contact_;            // or arrival
+  std::uint64_t contacts_ = 0;                 // seen on /probe/contact
+  std::uint64_t ticket_ = 0;                   // of the axes; 0: none
+  std::atomic<std::uint32_t> stopsBefore_{0};  // when the ticket was taken
+  std::string owner_;                          // this node and its plan, for people
+  std::string lostTicket_;    // why the ticket was taken away, or the plan left alone: the plan ends
+  std::string lapse_;         // why the ticket was not renewed: another may be taken
+  double lease_ = 0.0;        // s within which whoever began the plan renews it; 0: he need not
+  Wall::time_point renewed_;  // by him
   measuring_machine::AxisStatus status_;
   std::optional<measuring_machine::MotionStatus> motion_;
   ros::Publisher artifactOut_, descriptionOut_, measuredOut_;
   ros::Subscriber contactIn_, statusIn_, motionIn_;
-  ros::ServiceClient take_;
-  ros::WallTimer renewal_;
-  ros::ServiceServer pause_;
+  PersistentCall<measuring_machine::TakeMotion> take_;
+  ros::ServiceServer pause_, renewIn_;
   std::mutex saidMutex_;
   std::string said_;         // how the last plan ended
   std::string blockedWays_;  // of the plan under way: ways through a ball
@@ -113,6 +131,8 @@ class MeasureNode {
   ros::WallTimer timer_;
   ActionCall<measuring_machine::MoveAction> axes_;
   Server server_;
+  std::atomic<bool> ending_{false}, over_{false};
+  std::thread renewer_;
 };
 
 }  // namespace mm

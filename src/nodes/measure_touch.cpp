@@ -50,7 +50,7 @@ bool MeasureNode::touch(const Plan& plan, const PlanMove& move) {
   } catch (const UnsettledProbe& e) {  // closed for a moment, as it was about to begin
     ROS_WARN("touch of line %d: %s", move.line, e.what());
   } catch (const Cancelled&) {
-    if (ros::ok() && touches()) leave(plan, move);
+    if (ros::ok() && !ending_ && touches()) leave(plan, move);
     throw;
   }
   if (contact) countContact();

@@ -3,7 +3,6 @@
 #include <measuring_machine/Promote.h>
 #include <measuring_machine/Rollback.h>
 #include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 #include <tf2_eigen/tf2_eigen.h>
 
 #include <cmath>
@@ -15,9 +14,13 @@
 namespace mm {
 namespace {
 
-constexpr double kStanding = 1e-6;    // m/s, rad/s: slower is standing
-constexpr double kStillMoving = 0.3;  // s after the last state that moved
-constexpr double kFrameKept = 1.0;    // s: an older frame is no longer told
+constexpr double kStanding = 1e-6;     // m/s, rad/s: slower is standing
+constexpr double kStillMoving = 0.3;   // s after the last state that moved
+constexpr double kFrameKept = 1.0;     // s: an older frame is no longer told
+constexpr double kLease = 0.5;         // s: a plan that is not renewed for so long ends
+constexpr double kStopAnswers = 10.0;  // s for the axes to rest
+const ros::WallDuration kRenewal(0.1);
+constexpr std::chrono::milliseconds kConnect(500);  // between looks at the connection to stop
 constexpr std::size_t kMostContacts = 100000;
 
 /// Waits on the wall's clock: that of ROS may stand still. @return whether it came true.
@@ -48,7 +51,10 @@ RosMachine::RosMachine(ros::NodeHandle node, const Machine& machine, std::string
       prefix_(std::move(prefix)),
       live_(node),
       readings_(static_cast<std::size_t>(machine.jointCount()), kNotMeasured),
-      measure_(node, "measure/run") {
+      measure_(node, "measure/run"),
+      home_(node, "axis_driver/home"),
+      stop_(node, "axis_driver/stop"),
+      renew_(node, "measure/renew") {
   const ros::TransportHints quick = ros::TransportHints().tcpNoDelay();
   // of joint states the latest counts: one waits, and newer ones take its place
   subscribers_.push_back(node_.subscribe("joint_states", 1, &RosMachine::takeJoints, this, quick));
@@ -155,9 +161,19 @@ std::string RosMachine::rollback(const std::string& id) {
 }
 
 std::string RosMachine::home() {
-  std_srvs::Trigger service;
-  const std::string message = ask(node_, "axis_driver/home", service);
-  return message.empty() ? "homed" : message;
+  if (!awaitWall(3.0, [&] { return home_.isServerConnected(); }))
+    throw InputError(node_.resolveName("axis_driver/home") +
+                     " is not there; is the node axis_driver running?");
+  home_.send({});
+  while (ros::ok() && !home_.ended()) {
+    ros::WallDuration(0.02).sleep();
+    if (home_.isServerConnected()) continue;
+    home_.forget();
+    throw InputError("the node axis_driver has gone while it homed");
+  }
+  const auto end = home_.end();
+  if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
+  throw InputError(end.result.message.empty() ? end.state.getText() : end.result.message);
 }
 
 std::string RosMachine::pause(bool yes) {
@@ -169,8 +185,10 @@ std::string RosMachine::pause(bool yes) {
 std::string RosMachine::run(const std::string& yaml, const std::function<bool()>& cancelled) {
   if (!awaitWall(3.0, [&] { return measure_.isServerConnected(); }))
     throw InputError(node_.resolveName("measure/run") + " is not there; is the node measure running?");
+  if (!renew_.connect()) throw InputError(node_.resolveName("measure/renew") + " is not there");
   measuring_machine::MeasureGoal goal;
   goal.plan = yaml;
+  goal.lease = kLease;
   measure_.send(goal, [this](const measuring_machine::MeasureFeedback& feedback) {
     const std::lock_guard<std::mutex> lock(mutex_);
     measuring_ = "move " + std::to_string(feedback.move + 1) + " of " + std::to_string(feedback.moves) +
@@ -181,8 +199,9 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
   });
   bool asked = false, gone = false;
   while (ros::ok() && !gone && !measure_.ended()) {
-    ros::WallDuration(0.05).sleep();
-    gone = !measure_.isServerConnected();
+    kRenewal.sleep();
+    std_srvs::Trigger renewal;
+    gone = !renew_.call(renewal, kLease) || !measure_.isServerConnected();
     if (asked || !cancelled()) continue;
     measure_.cancel();
     asked = true;
@@ -194,7 +213,10 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
   }
   if (gone) {
     measure_.forget();
-    throw InputError("the node measure has gone; what it measured is in the bag, run the plan again");
+    stop();
+    throw InputError(
+        "the node measure has gone, the machine is stopped; what it measured is in the bag, run the plan "
+        "again");
   }
   const auto end = measure_.end();
   if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
@@ -211,22 +233,31 @@ void RosMachine::stop() {
   wake_.notify_all();
 }
 
+std::string RosMachine::deaf() {
+  return stop_.connected() ? "" : node_.resolveName("axis_driver/stop") + " is not connected";
+}
+
 void RosMachine::serveStops() {
   std::unique_lock<std::mutex> lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [this] { return stopAsked_ || ending_; });
-    if (!stopAsked_) return;
+    wake_.wait_for(lock, kConnect, [this] { return stopAsked_ || ending_; });
+    if (!stopAsked_ && ending_) return;
+    const bool asked = stopAsked_;
     stopAsked_ = false;
     lock.unlock();
-    try {
-      measure_.cancelAll();
-      std_srvs::Trigger service;
-      ask(node_, "axis_driver/stop", service);
-    } catch (const std::exception& e) {
-      ROS_ERROR("workbench: stop: %s", e.what());
-    }
+    if (asked) sendStop();
+    stop_.connect();
     lock.lock();
   }
+}
+
+void RosMachine::sendStop() {
+  measure_.cancelAll();
+  std_srvs::Trigger service;
+  if (!stop_.call(service, kStopAnswers) && !(stop_.connect() && stop_.call(service, kStopAnswers)))
+    ROS_ERROR("workbench: stop: %s did not answer", node_.resolveName("axis_driver/stop").c_str());
+  else if (!service.response.success)
+    ROS_ERROR("workbench: stop: %s", service.response.message.c_str());
 }
 
 }  // namespace mm

@@ -2,10 +2,12 @@
 #include <measuring_machine/Artifact.h>
 #include <measuring_machine/AxisStatus.h>
 #include <measuring_machine/CompensationStatus.h>
+#include <measuring_machine/HomeAction.h>
 #include <measuring_machine/MeasureAction.h>
 #include <measuring_machine/ProbeContact.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
+#include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <condition_variable>
@@ -15,14 +17,17 @@
 #include <vector>
 
 #include "nodes/action_call.h"
+#include "nodes/persistent_call.h"
 #include "ros_bridge/live_session.h"
 #include "workbench/live_machine.h"
 
 namespace mm {
 
 /// The machine behind the other nodes, as the workbench sees it: joint states, corrected frames and the live
-/// session by their topics; everything that changes something by the services that are there for everybody.
-/// Needs several threads.
+/// session by their topics; everything that changes something by the services and actions that are there for
+/// everybody. What moves lives by this object: homing by its connection, a plan by its renewals. The
+/// connection to the driver's stop is open all the time, so that no stop needs the master. Needs several
+/// threads.
 class RosMachine : public LiveMachine {
  public:
   /// @param prefix of the frames' names.
@@ -39,6 +44,7 @@ class RosMachine : public LiveMachine {
   std::string home() override;
   std::string run(const std::string& yaml, const std::function<bool()>& cancelled) override;
   std::string pause(bool yes) override;
+  std::string deaf() override;
   void stop() override;
 
  private:
@@ -55,6 +61,7 @@ class RosMachine : public LiveMachine {
   void takeContact(const measuring_machine::ProbeContactConstPtr& message);
   void takeArtifact(const measuring_machine::ArtifactConstPtr& message);
   void serveStops();
+  void sendStop();
 
   ros::NodeHandle node_;
   Machine machine_;
@@ -76,6 +83,8 @@ class RosMachine : public LiveMachine {
 
   std::vector<ros::Subscriber> subscribers_;
   ActionCall<measuring_machine::MeasureAction> measure_;
+  ActionCall<measuring_machine::HomeAction> home_;
+  PersistentCall<std_srvs::Trigger> stop_, renew_;
   std::thread stopper_;  // a call of a service takes time, and a stop must not wait for the page
 };
 

@@ -1,15 +1,13 @@
 #include <ros/console.h>
-#include <ros/network.h>
-#include <ros/xmlrpc_manager.h>
 
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <sstream>
 
 #include "nodes/ros_machine.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/effect_plugins.h"
+#include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 #include "ros_bridge/package_folder.h"
 #include "workbench/access.h"
@@ -29,26 +27,6 @@ mm::BenchSources sources() {
   sources.spaceOf = [space](const std::filesystem::path& bag) { return mm::bagSpace(bag, space); };
   sources.packageFolder = mm::packageFolder;
   return sources;
-}
-
-volatile std::sig_atomic_t endAsked = 0;
-
-void askForEnd(int /*signal*/) { endAsked = 1; }
-
-/// From here on Ctrl-C, SIGTERM and `rosnode kill` only ask for the end. A machine that moves is stopped by
-/// a service, and none is answered any more when ROS has been shut down.
-void endWhileRosLives() {
-  struct sigaction ours {};
-  ours.sa_handler = askForEnd;
-  sigemptyset(&ours.sa_mask);
-  sigaction(SIGINT, &ours, nullptr);
-  sigaction(SIGTERM, &ours, nullptr);
-  ros::XMLRPCManager::instance()->unbind("shutdown");
-  ros::XMLRPCManager::instance()->bind("shutdown",
-                                       [](XmlRpc::XmlRpcValue& /*request*/, XmlRpc::XmlRpcValue& answer) {
-                                         endAsked = 1;
-                                         answer = ros::xmlrpc::responseInt(1, "", 0);
-                                       });
 }
 
 /// `~port`, `~address`, `~hosts` (separated by spaces), `~store`, `~threads`, `~bag` (a recorded session to
@@ -77,14 +55,14 @@ void serve() {
   listen.token = mm::newToken();
   mm::Bench bench(options, sources(), listen.token, &live);
   bench.begin();
-  endWhileRosLives();
+  mm::endWhileRosLives();
   mm::Server server(listen, bench);
   bench.onNews([&server] { server.wake(); });
   own.setParam("url", server.url());
   ROS_INFO("workbench: %s", server.url().c_str());
   if (mm::flagParameter(own, "open", false) && !mm::openBrowser(server.url()))
     ROS_WARN("no browser could be opened; open the address above yourself");
-  while (endAsked == 0 && ros::ok()) ros::WallDuration(0.05).sleep();
+  mm::waitForEnd();
   bench.onNews({});
 }
 

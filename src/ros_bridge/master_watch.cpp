@@ -1,6 +1,5 @@
 #include "ros_bridge/master_watch.h"
 
-#include <ros/connection_manager.h>
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/network.h>
@@ -99,7 +98,7 @@ void MasterWatch::look() {
     master_ = pid;
   }
   const bool same = pid == master_ && call("lookupNode", self, "", "", answer) &&
-                    (services_.empty() || call("lookupService", *services_.begin(), "", "", answer));
+                    (services_.empty() || call("lookupService", services_.begin()->first, "", "", answer));
   if (!same) {
     away_ = false;
     if (registerAgain()) master_ = pid;
@@ -117,10 +116,13 @@ void MasterWatch::remember() {
   const std::string self = ros::this_node::getName();
   XmlRpc::XmlRpcValue state;
   if (call("getSystemState", "", "", "", state) && state.size() == 3) {
-    std::set<std::string> services;
-    for (int i = 0; i < state[2].size(); ++i)
-      if (has(state[2][i][1], self)) services.insert(static_cast<std::string>(state[2][i][0]));
-    services_.insert(services.begin(), services.end());
+    for (int i = 0; i < state[2].size(); ++i) {
+      const std::string service = state[2][i][0];
+      XmlRpc::XmlRpcValue uri;
+      if (has(state[2][i][1], self) && services_.count(service) == 0 &&
+          call("lookupService", service, "", "", uri))
+        services_[service] = static_cast<std::string>(uri);
+    }
   }
   ros::NodeHandle node;
   std::vector<std::string> names;
@@ -134,8 +136,6 @@ void MasterWatch::remember() {
 
 bool MasterWatch::registerAgain() {
   const std::string node = ros::XMLRPCManager::instance()->getServerURI();
-  const std::string services = "rosrpc://" + ros::network::getHost() + ":" +
-                               std::to_string(ros::ConnectionManager::instance()->getTCPPort());
   XmlRpc::XmlRpcValue answer;
   bool done = true;
   for (const auto& [name, value] : parameters_)
@@ -150,8 +150,8 @@ bool MasterWatch::registerAgain() {
   for (const std::string& topic : topics)
     if (const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic))
       done = call("registerPublisher", topic, publication->getDataType(), node, answer) && done;
-  for (const std::string& service : services_)
-    done = call("registerService", service, services, node, answer) && done;
+  for (const auto& [service, uri] : services_)
+    done = call("registerService", service, uri, node, answer) && done;
   if (done)
     ROS_WARN(
         "the ROS master at %s is a new one: this node is registered again, with %zu topics and %zu services",

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <map>
-#include <set>
 #include <string>
 #include <thread>
 
@@ -31,8 +30,8 @@ class MasterWatch {
   bool known_ = false;  // the master knew this node once
   bool away_ = false;   // the master does not answer
   int turns_ = 0;
-  int master_ = 0;  // its process
-  std::set<std::string> services_;
+  int master_ = 0;                               // its process
+  std::map<std::string, std::string> services_;  // and where each of them is
   std::map<std::string, XmlRpc::XmlRpcValue> parameters_;
   std::atomic<bool> ending_{false};
   std::thread thread_;

@@ -47,11 +47,14 @@ void Bench::watch() {
   while (!over_) {
     changed_.wait_for(lock, kWatch, [this] { return over_; });
     if (moving_ != 0 && !held(moving_)) live_->stop();
-    if (!armed_ || Clock::now() - armed_->heard <= heartbeat_) continue;
+    if (!armed_) continue;
+    std::string why = live_->deaf();
+    if (Clock::now() - armed_->heard > heartbeat_)
+      why = "no heartbeat of the page for " + std::to_string(heartbeat_.count()) + " ms";
+    if (why.empty()) continue;
     const std::string who = release();
     lock.unlock();
-    log_.add(who, "no heartbeat of the page for " + std::to_string(heartbeat_.count()) +
-                      " ms: the machine is stopped");
+    log_.add(who, why + ": the machine is stopped");
     news();
     lock.lock();
   }
@@ -82,6 +85,8 @@ WebAnswer Bench::arm(std::uint64_t client, const std::string& who) {
     if (armed_ && armed_->client != client)
       return WebAnswer::say(
           409, armed_->who + " holds the machine; it is free when that page is disarmed or closed");
+    const std::string deaf = live_->deaf();
+    if (!deaf.empty()) return WebAnswer::say(409, "not armed, since a stop would not arrive: " + deaf);
     const std::uint64_t arming = armed_ ? armed_->arming : ++armings_;
     armed_ = Armed{arming, client, who, Clock::now()};
   }

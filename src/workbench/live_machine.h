@@ -44,6 +44,8 @@ class LiveMachine {
   /// what became of it. @throw InputError.
   virtual std::string run(const std::string& yaml, const std::function<bool()>& cancelled) = 0;
   virtual std::string pause(bool yes) = 0;  ///< between two contacts
+  /// Why `stop` would not reach the machine, for people; empty: it would. Returns at once.
+  virtual std::string deaf() = 0;
   /// Every motion ends, as fast as the axes may. Returns at once: it is asked for when a page has gone.
   virtual void stop() = 0;
 };

@@ -76,6 +76,7 @@ class FakeController final : public AxisController {
     state_.limitSwitch.assign(3, 0);
   }
   void resetEmergencyStop() override {
+    if (beforeReset) beforeReset();
     const std::lock_guard<std::mutex> lock(mutex_);
     state_.emergencyStop = false;
   }
@@ -109,7 +110,7 @@ class FakeController final : public AxisController {
   double fastest = 0.0;
   double shortBy = 0.0;  // m that x stays away from its target, and says it arrived
   std::vector<std::vector<std::size_t>> homed;
-  std::function<void()> beforeMove;
+  std::function<void()> beforeMove, beforeReset;
   std::function<void(AxesState&)> change;  // of what is told
   static AxesState start() {
     AxesState state;

@@ -106,6 +106,14 @@ class ObedientMachine : public LiveMachine {
     changed.wait(lock, [this] { return !pauseHeldUp; });
     return yes ? "paused" : "goes on";
   }
+  void setDeaf(const std::string& why) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    deafness = why;
+  }
+  std::string deaf() override {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return deafness;
+  }
   void stop() override {
     const std::lock_guard<std::mutex> lock(mutex);
     ++stops;
@@ -123,6 +131,7 @@ class ObedientMachine : public LiveMachine {
     return changed.wait_for(lock, 20s, condition);
   }
   std::atomic<bool> moving{false}, runsUntilCancelled{false}, homesByItself{true};
+  std::string deafness;
   int stops = 0, orders = 0;
   bool heldUp = false, pauseHeldUp = false;
   std::vector<Eigen::Vector3d> touched = {Eigen::Vector3d(1e-3, 2e-3, 3e-3)};

@@ -32,6 +32,22 @@ TEST_F(BenchMotionTest, WithoutAMachineNothingMoves) {
   EXPECT_TRUE(live()["machine"].is_null());
 }
 
+TEST_F(BenchMotionTest, AMachineThatAStopDoesNotReachIsNotArmed) {
+  start(true);
+  bench_->came(1);
+  machine_.setDeaf("/axis_driver/stop is not connected");
+  const json refused = act("arm", {{"client", 1}});
+  EXPECT_FALSE(refused["ok"]);
+  EXPECT_NE(refused["message"].get<std::string>().find("a stop would not arrive: /axis_driver/stop"),
+            std::string::npos);
+  machine_.setDeaf("");
+  arm();
+  EXPECT_FALSE(live()["armed"].is_null());
+  machine_.setDeaf("/axis_driver/stop is not connected");
+  EXPECT_TRUE(machine_.waitForStops(1));
+  EXPECT_FALSE(act("home", {{"client", 1}})["ok"]) << "its loss disarms";
+}
+
 TEST_F(BenchMotionTest, OnlyThePageThatIsArmedMovesTheMachine) {
   start(true);
   EXPECT_FALSE(act("home", {{"client", 1}})["ok"]);

@@ -1,0 +1,23 @@
+#include "nodes/time_watch.h"
+
+namespace mm {
+namespace {
+
+const ros::WallDuration kStands(1.0);  // a clock of a slow simulation comes more often
+
+}  // namespace
+
+std::string TimeWatch::look() {
+  if (ros::Time::isSystemTime()) return {};
+  const ros::Time now = ros::Time::now();
+  const ros::SteadyTime wall = ros::SteadyTime::now();
+  if (now != last_ && !now.isZero()) {
+    last_ = now;
+    since_ = wall;
+  }
+  if (!now.isZero() && wall - since_ <= kStands) return {};
+  return "the time stands still: /use_sim_time is true and nobody publishes /clock; start the clock, or "
+         "`rosparam set /use_sim_time false` and start this node again";
+}
+
+}  // namespace mm

@@ -1,0 +1,217 @@
+#include "ros_bridge/direct_server.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <ros/console.h>
+#include <ros/master.h>
+#include <ros/network.h>
+#include <ros/this_node.h>
+#include <ros/xmlrpc_manager.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace mm {
+namespace {
+
+constexpr std::uint32_t kLongestHeader = 16384, kLongestRequest = 4096;  // bytes
+constexpr std::size_t kMostConnections = 200;
+constexpr int kGreeting = 2;    // s for a client to say what it wants
+constexpr int kLookAgain = 50;  // ms between looks whether the end has come
+
+bool readAll(int socket, void* to, std::size_t bytes) {
+  auto* at = static_cast<std::uint8_t*>(to);
+  while (bytes > 0) {
+    const ssize_t got = recv(socket, at, bytes, 0);
+    if (got <= 0) return false;
+    at += got;
+    bytes -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+bool writeAll(int socket, const std::vector<std::uint8_t>& bytes) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t sent = send(socket, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
+    if (sent <= 0) return false;
+    done += static_cast<std::size_t>(sent);
+  }
+  return true;
+}
+
+void addLength(std::vector<std::uint8_t>& to, std::size_t value) {
+  for (int shift = 0; shift < 32; shift += 8) to.push_back(static_cast<std::uint8_t>(value >> shift));
+}
+
+std::uint32_t lengthAt(const std::uint8_t* at) {
+  return at[0] | at[1] << 8 | at[2] << 16 | static_cast<std::uint32_t>(at[3]) << 24;
+}
+
+/// A length and as many bytes. @return false: the connection ended, or it was more than `most`.
+bool readBlock(int socket, std::uint32_t most, std::vector<std::uint8_t>& bytes) {
+  std::uint8_t length[4];
+  if (!readAll(socket, length, sizeof length) || lengthAt(length) > most) return false;
+  bytes.resize(lengthAt(length));
+  return readAll(socket, bytes.data(), bytes.size());
+}
+
+bool writeHeader(int socket, const std::map<std::string, std::string>& fields) {
+  std::vector<std::uint8_t> body, all;
+  for (const auto& [key, value] : fields) {
+    addLength(body, key.size() + 1 + value.size());
+    body.insert(body.end(), key.begin(), key.end());
+    body.push_back('=');
+    body.insert(body.end(), value.begin(), value.end());
+  }
+  addLength(all, body.size());
+  all.insert(all.end(), body.begin(), body.end());
+  return writeAll(socket, all);
+}
+
+}  // namespace
+
+DirectServer::DirectServer() {
+  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  socklen_t size = sizeof address;
+  if (listener_ < 0 || bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
+      listen(listener_, 64) != 0 ||
+      getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+    const std::string why = std::strerror(errno);
+    if (listener_ >= 0) close(listener_);
+    throw Error("no port for the stop: " + why);
+  }
+  port_ = ntohs(address.sin_port);
+}
+
+DirectServer::~DirectServer() {
+  ending_ = true;
+  if (thread_.joinable()) {
+    tell("unregisterService");
+    thread_.join();
+  }
+  for (Connection& connection : connections_) {
+    ::shutdown(connection.socket, SHUT_RD);  // an answer that is on its way still leaves
+    connection.thread.join();
+    close(connection.socket);
+  }
+  close(listener_);
+}
+
+void DirectServer::begin() {
+  thread_ = std::thread([this] { accept(); });
+  tell("registerService");
+}
+
+std::string DirectServer::uri() const {
+  return "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port_);
+}
+
+void DirectServer::tell(const std::string& method) const {
+  for (const auto& service : services_) {
+    XmlRpc::XmlRpcValue request, response, answer;
+    request[0] = ros::this_node::getName();
+    request[1] = service.first;
+    request[2] = uri();
+    if (method == "registerService") request[3] = ros::XMLRPCManager::instance()->getServerURI();
+    ros::master::execute(method, request, response, answer, method == "registerService");
+  }
+}
+
+void DirectServer::accept() {
+  while (!ending_) {
+    pollfd ready{listener_, POLLIN, 0};
+    if (poll(&ready, 1, kLookAgain) <= 0) continue;
+    const int socket = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (socket < 0) continue;
+    for (auto one = connections_.begin(); one != connections_.end();) {
+      if (!one->ended) {
+        ++one;
+        continue;
+      }
+      one->thread.join();
+      close(one->socket);
+      one = connections_.erase(one);
+    }
+    if (connections_.size() >= kMostConnections) {
+      ROS_ERROR_THROTTLE(1.0, "more than %zu connections to the stop: one was refused", kMostConnections);
+      close(socket);
+      continue;
+    }
+    Connection& connection = connections_.emplace_back();
+    connection.socket = socket;
+    connection.thread = std::thread([this, &connection] {
+      try {
+        serve(connection);
+      } catch (const std::exception& e) {
+        ROS_ERROR("a call of the stop: %s", e.what());
+      }
+      ::shutdown(connection.socket, SHUT_RDWR);
+      connection.ended = true;
+    });
+  }
+}
+
+/// The headers of both sides. @return the service; nullptr: there is none, which was said.
+const DirectServer::Entry* DirectServer::greet(int socket, Fields& fields) {
+  std::vector<std::uint8_t> header;
+  if (!readBlock(socket, kLongestHeader, header)) return nullptr;
+  for (std::size_t at = 0; at + 4 <= header.size();) {
+    const std::size_t length = lengthAt(&header[at]);
+    at += 4;
+    if (length > header.size() - at) return nullptr;
+    const std::string field(header.begin() + static_cast<std::ptrdiff_t>(at),
+                            header.begin() + static_cast<std::ptrdiff_t>(at + length));
+    const std::size_t equals = field.find('=');
+    if (equals != std::string::npos) fields[field.substr(0, equals)] = field.substr(equals + 1);
+    at += length;
+  }
+  const auto found = services_.find(fields["service"]);
+  std::string error;
+  if (found == services_.end())
+    error = "service [" + fields["service"] + "] is not here";
+  else if (fields["md5sum"] != "*" && fields["md5sum"] != found->second.md5)
+    error = "service [" + found->first + "] is a " + found->second.type + " of md5sum " + found->second.md5;
+  if (!error.empty()) {
+    writeHeader(socket, {{"error", error}});
+    return nullptr;
+  }
+  const Entry& entry = found->second;
+  const bool told = writeHeader(socket, {{"callerid", ros::this_node::getName()},
+                                         {"md5sum", entry.md5},
+                                         {"service", found->first},
+                                         {"type", entry.type},
+                                         {"request_type", entry.type + "Request"},
+                                         {"response_type", entry.type + "Response"}});
+  return told ? &entry : nullptr;
+}
+
+void DirectServer::serve(Connection& connection) {
+  const int socket = connection.socket, on = 1;
+  setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  setsockopt(socket, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+  timeval patience{kGreeting, 0}, forever{0, 0};
+  setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  Fields fields;
+  const Entry* entry = greet(socket, fields);
+  if (entry == nullptr || fields["probe"] == "1") return;
+  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &forever, sizeof forever);
+  std::vector<std::uint8_t> bytes, answer;
+  while (!ending_ && readBlock(socket, kLongestRequest, bytes)) {
+    entry->answer(fields["callerid"], bytes);
+    answer.assign(1, 1);  // it was called
+    addLength(answer, bytes.size());
+    answer.insert(answer.end(), bytes.begin(), bytes.end());
+    if (!writeAll(socket, answer) || fields["persistent"] != "1") return;
+  }
+}
+
+}  // namespace mm

@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""Whoever moves the axes is killed, stands still, or does not renew: they rest within a second, and it is said why."""
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+import xmlrpc.client
+
+import actionlib
+import rosgraph
+import rospy
+import rostest
+from measuring_machine.msg import HomeAction, HomeGoal, MeasureAction, MeasureGoal, MotionStatus, MoveAction, MoveActionGoal, MoveGoal
+from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool, Trigger
+
+import support
+
+REST = 1.0         # s from the end of whoever moves to rest
+MOVE = """
+import actionlib, rospy, sys
+from measuring_machine.msg import HomeAction, HomeGoal, MoveAction, MoveGoal
+rospy.init_node("mover", anonymous=True)
+client = actionlib.SimpleActionClient("axis_driver/" + sys.argv[1], HomeAction if sys.argv[1] == "home" else MoveAction)
+client.wait_for_server()
+client.send_goal(HomeGoal() if sys.argv[1] == "home" else MoveGoal(name=["x"], position=[0.019], linear_speed=0.001))
+rospy.spin()
+"""
+PLAN = """
+name: slow
+artifact: {name: none, pose: known, probe: {tip_radius_mm: 1.0}, balls: [{name: b0, centre_mm: [5.0, 8.0, -2.0], radius_mm: 3.9685}]}
+speeds: {rapid_mm_s: 1, approach_mm_s: 1}
+moves:
+  - {x_mm: 19.0, y_mm: 0.0, z_mm: 10.0}
+  - {x_mm: 5.0, y_mm: 8.0, z_mm: 5.0, feature: b0}
+"""
+
+
+class Lease(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.move = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
+        cls.homing = actionlib.SimpleActionClient("axis_driver/home", HomeAction)
+        cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
+        assert support.served(cls.move, cls.measure, cls.homing, seconds=60)
+        cls.motion, cls.moved, cls.place = [], 0.0, None
+        rospy.Subscriber("joint_states", JointState, cls.take, queue_size=None, tcp_nodelay=True)
+        rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motion.append)
+        assert support.wait_until(lambda: cls.place is not None and cls.motion)
+
+    @classmethod
+    def tearDownClass(cls):
+        support.remove(rospy.get_param("/compensation/store"))
+
+    @classmethod
+    def take(cls, joints):
+        """`moved`: when the axes were last seen elsewhere than before, on the clock of this process."""
+        if cls.place != joints.position:
+            cls.moved = time.monotonic()
+        cls.place = joints.position
+
+    def moving(self):
+        self.assertTrue(support.wait_until(lambda: time.monotonic() - self.moved < 0.05, 20), "it does not move")
+
+    def rests(self, since):
+        """From then on within a second, and for good."""
+        self.assertTrue(support.wait_until(lambda: time.monotonic() - self.moved > 1.0, 10), "it moves on")
+        print("%s: at rest after %.3f s" % (self.id().split(".")[-1], max(0.0, self.moved - since)))
+        self.assertLess(self.moved - since, REST)
+        self.assertFalse(self.motion[-1].homing)
+
+    def home(self):
+        self.homing.send_goal(HomeGoal())
+        self.assertTrue(support.ended(self.homing, 60))
+        self.assertEqual(self.homing.get_result().message, "homed")
+
+    def mover(self, what):
+        process = subprocess.Popen([sys.executable, "-c", MOVE, what])
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.moving()
+        return process
+
+    def start_plan(self, **keys):
+        self.home()
+        self.measure.send_goal(MeasureGoal(plan=PLAN, **keys))
+        self.moving()
+
+    def test_1_the_client_of_a_move_is_killed(self):
+        self.home()
+        process = self.mover("move")
+        process.kill()
+        self.rests(time.monotonic())
+        self.home()
+
+    def test_2_the_client_of_homing_is_killed(self):
+        self.home()
+        self.move.send_goal(MoveGoal(name=["x", "y", "z"], position=[0.019, 0.019, 0.019]))
+        self.assertTrue(support.ended(self.move, 20))
+        process = self.mover("home")
+        process.kill()
+        self.rests(time.monotonic())
+        self.assertNotEqual(self.place[0], 0.0)
+
+    def test_3_homing_is_cancelled(self):
+        self.home()
+        self.move.send_goal(MoveGoal(name=["x", "y", "z"], position=[0.019, 0.019, 0.019]))
+        self.assertTrue(support.ended(self.move, 20))
+        self.homing.send_goal(HomeGoal())
+        self.moving()
+        self.homing.cancel_goal()
+        self.rests(time.monotonic())
+        self.assertTrue(support.ended(self.homing, 5))
+        self.assertIn("cancelled", self.homing.get_result().message)
+
+    def pid(self, node):
+        return xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(node)).getPid("/test")[2]
+
+    def test_4_measure_is_killed(self):
+        self.start_plan()
+        os.kill(self.pid("/measure"), signal.SIGKILL)
+        self.rests(time.monotonic())
+        self.assertTrue(support.wait_until(lambda: "measure (" not in self.motion[-1].owner))
+        self.assertTrue(support.served(self.measure), "measure comes back")
+
+    def test_5_measure_stands_still(self):
+        self.start_plan()
+        pid = self.pid("/measure")
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
+        self.rests(time.monotonic())
+
+    def test_6_whoever_began_a_plan_does_not_renew_it(self):
+        rospy.wait_for_service("measure/renew", 20)
+        renew = rospy.ServiceProxy("measure/renew", Trigger, persistent=True)
+        self.start_plan(lease=0.5)
+        until = time.monotonic() + 2.0
+        while time.monotonic() < until:  # it goes on as long as it is renewed
+            self.assertTrue(renew().success)
+            time.sleep(0.05)
+        self.moving()
+        self.rests(time.monotonic())
+        self.assertTrue(support.ended(self.measure, 5))
+        self.assertIn("whoever began it has not renewed it", self.measure.get_result().message)
+
+    def test_7_measure_is_asked_to_end(self):
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            self.assertTrue(support.served(self.measure))
+            self.start_plan()
+            pid = self.pid("/measure")
+            os.kill(pid, number)
+            self.rests(time.monotonic())
+            self.assertTrue(support.wait_until(lambda: not os.path.exists("/proc/%d" % pid)), "it does not end")
+            time.sleep(1.5)  # until roslaunch has started the next one
+
+    def test_8_a_goal_of_nobody_begins_nothing(self):
+        self.home()
+        out = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1)
+        results = []
+        rospy.Subscriber("axis_driver/move/result", MoveAction().action_result.__class__, results.append)
+        self.assertTrue(support.wait_until(lambda: out.get_num_connections() > 0))
+        goal = MoveActionGoal(goal=MoveGoal(name=["x"], position=[0.01]))
+        goal.goal_id.id = "/nobody-1-1.0"
+        out.publish(goal)
+        self.assertTrue(support.wait_until(lambda: results))
+        self.assertIn("'/nobody', which asked for the motion, does not listen", results[0].result.message)
+
+    def test_9_emergency_stop_beside_large_messages(self):
+        """20 MB each to the topic that everybody may send to, and a new connection for each call."""
+        out = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1)
+        self.assertTrue(support.wait_until(lambda: out.get_num_connections() > 0))
+        large = MoveActionGoal(goal=MoveGoal(feature="x" * 20000000))
+        large.goal_id.id = "/large-1-1.0"
+        flood = [True]
+
+        def send():
+            while flood[0]:
+                out.publish(large)
+
+        thread = threading.Thread(target=send)
+        thread.start()
+        uri = rosgraph.Master("/test").lookupService("/axis_driver/emergency_stop")
+        took = []
+        try:
+            for _ in range(200):
+                stop = rospy.ServiceProxy("axis_driver/emergency_stop", SetBool)
+                began = time.monotonic()
+                self.assertTrue(stop(True).success)
+                took.append(1e3 * (time.monotonic() - began))
+        finally:
+            flood[0] = False
+            thread.join()
+        took.sort()
+        print("emergency stop at %s beside 20 MB: median %.1f ms, 99 %% %.1f ms, most %.1f ms" % (uri, took[100], took[197], took[-1]))
+        self.assertLess(took[100], 50.0)
+        self.assertTrue(support.wait_until(lambda: rospy.ServiceProxy("axis_driver/emergency_stop", SetBool)(False).success))
+
+
+if __name__ == "__main__":
+    rospy.init_node("lease_test")
+    rostest.rosrun("measuring_machine", "lease", Lease)
