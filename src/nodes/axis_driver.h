@@ -8,6 +8,7 @@
 #include <measuring_machine/HomeAxes.h>
 #include <measuring_machine/MotionStatus.h>
 #include <measuring_machine/MoveAction.h>
+#include <measuring_machine/ProbeLatch.h>
 #include <measuring_machine/SensorReadings.h>
 #include <measuring_machine/SetOverride.h>
 #include <measuring_machine/TakeMotion.h>

@@ -19,7 +19,7 @@
 namespace mm {
 namespace {
 
-constexpr std::uint32_t kLongestHeader = 16384, kLongestRequest = 4096;  // bytes
+constexpr std::uint32_t kLongestFields = 16384, kLongestRequest = 4096;  // bytes
 constexpr std::size_t kMostConnections = 200;
 constexpr int kGreeting = 2;    // s for a client to say what it wants
 constexpr int kLookAgain = 50;  // ms between looks whether the end has come
@@ -162,7 +162,7 @@ void DirectServer::accept() {
 /// The headers of both sides. @return the service; nullptr: there is none, which was said.
 const DirectServer::Entry* DirectServer::greet(int socket, Fields& fields) {
   std::vector<std::uint8_t> header;
-  if (!readBlock(socket, kLongestHeader, header)) return nullptr;
+  if (!readBlock(socket, kLongestFields, header)) return nullptr;
   for (std::size_t at = 0; at + 4 <= header.size();) {
     const std::size_t length = lengthAt(&header[at]);
     at += 4;
