@@ -22,7 +22,7 @@ std::size_t makeRoom(std::vector<Item>& items, std::size_t most, std::int64_t st
   const auto half = std::max<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(most / 2), 1);
   const std::ptrdiff_t going = useless < (half + 1) / 2 ? half : useless;
   items.erase(items.begin(), items.begin() + going);
-  return static_cast<std::size_t>(going - std::min(going, useless));
+  return static_cast<std::size_t>(going - std::min<std::ptrdiff_t>(going, before));
 }
 
 }  // namespace mm

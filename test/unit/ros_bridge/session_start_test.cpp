@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "ros_bridge/axis_messages.h"
 #include "ros_bridge/session_collector.h"
 #include "session/session_summary.h"
 
