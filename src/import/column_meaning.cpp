@@ -149,68 +149,108 @@ class TableUnderstander {
     CsvColumn c;
     c.header = layout_.names[i];
     c.role = CsvRole::kIgnored;
-    const bool said = !as.empty();
-    if (as == "ignore" || (!said && mapping_.ignoreOthers && !mapping_.columns.empty())) {
+    if (as == "ignore" || (as.empty() && mapping_.ignoreOthers && !mapping_.columns.empty()))
       seen.meaning = "left out: the mapping says so";
-    } else {
+    else
       understand(i, as, c, seen);
-    }
     table_.form.columns.push_back(std::move(c));
     table_.columns.push_back(std::move(seen));
   }
 
+  /// A column whose meaning is looked for.
+  struct Asked {
+    std::size_t column;
+    const ColumnSample& sample;
+    bool said;          // in the mapping
+    std::string name;   // there, else in the file
+    NameAndUnit split;  // of the name
+    std::optional<Unit> unit;
+  };
+  using Reader = std::optional<Meaning> (TableUnderstander::*)(Asked&);
+  /// What a meaning still lacks, and the fault that says so.
+  struct Lack {
+    bool Meaning::*lacks;
+    std::string (TableUnderstander::*fault)(const Asked&, const Meaning&) const;
+  };
+
+  /// The first reader that knows a meaning says it; what that lacks is a fault; else the column is taken.
   void understand(std::size_t i, const std::string& as, CsvColumn& c, UnderstoodColumn& seen) {
-    const ColumnSample& sample = samples_[i];
-    const bool said = !as.empty();
-    const std::string name = said ? as : layout_.names[i];
-    if (name.empty() && sample.count == 0) {
+    static constexpr Reader kReaders[] = {&TableUnderstander::ownFormat, &TableUnderstander::byWords,
+                                          &TableUnderstander::asCovariate, &TableUnderstander::asLabels,
+                                          &TableUnderstander::asStamps};
+    static constexpr Lack kLacks[] = {{&Meaning::unclearSign, &TableUnderstander::unclearSign},
+                                      {&Meaning::needsAxis, &TableUnderstander::noJoint}};
+    Asked asked = askedOf(i, as);
+    if (asked.name.empty() && asked.sample.count == 0) {
       seen.meaning = "left out: empty";
       return;
     }
-    NameAndUnit split = splitUnit(name);
-    if (said && split.unitText.empty()) split.unitText = splitUnit(layout_.names[i]).unitText;
-    std::optional<Meaning> meaning = names_.ownFormat(name);
+    std::optional<Meaning> meaning;
+    for (const Reader reader : kReaders)
+      if (!meaning) meaning = (this->*reader)(asked);
+    if (!meaning) return unknown(i, asked.name, asked.said, asked.unit);
+    for (const Lack& lack : kLacks)
+      if ((*meaning).*(lack.lacks)) return faults_.add(i, (this->*lack.fault)(asked, *meaning));
+    if (meaning->axisOfTable) noteAxis(i);
+    take(i, *meaning, asked.split, asked.said, c, seen);
+  }
+
+  Asked askedOf(std::size_t i, const std::string& as) const {
+    const bool said = !as.empty();
+    Asked asked{i, samples_[i], said, said ? as : layout_.names[i], {}, {}};
+    asked.split = splitUnit(asked.name);
+    if (said && asked.split.unitText.empty()) asked.split.unitText = splitUnit(layout_.names[i]).unitText;
     // a unit of the words' own kind first: m is metres of a length
-    const std::optional<Unit> unit = parseUnit(split.unitText.empty() ? layout_.units[i] : split.unitText);
-    if (!meaning) meaning = names_.byWords(split.stem, unit, sample, said, context_);
-    if (!meaning) meaning = names_.covariate(name, split, unit, sample);
-    if (!meaning && !said && layout_.headerLine > 0 && sample.texts > 0 && sample.numbers == 0 && isLabels(i))
-      meaning = meaningOf(CsvRole::kFeature, 0, machine_);
-    const bool stamps = sample.count > 0 && sample.calendars + sample.slashed + sample.clocks == sample.count;
-    if (!meaning && !said && stamps && !hasTime_)
-      meaning = meaningOf(CsvRole::kTime, 0, machine_), hasTime_ = true;
-    if (!meaning) {
-      unknown(i, name, said, unit);
-      return;
-    }
-    if (meaning->unclearSign) {
-      const std::string joint = machine_.joints()[meaning->index].name;
-      const std::string u = unit                                                           ? unit->symbol
-                            : machine_.joints()[meaning->index].kind == JointKind::kLinear ? "um"
-                                                                                           : "arcsec";
-      faults_.add(
-          i,
-          "is an error or a difference, and whether it is indicated minus true (VIM) or actual minus target "
-          "(ISO 230-2) is not said; " +
-              faults_.remedy(i, "error_" + joint + "_" + u) + " for the first, deviation_" + joint + "_" + u +
-              " for the second" + (meaning->needsAxis ? " (joints: " + joints() + ")" : ""));
-      return;
-    }
-    if (headed_ && meaning->axisOfTable)
+    asked.unit = parseUnit(asked.split.unitText.empty() ? layout_.units[i] : asked.split.unitText);
+    return asked;
+  }
+
+  std::optional<Meaning> ownFormat(Asked& asked) { return names_.ownFormat(asked.name); }
+  std::optional<Meaning> byWords(Asked& asked) {
+    return names_.byWords(asked.split.stem, asked.unit, asked.sample, asked.said, context_);
+  }
+  std::optional<Meaning> asCovariate(Asked& asked) {
+    return names_.covariate(asked.name, asked.split, asked.unit, asked.sample);
+  }
+  std::optional<Meaning> asLabels(Asked& asked) {
+    const bool words = asked.sample.texts > 0 && asked.sample.numbers == 0;
+    if (asked.said || layout_.headerLine == 0 || !words || !isLabels(asked.column)) return std::nullopt;
+    return meaningOf(CsvRole::kFeature, 0, machine_);
+  }
+  /// Every cell is a time, and no other column is one.
+  std::optional<Meaning> asStamps(Asked& asked) {
+    const ColumnSample& s = asked.sample;
+    if (asked.said || hasTime_ || s.count == 0 || s.calendars + s.slashed + s.clocks < s.count) return {};
+    hasTime_ = true;
+    return meaningOf(CsvRole::kTime, 0, machine_);
+  }
+
+  std::string unclearSign(const Asked& asked, const Meaning& meaning) const {
+    const Joint& joint = machine_.joints()[meaning.index];
+    const std::string of = joint.name + "_" +
+                           (asked.unit                         ? asked.unit->symbol
+                            : joint.kind == JointKind::kLinear ? "um"
+                                                               : "arcsec");
+    return "is an error or a difference, and whether it is indicated minus true (VIM) or actual minus target "
+           "(ISO 230-2) is not said; " +
+           faults_.remedy(asked.column, "error_" + of) + " for the first, deviation_" + of +
+           " for the second" + (meaning.needsAxis ? " (joints: " + joints() + ")" : "");
+  }
+  std::string noJoint(const Asked& asked, const Meaning& meaning) const {
+    return "does not say of which joint it is (" + joints() +
+           "); for all such columns write axis: " + machine_.joints().front().name +
+           " into the mapping (--columns), or for this one " +
+           faults_.remedy(asked.column, exampleOf(meaning, machine_));
+  }
+
+  /// From where the joint of a column that does not say its own is known.
+  void noteAxis(std::size_t i) {
+    const auto note = [&](const std::string& from) {
       table_.notes.push_back("column " + faults_.called(i) + " is taken as of " +
-                             machine_.joints()[context_.axis].name + ", the axis that line " +
-                             std::to_string(remarks_.axisLine) + " names");
-    if (onlyNamed_ && meaning->axisOfTable)
-      table_.notes.push_back("column " + faults_.called(i) + " is taken as of " +
-                             machine_.joints()[context_.axis].name + ", the only joint that the file names");
-    if (meaning->needsAxis) {
-      faults_.add(i, "does not say of which joint it is (" + joints() +
-                         "); for all such columns write axis: " + machine_.joints().front().name +
-                         " into the mapping (--columns), or for this one " +
-                         faults_.remedy(i, exampleOf(*meaning, machine_)));
-      return;
-    }
-    take(i, *meaning, split, said, c, seen);
+                             machine_.joints()[context_.axis].name + ", " + from);
+    };
+    if (headed_) note("the axis that line " + std::to_string(remarks_.axisLine) + " names");
+    if (onlyNamed_) note("the only joint that the file names");
   }
 
   /// A column of few different words, in which there are names of the artifact.
@@ -282,44 +322,6 @@ class TableUnderstander {
     return "";
   }
 
-  /// The unit of a column: of its name, of the units line, of the remarks, or the only one that is possible.
-  std::optional<Unit> unitFor(std::size_t i, const Meaning& m, const NameAndUnit& split, bool said,
-                              std::string& from) {
-    std::string text, where;
-    if (!split.unitText.empty()) {
-      text = split.unitText;
-      from = said ? "mapping" : "header";
-    } else if (!layout_.units[i].empty()) {
-      text = layout_.units[i];
-      from = "line " + std::to_string(layout_.unitsLine);
-      where = " (" + from + ")";
-    } else if (!samples_[i].suffix.empty()) {
-      text = samples_[i].suffix;
-      from = "cells";
-    }
-    if (!text.empty()) {
-      const auto unit = parseUnit(text, m.kind);
-      if (!unit)
-        faults_.add(i, "is in '" + text + "'" + where + ", but " + meaningText(m, machine_) + " is " +
-                           unitsOf(*m.kind) + "; " + faults_.remedy(i, exampleOf(m, machine_)));
-      return unit;
-    }
-    const RemarkedUnit& remark = *m.kind == UnitKind::kAngle ? remarks_.angle : remarks_.length;
-    if ((*m.kind == UnitKind::kLength || *m.kind == UnitKind::kAngle) && remark.line > 0) {
-      from = "line " + std::to_string(remark.line);
-      return parseUnit(remark.text, m.kind);
-    }
-    if (auto unit = unitByRange(samples_[i], m, machine_)) {
-      from = "its range";
-      return unit;
-    }
-    faults_.add(
-        i, "(" + meaningText(m, machine_) + format(", %.6g … %.6g", samples_[i].lower, samples_[i].upper) +
-               ") has no unit, and its values do not tell; " + faults_.remedy(i, exampleOf(m, machine_)) +
-               " (or another unit: " + unitsOf(*m.kind) + ")");
-    return std::nullopt;
-  }
-
   void take(std::size_t i, const Meaning& m, const NameAndUnit& split, bool said, CsvColumn& c,
             UnderstoodColumn& seen) {
     c.role = m.role;
@@ -333,7 +335,8 @@ class TableUnderstander {
       c.unit = seen.unit = split.unitText == "%" ? "percent" : split.unitText;
       seen.from = said ? "mapping" : "header";
     } else if (m.kind) {
-      const auto unit = unitFor(i, m, split, said, seen.from);
+      const auto unit = unitOfColumn({i, samples_[i], layout_, remarks_, machine_}, m,
+                                     {split.unitText, said ? "mapping" : "header"}, faults_, seen.from);
       if (!unit) return;
       c.factor = unit->factor * (m.reversed ? -1.0 : 1.0);
       c.offset = unit->offset;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/format.h"
+
 namespace mm {
 namespace {
 
@@ -41,6 +43,44 @@ std::optional<Unit> unitByRange(const ColumnSample& sample, const Meaning& m, co
     only = unit;
   }
   return only;
+}
+
+std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, const NamedUnit& named,
+                                 ColumnFaults& faults, std::string& from) {
+  const auto& [column, sample, layout, remarks, machine] = place;
+  std::string text, where;
+  if (!named.text.empty()) {
+    text = named.text;
+    from = named.from;
+  } else if (!layout.units[column].empty()) {
+    text = layout.units[column];
+    from = "line " + std::to_string(layout.unitsLine);
+    where = " (" + from + ")";
+  } else if (!sample.suffix.empty()) {
+    text = sample.suffix;
+    from = "cells";
+  }
+  if (!text.empty()) {
+    const auto unit = parseUnit(text, m.kind);
+    if (!unit)
+      faults.add(column, "is in '" + text + "'" + where + ", but " + meaningText(m, machine) + " is " +
+                             unitsOf(*m.kind) + "; " + faults.remedy(column, exampleOf(m, machine)));
+    return unit;
+  }
+  const RemarkedUnit& remark = *m.kind == UnitKind::kAngle ? remarks.angle : remarks.length;
+  if ((*m.kind == UnitKind::kLength || *m.kind == UnitKind::kAngle) && remark.line > 0) {
+    from = "line " + std::to_string(remark.line);
+    return parseUnit(remark.text, m.kind);
+  }
+  if (auto unit = unitByRange(sample, m, machine)) {
+    from = "its range";
+    return unit;
+  }
+  faults.add(column, "(" + meaningText(m, machine) + format(", %.6g … %.6g", sample.lower, sample.upper) +
+                         ") has no unit, and its values do not tell; " +
+                         faults.remedy(column, exampleOf(m, machine)) +
+                         " (or another unit: " + unitsOf(*m.kind) + ")");
+  return std::nullopt;
 }
 
 std::optional<TimeUnit> timeUnit(const ColumnSample& sample, const std::string& said) {
