@@ -9,6 +9,7 @@
 #include "effects/domain.h"
 #include "effects/effect_spec.h"
 #include "effects/learned_network.h"
+#include "machine/controller_compensation.h"
 
 namespace mm {
 
@@ -75,6 +76,7 @@ struct Calibration {
   bool toldSpace = true;  // false: a file that was written before this was told
   /// Stamp of the session's start, s: what `t = 0` is on the clock of its source. NaN: not known.
   double sessionEpoch = std::numeric_limits<double>::quiet_NaN();
+  ControllerCompensation compensation;  // that was active: the model is what remained beside it
   std::string method;
   std::uint64_t seed = 0;
   std::int64_t observations = 0;

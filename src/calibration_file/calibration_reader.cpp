@@ -1,10 +1,10 @@
 #include <charconv>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
-#include "calibration_file/checksum.h"
 #include "effects/effect_yaml.h"
 
 namespace mm {
@@ -143,6 +143,27 @@ void readDrift(const YamlMapping& root, std::vector<Wandering>& drift) {
   }
 }
 
+void readCompensation(const YamlMapping& root, ControllerCompensation& active) {
+  const std::string name = "controller_compensation";
+  if (!root.has(name)) return;  // not stated
+  if (root.node(name).IsScalar()) {
+    if (root.storedText(name) != "none") root.fail(name, "is neither none nor files");
+    active.stated = ControllerCompensation::Stated::kNone;
+    return;
+  }
+  active.stated = ControllerCompensation::Stated::kFiles;
+  const YamlMapping keys = root.map(name);
+  active.target = keys.storedText("target");
+  const std::vector<YAML::Node> files = keys.list("files");
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const YamlMapping file = root.item(files[i], name + ".files", i);
+    active.files.push_back({file.storedText("path"), file.storedText("text")});
+    file.finish();
+  }
+  if (keys.storedText("checksum") != active.checksum()) keys.fail("checksum", "is not that of the files");
+  keys.finish();
+}
+
 void readArtifact(const YamlMapping& root, Calibration& c) {
   if (!root.has("artifact")) return;  // written before it was told
   const YamlMapping keys = root.map("artifact");
@@ -213,6 +234,7 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   residuals.finish();
   readDrift(root, c.drift);
   readArtifact(root, c);
+  readCompensation(root, c.compensation);
   readLedger(root, c.ledger);
   c.urdf = root.storedText("urdf");
   root.finish();

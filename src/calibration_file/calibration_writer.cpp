@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/utc_now.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
-#include "calibration_file/checksum.h"
 
 namespace mm {
 namespace {
@@ -170,6 +170,25 @@ void artifact(YAML::Emitter& out, const CalibratedBy& a) {
   out << EndMap;
 }
 
+/// Nothing where nothing was stated.
+void compensation(YAML::Emitter& out, const ControllerCompensation& active) {
+  if (active.stated == ControllerCompensation::Stated::kNot) return;
+  out << Key << "controller_compensation" << Value;
+  if (active.stated == ControllerCompensation::Stated::kNone) {
+    out << "none";
+    return;
+  }
+  out << BeginMap;
+  text(out, "target", active.target);
+  text(out, "checksum", active.checksum());
+  out << Key << "files" << Value << BeginSeq;
+  for (const ControllerCompensation::File& file : active.files) {
+    out << BeginMap << Key << "path" << Value << file.path << Key << "text" << Value << YAML::DoubleQuoted
+        << file.text << EndMap;
+  }
+  out << EndSeq << EndMap;
+}
+
 void ledger(YAML::Emitter& out, const std::vector<LedgerEntry>& entries) {
   out << Key << "ledger" << Value << BeginSeq;
   for (const LedgerEntry& entry : entries) {
@@ -247,6 +266,7 @@ std::string content(const Calibration& c) {
     out << EndSeq;
   }
   if (c.artifact) artifact(out, *c.artifact);
+  compensation(out, c.compensation);
   ledger(out, c.ledger);
   const bool literal = c.urdf.size() > 1 && c.urdf.front() == '<' && c.urdf.back() == '\n' &&
                        c.urdf[c.urdf.size() - 2] != '\n' && c.urdf.find_first_of("\r\t") == std::string::npos;

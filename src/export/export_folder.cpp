@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kReport = "representability.json";
+constexpr const char* kReport = ExportDescription::kFile;
 
 [[noreturn]] void refuse(const fs::path& folder, int cause) {
   throw InputError(folder.string() + ": cannot be written: " + std::strerror(cause) +
@@ -60,7 +60,8 @@ Earlier earlierExport(const fs::path& folder) {
   if (!fs::is_regular_file(folder / kReport, error)) return earlier;
   try {
     const auto json = nlohmann::json::parse(readFile(folder / kReport));
-    for (const auto& file : json.at("files")) earlier.files.push_back(file.at("path").get<std::string>());
+    for (const auto& file : json.at("files"))
+      earlier.files.push_back(fs::path(file.at("path").get<std::string>()).begin()->string());
     earlier.target = json.at("target").get<std::string>();
   } catch (const nlohmann::json::exception&) {
     return {};  // not one of ours
@@ -70,15 +71,11 @@ Earlier earlierExport(const fs::path& folder) {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() : path_(newFolder(fs::temp_directory_path() / "mm-export-XXXXXX")) {}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-void TemporaryFolder::write(const ExportedFile& file) const {
-  writeFileAtomically(path_ / file.path, file.text);
+TriedExport::TriedExport(const std::string& target, const Exported& exported) {
+  for (const ExportedFile& file : exported.files) folder_.write(file.path, file.text);
+  const nlohmann::json says{{"target", target}, {"sensors", exported.sensors}, {"touched", exported.axes}};
+  folder_.write(kReport, says.dump());
+  loaded_ = std::make_unique<const LoadedCompensation>(target, folder_.path());
 }
 
 void checkExportFolder(const fs::path& folder, const std::string& target, bool force) {
@@ -108,7 +105,11 @@ void writeExportFolder(const fs::path& folder, const std::vector<ExportedFile>& 
   const fs::path made = newFolder(parent / ("." + target.filename().string() + kTemporaryMark + "XXXXXX"));
   std::error_code ignored;
   try {
-    for (const ExportedFile& file : files) writeFileAtomically(made / file.path, file.text);
+    for (const ExportedFile& file : files) {
+      if (const fs::path inside(file.path); inside.begin()->string() == ExportDescription::kKept)
+        fs::create_directories((made / inside).parent_path());
+      writeFileAtomically(made / file.path, file.text);
+    }
     fs::permissions(made, fs::perms(0755));
     sync(made);
     if (!fs::exists(target)) {

@@ -1,26 +1,24 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "base/temporary_folder.h"
 #include "export/export_target.h"
 
 namespace mm {
 
-/// A folder of this process, which goes with it.
-class TemporaryFolder {
+/// A folder of this process with the files of an export that nobody has been given yet, and what it says of
+/// itself as far as LoadedCompensation asks.
+class TriedExport {
  public:
-  /// @throw InputError: no permission, full disk.
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  void write(const ExportedFile& file) const;  ///< @throw InputError.
+  TriedExport(const std::string& target, const Exported& exported);  ///< @throw InputError: full disk
+  const LoadedCompensation& loaded() const { return *loaded_; }
 
  private:
-  std::filesystem::path path_;
+  TemporaryFolder folder_;
+  std::unique_ptr<const LoadedCompensation> loaded_;
 };
 
 /// Whether an export may be written there: nothing is, or an empty folder, or an earlier export for the same

@@ -17,15 +17,13 @@ struct SignCheck {
 };
 
 SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, const Exported& exported) {
-  const TemporaryFolder folder;
-  for (const ExportedFile& file : exported.files) folder.write(file);
-  const auto interpreter = interpret(target.name, folder.path());
+  const TriedExport tried(target.name, exported);
   SignCheck best;
   for (const State& state : needed.states(128, 51)) {
-    const std::map<std::string, double> motors = interpreter->motors(commandTo(needed, state, exported));
+    const std::map<std::string, double> adds = tried.loaded().tablesAdd(needed.commandOf(state));
     for (const int joint : needed.linear()) {
       const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
-      const double added = motors.at(axis.letter) - state.position[static_cast<std::size_t>(joint)];
+      const double added = adds.at(axis.letter);
       if (std::abs(added) > std::abs(best.added)) best = {&axis, state, added};
     }
   }
@@ -94,6 +92,7 @@ std::string exportPage(const Calibration& calibration, const ExportTarget& targe
   if (judged.carriesNothing())
     text += "**" + target.title + " can carry nothing of this calibration**: it holds " + exported.holds +
             ". Correct readings with `mm apply` instead.\n\n";
+  text += "## Compensation that was active\n\n" + activeWords(target, needed, exported) + "\n\n";
   text += "## Files\n\n| file | what |\n|---|---|\n";
   for (const ExportedFile& file : exported.files) text += "| `" + file.path + "` | " + file.what + " |\n";
   text += "\n## Load\n\n" + numbered(exported.load) + "\n## Reference point\n\n" + exported.reference +
@@ -112,6 +111,9 @@ std::string exportPage(const Calibration& calibration, const ExportTarget& targe
 std::vector<ExportedFile> exportFolderOf(const Calibration& calibration, const ExportTarget& target,
                                          const NeededCorrection& needed, const Exported& exported,
                                          Representability& judged) {
+  judged.touched = exported.axes;
+  judged.compensation = needed.compensation();
+  judged.activeWords = activeWords(target, needed, exported);
   std::vector<ExportedFile> files = exported.files;
   files.push_back({"README.md", "what to load where, and how to check it",
                    exportPage(calibration, target, needed, exported, judged)});

@@ -20,16 +20,18 @@ namespace mm {
 
 const std::vector<ExportTarget>& exportTargets() {
   static const std::vector<ExportTarget> targets = {
-      {"linuxcnc", "LinuxCNC", toLinuxcnc},
-      {"klipper", "Klipper", toKlipper},
-      {"marlin", "Marlin", toMarlin},
-      {"reprapfirmware", "RepRapFirmware", toReprapfirmware},
-      {"grblhal", "grblHAL", toGrblhal},
-      {"siemens", "Siemens SINUMERIK 840D sl, 828D, ONE", toSiemens},
-      {"heidenhain", "Heidenhain TNC", toHeidenhain},
-      {"fanuc", "Fanuc Series 0i, 16i, 30i", toFanuc},
-      {"beckhoff", "Beckhoff TwinCAT CNC, ISG kernel", toBeckhoff},
-      {"csv", "component errors of ISO 230-1 as CSV", toCsv},
+      {"linuxcnc", "LinuxCNC", "# ", "BACKLASH, COMP_FILE", toLinuxcnc},
+      {"klipper", "Klipper", "# ", "skew profiles, meshes", toKlipper},
+      {"marlin", "Marlin", "; ", "M425, M852", toMarlin},
+      {"reprapfirmware", "RepRapFirmware", "; ", "M425, M556", toReprapfirmware},
+      {"grblhal", "grblHAL", "; ", "$160 and following", toGrblhal},
+      {"siemens", "Siemens SINUMERIK 840D sl, 828D, ONE", "; ",
+       "$MA_BACKLASH, $MA_ENC_COMP_ENABLE, other tables $AN_CEC", toSiemens},
+      {"heidenhain", "Heidenhain TNC", "", "MP710 or backLash, other tables", toHeidenhain},
+      {"fanuc", "Fanuc Series 0i, 16i, 30i", "", "1851, 1852, 3620 to 3627, 5700 and following", toFanuc},
+      {"beckhoff", "Beckhoff TwinCAT CNC, ISG kernel", "# ", "lr_param.anwahl_losekomp, other lists",
+       toBeckhoff},
+      {"csv", "component errors of ISO 230-1 as CSV", "", "any", toCsv},
   };
   return targets;
 }
@@ -47,17 +49,72 @@ const ExportTarget& exportTarget(const std::string& name) {
                    "; take one of " + listOf(exportTargetNames()));
 }
 
-void addNotFollowed(const std::vector<std::string>& told, Exported& out) {
-  out.notFollowed.insert(out.notFollowed.end(), told.begin(), told.end());
+std::string activeWords(const ExportTarget& target, const NeededCorrection& needed,
+                        const Exported& exported) {
+  using Stated = ControllerCompensation::Stated;
+  std::vector<std::string> written, left;
+  for (const ExportAxis& axis : needed.axes()) {
+    const bool tables = exported.axes.count(axis.letter) > 0;
+    if (tables || !exported.alsoAdds || !needed.changes(axis.joint))  // else offsets alone are for it
+      (tables ? written : left).push_back(capital(axis.letter));
+  }
+  const std::string rest =
+      left.empty() ? "" : " Nothing here is for " + listOf(left) + ": what the control has for it stays.";
+  switch (needed.compensation().stated) {
+    case Stated::kNot:
+      return "ASSUMED, as nobody stated it: no compensation was active while measuring (" + target.beside +
+             "). If one was, these tables undo it: state it (mm import --compensation FOLDER) and export "
+             "again." +
+             rest;
+    case Stated::kNone:
+      return "No compensation was active while measuring, as was stated: none may be active beside these "
+             "tables (" +
+             target.beside + ")." + rest;
+    case Stated::kFiles:
+      break;
+  }
+  return "While measuring, " + needed.compensation().inWords() + " were active. " +
+         (written.empty()
+              ? std::string("They stay as they are.")
+              : "The tables here, for " + listOf(written) +
+                    ", are those and what the calibration adds: they take their place, and nothing "
+                    "else of these axes may be active beside them (" +
+                    target.beside + ").") +
+         rest;
 }
 
-CommandedState commandTo(const NeededCorrection& needed, const State& state, const Exported& exported) {
-  CommandedState command = needed.commandOf(state);
-  for (const auto& [there, here] : exported.sensors) {
-    const auto found = command.temperature.find(here);
-    if (found != command.temperature.end()) command.temperature[there] = found->second;
-  }
-  return command;
+namespace {
+
+/// What was active goes on where the new files say nothing.
+void keepOthers(const NeededCorrection& needed, Exported& out) {
+  const LoadedCompensation* active = needed.active();
+  if (active == nullptr) return;
+  bool goesOn = active->hasOffsets() && !out.alsoAdds;
+  for (const auto& [letter, points] : active->tablePoints()) goesOn = goesOn || out.axes.count(letter) == 0;
+  if (!goesOn) return;
+  for (const ControllerCompensation::File& file : needed.compensation().files)
+    out.files.push_back({std::string(ExportDescription::kKept) + "/" + file.path,
+                         "was active while measuring, and stays for the other axes", file.text});
+}
+
+}  // namespace
+
+Exported exportedFor(const ExportTarget& target, const NeededCorrection& needed,
+                     const ExportOptions& options) {
+  const ControllerCompensation& active = needed.compensation();
+  if (active.stated == ControllerCompensation::Stated::kFiles && active.target != target.name)
+    throw InputError("--to " + target.name + ": " + active.inWords() +
+                     " were active while measuring, and are not read as tables of " + target.name +
+                     "; export for " + active.target + ", or state what " + target.name + " had loaded");
+  Exported out = target.write(needed, options);
+  if (!target.remark.empty() && !out.files.empty())
+    out.files.front().text = target.remark + activeWords(target, needed, out) + "\n" + out.files.front().text;
+  keepOthers(needed, out);
+  return out;
+}
+
+void addNotFollowed(const std::vector<std::string>& told, Exported& out) {
+  out.notFollowed.insert(out.notFollowed.end(), told.begin(), told.end());
 }
 
 std::string fixed(double value, int digits) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct ExportedFile {
 /// What an exporter makes of a calibration: tables in the target's own form, and what its page must say.
 struct Exported {
   std::vector<ExportedFile> files;
+  std::set<std::string> axes;            // letters of the axes that they are for: those of the others stay
   std::string holds;                     // what this target has a place for, in one sentence
   std::vector<std::string> load;         // what to load where, in this order
   std::string reference;                 // from which point positions count
@@ -27,11 +29,6 @@ struct Exported {
   std::map<std::string, std::string> sensors;  // the controller's name of a sensor -> the calibration's
 };
 
-/// Takes over what notFollowed() tells of a table.
-void addNotFollowed(const std::vector<std::string>& told, Exported& out);
-/// The state as the controller knows it, sensors by its names, too.
-CommandedState commandTo(const NeededCorrection& needed, const State& state, const Exported& exported);
-
 /// What a user may choose.
 struct ExportOptions {
   std::map<std::string, std::string> letters;  // joint -> letter of the controller's axis
@@ -42,10 +39,25 @@ struct ExportOptions {
 
 /// One controller.
 struct ExportTarget {
-  std::string name;   // as it is typed: linuxcnc
-  std::string title;  // for people: LinuxCNC
+  std::string name;    // as it is typed: linuxcnc
+  std::string title;   // for people: LinuxCNC
+  std::string remark;  // what a remark begins with; empty: its files have none
+  std::string beside;  // what else compensates the same errors in this controller
   Exported (*write)(const NeededCorrection& needed, const ExportOptions& options);
 };
+
+/// What a target makes of a calibration, with the statement which compensation was active in its first file
+/// that has a place for remarks, and with what of that stays as it was (folder `kept`).
+/// @throw InputError: another controller's compensation was active; as ExportTarget::write.
+Exported exportedFor(const ExportTarget& target, const NeededCorrection& needed,
+                     const ExportOptions& options);
+
+/// Which compensation was active while measuring, what was assumed where nobody stated it, and what the
+/// tables do with it: one or two sentences.
+std::string activeWords(const ExportTarget& target, const NeededCorrection& needed, const Exported& exported);
+
+/// Takes over what notFollowed() tells of a table.
+void addNotFollowed(const std::vector<std::string>& told, Exported& out);
 
 /// All of them, in the order of the documents. A new one is a file pair and a line here.
 const std::vector<ExportTarget>& exportTargets();

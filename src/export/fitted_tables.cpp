@@ -35,13 +35,13 @@ double between(const std::vector<double>& at, const std::vector<double>& values,
 }
 
 /// The mean of the correction over the other states, at one position and direction of an axis.
-Eigen::VectorXd meanAt(const NeededCorrection& needed, std::vector<State>& others, int input, double position,
-                       double travel) {
+Eigen::VectorXd meanAt(const NeededCorrection& needed, CorrectionPart part, std::vector<State>& others,
+                       int input, double position, double travel) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(needed.axes().size()));
   for (State& state : others) {
     state.position[static_cast<std::size_t>(input)] = position;
     state.travel[static_cast<std::size_t>(input)] = travel;
-    sum += needed.at(state);
+    sum += (needed.*part)(state);
   }
   return sum / static_cast<double>(others.size());
 }
@@ -54,7 +54,8 @@ struct Stride {
 
 /// Judged by the displacements of the probe in few states, at places between the finest points where no
 /// period is hidden.
-Stride strideOf(const NeededCorrection& needed, int input, const std::vector<double>& finest) {
+Stride strideOf(const NeededCorrection& needed, int input, const std::vector<double>& finest, int coarsest) {
+  const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(input)];
   std::vector<State> probes = needed.states(kTableOthers, kTableSeed);
   probes.resize(kTableProbes);
   const std::vector<double> at = samplesWithin(finest, kProbesAStep);
@@ -62,7 +63,7 @@ Stride strideOf(const NeededCorrection& needed, int input, const std::vector<dou
   for (std::size_t n = 0; n < at.size(); ++n)
     for (int p = 0; p < 2 * kTableProbes; ++p) {
       State& state = probes[static_cast<std::size_t>(p / 2)];
-      state.position[static_cast<std::size_t>(input)] = at[n];
+      state.position[static_cast<std::size_t>(input)] = std::clamp(at[n], axis.lower, axis.upper);
       state.travel[static_cast<std::size_t>(input)] = p % 2 == 0 ? 1.0 : -1.0;
       curves.block<1, 3>(static_cast<Eigen::Index>(n), 3 * p) = needed.displacement(state).transpose();
     }
@@ -76,7 +77,7 @@ Stride strideOf(const NeededCorrection& needed, int input, const std::vector<dou
     return remainder.cwiseAbs().maxCoeff() < kFollowed;
   };
   const Eigen::MatrixXd least = left(1);
-  for (int stride = kCoarsest; stride > 1; stride /= 2) {
+  for (int stride = coarsest; stride > 1; stride /= 2) {
     const Eigen::MatrixXd here = left(stride);
     bool enough = true;
     for (Eigen::Index c = 0; c < here.cols() && enough; ++c)
@@ -84,6 +85,58 @@ Stride strideOf(const NeededCorrection& needed, int input, const std::vector<dou
     if (enough) return {stride, follows(here)};
   }
   return {1, follows(least)};
+}
+
+/// Points of a table, as fine as it may be.
+struct FinestPoints {
+  std::vector<double> at;
+  int coarsest = kCoarsest;  // of them, that a step may take
+};
+
+/// Steps of the tables that were active over the joint, in whole parts, as far as the observed range and they
+/// reach; none where there are none, or they are not equal, or too many.
+FinestPoints pointsOfActive(const NeededCorrection& needed, int input, int most) {
+  FinestPoints finest;
+  const std::vector<double> points = needed.activePoints(input);
+  if (points.size() < 2) return finest;
+  const double step = points[1] - points[0];
+  for (std::size_t i = 1; i < points.size(); ++i)
+    if (std::abs(points[i] - points[0] - static_cast<double>(i) * step) > kOfAStep * step) return finest;
+  const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(input)];
+  const auto beyond = [&](double distance) {
+    return std::max(0, static_cast<int>(std::ceil(distance / step - kOfAStep)));
+  };
+  const int before = beyond(points.front() - axis.lower), after = beyond(axis.upper - points.back());
+  const int steps = before + static_cast<int>(points.size()) - 1 + after;
+  const auto whole = [&](int parts) {
+    const double part = step / parts / kStepUnit;
+    return std::abs(part - std::round(part)) < kOfAStep * part;
+  };
+  for (finest.coarsest = kCoarsest; finest.coarsest > 1; finest.coarsest /= 2)
+    if (steps * finest.coarsest < most && whole(finest.coarsest)) break;
+  if (steps >= most) return finest;
+  for (int i = 0; i <= steps * finest.coarsest; ++i)
+    finest.at.push_back(points.front() + (static_cast<double>(i) / finest.coarsest - before) * step);
+  return finest;
+}
+
+FinestPoints finestPoints(const NeededCorrection& needed, int input, int mostPoints) {
+  FinestPoints finest = pointsOfActive(needed, input, mostPoints);
+  if (!finest.at.empty()) return finest;
+  const auto [lower, upper] = needed.tabulated(input);
+  finest.coarsest = kCoarsest;
+  finest.at = evenSteps(lower, upper, std::max(1, (mostPoints - 1) / kCoarsest) * kCoarsest);
+  return finest;
+}
+
+/// What the active compensation adds is known at every place: it is taken as it is, never fitted.
+void addActive(const NeededCorrection& needed, std::vector<State>& others, LineTable& table) {
+  for (std::size_t i = 0; i < table.at.size(); ++i)
+    for (auto* values : {&table.positive, &table.negative}) {
+      const Eigen::VectorXd here = meanAt(needed, &NeededCorrection::activeAt, others, table.input,
+                                          table.at[i], values == &table.positive ? 1.0 : -1.0);
+      for (std::size_t j = 0; j < values->size(); ++j) (*values)[j][i] += here[static_cast<Eigen::Index>(j)];
+    }
 }
 
 void subtractReference(LineTable& table, double reference) {
@@ -138,24 +191,24 @@ double LineTable::largest(int output) const {
   return most;
 }
 
-LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints) {
-  const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(input)];
-  const int most = std::max(1, (mostPoints - 1) / kCoarsest) * kCoarsest;
-  const std::vector<double> finest = evenSteps(axis.lower, axis.upper, most);
-  const Stride stride = strideOf(needed, input, finest);
+LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints, CorrectionPart part) {
+  const FinestPoints finest = finestPoints(needed, input, mostPoints);
+  const Stride stride = strideOf(needed, input, finest.at, finest.coarsest);
   LineTable table;
   table.input = input;
   table.samplesAStep = stride.followed ? kSamplesAStep : kSamplesAStep * stride.steps;
-  for (std::size_t i = 0; i < finest.size(); i += static_cast<std::size_t>(stride.steps))
-    table.at.push_back(finest[i]);
+  for (std::size_t i = 0; i < finest.at.size(); i += static_cast<std::size_t>(stride.steps))
+    table.at.push_back(finest.at[i]);
   std::vector<State> others = needed.states(kTableOthers, kTableSeed);
   const std::vector<double> at = samplesWithin(table.at, table.samplesAStep);
   const auto joints = static_cast<Eigen::Index>(needed.axes().size());
   Eigen::MatrixXd curves(static_cast<Eigen::Index>(at.size()), 2 * joints);  // upwards, downwards
   for (std::size_t n = 0; n < at.size(); ++n) {
     const auto row = static_cast<Eigen::Index>(n);
-    curves.row(row).head(joints) = meanAt(needed, others, input, at[n], 1.0).transpose();
-    curves.row(row).tail(joints) = meanAt(needed, others, input, at[n], -1.0).transpose();
+    curves.row(row).head(joints) =
+        meanAt(needed, &NeededCorrection::adds, others, input, at[n], 1.0).transpose();
+    curves.row(row).tail(joints) =
+        meanAt(needed, &NeededCorrection::adds, others, input, at[n], -1.0).transpose();
   }
   const Eigen::MatrixXd values = hatOrLineFit(table.at, at, curves);
   const Eigen::MatrixXd left = hatRemainder(table.at, values, at, curves).cwiseAbs();
@@ -166,12 +219,19 @@ LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints) {
     table.left.push_back(std::max(left.col(j).maxCoeff(), left.col(joints + j).maxCoeff()));
   }
   subtractReference(table, needed.reference(input));
+  for (int j = 0; j < static_cast<int>(joints); ++j) table.added.push_back(table.largest(j));
+  if (needed.active() != nullptr && part != &NeededCorrection::adds) {
+    addActive(needed, others, table);
+    subtractReference(table, needed.reference(input));
+  }
   return table;
 }
 
-Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double position) {
+Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double position,
+                               CorrectionPart part) {
   std::vector<State> others = needed.states(kTableOthers, kTableSeed);
-  return 0.5 * (meanAt(needed, others, input, position, 1.0) + meanAt(needed, others, input, position, -1.0));
+  return 0.5 * (meanAt(needed, part, others, input, position, 1.0) +
+                meanAt(needed, part, others, input, position, -1.0));
 }
 
 std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineTable& table,
@@ -201,7 +261,7 @@ double PlaneTable::interpolated(int output, double a, double b) const {
 }
 
 PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std::vector<double> atFirst,
-                      std::vector<double> atSecond) {
+                      std::vector<double> atSecond, CorrectionPart part) {
   PlaneTable plane;
   plane.first = first;
   plane.second = second;
@@ -218,7 +278,7 @@ PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std
       for (State& state : others) {
         state.position[static_cast<std::size_t>(first)] = plane.atFirst[static_cast<std::size_t>(i)];
         state.position[static_cast<std::size_t>(second)] = plane.atSecond[static_cast<std::size_t>(k)];
-        sum += needed.at(state);
+        sum += (needed.*part)(state);
       }
       for (std::size_t j = 0; j < joints; ++j)
         plane.value[j](i, k) = sum[static_cast<Eigen::Index>(j)] / static_cast<double>(others.size());
@@ -229,7 +289,7 @@ PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std
   return plane;
 }
 
-StraightPart straightPart(const NeededCorrection& needed) {
+StraightPart straightPart(const NeededCorrection& needed, CorrectionPart which) {
   const std::vector<State> states = mirrored(needed, kTableStates / 2);
   const auto joints = static_cast<Eigen::Index>(needed.axes().size());
   const auto sensors = static_cast<Eigen::Index>(needed.model().domain().sensors.size());
@@ -245,7 +305,7 @@ StraightPart straightPart(const NeededCorrection& needed) {
       const double t = s.temperature[static_cast<std::size_t>(k)];
       inputs(n, 1 + 2 * joints + k) = std::isfinite(t) ? t - kReferenceTemperature : 0.0;
     }
-    outputs.row(n) = needed.at(s).transpose();
+    outputs.row(n) = (needed.*which)(s).transpose();
   }
   // Columns of one size, so that the rank is judged fairly; what did not vary gets nothing.
   Eigen::VectorXd size(inputs.cols());
@@ -266,7 +326,7 @@ StraightPart straightPart(const NeededCorrection& needed) {
   const Eigen::RowVectorXd error = (outputs - inputs * by).colwise().norm() / kTableStates;
   for (Eigen::Index c = 1; c < by.rows(); ++c)
     for (Eigen::Index j = 0; j < joints; ++j)
-      if (std::abs(by(c, j)) < kStandsOut * error[j]) by(c, j) = 0.0;
+      if (which != &NeededCorrection::activeAt && std::abs(by(c, j)) < kStandsOut * error[j]) by(c, j) = 0.0;
   for (Eigen::Index c = 1; c < by.rows(); ++c)
     by.row(c) =
         size[c] > kStandsStill ? Eigen::RowVectorXd(by.row(c) / size[c]) : Eigen::RowVectorXd::Zero(joints);

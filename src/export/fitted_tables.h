@@ -15,7 +15,8 @@ struct LineTable {
   std::vector<double> at;                               // m or rad, equal steps, ascending
   std::vector<std::vector<double>> positive, negative;  // a joint that is corrected; m, one a point
   int samplesAStep = 0;                                 // inside each step, to which the points were fitted
-  std::vector<double> left;  // a joint: the most that the table leaves of the curve, m
+  std::vector<double> left;   // a joint: the most that the table leaves of what the calibration adds, m
+  std::vector<double> added;  // a joint: the largest that the calibration adds, m
 
   /// Of both directions of travel at a point of a joint that is corrected; m.
   double mean(int output, std::size_t point) const {
@@ -24,19 +25,26 @@ struct LineTable {
   }
   /// Linear between the points, the ends held. @param travel +1, -1; 0: the mean.
   double value(int output, double position, double travel) const;
-  /// Largest absolute value of an output, m.
-  double largest(int output) const;
+  /// The calibration has something for this output; else what was active says it as it is.
+  bool changes(int output) const { return added[static_cast<std::size_t>(output)] > kLeastOfATable; }
+  double largest(int output) const;               ///< absolute value of an output, m
+  static constexpr double kLeastOfATable = 1e-8;  // m
 };
 
 /// At most `mostPoints` of them: as few as follow the curve within 0.02 um by straight lines; where not even
 /// the most do, as few as leave hardly more of it than those. Points are fitted to samples between them
 /// (hatOrLineFit): what no table of so many points can follow is left as it is, never made worse. The steps
-/// are whole tenths of a micrometre, and cover the observed range.
-LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints);
+/// are whole tenths of a micrometre, and cover the observed range. Where tables over this axis were active
+/// that have equal steps, the points are theirs and whole parts of their steps: there the new table is the
+/// active one and what the calibration adds.
+/// @param part adds() leaves the active one out.
+LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints,
+                    CorrectionPart part = &NeededCorrection::at);
 
 /// What lineTable's curve is at a position, both directions together: m, a joint each, not less its value at
 /// the reference.
-Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double position);
+Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double position,
+                               CorrectionPart part = &NeededCorrection::at);
 
 /// For people: which of `outputs` the table does not follow, how many points it has and what it leaves.
 /// Empty: all are followed.
@@ -55,7 +63,7 @@ struct PlaneTable {
 };
 /// @param atFirst, atSecond ascending positions, at least two each.
 PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std::vector<double> atFirst,
-                      std::vector<double> atSecond);
+                      std::vector<double> atSecond, CorrectionPart part = &NeededCorrection::at);
 
 /// The straight part of the correction, by least squares over the calibrated volume: m/m, m, m/K. What does
 /// not stand out of the rest by four standard errors is chance, and 0.
@@ -68,7 +76,9 @@ struct StraightPart {
   /// whichever of them the calibration holds for the reference, as the other part only turns the workpiece.
   double square(int output, int input) const { return byPosition(output, input) + byPosition(input, output); }
 };
-StraightPart straightPart(const NeededCorrection& needed);
+/// @param part adds(): what the calibration adds. activeAt(): of what was active all counts, nothing is
+/// chance.
+StraightPart straightPart(const NeededCorrection& needed, CorrectionPart part);
 
 /// `from` to beyond `to` in `intervals` equal steps, each a whole number of 0.1 um.
 std::vector<double> evenSteps(double from, double to, int intervals);

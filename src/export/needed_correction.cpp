@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "base/nearest_name.h"
 #include "compensation/compensator.h"
 #include "machine/linear_inverse.h"
 
@@ -15,6 +16,10 @@ namespace {
 constexpr double kNoTravel = 1e-5;  // m or rad: an axis that has no more has no table
 
 constexpr int kMostSteps = 20;
+constexpr int kReadingSteps = 3;  // each leaves a ten thousandth of the one before
+constexpr int kChangeStates = 64;
+constexpr unsigned kChangeSeed = 71;
+constexpr double kLeastChange = 1e-8;     // m, between any two states
 constexpr double kNeededReached = 1e-12;  // m
 
 /// Temperatures that have been what they are for ever.
@@ -56,12 +61,47 @@ NeededCorrection::NeededCorrection(const Calibration& calibration,
     parameters_[p] = calibration.values[static_cast<std::size_t>(p)].value;
   linear_ = linearJoints(model_.machine().joints());
   axes_ = exportAxes(model_.machine(), letters, calibration.domain.lower, calibration.domain.upper);
+  compensation_ = calibration.compensation;
+  active_ = loadedCompensation(compensation_);
+  if (active_) activePoints_ = active_->points();
+  checkActive();
+  std::vector<Eigen::VectorXd> samples;
+  for (const State& state : states(kChangeStates, kChangeSeed)) samples.push_back(adds(state));
+  for (std::size_t j = 0; j < axes_.size(); ++j) {
+    const auto less = [j](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+      return a[static_cast<Eigen::Index>(j)] < b[static_cast<Eigen::Index>(j)];
+    };
+    const auto [least, most] = std::minmax_element(samples.begin(), samples.end(), less);
+    changes_.push_back(((*most) - (*least))[static_cast<Eigen::Index>(j)] > kLeastChange);
+  }
+}
+
+void NeededCorrection::checkActive() const {
+  std::vector<std::string> here;
+  for (const ExportAxis& axis : axes_) here.push_back(axis.letter);
+  for (const auto& [letter, at] : activePoints_)
+    if (findAxis(letter) == nullptr)
+      throw InputError("the compensation that was active while measuring (" + compensation_.inWords() +
+                       ") is for axis " + letter + ", and the machine's axes are " + listOf(here) +
+                       "; tell which joint it is with --axis JOINT=" + letter);
 }
 
 const ExportAxis* NeededCorrection::findAxis(const std::string& letter) const {
   for (const ExportAxis& axis : axes_)
     if (axis.letter == letter) return &axis;
   return nullptr;
+}
+
+std::vector<double> NeededCorrection::activePoints(int joint) const {
+  const auto found = activePoints_.find(axes_[static_cast<std::size_t>(joint)].letter);
+  return found == activePoints_.end() ? std::vector<double>{} : found->second;
+}
+
+std::pair<double, double> NeededCorrection::tabulated(int joint) const {
+  const ExportAxis& axis = axes_[static_cast<std::size_t>(joint)];
+  const std::vector<double> points = activePoints(joint);
+  if (points.empty()) return {axis.lower, axis.upper};
+  return {std::min(axis.lower, points.front()), std::max(axis.upper, points.back())};
 }
 
 bool NeededCorrection::moved(int joint) const {
@@ -107,30 +147,71 @@ Eigen::Vector3d NeededCorrection::truePosition(State state) const {
   return model_.corrected(state, parameters_.data(), work).position;
 }
 
-Eigen::Vector3d NeededCorrection::missed(const State& command, const std::vector<double>& motors) const {
+Eigen::Vector3d NeededCorrection::besideNominal(const State& command, std::vector<double> readings) const {
   const double beam = model_.domain().laser ? command.laserReading : std::numeric_limits<double>::quiet_NaN();
   State driven = command;
-  driven.position = motors;
+  driven.position = std::move(readings);
   return truePosition(std::move(driven)) - model_.machine().nominal(command.position.data(), beam).position;
 }
 
-Eigen::VectorXd NeededCorrection::at(const State& command) const {
+Eigen::Vector3d NeededCorrection::displacement(const State& state) const {
+  return besideNominal(state, state.position);
+}
+
+Eigen::Vector3d NeededCorrection::missed(const State& command, const std::vector<double>& motors) const {
+  if (!active_) return besideNominal(command, motors);
+  // The reading at which the motors stood there while it was measured: reading + active(reading) = motors.
+  State reading = command;
+  reading.position = motors;
+  for (int step = 0; step < kReadingSteps; ++step) {
+    const Eigen::VectorXd added = activeAt(reading);
+    for (std::size_t j = 0; j < motors.size(); ++j)
+      reading.position[j] = motors[j] - added[static_cast<Eigen::Index>(j)];
+  }
+  return besideNominal(command, reading.position);
+}
+
+Eigen::VectorXd NeededCorrection::activeAt(const State& command) const {
+  Eigen::VectorXd added = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(axes_.size()));
+  if (!active_) return added;
+  const std::map<std::string, double> found = active_->adds(commandOf(command));
+  for (const ExportAxis& axis : axes_) added[axis.joint] = found.at(axis.letter);
+  return added;
+}
+
+Eigen::VectorXd NeededCorrection::adds(const State& given) const {
+  State command = given;
+  if (active_)  // whose tables may reach beyond what the session observed
+    for (const ExportAxis& axis : axes_) {
+      double& position = command.position[static_cast<std::size_t>(axis.joint)];
+      position = std::clamp(position, axis.lower, axis.upper);
+    }
   const double beam = model_.domain().laser ? command.laserReading : std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> motors = command.position;
+  std::vector<double> readings = command.position;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Eigen::Vector3d miss = missed(command, motors);
+    const Eigen::Vector3d miss = besideNominal(command, readings);
     if (!miss.allFinite())
       throw NumericalError(
           "the calibration has no finite correction inside its own range: an input of its effects was never "
           "recorded; calibrate with it, or remove the effect");
-    const LinearMotion motion = linearMotion(model_.machine(), motors.data(), beam, -miss);
-    for (std::size_t j = 0; j < motors.size(); ++j) motors[j] += motion.change[static_cast<Eigen::Index>(j)];
+    const LinearMotion motion = linearMotion(model_.machine(), readings.data(), beam, -miss);
+    for (std::size_t j = 0; j < readings.size(); ++j)
+      readings[j] += motion.change[static_cast<Eigen::Index>(j)];
     if (motion.change.cwiseAbs().maxCoeff() < kNeededReached) break;
   }
-  Eigen::VectorXd delta(static_cast<Eigen::Index>(motors.size()));
-  for (std::size_t j = 0; j < motors.size(); ++j)
-    delta[static_cast<Eigen::Index>(j)] = motors[j] - command.position[j];
+  Eigen::VectorXd delta(static_cast<Eigen::Index>(readings.size()));
+  for (std::size_t j = 0; j < readings.size(); ++j)
+    delta[static_cast<Eigen::Index>(j)] = readings[j] - command.position[j];
   return delta;
+}
+
+Eigen::VectorXd NeededCorrection::at(const State& command) const {
+  const Eigen::VectorXd added = adds(command);
+  if (!active_) return added;
+  State reading = command;
+  for (std::size_t j = 0; j < reading.position.size(); ++j)
+    reading.position[j] += added[static_cast<Eigen::Index>(j)];
+  return added + activeAt(reading);
 }
 
 CommandedState NeededCorrection::commandOf(const State& state) const {

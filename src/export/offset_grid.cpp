@@ -24,20 +24,20 @@ std::vector<double> millimetres(const std::vector<double>& metres) {
 
 }  // namespace
 
-OffsetGrid::OffsetGrid(const NeededCorrection& needed) : joints_(needed.linear()) {
+OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : joints_(needed.linear()) {
   const Domain& d = needed.model().domain();
   std::vector<std::size_t> strides(joints_.size(), 1);
   std::size_t count = 1;
   for (const int joint : joints_) {
-    const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
-    letters_.push_back(axis.letter);
-    at_.push_back(evenSteps(axis.lower, axis.upper, kGridPoints - 1));
+    letters_.push_back(needed.axes()[static_cast<std::size_t>(joint)].letter);
+    const auto [lower, upper] = needed.tabulated(joint);
+    at_.push_back(evenSteps(lower, upper, kGridPoints - 1));
     count *= kGridPoints;
   }
   std::vector<std::vector<double>> own(joints_.size());  // what the joint tables are fitted to
   for (std::size_t a = 0; a < joints_.size(); ++a)
     for (const double position : at_[a])
-      own[a].push_back(meanCorrection(needed, joints_[a], position)[joints_[a]]);
+      own[a].push_back(meanCorrection(needed, joints_[a], position, part)[joints_[a]]);
   for (std::size_t a = joints_.size(); a-- > 1;) strides[a - 1] = strides[a] * kGridPoints;
   std::vector<double> middle;
   for (std::size_t k = 0; k < d.sensors.size(); ++k)
@@ -51,7 +51,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed) : joints_(needed.linear()
         state.position[static_cast<std::size_t>(joints_[a])] = at_[a][point / strides[a] % kGridPoints];
       state.temperature = middle;
       if (sensor >= 0) state.temperature[static_cast<std::size_t>(sensor)] += kelvin;
-      sum += needed.at(state);
+      sum += (needed.*part)(state);
     }
     return Eigen::VectorXd(sum / static_cast<double>(others.size()));
   };

@@ -13,7 +13,7 @@ class OffsetGrid {
  public:
   /// What the position of an axis alone does to it, both directions together, is left to the joint's table,
   /// also what no table can follow.
-  explicit OffsetGrid(const NeededCorrection& needed);
+  explicit OffsetGrid(const NeededCorrection& needed, CorrectionPart part = &NeededCorrection::at);
 
   /// Added to each linear axis, m, in the order of needed.linear(). Temperatures that are not known count as
   /// the reference ones.

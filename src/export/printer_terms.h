@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,20 +9,27 @@
 
 namespace mm {
 
-/// What a note says wherever an angle between axes is exported.
+/// Angles and reversals, which are all that printers and grblHAL have: of each axis for which the calibration
+/// has something what was active and what is added; nothing of the others.
+struct PrinterTerms {
+  std::optional<double> xy, xz, yz;  // tangents: how much of the second axis is added to the first
+  std::vector<std::pair<const ExportAxis*, double>> reversals;  // m, not negative
+  StraightPart adds, active;
+};
+
+/// What a target has a place for.
+struct PrinterPlaces {
+  std::string title;           // for people
+  std::string reversals;       // letters of axes
+  double leastReversal = 0.0;  // m: no more is nothing
+  bool angles = true;
+  bool sharedFraction = false;  // the reversals of all axes are scaled by one number: all are written or none
+};
+
+/// Fills `out.axes`, and a note where a reversal cannot be held.
+PrinterTerms printerTerms(const NeededCorrection& needed, const PrinterPlaces& places, Exported& out);
+
+/// What the page says of it.
 extern const char* const kSquarenessNote;
-
-/// By how much `output` is moved a metre of `input` so that the two axes are square, m/m, axes by their
-/// letters; 0 where the machine has not both. Positive is added.
-double squareness(const NeededCorrection& needed, const StraightPart& part, const char* output,
-                  const char* input);
-
-/// The whole reversal of each linear axis of `letters` that the machine has, m. One that is negative (the
-/// slide leads its drive) is 0 and told in a note, for no firmware holds it; one below `least` (m) is 0.
-/// @param title of the firmware.
-std::vector<std::pair<const ExportAxis*, double>> reversals(const NeededCorrection& needed,
-                                                            const StraightPart& part,
-                                                            const std::string& letters, double least,
-                                                            const std::string& title, Exported& out);
 
 }  // namespace mm

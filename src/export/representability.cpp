@@ -47,23 +47,25 @@ double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d
 }
 
 ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported,
-                        const Interpreter& interpreter) {
+                        const LoadedCompensation& loaded) {
   const std::vector<State> states = needed.states(kJudgeStates, kJudgeSeed);
   Eigen::VectorXd before(3 * kJudgeStates), after(3 * kJudgeStates), beside(3 * kJudgeStates);
   std::vector<Eigen::Vector3d> places;
   for (int n = 0; n < kJudgeStates; ++n) {
     const State& state = states[static_cast<std::size_t>(n)];
-    const std::map<std::string, double> driven = interpreter.motors(commandTo(needed, state, exported));
     std::vector<double> motors = state.position;
-    for (const ExportAxis& axis : needed.axes())
-      motors[static_cast<std::size_t>(axis.joint)] = driven.at(axis.letter);
-    before.segment<3>(3 * n) = needed.displacement(state);
-    after.segment<3>(3 * n) = needed.missed(state, motors);
-    if (exported.alsoAdds) {
-      const std::map<std::string, double> added = exported.alsoAdds(state);
+    const auto drive = [&](const std::map<std::string, double>& added) {
       for (const ExportAxis& axis : needed.axes())
         if (const auto found = added.find(axis.letter); found != added.end())
           motors[static_cast<std::size_t>(axis.joint)] += found->second;
+    };
+    const CommandedState command = needed.commandOf(state);
+    drive(loaded.tablesAdd(command));
+    if (!exported.alsoAdds) drive(loaded.offsetsAdd(command));  // those that were active and stay
+    before.segment<3>(3 * n) = needed.displacement(state);
+    after.segment<3>(3 * n) = needed.missed(state, motors);
+    if (exported.alsoAdds) {
+      drive(exported.alsoAdds(state));
       beside.segment<3>(3 * n) = needed.missed(state, motors);
     }
     places.push_back(needed.model().machine().nominal(state.position.data(), state.laserReading).position);
@@ -76,9 +78,7 @@ ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported
 
 /// Interprets files that nobody has been given yet.
 ExportFigures judged(const std::string& target, const NeededCorrection& needed, const Exported& exported) {
-  const TemporaryFolder folder;
-  for (const ExportedFile& file : exported.files) folder.write(file);
-  return figuresOf(needed, exported, *interpret(target, folder.path()));
+  return figuresOf(needed, exported, TriedExport(target, exported).loaded());
 }
 
 Calibration oneEffect(const Calibration& whole, int effect) {
@@ -125,7 +125,7 @@ std::string whatItDoes(const NeededCorrection& needed) {
   for (const int k : in.covariates) by.push_back(d.covariates[static_cast<std::size_t>(k)]);
   if (in.time) by.emplace_back("time");
   std::vector<Eigen::VectorXd> at;
-  for (const State& s : needed.states(64, kJudgeSeed)) at.push_back(needed.at(s));
+  for (const State& s : needed.states(64, kJudgeSeed)) at.push_back(needed.adds(s));
   for (const int joint : needed.linear()) {
     double least = at[0][joint], most = least;
     for (const Eigen::VectorXd& a : at) {
@@ -149,7 +149,7 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
   const NeededCorrection needed(one, options.letters);
   CarriedEffect result;
   result.effect = one.effects[0];
-  const Exported exported = target.write(needed, options);
+  const Exported exported = exportedFor(target, needed, options);
   result.figures = judged(target.name, needed, exported);
   const ExportFigures& f = result.figures;
   if (f.uncorrected < kNothing && f.unalignedUncorrected < kNothing) {

@@ -40,6 +40,9 @@ struct Representability {
   double repeatability = 0.0;  // m, of a contact of the session
   std::vector<CarriedEffect> effects;
   std::vector<std::string> notFollowed;  // Exported::notFollowed
+  std::set<std::string> touched;         // Exported::axes
+  ControllerCompensation compensation;   // that was active while measuring
+  std::string activeWords;               // activeWords()
   std::vector<ExportedFile> files;
 
   /// What the full model does not explain of the session beyond the scatter of a contact:

@@ -45,6 +45,8 @@ ordered_json representabilityJson(const Representability& judged) {
   const ExportFigures& f = judged.figures;
   ordered_json json{
       {"target", judged.target},
+      {"touched", judged.touched},
+      {"compensation", {{"active", judged.compensation.inWords()}, {"in_words", judged.activeWords}}},
       {"rms_um",
        {{"uncorrected", micrometres(f.uncorrected)}, {"exported", micrometres(f.exported)}, {"full", 0.0}}},
       {"expected_rms_um",

@@ -26,12 +26,17 @@ long units(double metres) { return std::lround(metres / kBeckhoffUnit); }
 PlaneTable planeOf(const NeededCorrection& needed, int first, int second) {
   const ExportAxis& a = needed.axes()[static_cast<std::size_t>(first)];
   const ExportAxis& b = needed.axes()[static_cast<std::size_t>(second)];
-  const double longer = std::max(a.upper - a.lower, b.upper - b.lower);
+  const auto length = [&](const ExportAxis& axis) {
+    const auto [lower, upper] = needed.tabulated(axis.joint);
+    return upper - lower;
+  };
+  const double longer = std::max(length(a), length(b));
   const double step =
       std::ceil(longer / kPlaneIntervals / kBeckhoffUnit) * kBeckhoffUnit;  // one for both axes
   const auto steps = [&](const ExportAxis& axis) {
-    const int n = std::max(1, static_cast<int>(std::ceil((axis.upper - axis.lower) / step - kOfAWhole)));
-    const double start = std::floor(axis.lower / kBeckhoffUnit) * kBeckhoffUnit;
+    const auto [lower, upper] = needed.tabulated(axis.joint);
+    const int n = std::max(1, static_cast<int>(std::ceil((upper - lower) / step - kOfAWhole)));
+    const double start = std::floor(lower / kBeckhoffUnit + kOfAWhole) * kBeckhoffUnit;
     std::vector<double> at;
     for (int i = 0; i <= n; ++i) at.push_back(start + i * step);
     return at;
@@ -176,11 +181,13 @@ Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions&) {
   for (const int joint : needed.linear()) number[static_cast<std::size_t>(joint)] = ++count;
   for (const int joint : needed.linear()) {
     const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
+    if (!needed.changes(joint)) continue;
+    out.axes.insert(axis.letter);
     const AxisTables tables = chosen(needed, pool, joint);
     const auto of = [&](int j) { return number[static_cast<std::size_t>(j)]; };
     std::string list =
         format("kopf.log_achs_nr %d\nkopf.log_achs_name %s\n", of(joint), capital(axis.letter).c_str());
-    std::string set;
+    std::string set = needed.active() != nullptr ? "lr_param.anwahl_losekomp 0\n" : "";
     if (tables.own != nullptr) {
       addNotFollowed(notFollowed(needed, *tables.own, {joint}), out);
       list += leadscrew(*tables.own, joint);
@@ -215,8 +222,8 @@ Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions&) {
       "Make each <axis>.lis the compensation value list of its axis (TwinCAT System Manager, or achs_kw in "
       "the "
       "start-up list).",
-      "Take the lines of <axis>.axis.lis over into the axis parameter lists, and switch the backlash "
-      "compensation off: the reversal is in the bilateral table.",
+      "Take the lines of <axis>.axis.lis over into the axis parameter lists. Where the backlash compensation "
+      "of these axes was active while measuring, it is in the bilateral table: switch it off.",
       "Start up, home every axis: plane and cross compensation act when their masters are referenced."};
   out.reference =
       "Positions are those of the referenced axes, in 0.1 um. Each table is zero at position 0, or at the "

@@ -100,7 +100,7 @@ std::vector<std::array<CarriageError, 2>> errorsOf(const NeededCorrection& neede
   const auto displaced = [&](State& s, double position, double travel) {
     s.position[j] = position;
     s.travel[j] = travel;
-    return needed.displacement(s);
+    return needed.missed(s, s.position);  // of the machine without any compensation
   };
   std::vector<Eigen::Vector3d> reference;
   for (State& s : states)
@@ -195,8 +195,9 @@ void addErrorTables(const ExportAxis& axis, const std::vector<double>& at,
 Exported toCsv(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
   const Chain chain(needed);
+  for (const ExportAxis& axis : needed.axes()) out.axes.insert(axis.letter);
   for (const int joint : needed.linear()) {
-    if (!needed.moved(joint)) continue;
+    if (!needed.moved(joint) && needed.activePoints(joint).empty()) continue;
     const LineTable table = lineTable(needed, joint, kCsvMostPoints);
     addNotFollowed(notFollowed(needed, table, needed.linear()), out);
     addErrorTables(needed.axes()[static_cast<std::size_t>(joint)], table.at,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -70,19 +71,51 @@ std::vector<double> cellMeans(const LineTable& table, const ExportAxis& axis, Pi
   return means;
 }
 
+/// Both directions together there is something to add, beside a reversal.
+bool bends(const LineTable& adds, int joint) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < adds.at.size(); ++i) most = std::max(most, std::abs(adds.mean(joint, i)));
+  return most > LineTable::kLeastOfATable;
+}
+
+/// Steps of the table that was active, where it had equal ones that a new one may have; else 0.
+double activeInterval(const NeededCorrection& needed, const ExportAxis& axis, double length, double least) {
+  const std::vector<double> points = needed.activePoints(axis.joint);
+  if (points.size() < 2) return 0.0;
+  const double step = points[1] - points[0];
+  const bool equal =
+      std::abs(points.back() - points[0] - static_cast<double>(points.size() - 1) * step) < kOfAWhole * step;
+  return equal && step > least * (1.0 - kOfAWhole) && length / step < kFanucSections - 1 + kOfAWhole ? step
+                                                                                                     : 0.0;
+}
+
+/// The active table's value at each point, which it holds to the middle of the sections beside it.
+void addActiveSteps(const NeededCorrection& needed, const ExportAxis& axis, const Pitch& pitch,
+                    std::vector<double>& curve) {
+  if (needed.active() == nullptr) return;
+  const auto at = [&](double position) {
+    return meanCorrection(needed, axis.joint, position, &NeededCorrection::activeAt)[axis.joint];
+  };
+  for (std::size_t i = 0; i < curve.size(); ++i)
+    curve[i] += at((pitch.first + static_cast<int>(i)) * pitch.interval) - at(0.0);
+}
+
 /// @param least interval that the control can follow at its rapid rate, m. @throw InputError where the
 /// increments are larger than the control takes.
-Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, double unit, double least,
-              Exported& out) {
-  const LineTable table = lineTable(needed, axis.joint, 481);
-  addNotFollowed(notFollowed(needed, table, {axis.joint}), out);
-  const double from = std::min(0.0, axis.lower), to = std::max(0.0, axis.upper);
+Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, const LineTable& table, double unit,
+              double least) {
+  const auto [lower, upper] = needed.tabulated(axis.joint);
+  const double from = std::min(0.0, lower), to = std::max(0.0, upper);
   Pitch pitch;
-  const double interval = std::max((to - from) / (kFanucSections - 1), least);
-  pitch.interval = std::ceil(interval / kMicrometre - kOfAWhole) * kMicrometre;
+  pitch.interval = activeInterval(needed, axis, to - from, least);
+  if (pitch.interval == 0.0) {
+    const double interval = std::max((to - from) / (kFanucSections - 1), least);
+    pitch.interval = std::ceil(interval / kMicrometre - kOfAWhole) * kMicrometre;
+  }
   pitch.first = static_cast<int>(std::floor(from / pitch.interval + kOfAWhole));
   pitch.last = static_cast<int>(std::ceil(to / pitch.interval - kOfAWhole));
-  const std::vector<double> curve = cellMeans(table, axis, pitch);
+  std::vector<double> curve = cellMeans(table, axis, pitch);
+  addActiveSteps(needed, axis, pitch, curve);
   long most = 0;
   for (pitch.magnification = 1; pitch.magnification <= kMostMagnification; ++pitch.magnification) {
     pitch.increments = incrementsOf(curve, pitch.mean, unit * static_cast<double>(pitch.magnification));
@@ -95,6 +128,21 @@ Pitch pitchOf(const NeededCorrection& needed, const ExportAxis& axis, double uni
              "most 7 x 100 can be told (3623); take a larger --detection-unit-um than %.4g, where the "
              "control has it",
              capital(axis.letter).c_str(), most, pitch.interval / kMillimetre, unit / kMicrometre));
+}
+
+/// Where `count` numbers of pitch error data in a row are free, from `from` on. @throw InputError: nowhere.
+int freeNumbers(const std::set<int>& taken, int from, int count) {
+  constexpr int kLast = 1023;
+  for (int first = from; first + count - 1 <= kLast; ++first) {
+    const auto next = taken.lower_bound(first);
+    if (next == taken.end() || *next >= first + count) return first;
+    first = *next;
+  }
+  if (from > 0) return freeNumbers(taken, 0, count);
+  throw InputError(
+      format("--to fanuc: no %d numbers of pitch error data in a row are free: the axes that stay "
+             "as they are take %zu of 1024; give theirs less",
+             count, taken.size()));
 }
 
 /// Bits of 1013 for the least command increment, and 1820 for the detection unit. @throw InputError where
@@ -122,11 +170,11 @@ struct Units {
 class Parameter1 {
  public:
   explicit Parameter1(int number) : text_(format("N%05d", number)) {}
-  void add(int axis, const std::string& value) { text_ += format(" A%d P", axis) + value; }
-  std::string line() const { return text_ + "\n"; }
+  void add(int axis, const std::string& value) { words_ += format(" A%d P", axis) + value; }
+  std::string line() const { return words_.empty() ? "" : text_ + words_ + "\n"; }  ///< empty: of no axis
 
  private:
-  std::string text_;
+  std::string text_, words_;
 };
 
 /// What the page says whatever the calibration is.
@@ -168,30 +216,51 @@ void addFanucWords(Exported& out) {
 Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
   Exported out;
   const double unit = options.detectionUnit;
-  const StraightPart part = straightPart(needed);
+  const StraightPart adds = straightPart(needed, &NeededCorrection::adds),
+                     active = straightPart(needed, &NeededCorrection::activeAt);
   const Units as(unit);
   Parameter1 units(1013), names(1020), multiplier(1820), backlash(1851), reference(3620), lowest(3621),
       highest(3622), magnify(3623), interval(3624), both(3605);
   std::string data;
+  std::vector<std::pair<int, LineTable>> written;  // number of the axis
+  std::set<int> taken;                             // numbers of pitch error data
   int n = 0;
   for (const int joint : needed.linear()) {
     const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
-    if (!needed.moved(joint)) continue;
     ++n;
+    if (!needed.moved(joint) && needed.activePoints(joint).empty()) continue;
+    LineTable table = lineTable(needed, joint, 481, &NeededCorrection::adds);
+    const bool reversed = std::abs(2.0 * adds.byTravel(joint, joint)) > 0.5 * unit;
+    if (!reversed && !bends(table, joint)) continue;
+    out.axes.insert(axis.letter);
+    written.emplace_back(n, std::move(table));
+  }
+  if (needed.active() != nullptr)
+    for (const auto& [letter, numbers] : needed.active()->numbers())
+      if (out.axes.count(letter) == 0) taken.insert(numbers.begin(), numbers.end());
+  for (const auto& [number, table] : written) {
+    const int joint = table.input;
+    const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
+    addNotFollowed(notFollowed(needed, table, {joint}), out);
+    units.add(number, as.increment);
+    multiplier.add(number, std::to_string(as.multiplier));
+    names.add(number, std::to_string(static_cast<int>(capital(axis.letter)[0])));
+    both.add(number, "00000000");
+    const long gap = std::lround(2.0 * (adds.byTravel(joint, joint) + active.byTravel(joint, joint)) / unit);
+    if (std::abs(2.0 * adds.byTravel(joint, joint)) > 0.5 * unit || needed.active() != nullptr)
+      backlash.add(number, std::to_string(gap));
+    if (!bends(table, joint) && needed.activePoints(joint).empty()) continue;
     const double limit = needed.model().machine().joints()[static_cast<std::size_t>(joint)].maxVelocity;
     const double rapid = options.rapidRate > 0.0 ? options.rapidRate : limit;
-    const Pitch pitch = pitchOf(needed, axis, unit, rapid * kLeastIntervalSeconds, out);
-    const int zero = (n - 1) * kNumbersAnAxis - pitch.first;
-    units.add(n, as.increment);
-    multiplier.add(n, std::to_string(as.multiplier));
-    names.add(n, std::to_string(static_cast<int>(capital(axis.letter)[0])));
-    both.add(n, "00000000");
-    backlash.add(n, std::to_string(std::lround(2.0 * part.byTravel(joint, joint) / unit)));
-    reference.add(n, std::to_string(zero));
-    lowest.add(n, std::to_string(zero + pitch.first + 1));
-    highest.add(n, std::to_string(zero + pitch.last));
-    magnify.add(n, std::to_string(pitch.magnification));
-    interval.add(n, fixed(pitch.interval / kMillimetre, 4));
+    const Pitch pitch = pitchOf(needed, axis, table, unit, rapid * kLeastIntervalSeconds);
+    const int first = freeNumbers(taken, (number - 1) * kNumbersAnAxis, pitch.last - pitch.first + 1);
+    for (int i = 0; i <= pitch.last - pitch.first; ++i) taken.insert(first + i);
+    const int zero = first - pitch.first;
+    reference.add(number, std::to_string(zero));
+    lowest.add(number, std::to_string(zero + pitch.first + 1));
+    highest.add(number, std::to_string(zero + pitch.last));
+    magnify.add(number, std::to_string(pitch.magnification));
+    interval.add(number, fixed(pitch.interval / kMillimetre, 4));
     for (std::size_t i = 0; i < pitch.increments.size(); ++i)
       data +=
           format("N%05d P%ld\n", 10000 + zero + pitch.first + 1 + static_cast<int>(i), pitch.increments[i]);

@@ -15,10 +15,10 @@ constexpr double kGrblhalLeast = 1e-7;  // m: at 0.0001 mm and below grblHAL lea
 
 Exported toGrblhal(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
-  const StraightPart part = straightPart(needed);
   const std::string order = "xyzabc";
   std::string text;
-  for (const auto& [axis, gap] : reversals(needed, part, order, kGrblhalLeast, "grblHAL", out))
+  for (const auto& [axis, gap] :
+       printerTerms(needed, {"grblHAL", order, kGrblhalLeast, false}, out).reversals)
     text += format("$%zu=%s\n", 160 + order.find(axis->letter), fixed(gap / kMillimetre, 4).c_str());
   out.files.push_back({"settings.txt", "backlash of each axis in mm, as $$ prints it", text});
   out.holds = "one reversal a joint";

@@ -1,5 +1,7 @@
 #include "export/to_heidenhain.h"
 
+#include <algorithm>
+
 #include "base/format.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
@@ -37,10 +39,18 @@ Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions&) {
   std::vector<const ExportAxis*> axes;
   for (const int joint : needed.linear()) axes.push_back(&needed.axes()[static_cast<std::size_t>(joint)]);
   std::string columns = "NR ACTIVE", line = "0 *";
+  bool changes = false;
+  for (const ExportAxis* axis : axes) changes = changes || needed.changes(axis->joint);
   for (const ExportAxis* axis : axes) {
-    if (!needed.moved(axis->joint)) continue;
+    const bool active = !needed.activePoints(axis->joint).empty();
+    if (!changes || (!needed.moved(axis->joint) && !active)) continue;
     const std::string name = capital(axis->letter) + ".COM", file = axis->letter + ".com";
     const LineTable table = lineTable(needed, axis->joint, kHeidenhainMostPoints);
+    const auto changed = [&](const ExportAxis* output) { return table.changes(output->joint); };
+    if (!active && std::none_of(axes.begin(), axes.end(), changed)) continue;
+    for (const ExportAxis* output : axes)
+      if (changed(output) || table.largest(output->joint) > LineTable::kLeastOfATable)
+        out.axes.insert(output->letter);
     addNotFollowed(notFollowed(needed, table, needed.linear()), out);
     out.files.push_back({file,
                          "errors of the axes by the position of " + capital(axis->letter) +
@@ -52,14 +62,16 @@ Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions&) {
   out.files.push_back({"config.cma", "which table belongs to which axis",
                        "BEGIN CONFIG.CMA\n" + columns + "\n" + line + "\n[END]\n"});
   out.holds = "each axis by the position of each axis; its own upwards and downwards apart";
-  out.load = {"Back up the tables that are in use.",
-              "Copy the .com files and config.cma into the folder for compensation tables of the control "
-              "(code number "
-              "of the machine tool builder).",
-              "Switch the nonlinear axis error compensation of the axes on (iTNC: MP730; TNC 620, 640: "
-              "CfgAxisComp), and choose the line with * in config.cma.",
-              "Set the backlash of these axes (MP710, backLash) to 0 where BACKLASH of the tables is used.",
-              "Home. Beyond the ends of a table the last value holds."};
+  out.load = {
+      "Back up the tables that are in use.",
+      "Copy the .com files and config.cma into the folder for compensation tables of the control "
+      "(code number "
+      "of the machine tool builder).",
+      "Switch the nonlinear axis error compensation of the axes on (iTNC: MP730; TNC 620, 640: "
+      "CfgAxisComp), and choose the line with * in config.cma.",
+      "Where the backlash of these axes (MP710, backLash) was active while measuring, it is in the column "
+      "BACKLASH of the tables: set it to 0.",
+      "Home. Beyond the ends of a table the last value holds."};
   out.reference =
       "AXISPOS counts from the machine datum, in mm. Each table is zero at position 0, or at the end of "
       "the calibrated range that is nearest to it. Older controls (TNC 407) demand zero at the first point.";

@@ -22,22 +22,30 @@ std::string lengths(double factor) {
 
 /// The mesh of z over x and y. What of z is straight over x or y is the angle between axes, which skew holds
 /// already.
-std::string mesh(const NeededCorrection& needed, const StraightPart& part, const ExportAxis& x,
-                 const ExportAxis& y, const ExportAxis& z) {
-  const PlaneTable plane = planeTable(needed, x.joint, y.joint, evenSteps(x.lower, x.upper, kMeshPoints - 1),
-                                      evenSteps(y.lower, y.upper, kMeshPoints - 1));
+/// @param adds of the calibration: the mesh that was active is kept as it is.
+std::string mesh(const NeededCorrection& needed, const StraightPart& adds, const ExportAxis& x,
+                 const ExportAxis& y, const ExportAxis& z, bool& changes) {
+  const auto along = [&](const ExportAxis& axis) {
+    const auto [lower, upper] = needed.tabulated(axis.joint);
+    return evenSteps(lower, upper, kMeshPoints - 1);
+  };
+  const PlaneTable added = planeTable(needed, x.joint, y.joint, along(x), along(y), &NeededCorrection::adds);
+  const PlaneTable plane =
+      needed.active() == nullptr ? added : planeTable(needed, x.joint, y.joint, along(x), along(y));
   std::string points;
   double largest = 0.0;
   const Eigen::MatrixXd& value = plane.value[static_cast<std::size_t>(z.joint)];
   for (int k = 0; k < kMeshPoints; ++k) {
     points += "\n  ";
     for (int i = 0; i < kMeshPoints; ++i) {
-      const double height = value(i, k) -
-                            part.byPosition(z.joint, x.joint) *
-                                (plane.atFirst[static_cast<std::size_t>(i)] - needed.reference(x.joint)) -
-                            part.byPosition(z.joint, y.joint) *
-                                (plane.atSecond[static_cast<std::size_t>(k)] - needed.reference(y.joint));
+      const double straight = adds.byPosition(z.joint, x.joint) *
+                                  (plane.atFirst[static_cast<std::size_t>(i)] - needed.reference(x.joint)) +
+                              adds.byPosition(z.joint, y.joint) *
+                                  (plane.atSecond[static_cast<std::size_t>(k)] - needed.reference(y.joint));
+      const double height = value(i, k) - straight;
       largest = std::max(largest, std::abs(height));
+      const double change = added.value[static_cast<std::size_t>(z.joint)](i, k) - straight;
+      changes = changes || std::abs(change) > kMeshLeast;
       points += (i == 0 ? "" : ", ") + fixed(height / kMillimetre, 6);
     }
   }
@@ -56,12 +64,15 @@ std::string mesh(const NeededCorrection& needed, const StraightPart& part, const
 }
 
 /// The sensor by which most of z's growth can be told; -1: z does not grow.
-int hottest(const NeededCorrection& needed, const StraightPart& part, int z) {
+/// What was active goes first: there is a place for one.
+int hottest(const NeededCorrection& needed, const PrinterTerms& terms, int z) {
   const Domain& d = needed.model().domain();
   int best = -1;
   double most = kMeshLeast;
   for (std::size_t k = 0; k < d.sensors.size(); ++k) {
-    const double by = std::abs(part.bySensor(z, static_cast<Eigen::Index>(k)));
+    const auto column = static_cast<Eigen::Index>(k);
+    if (std::abs(terms.active.bySensor(z, column)) > kLeastByHeat) return static_cast<int>(k);
+    const double by = std::abs(terms.adds.bySensor(z, column));
     const double range = d.sensorUpper[k] - d.sensorLower[k];
     if (by < kLeastByHeat || !(by * range > most)) continue;
     most = by * range;
@@ -74,47 +85,65 @@ int hottest(const NeededCorrection& needed, const StraightPart& part, int z) {
 
 Exported toKlipper(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
-  const StraightPart part = straightPart(needed);
   const ExportAxis *x = needed.findAxis("x"), *y = needed.findAxis("y"), *z = needed.findAxis("z");
-  std::string config = "[skew_correction]\n\n", start;
+  const PrinterTerms terms = printerTerms(needed, {"Klipper", "", 0.0}, out);
+  std::string config, start, skew, zConfig, zStart;
   // Klipper subtracts: x - xy y - (xz - xy yz) z, y - yz z.
-  const double xy = -squareness(needed, part, "x", "y"), yz = -squareness(needed, part, "y", "z");
-  const double xz = -squareness(needed, part, "x", "z") + xy * yz;
-  start += "SET_SKEW XY=" + lengths(xy) + " XZ=" + lengths(xz) + " YZ=" + lengths(yz) + "\n";
+  const double xy = -terms.xy.value_or(0.0), yz = -terms.yz.value_or(0.0);
+  const double xz = -terms.xz.value_or(0.0) + xy * yz;
+  if (terms.xy) skew += " XY=" + lengths(xy);
+  if (terms.xz || xy * yz != 0.0) skew += " XZ=" + lengths(xz);
+  if (terms.yz) skew += " YZ=" + lengths(yz);
+  if (!skew.empty()) {
+    config += "[skew_correction]\n\n";
+    start += "SET_SKEW" + skew + "\n";
+  }
   out.holds = "the angles between the axes";
+  bool changesZ = false, meshed = false;
   if (z != nullptr && x != nullptr && y != nullptr && needed.moved(x->joint) && needed.moved(y->joint)) {
-    const std::string text = mesh(needed, part, *x, *y, *z);
-    config += text;
-    if (!text.empty()) {
-      start += "BED_MESH_PROFILE LOAD=calibration\n";
-      out.notes.push_back(
-          "The figure of the mesh is for the end points of moves. Klipper splits a move, looking every "
-          "move_check_distance (3 mm, its least), only where the mesh has changed by split_delta_z (0.01 mm, "
-          "its "
-          "least): within a move over a mesh that changes less, z goes straight. Break long moves up in the "
-          "G-code.");
+    const std::string text = mesh(needed, terms.adds, *x, *y, *z, changesZ);
+    meshed = !text.empty();
+    if (meshed) {
+      zConfig += text;
+      zStart += "BED_MESH_PROFILE LOAD=calibration\n";
     }
     out.holds += "; z over x and y";
   }
-  const int sensor = z == nullptr ? -1 : hottest(needed, part, z->joint);
+  const int sensor = z == nullptr ? -1 : hottest(needed, terms, z->joint);
   if (sensor >= 0) {
     const Domain& d = needed.model().domain();
     const auto k = static_cast<std::size_t>(sensor);
-    config += format(
+    const double added = terms.adds.bySensor(z->joint, sensor);
+    changesZ = changesZ || std::abs(added) > kLeastByHeat;
+    zConfig += format(
         "[z_thermal_adjust]\ntemp_coeff: %.9f\nsmooth_time: 2\nsensor_type: Generic 3950\n"
         "sensor_pin: PF3\nmin_temp: 0\nmax_temp: 100\n",
-        -part.bySensor(z->joint, sensor) / kMillimetre);
-    start +=
+        -(added + terms.active.bySensor(z->joint, sensor)) / kMillimetre);
+    zStart +=
         "SET_Z_THERMAL_ADJUST ENABLE=1 REF_TEMP=" + fixed(0.5 * (d.sensorLower[k] + d.sensorUpper[k]), 3) +
         "\n";
-    out.sensors["z_thermal_adjust"] = d.sensors[k];
-    out.notes.push_back(
-        "[z_thermal_adjust] takes the temperature of sensor '" + d.sensors[k] +
-        "' of the calibration; sensor_type and sensor_pin are those of your board, and stand there "
-        "only because Klipper requires them.");
+  }
+  if (changesZ) {
+    out.axes.insert("z");
+    config += zConfig;
+    start += zStart;
+    if (meshed)
+      out.notes.push_back(
+          "The figure of the mesh is for the end points of moves. Klipper splits a move, looking every "
+          "move_check_distance (3 mm, its least), only where the mesh has changed by split_delta_z (0.01 mm, "
+          "its least): within a move over a mesh that changes less, z goes straight. Break long moves up in "
+          "the G-code.");
+    if (sensor >= 0) {
+      const std::string& name = needed.model().domain().sensors[static_cast<std::size_t>(sensor)];
+      out.sensors["z_thermal_adjust"] = name;
+      out.notes.push_back("[z_thermal_adjust] takes the temperature of sensor '" + name +
+                          "' of the calibration; sensor_type and sensor_pin are those of your board, and "
+                          "stand there only because Klipper requires them.");
+    }
   }
   out.holds += "; z by one temperature";
   out.files.push_back({"printer.cfg", "sections for printer.cfg", config});
+  if (start.empty()) start = "; nothing\n";
   out.files.push_back({"start.gcode", "commands for the start of every job", start});
   out.load = {
       "Copy the sections of printer.cfg into the machine's own; drop another [bed_mesh], or merge it by "

@@ -56,11 +56,12 @@ std::string offsetsHal(const OffsetGrid& grid) {
 constexpr double kLeastOffset = 2e-8;  // m: less is not worth a program
 
 void addOffsets(const NeededCorrection& needed, Exported& out) {
-  const auto grid = std::make_shared<const OffsetGrid>(needed);
+  auto grid = std::make_shared<const OffsetGrid>(needed, &NeededCorrection::adds);
   if (grid->largest() < kLeastOffset) {
     out.notes.push_back("Nothing is left for external offsets.");
     return;
   }
+  if (needed.active() != nullptr) grid = std::make_shared<const OffsetGrid>(needed);
   out.files.push_back({"external_offsets.json",
                        "what joint tables cannot hold, for the HAL component linuxcnc_offsets",
                        grid->json()});
@@ -105,6 +106,8 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions& options
     const std::string file = format("joint%zu.comp", n);
     const auto table =
         std::find_if(own.begin(), own.end(), [&](const LineTable& t) { return t.input == axis.joint; });
+    if (!table->changes(axis.joint)) continue;
+    out.axes.insert(axis.letter);
     addNotFollowed(notFollowed(needed, *table, {axis.joint}), out);
     joints += "COMP_FILE = " + file + "\nCOMP_FILE_TYPE = 1\n";
     out.files.push_back({file,
@@ -113,15 +116,17 @@ Exported toLinuxcnc(const NeededCorrection& needed, const ExportOptions& options
                                 n, capital(axis.letter).c_str(), table->at.size()),
                          triplets(*table, axis.joint)});
   }
-  out.files.push_back(
-      {"machine.ini", "the lines for the INI file; not a whole one",
-       "[TRAJ]\nCOORDINATES = " + coordinates + "\nLINEAR_UNITS = mm\nANGULAR_UNITS = degree\n" + joints});
+  out.files.insert(out.files.begin(), {"machine.ini", "the lines for the INI file; not a whole one",
+                                       "[TRAJ]\nCOORDINATES = " + coordinates +
+                                           "\nLINEAR_UNITS = mm\nANGULAR_UNITS = degree\n" + joints});
   out.holds = "each joint by its own position, upwards and downwards apart";
   out.load = {
       "Copy the files joint*.comp beside the machine's INI file.",
       "Take COMP_FILE and COMP_FILE_TYPE of each [JOINT_n] over from machine.ini into the machine's own. "
       "Where the machine numbers its joints otherwise, go by the letters.",
-      "Delete BACKLASH of these joints: with a COMP_FILE it is not used, and the reversal is in the table.",
+      "With a COMP_FILE the BACKLASH of a joint is not used: what is left of its reversal, or all of it, is "
+      "in "
+      "the table. Joints without a COMP_FILE here keep theirs.",
       "Give the drives room: at a reversal the correction is run in with up to half the joint's velocity "
       "and acceleration on top of the move (STEPGEN_MAXACCEL, STEPGEN_MAXVEL).",
       "Start LinuxCNC anew and home: the tables count from the homed zero of each joint."};

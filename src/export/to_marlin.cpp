@@ -26,15 +26,19 @@ std::string skewFactor(char letter, double factor, const char* axes) {
 
 Exported toMarlin(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
-  const StraightPart part = straightPart(needed);
+  const PrinterTerms terms = printerTerms(needed, {"Marlin", "xyz", kMarlinLeast, true, true}, out);
   // Marlin subtracts: x - I y - (J - I K) z, y - K z.
-  const double i = -squareness(needed, part, "x", "y"), k = -squareness(needed, part, "y", "z");
-  const double j = -squareness(needed, part, "x", "z") + i * k;
-  std::string text = "G21\nM425 F1";
-  for (const auto& [axis, gap] : reversals(needed, part, "xyz", kMarlinLeast, "Marlin", out))
-    text += " " + capital(axis->letter) + fixed(gap / kMillimetre, 6);
-  text += "\nM852" + skewFactor('I', i, "x and y") + skewFactor('J', j, "x and z") +
-          skewFactor('K', k, "y and z") + "\nM500\n";
+  const double i = -terms.xy.value_or(0.0), k = -terms.yz.value_or(0.0);
+  const double j = -terms.xz.value_or(0.0) + i * k;
+  std::string text = "G21\n", reversals, skew;
+  for (const auto& [axis, gap] : terms.reversals)
+    reversals += " " + capital(axis->letter) + fixed(gap / kMillimetre, 6);
+  if (terms.xy) skew += skewFactor('I', i, "x and y");
+  if (terms.xz || i * k != 0.0) skew += skewFactor('J', j, "x and z");
+  if (terms.yz) skew += skewFactor('K', k, "y and z");
+  if (!reversals.empty()) text += "M425 F1" + reversals + "\n";
+  if (!skew.empty()) text += "M852" + skew + "\n";
+  text += "M500\n";
   out.files.push_back(
       {"compensation.gcode", "backlash in mm (M425), skew factors (M852), kept by M500", text});
   out.holds = "one reversal an axis; the angles between the axes";

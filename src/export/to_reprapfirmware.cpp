@@ -13,15 +13,19 @@ constexpr double kRepRapLeast = 1e-9;  // m: the last digit of M425
 
 Exported toReprapfirmware(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
-  const StraightPart part = straightPart(needed);
+  const PrinterTerms terms = printerTerms(needed, {"RepRapFirmware", "xyz", kRepRapLeast}, out);
   // RepRapFirmware adds: x + tanXY y + tanXZ z, y + tanYZ z; letters X: XY, Y: YZ, Z: XZ.
-  std::string text = "G21\nM556 S" + fixed(kLength, 0) + " X" +
-                     fixed(squareness(needed, part, "x", "y") * kLength, 7) + " Y" +
-                     fixed(squareness(needed, part, "y", "z") * kLength, 7) + " Z" +
-                     fixed(squareness(needed, part, "x", "z") * kLength, 7) + "\nM425";
-  for (const auto& [axis, gap] : reversals(needed, part, "xyz", kRepRapLeast, "RepRapFirmware", out))
-    text += " " + capital(axis->letter) + fixed(gap / kMillimetre, 6);
-  text += "\n";
+  std::string text = "G21\n", angles, reversals;
+  const auto angle = [&](const char* letter, const std::optional<double>& tangent) {
+    if (tangent) angles += std::string(" ") + letter + fixed(*tangent * kLength, 7);
+  };
+  angle("X", terms.xy);
+  angle("Y", terms.yz);
+  angle("Z", terms.xz);
+  for (const auto& [axis, gap] : terms.reversals)
+    reversals += " " + capital(axis->letter) + fixed(gap / kMillimetre, 6);
+  if (!angles.empty()) text += "M556 S" + fixed(kLength, 0) + angles + "\n";
+  if (!reversals.empty()) text += "M425" + reversals + "\n";
   out.files.push_back(
       {"config.g", "lines for config.g: angles between the axes (M556), backlash in mm (M425)", text});
   out.holds = "one reversal an axis; the angles between the axes";

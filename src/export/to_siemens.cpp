@@ -1,5 +1,7 @@
 #include "export/to_siemens.h"
 
+#include <set>
+
 #include "base/format.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
@@ -36,18 +38,26 @@ std::string cecTable(int number, const ExportAxis& in, const ExportAxis& out, in
   return text + format("$AN_CEC_DIRECTION[%d]=%d\n$AN_CEC_IS_MODULO[%d]=0\n", number, direction, number);
 }
 
-/// What is collected while tables are numbered.
+/// What is collected while tables are numbered: never by the number of one that stays.
 struct Tables {
   std::string cec, memory, enable, list;
-  int count = 0;
+  int count = 0, number = 0;
+  std::set<int> stay, before;  // numbers of other axes' tables, and of those that are replaced
+
+  int next() {
+    while (stay.count(number) > 0) ++number;
+    before.erase(number);
+    return number++;
+  }
 
   void add(const ExportAxis& in, const ExportAxis& out, int direction, const std::vector<double>& at,
            const std::vector<double>& values) {
-    cec += cecTable(count, in, out, direction, at, values);
-    memory += format("$MN_MM_CEC_MAX_POINTS[%d]=%zu\n", count, values.size());
-    enable += format("$SN_CEC_TABLE_ENABLE[%d]=1\n", count);
+    const int index = next();
+    cec += cecTable(index, in, out, direction, at, values);
+    memory += format("$MN_MM_CEC_MAX_POINTS[%d]=%zu\n", index, values.size());
+    enable += format("$SN_CEC_TABLE_ENABLE[%d]=1\n", index);
     list +=
-        format("%s%d: %s", count == 0 ? "" : "; ", count, nameOf(in, out, direction, values.size()).c_str());
+        format("%s%d: %s", count == 0 ? "" : "; ", index, nameOf(in, out, direction, values.size()).c_str());
     ++count;
   }
 };
@@ -70,18 +80,27 @@ void addTables(const LineTable& table, const ExportAxis& in, const ExportAxis& o
 
 Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
-  Tables tables;
-  std::string enabled;
+  std::vector<LineTable> by;  // a joint that moved, or over which a table was active
   for (const int input : needed.linear()) {
-    if (!needed.moved(input)) continue;
-    const LineTable table = lineTable(needed, input, kSiemensMostPoints);
-    addNotFollowed(notFollowed(needed, table, needed.linear()), out);
+    if (!needed.moved(input) && needed.activePoints(input).empty()) continue;
+    by.push_back(lineTable(needed, input, kSiemensMostPoints));
+    addNotFollowed(notFollowed(needed, by.back(), needed.linear()), out);
     for (const int output : needed.linear())
-      addTables(table, needed.axes()[static_cast<std::size_t>(input)],
-                needed.axes()[static_cast<std::size_t>(output)], tables);
+      if (by.back().changes(output)) out.axes.insert(needed.axes()[static_cast<std::size_t>(output)].letter);
   }
-  for (const int output : needed.linear())
-    enabled += "$MA_CEC_ENABLE[" + capital(needed.axes()[static_cast<std::size_t>(output)].letter) + "1]=1\n";
+  Tables tables;
+  if (needed.active() != nullptr)
+    for (const auto& [letter, numbers] : needed.active()->numbers())
+      (out.axes.count(letter) > 0 ? tables.before : tables.stay).insert(numbers.begin(), numbers.end());
+  std::string enabled;
+  for (const LineTable& table : by)
+    for (const int output : needed.linear()) {
+      const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(output)];
+      if (out.axes.count(axis.letter) > 0)
+        addTables(table, needed.axes()[static_cast<std::size_t>(table.input)], axis, tables);
+    }
+  for (const int old : tables.before) tables.enable += format("$SN_CEC_TABLE_ENABLE[%d]=0\n", old);
+  for (const std::string& letter : out.axes) enabled += "$MA_CEC_ENABLE[" + capital(letter) + "1]=1\n";
   out.files = {
       {"cec_1_memory.mpf", "machine data: points of each table (changes the memory: back up first)",
        tables.memory + "M17\n"},
@@ -95,8 +114,8 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
       "With $MA_CEC_ENABLE of the axes at 0, run cec_2_tables.mpf as a program: a table that is in use is "
       "write protected.",
       "Run cec_3_enable.mpf (MD32710, SD41300), NCK reset, home: CEC acts on homed axes.",
-      "Set $MA_BACKLASH of these axes to 0: the reversal is in the tables. Set MD32711 "
-      "$MA_CEC_SCALING_SYSTEM_METRIC to 1: values are in mm."};
+      "Where $MA_BACKLASH or $AA_ENC_COMP of these axes was active while measuring, it is in the tables: set "
+      "it to 0, disable it. Set MD32711 $MA_CEC_SCALING_SYSTEM_METRIC to 1: values are in mm."};
   out.reference =
       "Positions are those of the machine axes, in mm. Each table is zero at position 0, or at the end of "
       "the calibrated range that is nearest to it; beyond its ends the last value holds.";

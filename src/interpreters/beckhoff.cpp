@@ -27,6 +27,16 @@ class BeckhoffInterpreter : public Interpreter {
     return motors;
   }
 
+  JointPoints points() const override {
+    JointPoints points = TableSum(tables).points();
+    for (const auto& [joint, compensations] : lists)
+      for (const auto& compensation : compensations) {
+        points[joint];
+        compensation->addTo(points);
+      }
+    return points;
+  }
+
   std::map<std::string, std::vector<std::unique_ptr<ListCompensation>>> lists;
   std::vector<AxisTable> tables;
 };

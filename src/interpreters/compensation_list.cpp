@@ -77,6 +77,11 @@ class LeadscrewCompensation : public ListCompensation {
     return byDirection(command, joint_, positive_.at(position), negative_.at(position));
   }
 
+  void addTo(JointPoints& points) const override {
+    addPoints(joint_, positive_, points);
+    addPoints(joint_, negative_, points);
+  }
+
   static constexpr int kMostTable = 1000000;
 
  private:
@@ -120,6 +125,7 @@ class CrossCompensation : public ListCompensation {
   double added(const CommandedState& command) const override {
     return curve_.at(commanded(command, master_));
   }
+  void addTo(JointPoints& points) const override { addPoints(master_, curve_, points); }
 
  private:
   std::string master_;
@@ -160,6 +166,10 @@ class PlaneCompensation : public ListCompensation {
     std::vector<double> column;
     for (const Curve& row : rows_) column.push_back(row.at(commanded(command, first_)));
     return Curve(across_, column).at(commanded(command, second_));
+  }
+  void addTo(JointPoints& points) const override {
+    addPoints(first_, rows_.front(), points);
+    addPoints(second_, across_, points);
   }
 
  private:

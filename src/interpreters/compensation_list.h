@@ -39,6 +39,7 @@ class ListCompensation {
  public:
   virtual ~ListCompensation() = default;
   virtual double added(const CommandedState& command) const = 0;  ///< to the axis of the list
+  virtual void addTo(JointPoints& points) const = 0;              ///< the points of its tables
 };
 
 /// What the list of axis `slave` compensates. @param axes logical number of an axis -> joint.

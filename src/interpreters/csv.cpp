@@ -46,6 +46,8 @@ class CsvInterpreter : public Interpreter {
     return motors;
   }
 
+  JointPoints points() const override { return tables_.points(); }
+
  private:
   /// Location and orientation, then the component errors at the fixed side (or at the carriage), then the
   /// motion.

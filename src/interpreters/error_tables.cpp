@@ -170,6 +170,16 @@ void ErrorTables::readLocations(const std::filesystem::path& file) {
   }
 }
 
+JointPoints ErrorTables::points() const {
+  JointPoints points;
+  for (const ChainJoint& joint : chain_) points[joint.name];
+  for (const Component& component : components_) {
+    addPoints(chain_[component.joint].name, component.positive, points);
+    addPoints(chain_[component.joint].name, component.negative, points);
+  }
+  return points;
+}
+
 SmallMotion ErrorTables::component(std::size_t joint, const CommandedState& command) const {
   SmallMotion errors;
   for (const Component& component : components_) {

@@ -32,6 +32,7 @@ class ErrorTables {
 
   const std::vector<ChainJoint>& chain() const { return chain_; }  ///< from workpiece to tool
   const Eigen::Vector3d& tip() const { return tip_; }              ///< from the last joint, m
+  JointPoints points() const;                                      ///< of every joint of the chain
   /// Component errors of a joint at a command.
   SmallMotion component(std::size_t joint, const CommandedState& command) const;
   /// Its errors of location and orientation.

@@ -134,6 +134,12 @@ std::vector<ExternalOffsets::Corner> ExternalOffsets::cornersAround(const Comman
   return around;
 }
 
+JointPoints ExternalOffsets::points() const {
+  JointPoints points;
+  for (std::size_t a = 0; a < letters_.size(); ++a) points[letters_[a]] = positions_[a];
+  return points;
+}
+
 std::map<std::string, double> ExternalOffsets::at(const CommandedState& command) const {
   const std::vector<Corner> around = cornersAround(command);
   const auto mean = [&](const std::vector<double>& values) {

@@ -20,6 +20,7 @@ class ExternalOffsets {
   explicit ExternalOffsets(const std::filesystem::path& file);
 
   const std::vector<std::string>& letters() const { return letters_; }  ///< axes that it moves
+  JointPoints points() const;                                           ///< of its grid
   /// Added to each of these axes, m. @throw InputError: `command` lacks the position of an axis.
   std::map<std::string, double> at(const CommandedState& command) const;
 

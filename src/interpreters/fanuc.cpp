@@ -135,8 +135,14 @@ class FanucAxis {
     pitch.negative = pitch.positive;
     if (p_.bit(3605, axis_, 0)) twoWays(pitch, interval);
     tables.push_back({joint_, joint_, pitch.positive.stepped(), pitch.negative.stepped()});
+    for (int n = first_; n <= last_; ++n) {
+      numbers_.insert(n);
+      if (p_.bit(3605, axis_, 0))
+        numbers_.insert(n + p_.integer(3626, axis_, 0, kLastFanucPoint, 0) - first_);
+    }
     return tables;
   }
+  const std::set<int>& numbers() const { return numbers_; }  ///< of pitch error data, once tables() was asked
 
  private:
   /// 1820: twice the ratio of the least command increment to the detection unit, of a ratio below 0.5 its
@@ -219,6 +225,7 @@ class FanucAxis {
   double unit_ = 1.0, increment_ = 1e-3, detection_ = 1e-3;
   bool rotary_ = false, returnsToMinus_ = false;
   int reference_ = 0, first_ = 0, last_ = 0, magnification_ = 1;
+  std::set<int> numbers_;
 };
 
 /// 1020: names of the axes as characters; without it the first three are X, Y, Z.
@@ -235,6 +242,7 @@ std::string fanucJoint(const FanucParameters& parameters, int axis) {
 std::unique_ptr<Interpreter> interpretFanuc(const std::filesystem::path& folder) {
   const FanucParameters parameters(folder / "parameters.txt", folder / "compare.txt");
   std::vector<AxisTable> tables;
+  std::map<std::string, std::set<int>> numbers;
   for (int axis = 1; axis <= kMostFanucAxes; ++axis) {
     const bool any = parameters.find(3620, axis) != nullptr || parameters.find(1851, axis) != nullptr;
     if (!any) continue;
@@ -242,9 +250,11 @@ std::unique_ptr<Interpreter> interpretFanuc(const std::filesystem::path& folder)
     if (joint.empty())
       refuse(parameters.place(parameters.find(3620, axis) != nullptr ? 3620 : 1851, axis),
              "axis A" + std::to_string(axis) + " has no name; give parameter 1020 A" + std::to_string(axis));
-    for (AxisTable& table : FanucAxis(parameters, axis, joint).tables()) tables.push_back(std::move(table));
+    FanucAxis read(parameters, axis, joint);
+    for (AxisTable& table : read.tables()) tables.push_back(std::move(table));
+    numbers[joint] = read.numbers();
   }
-  return std::make_unique<TableSum>(std::move(tables));
+  return std::make_unique<TableSum>(std::move(tables), std::move(numbers));
 }
 
 }  // namespace mm

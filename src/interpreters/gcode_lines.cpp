@@ -73,4 +73,9 @@ double ReversalBacklash::added(const std::string& joint, int direction) const {
   return direction < 0 ? -found->second : -0.5 * found->second;
 }
 
+void ReversalBacklash::addTo(JointPoints& points) const {
+  for (const auto& [joint, distance] : distances_)
+    if (distance != 0.0) points[joint];
+}
+
 }  // namespace mm

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "interpreters/interpreter.h"
 #include "interpreters/table_text.h"
 
 namespace mm {
@@ -30,6 +31,7 @@ class ReversalBacklash {
   void set(const std::string& joint, double distance) { distances_[joint] = distance; }  ///< m, rad
   /// What is added to the motor of a joint. @param direction of its last motion, 0: not known.
   double added(const std::string& joint, int direction) const;
+  void addTo(JointPoints& points) const;  ///< the joints that have one
 
  private:
   std::map<std::string, double> distances_;

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ struct CommandedState {
   std::map<std::string, int> direction;       // of the joint's last motion: +1, -1; 0 or absent: not known
   std::map<std::string, double> temperature;  // sensor of the controller -> degC
 };
+
+/// Positions by joint, ascending, m or rad.
+using JointPoints = std::map<std::string, std::vector<double>>;
 
 /// The rules of one controller, applied to the compensation that it has been given. Joints are called as the
 /// axes of the controller in small letters (`x`, `y`, `z`, `a`, `b`, `c`). Never the rules of the exporter:
@@ -28,6 +32,11 @@ class Interpreter {
   /// between the two.
   /// @throw InputError where the tables need a joint or a temperature that `command` does not have.
   virtual std::map<std::string, double> motors(const CommandedState& command) const = 0;
+  /// The joints that the files move or look at, and where the tables over each have points; none where only
+  /// reversals and angles are told of it.
+  virtual JointPoints points() const = 0;
+  /// By the joint that is moved: numbers that its tables take in a memory which all axes share.
+  virtual std::map<std::string, std::set<int>> numbers() const { return {}; }
 };
 
 /// Reads the files in `folder` as the controller `target` would: names and grammar in docs/interpreters.md.

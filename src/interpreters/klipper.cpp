@@ -35,6 +35,22 @@ class KlipperInterpreter : public Interpreter {
     return motors;
   }
 
+  JointPoints points() const override {
+    JointPoints points;
+    if (state_.skew.xy != 0.0 || state_.skew.xz != 0.0) points["x"];
+    if (state_.skew.yz != 0.0) points["y"];
+    if (state_.thermal && state_.thermal->enabled && state_.thermal->coefficient != 0.0) points["z"];
+    if (!state_.mesh) return points;
+    points["z"];
+    const auto add = [&](const char* joint, std::vector<double> at) {
+      for (double& position : at) position *= kMillimetre;
+      addPoints(joint, at, points);
+    };
+    add("x", state_.mesh->alongX());
+    add("y", state_.mesh->alongY());
+    return points;
+  }
+
  private:
   /// mm. Steps of the z motor are not counted: Klipper leaves changes below one of them out.
   double thermal(const CommandedState& command) const {

@@ -72,6 +72,19 @@ double KlipperMesh::cell(double coordinate, double lower, double step, int count
   return std::clamp((coordinate - (lower + step * index)) / step, 0.0, 1.0);
 }
 
+std::vector<double> KlipperMesh::alongX() const {
+  std::vector<double> at;
+  for (std::size_t i = 0; i < grid_.front().size(); ++i)
+    at.push_back(minX_ + static_cast<double>(i) * stepX_);
+  return at;
+}
+
+std::vector<double> KlipperMesh::alongY() const {
+  std::vector<double> at;
+  for (std::size_t k = 0; k < grid_.size(); ++k) at.push_back(minY_ + static_cast<double>(k) * stepY_);
+  return at;
+}
+
 double KlipperMesh::at(double x, double y) const {
   int i = 0, j = 0;
   const double tx = cell(x, minX_, stepX_, static_cast<int>(grid_.front().size()), i);

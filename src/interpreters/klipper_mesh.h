@@ -21,6 +21,8 @@ class KlipperMesh {
  public:
   explicit KlipperMesh(const MeshProfile& profile);  ///< points: at least 2 x 2, rows of equal length
   double at(double x, double y) const;               ///< height above the fade target
+  std::vector<double> alongX() const;                ///< of the filled grid
+  std::vector<double> alongY() const;                ///< of the filled grid
   double average() const { return average_; }  ///< of the filled grid, in hundredths, as Klipper rounds it
   double lowest() const;                       ///< of the grid, less the fade target
   double highest() const;                      ///< of the grid, less the fade target

@@ -45,6 +45,15 @@ class MarlinInterpreter : public Interpreter {
     return motors;
   }
 
+  JointPoints points() const override {
+    JointPoints points;
+    const MarlinSettings& s = settings_;
+    if (s.xy != 0.0 || s.xz != 0.0) points["x"];
+    if (s.yz != 0.0) points["y"];
+    backlash_.addTo(points);
+    return points;
+  }
+
  private:
   /// Nothing is skewed where the command, or what comes of it, is beyond the machine.
   void skew(const CommandedState& command, std::map<std::string, double>& motors) const {

@@ -39,6 +39,15 @@ class RrfInterpreter : public Interpreter {
     return motors;
   }
 
+  JointPoints points() const override {
+    JointPoints points;
+    const RrfSettings& s = settings_;
+    if (s.xz != 0.0 || (s.xy != 0.0 && s.compensateX)) points["x"];
+    if (s.yz != 0.0 || (s.xy != 0.0 && !s.compensateX)) points["y"];
+    s.backlash.addTo(points);
+    return points;
+  }
+
  private:
   RrfSettings settings_;
 };

@@ -105,6 +105,22 @@ class SiemensInterpreter : public Interpreter {
     return motors;
   }
 
+  JointPoints points() const override {
+    JointPoints points = TableSum(backlash_).points();
+    const auto add = [&](const SiemensCurve& curve) {
+      points[curve.output];
+      addPoints(curve.input, curve.curve, points);
+    };
+    for (const auto& [index, curve] : curves_) add(curve);
+    for (const SiemensCurve& curve : encoder_) add(curve);
+    return points;
+  }
+  std::map<std::string, std::set<int>> numbers() const override {
+    std::map<std::string, std::set<int>> numbers;
+    for (const auto& [index, curve] : curves_) numbers[curve.output].insert(index);
+    return numbers;
+  }
+
  private:
   std::map<int, SiemensCurve> curves_;
   std::vector<SiemensCurve> encoder_;

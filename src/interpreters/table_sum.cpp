@@ -15,6 +15,10 @@ Curve Curve::stepped() const {
   return curve;
 }
 
+bool Curve::addsNothing() const {
+  return std::all_of(values_.begin(), values_.end(), [](double value) { return value == 0.0; });
+}
+
 double Curve::at(double position) const {
   if (values_.empty()) return 0.0;
   if (period_ > 0.0) {
@@ -41,6 +45,32 @@ std::map<std::string, double> TableSum::motors(const CommandedState& command) co
         byDirection(command, table.input, table.positive.at(position), table.negative.at(position));
   }
   return motors;
+}
+
+JointPoints TableSum::points() const {
+  JointPoints points;
+  for (const AxisTable& table : tables_) {
+    if (table.positive.addsNothing() && table.negative.addsNothing()) continue;
+    points[table.output];
+    addPoints(table.input, table.positive, points);
+    addPoints(table.input, table.negative, points);
+  }
+  return points;
+}
+
+void addPoints(const std::string& joint, const std::vector<double>& positions, JointPoints& points) {
+  constexpr double kSame = 1e-9;  // m or rad: rounding of units
+  std::vector<double>& known = points[joint];
+  if (positions.size() < 2) return;
+  known.insert(known.end(), positions.begin(), positions.end());
+  std::sort(known.begin(), known.end());
+  known.erase(
+      std::unique(known.begin(), known.end(), [](double a, double b) { return std::abs(b - a) < kSame; }),
+      known.end());
+}
+
+void addPoints(const std::string& joint, const Curve& curve, JointPoints& points) {
+  addPoints(joint, curve.positions(), points);
 }
 
 double commanded(const CommandedState& command, const std::string& joint) {

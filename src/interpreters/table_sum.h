@@ -23,6 +23,8 @@ class Curve {
   Curve stepped() const;
   /// 0 of a curve without points.
   double at(double position) const;
+  bool addsNothing() const;                                            ///< all its values are 0
+  const std::vector<double>& positions() const { return positions_; }  ///< one alone: the same everywhere
 
  private:
   std::vector<double> positions_, values_;
@@ -39,12 +41,21 @@ struct AxisTable {
 /// Motor = command + every table's value at the command: how most controllers compensate.
 class TableSum : public Interpreter {
  public:
-  explicit TableSum(std::vector<AxisTable> tables) : tables_(std::move(tables)) {}  ///< of a controller
+  /// Tables of a controller. @param numbers as `numbers()` gives them.
+  explicit TableSum(std::vector<AxisTable> tables, std::map<std::string, std::set<int>> numbers = {})
+      : tables_(std::move(tables)), numbers_(std::move(numbers)) {}
   std::map<std::string, double> motors(const CommandedState& command) const override;
+  JointPoints points() const override;
+  std::map<std::string, std::set<int>> numbers() const override { return numbers_; }
 
  private:
   std::vector<AxisTable> tables_;
+  std::map<std::string, std::set<int>> numbers_;
 };
+
+/// Puts the points of a curve over `joint` among those that are known of it.
+void addPoints(const std::string& joint, const Curve& curve, JointPoints& points);
+void addPoints(const std::string& joint, const std::vector<double>& positions, JointPoints& points);
 
 /// Position of a joint. @throw InputError when the command does not have it.
 double commanded(const CommandedState& command, const std::string& joint);

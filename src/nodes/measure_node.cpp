@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/requested_file.h"
+#include "interpreters/loaded_compensation.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/node_support.h"
 #include "session/plan_ways.h"
@@ -32,11 +33,13 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
             }),
       server_(
           own, "run", [this](const measuring_machine::MeasureGoalConstPtr& goal) { execute(goal); }, false) {
-  refuseUnknownParameters(own, {"retries", "give_up", "contact_timeout", "release_timeout", "frame_prefix"});
+  refuseUnknownParameters(
+      own, {"retries", "give_up", "contact_timeout", "release_timeout", "frame_prefix", "compensation"});
   retries_ = static_cast<int>(numberParameter(own, "retries", 2, 0, 100));
   giveUp_ = static_cast<int>(numberParameter(own, "give_up", 3, 1, 1000));
   contactTimeout_ = numberParameter(own, "contact_timeout", 1.0, 0.01, 100.0);
   releaseTimeout_ = numberParameter(own, "release_timeout", 2.0, 0.01, 100.0);
+  compensation_ = statedCompensation("~compensation", own.param<std::string>("compensation", ""));
   statusIn_ = node.subscribe<measuring_machine::AxisStatus>(
       "axis_driver/status", 100, [this](const measuring_machine::AxisStatusConstPtr& message) {
         {
@@ -54,6 +57,7 @@ MeasureNode::MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machin
         contact_.notify_all();
       });
   artifactOut_ = node.advertise<measuring_machine::Artifact>("artifact", 10, true);
+  compensationOut_ = node.advertise<std_msgs::String>("controller_compensation", 10, true);
   measuredOut_ = own.advertise<measuring_machine::Measured>("measured", 10, true);
   descriptionOut_ = node.advertise<std_msgs::String>("robot_description", 10, true);
   contactIn_ = node.subscribe<measuring_machine::ProbeContact>(
@@ -135,6 +139,9 @@ void MeasureNode::announce(const Plan& plan, bool again) {
   std_msgs::String urdf;
   urdf.data = machine_.urdf();
   descriptionOut_.publish(urdf);
+  std_msgs::String compensation;
+  compensation.data = compensationJson(compensation_);
+  compensationOut_.publish(compensation);
   measuring_machine::Artifact artifact = toMessage(plan.artifact);
   // A plan that goes on belongs to the session that it began, by this node or by the one before it.
   if (!again || plan.text != announcedPlan_) {

@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "machine/controller_compensation.h"
 #include "machine/machine.h"
 #include "nodes/action_call.h"
 #include "nodes/persistent_call.h"
@@ -33,7 +34,8 @@ namespace mm {
 /// is, stops the axes. A touch that brings no contact is tried again, and set aside when none comes; how
 /// often is said at the end. Parameters: `retries` of a touch, `give_up` (misses in a row that end the plan),
 /// `contact_timeout` (s between a trip and its contact), `release_timeout` (s for the probe to open after it
-/// was backed off).
+/// was backed off), `compensation` (what the controller compensates: none, or a folder as of `mm import
+/// --compensation`), which is published as `controller_compensation`, latched.
 class MeasureNode {
  public:
   MeasureNode(ros::NodeHandle node, ros::NodeHandle own, const Machine& machine);
@@ -94,6 +96,7 @@ class MeasureNode {
 
   Machine machine_;
   std::string prefix_;  // of the frames' names
+  ControllerCompensation compensation_;
   int retries_, giveUp_;
   int lost_ = 0;  // motions in a row that were lost with their controller
   double contactTimeout_, releaseTimeout_;
@@ -118,7 +121,7 @@ class MeasureNode {
   Wall::time_point renewed_;  // by him
   measuring_machine::AxisStatus status_;
   std::optional<measuring_machine::MotionStatus> motion_;
-  ros::Publisher artifactOut_, descriptionOut_, measuredOut_;
+  ros::Publisher artifactOut_, compensationOut_, descriptionOut_, measuredOut_;
   ros::Subscriber contactIn_, statusIn_, motionIn_;
   PersistentCall<measuring_machine::TakeMotion> take_;
   ros::ServiceServer pause_, renewIn_;

@@ -60,6 +60,11 @@ class SessionWriter {
     auto artifact = toMessage(session_.artifact);
     artifact.header.stamp = start;
     bag_.write("/artifact", start, artifact, true);
+    if (session_.compensation.stated != ControllerCompensation::Stated::kNot) {
+      std_msgs::String compensation;
+      compensation.data = compensationJson(session_.compensation);
+      bag_.write(kCompensationTopic, start, compensation, true);
+    }
     if (!session_.rowFile.empty()) {
       std_msgs::String file;
       file.data = session_.rowFile;

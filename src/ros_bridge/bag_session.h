@@ -11,6 +11,8 @@ namespace mm {
 
 /// What the topics of a bag's series begin with.
 inline const std::string kTemperatureTopics = "/temperature/", kCovariateTopics = "/covariate/";
+/// Latched std_msgs/String, compensationJson: what the controller compensated while it measured.
+inline const std::string kCompensationTopic = "/controller_compensation";
 
 /// Which of several machines in one bag: the namespace that its topics stand in ("" or "/": none).
 struct BagNamespace {
@@ -19,11 +21,11 @@ struct BagNamespace {
 };
 
 /// Reads a session from a bag: /probe/contact, /reference, `/temperature/<sensor>`, `/covariate/<name>`,
-/// /joint_states, /artifact and /robot_description; other topics are left alone. Contacts are sorted by their
-/// header's stamp; t = 0 is the stamp of /artifact (else the earliest of these topics; see SessionCollector).
-/// Of an imported session /imported_from names the CSV, and the headers' `seq` count its lines. Directions of
-/// travel that were recorded nowhere are assumed (see assumeTravel).
-/// A truncated or unindexed bag is read up to the damage, and `Session::warning` says so. @param fallback the
+/// /joint_states, /artifact, /robot_description and /controller_compensation; other topics are left alone.
+/// Contacts are sorted by their header's stamp; t = 0 is the stamp of /artifact (else the earliest of these
+/// topics; see SessionCollector). Of an imported session /imported_from names the CSV, and the headers' `seq`
+/// count its lines. Directions of travel that were recorded nowhere are assumed (see assumeTravel). A
+/// truncated or unindexed bag is read up to the damage, and `Session::warning` says so. @param fallback the
 /// machine of a bag without /robot_description; may be null.
 /// All topics may stand in one namespace (/machine1/probe/contact); where several hold a session, `where`
 /// chooses.

@@ -48,7 +48,7 @@ struct SessionTopic {
 
 SessionTopic splitTopic(const std::string& full) {
   for (const char* name : {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description",
-                           "/imported_from", "/measure/measured"}) {
+                           "/imported_from", "/measure/measured", kCompensationTopic.c_str()}) {
     const std::string end = name;
     if (full.size() >= end.size() && full.compare(full.size() - end.size(), end.size(), end) == 0)
       return {full.substr(0, full.size() - end.size()), end};
@@ -124,6 +124,8 @@ class NamespacedSessions {
       session.addArtifact(decode<measuring_machine::Artifact>(raw, source_));
     else if (topic == "/robot_description")
       session.addRobotDescription(decode<std_msgs::String>(raw, source_).data);
+    else if (topic == kCompensationTopic)
+      session.addCompensation(decode<std_msgs::String>(raw, source_).data);
     else if (topic == "/imported_from")
       session.addImportedFrom(decode<std_msgs::String>(raw, source_).data);
     else if (topic == "/measure/measured")

@@ -29,6 +29,10 @@ LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) 
       "robot_description", kQueue, [this](const std_msgs::StringConstPtr& m) {
         take([&](SessionCollector& collector) { collector.addRobotDescription(m->data); });
       });
+  subscribers_["controller_compensation"] = node_.subscribe<std_msgs::String>(
+      "controller_compensation", kQueue, [this](const std_msgs::StringConstPtr& m) {
+        take([&](SessionCollector& collector) { collector.addCompensation(m->data); });
+      });
   subscribers_["probe/contact"] = node_.subscribe<measuring_machine::ProbeContact>(
       "probe/contact", kQueue, [this](const measuring_machine::ProbeContactConstPtr& m) {
         beginAgainIfBack(*m);

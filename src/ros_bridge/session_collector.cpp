@@ -365,6 +365,7 @@ Session SessionCollector::build() const {
     throw InputError(source_ + ": topic /artifact is missing; it says what the contacts touched");
   Session session(*machine_);
   session.source = source_;
+  session.compensation = compensation_;
   if (artifact_) session.artifact = *artifact_;
   std::vector<int> features;
   std::vector<std::string> names;

@@ -27,6 +27,8 @@ class SessionCollector {
   void addRobotDescription(const std::string& urdf);
   /// The file that the session was imported from: the headers' `seq` are its lines.
   void addImportedFrom(const std::string& file) { importedFrom_ = file; }
+  /// What the controller compensates, as compensationJson; the last one counts.
+  void addCompensation(const std::string& json) { compensation_ = parseCompensation(json, source_); }
   /// The last one counts; without a stamp it is announced once more, and the session began when it began.
   void addArtifact(const measuring_machine::Artifact& message);
   void addContact(const measuring_machine::ProbeContact& message);
@@ -116,6 +118,7 @@ class SessionCollector {
                              std::string& warning) const;
 
   std::string source_, importedFrom_;
+  ControllerCompensation compensation_;
   std::optional<Machine> machine_;
   std::optional<Artifact> artifact_;
   std::vector<std::variant<measuring_machine::ProbeContact, measuring_machine::ReferenceMeasurement>>

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "machine/controller_compensation.h"
 #include "machine/machine.h"
 
 namespace mm {
@@ -101,9 +102,10 @@ struct Session {
   std::vector<Series> temperatures;       // degC
   std::vector<Series> covariates;
   std::vector<std::string> setups;
-  double epoch = 0.0;   // s, stamp of the session's start (t = 0)
-  std::string source;   // path, for messages
-  std::string warning;  // e.g. "read up to the damage at message 812"; empty: none
+  double epoch = 0.0;                   // s, stamp of the session's start (t = 0)
+  std::string source;                   // path, for messages
+  std::string warning;                  // e.g. "read up to the damage at message 812"; empty: none
+  ControllerCompensation compensation;  // that was active; errors are what remained beside it
   std::string rowFile;  // name of the file whose lines `Observation::row` counts; empty: messages
   std::vector<AssumedInput> assumed;  // made by assumeTravel
   std::vector<SetAside> setAside;     // made by `prepare`: not in `observations`, not in the series

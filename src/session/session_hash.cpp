@@ -109,6 +109,8 @@ std::string sessionHash(const Session& session) {
   addSeries(hash, session.covariates);
   hash.word(session.setups.size());
   for (const std::string& s : session.setups) hash.text(s);
+  if (session.compensation.stated != ControllerCompensation::Stated::kNot)
+    hash.text(session.compensation.inWords());
   return hash.digits();
 }
 

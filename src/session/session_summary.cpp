@@ -104,6 +104,8 @@ std::string summarize(const Session& session) {
               (directed ? "" : ", direction of travel not known") + "\n";
   }
   text += seriesLines(session.temperatures) + seriesLines(session.covariates);
+  if (session.compensation.stated != ControllerCompensation::Stated::kNot)
+    text += "compensation that was active: " + session.compensation.inWords() + "\n";
   const std::string assumed = assumedText(session);
   if (!assumed.empty()) text += assumed + "\n";
   for (const std::string& line : setAsideLines(session)) text += line + "\n";

@@ -57,7 +57,7 @@ int runExport(ExportCommand& c) {
                      " has none: leave it away");
   options.rapidRate = c.rapidRate * kMillimetre / 60.0;
   const NeededCorrection needed(calibration, options.letters);
-  const Exported exported = target.write(needed, options);
+  const Exported exported = exportedFor(target, needed, options);
   Representability judged;
   {
     ProgressBar bar("exporting");
@@ -76,6 +76,9 @@ int runExport(ExportCommand& c) {
     for (const ExportedFile& file : judged.files) names.push_back(file.path);
     std::cout << joined(names, ", ") << '\n';
   }
+  std::cerr << "mm: "
+            << (needed.compensation().stated == ControllerCompensation::Stated::kNot ? "warning: " : "")
+            << judged.activeWords << '\n';
   if (!judged.carriesNothing()) return kDone;
   std::cerr << "mm: " << target.title << " can carry nothing of this calibration: it holds " << exported.holds
             << '\n';
@@ -115,7 +118,10 @@ void addExportCommand(CLI::App& app, int& exitStatus) {
       "could not\n"
       "be verified) and representability.json: what of the calibration the controller carries, effect by "
       "effect. It is\n"
-      "written whole or not at all. An earlier export for the same controller is replaced.\n"
+      "written whole or not at all. An earlier export for the same controller is replaced. What was active "
+      "while\n"
+      "measuring (mm import --compensation) is in the new tables; without a statement it says that none is "
+      "assumed.\n"
       "Exit status 1: the controller can carry nothing of this calibration.\n"
       "Example: mm export c.yaml --to linuxcnc -o for_linuxcnc");
   command->callback([c, &exitStatus] { exitStatus = runExport(*c); });

@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "import/import_file.h"
 #include "import/import_format.h"
+#include "interpreters/loaded_compensation.h"
 #include "session/artifact_file.h"
 #include "session/input_faults.h"
 #include "session/sense_checks.h"
@@ -23,7 +24,7 @@ namespace {
 
 struct ImportOptions {
   ImportRequest request;
-  std::string artifact, machine, output;
+  std::string artifact, machine, output, compensation;
   bool json = false;
   OutputFiles files;
 };
@@ -62,6 +63,7 @@ nlohmann::ordered_json importJson(const ImportOptions& options, const Imported& 
   if (imported.session)
     for (const SetAside& a : imported.session->setAside)
       object["set_aside"].push_back(setAsideText(*imported.session, a));
+  object["compensation"] = imported.session ? Json(imported.session->compensation.inWords()) : Json(nullptr);
   object["written"] = faults.empty() ? Json(options.output) : Json(nullptr);
   return object;
 }
@@ -101,11 +103,13 @@ void runImport(ImportOptions& options) {
   options.files.bag("-o", options.output,
                     "imported from " + std::filesystem::path(options.request.file).filename().string());
   options.files.check();
+  const ControllerCompensation compensation = statedCompensation("--compensation", options.compensation);
   const Machine machine = Machine::load(options.machine);
   std::optional<Artifact> artifact;
   if (!options.artifact.empty()) artifact = loadArtifact(options.artifact);
   Imported imported;
   readFile(options, machine, artifact ? &*artifact : nullptr, imported);
+  imported.session->compensation = compensation;
   {
     ProgressBar bar("writing");
     options.files.write(options.output, *imported.session, bar.callback(), imported.motion);
@@ -145,6 +149,7 @@ void addImportCommand(CLI::App& app, int& /*exitStatus*/) {
                       "YAML: what the file does not say of itself (docs/import.md)");
   command->add_option("--format", options->request.format, "where it is not recognised by itself");
   command->add_option("-o,--output", options->output, "the session's bag")->required();
+  command->add_option("--compensation", options->compensation, kCompensationHelp);
   command->add_flag("--json", options->json, "what was understood, as JSON on standard output");
   options->files.declare(*command);
   command->footer(

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "interpreters/loaded_compensation.h"
 #include "session/plan_ways.h"
 #include "session/session_summary.h"
 #include "simulation/session_csv.h"
@@ -20,7 +21,7 @@ namespace mm {
 namespace {
 
 struct SimulateOptions {
-  std::string machine = "three_axis", plan, output, csv, truth, correction;
+  std::string machine = "three_axis", plan, output, csv, truth, correction, compensation;
   SimulationRequest request;
   OutputFiles files;
 };
@@ -33,6 +34,7 @@ void runSimulate(SimulateOptions& options) {
   options.files.output("--csv", options.csv, FileKind::kTable);
   options.files.output("--truth", options.truth, FileKind::kTruth);
   options.files.check();
+  const ControllerCompensation compensation = statedCompensation("--compensation", options.compensation);
   const auto started = std::chrono::steady_clock::now();
   const Machine machine = Machine::load(options.machine);
   const Plan plan = Plan::load(options.plan, machine);
@@ -43,6 +45,7 @@ void runSimulate(SimulateOptions& options) {
         std::make_shared<const CorrectionTable>(CorrectionTable::load(options.correction, machine));
   ProgressBar measuring("measuring");
   Simulation simulation = simulate(machine, plan, options.request, measuring.callback());
+  simulation.session.compensation = compensation;
   const std::chrono::duration<double> lasted = std::chrono::steady_clock::now() - started;
   if (simulation.session.observations.empty())
     throw InputError(options.plan + ": nothing was measured: all " + std::to_string(simulation.missed) +
@@ -87,6 +90,7 @@ void addSimulateCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option(
       "--correction", options->correction,
       "CSV: the compensation table that the simulated controller has loaded (mm apply --table)");
+  command->add_option("--compensation", options->compensation, kCompensationHelp);
   command->add_option("--seed", options->request.seed, "of everything random")
       ->capture_default_str()
       ->check(anySeed());

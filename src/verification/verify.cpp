@@ -80,6 +80,22 @@ void compareWithCalibrated(const Calibration& calibration, const BeforeAndAfter&
   found.moreLeft = found.moreLeftPValue < kMore;
 }
 
+/// What the session and the calibration state of the compensation that was active, against what is asked.
+void checkStatements(const Session& session, const Calibration& calibration, const VerifyOptions& options) {
+  using Stated = ControllerCompensation::Stated;
+  const ControllerCompensation &here = session.compensation, &then = calibration.compensation;
+  if (here.stated == Stated::kNot) return;
+  const std::string says = session.source + ": states as compensation that was active: " + here.inWords();
+  if (options.exported && here != options.exported->statement())
+    throw InputError(says + "; the folder of --export holds " + options.exported->statement().inWords() +
+                     ": name the folder that was loaded, or import with --compensation FOLDER");
+  if (options.loaded && here.stated == Stated::kNone)
+    throw InputError(says + ", against --loaded: leave --loaded away, or import with --compensation FOLDER");
+  if (!options.loaded && then.stated != Stated::kNot && here != then)
+    throw InputError(says + "; the calibration was measured with: " + then.inWords() +
+                     ". With its correction loaded say --loaded; else measure with the same compensation");
+}
+
 }  // namespace
 
 std::string whyNotFresh(const Calibration& calibration, const Session& session) {
@@ -92,6 +108,7 @@ Verification verify(const Session& session, const Calibration& calibration, cons
   if (options.exported && !options.loaded)
     throw InputError("tables of an export say what the controller corrected while " + session.source +
                      " was measured: name them with --loaded, or leave them away");
+  checkStatements(session, calibration, options);
   std::unique_ptr<FreshPoints> points = nearestPoints(session, calibration, options, {});
   auto system = std::make_unique<PointSystem>(*points, calibration);
   Eigen::VectorXd weights = points->fitted().weight;

@@ -108,7 +108,8 @@ struct Verification {
 /// REML, the calibration's covariance as prior of its parameters), and the ways in which a table can be
 /// loaded wrongly are compared by their likelihoods (docs/verification.md).
 /// @param session must outlive the call. @throw InputError: another machine, nothing to verify, an input of
-/// the model was not recorded. @throw NumericalError: too few points. @throw Cancelled.
+/// the model was not recorded, the session states another compensation than was loaded. @throw
+/// NumericalError: too few points. @throw Cancelled.
 Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options);
 
 }  // namespace mm

@@ -76,14 +76,15 @@ std::string BenchWork::exportTo(const std::string& controller) {
   completeCalibration(whole);
   const ExportOptions options;
   const NeededCorrection needed(whole, options.letters);
-  const Exported exported = target.write(needed, options);
+  const Exported exported = exportedFor(target, needed, options);
   Representability judged = representability(
       whole, target, options, needed, exported,
       [this](const std::string& what, double share) { job_.step("exporting: " + what, share); });
   const std::vector<ExportedFile> files = exportFolderOf(whole, target, needed, exported, judged);
   const std::string folder = whole.id + "_" + target.name;
   documents_.put("export", tarOf(folder, files), "application/x-tar", folder + ".tar");
-  const std::string done = folder + ".tar: " + std::to_string(files.size()) + " files, README.md first";
+  const std::string done =
+      folder + ".tar: " + std::to_string(files.size()) + " files, README.md first; " + judged.activeWords;
   if (!judged.carriesNothing()) return done;
   return done + "; " + target.title + " can carry nothing of this calibration: it holds " + exported.holds;
 }

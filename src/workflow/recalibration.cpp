@@ -158,6 +158,7 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
   c.artifact = calibratedBy(session.artifact);
   c.sessionSource = session.source;
   c.sessionHash = sessionHash(session);
+  c.compensation = session.compensation;
   c.method = nameOf(result.method);
   c.seed = result.seed;
   c.observations = static_cast<std::int64_t>(session.observations.size());

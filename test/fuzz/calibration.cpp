@@ -1,7 +1,7 @@
 // Calibration files. The checksum is put right first, else no damage would come past it; what is read is then
 // written and read to the same bits.
+#include "base/checksum.h"
 #include "calibration_file/calibration_yaml.h"
-#include "calibration_file/checksum.h"
 #include "fuzz_support.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -12,7 +12,7 @@ from std_srvs.srv import SetBool, Trigger
 
 import support
 
-TOPICS = "(joint_states|reference|artifact|robot_description|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
+TOPICS = "(joint_states|reference|artifact|robot_description|controller_compensation|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
 
 
 def ready(seconds=60):

@@ -8,6 +8,7 @@ import time
 import unittest
 
 import actionlib
+import rosbag
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
@@ -282,6 +283,9 @@ class Instrument(unittest.TestCase):
         checked = subprocess.run([support.node("mm"), "check", bag], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.assertEqual(checked.returncode, 0, checked.stdout)
         self.assertRegex(checked.stdout, "b0")
+        with rosbag.Bag(bag) as recorded:
+            stated = [m.data for _, m, _ in recorded.read_messages("/controller_compensation")]
+        self.assertTrue(stated and stated[-1] == '{"stated":"none"}', stated)
 
     def test_9_no_answer_was_thrown_away(self):
         self.assertEqual(self.thrown_away, [])

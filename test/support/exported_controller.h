@@ -24,7 +24,7 @@ class ExportedController {
     const NeededCorrection needed(controller.calibration, {});
     ExportOptions options;
     options.tablesAlone = tablesAlone;
-    exported_ = to.write(needed, options);
+    exported_ = exportedFor(to, needed, options);
     Representability told;  // what each effect leaves is not asked here
     told.target = to.name;
     told.calibration = controller.calibration.id;

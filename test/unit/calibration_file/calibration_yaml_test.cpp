@@ -9,10 +9,10 @@
 #include <cstring>
 #include <fstream>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/number_text.h"
 #include "calibration_file/atomic_file.h"
-#include "calibration_file/checksum.h"
 #include "example_calibration.h"
 
 namespace mm {
@@ -119,6 +119,29 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
   EXPECT_EQ(r.ledger[1].effect, c.effects[1]);
   EXPECT_TRUE(r.ledger[0].effect.type.empty());
   EXPECT_EQ(r.ledger[1].calibration, c.ledger[1].calibration);
+}
+
+TEST(CalibrationYaml, keepsWhatTheControllerCompensated) {
+  Calibration c = test::exampleCalibration();
+  const auto readBack = [&] { return parseCalibration(calibrationYaml(c), "c.yaml").compensation; };
+  EXPECT_EQ(readBack().stated, ControllerCompensation::Stated::kNot);
+  c.compensation.stated = ControllerCompensation::Stated::kNone;
+  EXPECT_EQ(readBack(), c.compensation);
+  c.compensation = {ControllerCompensation::Stated::kFiles,
+                    "fanuc",
+                    {{"parameters.txt", "%\r\nN01851 A1 P3\n\t: # no comment\n%"}, {"kept/µ.txt", ""}}};
+  EXPECT_EQ(readBack(), c.compensation);
+  EXPECT_EQ(readBack().files.at(0).text, c.compensation.files[0].text);
+  std::string text = calibrationYaml(c);
+  text.replace(text.find("A1 P3"), 5, "A1 P4");
+  const std::string body = text.substr(text.find('\n') + 1);
+  try {
+    parseCalibration("checksum: crc64-" + checksumOf(body) + "\n" + body, "c.yaml");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("'checksum' is not that of the files"), std::string::npos)
+        << e.what();
+  }
 }
 
 TEST(CalibrationYaml, readsFilesThatDoNotTellArtifactAndDegreesOfFreedom) {

@@ -157,6 +157,31 @@ TEST_F(BagSession, KeepsTheLinesOfItsCsvAndWhatIsSetAside) {
   EXPECT_EQ(bag.setAside[1].row, csv.setAside[1].row);
 }
 
+TEST_F(BagSession, KeepsWhatTheControllerCompensated) {
+  Session s = sample();
+  const std::string unstated = sessionHash(s);
+  const auto readBack = [&] {
+    writeSessionBag(s, folder_.path("s.bag"));
+    return readSessionBag(folder_.path("s.bag"));
+  };
+  EXPECT_EQ(readBack().compensation.stated, ControllerCompensation::Stated::kNot);
+  s.compensation.stated = ControllerCompensation::Stated::kNone;
+  EXPECT_EQ(readBack().compensation, s.compensation);
+  s.compensation = {ControllerCompensation::Stated::kFiles, "grblhal", {{"settings.txt", "$160=0.01\n"}}};
+  const Session files = readBack();
+  EXPECT_EQ(files.compensation, s.compensation);
+  EXPECT_EQ(files.compensation.files.at(0).text, "$160=0.01\n");
+  EXPECT_NE(sessionHash(files), unstated)
+      << "the same readings beside another compensation are another session";
+  gather({{"/m1", "s.bag"}}, "space.bag");
+  EXPECT_EQ(readSessionBag(folder_.path("space.bag")).compensation, s.compensation);
+
+  SessionCollector live("the live session");
+  live.addCompensation(compensationJson(s.compensation));
+  EXPECT_NE(test::messageOf<InputError>([&] { live.addCompensation("none"); }).find("is no statement"),
+            std::string::npos);
+}
+
 TEST_F(BagSession, KeepsTimeZeroWhereNothingWasMeasuredAtOnce) {
   Session s = sample();
   for (Observation& o : s.observations) o.time += 100.0;

@@ -188,6 +188,45 @@ TEST(VerifyExport, offsetsAloneAreJudgedWhereTheTablesHoldNothing) {
   EXPECT_EQ(with.hypothesis.offsets, AxisState::kCorrected) << with.inWords;
 }
 
+TEST(VerifyExport, takesWhatIsLoadedBeyondWhatWasActive) {
+  // Calibrated with nothing loaded, exported; with that loaded and the machine changed, calibrated and
+  // exported again: the second folder holds both, of which the second calibration knows one.
+  const LoadedController first(6600);
+  const ExportedController tables(first, "siemens");
+  LoadedController second(6601, {}, {}, loadedErrors(1.0));
+  second.calibration.compensation =
+      statedCompensation("--compensation", "siemens:" + tables.folder().string());
+  const ExportedController both(second, "siemens");
+  const LoadedExport loaded(both.folder(), second.calibration);
+  const LoadedController unstated(6601, {}, {}, loadedErrors(1.0));
+  const ExportedController alone(unstated, "siemens");
+  const CommandedState command{
+      {{"x", 0.011}, {"y", -0.007}, {"z", 0.004}}, {{"x", 1}, {"y", -1}, {"z", 1}}, {}};
+  State state;
+  state.position = {0.011, -0.007, 0.004};
+  state.travel = {1.0, -1.0, 1.0};
+  const std::map<std::string, double> expected = alone.tables(command);
+  for (int j = 0; j < 3; ++j)
+    EXPECT_NEAR(loaded.adds(state)[j], expected.at(std::string(1, "xyz"[j])), 5e-9) << j;
+
+  Session fresh = second.measure(6602, {});
+  fresh.compensation.stated = ControllerCompensation::Stated::kNone;
+  VerifyOptions options;
+  options.loaded = true;
+  options.calibrate.threads = 1;
+  const auto said = [&] {
+    return messageOf<InputError>([&] { verify(fresh, second.calibration, options); });
+  };
+  EXPECT_NE(said().find("against --loaded"), std::string::npos) << said();
+  options.exported = std::make_shared<const LoadedExport>(both.folder(), second.calibration);
+  EXPECT_NE(said().find("the folder of --export holds tables of siemens"), std::string::npos) << said();
+  fresh.compensation = options.exported->statement();
+  EXPECT_EQ(said(), "");
+  options = {};
+  options.calibrate.threads = 1;
+  EXPECT_NE(said().find("the calibration was measured with: tables of siemens"), std::string::npos) << said();
+}
+
 TEST(VerifyExport, ofOtherFoldersIsRefused) {
   const LoadedController controller(6200);
   const ExportedController exported(controller, "linuxcnc");

@@ -1,4 +1,4 @@
-#include "calibration_file/checksum.h"
+#include "base/checksum.h"
 
 #include <boost/crc.hpp>
 #include <cstdint>

@@ -1,0 +1,40 @@
+#include "base/temporary_folder.h"
+
+#include <stdlib.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "base/error.h"
+
+namespace mm {
+
+namespace fs = std::filesystem;
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (fs::temp_directory_path() / "mm-folder-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr)
+    throw InputError(name + ": cannot be made: " + std::strerror(errno) + "; make room, or set TMPDIR");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+void TemporaryFolder::write(const std::string& name, const std::string& text) const {
+  const fs::path inside(name);
+  bool leaves = inside.empty() || inside.is_absolute();
+  for (const fs::path& part : inside) leaves = leaves || part == "..";
+  if (leaves) throw InputError("'" + name + "' is no name of a file inside a folder");
+  std::error_code error;
+  fs::create_directories((path_ / inside).parent_path(), error);
+  std::ofstream out(path_ / inside, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw InputError((path_ / inside).string() + ": cannot be written; make room, or set TMPDIR");
+}
+
+}  // namespace mm
