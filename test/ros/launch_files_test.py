@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Every launch file with every argument that it has, as roslaunch reads it: its nodes are there, and what one launch set ends with it."""
+import functools
 import glob
 import os
 import unittest
@@ -18,7 +19,7 @@ FILES = sorted(glob.glob(os.path.join(support.PACKAGE, "launch/*.launch")))
 PLAN = os.path.join(support.PACKAGE, "config/demo_plan.yaml")
 # Values beside the default one. An argument that is not here fails the test: it belongs here.
 VALUES = {
-    "address": ["0.0.0.0"], "bag": ["/tmp/s.bag"], "clock": ["true"], "controller": [os.path.join(support.PACKAGE, "config/grbl.yaml")],
+    "address": ["0.0.0.0"], "bag": ["/tmp/s.bag"], "clock": ["true"], "compensation": ["none"], "controller": [os.path.join(support.PACKAGE, "config/grbl.yaml")],
     "fault": ["probe_stuck", "probe_dead", "temperature_frozen", "temperature_lost"], "folder": ["/tmp/d"], "frame_prefix": ["m1/"],
     "hardware": ["simulated", "grbl", "linuxcnc"], "hide": ["backlash:x=3um; scale:y=0.001"], "hosts": ["here there"],
     "instrument": ["false"], "loop": ["true"],
@@ -28,6 +29,14 @@ VALUES = {
     "seed": ["7"], "sensors": [os.path.join(support.PACKAGE, "config/sensors.yaml")], "serial": ["MM-7"], "store": ["/tmp/store"],
     "tf_prefix": ["m1"], "time_factor": ["10"], "view": ["five_axis"],
 }
+
+
+PACKAGES = rospkg.RosPack()  # reads every package of this computer once
+
+
+@functools.lru_cache(maxsize=None)
+def found(package, program):
+    return bool(roslib.packages.find_node(package, program, PACKAGES))
 
 
 def arguments(file):
@@ -54,7 +63,7 @@ class LaunchFiles(unittest.TestCase):
                     self.assertEqual(config.config_errors, [], (file, name, value))
                     read_ones += 1
                     for node in config.nodes:
-                        self.assertTrue(roslib.packages.find_node(node.package, node.type, rospkg.RosPack()),
+                        self.assertTrue(found(node.package, node.type),
                                         "%s: no %s/%s" % (file, node.package, node.type))
         self.assertGreater(read_ones, 80)
 

@@ -25,7 +25,7 @@ class Strangers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = support.folder()
-        bag = support.simulate(os.path.join(cls.folder, "s.bag"), hide=("backlash:x=7um",))
+        bag = support.simulate(os.path.join(cls.folder, "s.bag"), plan="config/plans/nine_ball_plate.yaml", hide=("backlash:x=7um",))
         cls.frames, cls.statuses, cls.said, cls.own = support.Frames(CORRECTED), support.Statuses(), [], {}
         rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: cls.said.extend(s.message for s in m.status))
         rospy.Subscriber("joint_states", JointState, cls.take, queue_size=None, buff_size=1 << 24, tcp_nodelay=True)
@@ -102,7 +102,7 @@ class Strangers(unittest.TestCase):
     def test_1_the_play_is_seen(self):
         down = self.go_down()
         self.move(REST[0] + 0.002)
-        self.assertAlmostEqual(abs(self.error_now() - down), PLAY, delta=0.5e-6)
+        self.assertAlmostEqual(abs(self.error_now() - down), PLAY, delta=0.2e-6)
 
     def test_2_a_stray_place(self):
         self.expect_right(lambda i: self.send([-0.007, 0.0, 0.0075]))
