@@ -32,6 +32,12 @@ def without_seconds(text):
     return found
 
 
+
+def microseconds(stamp):
+    """Python's tf2 has the nanoseconds of a stamp from a double, which errs by a hundred of them."""
+    return (stamp.to_nsec() + 500) // 1000
+
+
 class Demo:
     def __init__(self, folder, plan, model):
         self.folder, self.plan, self.model = folder, plan, model
@@ -43,7 +49,7 @@ class Demo:
 
     def take_truth(self, message):
         with self.lock:
-            self.truth[message.header.stamp] = (message.point.x, message.point.y, message.point.z)
+            self.truth[microseconds(message.header.stamp)] = (message.point.x, message.point.y, message.point.z)
 
     def ways(self):
         """The fresh points as moves: lists of (joints, positions)."""
@@ -82,19 +88,19 @@ class Demo:
 
     def error_now(self, frames, frame):
         """At the third stamp, from now on, for which both the truth and the frame have come, um."""
-        errors = {}
+        places = {}  # by stamp; the truth of a stamp may come later than its frame
         for _ in range(500):
             self.go_on()
             try:
-                stamp = frames.get_latest_common_time("workpiece", frame)
-                at = frames.lookup_transform("workpiece", frame, stamp).transform.translation
+                latest = frames.lookup_transform("workpiece", frame, rospy.Time(0))
+                at = latest.transform.translation
+                places[microseconds(latest.header.stamp)] = (at.x, at.y, at.z)
             except tf2_ros.TransformException:
-                at = None
+                pass  # none yet
             with self.lock:
-                if at and stamp in self.truth:
-                    errors[stamp] = 1e6 * math.dist(self.truth[stamp], (at.x, at.y, at.z))
-            if len(errors) >= 3:
-                return errors[max(errors)]
+                known = [stamp for stamp in places if stamp in self.truth]
+                if len(known) >= 3:
+                    return 1e6 * math.dist(self.truth[max(known)], places[max(known)])
             rospy.rostime.wallsleep(0.02)
         raise RuntimeError("no frame '%s' arrives with the stamps of the joint states" % frame)
 

@@ -22,8 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (const double v : *values)
         if (!std::isfinite(v)) mm::fuzz::broken("positions are finite");
     }
-    for (const double v :
-         {state.time, state.within, state.linear, state.angular, state.override})
+    for (const double v : {state.time, state.within, state.linear, state.angular, state.override})
       if (!std::isfinite(v)) mm::fuzz::broken("numbers are finite");
   }
   return 0;
