@@ -13,6 +13,7 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
+  /// Where it is.
   const std::filesystem::path& path() const { return path_; }
   /// Writes a file in it, with the folders that its name asks for. @throw InputError: the name leads out of
   /// the folder; full disk.

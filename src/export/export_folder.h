@@ -14,6 +14,7 @@ namespace mm {
 class TriedExport {
  public:
   TriedExport(const std::string& target, const Exported& exported);  ///< @throw InputError: full disk
+  /// What the controller would compensate with it.
   const LoadedCompensation& loaded() const { return *loaded_; }
 
  private:

@@ -44,6 +44,7 @@ class JointOwners {
   static constexpr const char* kUnhomed =
       "the axes are not homed, so their readings have no zero; call axis_driver/home";
 
+  /// @param joints of the machine, by name.
   explicit JointOwners(std::vector<std::string> joints);
   /// A status is on its way: until `until` nobody owns a joint by being first.
   void awaitStatus(double until) { awaited_ = until; }

@@ -10,7 +10,9 @@ namespace mm {
 /// connection has ended, without the master. From any thread.
 class Listeners {
  public:
+  /// A connection of this node was made.
   void came(const std::string& node);
+  /// A connection of this node has ended.
   void left(const std::string& node);
   /// Waits until it listens, `seconds` at most.
   void await(const std::string& node, double seconds) const;

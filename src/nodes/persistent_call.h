@@ -26,6 +26,7 @@ class PersistentCall {
     client_ = fresh;
     return client_.isValid();
   }
+  /// Whether the connection that was opened still holds.
   bool connected() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return client_.isValid();

@@ -7,6 +7,7 @@
 
 namespace mm {
 
+/// Shares of red, green, blue and opacity, 0 … 1.
 std_msgs::ColorRGBA colourOf(double red, double green, double blue, double opaque = 1.0);
 /// A marker to fill. @param frame, name its frame and namespace. @param type of visualization_msgs/Marker.
 visualization_msgs::Marker markerIn(const std::string& frame, const std::string& name, int type);
