@@ -89,7 +89,7 @@ void AxisDriver::watchListeners(ros::NodeHandle own) {
 
 // A client that has heard the status is connected, though it may not have been told here yet.
 Mover AxisDriver::moverOf(const std::string& sender, std::uint64_t ticket) {
-  listeners_.await(sender, kConnects);
+  if (control_.view().fault.empty()) listeners_.await(sender, kConnects);  // else nothing moves anyway
   return {
       sender, ticket, [this, sender]() -> std::string {
         if (listeners_.listens(sender)) return {};
