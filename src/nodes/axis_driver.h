@@ -135,11 +135,11 @@ class AxisDriver {
   bool cancelled_ = false;  // the goal that is under way
   std::string feature_;     // of the last goal that probes
 
+  ros::CallbackQueue holdQueue_, leaseQueue_;  // before whoever calls into them: these outlive it
   ros::Publisher jointsOut_, statusOut_, motionOut_, latchOut_, temperaturesOut_, truthOut_, clockOut_;
   std::vector<ros::ServiceServer> services_;
   Listeners listeners_;  // to `~move/status` and `~home/status`: every client of the actions
   std::vector<ros::Publisher> listening_;
-  ros::CallbackQueue holdQueue_, leaseQueue_;
   ros::AsyncSpinner holdSpinner_, leaseSpinner_;
   diagnostic_updater::Updater updater_;
   std::unique_ptr<MoveServer> moveServer_;
