@@ -20,6 +20,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     allFinite(report->work);
     allFinite(report->offset);
     if (report->machine.empty() && report->work.empty()) mm::fuzz::broken("a report has a position");
+    const mm::GrblShows shows = report->shows();
+    const bool rests =
+        shows == mm::GrblShows::kRest || shows == mm::GrblShows::kHeld || shows == mm::GrblShows::kHeldByDoor;
+    if (rests && report->moves()) mm::fuzz::broken("what rests does not move");
     mm::grblAlarm(report->substate);
   }
   if (const auto probe = mm::parseGrblProbe(line)) allFinite(probe->machine);
