@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 import unittest
 import xmlrpc.client
@@ -36,6 +35,21 @@ speeds: {rapid_mm_s: 1, approach_mm_s: 1}
 moves:
   - {x_mm: 19.0, y_mm: 0.0, z_mm: 10.0}
   - {x_mm: 5.0, y_mm: 8.0, z_mm: 5.0, feature: b0}
+"""
+
+
+FLOOD = """
+import rospy
+from measuring_machine.msg import MoveActionGoal, MoveGoal
+rospy.init_node("large", disable_signals=True)
+out = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1)
+large = MoveActionGoal(goal=MoveGoal(feature="x" * 20000000))
+large.goal_id.id = "/large-1-1.0"
+while out.get_num_connections() == 0:
+    rospy.rostime.wallsleep(0.01)
+print("flooding", flush=True)
+while True:
+    out.publish(large)
 """
 
 
@@ -170,18 +184,8 @@ class Lease(unittest.TestCase):
 
     def test_9_emergency_stop_beside_large_messages(self):
         """20 MB each to the topic that everybody may send to, and a new connection for each call."""
-        out = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1)
-        self.assertTrue(support.wait_until(lambda: out.get_num_connections() > 0))
-        large = MoveActionGoal(goal=MoveGoal(feature="x" * 20000000))
-        large.goal_id.id = "/large-1-1.0"
-        flood = [True]
-
-        def send():
-            while flood[0]:
-                out.publish(large)
-
-        thread = threading.Thread(target=send)
-        thread.start()
+        flood = subprocess.Popen([sys.executable, "-c", FLOOD], stdout=subprocess.PIPE)  # of its own: it would hold this interpreter
+        self.assertEqual(flood.stdout.readline(), b"flooding\n")
         uri = rosgraph.Master("/test").lookupService("/axis_driver/emergency_stop")
         took = []
         try:
@@ -191,11 +195,11 @@ class Lease(unittest.TestCase):
                 self.assertTrue(stop(True).success)
                 took.append(1e3 * (time.monotonic() - began))
         finally:
-            flood[0] = False
-            thread.join()
+            flood.kill()
+            flood.communicate()
         took.sort()
         print("emergency stop at %s beside 20 MB: median %.1f ms, 99 %% %.1f ms, most %.1f ms" % (uri, took[100], took[197], took[-1]))
-        self.assertLess(took[100], 50.0)
+        self.assertLess(took[197], 50.0)
         self.assertTrue(support.wait_until(lambda: rospy.ServiceProxy("axis_driver/emergency_stop", SetBool)(False).success))
 
 
