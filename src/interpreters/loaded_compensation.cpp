@@ -44,17 +44,18 @@ std::vector<ControllerCompensation::File> filesOf(const std::string& option, con
   return files;
 }
 
-/// The controller that reads a folder, where only one does. @throw InputError.
+/// The controller that finds tables in a folder, or that alone can read it. @throw InputError.
 std::string readerOf(const std::string& option, const fs::path& folder) {
-  std::vector<std::string> readers;
+  std::vector<std::string> readers, finders;
   for (const std::string& target : interpretedTargets()) {
     try {
-      interpret(target, folder);
-      readers.push_back(target);
+      const bool any = !interpret(target, folder)->points().empty();
+      (any ? finders : readers).push_back(target);
     } catch (const InputError&) {
       continue;
     }
   }
+  if (!finders.empty()) readers = finders;
   if (readers.size() == 1) return readers.front();
   throw InputError(option + " " + folder.string() + ": " +
                    (readers.empty() ? "no controller's interpreter reads what is there"
