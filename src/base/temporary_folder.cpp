@@ -32,9 +32,13 @@ void TemporaryFolder::write(const std::string& name, const std::string& text) co
   std::error_code error;
   fs::create_directories((path_ / inside).parent_path(), error);
   std::ofstream out(path_ / inside, std::ios::binary);
+  errno = 0;  // that a write leaves, for a stream does not tell why it failed
   out << text;
   out.close();
-  if (!out) throw InputError((path_ / inside).string() + ": cannot be written; make room, or set TMPDIR");
+  if (!out)
+    throw InputError((path_ / inside).string() + ": cannot be written" +
+                     (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()) +
+                     "; make room, or set TMPDIR");
 }
 
 }  // namespace mm

@@ -289,7 +289,7 @@ TEST_F(LinuxCncTest, AHelperThatSpeaksAnotherLanguageIsNamed) {
               "no line of linuxcnc_helper");
 }
 
-TEST_F(LinuxCncTest, WhereNoLinuxCncRunsThatIsSaid) {
+TEST_F(LinuxCncFaultsTest, WhereNoLinuxCncRunsThatIsSaid) {
   double_->tell("fault off");
   ASSERT_TRUE(await([&] { return !control_->view().lost.empty(); }));
   double_->tell("fault ok");
