@@ -136,6 +136,7 @@ class AxisDriver {
   std::string feature_;     // of the last goal that probes
 
   ros::CallbackQueue holdQueue_, leaseQueue_;  // before whoever calls into them: these outlive it
+  AtOnce atOnce_;
   ros::Publisher jointsOut_, statusOut_, motionOut_, latchOut_, temperaturesOut_, truthOut_, clockOut_;
   std::vector<ros::ServiceServer> services_;
   Listeners listeners_;  // to `~move/status` and `~home/status`: every client of the actions

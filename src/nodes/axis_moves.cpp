@@ -13,7 +13,6 @@ namespace {
 using MoveResult = measuring_machine::MoveResult;
 
 constexpr double kFeedbackPeriod = 0.05;  // s
-constexpr double kConnects = 0.05;        // s within which it is told that a client has connected
 
 // The name of the node that made a goal is the beginning of the goal's id, in roscpp and in rospy.
 std::string senderOf(const std::string& goalId) {
@@ -78,7 +77,7 @@ void AxisDriver::advertise(ros::NodeHandle own) {
 // Beside what the action's server publishes there: who comes and goes. A client that was killed goes with its
 // connection; of the topics that it publishes roscpp would look for it again and again.
 void AxisDriver::watchListeners(ros::NodeHandle own) {
-  own.setCallbackQueue(&leaseQueue_);
+  own.setCallbackQueue(&atOnce_);
   for (const char* topic : {"move/status", "home/status"})
     listening_.push_back(own.advertise<actionlib_msgs::GoalStatusArray>(
         topic, 50,
@@ -87,9 +86,7 @@ void AxisDriver::watchListeners(ros::NodeHandle own) {
         ros::VoidConstPtr(), true));
 }
 
-// A client that has heard the status is connected, though it may not have been told here yet.
 Mover AxisDriver::moverOf(const std::string& sender, std::uint64_t ticket) {
-  if (control_.view().fault.empty()) listeners_.await(sender, kConnects);  // else nothing moves anyway
   return {
       sender, ticket, [this, sender]() -> std::string {
         if (listeners_.listens(sender)) return {};

@@ -1,15 +1,10 @@
 #include "nodes/listeners.h"
 
-#include <chrono>
-
 namespace mm {
 
 void Listeners::came(const std::string& node) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    ++connections_[node];
-  }
-  changed_.notify_all();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++connections_[node];
 }
 
 // One that comes again may have come before the end of its old connection was seen.
@@ -17,12 +12,6 @@ void Listeners::left(const std::string& node) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = connections_.find(node);
   if (found != connections_.end() && --found->second <= 0) connections_.erase(found);
-}
-
-void Listeners::await(const std::string& node, double seconds) const {
-  std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait_for(lock, std::chrono::duration<double>(seconds),
-                    [&] { return connections_.count(node) > 0; });
 }
 
 bool Listeners::listens(const std::string& node) const {

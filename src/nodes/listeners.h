@@ -1,5 +1,7 @@
 #pragma once
-#include <condition_variable>
+#include <ros/callback_queue_interface.h>
+
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
@@ -14,14 +16,19 @@ class Listeners {
   void came(const std::string& node);
   /// A connection of this node has ended.
   void left(const std::string& node);
-  /// Waits until it listens, `seconds` at most.
-  void await(const std::string& node, double seconds) const;
   bool listens(const std::string& node) const;
 
  private:
   mutable std::mutex mutex_;
-  mutable std::condition_variable changed_;
   std::map<std::string, int> connections_;
+};
+
+/// Calls back at once, in the thread of roscpp that reads the connections: whoever sends something was told
+/// of before what it sent is read.
+class AtOnce : public ros::CallbackQueueInterface {
+ public:
+  void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override { callback->call(); }
+  void removeByID(std::uint64_t) override {}
 };
 
 }  // namespace mm

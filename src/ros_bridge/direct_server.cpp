@@ -12,7 +12,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <optional>
 
 #include "base/error.h"
 
@@ -21,12 +23,20 @@ namespace {
 
 constexpr std::uint32_t kLongestFields = 16384, kLongestRequest = 4096;  // bytes
 constexpr std::size_t kMostConnections = 200;
-constexpr int kGreeting = 2;    // s for a client to say what it wants
-constexpr int kLookAgain = 50;  // ms between looks whether the end has come
+constexpr std::chrono::seconds kGreeting(2);  // for a client to say what it wants, and to take an answer
+constexpr int kLookAgain = 50;                // ms between looks whether the end has come
 
-bool readAll(int socket, void* to, std::size_t bytes) {
+using Clock = std::chrono::steady_clock;
+
+/// @param until however little of it arrives now and then; none: for ever.
+bool readAll(int socket, void* to, std::size_t bytes, std::optional<Clock::time_point> until) {
   auto* at = static_cast<std::uint8_t*>(to);
   while (bytes > 0) {
+    if (until) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(*until - Clock::now()).count();
+      pollfd ready{socket, POLLIN, 0};
+      if (left <= 0 || poll(&ready, 1, static_cast<int>(left)) <= 0) return false;
+    }
     const ssize_t got = recv(socket, at, bytes, 0);
     if (got <= 0) return false;
     at += got;
@@ -53,11 +63,12 @@ std::uint32_t lengthAt(const std::uint8_t* at) {
 }
 
 /// A length and as many bytes. @return false: the connection ended, or it was more than `most`.
-bool readBlock(int socket, std::uint32_t most, std::vector<std::uint8_t>& bytes) {
+bool readBlock(int socket, std::uint32_t most, std::vector<std::uint8_t>& bytes,
+               std::optional<Clock::time_point> until = {}) {
   std::uint8_t length[4];
-  if (!readAll(socket, length, sizeof length) || lengthAt(length) > most) return false;
+  if (!readAll(socket, length, sizeof length, until) || lengthAt(length) > most) return false;
   bytes.resize(lengthAt(length));
-  return readAll(socket, bytes.data(), bytes.size());
+  return readAll(socket, bytes.data(), bytes.size(), until);
 }
 
 bool writeHeader(int socket, const std::map<std::string, std::string>& fields) {
@@ -81,8 +92,8 @@ DirectServer::DirectServer() {
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   socklen_t size = sizeof address;
-  if (listener_ < 0 || bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
-      listen(listener_, 64) != 0 ||
+  if (listener_ < 0 || ::bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
+      ::listen(listener_, 64) != 0 ||
       getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
     const std::string why = std::strerror(errno);
     if (listener_ >= 0) close(listener_);
@@ -93,10 +104,8 @@ DirectServer::DirectServer() {
 
 DirectServer::~DirectServer() {
   ending_ = true;
-  if (thread_.joinable()) {
-    tell("unregisterService");
-    thread_.join();
-  }
+  if (told_) tell("unregisterService");
+  if (thread_.joinable()) thread_.join();
   for (Connection& connection : connections_) {
     ::shutdown(connection.socket, SHUT_RD);  // an answer that is on its way still leaves
     connection.thread.join();
@@ -106,8 +115,14 @@ DirectServer::~DirectServer() {
 }
 
 void DirectServer::begin() {
-  thread_ = std::thread([this] { accept(); });
+  listen();
+  told_ = true;
   tell("registerService");
+}
+
+std::uint16_t DirectServer::listen() {
+  thread_ = std::thread([this] { accept(); });
+  return port_;
 }
 
 std::string DirectServer::uri() const {
@@ -149,9 +164,9 @@ void DirectServer::accept() {
     connection.socket = socket;
     connection.thread = std::thread([this, &connection] {
       try {
-        serve(connection);
+        serve(connection.socket);
       } catch (const std::exception& e) {
-        ROS_ERROR("a call of the stop: %s", e.what());
+        ROS_ERROR("a call of the stop was not made, the request is damaged: %s", e.what());
       }
       ::shutdown(connection.socket, SHUT_RDWR);
       connection.ended = true;
@@ -162,7 +177,7 @@ void DirectServer::accept() {
 /// The headers of both sides. @return the service; nullptr: there is none, which was said.
 const DirectServer::Entry* DirectServer::greet(int socket, Fields& fields) {
   std::vector<std::uint8_t> header;
-  if (!readBlock(socket, kLongestFields, header)) return nullptr;
+  if (!readBlock(socket, kLongestFields, header, Clock::now() + kGreeting)) return nullptr;
   for (std::size_t at = 0; at + 4 <= header.size();) {
     const std::size_t length = lengthAt(&header[at]);
     at += 4;
@@ -193,17 +208,15 @@ const DirectServer::Entry* DirectServer::greet(int socket, Fields& fields) {
   return told ? &entry : nullptr;
 }
 
-void DirectServer::serve(Connection& connection) {
-  const int socket = connection.socket, on = 1;
+void DirectServer::serve(int socket) {
+  const int on = 1;
   setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   setsockopt(socket, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
-  timeval patience{kGreeting, 0}, forever{0, 0};
+  const timeval patience{kGreeting.count(), 0};
   setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   Fields fields;
   const Entry* entry = greet(socket, fields);
   if (entry == nullptr || fields["probe"] == "1") return;
-  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &forever, sizeof forever);
   std::vector<std::uint8_t> bytes, answer;
   while (!ending_ && readBlock(socket, kLongestRequest, bytes)) {
     entry->answer(fields["callerid"], bytes);

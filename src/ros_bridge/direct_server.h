@@ -50,8 +50,12 @@ class DirectServer {
     };
     services_.emplace(name, std::move(entry));
   }
-  /// Tells the master of the services. @throw Error when it does not take them.
+  /// Takes connections, and tells the master of the services.
   void begin();
+  /// Takes connections that nobody was told of. @return the port.
+  std::uint16_t listen();
+  /// One connection, from its greeting to its end; in the thread of whoever calls.
+  void serve(int socket);
 
  private:
   using Fields = std::map<std::string, std::string>;
@@ -66,7 +70,6 @@ class DirectServer {
   };
 
   void accept();
-  void serve(Connection& connection);
   const Entry* greet(int socket, Fields& fields);
   void tell(const std::string& method) const;
   std::string uri() const;
@@ -75,6 +78,7 @@ class DirectServer {
   int listener_ = -1;
   std::uint16_t port_ = 0;
   std::atomic<bool> ending_{false};
+  bool told_ = false;                  // the master was
   std::list<Connection> connections_;  // of the accepting thread, and of the destructor after it
   std::thread thread_;
 };

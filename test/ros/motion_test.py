@@ -209,10 +209,9 @@ class Motion(unittest.TestCase):
                 one.wait()
             self.call("axis_driver/break_device", BreakDevice, fault="ok")
             print("emergency stop, load %s: median %.1f ms, largest %.1f ms" % (name, sorted(took)[5], max(took)))
-            # The figure is what was printed, and it is the machine's as much as the driver's. One that waits behind what blocks the
-            # device, or behind five homings, takes seconds.
-            self.assertLess(max(took), 3000.0, name)
-            self.assertLess(sorted(took)[5], 250.0, name)
+            # Promised are 50 ms, 99 times in a hundred, to whom the computer lets run. One that waits for homing or a device takes seconds.
+            self.assertLess(sorted(took)[5], 50.0, name)
+            self.assertLess(max(took), 500.0, name)
             self.assertFalse(self.call("axis_driver/home").success)
             self.assertTrue(support.wait_until(lambda: emergency(False).success, 5))
             self.start([0.0, 0.0, 0.010])
