@@ -8,6 +8,8 @@ namespace {
 constexpr double kWindow = 10.0;  // s of states that are compared
 constexpr double kSlew = 0.01;    // s a second that the map may change by: clocks differ by far less
 constexpr double kSet = 5.0;      // s of difference that only setting a clock makes
+constexpr double kLess =
+    0.02;  // s by which a difference is so much smaller that those before were of late states
 
 }  // namespace
 
@@ -20,7 +22,7 @@ void ClockMap::add(double device, double host) {
   window_.emplace_back(device, difference);
   while (window_.front().first < device - kWindow) window_.pop_front();
   const double smallest = window_.front().second;
-  if (!known_)
+  if (!known_ || smallest < offset_ - kLess)
     offset_ = smallest;
   else
     offset_ += std::clamp(smallest - offset_, -kSlew * (device - last_), kSlew * (device - last_));

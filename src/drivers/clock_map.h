@@ -7,7 +7,7 @@ namespace mm {
 
 /// Maps a controller's clock to the host's. A state never arrives before it was made, so the smallest
 /// difference of the last while is nearest to the truth (as in Cristian's algorithm with one way); the map
-/// follows it slowly enough that mapped times ascend.
+/// follows it slowly enough that mapped times ascend, but for a beginning with states that came late.
 class ClockMap {
  public:
   /// @param device s on the controller's clock, of a state. @param host s when it arrived.

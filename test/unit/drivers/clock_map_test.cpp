@@ -34,5 +34,14 @@ TEST(ClockMap, SaysHowLateStatesAre) {
   EXPECT_NEAR(map.toHost(0.5), 70.0, 1e-12);
 }
 
+/// A process that stood still for three seconds reads what was sent meanwhile all at once.
+TEST(ClockMap, BeginsWithStatesThatWaited) {
+  ClockMap map;
+  for (int i = 0; i < 300; ++i) map.add(0.01 * i, 53.0 + 1e-6 * i);
+  EXPECT_NEAR(map.toHost(2.99), 53.0, 2.1e-2) << "the last of them came as it was made";
+  for (int i = 300; i < 400; ++i) map.add(0.01 * i, 50.0 + 0.01 * i);
+  EXPECT_NEAR(map.toHost(4.0), 54.0, 2.1e-2);
+}
+
 }  // namespace
 }  // namespace mm
