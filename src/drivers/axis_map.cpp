@@ -98,6 +98,12 @@ double numberParameterOf(const ControllerSetup& setup, const std::string& name, 
   return value;
 }
 
+std::string textParameterOf(const ControllerSetup& setup, const std::string& name,
+                            const std::string& standard) {
+  const auto found = setup.parameters.find(name);
+  return found == setup.parameters.end() ? standard : found->second;
+}
+
 void refuseUnknownParametersOf(const ControllerSetup& setup, const std::string& controller,
                                const std::vector<std::string>& known) {
   std::string all;

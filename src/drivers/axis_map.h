@@ -42,6 +42,8 @@ class AxisMap {
 /// A number in a parameter of a controller. @throw InputError naming it.
 double numberParameterOf(const ControllerSetup& setup, const std::string& name, double standard, double lower,
                          double upper);
+std::string textParameterOf(const ControllerSetup& setup, const std::string& name,
+                            const std::string& standard);
 /// @throw InputError naming a parameter that is not among `known`.
 void refuseUnknownParametersOf(const ControllerSetup& setup, const std::string& controller,
                                const std::vector<std::string>& known);

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <thread>
 
 #include "base/error.h"
@@ -18,9 +19,17 @@ namespace {
 
 constexpr auto kPatience = std::chrono::milliseconds(500);  // until it is killed
 
+constexpr int kLent = STDERR_FILENO + 1;
+
 }  // namespace
 
-int DeviceChild::start(const std::vector<std::string>& words) {
+/// Beside the program that runs, where the package has them all.
+std::string programBeside(const std::string& name) {
+  std::error_code failed;
+  return std::filesystem::read_symlink("/proc/self/exe", failed).replace_filename(name);
+}
+
+int DeviceChild::start(const std::vector<std::string>& words, int lent) {
   if (::access(words.front().c_str(), X_OK) != 0)
     throw Error(words.front() + ": cannot be started: " + std::strerror(errno));
   int ends[2];
@@ -33,6 +42,9 @@ int DeviceChild::start(const std::vector<std::string>& words) {
   if (pid_ == 0) {  // only what is safe between fork and exec
     ::dup2(ends[1], STDIN_FILENO);
     ::dup2(ends[1], STDOUT_FILENO);
+    if (lent >= 0) ::dup2(lent, kLent);
+    // What this process leaves open would live on with a program that stays for a moment.
+    ::close_range(lent >= 0 ? kLent + 1 : kLent, ~0U, 0);
     sigset_t none;
     ::sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -62,12 +62,13 @@ DeviceLink::DeviceLink(std::string address, std::vector<std::string> program, Li
 
 DeviceLink::~DeviceLink() { close(); }
 
-void DeviceLink::connect(double timeout) {
+void DeviceLink::connect(double timeout, int lent) {
   close();
   auto port = std::make_unique<Port>();
   try {
     if (!program_.empty()) {
-      port->socket.emplace(port->context, asio::generic::stream_protocol(AF_UNIX, 0), child_.start(program_));
+      port->socket.emplace(port->context, asio::generic::stream_protocol(AF_UNIX, 0),
+                           child_.start(program_, lent));
     } else if (device_.empty()) {
       asio::ip::tcp::resolver resolver(port->context);
       const auto found = resolver.resolve(host_, std::to_string(port_));
@@ -126,6 +127,12 @@ void DeviceLink::close() {
     open_.reset();
   }
   child_.end();
+}
+
+int DeviceLink::descriptor() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!open_) return -1;
+  return open_->socket ? open_->socket->native_handle() : open_->serial->native_handle();
 }
 
 std::string DeviceLink::lost() const {

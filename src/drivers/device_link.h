@@ -13,6 +13,7 @@ namespace mm {
 
 inline constexpr double kLinkConnect = 3.0;  // s for a connection, and for the first answers
 inline constexpr double kLinkSilence = 0.6;  // s without an answer: lost
+inline constexpr double kLinkBeat = 0.05;    // s between signs of life to a program that stops what moves
 inline constexpr int kLinkDamaged = 20;      // lines in a row that are not the control's language: lost
 
 /// s on the host's steady clock: the one on which lines are stamped.
@@ -36,9 +37,11 @@ class DeviceLink {
   DeviceLink(const DeviceLink&) = delete;
   DeviceLink& operator=(const DeviceLink&) = delete;
 
-  /// @param timeout s. @throw Error naming the address and why.
-  void connect(double timeout);
-  void close();  ///< not from the handler
+  /// @param timeout s. @param lent of this process, for a program, as its descriptor 3.
+  /// @throw Error naming the address and why.
+  void connect(double timeout, int lent = -1);
+  int descriptor() const;  ///< of the connection; -1: there is none
+  void close();            ///< not from the handler
   bool connected() const { return connected_; }
   /// Why the connection ended, for people; empty: it has not.
   std::string lost() const;

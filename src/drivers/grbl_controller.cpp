@@ -24,28 +24,32 @@ GrblController::~GrblController() { close(); }
 void GrblController::open(const ControllerSetup& setup) {
   refuseUnknownParametersOf(setup, "grbl",
                             {"address", "axes", "sign", "zero", "report_rate", "guard", "connect_timeout",
-                             "homing_timeout", "off_limit_mm", "silence"});
+                             "homing_timeout", "off_limit_mm", "silence", "dead_man", "helper"});
   map_ = std::make_unique<AxisMap>(setup, kControlLetters);
   reportPeriod_ = 1.0 / numberParameterOf(setup, "report_rate", 20.0, 1.0, 200.0);
   connectTimeout_ = numberParameterOf(setup, "connect_timeout", connectTimeout_, 0.1, 60.0);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
   silence_ = numberParameterOf(setup, "silence", silence_, 0.1, 60.0);
   offLimit_ = numberParameterOf(setup, "off_limit_mm", offLimit_, 0.01, 100.0);
-  const auto guard = setup.parameters.find("guard");
-  if (guard != setup.parameters.end()) {
-    if (guard->second != "true" && guard->second != "false")
-      throw InputError("parameter 'guard' of the grbl controller is '" + guard->second + "'; true or false");
-    guard_ = guard->second == "true";
-  }
-  const auto address = setup.parameters.find("address");
-  if (address == setup.parameters.end() || address->second.empty())
+  const std::string guard = textParameterOf(setup, "guard", "true");
+  if (guard != "true" && guard != "false")
+    throw InputError("parameter 'guard' of the grbl controller is '" + guard + "'; true or false");
+  guard_ = guard == "true";
+  const std::string address = textParameterOf(setup, "address", "");
+  if (address.empty())
     throw InputError(
-        "parameter 'address' of the grbl controller is missing: tcp:<host>:<port> or "
-        "serial:<device>[:<baud>]");
+        "parameter 'address' of the grbl controller is missing: tcp:<host>:<port> or serial:<device>");
   homed_.assign(map_->size(), false);
   lastDirection_.assign(map_->size(), 0.0);
-  link_ = std::make_unique<DeviceLink>(address->second,
+  link_ = std::make_unique<DeviceLink>(address,
                                        [this](const std::string& line, double time) { take(line, time); });
+  guardian_ = std::make_unique<DeviceLink>(
+      "line_guard",
+      std::vector<std::string>{textParameterOf(setup, "helper", programBeside("line_guard")), "--silence",
+                               std::to_string(numberParameterOf(setup, "dead_man", 0.5, 0.2, 60.0))},
+      [this](const std::string&, double) {  // it has stopped what moved; what is left of that is given up
+        if (task_ != Task::kNone) stop();
+      });
   begin();
 }
 
@@ -65,6 +69,7 @@ void GrblController::begin() {
     lastDirection_.assign(map_->size(), 0.0);
   }
   link_->connect(connectTimeout_);
+  guardian_->connect(connectTimeout_, link_->descriptor());
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     connected_ = steadySeconds();
@@ -127,6 +132,7 @@ void GrblController::requireSettings() const {
 }
 
 void GrblController::reconnect() {
+  guardian_->close();
   link_->close();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -144,23 +150,21 @@ void GrblController::reconnect() {
 }
 
 void GrblController::close() {
-  if (!link_) return;
+  if (!guardian_) return;
   try {
     if (link_->connected()) link_->write("!");
   } catch (const std::exception&) {
     // Gone already.
   }
+  guardian_->close();
   link_->close();
 }
 
-double GrblController::deceleration() const {
-  double seconds = 0.0;
-  for (std::size_t j = 0; j < motion_.speed.size(); ++j) {
-    const auto found = settings_.find(120 + static_cast<int>(map_->place(j)));
-    if (found != settings_.end() && found->second > 0.0)
-      seconds = std::max(seconds, motion_.speed[j] / (found->second * map_->unit(j)));
-  }
-  return seconds;
+// What stops the axes where nobody else does. Homing hears no feed hold.
+void GrblController::beat() {
+  beatAt_ = steadySeconds();
+  const bool moves = task_ != Task::kNone || stopAsked_ || report_.moves();
+  guardian_->write(std::string(1, task_ == Task::kHoming ? kGrblSoftReset : moves ? '!' : '\0'));
 }
 
 // ---- sending ----------------------------------------------------------------------------------------------
@@ -216,7 +220,9 @@ void GrblController::forgetLines() {
 AxesState GrblController::poll(double) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const double now = steadySeconds();
-  if (!link_->connected()) throw Error(link_->lost().empty() ? "not connected" : link_->lost());
+  for (const DeviceLink* link : {link_.get(), guardian_.get()})
+    if (!link->connected()) throw Error(link->lost().empty() ? "not connected" : link->lost());
+  if (now - beatAt_ > kLinkBeat) beat();
   if (!away_.empty()) throw Error(away_);
   if (!trouble_.empty()) throw Error(link_->address() + ": " + trouble_);
   if (askNow(now)) {
@@ -289,6 +295,7 @@ void GrblController::start(Task task) {
   homing_.clear();
   state_.outcome = Outcome::kUnderWay;
   state_.note.clear();
+  beat();
 }
 
 void GrblController::move(const AxesMotion& motion) {

@@ -20,7 +20,8 @@ namespace mm {
 /// After ALARM:1 and ALARM:2 grbl 1.1 answers nothing, not even "?", until it is reset: no loss.
 /// Parameters: `address`, `axes`, `sign`, `zero` (as AxisMap), `report_rate` (Hz), `guard` (true, false),
 /// `connect_timeout` (s, for the first answers), `homing_timeout` (s), `off_limit_mm`, `silence` (s without a
-/// report: lost).
+/// report: lost), `dead_man` (s without a sign of this process: stopped by the program `line_guard`, which
+/// this one starts), `helper` (its path).
 class GrblController final : public AxisController {
  public:
   GrblController();
@@ -90,9 +91,10 @@ class GrblController final : public AxisController {
   void begin();
   void awaitReady(double seconds);
   double deceleration() const;
+  void beat();
 
   std::unique_ptr<AxisMap> map_;
-  std::unique_ptr<DeviceLink> link_;
+  std::unique_ptr<DeviceLink> link_, guardian_;  // the line, and the program that stops what moves without us
   double reportPeriod_ = 0.05, connectTimeout_ = kLinkConnect, homingTimeout_ = 120.0, offLimit_ = 2.0;
   double silence_ = kLinkSilence;
   bool guard_ = true;
@@ -118,7 +120,7 @@ class GrblController final : public AxisController {
   bool clearing_ = false;  // an alarm, as was asked
   bool locked_ = false;    // after a limit: it answers nothing until it is reset
   bool tripped_ = false;
-  double taskBegan_ = 0.0;
+  double taskBegan_ = 0.0, beatAt_ = 0.0;
   AxesMotion motion_;
   std::vector<double> lastDirection_;
   std::vector<ProbeEdge> edges_;

@@ -192,6 +192,16 @@ void GrblController::endStopInAlarm() {
   finish(Outcome::kStopped);
 }
 
+double GrblController::deceleration() const {
+  double seconds = 0.0;
+  for (std::size_t j = 0; j < motion_.speed.size(); ++j) {
+    const auto found = settings_.find(120 + static_cast<int>(map_->place(j)));
+    if (found != settings_.end() && found->second > 0.0)
+      seconds = std::max(seconds, motion_.speed[j] / (found->second * map_->unit(j)));
+  }
+  return seconds;
+}
+
 // Commanded positions at the trip; when it was follows from the way to rest that came after it.
 void GrblController::takeProbe(const GrblProbe& probe, double time) {
   if (task_ != Task::kProbing && task_ != Task::kGuarded) return;

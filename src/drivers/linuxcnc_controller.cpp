@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "base/error.h"
 
@@ -14,19 +13,10 @@ namespace {
 constexpr double kSmallest = 1e-6;                    // mm or deg, the last decimal of a target
 constexpr const char* kModes = "mdi G21 G90 G94 G8";  // mm, absolute, per minute, radius
 constexpr int kHere = 5420;          // the first of LinuxCNC's parameters of where it is, in work coordinates
-constexpr double kBeat = 0.05;       // s between two signs of life
 constexpr double kStopAgain = 0.25;  // s until an emergency stop is said again
 constexpr double kStopRefused = 1.5;  // s until that is hopeless
 
 constexpr const char* kGone[] = {"address", "connect_password", "enable_password"};
-
-// Beside the program that runs, where the package has them all.
-std::string helperOf(const ControllerSetup& setup) {
-  const auto stated = setup.parameters.find("helper");
-  if (stated != setup.parameters.end()) return stated->second;
-  std::error_code failed;
-  return std::filesystem::read_symlink("/proc/self/exe", failed).replace_filename("linuxcnc_helper");
-}
 
 void refuseGoneParameters(const ControllerSetup& setup) {
   for (const char* name : kGone)
@@ -55,17 +45,17 @@ void LinuxCncController::open(const ControllerSetup& setup) {
   silence_ = numberParameterOf(setup, "silence", silence_, 0.1, 60.0);
   deadMan_ = numberParameterOf(setup, "dead_man", deadMan_, 0.2, 60.0);
   homingTimeout_ = numberParameterOf(setup, "homing_timeout", homingTimeout_, 1.0, 3600.0);
-  const auto coordinates = setup.parameters.find("coordinates");
-  if (coordinates != setup.parameters.end()) coordinates_ = coordinates->second;
+  coordinates_ = textParameterOf(setup, "coordinates", coordinates_);
   for (std::size_t j = 0; j < map_->size(); ++j)
     if (coordinates_.find(map_->letter(j)) == std::string::npos)
       throw InputError("parameter 'coordinates' of the linuxcnc controller is '" + coordinates_ +
                        "'; it has no " + map_->letter(j) + ", which moves joint '" + map_->names()[j] + "'");
   state_.actual = true;
+  const std::string helper = textParameterOf(setup, "helper", programBeside("linuxcnc_helper"));
   const auto link = [&](const char* role) {
     return std::make_unique<DeviceLink>(
         std::string("linuxcnc_helper ") + role,
-        std::vector<std::string>{helperOf(setup), role, "--period", std::to_string(period_), "--silence",
+        std::vector<std::string>{helper, role, "--period", std::to_string(period_), "--silence",
                                  std::to_string(deadMan_)},
         [this](const std::string& line, double) { take(line); });
   };
@@ -165,7 +155,7 @@ AxesState LinuxCncController::poll(double) {
                   now - last_->time);
     throw Error(text);
   }
-  if (now - beatAt_ > kBeat) beat();
+  if (now - beatAt_ > kLinkBeat) beat();
   AxesState state = state_;
   state.moving = task_ != Task::kNone || stopSaid_ > 0.0 || others_;
   return state;

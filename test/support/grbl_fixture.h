@@ -28,6 +28,7 @@ class GrblTest : public DeviceMotionFixture {
     parameters.emplace("report_rate", "100");
     parameters.emplace("connect_timeout", std::to_string(kConnect));
     parameters.emplace("silence", std::to_string(linkSilence_));
+    parameters.emplace("dead_man", std::to_string(linkSilence_));
     control(controller_, parameters);
   }
   double shown(std::size_t j) { return 1e3 * control_->view().state.position[j]; }
