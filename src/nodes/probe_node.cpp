@@ -11,6 +11,9 @@
 namespace mm {
 namespace {
 
+using StatusEvent = ros::MessageEvent<const measuring_machine::AxisStatus>;
+using StatesEvent = ros::MessageEvent<const sensor_msgs::JointState>;
+
 constexpr double kLongestWait = 0.5;  // s that a trip waits for what other drivers say
 constexpr double kKept = 2.0;         // s that the latches of other drivers are kept
 constexpr double kNear = 2e-3;        // m between a contact and the surface of the ball that it belongs to
@@ -56,16 +59,16 @@ void ProbeNode::listenTo(ros::NodeHandle& node, const std::string& other) {
         publishKnown();
       }));
   in_.push_back(node.subscribe<measuring_machine::AxisStatus>(
-      other + "/status", 100,
-      [this](const measuring_machine::AxisStatusConstPtr& status) { resting_.take(*status); }));
+      other + "/status", 100, boost::function<void(const StatusEvent&)>([this](const StatusEvent& event) {
+        resting_.take(*event.getConstMessage(), event.getPublisherName());
+      })));
   if (!wait_.isZero()) return;
   wait_ = ros::Duration(kLongestWait);
   in_.push_back(node.subscribe<sensor_msgs::JointState>(
-      "joint_states", 1000,
-      [this](const sensor_msgs::JointStateConstPtr& message) {
-        resting_.take(*message);
+      "joint_states", 1000, boost::function<void(const StatesEvent&)>([this](const StatesEvent& event) {
+        resting_.take(*event.getConstMessage(), event.getPublisherName());
         publishKnown();
-      },
+      }),
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
 }
 

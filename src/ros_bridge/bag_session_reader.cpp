@@ -41,12 +41,20 @@ std::string list(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
+constexpr const char* kStatus = "/status";  // of an axis driver, whatever that is called
+
 /// "/m1/probe/contact" is "/probe/contact" in the namespace "/m1".
 struct SessionTopic {
   std::string space, topic;  // topic empty: nothing of a session
 };
 
-SessionTopic splitTopic(const std::string& full) {
+SessionTopic splitTopic(const BagConnection& connection) {
+  const std::string& full = connection.topic;
+  // One of another version of this package says nothing that is needed.
+  if (connection.md5 == ros::message_traits::MD5Sum<measuring_machine::AxisStatus>::value()) {
+    const std::string driver = full.substr(0, full.rfind('/'));
+    return {driver.substr(0, std::max<std::size_t>(driver.rfind('/') + 1, 1) - 1), kStatus};
+  }
   for (const char* name : {"/probe/contact", "/reference", "/joint_states", "/artifact", "/robot_description",
                            "/imported_from", "/measure/measured", kCompensationTopic.c_str()}) {
     const std::string end = name;
@@ -75,7 +83,7 @@ class NamespacedSessions {
 
   void take(const BagMessage& raw) {
     const auto [known, fresh] = topics_.try_emplace(raw.connection->topic);
-    if (fresh) known->second = splitTopic(raw.connection->topic);
+    if (fresh) known->second = splitTopic(*raw.connection);
     if (known->second.topic.empty()) return;
     One& one = all_.try_emplace(known->second.space, source_).first->second;
     if (!one.wrong.empty()) return;
@@ -119,7 +127,9 @@ class NamespacedSessions {
     else if (topic == "/reference")
       session.addReference(decode<measuring_machine::ReferenceMeasurement>(raw, source_));
     else if (topic == "/joint_states")
-      session.addJointState(decode<sensor_msgs::JointState>(raw, source_));
+      session.addJointState(decode<sensor_msgs::JointState>(raw, source_), raw.connection->caller);
+    else if (topic == kStatus)
+      session.addStatus(decode<measuring_machine::AxisStatus>(raw, source_), raw.connection->caller);
     else if (topic == "/artifact")
       session.addArtifact(decode<measuring_machine::Artifact>(raw, source_));
     else if (topic == "/robot_description")
@@ -181,7 +191,7 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
 std::string bagSpace(const std::filesystem::path& file, const std::string& wanted) {
   std::string found;
   for (const BagConnection& connection : BagReader(file).indexedConnections()) {
-    const SessionTopic split = splitTopic(connection.topic);
+    const SessionTopic split = splitTopic(connection);
     if (split.topic != "/probe/contact" && split.topic != "/reference") continue;
     if (connection.caller.empty() || connection.caller == kBagWriterName) continue;
     if (!wanted.empty() && normalised(wanted) == split.space) return shown(split.space);

@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 #include <ros/master.h>
+#include <ros/names.h>
 #include <std_msgs/String.h>
 
 #include <algorithm>
@@ -21,7 +22,7 @@ const char* const kName = "the live session";
 
 LiveSession::LiveSession(ros::NodeHandle node) : node_(node), collector_(kName) {
   collector_.bound(kMost);
-  subscribe("joint_states", &SessionCollector::addJointState);
+  subscribeNamed("joint_states", &SessionCollector::addJointState);
   subscribe("reference", &SessionCollector::addReference);
   subscribers_["artifact"] = node_.subscribe<measuring_machine::Artifact>(
       "artifact", kQueue, [this](const measuring_machine::ArtifactConstPtr& m) { takeArtifact(*m); });
@@ -49,6 +50,18 @@ void LiveSession::subscribe(const std::string& topic, void (SessionCollector::*a
       node_.subscribe<Message>(topic, kQueue, [this, add](const typename Message::ConstPtr& message) {
         take([&](SessionCollector& collector) { (collector.*add)(*message); });
       });
+}
+
+template <typename Message>
+void LiveSession::subscribeNamed(const std::string& topic,
+                                 void (SessionCollector::*add)(const Message&, const std::string&)) {
+  const boost::function<void(const ros::MessageEvent<const Message>&)> heard =
+      [this, add](const ros::MessageEvent<const Message>& event) {
+        take([&](SessionCollector& collector) {
+          (collector.*add)(*event.getConstMessage(), event.getPublisherName());
+        });
+      };
+  subscribers_[topic] = node_.subscribe<Message>(topic, kQueue, heard);
 }
 
 void LiveSession::take(const std::function<void(SessionCollector&)>& add) {
@@ -110,7 +123,8 @@ void LiveSession::findTopics(const ros::WallTimerEvent&) {
   ros::master::V_TopicInfo topics;
   if (!ros::master::getTopics(topics)) return;
   const std::string temperature = node_.resolveName("temperature") + "/",
-                    covariate = node_.resolveName("covariate") + "/";
+                    covariate = node_.resolveName("covariate") + "/",
+                    space = ros::names::append(node_.getNamespace(), "/");
   for (const ros::master::TopicInfo& topic : topics) {
     if (subscribers_.count(topic.name) != 0) continue;
     if (topic.name.rfind(temperature, 0) == 0 && topic.datatype == "sensor_msgs/Temperature") {
@@ -121,6 +135,8 @@ void LiveSession::findTopics(const ros::WallTimerEvent&) {
           });
     } else if (topic.name.rfind(covariate, 0) == 0 && topic.datatype == "measuring_machine/Covariate") {
       subscribe(topic.name, &SessionCollector::addCovariate);
+    } else if (topic.datatype == "measuring_machine/AxisStatus" && topic.name.rfind(space, 0) == 0) {
+      subscribeNamed(topic.name, &SessionCollector::addStatus);
     }
   }
 }

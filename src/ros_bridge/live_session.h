@@ -18,7 +18,7 @@ namespace mm {
 
 /// Collects the live session from the topics that a session is recorded from. /artifact with a new stamp
 /// begins a new session; so does a clock that goes back, as two contacts in a row say. Temperatures and
-/// covariates are found by their topics' names. Thread-safe.
+/// covariates are found by their topics' names, drivers by the type of their status. Thread-safe.
 class LiveSession {
  public:
   explicit LiveSession(ros::NodeHandle node);  ///< subscribes
@@ -35,6 +35,9 @@ class LiveSession {
  private:
   template <typename Message>
   void subscribe(const std::string& topic, void (SessionCollector::*add)(const Message&));
+  template <typename Message>
+  void subscribeNamed(const std::string& topic,
+                      void (SessionCollector::*add)(const Message&, const std::string& publisher));
   void takeArtifact(const measuring_machine::Artifact& message);
   void take(const std::function<void(SessionCollector&)>& add);
   void beginAgainIfBack(const measuring_machine::ProbeContact& message);

@@ -28,14 +28,20 @@ std::string motionOf(const measuring_machine::AxisStatus& status) {
 
 }  // namespace
 
-void RestingJoints::take(const sensor_msgs::JointState& message) {
-  for (std::size_t i = 0; i < std::min(message.name.size(), message.position.size()); ++i)
-    append(joints_[message.name[i]].positions, Position{message.header.stamp, message.position[i]});
+void RestingJoints::take(const sensor_msgs::JointState& message, const std::string& publisher) {
+  for (std::size_t i = 0; i < std::min(message.name.size(), message.position.size()); ++i) {
+    const auto found = joints_.find(message.name[i]);
+    if (found == joints_.end() || found->second.driver != publisher) continue;
+    append(found->second.positions, Position{message.header.stamp, message.position[i]});
+  }
 }
 
-void RestingJoints::take(const measuring_machine::AxisStatus& message) {
-  for (const std::string& name : message.name)
-    append(joints_[name].said, Said{message.header.stamp, motionOf(message)});
+void RestingJoints::take(const measuring_machine::AxisStatus& message, const std::string& publisher) {
+  for (const std::string& name : message.name) {
+    Track& track = joints_[name];
+    if (track.driver != publisher) track = Track{publisher, {}, {}};
+    append(track.said, Said{message.header.stamp, motionOf(message)});
+  }
 }
 
 RestingJoints::Rest RestingJoints::over(const Joint& joint, const ros::Time& from, const ros::Time& to,

@@ -127,12 +127,6 @@ void SessionCollector::convert(const measuring_machine::ReferenceMeasurement& me
   convertOrRefuse(message, kReferenceTopic, ++referenceCount_);
 }
 
-std::size_t SessionCollector::reversals() const {
-  std::size_t count = 0;
-  for (const auto& [joint, track] : tracks_) count += track.motions.size();
-  return count;
-}
-
 std::vector<std::string> SessionCollector::refused() const {
   std::vector<std::string> all;
   for (const Refused& r : refused_)
@@ -179,42 +173,19 @@ void SessionCollector::addCovariate(const measuring_machine::Covariate& message)
   addValue(logged, topic, message.header.stamp, message.value);
 }
 
-void SessionCollector::addJointState(const sensor_msgs::JointState& message) {
+void SessionCollector::addJointState(const sensor_msgs::JointState& message, const std::string& publisher) {
   if (message.header.stamp.isZero()) return;  // says nothing about when
-  const std::int64_t ns = nanoseconds(message.header.stamp);
-  for (std::size_t i = 0; i < std::min(message.name.size(), message.position.size()); ++i) {
-    auto found = tracks_.find(message.name[i]);
-    if (found == tracks_.end()) {
-      const int joint = machine_ ? machine_->findJoint(message.name[i]) : -1;
-      if (machine_ && joint < 0) continue;  // another machine's, or a gripper: its clock says nothing either
-      if (most_ > 0 && tracks_.size() >= kMostLoggedNames) continue;
-      const JointKind kind = joint < 0 ? JointKind::kLinear : machine_->joints()[joint].kind;
-      found = tracks_.emplace(message.name[i], Track{TravelTracker(travelDeadband(kind)), {}, ns}).first;
-    }
-    Track& track = found->second;
-    track.earliest = std::min(track.earliest, ns);
-    if (i >= message.velocity.size() || std::isnan(message.velocity[i])) continue;  // nothing is guessed
-    if (!importedFrom_.empty()) {  // the file told the direction, whatever the speed and the readings
-      if (message.velocity[i] != 0.0) track.motions.push_back({ns, message.velocity[i] > 0.0 ? 1.0 : -1.0});
-      continue;
-    }
-    if (!track.travel.take(ns, message.position[i], message.velocity[i])) continue;
-    track.dropped +=
-        makeRoom(track.motions, most_, artifactStamp_.value_or(0), [](const Motion& m) { return m.stamp; });
-    track.motions.push_back({ns, track.travel.direction()});
-  }
+  travel_.take(message, publisher, machine_ ? &*machine_ : nullptr, artifactStamp_.value_or(0));
 }
 
 /// What /joint_states adds to the contacts: the direction of the last motion before a contact at standstill,
 /// or before one whose velocity was not latched.
 void SessionCollector::fillTravel(std::vector<Row>& rows) const {
   for (std::size_t j = 0; j < machine_->joints().size(); ++j) {
-    const auto found = tracks_.find(machine_->joints()[j].name);
-    if (found == tracks_.end()) continue;
-    std::vector<Motion> motions = found->second.motions;
-    sortByStamp(motions);
+    const std::vector<TravelLog::Motion> motions = travel_.motions(machine_->joints()[j].name);
+    if (motions.empty() && !travel_.earliest(machine_->joints()[j].name)) continue;
     auto next = motions.begin();
-    Motion last{0, 0.0};
+    TravelLog::Motion last{0, 0.0};
     for (Row& row : rows) {
       Observation& o = row.observation;
       while (next != motions.end() && next->stamp <= row.stamp) last = *next++;
@@ -240,8 +211,7 @@ std::int64_t SessionCollector::startOf(const std::vector<Row>& rows) const {
   if (announced) return *artifactStamp_;
   std::int64_t earliest = *earliest_;
   for (const Joint& joint : machine_->joints())
-    if (const auto track = tracks_.find(joint.name); track != tracks_.end())
-      earliest = std::min(earliest, track->second.earliest);
+    if (const auto first = travel_.earliest(joint.name)) earliest = std::min(earliest, *first);
   return earliest;
 }
 
@@ -273,11 +243,7 @@ void SessionCollector::dropAfter(std::int64_t stamp) {
     for (auto& [name, logged] : *all) erase(logged.values, [&](const auto& v) { return v.first >= stamp; });
   erase(refused_, [&](const Refused& r) { return r.stamp == 0 || r.stamp >= stamp; });
   counted_.clear();  // what they counted is gone
-  for (auto& [joint, track] : tracks_) {
-    erase(track.motions, [&](const Motion& m) { return m.stamp >= stamp; });
-    track.travel.forget();
-    track.earliest = std::min(track.earliest, stamp);
-  }
+  travel_.dropAfter(stamp);
 }
 
 void SessionCollector::dropBefore(std::int64_t stamp) {
@@ -302,15 +268,7 @@ void SessionCollector::dropBefore(std::int64_t stamp) {
   erase(refused_, [&](const Refused& r) { return r.stamp < stamp; });
   refusedMore_ = 0;
   erase(counted_, [&](const Counted& c) { return nanoseconds(c.session) < stamp; });
-  for (auto& [joint, track] : tracks_) {
-    track.earliest = std::max(track.earliest, stamp);
-    track.dropped = 0;
-    std::vector<Motion>& motions = track.motions;
-    if (motions.size() < 2) continue;
-    auto keep = motions.begin();
-    while (keep + 1 != motions.end() && (keep + 1)->stamp <= stamp) ++keep;
-    motions.erase(motions.begin(), keep);
-  }
+  travel_.dropBefore(stamp);
   earliest_ = stamp;
 }
 
@@ -404,10 +362,8 @@ Session SessionCollector::build() const {
   const auto warn = [&](const std::string& words) {
     session.warning += (session.warning.empty() ? "" : "; ") + words;
   };
-  for (const auto& [joint, track] : tracks_)
-    if (track.dropped > 0)
-      warn(std::to_string(track.dropped) + " reversals of '" + joint +
-           "', the oldest of the session, are no longer kept");
+  const std::string gone = travel_.lacking();
+  if (!gone.empty()) warn(gone);
   if (refusedMore_ > 0) warn(std::to_string(refusedMore_) + " more messages were set aside");
   session.prepare();
   return session;

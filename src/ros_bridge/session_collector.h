@@ -1,6 +1,5 @@
 #pragma once
 #include <measuring_machine/Measured.h>
-#include <sensor_msgs/JointState.h>
 
 #include <cstdint>
 #include <map>
@@ -10,8 +9,8 @@
 #include <vector>
 
 #include "ros_bridge/message_conversion.h"
+#include "ros_bridge/travel_log.h"
 #include "session/session.h"
-#include "session/travel_tracker.h"
 
 namespace mm {
 
@@ -26,7 +25,10 @@ class SessionCollector {
   // @throw InputError naming source and topic: a machine or artifact that cannot be read.
   void addRobotDescription(const std::string& urdf);
   /// The file that the session was imported from: the headers' `seq` are its lines.
-  void addImportedFrom(const std::string& file) { importedFrom_ = file; }
+  void addImportedFrom(const std::string& file) {
+    importedFrom_ = file;
+    if (!file.empty()) travel_.trustVelocities();
+  }
   /// What the controller compensates, as compensationJson; the last one counts.
   void addCompensation(const std::string& json) { compensation_ = parseCompensation(json, source_); }
   /// The last one counts; without a stamp it is announced once more, and the session began when it began.
@@ -35,14 +37,22 @@ class SessionCollector {
   void addReference(const measuring_machine::ReferenceMeasurement& message);
   void addTemperature(const std::string& sensor, const sensor_msgs::Temperature& message);
   void addCovariate(const measuring_machine::Covariate& message);
-  void addJointState(const sensor_msgs::JointState& message);
+  /// @param publisher its node: of a joint only one counts, see TravelLog.
+  void addJointState(const sensor_msgs::JointState& message, const std::string& publisher);
+  /// Whose the joints are that it names.
+  void addStatus(const measuring_machine::AxisStatus& message, const std::string& publisher) {
+    travel_.take(message, publisher);
+  }
   /// How many contacts a measure node has brought: those that are not here are told in the session's warning.
   void addMeasured(const measuring_machine::Measured& message);
 
   /// Bounds what is kept, as a server that runs for weeks needs it: observations beyond are set aside and
   /// counted; of what is logged, what lies before the session goes first, then the oldest, and the warning
   /// says so. Without a call everything is kept, as of a bag.
-  void bound(std::size_t most) { most_ = most; }
+  void bound(std::size_t most) {
+    most_ = most;
+    travel_.bound(most);
+  }
 
   /// Forgets everything stamped earlier (ns): a new session begins there. Live only.
   void dropBefore(std::int64_t stamp);
@@ -54,7 +64,7 @@ class SessionCollector {
   /// What was set aside so far, "/probe/contact message 3: why".
   std::vector<std::string> refused() const;
   std::size_t refusedCount() const { return refused_.size() + refusedMore_; }
-  std::size_t reversals() const;                                                   ///< kept of all joints
+  std::size_t reversals() const { return travel_.reversals(); }                    ///< kept of all joints
   std::size_t observationCount() const { return rows_.size() + waiting_.size(); }  ///< so far
   bool hasMachine() const { return machine_.has_value(); }                         ///< a URDF was heard
   /// Used when there is no robot description. @throw InputError when messages do not fit it.
@@ -80,16 +90,6 @@ class SessionCollector {
   struct Counted {
     ros::Time session;  // with which stamp of /artifact it began; zero: it goes on
     std::uint32_t contacts;
-  };
-  struct Motion {
-    std::int64_t stamp;
-    double direction;  // -1 or +1
-  };
-  struct Track {  // of one joint in /joint_states
-    TravelTracker travel;
-    std::vector<Motion> motions;  // where the direction of travel changed
-    std::int64_t earliest;        // ns
-    std::size_t dropped = 0;      // motions, for want of room
   };
   struct Refused {
     std::string topic;
@@ -127,7 +127,7 @@ class SessionCollector {
   std::vector<std::string> features_, setups_;
   std::map<std::string, int> featureIndex_, setupIndex_;
   std::map<std::string, Logged> temperatures_, covariates_;
-  std::map<std::string, Track> tracks_;
+  TravelLog travel_;
   std::vector<Refused> refused_;
   std::size_t refusedMore_ = 0;   // of which only the number is kept
   std::vector<Counted> counted_;  // in the order of arrival

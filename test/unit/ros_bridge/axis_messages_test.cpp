@@ -101,15 +101,15 @@ class AJointThatNobodyLatched : public ::testing::Test {
     status.moving = moving;
     status.homed = homed;
     status.fault = fault;
-    resting_.take(status);
+    resting_.take(status, "/b_driver");
   }
-  void states(double from, double to, double velocity = 0.0) {
+  void states(double from, double to, double velocity = 0.0, const std::string& publisher = "/b_driver") {
     for (double t = from; t < to; t += 0.01) {
       sensor_msgs::JointState state;
       state.header.stamp = ros::Time(t);
       state.name = {"z"};
       state.position = {0.001 + velocity * (t - from)};
-      resting_.take(state);
+      resting_.take(state, publisher);
     }
   }
   std::string refusal(const std::vector<measuring_machine::ProbeLatch>& others = {}) {
@@ -139,6 +139,14 @@ TEST_F(AJointThatNobodyLatched, IsWhereItsStatesSayIfItRests) {
   EXPECT_EQ(contact.position.back(), 0.001);
   EXPECT_EQ(contact.velocity.back(), 0.0);
   EXPECT_EQ(refusal({latch({"z"}, 99.0, 1e-3)}), "") << "a latch of another trip does not count against it";
+}
+
+TEST_F(AJointThatNobodyLatched, IsWhereItsDriverSaysWhateverAnotherPublisherSays) {
+  says(99.0, false);
+  states(98.0, 100.2, 1e-3, "/stray");
+  expectRefused("no driver tells where it is");
+  states(98.0, 100.2);
+  EXPECT_EQ(contactOf(first_, {}, resting_, machine_, {}).position.back(), 0.001);
 }
 
 TEST_F(AJointThatNobodyLatched, IsRefusedInMotion) {

@@ -164,9 +164,11 @@ TEST(SetAside, WhereNothingIsLeftTheFirstIsNamed) {
 TEST(JointStates, AForeignPublisherSaysNothing) {
   const Session alone = collectorWith({-1.0}).build();
   SessionCollector c("test");
-  for (int i = 0; i < 20; ++i) c.addJointState(joints(-4000.0 + i, {"gripper"}, 0.01 * (i % 2), 0.1));
+  for (int i = 0; i < 20; ++i)
+    c.addJointState(joints(-4000.0 + i, {"gripper"}, 0.01 * (i % 2), 0.1), "/gripper");
   c.setMachine(Machine::load("three_axis"));
-  for (int i = 0; i < 20; ++i) c.addJointState(joints(-3000.0 + i, {"gripper"}, 0.01 * (i % 2), 0.1));
+  for (int i = 0; i < 20; ++i)
+    c.addJointState(joints(-3000.0 + i, {"gripper"}, 0.01 * (i % 2), 0.1), "/gripper");
   c.addContact(contact(3.0, 5e-3));
   c.addContact(contact(4.0, -5e-3));
   measuring_machine::Artifact plate = artifact(ros::Time());
@@ -176,14 +178,49 @@ TEST(JointStates, AForeignPublisherSaysNothing) {
   EXPECT_EQ(session.epoch, alone.epoch + 3.0);
 }
 
+/// Another publisher goes the other way before a contact at standstill, and is believed only where no driver
+/// says that the joint is its own, and it was heard first.
+TEST(JointStates, OfAStrangerSayNothingOfTravel) {
+  measuring_machine::AxisStatus status;
+  status.name = {"x", "y", "z"};
+  measuring_machine::ProbeContact touch = contact(10.0, 5e-3);
+  touch.velocity = {0.0, 0.0, 0.0};
+  enum class Order { kDriverFirst, kStrangerFirst, kStatusLast, kNoStatus, kNoStatusStrangerFirst };
+  for (const Order order : {Order::kDriverFirst, Order::kStrangerFirst, Order::kStatusLast, Order::kNoStatus,
+                            Order::kNoStatusStrangerFirst}) {
+    SessionCollector c("test");
+    c.setMachine(Machine::load("three_axis"));
+    c.addArtifact(artifact(at(0.0)));
+    const auto stranger = [&] {
+      for (int i = 0; i < 50; ++i)
+        c.addJointState(joints(5.0 + 0.01 * i, {"x", "y", "z"}, -1e-4 * i, -1e-2), "/stray");
+    };
+    const auto driver = [&] {
+      for (int i = 0; i < 50; ++i)
+        c.addJointState(joints(1.0 + 0.01 * i, {"x", "y", "z"}, 1e-4 * i, 1e-2), "/axis_driver");
+    };
+    const bool told = order != Order::kNoStatus && order != Order::kNoStatusStrangerFirst;
+    if (told && order != Order::kStatusLast) c.addStatus(status, "/axis_driver");
+    if (order == Order::kStrangerFirst || order == Order::kNoStatusStrangerFirst) stranger();
+    driver();
+    if (order != Order::kStrangerFirst && order != Order::kNoStatusStrangerFirst) stranger();
+    if (order == Order::kStatusLast) c.addStatus(status, "/axis_driver");
+    c.addContact(touch);
+    const double travel = order == Order::kNoStatusStrangerFirst ? -1.0 : 1.0;
+    EXPECT_EQ(c.build().observations[0].travel, (std::vector<double>(3, travel))) << static_cast<int>(order);
+  }
+}
+
 /// An encoder at rest that says a nanometre a second, up and down, for an hour at 100 Hz: none of it is kept.
 TEST(JointStates, NoiseAtRestIsNeitherKeptNorTravel) {
   SessionCollector c("test");
   c.setMachine(Machine::load("three_axis"));
   c.addArtifact(artifact(at(0.0)));
-  for (int i = 0; i < 200; ++i) c.addJointState(joints(0.01 * i, {"x", "y", "z"}, 1e-5 * i, 1e-3));
+  for (int i = 0; i < 200; ++i)
+    c.addJointState(joints(0.01 * i, {"x", "y", "z"}, 1e-5 * i, 1e-3), "/axis_driver");
   for (int i = 200; i < 360000; ++i)
-    c.addJointState(joints(0.01 * i, {"x", "y", "z"}, 2e-3 + (i % 2 ? 1e-9 : -1e-9), i % 2 ? 1e-9 : -1e-9));
+    c.addJointState(joints(0.01 * i, {"x", "y", "z"}, 2e-3 + (i % 2 ? 1e-9 : -1e-9), i % 2 ? 1e-9 : -1e-9),
+                    "/axis_driver");
   EXPECT_EQ(c.reversals(), 3u) << "the first direction of each joint";
   measuring_machine::ProbeContact touch = contact(3000.0, 5e-3);
   touch.velocity = {-1e-9, 1e-9, -2e-3};
