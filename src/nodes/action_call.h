@@ -3,12 +3,15 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
 
 namespace mm {
+
+inline constexpr double kUnheard = 2.0;  // s until a goal of which the server says nothing is lost
 
 /// One goal at a time of an action's server, and how it ended. What the server says while the goal is still
 /// being sent counts: actionlib's SimpleActionClient throws that away, and with it the end of a goal that is
@@ -50,8 +53,9 @@ class ActionCall {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       number = ++sent_;
-      ended_ = false;
+      ended_ = taken_ = false;
       end_ = {};
+      sentAt_ = std::chrono::steady_clock::now();
     }
     Handle handle = client_.sendGoal(
         goal, [this, number](Handle h) { change(h, number); },
@@ -75,6 +79,12 @@ class ActionCall {
     const std::lock_guard<std::mutex> lock(mutex_);
     return ended_;
   }
+  /// Whether the server has said nothing of the goal for longer than that: it went out as nobody heard it,
+  /// and no end of it will come.
+  bool unheard(double seconds) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return !taken_ && std::chrono::steady_clock::now() - sentAt_ > std::chrono::duration<double>(seconds);
+  }
   /// How the goal ended; lost as long as it has not.
   End end() const {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -86,6 +96,11 @@ class ActionCall {
   using Handle = typename Client::GoalHandle;
 
   void change(Handle& handle, std::uint64_t number) {
+    if (handle.getCommState() == actionlib::CommState::WAITING_FOR_GOAL_ACK) return;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (number == sent_) taken_ = true;
+    }
     if (handle.getCommState() != actionlib::CommState::DONE) return;
     End end;
     end.state = handle.getTerminalState();
@@ -113,7 +128,8 @@ class ActionCall {
   std::function<void()> news_;
   mutable std::mutex mutex_, handleMutex_;
   std::uint64_t sent_ = 0;
-  bool ended_ = false;
+  bool taken_ = false, ended_ = false;
+  std::chrono::steady_clock::time_point sentAt_;
   End end_;
   ros::CallbackQueue queue_;
   Client client_;

@@ -171,6 +171,8 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
       break;
     }
     if (!axes_.isServerConnected()) throw Error(kDriverGone);
+    if (axes_.unheard(kUnheard))
+      throw Error("the axis driver has not heard of a motion: its connection was cut; go on from this move");
   }
   const auto [state, result] = axes_.end();
   // A touch that came before the cancel counts, and the tip leaves the ball before the plan ends.

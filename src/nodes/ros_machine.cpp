@@ -167,9 +167,9 @@ std::string RosMachine::home() {
   home_.send({});
   while (ros::ok() && !home_.ended()) {
     ros::WallDuration(0.02).sleep();
-    if (home_.isServerConnected()) continue;
+    if (home_.isServerConnected() && !home_.unheard(kUnheard)) continue;
     home_.forget();
-    throw InputError("the node axis_driver has gone while it homed");
+    throw InputError("the node axis_driver has gone, or was cut off, while it homed");
   }
   const auto end = home_.end();
   if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
@@ -201,7 +201,7 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
   while (ros::ok() && !gone && !measure_.ended()) {
     kRenewal.sleep();
     std_srvs::Trigger renewal;
-    gone = !renew_.call(renewal, kLease) || !measure_.isServerConnected();
+    gone = !renew_.call(renewal, kLease) || !measure_.isServerConnected() || measure_.unheard(kUnheard);
     if (asked || !cancelled()) continue;
     measure_.cancel();
     asked = true;
