@@ -24,7 +24,8 @@ inline constexpr double kConnect = 4.0;  // s for a device's first answers
 /// What tests of motions ask for again and again.
 class MotionFixture : public ::testing::Test {
  protected:
-  static bool await(const std::function<bool()>& condition, double seconds = 5.0) {
+  /// @param seconds far beyond every watch of these tests, which is 5 s at most.
+  static bool await(const std::function<bool()>& condition, double seconds = 20.0) {
     const double end = steadySeconds() + seconds;
     while (steadySeconds() < end) {
       if (condition()) return true;
