@@ -2,13 +2,9 @@
 """Sixty touches (24 every day) of LinuxCNC's own pretended hemisphere, in work coordinates that are turned: its centre and its radius
 are found within the way of a servo period. Before that: what another client of LinuxCNC, a feed hold, a limit switch and the end of the
 driver do. The test looks through linuxcncrsh, which the driver does not use."""
-import fcntl
 import json
 import os
-import shutil
 import signal
-import socket
-import subprocess
 import time
 import unittest
 import xmlrpc.client
@@ -25,85 +21,17 @@ from std_srvs.srv import SetBool, Trigger
 
 import cycle_support
 import support
+from linuxcnc_machine import FOLDER, Client, LinuxCnc, hal
 
-FOLDER = os.path.join(support.PACKAGE, "test/ros/linuxcnc")
 CENTRE, RADIUS, PERIOD = (10.0, 5.0, -20.0), 3.9685, 0.5e-3  # mm; mm of way in a servo period of 1 ms
 DEAD_MAN = 3.0  # s, of linuxcnc.yaml
 
 
-def listens():
-    with socket.socket() as s:
-        return s.connect_ex(("127.0.0.1", 5007)) == 0
-
-
-class Client:
-    """Another client of linuxcncrsh: it may do what a panel does."""
-
-    def __init__(self):
-        self.socket = socket.create_connection(("127.0.0.1", 5007))
-        self.lines = self.socket.makefile("r", newline="\n")
-        for line in ("hello EMC panel 1.0", "set echo off", "set verbose on", "set enable EMCTOO", "set timeout 2.0"):
-            self.say(line)
-
-    def say(self, line):
-        """@return its answer."""
-        self.socket.sendall((line + "\r\n").encode())
-        return next(text.strip() for text in iter(self.lines.readline, "") if text.strip())
-
-    def get(self, what):
-        return self.say("get " + what).split(None, 1)[1]
-
-    def do(self, *commands):
-        for command in commands:
-            self.say("set enable EMCTOO")
-            assert self.say("set " + command).endswith("ACK"), command
-
-    def mdi(self, *blocks):
-        self.do("mode mdi", *("mdi " + block for block in blocks))
-
-    def close(self):
-        self.lines.close()
-        self.socket.close()
-
-
-def as_user(command):
-    """LinuxCNC and its tools refuse to run as root."""
-    return ["/usr/sbin/runuser", "-u", "nobody", "--"] + command if os.getuid() == 0 else command
-
-
-def hal(pin, value):
-    subprocess.check_call(as_user(["/usr/bin/halcmd", "setp", pin, value]))
-
-
-def linuxcnc(folder):
-    command = ["/usr/bin/linuxcnc", os.path.join(folder, "machine.ini")]
-    environment = dict(os.environ, HOME=folder, DISPLAY="", PATH="/usr/bin:/bin")
-    if os.getuid() == 0:
-        subprocess.check_call(["chown", "-R", "nobody", folder])
-        command = as_user(["/usr/bin/env"] + ["%s=%s" % (k, environment[k]) for k in ("HOME", "DISPLAY", "PATH")] + command)
-    log = open(os.path.join(folder, "log"), "w")
-    return subprocess.Popen(command, env=environment, stdout=log, stderr=log, cwd=folder, start_new_session=True)
-
-
-class LinuxCnc(unittest.TestCase):
+class LinuxCncTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.only = open("/tmp/mm_linuxcnc.lock", "a")  # there can be one LinuxCNC on a computer
-        if os.stat(cls.only.name).st_uid == os.getuid():
-            os.chmod(cls.only.name, 0o666)  # for another user's test
-        fcntl.flock(cls.only, fcntl.LOCK_EX)
         cls.work = support.folder()
-        os.chmod(cls.work, 0o755)
-        cls.folder = os.path.join(cls.work, "machine")
-        shutil.copytree(FOLDER, cls.folder)
-        for name in ("machine.var", "machine.tbl"):
-            open(os.path.join(cls.folder, name), "w").close()
-        assert not listens(), "a LinuxCNC is running already"
-        if os.path.exists("/tmp/linuxcnc.lock"):
-            os.remove("/tmp/linuxcnc.lock")  # of one that was killed: the next would ask on a terminal whether to go on
-        cls.process = linuxcnc(cls.folder)
-        said = lambda: "".join(open(os.path.join(cls.folder, f)).read() for f in os.listdir(cls.folder) if f == "log" or f.startswith("linuxcnc_"))
-        assert support.wait_until(listens, 40), said()
+        cls.machine = LinuxCnc(cls.work)
         cls.axes = actionlib.SimpleActionClient("axis_driver/move", MoveAction)
         assert support.served(cls.axes, seconds=40)
         cls.states, cls.motions, cls.statuses = [], [], []
@@ -113,13 +41,7 @@ class LinuxCnc(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
-        # Its display ends, and LinuxCNC tidies up.
-        subprocess.call(["pkill", "-TERM", "-f", "linuxcncrsh.*-ini " + os.path.join(cls.folder, "machine.ini")])
-        try:
-            cls.process.wait(30)
-        except subprocess.TimeoutExpired:
-            os.killpg(cls.process.pid, signal.SIGKILL)
-        assert support.wait_until(lambda: not listens(), 20), "LinuxCNC did not end"
+        cls.machine.end()
         support.remove(cls.work)
         support.remove(rospy.get_param("/compensation/store"))
 
@@ -232,7 +154,34 @@ class LinuxCnc(unittest.TestCase):
         self.assertTrue(support.wait_until(lambda: not self.statuses[-1].moving, 10))
         client.close()
 
-    def test_5_sixty_touches_in_turned_work_coordinates(self):
+    def test_5_a_driver_that_is_killed_or_hangs_leaves_nothing_moving(self):
+        client = Client()
+        for number in (signal.SIGKILL, signal.SIGSTOP):
+            self.assertTrue(support.wait_until(lambda: self.axes.wait_for_server(rospy.Duration(1.0)), 40))
+            cycle_support.ready()
+            self.move(x=0.0, y=0.0, z=-0.005)
+            self.reaches()
+            self.move(x=-0.090, speed=0.005)  # 18 s
+            self.moves()
+            pid = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/axis_driver")).getPid("/test")[2]
+            os.kill(pid, number)
+            began, seen = time.monotonic(), []
+
+            def rests():
+                seen.append(client.get("abs_cmd_pos"))
+                return len(seen) > 20 and len(set(seen[-20:])) == 1
+
+            self.assertTrue(support.wait_until(rests, 15))
+            took = time.monotonic() - began
+            print("driver %s: LinuxCNC rests after %.2f s" % ("killed" if number == signal.SIGKILL else "stopped", took))
+            self.assertGreater(float(seen[-1].split()[0]), -85.0)
+            self.assertLess(took, DEAD_MAN + 3.0)
+            if number == signal.SIGSTOP:
+                os.kill(pid, signal.SIGCONT)
+                self.assertNotEqual(self.end()[1].outcome, MoveResult.REACHED)
+        client.close()
+
+    def test_6_sixty_touches_in_turned_work_coordinates(self):
         cycle_support.ready()
         client = Client()
         client.mdi("G10 L2 P1 X7 Y-3 Z2 R37", "G92 X1 Y2 Z3", "G43.1 Z7", "G20 G91")
@@ -260,34 +209,7 @@ class LinuxCnc(unittest.TestCase):
             self.assertAlmostEqual(a, b, delta=0.1e-3 + PERIOD)
         self.assertAlmostEqual(1e-3 * change, -1.0 * PERIOD, delta=0.1e-3 + PERIOD)
 
-    def test_6_a_driver_that_is_killed_or_hangs_leaves_nothing_moving(self):
-        client = Client()
-        for number in (signal.SIGKILL, signal.SIGSTOP):
-            self.assertTrue(support.wait_until(lambda: self.axes.wait_for_server(rospy.Duration(1.0)), 40))
-            cycle_support.ready()
-            self.move(x=0.0, y=0.0, z=-0.005)
-            self.reaches()
-            self.move(x=-0.090, speed=0.005)  # 18 s
-            self.moves()
-            pid = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/axis_driver")).getPid("/test")[2]
-            os.kill(pid, number)
-            began, seen = time.monotonic(), []
-
-            def rests():
-                seen.append(client.get("abs_cmd_pos"))
-                return len(seen) > 20 and len(set(seen[-20:])) == 1
-
-            self.assertTrue(support.wait_until(rests, 15))
-            took = time.monotonic() - began
-            print("driver %s: LinuxCNC rests after %.2f s" % ("killed" if number == signal.SIGKILL else "stopped", took))
-            self.assertGreater(float(seen[-1].split()[0]), -85.0)
-            self.assertLess(took, DEAD_MAN + 3.0)
-            if number == signal.SIGSTOP:
-                os.kill(pid, signal.SIGCONT)
-                self.assertNotEqual(self.end()[1].outcome, MoveResult.REACHED)
-        client.close()
-
 
 if __name__ == "__main__":
     rospy.init_node("linuxcnc_test")
-    rostest.rosrun("measuring_machine", "linuxcnc", LinuxCnc)
+    rostest.rosrun("measuring_machine", "linuxcnc", LinuxCncTest)

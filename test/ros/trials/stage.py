@@ -86,8 +86,9 @@ class Stage:
             self.start_double()
         if hardware == "linuxcnc":
             from linuxcnc_machine import LinuxCnc
-            self.double = LinuxCnc(self.folder, self.log)
-            self.controller = ["hardware:=linuxcnc", "controller:=" + os.path.join(support.PACKAGE, "test/ros/linuxcnc/linuxcnc.yaml")]
+            self.double = LinuxCnc(self.folder)
+            # The driver's own limits, not those of a test on a busy computer.
+            self.controller = ["hardware:=linuxcnc", "controller:=" + self.write("linuxcnc.yaml", "coordinates: XYZAB\npoll_rate: 100\n")]
         self.instrument = self.begin([support.REAPER, "roslaunch", "measuring_machine", "instrument.launch", "plan:=" + self.write("plan.yaml", self.plan("wait")),
                                       "machine:=" + self.path(self.hardware.machine), "store:=" + self.store, "rate:=%d" % rate,
                                       "margin:=10", "hide:=" + ";".join(self.hardware.hide)] + self.controller)
