@@ -130,6 +130,12 @@ void MotionControl::forbid(const std::string& why) {
   forbidden_ = why;
 }
 
+void MotionControl::paused(double seconds) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  clock_.reset();
+  pause_ = seconds;
+}
+
 // The name first: whoever sees that it was stopped says by whom.
 void MotionControl::countStop(const std::string& who) {
   {

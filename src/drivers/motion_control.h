@@ -83,8 +83,9 @@ class MotionControl {
   /// Asks the controller once. @param elapsed s since the last call. @param host s on the host's clock now.
   /// @return nothing when there is no state, or none that can be true.
   std::optional<Observation> cycle(double elapsed, double host);
-  /// This process paused: what it measures of clocks does not hold.
-  void paused() { clock_.reset(); }
+  /// This process paused for so long (s): what it measures of clocks does not hold, and a motion that nobody
+  /// watched for longer than a controller may be silent is ended.
+  void paused(double seconds);
   /// Nothing may move, and what moves is stopped, as long as there is a reason. @param why for people; empty:
   /// there is none any more.
   void forbid(const std::string& why);
@@ -163,6 +164,7 @@ class MotionControl {
   std::string settlingWords(const AxesState& state);
   bool loseBy(const AxesState& state, const std::string& why);
   bool awaitSettled(const AxesState& state, const std::string& why);
+  std::string pauseWords(const Observation& seen);
   std::string leaseWords(const Observation& seen);
   std::string forbiddenWords(const Observation& seen);
   std::string probeWords(const Observation& seen);
@@ -208,6 +210,7 @@ class MotionControl {
   AxesState state_;
   std::string lost_, forbidden_;
   bool regained_ = false;   // after a loss, until the axes rest
+  double pause_ = 0.0;      // s that this process stood still before the cycle that comes
   bool homedHere_ = false;  // since this object began, and no reset since
   std::optional<Current> current_;
   MotionId lastId_ = 0;

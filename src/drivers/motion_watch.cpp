@@ -109,9 +109,8 @@ const std::vector<MotionControl::Doubt> MotionControl::kDoubts = {
 
 // What ends a motion; the first that applies.
 const std::vector<MotionControl::Ending> MotionControl::kEndings = {
-    {Outcome::kStopped, &MotionControl::leaseWords},
-    {Outcome::kStopped, &MotionControl::forbiddenWords},
-    {Outcome::kTripped, &MotionControl::probeWords},
+    {Outcome::kLost, &MotionControl::pauseWords},        {Outcome::kStopped, &MotionControl::leaseWords},
+    {Outcome::kStopped, &MotionControl::forbiddenWords}, {Outcome::kTripped, &MotionControl::probeWords},
     {Outcome::kLost, &MotionControl::lateWords},
 };
 
@@ -135,6 +134,7 @@ bool MotionControl::weigh(Observation& seen, double host) {
     const std::string why = (this->*ending.words)(seen);
     if (!why.empty()) force(ending.outcome, why);
   }
+  pause_ = 0.0;
   seen.state = state_;
   seen.host = clock_.toHost(state.time);
   seen.trips = probe_.take(seen.edges, state, current_ && current_->motion.probing);
@@ -171,6 +171,11 @@ bool MotionControl::awaitSettled(const AxesState& state, const std::string& why)
   lost_ = why;
   state_.time = state.time;
   return false;
+}
+
+std::string MotionControl::pauseWords(const Observation&) {
+  if (settings_.simulatedTime || pause_ <= settings_.silence) return {};
+  return "the driver stood still for " + shortSeconds(pause_) + ", in which nobody watched the motion";
 }
 
 std::string MotionControl::leaseWords(const Observation&) { return owner_.lapse(); }

@@ -132,7 +132,7 @@ void AxisDriver::run() {
     }
     const double gone = std::chrono::duration<double>(now - last).count();
     last = now;
-    if (gone > kLongestGap) control_.paused();
+    if (gone > kLongestGap) control_.paused(gone);
     cycle(clock_ ? period : std::min(gone, kLongestGap));
   }
 }
@@ -144,9 +144,11 @@ ros::Time AxisDriver::stampOf(double controllerTime, double host) const {
 void AxisDriver::cycle(double elapsed) {
   try {
     if (!clock_) control_.forbid(time_.look());
-    const std::optional<MotionControl::Observation> seen =
+    std::optional<MotionControl::Observation> seen =
         control_.cycle(elapsed, clock_ ? 0.0 : ros::Time::now().toSec());
     const MotionControl::View view = control_.view();
+    if (seen)
+      seen->state.homed = view.state.homed;  // as the status says it, whatever the controller believes
     if (view.fault != faultSaid_ && view.lost.empty() && !view.fault.empty())
       ROS_WARN("nothing moves: %s", view.fault.c_str());
     faultSaid_ = view.fault;
@@ -160,9 +162,13 @@ void AxisDriver::cycle(double elapsed) {
     probeSaid_ = view.probe;
     ros::Time stamp = clock_ ? lastStamp_ : ros::Time::now();
     if (seen) stamp = stampOf(seen->state.time, seen->host);
-    const bool homed = !homedAt_.isZero();
-    if (view.state.homed && !homed) homedAt_ = stamp;
-    if (!view.state.homed) homedAt_ = ros::Time();
+    // Joint states and status say the same, whatever the controller believes: that there is a zero, from the
+    // first state that is published with it.
+    if (!view.state.homed)
+      homedAt_ = ros::Time();
+    else if (homedAt_.isZero() && seen && stamp > lastStamp_)
+      homedAt_ = stamp;
+    if (seen) seen->state.homed = !homedAt_.isZero();
     if (seen) {
       if (clock_) {
         rosgraph_msgs::Clock clock;
@@ -244,7 +250,7 @@ void AxisDriver::publishTemperatures(const ros::Time& stamp) {
 void AxisDriver::publishStatus(const MotionControl::View& view, const ros::Time& stamp) {
   measuring_machine::AxisStatus status;
   status.header.stamp = stamp;
-  status.homed = view.state.homed;
+  status.homed = !homedAt_.isZero();
   status.homed_at = homedAt_;
   status.moving = view.state.moving;
   status.probing = view.probing;

@@ -9,6 +9,7 @@ namespace {
 constexpr double kLease = 0.5;                                   // s that the axes are taken for
 constexpr double kFirstAnswer = 3.0;                             // s for the first answer on a new connection
 constexpr std::chrono::milliseconds kRenewal(100), kIdle(1000);  // between renewals; between plans
+constexpr std::chrono::milliseconds kBusy(1000);                 // for which a computer may be held up
 constexpr double kRecovery = 10.0;    // s within which a controller must answer again
 const ros::WallDuration kLook(0.02);  // s between looks at it
 const char* const kDriverGone = "the axis driver has gone; home again, then go on from this move";
@@ -39,20 +40,25 @@ std::uint32_t MeasureNode::takeTicket() {
     const std::lock_guard<std::mutex> lock(mutex_);
     lapse_.clear();
     ticket_ = take.response.ticket;
+    leased_ = Wall::now();
   }
   contact_.notify_all();
   return take.response.stops;
 }
 
-// A computer that was busy does not end a plan of hours: its motion was stopped, and it goes on with a new
-// lease. After a stop there is none.
+// A computer that was busy for a moment does not end a plan of hours: its motion was stopped, and it goes on
+// with a new lease. After a stop there is none; and whatever stood still for longer does not move on by
+// itself.
 void MeasureNode::keepLease() {
   std::string lapse;
+  Wall::duration since{};
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     lapse = lapse_;
+    since = Wall::now() - leased_;
   }
   if (lapse.empty()) return;
+  if (since > kBusy) throw Error("the plan was ended: " + lapse + "; go on from this move");
   if (++lost_ > retries_) throw Error("the plan was ended: " + lapse);
   ROS_WARN("axes: %s; they are taken again (%d of %d)", lapse.c_str(), lost_, retries_);
   if (takeTicket() != stopsBefore_) throw Error("the plan was ended: the axes were stopped");
@@ -90,9 +96,12 @@ void MeasureNode::renew(std::uint64_t ticket) {
   take.request.owner = owner_;
   take.request.seconds = kLease;
   const bool answered = take_.call(take, kLease);
-  if (answered && take.response.success) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   if (ticket_ != ticket) return;
+  if (answered && take.response.success) {
+    leased_ = Wall::now();
+    return;
+  }
   if (!answered)
     lapse_ = "the axis driver has not answered to the renewal of the lease";
   else
@@ -187,6 +196,9 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     requireLease();
+    // The end of the motion may be heard before the answer to the renewal.
+    if (lapse_.empty() && Wall::now() - leased_ > std::chrono::duration<double>(kLease))
+      lapse_ = state.getText();
     lapsed = !lapse_.empty();
   }
   // The axes rest where they were stopped. A way is gone again; a probing motion begins from its approach.

@@ -266,6 +266,7 @@ void MeasureNode::pauseFor(double seconds) {
   const ros::Time end = ros::Time::now() + ros::Duration(seconds);
   while (seconds > 0.0 && ros::Time::now() < end) {
     goOn();
+    keepLease();
     kShortWait.sleep();
   }
 }
@@ -273,6 +274,7 @@ void MeasureNode::pauseFor(double seconds) {
 void MeasureNode::holdWhilePaused() {
   while (paused_) {
     goOn();
+    keepLease();
     kShortWait.sleep();
     if (feedback_.paused) continue;
     feedback_.paused = true;

@@ -119,6 +119,7 @@ class MeasureNode {
   std::string lapse_;         // why the ticket was not renewed: another may be taken
   double lease_ = 0.0;        // s within which whoever began the plan renews it; 0: he need not
   Wall::time_point renewed_;  // by him
+  Wall::time_point leased_;   // when the driver last granted the lease
   measuring_machine::AxisStatus status_;
   std::optional<measuring_machine::MotionStatus> motion_;
   ros::Publisher artifactOut_, compensationOut_, descriptionOut_, measuredOut_;

@@ -60,7 +60,7 @@ class Lease(unittest.TestCase):
         cls.homing = actionlib.SimpleActionClient("axis_driver/home", HomeAction)
         cls.measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
         assert support.served(cls.move, cls.measure, cls.homing, seconds=60)
-        cls.motion, cls.moved, cls.place = [], 0.0, None
+        cls.motion, cls.moved, cls.heard, cls.place = [], 0.0, 0.0, None
         rospy.Subscriber("joint_states", JointState, cls.take, queue_size=None, tcp_nodelay=True)
         rospy.Subscriber("axis_driver/motion", MotionStatus, cls.motion.append)
         assert support.wait_until(lambda: cls.place is not None and cls.motion)
@@ -72,8 +72,9 @@ class Lease(unittest.TestCase):
     @classmethod
     def take(cls, joints):
         """`moved`: when the axes were last seen elsewhere than before, on the clock of this process."""
+        cls.heard = time.monotonic()
         if cls.place != joints.position:
-            cls.moved = time.monotonic()
+            cls.moved = cls.heard
         cls.place = joints.position
 
     def moving(self):
@@ -81,7 +82,7 @@ class Lease(unittest.TestCase):
 
     def rests(self, since):
         """From then on within a second, and for good."""
-        self.assertTrue(support.wait_until(lambda: time.monotonic() - self.moved > 1.0, 10), "it moves on")
+        self.assertTrue(support.wait_until(lambda: self.heard - max(self.moved, since) > 1.0, 10), "it moves on")
         print("%s: at rest after %.3f s" % (self.id().split(".")[-1], max(0.0, self.moved - since)))
         self.assertLess(self.moved - since, REST)
         self.assertFalse(self.motion[-1].homing)
@@ -144,8 +145,24 @@ class Lease(unittest.TestCase):
         self.start_plan()
         pid = self.pid("/measure")
         os.kill(pid, signal.SIGSTOP)
-        self.addCleanup(os.kill, pid, signal.SIGCONT)
-        self.rests(time.monotonic())
+        began = time.monotonic()
+        try:
+            self.rests(began)
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        self.assertTrue(support.ended(self.measure, 10))
+        self.assertIn("was not renewed for 0.5 s; go on from this move", self.measure.get_result().message)
+        self.rests(began)  # and does not move on by itself
+
+    def test_5b_the_driver_stands_still(self):
+        self.home()
+        self.mover("move")
+        pid = self.pid("/axis_driver")
+        os.kill(pid, signal.SIGSTOP)
+        time.sleep(1.5)  # longer than a motion may go unwatched
+        continues = time.monotonic()
+        os.kill(pid, signal.SIGCONT)
+        self.rests(continues)
 
     def test_6_whoever_began_a_plan_does_not_renew_it(self):
         rospy.wait_for_service("measure/renew", 20)

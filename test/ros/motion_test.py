@@ -12,7 +12,7 @@ import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from measuring_machine.msg import MeasureAction, MeasureGoal, MotionStatus, MoveAction, MoveActionGoal, MoveGoal, MoveResult
+from measuring_machine.msg import AxisStatus, MeasureAction, MeasureGoal, MotionStatus, MoveAction, MoveActionGoal, MoveGoal, MoveResult
 from measuring_machine.srv import BreakDevice, HomeAxes, SetOverride, TakeMotion
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
@@ -242,6 +242,22 @@ class Motion(unittest.TestCase):
                 continue
             self.assertNotEqual(fault, "slow", result.message)
             self.assertIn("not homed", result.message, fault)
+
+    def test_8_joint_states_and_status_agree_on_the_zero(self):
+        """Also where the controller still believes in one: as a homing is asked for, and in an emergency stop."""
+        statuses = []
+        rospy.Subscriber("axis_driver/status", AxisStatus, statuses.append, queue_size=None)
+        self.home()
+        self.go([0.018, 0.0, 0.010])
+        for lose in (self.home, lambda: self.call("axis_driver/emergency_stop", SetBool, data=True)):
+            began, seen = len(self.joints), len(statuses)
+            lose()
+            self.assertTrue(support.wait_until(lambda: any(not s.homed for s in statuses[seen:])))
+            since = next(s.header.stamp for s in statuses[seen:] if not s.homed)
+            until = next((s.header.stamp for s in statuses[seen:] if s.homed and s.header.stamp > since), since + rospy.Duration(0.1))
+            self.assertTrue(support.wait_until(lambda: self.joints[-1].header.stamp > until))
+            told = [j.header.frame_id for j in self.joints[began:] if since <= j.header.stamp < until]
+            self.assertEqual(set(told), {"unhomed"})
 
 
 if __name__ == "__main__":

@@ -127,5 +127,18 @@ TEST_F(MotionLeaseTest, AStopDuringAResetOfTheEmergencyStopStays) {
   EXPECT_FALSE(control_->view().state.emergencyStop);
 }
 
+TEST_F(MotionLeaseTest, AMotionThatNobodyWatchedForLongIsEnded) {
+  home();
+  auto report = slow({"test", 0});
+  control_->paused(0.9);  // as long as a controller may be silent
+  EXPECT_EQ(report.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout) << "goes on";
+  control_->paused(1.1);
+  ASSERT_EQ(report.wait_for(std::chrono::seconds(4)), std::future_status::ready) << "it moves on";
+  const MotionControl::Report ended = report.get();
+  EXPECT_EQ(ended.outcome, Outcome::kLost);
+  expectWords(ended.message, "the driver stood still for 1.1 s, in which nobody watched the motion");
+  EXPECT_FALSE(control_->view().state.moving);
+}
+
 }  // namespace
 }  // namespace mm
