@@ -138,7 +138,7 @@ void AxisDriver::executeHoming(HomeServer::GoalHandle goal) {
   };
   try {
     const std::string sender = senderOf(goal.getGoalID().id);
-    control_.home(goal.getGoal()->name, moverOf(sender, 0), watch);
+    control_.home(goal.getGoal()->name, moverOf(sender, goal.getGoal()->ticket), watch);
     result.message = control_.view().state.homed ? "homed" : "homed; other axes are not";
     homes_ = false;  // before the result: it may be answered with the next goal at once
     goal.setSucceeded(result, result.message);

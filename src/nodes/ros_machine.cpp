@@ -54,7 +54,8 @@ RosMachine::RosMachine(ros::NodeHandle node, const Machine& machine, std::string
       measure_(node, "measure/run"),
       home_(node, "axis_driver/home"),
       stop_(node, "axis_driver/stop"),
-      renew_(node, "measure/renew") {
+      renew_(node, "measure/renew"),
+      take_(node, "axis_driver/take") {
   const ros::TransportHints quick = ros::TransportHints().tcpNoDelay();
   // of joint states the latest counts: one waits, and newer ones take its place
   subscribers_.push_back(node_.subscribe("joint_states", 1, &RosMachine::takeJoints, this, quick));
@@ -164,16 +165,35 @@ std::string RosMachine::home() {
   if (!awaitWall(3.0, [&] { return home_.isServerConnected(); }))
     throw InputError(node_.resolveName("axis_driver/home") +
                      " is not there; is the node axis_driver running?");
-  home_.send({});
-  while (ros::ok() && !home_.ended()) {
-    ros::WallDuration(0.02).sleep();
-    if (home_.isServerConnected() && !home_.unheard(kUnheard)) continue;
+  measuring_machine::TakeMotion ticket;
+  ticket.request.owner = ros::this_node::getName() + " (homing)";
+  if (!take_.connect() || !lease(ticket, kLease))
+    throw InputError(ticket.response.message.empty() ? node_.resolveName("axis_driver/take") + " is not there"
+                                                     : ticket.response.message);
+  measuring_machine::HomeGoal goal;
+  goal.ticket = ticket.request.ticket = ticket.response.ticket;
+  home_.send(goal);
+  bool gone = false;
+  while (ros::ok() && !gone && !home_.ended()) {
+    kRenewal.sleep();
+    measuring_machine::TakeMotion again;
+    again.request = ticket.request;
+    lease(again, kLease);  // where it is refused the homing ends, and says why
+    gone = !home_.isServerConnected() || home_.unheard(kUnheard);
+  }
+  lease(ticket, 0.0);
+  if (gone) {
     home_.forget();
     throw InputError("the node axis_driver has gone, or was cut off, while it homed");
   }
   const auto end = home_.end();
   if (end.state == actionlib::TerminalState::SUCCEEDED) return end.result.message;
   throw InputError(end.result.message.empty() ? end.state.getText() : end.result.message);
+}
+
+bool RosMachine::lease(measuring_machine::TakeMotion& ticket, double seconds) {
+  ticket.request.seconds = seconds;
+  return take_.call(ticket, kLease) && ticket.response.success;
 }
 
 std::string RosMachine::pause(bool yes) {

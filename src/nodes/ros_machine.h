@@ -5,6 +5,7 @@
 #include <measuring_machine/HomeAction.h>
 #include <measuring_machine/MeasureAction.h>
 #include <measuring_machine/ProbeContact.h>
+#include <measuring_machine/TakeMotion.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 #include <std_srvs/Trigger.h>
@@ -25,7 +26,7 @@ namespace mm {
 
 /// The machine behind the other nodes, as the workbench sees it: joint states, corrected frames and the live
 /// session by their topics; everything that changes something by the services and actions that are there for
-/// everybody. What moves lives by this object: homing by its connection, a plan by its renewals. The
+/// everybody. What moves lives by this object, homing and a plan by its renewals. The
 /// connection to the driver's stop is open all the time, so that no stop needs the master. Needs several
 /// threads.
 class RosMachine : public LiveMachine {
@@ -60,6 +61,8 @@ class RosMachine : public LiveMachine {
   Eigen::Vector3d look(const std::string& child, Frame& frame) const;
   void takeContact(const measuring_machine::ProbeContactConstPtr& message);
   void takeArtifact(const measuring_machine::ArtifactConstPtr& message);
+  /// Takes the axes, or renews that, or gives them back. @return whether that was answered, with success.
+  bool lease(measuring_machine::TakeMotion& ticket, double seconds);
   void serveStops();
   void sendStop();
 
@@ -85,6 +88,7 @@ class RosMachine : public LiveMachine {
   ActionCall<measuring_machine::MeasureAction> measure_;
   ActionCall<measuring_machine::HomeAction> home_;
   PersistentCall<std_srvs::Trigger> stop_, renew_;
+  PersistentCall<measuring_machine::TakeMotion> take_;
   std::thread stopper_;  // a call of a service takes time, and a stop must not wait for the page
 };
 

@@ -46,7 +46,7 @@ void serve() {
   options.store = mm::storeFolder(own, machine);
   options.threads = static_cast<unsigned>(mm::numberParameter(own, "threads", 0, 0, 1024));
   options.heartbeat =
-      std::chrono::milliseconds(std::lround(1e3 * mm::numberParameter(own, "heartbeat", 1.0, 0.5, 10.0)));
+      std::chrono::milliseconds(std::lround(1e3 * mm::numberParameter(own, "heartbeat", 0.9, 0.5, 10.0)));
   mm::ServerOptions listen;
   listen.address = mm::textParameter(own, "address", "127.0.0.1");
   listen.port = static_cast<unsigned>(mm::numberParameter(own, "port", 0, 0, 65535));
