@@ -179,6 +179,9 @@ class LinuxCncTest(unittest.TestCase):
             if number == signal.SIGSTOP:
                 os.kill(pid, signal.SIGCONT)
                 self.assertNotEqual(self.end()[1].outcome, MoveResult.REACHED)
+                began = len(self.states)  # what it reads late does not shift its clock
+                self.assertTrue(support.wait_until(lambda: len(self.states) > began + 20, 20))
+                self.assertLess((self.states[-1].header.stamp - rospy.Time.now()).to_sec(), 0.1)
         client.close()
 
     def test_6_sixty_touches_in_turned_work_coordinates(self):

@@ -18,7 +18,7 @@ rospy.init_node("trial_client", anonymous=True)
 for service in ("stop", "take", "home"):
     rospy.wait_for_service("axis_driver/" + service, 20)
 stop, asked = rospy.ServiceProxy("axis_driver/stop", Trigger, persistent=True), threading.Event()
-stop.wait_for_service(20)
+stop()  # nothing moves yet; rospy opens the connection with the first call, and keeps it
 take, ticket = rospy.ServiceProxy("axis_driver/take", TakeMotion, persistent=True), 0
 
 

@@ -133,8 +133,13 @@ class KillTable:
             self.counted = 0
             self.measure.send_goal(MeasureGoal(plan=self.stage.plan(cell.moment)), feedback_cb=self.count)
         elif cell.mover == "page":
-            ok, message = self.page.act("arm", client=self.page.client)
-            assert ok, message
+            said = []  # a driver that has just come back is connected to its stop within a second
+
+            def armed():
+                said.append(self.page.act("arm", client=self.page.client))
+                return said[-1][0]
+
+            assert support.wait_until(armed, 5), said[-1][1]
             if cell.moment == "home":
                 status, answer = self.page.post("home", client=self.page.client)
             else:

@@ -254,7 +254,7 @@ class Watch:
 
     def unhomed(self, stamp):
         """Whether the driver said before and behind that stamp that its axes are not homed."""
-        before = [homed for at, homed in self.statuses if at <= stamp][-1:]
+        before = [homed for at, homed in self.statuses if at < stamp][-1:]
         behind = [homed for at, homed in self.statuses if at > stamp][:1]
         return before == [False] and behind in ([False], [])
 
