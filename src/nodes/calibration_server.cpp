@@ -5,6 +5,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <filesystem>
+#include <sstream>
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
@@ -33,6 +34,24 @@ std::string doubtsOf(const CalibrationResult& result) {
 
 void add(std::string& message, const std::string& more) {
   if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
+}
+
+/// The sentence in lines that rviz shows whole.
+std::string inLines(const std::string& sentence) {
+  constexpr std::size_t kMost = 50;  // letters
+  std::istringstream words(sentence);
+  std::string text;
+  std::size_t length = 0;
+  for (std::string word; words >> word; length += word.size() + 1) {
+    if (length > 0 && length + word.size() > kMost) {
+      text += "\n";
+      length = 0;
+    } else if (length > 0) {
+      text += " ";
+    }
+    text += word;
+  }
+  return text;
 }
 
 }  // namespace
@@ -235,7 +254,7 @@ void CalibrationServer::diagnoseSession(const Asked& asked, Answer& answer) {
   job_.step("answering", 1.0);  // a search that was cut short is no verdict
   answer.json = diagnoseJson(diagnosis);
   answer.message = diagnosis.sentence;
-  visualization_msgs::Marker verdict = wordsIn(prefix_ + "workpiece", "verdict", diagnosis.sentence);
+  visualization_msgs::Marker verdict = wordsIn(prefix_ + "workpiece", "verdict", inLines(diagnosis.sentence));
   verdict.pose.position.z = 0.03;
   verdictOut_.publish(verdict);
   add(answer.message, lossText(*session));
