@@ -51,17 +51,21 @@ std::uint32_t MeasureNode::takeTicket() {
 // itself.
 void MeasureNode::keepLease() {
   std::string lapse;
-  Wall::duration since{};
+  Wall::time_point last;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     lapse = lapse_;
-    since = Wall::now() - leased_;
+    last = leased_;
   }
   if (lapse.empty()) return;
-  if (since > kBusy) throw Error("the plan was ended: " + lapse + "; go on from this move");
+  const auto requireBusy = [&] {
+    if (Wall::now() - last > kBusy) throw Error("the plan was ended: " + lapse + "; go on from this move");
+  };
+  requireBusy();
   if (++lost_ > retries_) throw Error("the plan was ended: " + lapse);
   ROS_WARN("axes: %s; they are taken again (%d of %d)", lapse.c_str(), lost_, retries_);
   if (takeTicket() != stopsBefore_) throw Error("the plan was ended: the axes were stopped");
+  requireBusy();  // until it was granted
 }
 
 void MeasureNode::renewAll() {

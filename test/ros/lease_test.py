@@ -77,8 +77,11 @@ class Lease(unittest.TestCase):
             cls.moved = cls.heard
         cls.place = joints.position
 
-    def moving(self):
-        self.assertTrue(support.wait_until(lambda: time.monotonic() - self.moved < 0.05, 20), "it does not move")
+    def moving(self, who):
+        """His motion is under way, not the end of the homing before it."""
+        self.assertTrue(support.wait_until(lambda: who in self.motion[-1].owner, 20), "it is not his")
+        began = time.monotonic()
+        self.assertTrue(support.wait_until(lambda: self.moved > began, 20), "it does not move")
 
     def rests(self, since):
         """From then on within a second, and for good."""
@@ -96,13 +99,13 @@ class Lease(unittest.TestCase):
         process = subprocess.Popen([sys.executable, "-c", MOVE, what])
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
-        self.moving()
+        self.moving("/mover")
         return process
 
     def start_plan(self, **keys):
         self.home()
         self.measure.send_goal(MeasureGoal(plan=PLAN, **keys))
-        self.moving()
+        self.moving("/measure")
 
     def test_1_the_client_of_a_move_is_killed(self):
         self.home()
@@ -125,7 +128,7 @@ class Lease(unittest.TestCase):
         self.move.send_goal(MoveGoal(name=["x", "y", "z"], position=[0.019, 0.019, 0.019]))
         self.assertTrue(support.ended(self.move, 20))
         self.homing.send_goal(HomeGoal())
-        self.moving()
+        self.moving("/lease")
         self.homing.cancel_goal()
         self.rests(time.monotonic())
         self.assertTrue(support.ended(self.homing, 5))
@@ -172,7 +175,7 @@ class Lease(unittest.TestCase):
         while time.monotonic() < until:  # it goes on as long as it is renewed
             self.assertTrue(renew().success)
             time.sleep(0.05)
-        self.moving()
+        self.moving("/measure")
         self.rests(time.monotonic())
         self.assertTrue(support.ended(self.measure, 5))
         self.assertIn("whoever began it has not renewed it", self.measure.get_result().message)
