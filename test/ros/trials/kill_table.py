@@ -118,6 +118,7 @@ class KillTable:
             self.page = Page(rospy.get_param("/workbench/url"))
         self.page.post("stop")
         assert self.page.wait(lambda s: s["task"] is None and s["armed"] is None, 30), self.page.state()
+        self.service("axis_driver/stop", Trigger)  # is answered when the page's stop is over, too
 
     def ready(self, cell):
         self.place(self.hardware.far if cell.moment == "home" else self.hardware.start)
