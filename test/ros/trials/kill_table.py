@@ -108,6 +108,8 @@ class KillTable:
         return self.axes.get_state() == actionlib.GoalStatus.SUCCEEDED
 
     def start_workbench(self):
+        if self.workbench is not None:  # one that was told to end may take a moment
+            support.wait_until(lambda: self.workbench.poll() is not None or processes.pid_of("/workbench"), 30)
         if self.workbench is None or self.workbench.poll() is not None:
             rospy.delete_param("/workbench/url") if rospy.has_param("/workbench/url") else None
             self.workbench = self.stage.begin([support.REAPER, support.node("workbench"), "_open:=false", "_store:=" + self.stage.store,
