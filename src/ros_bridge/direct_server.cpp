@@ -67,6 +67,7 @@ bool readBlock(int socket, std::uint32_t most, std::vector<std::uint8_t>& bytes,
                std::optional<Clock::time_point> until = {}) {
   std::uint8_t length[4];
   if (!readAll(socket, length, sizeof length, until) || lengthAt(length) > most) return false;
+  bytes.reserve(1);  // roscpp counts on from where they begin, also where there are none
   bytes.resize(lengthAt(length));
   return readAll(socket, bytes.data(), bytes.size(), until);
 }
