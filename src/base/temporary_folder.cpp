@@ -31,13 +31,15 @@ void TemporaryFolder::write(const std::string& name, const std::string& text) co
   if (leaves) throw InputError("'" + name + "' is no name of a file inside a folder");
   std::error_code error;
   fs::create_directories((path_ / inside).parent_path(), error);
+  errno = 0;  // what fails sets it: a stream does not tell why it failed, and its close forgets it
   std::ofstream out(path_ / inside, std::ios::binary);
-  errno = 0;  // that a write leaves, for a stream does not tell why it failed
-  out << text;
+  if (out) out << text << std::flush;
+  int why = errno;
   out.close();
+  if (why == 0) why = errno;
   if (!out)
     throw InputError((path_ / inside).string() + ": cannot be written" +
-                     (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()) +
+                     (why != 0 ? std::string(": ") + std::strerror(why) : std::string()) +
                      "; make room, or set TMPDIR");
 }
 
