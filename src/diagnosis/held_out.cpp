@@ -118,12 +118,4 @@ double HeldOut::withMembers(const std::vector<Member>& members) const {
   return rmsOf([&](const Fold&) { return members; });
 }
 
-double HeldOut::foundShare(std::size_t member) const {
-  int found = 0;
-  for (const Fold& fold : folds_)
-    found += std::any_of(fold.members.begin(), fold.members.end(),
-                         [&](const Member& m) { return m.group == found_.members[member].group; });
-  return static_cast<double>(found) / static_cast<double>(folds_.size());
-}
-
 }  // namespace mm

@@ -28,8 +28,6 @@ class HeldOut {
   /// How much a member lowers the sum of squared errors beside the others, over its standard error, blocks of
   /// rows being independent; what predicts nothing is about 0.
   double worthOf(std::size_t member) const;
-  /// Share of the folds that found the cause of a member.
-  double foundShare(std::size_t member) const;
 
  private:
   struct Fold {

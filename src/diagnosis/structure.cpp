@@ -73,32 +73,19 @@ struct Test {
   double share = 0.0, logP = 0.0;
 };
 
-/// What is asked: a residual and what may absorb a part of it, of all rows or, of a long session, of some:
-/// with all of them even what does not matter would be significant, and each test would take its time.
+/// What is asked: a residual and what may absorb a part of it.
 class ShareTest {
  public:
-  ShareTest(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found, int most)
-      : rows_(space.rows()) {
-    Eigen::MatrixXd all(space.length(), space.basis().cols() + found.cols());
-    all << space.basis(), found;
-    left_ = left;
-    if (rows_ <= most) {
-      basis_ = std::move(all);
-    } else {
-      for (int i = 0; i < most; ++i)
-        taken_.push_back(static_cast<int>((static_cast<long>(i) * rows_ + rows_ / 2) / most));
-      const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(some(all));
-      basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(qr.rows(), qr.rank());
-      left_ = some(left);
-      left_ -= basis_ * (basis_.transpose() * left_);
-    }
+  ShareTest(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found)
+      : basis_(space.length(), space.basis().cols() + found.cols()), left_(left) {
+    basis_ << space.basis(), found;
     dof_ = static_cast<double>(left_.size() - basis_.cols());
   }
 
   /// F test of what columns (length of the space, not projected) explain.
   Test ask(const Eigen::MatrixXd& whole) const {
     CancelScope::check();
-    Eigen::MatrixXd columns = taken_.empty() ? whole : some(whole);
+    Eigen::MatrixXd columns = whole;
     const Eigen::MatrixXd absorbed = basis_.transpose() * columns;
     columns.noalias() -= basis_ * absorbed;
     for (int k = 0; k < columns.cols(); ++k) {
@@ -124,17 +111,6 @@ class ShareTest {
   }
 
  private:
-  template <class Matrix>
-  Matrix some(const Matrix& all) const {
-    const Eigen::Index n = static_cast<Eigen::Index>(taken_.size()), priors = all.rows() - rows_;
-    Matrix out(n + priors, all.cols());
-    out.topRows(n) = all(taken_, Eigen::all);
-    out.bottomRows(priors) = all.bottomRows(priors);
-    return out;
-  }
-
-  int rows_;
-  std::vector<int> taken_;
   Eigen::MatrixXd basis_;
   Eigen::VectorXd left_;
   double dof_ = 1.0;
@@ -205,7 +181,7 @@ std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const 
                                               const Eigen::MatrixXd& found) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
-  const ShareTest questions(space, left, found, space.rows());
+  const ShareTest questions(space, left, found);
   std::vector<WhereItFails> out;
   for (const Variable& v : variables) {
     // about their means: a constant in some direction is no variable's, and none shall seem to explain it

@@ -18,12 +18,11 @@ namespace mm {
 namespace {
 
 constexpr auto kPatience = std::chrono::milliseconds(500);  // until it is killed
-
-constexpr int kLent = STDERR_FILENO + 1;
+constexpr int kLent = STDERR_FILENO + 1;                    // the program's number of what it is lent
 
 }  // namespace
 
-/// Beside the program that runs, where the package has them all.
+// Beside the program that runs, where the package has them all.
 std::string programBeside(const std::string& name) {
   std::error_code failed;
   return std::filesystem::read_symlink("/proc/self/exe", failed).replace_filename(name);

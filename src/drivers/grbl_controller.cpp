@@ -38,7 +38,8 @@ void GrblController::open(const ControllerSetup& setup) {
   const std::string address = textParameterOf(setup, "address", "");
   if (address.empty())
     throw InputError(
-        "parameter 'address' of the grbl controller is missing: tcp:<host>:<port> or serial:<device>");
+        "parameter 'address' of the grbl controller is missing: tcp:<host>:<port> or "
+        "serial:<device>[:<baud>]");
   homed_.assign(map_->size(), false);
   lastDirection_.assign(map_->size(), 0.0);
   link_ = std::make_unique<DeviceLink>(address,

@@ -147,8 +147,6 @@ void AxisDriver::cycle(double elapsed) {
     std::optional<MotionControl::Observation> seen =
         control_.cycle(elapsed, clock_ ? 0.0 : ros::Time::now().toSec());
     const MotionControl::View view = control_.view();
-    if (seen)
-      seen->state.homed = view.state.homed;  // as the status says it, whatever the controller believes
     if (view.fault != faultSaid_ && view.lost.empty() && !view.fault.empty())
       ROS_WARN("nothing moves: %s", view.fault.c_str());
     faultSaid_ = view.fault;

@@ -17,8 +17,6 @@
 namespace mm {
 namespace {
 
-constexpr double kSilent = 1.0;   // s without a joint state, on the wall clock
-constexpr double kNamed = 10.0;   // s for which status and diagnostics name who is not believed
 constexpr double kAwaited = 5.0;  // s for the first status of a driver that the master knows
 constexpr int kSensorWait = 100;  // times 20 ms, for the first readings of a new calibration's sensors
 
@@ -53,12 +51,6 @@ double steadyNow() {
 template <typename Event>
 JointOwners::Sender senderOf(const Event& event) {
   return {event.getPublisherName(), event.getConnectionHeaderPtr()};
-}
-
-std::string wordsOf(std::string text) {
-  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '+' && c <= '9'; }),
-             text.end());
-  return text;
 }
 
 }  // namespace
@@ -326,72 +318,6 @@ void CompensationNode::takeContact(const measuring_machine::ProbeContactConstPtr
   }
 }
 
-bool CompensationNode::isSilent() const {
-  return heard_.isZero() || ros::WallTime::now() - heard_ > ros::WallDuration(kSilent);
-}
-
-measuring_machine::CompensationStatus CompensationNode::statusNow() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  measuring_machine::CompensationStatus status = status_;
-  const bool silent = isSilent();
-  status.calibration_id = active_.loaded ? active_.loaded->id : "";
-  status.candidate_id = candidate_.loaded ? candidate_.loaded->id : "";
-  const auto add = [](std::string& message, const std::string& more) {
-    if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
-  };
-  if (silent)
-    add(status.message, "no joint states are arriving; is the axis driver running?");
-  else if (!active_.loaded && pair_->warning.empty())
-    add(status.message, "no calibration is active; calibrate and promote one");
-  else if (!active_.reason.empty())
-    add(status.message, "nothing is published: " + active_.reason);
-  else if (!withheldSince_.empty())
-    add(status.message, "frames or contacts were withheld: " + withheldSince_);
-  if (!stranger_.empty() && ros::WallTime::now() - strangerAt_ < ros::WallDuration(kNamed))
-    add(status.message, stranger_);
-  add(status.message, pair_->warning);
-  add(status.message, active_.note);
-  status.publishing = !silent && active_.loaded && inputs_.complete() && active_.reason.empty();
-  add(status.candidate_message, candidate_.reason);
-  add(status.candidate_message, pair_->candidateWarning);
-  if (status.publishing) {
-    MovingState state = active_.state;
-    const Correction now = active_.loaded->contacts.apply(state);
-    status.sigma = now.sigma;
-    if (markersOut_.getNumSubscribers() > 0 && ros::WallTime::now() >= nextMarkers_) {
-      nextMarkers_ = ros::WallTime::now() + ros::WallDuration(0.2);
-      markersOut_.publish(correctionMarkers(now, prefix_ + "workpiece"));
-    }
-    if (now.pastUnknown)
-      add(status.message,
-          "the temperatures were not heard for long enough to know what lags behind them; sigma says by how "
-          "much");
-  }
-  withheldSince_.clear();
-  return status;
-}
-
-void CompensationNode::look(const ros::WallTimerEvent&) {
-  if (const auto pair = watch_.refresh()) install(pair);
-  measuring_machine::CompensationStatus status = statusNow();
-  const ros::WallTime now = ros::WallTime::now();
-  // The words without their numbers: a value that moves on is no news.
-  const std::string words = wordsOf(status.calibration_id) + "|" + wordsOf(status.candidate_id) + "|" +
-                            wordsOf(status.message) + "|" + wordsOf(status.candidate_message);
-  const bool ids =
-      status.calibration_id == shown_.calibration_id && status.candidate_id == shown_.candidate_id;
-  const bool same = words == words_ && ids && status.publishing == shown_.publishing;
-  if (same && now < nextStatus_) return;
-  if (words != words_ && !status.message.empty() && !status.publishing)
-    ROS_WARN("%s", status.message.c_str());
-  words_ = words;
-  nextStatus_ = now + ros::WallDuration(1.0);
-  status.header.stamp = ros::Time::now();
-  shown_ = status;
-  statusOut_.publish(status);
-  updater_.force_update();
-}
-
 bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& request,
                                      measuring_machine::CorrectTarget::Response& response) {
   answer(response, [&] {
@@ -438,19 +364,6 @@ bool CompensationNode::correctTarget(measuring_machine::CorrectTarget::Request& 
     response.message = found.correction.note;
   });
   return true;
-}
-
-void CompensationNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  using diagnostic_msgs::DiagnosticStatus;
-  const int level = !shown_.publishing
-                        ? DiagnosticStatus::ERROR
-                        : (shown_.message.empty() ? DiagnosticStatus::OK : DiagnosticStatus::WARN);
-  status.summary(level, shown_.message.empty() ? "correcting" : shown_.message);
-  status.add("calibration", shown_.calibration_id);
-  status.add("candidate", shown_.candidate_id);
-  status.add("frames", shown_.frames);
-  status.add("withheld", shown_.withheld);
-  status.add("sigma_um", shown_.sigma * 1e6);
 }
 
 }  // namespace mm
