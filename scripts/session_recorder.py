@@ -24,8 +24,9 @@ class Recorder:
         self.bag, self.space = bag, space.rstrip("/") + "/"
         self.master = rosgraph.Master(rospy.get_name())
         self.name = rospy.get_name() + "_bag"
+        # not by the command `rosbag record`, which ends before what it started has closed the bag
         self.process = subprocess.Popen(
-            ["rosbag", "record", "-q", "-O", bag, "-e", self.space + TOPICS, "__name:=" + self.name.rsplit("/", 1)[1]],
+            ["rosrun", "rosbag", "record", "-q", "-O", bag, "-e", self.space + TOPICS, "__name:=" + self.name.rsplit("/", 1)[1]],
             start_new_session=True, env=dict(os.environ, ROS_NAMESPACE=rospy.get_namespace()))
 
     def serves(self, node):

@@ -31,7 +31,7 @@ def ready(seconds=60):
 
 def record(plan, bag, seconds, first=0):
     """@param first the move with which the plan begins, or goes on. @return the result of the plan."""
-    recorder = subprocess.Popen(["rosbag", "record", "-O", bag, "-e", "/" + TOPICS, "__name:=recorder"])
+    recorder = subprocess.Popen(["rosrun", "rosbag", "record", "-O", bag, "-e", "/" + TOPICS, "__name:=recorder"])
     try:
         assert support.wait_until(lambda: os.path.exists(bag + ".active"), 20)
         measure = actionlib.SimpleActionClient("measure/run", MeasureAction)

@@ -95,7 +95,7 @@ class Stage:
         rospy.init_node("trials", disable_signals=True)
         self.watch = Watch(self)
         self.bag = os.path.join(self.folder, "session.bag")
-        self.recorder = self.begin(["rosbag", "record", "-O", self.bag, "-e", "/" + cycle_support.TOPICS])
+        self.recorder = self.begin(["rosrun", "rosbag", "record", "-O", self.bag, "-e", "/" + cycle_support.TOPICS])
         assert support.wait_until(lambda: os.path.exists(self.bag + ".active"), 30), "nothing is recorded"
 
     @staticmethod
