@@ -17,6 +17,7 @@ from stage import rng, support
 
 HOUR = 3600.0
 LOOKED = 0.5  # s that the frames are looked at after the last foreign state
+BEFORE = 0.15  # s that is heard first: a stamp that is late lies in it
 SECOND = 0.3  # s that a second publisher sends
 AGAIN = 10.0  # s within which frames must come again
 
@@ -72,7 +73,7 @@ class ForeignStates(KillTable):
         self.place((x, y, z))
         if moving:
             self.axes.send_goal(MoveGoal(name=["x"], position=[1e-3 * (x + 9.0)], linear_speed=5e-3))
-            self.watch.wait(lambda: self.watch.speed() > 4e-3, 10, "a motion")
+            self.watch.wait(lambda: self.watch.speed() > 4e-3 and self.watch.joints.position[0] > 1e-3 * x + 1e-4, 10, "a motion past the play")
         self.watch.wait(lambda: self.watch.compensation.publishing, 30, "a corrected frame")
 
     def send(self, kind, random):
@@ -92,10 +93,13 @@ class ForeignStates(KillTable):
         """@return frames compared, those that were wrong, the largest error in m, s until frames came again."""
         self.settle(moving)
         self.watch.forget()
+        threading.Event().wait(BEFORE)
         out = self.send(kind, rng(kind, number))
         began = time.time()
         threading.Event().wait(LOOKED)
         found = self.watch.wrong_frames()
+        for stamp, error in found[1][:3]:
+            print("    %s: wrong by %.3f um: %s" % (kind, 1e6 * error, self.watch.around(stamp)), file=sys.stderr, flush=True)
         newest = max(self.watch.frames, default=0)
         again = time.time() - began if self.watch.frames and newest > 1e9 * (began + LOOKED / 2) else None
         if again is None:

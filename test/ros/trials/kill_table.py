@@ -259,7 +259,7 @@ class KillTable:
         self.recovered()
         compared, wrong, most = self.watch.wrong_frames()
         for stamp, error in wrong[:5]:
-            print("    wrong by %.3f um, %.3f s after the deed, at %s" % (1e6 * error, 1e-9 * stamp - self.struck, self.watch.states.get(stamp)), file=sys.stderr)
+            print("    wrong by %.3f um, %.3f s after the deed: %s" % (1e6 * error, 1e-9 * stamp - self.struck, self.watch.around(stamp)), file=sys.stderr)
         result.compared, result.wrong, result.error = result.compared + compared, result.wrong + len(wrong), max(result.error, most)
         with self.watch.changed:
             heard = list(self.watch.contacts)

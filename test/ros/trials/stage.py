@@ -25,8 +25,9 @@ from processes import MasterLine  # noqa: E402
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 CORRECTED = "probe_tip_corrected"
-RATE = 200  # joint states a second
+RATE = 100  # joint states a second, as the driver has it
 PLAY = 7e-6  # m, in the simulated axis x
+GRID = numpy.arange(-25.0, 25.5, 0.5)  # mm of x at which the calibration is asked for its sigma
 FAR = int(5e9)  # ns: a frame so far beyond the states that were heard is of none of them
 PLAN = """
 name: trial
@@ -143,6 +144,21 @@ class Stage:
                                machine=self.path(self.hardware.machine))
         answer = support.calibrate_and_promote(bag, support.model(*self.hardware.effects))
         self.scale = support.scale(answer.json, "x")
+        if not self.double:
+            self.sigmas = numpy.minimum(*(self.sigma_over_x(answer.calibration_id, travel) for travel in (-1, 1)))
+
+    def sigma_over_x(self, calibration, travel):
+        """@return m at GRID, as the calibration says it of its own parameters; it is the same over y and z."""
+        rows = "".join("%g,%g,%g,%d\n" % (x, *self.hardware.start[1:], travel) for x in GRID)
+        states, corrected = self.write("grid.csv", "x_mm,y_mm,z_mm,x_velocity_mm_s\n" + rows), os.path.join(self.folder, "corrected.csv")
+        support.mm("apply", states, "--calibration", os.path.join(self.store, calibration + ".yaml"), "--margin", "10", "--force", "-o", corrected)
+        with open(corrected) as f:
+            return numpy.array([1e-6 * float(line.split(",")[-2]) for line in list(f)[1:]])
+
+    def sigma(self, x):
+        """m of a corrected frame at x (m), of the direction of travel for which it is less, without play that is being taken up. (That of
+        the status is up to a second old, and so of another place.)"""
+        return float(numpy.interp(1e3 * x, GRID, self.sigmas))
 
     def end(self):
         self.line.mend()
@@ -170,7 +186,7 @@ class Watch:
     def __init__(self, stage):
         self.stage, self.changed = stage, threading.Condition()
         self.status, self.motion, self.joints, self.compensation = AxisStatus(), MotionStatus(), JointState(), CompensationStatus()
-        self.truth, self.states, self.frames, self.statuses, self.sigmas = {}, {}, {}, [], []
+        self.truth, self.states, self.frames, self.statuses = {}, {}, {}, []
         self.contacts, self.moved_at = [], 0.0
         self.last = None
         fast = dict(queue_size=None, buff_size=1 << 22, tcp_nodelay=True)
@@ -202,8 +218,6 @@ class Watch:
 
     def take_compensation(self, message):
         self.compensation = message
-        if message.publishing:
-            self.sigmas.append((message.header.stamp.to_nsec(), message.sigma))
 
     def take_truth(self, message):
         p, stamp = (message.point.x, message.point.y, message.point.z), message.header.stamp.to_nsec()
@@ -250,7 +264,7 @@ class Watch:
         with self.changed:
             for kept in (self.truth, self.states, self.frames):
                 kept.clear()
-            del self.statuses[:-1], self.sigmas[:-1], self.contacts[:]
+            del self.statuses[:-1], self.contacts[:]
 
     def unhomed(self, stamp):
         """Whether the driver said before and behind that stamp that its axes are not homed."""
@@ -258,23 +272,21 @@ class Watch:
         behind = [homed for at, homed in self.statuses if at > stamp][:1]
         return before == [False] and behind in ([False], [])
 
-    def sigma(self, stamp):
-        """m, as the compensation said it before and behind that stamp, the larger one."""
-        return max([s for at, s in self.sigmas if at <= stamp][-1:] + [s for at, s in self.sigmas if at > stamp][:1], default=0.0)
-
     def wrong_frames(self):
         """@return how many corrected frames since `forget` were looked at, those that are wrong (off their truth by more than 3 sigma,
         of axes that are not homed, of a state that the driver never had), and the largest error in m."""
         with self.changed:
             frames, truth, states = dict(self.frames), dict(self.truth), dict(self.states)
-        sigma_at, open_play = self.sigma, taking_up(states)
+        sigma_at, open_play = self.stage.sigma, taking_up(states)
         if self.stage.double:  # its clock is another: the calibration applied to the state of the same stamp
             truth = {s: (p[0] * (1.0 + self.stage.scale), p[1], p[2]) for s, p in states.items()}
             sigma_at, open_play = lambda _: 1e-9 / 3, ()
         stamps = numpy.array(sorted(truth), dtype=numpy.int64)
-        compared, wrong, most = 0, [], 0.0
+        compared, wrong, most, first = 0, [], 0.0, min(states, default=0)
         for stamp, frame in frames.items():
-            true, sigma = truth.get(stamp), sigma_at(stamp)
+            if stamp in truth and stamp < first:
+                continue  # its state was heard before `forget`, and what of the play is open is not known
+            true, sigma = truth.get(stamp), sigma_at(frame[0])
             if true is None and len(stamps) and not stamps[0] - FAR < stamp < stamps[-1] + FAR:
                 error = 1.0
             elif true is None:
@@ -294,6 +306,21 @@ class Watch:
             if not error <= 3 * sigma + (PLAY if stamp in open_play else 0.0) or self.unhomed(stamp):
                 wrong.append((stamp, error))
         return compared, wrong, most
+
+    def around(self, stamp):
+        """@return what was heard around a stamp: of each joint state x (um from that of the stamp), the truth and the corrected frame."""
+        with self.changed:
+            stamps = sorted(self.states)
+            at = next((i for i, s in enumerate(stamps) if s >= stamp), len(stamps))
+            origin = self.states.get(stamp, self.frames.get(stamp, (0.0,)))[0]
+
+            def um(of, s):
+                return "%.3f" % (1e6 * (of[s][0] - origin)) if s in of else "none"
+
+            lines = ["%+.4f s: state %s, truth %s, frame %s" % (1e-9 * (s - stamp), um(self.states, s), um(self.truth, s), um(self.frames, s))
+                     for s in sorted(set(stamps[max(0, at - 3):at + 3]) | {stamp})]
+            said = ["homed %d" % homed for at, homed in self.statuses if abs(at - stamp) < 2e9]
+        return "x %.6f m, %s; %s" % (origin, said, "; ".join(lines))
 
 
 def taking_up(states):
