@@ -267,14 +267,11 @@ class KillTable:
         if cell.mover == "measure" and cell.process != "measure":
             result.uncounted += max(0, self.counted - len(heard))
 
-    def run(self, cell, trials):
-        result = Result(cell)
-        for number in range(trials):
-            try:
-                self.trial(cell, number, result)
-            except (AssertionError, rospy.ROSException, OSError) as e:
-                result.failed[str(e)[:300]] += 1
-        return result
+    def run(self, result, number):
+        try:
+            self.trial(result.cell, number, result)
+        except (AssertionError, rospy.ROSException, OSError) as e:
+            result.failed[str(e)[:300]] += 1
 
     def end(self):
         if self.page:
@@ -302,12 +299,16 @@ def main(hardware, trials, pattern="."):
     chosen = [c for c in cells(hardware) if re.search(pattern, " ".join((hardware,) + c[:3]))]
     if not chosen:
         sys.exit("kill_table: no cell of %s is called '%s'; one is '%s %s'" % (hardware, pattern, hardware, " ".join(cells(hardware)[0][:3])))
-    table = KillTable(hardware)
-    results, bad = [], 0
+    table, results, bad = KillTable(hardware), [Result(cell) for cell in chosen], 0
     try:
-        for cell in chosen:
-            results.append(table.run(cell, trials))
-            print(row(hardware, results[-1], 0)[0].replace("\n", "\n    "), file=sys.stderr, flush=True)
+        for number in range(trials):
+            for result in results:
+                table.run(result, number)
+                if number == 0 or row(hardware, result, 0)[1]:
+                    print(row(hardware, result, 0)[0], file=sys.stderr, flush=True)
+            print("round %d of %d" % (number + 1, trials), file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        pass  # the table is of what was tried
     finally:
         table.end()
     recorded = table.stage.recorded()
@@ -316,7 +317,7 @@ def main(hardware, trials, pattern="."):
         text, wrong = row(hardware, result, len(result.contacts - recorded) + result.uncounted)
         print(text)
         bad += wrong > 0
-    print("%s: %d cells of %d trials, %d of them not as they must be" % (hardware, len(results), trials, bad), flush=True)
+    print("%s: %d cells, %d trials, %d cells not as they must be" % (hardware, len(results), sum(len(r.rest) for r in results), bad), flush=True)
     support.remove(table.stage.folder)
     return 1 if bad else 0
 
