@@ -108,8 +108,6 @@ class KillTable:
         return self.axes.get_state() == actionlib.GoalStatus.SUCCEEDED
 
     def start_workbench(self):
-        if self.workbench is not None:  # one that was told to end may take a moment
-            support.wait_until(lambda: self.workbench.poll() is not None or processes.pid_of("/workbench"), 30)
         if self.workbench is None or self.workbench.poll() is not None:
             rospy.delete_param("/workbench/url") if rospy.has_param("/workbench/url") else None
             self.workbench = self.stage.begin([support.REAPER, support.node("workbench"), "_open:=false", "_store:=" + self.stage.store,
@@ -232,8 +230,10 @@ class KillTable:
             threading.Event().wait(QUIET + 0.4)
         return max(0.0, self.watch.last_moved() - began)
 
-    def recovered(self):
-        """Every node is there again, and what the first of them say was heard."""
+    def recovered(self, cell):
+        """Every node is there again, and what the first of them say was heard. A workbench that was ended has ended: the next trial begins another."""
+        if cell.process == "workbench" and cell.signal not in ("STOP", "cut"):
+            assert support.wait_until(lambda: self.workbench.poll() is not None, 30), "the workbench does not end"
         for node in ("/axis_driver", "/measure", "/probe", "/compensation", "/calibration_server"):
             assert support.wait_until(lambda: processes.pid_of(node), 30), node + " does not come back"
         began = time.time_ns()
@@ -256,7 +256,7 @@ class KillTable:
                 self.client.wait()
                 self.client = None
         result.rest.append(rest)
-        self.recovered()
+        self.recovered(cell)
         compared, wrong, most = self.watch.wrong_frames()
         for stamp, error in wrong[:5]:
             print("    wrong by %.3f um, %.3f s after the deed: %s" % (1e6 * error, 1e-9 * stamp - self.struck, self.watch.around(stamp)), file=sys.stderr)
