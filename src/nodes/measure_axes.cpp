@@ -34,7 +34,7 @@ std::uint32_t MeasureNode::takeTicket() {
   measuring_machine::TakeMotion take;
   take.request.owner = owner_;
   take.request.seconds = kLease;
-  if (!take_.connect() || !take_.call(take, kFirstAnswer)) throw Error(kDriverGone);
+  if (!take_.callAnew(take, kFirstAnswer)) throw Error(kDriverGone);
   if (!take.response.success) throw Error(take.response.message);
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -2,6 +2,7 @@
 #include <ros/ros.h>
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <mutex>
 #include <string>
@@ -10,10 +11,14 @@ namespace mm {
 
 /// A service on a connection that is opened once, before it is needed: a call then needs no master, and that
 /// the connection has gone is known. From any thread.
-template <typename Service>
+template <typename Service, typename Client = ros::ServiceClient>
 class PersistentCall {
  public:
-  PersistentCall(const ros::NodeHandle& node, std::string name) : node_(node), name_(std::move(name)) {}
+  using Open = std::function<Client()>;
+  PersistentCall(const ros::NodeHandle& node, const std::string& name)
+      : PersistentCall([node, name] { return ros::NodeHandle(node).serviceClient<Service>(name, true); }) {}
+  /// @param open makes a connection, as it is after that.
+  explicit PersistentCall(Open open) : open_(std::move(open)) {}
   ~PersistentCall() { close(); }
   PersistentCall(const PersistentCall&) = delete;
   PersistentCall& operator=(const PersistentCall&) = delete;
@@ -21,21 +26,22 @@ class PersistentCall {
   /// Opens the connection where there is none; asks the master for the way. @return whether there is one.
   bool connect() {
     if (connected()) return true;
-    const ros::ServiceClient fresh = ros::NodeHandle(node_).serviceClient<Service>(name_, true);
+    const Client fresh = open_();
     const std::lock_guard<std::mutex> lock(mutex_);
     client_ = fresh;
     return client_.isValid();
   }
-  /// Whether the connection that was opened still holds.
+  /// Whether the connection that was opened still holds, as far as its end was heard: roscpp does not hear of
+  /// one that ends while it is opened.
   bool connected() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return client_.isValid();
   }
-  /// Calls on the open connection. One that is not answered within `seconds` is closed: a late answer is
-  /// none.
+  /// Calls on the open connection. One that does not answer, or not within `seconds`, is closed: a late
+  /// answer is none, and what holds only by its own word does not stay.
   /// @return whether it was answered.
   bool call(Service& service, double seconds) {
-    ros::ServiceClient client;
+    Client client;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       client = client_;
@@ -45,9 +51,16 @@ class PersistentCall {
     auto answer = std::async(std::launch::async, [&] { return client.call(asked); });
     if (answer.wait_for(std::chrono::duration<double>(seconds)) != std::future_status::ready)
       client.shutdown();
-    if (!answer.get()) return false;
+    if (!answer.get()) {
+      client.shutdown();
+      return false;
+    }
     service = asked;
     return true;
+  }
+  /// Calls on the open connection, and where that does not answer on a new one.
+  bool callAnew(Service& service, double seconds) {
+    return call(service, seconds) || (connect() && call(service, seconds));
   }
   /// A call that waits for its answer ends without one.
   void close() {
@@ -57,9 +70,8 @@ class PersistentCall {
 
  private:
   mutable std::mutex mutex_;
-  ros::NodeHandle node_;
-  std::string name_;
-  ros::ServiceClient client_;
+  Open open_;
+  Client client_;
 };
 
 }  // namespace mm

@@ -167,7 +167,8 @@ std::string RosMachine::home() {
                      " is not there; is the node axis_driver running?");
   measuring_machine::TakeMotion ticket;
   ticket.request.owner = ros::this_node::getName() + " (homing)";
-  if (!take_.connect() || !lease(ticket, kLease))
+  ticket.request.seconds = kLease;
+  if (!take_.callAnew(ticket, kLease) || !ticket.response.success)
     throw InputError(ticket.response.message.empty() ? node_.resolveName("axis_driver/take") + " is not there"
                                                      : ticket.response.message);
   measuring_machine::HomeGoal goal;
@@ -205,7 +206,9 @@ std::string RosMachine::pause(bool yes) {
 std::string RosMachine::run(const std::string& yaml, const std::function<bool()>& cancelled) {
   if (!awaitWall(3.0, [&] { return measure_.isServerConnected(); }))
     throw InputError(node_.resolveName("measure/run") + " is not there; is the node measure running?");
-  if (!renew_.connect()) throw InputError(node_.resolveName("measure/renew") + " is not there");
+  std_srvs::Trigger renewal;
+  if (!renew_.callAnew(renewal, kLease))
+    throw InputError(node_.resolveName("measure/renew") + " is not there");
   measuring_machine::MeasureGoal goal;
   goal.plan = yaml;
   goal.lease = kLease;
@@ -220,7 +223,6 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
   bool asked = false, gone = false;
   while (ros::ok() && !gone && !measure_.ended()) {
     kRenewal.sleep();
-    std_srvs::Trigger renewal;
     gone = !renew_.call(renewal, kLease) || !measure_.isServerConnected() || measure_.unheard(kUnheard);
     if (asked || !cancelled()) continue;
     measure_.cancel();
@@ -274,7 +276,7 @@ void RosMachine::serveStops() {
 void RosMachine::sendStop() {
   measure_.cancelAll();
   std_srvs::Trigger service;
-  if (!stop_.call(service, kStopAnswers) && !(stop_.connect() && stop_.call(service, kStopAnswers)))
+  if (!stop_.callAnew(service, kStopAnswers))
     ROS_ERROR("workbench: stop: %s did not answer", node_.resolveName("axis_driver/stop").c_str());
   else if (!service.response.success)
     ROS_ERROR("workbench: stop: %s", service.response.message.c_str());

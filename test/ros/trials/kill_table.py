@@ -27,6 +27,7 @@ QUIET = 0.6           # s without motion: it stays so
 LONGEST = 2.5         # s that a motion is looked at
 STANDS_STILL = 1.5    # s from SIGSTOP to SIGCONT
 SLOW = 4e-3           # m/s
+MOMENT = 120.0        # s for a moment to come: a computer that is busy starts a client of Python in half a minute
 MOMENTS = ("move", "probe", "home", "wait")
 SIGNALS = {"KILL": signal.SIGKILL, "STOP": signal.SIGSTOP, "TERM": signal.SIGTERM, "HUP": signal.SIGHUP, "INT": signal.SIGINT}
 ALL = tuple(SIGNALS) + ("cut", "dead")  # cut: its connection with the driver (of the driver: with the control); dead: SIGKILL under a dead master
@@ -163,6 +164,8 @@ class KillTable:
         w, planned = self.watch, cell.mover in ("measure", "page")
 
         def there():
+            if cell.mover == "measure" and support.ended(self.measure, 0):
+                raise AssertionError("the plan ended before the moment %s: %s" % (cell.moment, self.measure.get_result().message))
             if planned and cell.moment != "home" and not w.contacts:
                 return False
             x, far = w.joints.position[0], 1e-3 * self.hardware.far[0]
@@ -175,7 +178,7 @@ class KillTable:
                 return w.motion.homing and w.speed() > 1e-3
             return not w.status.moving and max(abs(p - 1e-3 * s) for p, s in zip(w.joints.position, self.hardware.start)) < 3e-5 and w.speed() == 0.0
 
-        w.wait(there, 30, "the moment " + cell.moment)
+        w.wait(there, MOMENT, "the moment " + cell.moment)
         threading.Event().wait(random.uniform(0.0, 0.3))
 
     # -- the deed
