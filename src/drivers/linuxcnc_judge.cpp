@@ -147,10 +147,12 @@ bool LinuxCncController::arrived(const LinuxCncState& now) const {
 void LinuxCncController::judge(const LinuxCncState& now) {
   const bool taken = settled(now);
   // Between two of its steps LinuxCNC may be idle for a moment, with the trip of the motion before.
+  if (!taken) untakenAt_ = now.time;
   if (!taken || now.busy) idleSince_ = now.time;
   const bool ended = rests(now) && now.time - idleSince_ >= kStill;
   if (stopSaid_ > 0.0) {
-    if (!ended && taken && now.time - stopSaid_ > kNoEffect) stop();
+    // Counted from when it was taken: said again each time that this is heard late, it would never be over.
+    if (!ended && taken && now.time - std::max(stopSaid_.load(), untakenAt_) > kNoEffect) stop();
     if (!ended || now.time <= stopSaid_) return;
     giveBack_ = giveBack_ || now.override == 0.0;  // the stop may have overtaken what was to end a hold
     finish(Outcome::kStopped, {});

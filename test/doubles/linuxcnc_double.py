@@ -69,6 +69,7 @@ class LinuxCnc(device_double.Double):
         self.frozen = 0.0   # until when the status is not written
         self.lines, self.shown = {}, {}
         self.waiting = []   # when a command's sender hears that it was taken, who that is, and its number
+        self.mover, self.slow = None, 0.0  # who gave the last motion, and s by which he hears that later than others
         self.probed, self.tripped = [0.0] * self.machine.axes, False
 
     def power(self, on):
@@ -97,7 +98,8 @@ class LinuxCnc(device_double.Double):
             return self.say(connection, self.errors.pop(0) if self.errors else None)
         assert what in NAMES, what
         self.serial += 1
-        self.waiting.append((time.monotonic() + RECEPTION, connection, self.serial))
+        self.mover = connection if what == "mdi" else self.mover
+        self.waiting.append((time.monotonic() + RECEPTION + (self.slow if connection is self.mover else 0.0), connection, self.serial))
         stops = what == "abort" or (what, *values) == ("state", ESTOP)
         if stops and self.refusals > 0:
             self.refusals -= 1
@@ -168,6 +170,7 @@ class LinuxCnc(device_double.Double):
     def command(self, words):
         """refuse N: the next N aborts and emergency stops have no effect.
         late: what the motion says of a trip arrives when the next motion has begun, as on a busy computer.
+        slow S: who moves the axes hears S seconds later that a command was taken, as on a busy computer.
         freeze S: for S seconds the status is not written, and the axes go on, as where the task is held up.
         mdi …: another client's. override PERCENT: of the feed, by another client. fault_joint N: its following error.
         units N: of the machine, per mm. say …: an error of LinuxCNC's. state: what a client cannot see otherwise."""
@@ -191,6 +194,9 @@ class LinuxCnc(device_double.Double):
         if words[0] == "freeze":
             self.frozen = time.monotonic() + float(words[1])
             return {"frozen": float(words[1])}
+        if words[0] == "slow":
+            self.slow = float(words[1])
+            return {"slow": self.slow}
         if words[0] == "late":
             self.said_late = True
             return {"late": True}
@@ -224,8 +230,8 @@ class LinuxCnc(device_double.Double):
         self.go_on(seconds)
         if self.fault != "stuck" and not self.silent() and now >= self.frozen:
             self.write()
-        while self.waiting and self.waiting[0][0] <= now:
-            _, connection, serial = self.waiting.pop(0)
+        heard, self.waiting = [w for w in self.waiting if w[0] <= now], [w for w in self.waiting if w[0] > now]
+        for _, connection, serial in heard:
             if connection in self.connections:
                 self.say(connection, serial)
 

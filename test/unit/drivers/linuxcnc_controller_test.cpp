@@ -150,6 +150,16 @@ TEST_F(LinuxCncTest, AStopThatHasNoEffectIsSaidAgain) {
       << control_->view().lost;
 }
 
+TEST_F(LinuxCncTest, AStopOfWhichIsHeardLateThatItWasTakenIsOverThen) {
+  readyAt({0, 0, 4});
+  auto moving = start({-90, 0, 4}, 0.01);
+  double_->tell("slow 0.4");
+  EXPECT_EQ(refusal([&] { control_->stop("/panel"); }), "");
+  EXPECT_EQ(moving.get().outcome, Outcome::kStopped);
+  double_->tell("slow 0");
+  EXPECT_EQ(arrive({-90, 0, 4}).outcome, Outcome::kReached);
+}
+
 // Whichever helper cannot: the other one stops what moves.
 TEST_F(LinuxCncTest, AHelperThatHangsOrIsKilledKeepsNoStopBack) {
   for (const int signal : {SIGSTOP, SIGKILL}) {
