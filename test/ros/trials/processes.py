@@ -110,9 +110,13 @@ class MasterLine:
         while True:
             try:
                 near, _ = listener.accept()
-                far = socket.create_connection(("127.0.0.1", self.master))
             except OSError:
-                return
+                return  # the line was cut
+            try:
+                far = socket.create_connection(("127.0.0.1", self.master))
+            except OSError:  # the master is busy: this one connection alone is lost
+                self.end(near)
+                continue
             for one in (near, far):
                 one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             with self.lock:
