@@ -120,7 +120,9 @@ class KillTable:
         assert support.wait_until(lambda: rospy.has_param("/workbench/url") and processes.pid_of("/workbench"), 30), "no workbench"
         if self.page is None or not self.page.open or not self.page.beats:
             self.page = Page(rospy.get_param("/workbench/url"))
-        self.page.post("stop")
+        stops = self.watch.motion.stops
+        self.page.post("stop")  # is answered before it has been sent
+        self.watch.wait(lambda: self.watch.motion.stops != stops and self.watch.motion.stopped_by.startswith("/workbench"), 30, "the page's stop")
         assert self.page.wait(lambda s: s["task"] is None and s["armed"] is None, 30), self.page.state()
         self.service("axis_driver/stop", Trigger)  # is answered when the page's stop is over, too
 
