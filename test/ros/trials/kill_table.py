@@ -321,13 +321,15 @@ def main(hardware, trials, pattern="."):
         table.end()
     recorded = table.stage.recorded()
     print(HEADER + "\n" + UNITS)
-    for result in results:
+    tried = [r for r in results if r.rest or r.failed]
+    for result in tried:
         text, wrong = row(hardware, result, len(result.contacts - recorded) + result.uncounted)
         print(text)
         bad += wrong > 0
-    print("%s: %d cells, %d trials, %d cells not as they must be" % (hardware, len(results), sum(len(r.rest) for r in results), bad), flush=True)
+    print("%s: %d of %d cells tried, %d trials, %d cells not as they must be" % (hardware, len(tried), len(results), sum(len(r.rest) for r in results), bad),
+          flush=True)
     support.remove(table.stage.folder)
-    return 1 if bad else 0
+    return 1 if bad or len(tried) < len(results) else 0
 
 
 if __name__ == "__main__":
