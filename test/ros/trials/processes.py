@@ -108,17 +108,19 @@ class MasterLine:
 
     def accept(self, listener):
         while True:
+            near = far = None
             try:
                 near, _ = listener.accept()
-            except OSError:
-                return  # the line was cut
-            try:
                 far = socket.create_connection(("127.0.0.1", self.master))
-            except OSError:  # the master is busy: this one connection alone is lost
-                self.end(near)
-                continue
-            for one in (near, far):
-                one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                for one in (near, far):
+                    one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            except OSError:
+                for one in (near, far):
+                    if one is not None:
+                        self.end(one)
+                if self.listener is not listener:
+                    return  # the line was cut
+                continue  # who called has gone, or the master is busy: this one connection alone is lost
             with self.lock:
                 self.connections |= {near, far}
             for source, target in ((near, far), (far, near)):
