@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <utility>
 
 #include "base/format.h"
 #include "base/units.h"
@@ -51,28 +51,30 @@ class Digits {
  public:
   explicit Digits(double digit) : digit_(digit) {}
   void add(double value) {
-    constexpr double kEqual = 1e-3;  // of a digit
+    constexpr double kEqual = 1e-2;  // of a digit
     if (!std::isfinite(value)) return;
     if (std::isnan(first_)) first_ = value;
-    const double digits = (value - first_) / digit_;
+    double rest = std::abs(value - first_) / digit_;
     constexpr double kMost = 1e15;  // which a number holds: what is farther apart has no such digits
-    if (!(std::abs(digits) < kMost)) return;
-    broken_ = broken_ || std::abs(digits - std::round(digits)) > kEqual;
-    common_ = std::gcd(common_, std::llround(digits));
+    if (!(rest < kMost)) return;
+    while (rest > kEqual) {  // Euclid's, of numbers that are rounded
+      const double before = std::exchange(common_, rest);
+      rest = std::abs(std::remainder(before, common_));
+    }
+    if (std::abs(common_ - std::round(common_)) < kEqual) common_ = std::round(common_);
   }
-  bool finer(long long digits) const { return broken_ || (common_ > 0 && common_ < digits); }
+  bool finer(double digits) const { return common_ > 0.0 && common_ < digits; }
 
  private:
   double digit_;
   double first_ = kNotMeasured;
-  bool broken_ = false;   // has smaller ones
-  long long common_ = 0;  // what all differences are multiples of, digits; 0: they are all the same
+  double common_ = 0.0;  // what all differences are multiples of, digits; 0: they are all the same
 };
 
 /// Whether what was measured has digits that noise would change.
 bool fineDigits(const Session& session) {
   constexpr double kNanometre = 1e-9, kDigitOfAnAngle = 1e-4 * kArcsecond;
-  constexpr long long kFine = 100;
+  constexpr double kFine = 100.0;
   std::vector<Digits> columns;
   const auto& joints = session.machine.joints();
   for (int of = 0; of < 2; ++of)  // positions, deviations

@@ -137,6 +137,15 @@ TEST_F(RowChecks, RepeatedReadingsOfACoarseInstrumentAreNoQuestion) {
   EXPECT_THAT(questions(csv), ::testing::IsEmpty());
 }
 
+TEST_F(RowChecks, RunsReadInStepsOfNoRoundNumberAreNoQuestion) {
+  std::string csv = "time_s,x_mm,deviation_x_um\n";
+  for (int run = 0; run < 2; ++run)
+    for (int i = 0; i < 9; ++i)
+      csv += std::to_string(10 * (9 * run + i)) + "," + std::to_string(4 * i - 16) + "," +
+             std::to_string(0.887353 * (i / 3)) + "\n";
+  EXPECT_THAT(questions(csv), ::testing::IsEmpty());
+}
+
 TEST_F(RowChecks, RealRunsRaiseNone) {
   const auto data = test::sharedData();
   if (data.empty()) return;
