@@ -51,24 +51,26 @@ class Digits {
  public:
   explicit Digits(double digit) : digit_(digit) {}
   void add(double value) {
-    constexpr double kEqual = 1e-2;  // of a digit
+    constexpr double kEqual = 1.5;  // digits: two values are rounded to one each, and so was the step
     if (!std::isfinite(value)) return;
     if (std::isnan(first_)) first_ = value;
-    double rest = std::abs(value - first_) / digit_;
+    const double digits = std::abs(value - first_) / digit_;
     constexpr double kMost = 1e15;  // which a number holds: what is farther apart has no such digits
-    if (!(rest < kMost)) return;
-    while (rest > kEqual) {  // Euclid's, of numbers that are rounded
+    if (!(digits < kMost)) return;
+    for (double rest = digits; rest > kEqual;) {  // Euclid's, of numbers that are rounded
       const double before = std::exchange(common_, rest);
       rest = std::abs(std::remainder(before, common_));
     }
-    if (std::abs(common_ - std::round(common_)) < kEqual) common_ = std::round(common_);
+    farthest_ = std::max(farthest_, digits);
+    if (common_ > 0.0) common_ = farthest_ / std::round(farthest_ / common_);  // of many it is known best
   }
   bool finer(double digits) const { return common_ > 0.0 && common_ < digits; }
 
  private:
   double digit_;
   double first_ = kNotMeasured;
-  double common_ = 0.0;  // what all differences are multiples of, digits; 0: they are all the same
+  double common_ = 0.0;    // what all differences are multiples of, digits; 0: they are all the same
+  double farthest_ = 0.0;  // the largest difference, digits
 };
 
 /// Whether what was measured has digits that noise would change.

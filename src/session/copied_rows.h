@@ -25,8 +25,9 @@ struct RepeatedStretch {
   std::size_t begin = 0, length = 0, distance = 0;  // rows
 };
 
-/// Stretches of rows that are there again at later times: pasted, or read twice. None where what was measured
-/// has no digit finer than 0.1 um (rotary: 0.01 arcsec): a coarse resolution repeats itself.
+/// Stretches of rows that are there again at later times: pasted, or read twice. None where all that was
+/// measured lies on steps of 0.1 um or more (rotary: 0.01 arcsec), known to 1.5 nm (1.5e-4 arcsec), round
+/// numbers or not: a coarse resolution repeats itself.
 /// @param session in the order of time. @param least rows of a stretch.
 /// @param whole whether directions of travel and what was logged beside (temperatures) must be the same, too.
 std::vector<RepeatedStretch> repeatedStretches(const Session& session, std::size_t least, bool whole);

@@ -122,6 +122,10 @@ class MasterLine:
                     return  # the line was cut
                 continue  # who called has gone, or the master is busy: this one connection alone is lost
             with self.lock:
+                if self.listener is not listener:  # cut meanwhile: this one, too
+                    self.end(near)
+                    self.end(far)
+                    return
                 self.connections |= {near, far}
             for source, target in ((near, far), (far, near)):
                 threading.Thread(target=self.pump, args=(source, target), daemon=True).start()

@@ -137,13 +137,23 @@ TEST_F(RowChecks, RepeatedReadingsOfACoarseInstrumentAreNoQuestion) {
   EXPECT_THAT(questions(csv), ::testing::IsEmpty());
 }
 
-TEST_F(RowChecks, RunsReadInStepsOfNoRoundNumberAreNoQuestion) {
-  std::string csv = "time_s,x_mm,deviation_x_um\n";
-  for (int run = 0; run < 2; ++run)
-    for (int i = 0; i < 9; ++i)
-      csv += std::to_string(10 * (9 * run + i)) + "," + std::to_string(4 * i - 16) + "," +
-             std::to_string(0.887353 * (i / 3)) + "\n";
-  EXPECT_THAT(questions(csv), ::testing::IsEmpty());
+// before, of a scale of 0.887 um that reads two runs alike: asked whether a run is there twice, or, of ten
+// rows and more, the second run set aside
+TEST_F(RowChecks, RunsReadInStepsOfNoRoundNumberAreNoCopies) {
+  for (const int rows : {9, 30})
+    for (const char* written : {"%d,%d,%.9f\n", "%d,%d,%.6f\n", "%d,%d,%.3f\n"}) {
+      std::string csv = "time_s,x_mm,deviation_x_um\n";
+      for (int i = 0; i < 2 * rows; ++i) {
+        const int place = i % rows;
+        char line[80];
+        std::snprintf(line, sizeof line, written, 10 * i, place - 16, 0.887352983 * (place * 7 % 10));
+        csv += line;
+      }
+      EXPECT_THAT(questions(csv), ::testing::IsEmpty()) << written;
+      const Session session =
+          readContactsCsv(folder_.write("r.csv", csv), Machine::load("three_axis"), nullptr);
+      EXPECT_EQ(session.observations.size(), 2u * static_cast<std::size_t>(rows)) << written;
+    }
 }
 
 TEST_F(RowChecks, RealRunsRaiseNone) {
