@@ -12,7 +12,8 @@ namespace mm {
 constexpr double kStoodStill = 1e-9;
 
 /// The part of a session that the effects need to know: what there is, and over which range it was observed.
-/// All of it but `spacing` stands in the calibration file, so that an effect means the same later. SI units.
+/// All of it but `spacing` and `gaps` stands in the calibration file, so that an effect means the same later.
+/// SI units.
 struct Domain {
   std::vector<Joint> joints;
   std::vector<double> lower, upper;            // observed range of each joint's reading
@@ -24,7 +25,9 @@ struct Domain {
   std::vector<double> covariateLower, covariateUpper;
   std::vector<std::string> features;  // balls and points of the artifact
   double duration = 0.0;              // s
-  double maxSpeed = 0.0;              // m/s or rad/s, largest joint velocity seen
+  std::vector<double>
+      gaps;  // s, ascending: moments between the observations, of many only some; empty: not known
+  double maxSpeed = 0.0;  // m/s or rad/s, largest joint velocity seen
   Eigen::Vector3d tipLower = Eigen::Vector3d::Zero(),
                   tipUpper = Eigen::Vector3d::Zero();  // box of the nominal tip, m
   std::vector<double> velocityLower, velocityUpper;    // a joint, m/s or rad/s; NaN: never known

@@ -8,7 +8,7 @@
 namespace mm {
 namespace {
 
-constexpr int kTimes = 60;  // of a session at which it may have jumped
+constexpr int kTimes = 60;  // of a session at which it may have jumped, where its observations are not known
 
 class Jump : public CatalogueEffect {
  public:
@@ -55,10 +55,12 @@ EffectType jumpType() {
   return effectType<Jump>("jump", {"direction", "at_s"}, [](const Domain& domain) {
     std::vector<EffectSpec> specs;
     if (!(domain.duration > 0.0)) return specs;
+    std::vector<double> times = domain.gaps;
+    for (int k = 1; k < kTimes && domain.gaps.empty(); ++k) times.push_back(domain.duration * k / kTimes);
     for (const std::string& direction : directionNames(domain))
-      for (int k = 1; k < kTimes; ++k) {
+      for (const double time : times) {
         char text[32];
-        std::snprintf(text, sizeof text, "%.4g", domain.duration * k / kTimes);
+        std::snprintf(text, sizeof text, "%.6g", time);
         specs.push_back(EffectSpec("jump").set("direction", direction).set("at_s", std::string(text)));
       }
     return specs;

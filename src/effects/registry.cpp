@@ -38,6 +38,8 @@
 #include "effects/thermal_expansion.h"
 #include "effects/thermal_growth.h"
 #include "effects/thermal_network.h"
+#include "effects/thermal_transient.h"
+#include "effects/time_cycle.h"
 #include "effects/time_drift.h"
 #include "effects/tip_wear.h"
 #include "effects/warm_up.h"
@@ -61,9 +63,11 @@ std::vector<EffectType>& registry() {
       thermalExpansionType(),       //
       thermalGrowthType(),          //
       thermalBendingType(),         //
+      thermalTransientType(),       //
       timeDriftType(),              //
       jumpType(),                   //
       warmUpType(),                 //
+      timeCycleType(),              //
       gravitySagType(),             //
       probeLobingType(),            //
       probeRadiusType(),            //

@@ -82,6 +82,19 @@ void addRanges(const std::vector<Series>& logged, const std::vector<Observation>
   }
 }
 
+/// Midway between one observation and the next.
+std::vector<double> gapsOf(const std::vector<Observation>& observations) {
+  constexpr std::size_t kMost = 400;
+  std::vector<double> times;
+  for (const Observation& o : observations) times.push_back(o.time);
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  const std::size_t step = times.size() / kMost + 1;
+  std::vector<double> gaps;
+  for (std::size_t i = step; i < times.size(); i += step) gaps.push_back(0.5 * (times[i - 1] + times[i]));
+  return gaps;
+}
+
 }  // namespace
 
 Domain observedDomain(const Session& session) {
@@ -126,6 +139,7 @@ Domain observedDomain(const Session& session) {
     domain.tipUpper = first ? tip : domain.tipUpper.cwiseMax(tip);
     first = false;
   }
+  domain.gaps = gapsOf(session.observations);
   domain.laser = session.hasLaser();
   domain.artifactExpansion = session.artifact.expansion;
   return domain;

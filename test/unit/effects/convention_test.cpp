@@ -179,6 +179,17 @@ TEST_F(Convention, warmUpAndGrowth) {
   EXPECT_NEAR(
       values("{type: thermal_growth, direction: z, sensor: bed, lag: true}", {1e-6, 300.0})[layout.axis(2)],
       1e-6 * (lagged - 20.0), 1e-18);
+  EXPECT_NEAR(values("{type: thermal_transient, direction: z, sensor: bed}", {1e-6, 300.0})[layout.axis(2)],
+              1e-6 * (26.0 - lagged), 1e-18);
+}
+
+TEST_F(Convention, cyclesAndWearInTime) {
+  state.time = 600.0;
+  const auto cycle = values("{type: time_cycle, direction: y}", {5e-6, 2e-6, 800.0});  // three quarters of it
+  EXPECT_NEAR(cycle[layout.axis(1)], -5e-6, 1e-18);
+  EXPECT_NEAR(values("{type: tip_wear}", {1e-9})[layout.distance()], -600e-9, 1e-18);
+  EXPECT_NEAR(values("{type: tip_wear, slows: true}", {4e-6, 600.0})[layout.distance()],
+              -4e-6 * (1.0 - std::exp(-1.0)), 1e-18);
 }
 
 TEST_F(Convention, covariateCountsFromZeroOrFromTheMiddleOfADistantRange) {
