@@ -28,6 +28,7 @@ struct Wandering {
   std::string direction;      // a joint, or x, y, z of workpiece
   double std = 0.0;           // m (rad for a rotary joint)
   double timeConstant = 0.0;  // s
+  bool smooth = false;        // Matern 3/2; else an Ornstein-Uhlenbeck process
 };
 
 /// The artifact by which a machine was calibrated, as its file stated it. SI units.

@@ -138,6 +138,7 @@ void readDrift(const YamlMapping& root, std::vector<Wandering>& drift) {
     w.direction = keys.storedText("direction");
     w.std = keys.stored("std_si");
     w.timeConstant = keys.stored("time_constant_s");
+    if (keys.has("smooth")) w.smooth = keys.flag("smooth");
     keys.finish();
     drift.push_back(std::move(w));
   }

@@ -261,6 +261,7 @@ std::string content(const Calibration& c) {
       text(out, "direction", w.direction);
       number(out, "std_si", w.std);
       number(out, "time_constant_s", w.timeConstant);
+      if (w.smooth) out << Key << "smooth" << Value << true;
       out << EndMap;
     }
     out << EndSeq;

@@ -64,6 +64,7 @@ struct Drift {
   std::string direction;      // a joint, x, y, z of workpiece, or approach
   double std = 0.0;           // m (rad)
   double timeConstant = 0.0;  // s
+  bool smooth = false;        // its slope is continuous (Matern 3/2), as of a part that warms and cools
 };
 
 /// What a calibration found. Refers to the session given to `calibrate`.

@@ -5,16 +5,54 @@
 
 namespace mm {
 
+double correlationOf(bool smooth, double tau, double apart) {
+  if (!(tau > 0.0)) return apart == 0.0 ? 1.0 : 0.0;
+  if (!smooth) return std::exp(-apart / tau);
+  const double a = std::sqrt(3.0) * apart / tau;
+  return (1.0 + a) * std::exp(-a);
+}
+
+namespace {
+
+/// What is left of value and slope, the slope counted in units of lambda times the value's: both then have
+/// the same variance.
+Eigen::Matrix2d staysOf(bool smooth, double tau, double apart) {
+  Eigen::Matrix2d stays = Eigen::Matrix2d::Zero();
+  if (smooth) {
+    const double a = std::sqrt(3.0) * apart / tau, e = std::exp(-a);
+    stays << e * (1.0 + a), e * a, -e * a, e * (1.0 - a);
+  } else {
+    stays(0, 0) = std::exp(-apart / tau);
+  }
+  return stays;
+}
+
+}  // namespace
+
+DriftStep::DriftStep(bool smooth, double tau, double apart)
+    : stays(Eigen::Matrix2d::Zero()), fresh(Eigen::Matrix2d::Identity()) {
+  if (!(tau > 0.0)) return;
+  stays = staysOf(smooth, tau, apart);
+  // what is at rest stays at rest: F F' = I - A A'
+  const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - stays * stays.transpose();
+  fresh(0, 0) = std::sqrt(std::max(0.0, left(0, 0)));
+  fresh(1, 0) = fresh(0, 0) > 0.0 ? left(1, 0) / fresh(0, 0) : 0.0;
+  fresh(1, 1) = std::sqrt(std::max(0.0, left(1, 1) - fresh(1, 0) * fresh(1, 0)));
+}
+
 TimeWhitener::Step TimeWhitener::stepOf(const DriftTerm& term, double dt) {
-  if (!term.smooth) return {std::exp(-dt / term.tau), 0.0, 0.0, 0.0};
-  // the slope is counted in units of lambda times the value's: both then have the same variance
-  const double a = std::sqrt(3.0) * dt / term.tau, e = std::exp(-a);
-  return {e * (1.0 + a), e * a, -e * a, e * (1.0 - a)};
+  const Eigen::Matrix2d stays = staysOf(term.smooth, term.tau, dt);
+  return {stays(0, 0), stays(0, 1), stays(1, 0), stays(1, 1)};
 }
 
 TimeWhitener::TimeWhitener(const std::vector<double>& time, const RowMatrix& factors,
-                           const Eigen::VectorXd& variance, const std::vector<DriftTerm>& terms)
-    : rows_(static_cast<int>(time.size())), time_(time), variance_(variance), inverseRoot_(rows_) {
+                           const Eigen::VectorXd& variance, const std::vector<DriftTerm>& terms,
+                           bool sinceFirst)
+    : sinceFirst_(sinceFirst),
+      rows_(static_cast<int>(time.size())),
+      time_(time),
+      variance_(variance),
+      inverseRoot_(rows_) {
   for (const DriftTerm& t : terms)
     if (t.ratio > 0.0) {
       terms_.push_back(t);
@@ -32,6 +70,8 @@ TimeWhitener::TimeWhitener(const std::vector<double>& time, const RowMatrix& fac
         add(s, terms_[k].ratio * terms_[k].ratio);
   };
   variances([&](int s, double v) { covariance(s, s) = v; });
+  if (sinceFirst)
+    for (std::size_t k = 0; k < count; ++k) covariance(first_[k], first_[k]) = 0.0;
   Eigen::VectorXd spread(states_);
   for (int i = 0; i < rows_; ++i) {
     double innovation = variance_[i];
@@ -147,6 +187,13 @@ RowMatrix TimeWhitener::covarianceOf(std::size_t term, const RowMatrix& m) const
     value += seen_(i, k) * m.row(i);
     go(step(i, term));
     out.row(i - 1) += seen_(i - 1, k) * value;
+  }
+  if (sinceFirst_ && rows_ > 0) {  // given that it is nothing at the first row
+    Eigen::VectorXd first(rows_);
+    for (int i = 0; i < rows_; ++i)
+      first[i] = seen_(i, k) * correlationOf(terms_[term].smooth, terms_[term].tau, time_[i] - time_[0]);
+    const Eigen::RowVectorXd by = first.transpose() * m.topRows(rows_);
+    out.noalias() -= first * by;
   }
   return terms_[term].ratio * terms_[term].ratio * out;
 }

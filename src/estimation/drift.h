@@ -17,6 +17,16 @@ struct DriftTerm {
   bool smooth = false;
 };
 
+/// Correlation of such a drift with itself, `apart` (s) later. A time constant of 0 s: it remembers nothing.
+double correlationOf(bool smooth, double tau, double apart);
+
+/// A drift of unit variance from one moment to the next, `apart` (s) later: (value, slope) becomes
+/// stays (value, slope) + fresh (two independent standard normal numbers).
+struct DriftStep {
+  DriftStep(bool smooth, double tau, double apart);
+  Eigen::Matrix2d stays, fresh;
+};
+
 /// Takes the correlation in time out of rows: multiplies by L^-1, V = L L', where V is the covariance of
 /// white noise and drift. A Kalman filter along the time (Rasmussen & Williams 2006, app. B; Solin & Sarkka
 /// 2020): n rows and c columns cost n c terms, where V itself would cost n^2.
@@ -24,9 +34,10 @@ class TimeWhitener {
  public:
   /// @param time s, ascending, one a row. @param factors rows x directions: how much of a drift along each
   /// direction a (whitened) row sees. @param variance of the white noise a row, > 0; a very large one leaves
-  /// the row out.
+  /// the row out. @param sinceFirst the drift is what has changed since the first row, and nothing there;
+  /// else it is at rest about an unknown mean.
   TimeWhitener(const std::vector<double>& time, const RowMatrix& factors, const Eigen::VectorXd& variance,
-               const std::vector<DriftTerm>& terms);
+               const std::vector<DriftTerm>& terms, bool sinceFirst = false);
 
   /// Whitens the first rows of m (as many as there are times) in place; further rows stay.
   void whiten(Eigen::Ref<RowMatrix> m) const;
@@ -50,6 +61,7 @@ class TimeWhitener {
   Eigen::VectorXd inverseTimes(const Eigen::VectorXd& r) const;  // V^-1 r
   RowMatrix covarianceOf(std::size_t term, const RowMatrix& m) const;
 
+  bool sinceFirst_ = false;
   int rows_ = 0, states_ = 0;
   const std::vector<double>& time_;
   std::vector<DriftTerm> terms_;

@@ -91,7 +91,7 @@ NoiseFit::Gram NoiseFit::gramOf(const NoiseModel& noise, const std::vector<doubl
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     if (gram.first[b] >= 0) m.middleCols(gram.first[b], blocks_[b].columns.cols()) = blocks_[b].columns;
   m.col(columns) = rows_.target;
-  const TimeWhitener whitener(rows_.time, rows_.factors, noise.variance, noise.drift);
+  const TimeWhitener whitener = whitenerOf(rows_, noise.variance, noise.drift);
   whitener.whiten(m);
   gram.logDeterminant = whitener.logDeterminant();
   gram.products = rowProducts(m);

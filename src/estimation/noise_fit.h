@@ -16,6 +16,9 @@ struct NoiseRows {
   RowMatrix factors;         // data rows x directions of drift
   Eigen::VectorXd target;    // data rows, then priors: what is to be explained
   RowMatrix base;            // orthonormal columns of what is free without a prior; data rows, then priors
+  /// Drift is what has changed since the first row: a constant is a radius, a zero or a displacement, and
+  /// none of its business. Else it is at rest about an unknown mean.
+  bool sinceFirst = false;
   int rows() const { return static_cast<int>(time.size()); }      ///< data rows
   int length() const { return static_cast<int>(target.size()); }  ///< data rows and priors
 };
@@ -32,6 +35,12 @@ struct RandomBlock {
 /// On products of orthonormal columns: keeps a direction that a part of the rows does not see from being
 /// divided by rounding.
 constexpr double kRidge = 1e-9;
+
+/// What takes the memory of the noise out of rows.
+inline TimeWhitener whitenerOf(const NoiseRows& rows, const Eigen::VectorXd& variance,
+                               const std::vector<DriftTerm>& drift) {
+  return {rows.time, rows.factors, variance, drift, rows.sinceFirst};
+}
 
 /// White noise, drift and blocks: everything that scatters. Ratios are in units of the white noise.
 struct NoiseModel {

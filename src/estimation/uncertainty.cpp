@@ -149,7 +149,8 @@ Uncertainty uncertaintyOf(const Problem& problem, const Fit& fit, const std::vec
       u.radiiStd = memory.radiiStd * sigma;
       for (const DriftTerm& t : memory.fit.noise.drift)
         u.drift.push_back({memory.rows.directions[t.direction],
-                           t.ratio * memory.fit.white * memory.rows.directionScale[t.direction], t.tau});
+                           t.ratio * memory.fit.white * memory.rows.directionScale[t.direction], t.tau,
+                           t.smooth});
     }
     for (int i = 0; i < columns; ++i)
       for (int j = 0; j < columns; ++j)

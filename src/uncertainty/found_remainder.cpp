@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "estimation/drift.h"
 #include "estimation/linearisation.h"
 #include "estimation/noise_rows.h"
 
@@ -73,7 +74,8 @@ class ProbedRows {
     for (const Drift& d : result.drift) {
       const auto found = std::find(directions.names.begin(), directions.names.end(), d.direction);
       if (found != directions.names.end())
-        drifts_.push_back({d.std * directions.factors.col(found - directions.names.begin()), d.timeConstant});
+        drifts_.push_back(
+            {d.std * directions.factors.col(found - directions.names.begin()), d.timeConstant, d.smooth});
     }
   }
 
@@ -89,7 +91,7 @@ class ProbedRows {
     double value = residual_[i] * residual_[j];
     const double apart = std::abs(time_[static_cast<std::size_t>(i)] - time_[static_cast<std::size_t>(j)]);
     for (const Memory& m : drifts_)
-      value -= m.factors[i] * m.factors[j] * (m.tau > 0.0 ? std::exp(-apart / m.tau) : i == j ? 1.0 : 0.0);
+      value -= m.factors[i] * m.factors[j] * (i == j ? 1.0 : correlationOf(m.smooth, m.tau, apart));
     if (i == j) value -= std::pow(result_.sigma[used_[static_cast<std::size_t>(i)]], 2);
     return value;
   }
@@ -98,6 +100,7 @@ class ProbedRows {
   struct Memory {
     Eigen::VectorXd factors;
     double tau = 0.0;
+    bool smooth = false;
   };
   const CalibrationResult& result_;
   std::vector<int> used_;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "estimation/drift.h"
 
 namespace mm {
 namespace {
@@ -82,12 +83,13 @@ void VirtualMachine::draw(Random& random, int only, Workspace& work,
     switch (source.cause) {
       case Cause::kParameters:
         break;
-      case Cause::kDrift: {  // an Ornstein-Uhlenbeck process, as the calibration found it
-        const double stays = source.tau > 0.0 ? std::exp(-interval_ / source.tau) : 0.0;
-        double now = random.normal();
+      case Cause::kDrift: {  // the process that the calibration found
+        const DriftStep step(source.smooth, source.tau, interval_);
+        Eigen::Vector2d now(random.normal(), random.normal());  // value, and slope in its own unit
         for (std::size_t i = 0; i < points_.size(); ++i) {
-          errors[i] += source.std * now * source.along.col(static_cast<Eigen::Index>(i));
-          now = stays * now + std::sqrt(1.0 - stays * stays) * random.normal();
+          errors[i] += source.std * now[0] * source.along.col(static_cast<Eigen::Index>(i));
+          const double first = random.normal(), second = source.smooth ? random.normal() : 0.0;
+          now = step.stays * now + step.fresh * Eigen::Vector2d(first, second);
         }
         break;
       }

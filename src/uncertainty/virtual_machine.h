@@ -87,6 +87,7 @@ class VirtualMachine {
     double std = 0.0;             // m, 1 or K, by the cause
     double tau = 0.0;             // s, of a drift
     Eigen::Matrix3Xd along;       // by point: of a drift (1 or m/rad), of a temperature (m/K)
+    bool smooth = false;          // of a drift: Matern 3/2, else an Ornstein-Uhlenbeck process
   };
   struct Point {
     State state;

@@ -229,7 +229,7 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
 
 void VirtualMachine::addDrift(const Calibration& calibration) {
   for (const Wandering& w : calibration.drift) {
-    Source source{Cause::kDrift, {}, w.std, w.timeConstant, {}};
+    Source source{Cause::kDrift, {}, w.std, w.timeConstant, {}, w.smooth};
     source.along.resize(3, static_cast<Eigen::Index>(points_.size()));
     for (std::size_t i = 0; i < points_.size(); ++i)
       source.along.col(static_cast<Eigen::Index>(i)) =

@@ -59,7 +59,7 @@ std::vector<DriftTerm> PointSystem::knownDrift(const Calibration& calibration) c
     const auto found = std::find(rows_.directions.begin(), rows_.directions.end(), w.direction);
     if (found == rows_.directions.end() || !(w.std > 0.0) || !(w.timeConstant > 0.0)) continue;
     const auto d = static_cast<std::size_t>(found - rows_.directions.begin());
-    terms.push_back({static_cast<int>(d), w.std / rows_.directionScale[d], w.timeConstant, false});
+    terms.push_back({static_cast<int>(d), w.std / rows_.directionScale[d], w.timeConstant, w.smooth});
   }
   return terms;
 }

@@ -33,7 +33,8 @@ Learned learnAll(const Session& session, const Calibration& calibration, const D
       learned.sentence = diagnosis.sentence;
       const EffectSpec* next = nextToAdd(diagnosis);
       // What is in the model already and is still named is no step forward: somebody has to look at it.
-      learned.complete = next == nullptr && diagnosis.verdict != Verdict::kInsufficientData;
+      learned.complete = next == nullptr && diagnosis.verdict != Verdict::kInsufficientData &&
+                         diagnosis.verdict != Verdict::kQuestion;
       if (next == nullptr || learned.steps == most ||
           std::any_of(now.effects.begin(), now.effects.end(),
                       [&](const EffectSpec& e) { return sameEffect(e, *next, now.domain); }))

@@ -154,7 +154,7 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
   c.covariance = result.covariance.topLeftCorner(count, count);
   for (const Drift& d : result.drift)
     if (d.direction != "approach")
-      c.drift.push_back({d.direction, d.std, d.timeConstant});  // that is the contact's
+      c.drift.push_back({d.direction, d.std, d.timeConstant, d.smooth});  // that is the contact's
   c.artifact = calibratedBy(session.artifact);
   c.sessionSource = session.source;
   c.sessionHash = sessionHash(session);

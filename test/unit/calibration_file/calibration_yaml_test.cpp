@@ -121,6 +121,19 @@ TEST(CalibrationYaml, roundTripsEveryFieldToTheBit) {
   EXPECT_EQ(r.ledger[1].calibration, c.ledger[1].calibration);
 }
 
+TEST(CalibrationYaml, keepsTheDriftsAndTheirKernel) {
+  Calibration c = test::exampleCalibration();
+  c.drift = {{"x", 0.4e-6, 1200.0, true}, {"z", 0.1e-6, 60.0}};
+  completeCalibration(c);
+  const Calibration r = parseCalibration(calibrationYaml(c), "c.yaml");
+  ASSERT_EQ(r.drift.size(), 2u);
+  EXPECT_EQ(r.drift[0].direction, "x");
+  EXPECT_EQ(r.drift[0].std, 0.4e-6);
+  EXPECT_EQ(r.drift[0].timeConstant, 1200.0);
+  EXPECT_TRUE(r.drift[0].smooth);
+  EXPECT_FALSE(r.drift[1].smooth);
+}
+
 TEST(CalibrationYaml, keepsWhatTheControllerCompensated) {
   Calibration c = test::exampleCalibration();
   const auto readBack = [&] { return parseCalibration(calibrationYaml(c), "c.yaml").compensation; };

@@ -75,6 +75,24 @@ TEST(Drift, ExpectedDriftIsThatOfTheGaussianConditional) {
     EXPECT_LT((byTerm.col(k) - s.drift(static_cast<std::size_t>(k)) * solved).norm(), 1e-10);
 }
 
+TEST(Drift, SinceTheFirstRowIsThatOfTheConditionalGivenNothingThere) {
+  Small s;
+  s.factors.setOnes();  // each direction is seen at the first row
+  const TimeWhitener whitener(s.time, s.factors, s.variance, s.terms, true);
+  Eigen::MatrixXd covariance = s.variance.asDiagonal();
+  for (std::size_t k = 0; k < s.terms.size(); ++k) {
+    const Eigen::MatrixXd of = s.drift(k);
+    covariance += of - of.col(0) * of.row(0) / of(0, 0);
+  }
+  RowMatrix m = RowMatrix::Random(12, 2);
+  RowMatrix whitened = m;
+  whitener.whiten(whitened);
+  const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+  EXPECT_LT((whitened - RowMatrix(llt.matrixL().solve(Eigen::MatrixXd(m)))).norm(), 1e-10);
+  EXPECT_LT((whitener.covarianceTimes(m) - RowMatrix(covariance * m)).norm(), 1e-10);
+  EXPECT_NEAR(whitener.driftIn(Eigen::VectorXd(m.col(0)))[0], 0.0, 1e-10);
+}
+
 TEST(Drift, ARowThatIsLeftOutIsPredictedFromItsNeighbours) {
   Small s;
   const Eigen::VectorXd r = Eigen::VectorXd::LinSpaced(12, -1.0, 2.0);

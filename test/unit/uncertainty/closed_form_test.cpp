@@ -86,6 +86,16 @@ TEST(ClosedForm, DriftBetweenTwoPointsIsWhatAnOrnsteinUhlenbeckProcessForgets) {
   EXPECT_LT(quantity(at, "y").std, 1e-12);
 }
 
+TEST(ClosedForm, ASmoothDriftForgetsLessAtFirst) {
+  Calibration c = bareCalibration({});
+  c.drift = {{"x", 0.5e-6, 120.0, true}};
+  TaskConditions conditions;
+  conditions.interval = 30.0;
+  const double a = std::sqrt(3.0) * 0.25;  // Matern 3/2 (Rasmussen & Williams 2006, 4.17)
+  expectStd(uncertaintyFor("distance:0,0,0:10,0,0", c, conditions),
+            0.5e-6 * std::sqrt(2.0 * (1.0 - (1.0 + a) * std::exp(-a))));
+}
+
 TEST(ClosedForm, TheRemainderOfFarPointsIsIndependentAndOfNearOnesShared) {
   Calibration c = bareCalibration({});
   c.rms = 0.5e-6;
