@@ -39,6 +39,7 @@ class Asker {
 
   std::vector<Doubt> ask() {
     temperatures();
+    references();
     const double noise = session_.artifact.repeatability;
     constexpr double kTimesNoise = 100.0;
     if (base_.misfit > std::max(kSuspect, std::isfinite(noise) ? kTimesNoise * noise : 0.0)) {
@@ -80,11 +81,39 @@ class Asker {
       const std::string is =
           format("temperature %s is %.4g to %.4g: is it ", session_.temperatures[i].name.c_str(), low, high);
       if (low > kKelvin)
-        doubts_.push_back({is + "kelvin? (degC expected)", kNotMeasured, kNotMeasured});
+        doubts_.push_back({is + "kelvin? (degC expected)", kNotMeasured, kNotMeasured, true});
       else if (fahrenheit)
         doubts_.push_back({is + format("Fahrenheit? (degC expected; it would be %.3g to %.3g degC)",
                                        (low - 32.0) / 1.8, (high - 32.0) / 1.8),
                            kNotMeasured, kNotMeasured});
+    }
+  }
+
+  /// Deviations that are the readings of their joint with the other sign: what was taken for the true
+  /// position did not move (a flat surface that was probed at many places), and the reading is itself the
+  /// deviation.
+  void references() {
+    constexpr double kTheSame = 1e-3;  // of the range of the readings: no machine errs by its whole way
+    constexpr int kFewest = 5;
+    for (std::size_t j = 0; j < session_.machine.joints().size(); ++j) {
+      double low = INFINITY, high = -INFINITY, lowest = INFINITY, highest = -INFINITY;
+      int count = 0;
+      for (const Observation& o : session_.observations) {
+        if (o.kind != ObservationKind::kDeviation || !std::isfinite(o.deviation[j])) continue;
+        low = std::min(low, o.position[j]);
+        high = std::max(high, o.position[j]);
+        lowest = std::min(lowest, o.position[j] + o.deviation[j]);
+        highest = std::max(highest, o.position[j] + o.deviation[j]);
+        ++count;
+      }
+      if (count < kFewest || !(high > low) || !(highest - lowest < kTheSame * (high - low))) continue;
+      const std::string name = session_.machine.joints()[j].name;
+      doubts_.push_back(
+          {"the deviations of " + name + " are its readings with the other sign: what they were " +
+               "compared with is the same place in all " + std::to_string(count) +
+               " rows; was the reading itself meant as the deviation? (else give the positions that " +
+               "an independent instrument measured)",
+           kNotMeasured, kNotMeasured, true});
     }
   }
 
@@ -216,7 +245,7 @@ class Asker {
       others += (others.empty() ? " (as well " : ", or ") + found_[i].with;
     doubts_.push_back({h.with + " " + what() + " within " + length(h.agreement.misfit) + " instead of " +
                            length(base_.misfit) + ": " + h.question + (others.empty() ? "" : others + ")"),
-                       base_.misfit, h.agreement.misfit});
+                       base_.misfit, h.agreement.misfit, true});
   }
 
   std::string what() const {
@@ -235,7 +264,7 @@ class Asker {
           {format("the recorded approaches point away from the balls (mean cosine %.2f): is the "
                   "approach reversed? (the motion of the tip into the surface is expected)",
                   base_.aligned),
-           kNotMeasured, kNotMeasured});
+           kNotMeasured, kNotMeasured, true});
       return;
     }
     for (std::size_t j = 0; j < session_.machine.joints().size(); ++j) {
@@ -245,7 +274,7 @@ class Asker {
                              format(" reversed the recorded approaches point at the balls (mean cosine %.2f "
                                     "instead of %.2f): is its sign wrong?",
                                     a.aligned, base_.aligned),
-                         kNotMeasured, kNotMeasured});
+                         kNotMeasured, kNotMeasured, true});
     }
   }
 

@@ -11,12 +11,15 @@ struct Doubt {
   std::string question;          // one line, with the figures
   double before = kNotMeasured;  // m: how badly the geometry agrees as it is; NaN: not judged by the geometry
   double after = kNotMeasured;   // m: and how well with what is asked
+  /// What was read is so far from what can be that it must be answered before any physics is asked.
+  bool first = false;
 };
 
 /// Asks about units, signs and names before any physics: temperatures in kelvin or Fahrenheit; readings in
 /// inches, metres or micrometres, in radians or degrees; reversed or exchanged joints, permuted balls, a
-/// reversed approach. A geometric question is asked only where the balls (or the instrument's positions)
-/// disagree far beyond any machine's errors, and agree when it is answered with yes. Empty: nothing strange.
+/// reversed approach, a reference that is the reading itself. A geometric question is asked only where the
+/// balls (or the instrument's positions) disagree far beyond any machine's errors, and agree when it is
+/// answered with yes. Empty: nothing strange.
 /// @param session prepared.
 std::vector<Doubt> sensibleDoubts(const Session& session);
 

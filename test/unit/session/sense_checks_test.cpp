@@ -61,6 +61,29 @@ TEST_F(SenseChecks, AskForKelvinAndFahrenheit) {
               AllOf(HasSubstr("is it Fahrenheit?"), HasSubstr("it would be 18.5 to 22.5 degC")));
 }
 
+TEST_F(SenseChecks, WhatMustBeAnsweredFirst) {
+  EXPECT_TRUE(doubt([](PlateRow& r) { r.bed += 273.15; }).first);
+  EXPECT_FALSE(doubt([](PlateRow& r) { r.bed = 32.0 + 1.8 * r.bed; }).first) << "a chamber may be that warm";
+  EXPECT_TRUE(doubt([](PlateRow& r) { r.position /= 25.4; }).first);
+}
+
+TEST_F(SenseChecks, AskForAReferenceThatIsTheReadingItself) {
+  const auto doubts = [&](double reference) {  // of a surface that was probed at many places, mm
+    std::string csv = "time_s,x_mm,z_mm,deviation_z_um\n";
+    for (int i = 0; i < 20; ++i) {
+      const double z = 0.05 * std::sin(1.3 * i);
+      csv += std::to_string(i) + "," + std::to_string(5 * i) + "," + std::to_string(z) + "," +
+             std::to_string(1e3 * (reference * z - z) + 0.01 * (i % 3)) + "\n";
+    }
+    return sensibleDoubts(readContactsCsv(folder_.write("z.csv", csv), Machine::load("three_axis"), nullptr));
+  };
+  ASSERT_EQ(doubts(0.0).size(), 1u);
+  EXPECT_TRUE(doubts(0.0)[0].first);
+  EXPECT_THAT(doubts(0.0)[0].question,
+              StartsWith("the deviations of z are its readings with the other sign"));
+  EXPECT_TRUE(doubts(0.99).empty()) << "an instrument that found one per cent of error";
+}
+
 TEST_F(SenseChecks, AskForUnitsOfLength) {
   Doubt d = doubt([](PlateRow& r) { r.position /= 25.4; });
   EXPECT_THAT(d.question,
