@@ -1,7 +1,7 @@
 // The page, section by section.
 
 const kVerdicts = {
-  insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet",
+  question: "A question first", insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet",
   missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained",
 };
 const kNoise = { declared: "declared", repeated: "from repeated measurements", estimated: "estimated from the residuals" };
@@ -63,7 +63,7 @@ function picture() {
 /** What to do where there is nothing to type. */
 function advice() {
   const drift = diagnosis.drift.length ? " " + capital(said(diagnosis.drift[0].to_do)) + "." : "";
-  return { insufficient_data: "Measure more, or take effects out of the model.", explained: "Nothing to add: what is left is noise." + drift,
+  return { question: "Answer it, then diagnose again.", insufficient_data: "Measure more, or take effects out of the model.", explained: "Nothing to add: what is left is noise." + drift,
     scatter: "Touch one point twenty times, then diagnose again with their standard deviation as --repeatability-um." + drift,
     unknown_effect: "Look for the cause in the figures below.", confusable: "Measure the listed moves." }[diagnosis.verdict] || "";
 }
@@ -168,9 +168,9 @@ function sharePercent(share) {
 
 function where() {
   if (!diagnosis.where.length) return;
-  const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), sharePercent(w.share)], pValue(w.p_value)], { chosen: w.p_value < 0.01 }));
-  sectionIf(diagnosis.where.some((w) => w.p_value < 0.01), "where", "Where the model fails", "no variable explains what is left", lead("Share of what is left that one variable alone explains, in any direction. p: probability of so much by chance, corrected for the number of variables; bold below 0.01."),
-    longTable("Variables, largest share first", [["Variable"], ["Share", "nowrap"], ["p", "n"]], rows, 12));
+  const rows = diagnosis.where.map((w) => Object.assign([w.variable, [meter(w.share), sharePercent(w.share)], pValue(w.p_value), sharePercent(w.share_beside), pValue(w.p_value_beside)], { chosen: w.p_value_beside < 0.01 }));
+  sectionIf(diagnosis.where.some((w) => w.p_value < 0.01), "where", "Where the model fails", "no variable explains what is left", lead("Share of what is left that one variable explains, in any direction: alone, and of what those above it leave. p: probability of so much by chance in the noise that was found, corrected for the number of variables; bold where it is below 0.01 beside those above."),
+    longTable("Variables, largest share first", [["Variable"], ["Share alone", "nowrap"], ["p", "n"], ["beside those above", "n"], ["p", "n"]], rows, 12));
 }
 
 function variables() {
@@ -259,7 +259,7 @@ function candidates() {
     const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words) : [];
     return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
-  sectionIf(diagnosis.missing.length > 0, "candidates", "Candidates, best first", "none is named", lead("Each cause of the catalogue, everything refitted with it; the bar is the share of the held-out RMS that it removes, worked out for the best. Bold: named as missing."),
+  sectionIf(diagnosis.missing.length > 0, "candidates", "Candidates, best first", "none is named", lead("Each cause of the catalogue. The odds are those beside what was found: what only imitates it has none. Size and held-out RMS are those of each alone, everything refitted with it; the bar is the share of the held-out RMS that it removes, worked out for the best. Bold: named as missing."),
     longTable(diagnosis.candidates.length + (diagnosis.candidates.length === 1 ? " cause asked" : " causes asked"), [["Cause"], ["odds", "nowrap"], ["held-out RMS after, " + kUnit, "nowrap"], ["size, " + kUnit, "n"], ["confusable with", "text"]], rows, 12));
 }
 

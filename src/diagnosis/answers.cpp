@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "base/units.h"
 #include "design/next_measurement.h"
@@ -246,12 +247,39 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
   }
 }
 
-void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
+namespace {
+
+/// Causes that are named, their rivals, and what may act beside drift: their probability, by the key of the
+/// cause.
+std::map<std::string, double> probabilitiesSaid(const Diagnosis& d, const Domain& domain) {
+  std::map<std::string, double> said;
+  const auto take = [&](const EffectSpec& spec, double odds) {
+    double& most = said[causeOf(*createEffect(spec, domain))];
+    most = std::max(most, odds);
+  };
+  for (const CandidateResult& m : d.missing) {
+    take(m.effect, m.odds);
+    for (const Confusable& c : m.confusableWith) take(c.effect, c.odds);
+  }
+  for (const DriftResult& drift : d.drift)
+    for (const DriftResult::Perhaps& p : drift.perhaps) take(p.effect, p.odds);
+  return said;
+}
+
+}  // namespace
+
+void listCandidates(const Search& search, const Explanation& found,
+                    const std::map<std::string, double>& doubted, const HeldOut& held, double unit,
                     Diagnosis& out) {
   const Questions& q = search.questions();
-  // one at a time, each with nothing else but the noise
   const auto evidence = search.evidenceAt(found);
   const Evidence::Given nothing = evidence->given({});
+  // what imitates a cause that was found explains much alone, and nothing beside it
+  std::map<std::string, double> odds = probabilitiesSaid(out, q.space->problem().model().domain());
+  odds.insert(doubted.begin(), doubted.end());
+  for (const Gain& g : evidence->gains(evidence->given(found.members)))
+    if (g.group >= 0)
+      odds.try_emplace(q.groups.groups[g.group].key, weightOf(q, g.value) / (1.0 + weightOf(q, g.value)));
   const double before = held.before() * unit;
   std::size_t count = 0;
   for (const Gain& g : evidence->gains(nothing)) {
@@ -261,7 +289,7 @@ void listCandidates(const Search& search, const Explanation& found, const HeldOu
     CandidateResult r;
     r.effect = shape.spec;
     r.gain = g.value;
-    r.odds = weightOf(q, g.value) / (1.0 + weightOf(q, g.value));
+    r.odds = odds.at(q.groups.groups[g.group].key);
     r.pValue = std::min(1.0, q.asked * std::exp(-std::min(kMostNats, g.value)));
     r.heldOutBefore = before;
     r.heldOutAfter = count++ < kMostHeldOut && g.size > 0.0 ? held.withGroup(g.group) * unit : before;
@@ -273,6 +301,8 @@ void listCandidates(const Search& search, const Explanation& found, const HeldOu
     }
     out.candidates.push_back(std::move(r));
   }
+  std::stable_sort(out.candidates.begin(), out.candidates.end(),
+                   [](const CandidateResult& a, const CandidateResult& b) { return a.odds > b.odds; });
 }
 
 void listCannotShow(const Questions& q, const Explanation&, Diagnosis& out) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <map>
+#include <string>
 #include <vector>
 
 #include "diagnosis/diagnose.h"
@@ -53,7 +55,11 @@ std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answe
                              const CalibrationResult& full, int first, std::size_t members);
 /// Sizes by the fit that knows the form of the balls, where they have one: least squares do not.
 void allowForForm(const Search& search, const Explanation& found, Diagnosis& out);
-void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
+/// Every cause that was asked, likeliest first: its gain with nothing else but the noise, and the probability
+/// that it acts given what was found. @param doubted causes that are no more likely than this. Comes after
+/// what is named and after the drift, whose probabilities it repeats.
+void listCandidates(const Search& search, const Explanation& found,
+                    const std::map<std::string, double>& doubted, const HeldOut& held, double unit,
                     Diagnosis& out);
 void listCannotShow(const Questions& questions, const Explanation& found, Diagnosis& out);
 void fillScatter(const Search& search, const Explanation& found, double unit, Diagnosis& out);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 
@@ -10,10 +11,10 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "diagnosis/answers.h"
-#include "diagnosis/diagnosis_method.h"
 #include "diagnosis/drift_report.h"
 #include "diagnosis/full_fit.h"
 #include "diagnosis/held_out.h"
+#include "diagnosis/likely_shapes.h"
 #include "diagnosis/question_list.h"
 #include "diagnosis/search.h"
 #include "diagnosis/shortlist.h"
@@ -30,9 +31,8 @@ constexpr int kMostLooks = 3;       // at what stands apart
 
 class Diagnoser {
  public:
-  Diagnoser(const Session& session, const Model& model, const DiagnoseOptions& options,
-            DiagnosisMethod method, Diagnosis& out)
-      : session_(session), model_(model), options_(options), method_(method), out_(out) {}
+  Diagnoser(const Session& session, const Model& model, const DiagnoseOptions& options, Diagnosis& out)
+      : session_(session), model_(model), options_(options), out_(out) {}
 
   void run(const Eigen::VectorXd& start) {
     report("fit", 0.0);
@@ -43,12 +43,12 @@ class Diagnoser {
     out_.base = calibrate(session_, model_, fit_, start);
     model_ = out_.base.problem->model();  // its networks have learned
     out_.angular = !std::isfinite(out_.base.figures.rms);
+    if (!out_.questions.empty()) return;
     if (out_.base.figures.degreesOfFreedom < kFewestFreedoms)
       throw NumericalError(std::to_string(out_.base.problem->rowCount()) + " residuals leave " +
                            std::to_string(out_.base.figures.degreesOfFreedom) +
                            " degrees of freedom, too few to tell a missing effect from noise; measure more");
     refuseWhatNoPhysicsExplains();
-    out_.where = whereItFails(out_.base);
 
     // outliers may have been structure, and structure may have hidden outliers: look again with what was
     // found in
@@ -130,13 +130,14 @@ class Diagnoser {
     LinearisedRows rows = noiseRows(look.space->linearisation(), look.space->used(), fitted.sigma,
                                     look.space->target(), look.space->basis());
     q.rows = std::move(rows.rows);
+    q.rows.sinceFirst = options_.method == DiagnosisMethod::kPosterior;
     q.directions = std::move(rows.directions);
     q.directionScale = std::move(rows.directionScale);
     spreadOverResolution(q);
     addScatter(q);
     q.many = look.space->rows() > options_.manyRows;
     report("questions", 0.1 + 0.2 * round);
-    if (method_ == DiagnosisMethod::kPosterior) {
+    if (options_.method == DiagnosisMethod::kPosterior) {
       drawFromPosterior(look, fitted, round);
       return look;
     }
@@ -160,40 +161,58 @@ class Diagnoser {
   /// All questions together, answered by one sample.
   void drawFromPosterior(Look& look, const CalibrationResult& fitted, int round) const {
     Questions& q = look.questions;
-    q.groups = QuestionList::causes(*look.space).all();
-    q.asked = q.groups.causes;
-    Groups profiles = QuestionList::profiles(*look.space).all();
-    q.profiles = static_cast<int>(profiles.groups.size());
-    append(q.groups, std::move(profiles));
+    const double stated = statedFreedomsOf(fitted);
+    LikelyShapes likely(*look.space, q, stated);
     report("posterior", 0.2 + 0.2 * round);
     const auto draw = [&](const Eigen::VectorXd& variance) {
-      look.posterior = std::make_shared<PosteriorAnswer>(
-          explainByPosterior(q, variance, statedFreedomsOf(fitted), options_.seed));
+      if (look.posterior == nullptr)
+        likely.walk(variance);
+      else
+        likely.weigh(variance, *look.posterior);
+      for (int again = 0; again < kMostLooks; ++again) {
+        look.posterior = std::make_shared<PosteriorAnswer>(
+            explainByPosterior(q, variance, stated, likely.starts(), options_.seed));
+        if (again + 1 == kMostLooks || !likely.extend(*look.posterior, again == 0)) break;
+      }
       look.found = look.posterior->found;
     };
     draw(Eigen::VectorXd::Ones(q.rows.rows()));
     const Tails tails = tailsOf(Search(q), look.found);
-    if (!(tails.dof > 0.0)) return;
     look.tailDof = tails.dof;
-    draw(tails.variance);
+    if (tails.dof > 0.0) draw(tails.variance);
+    likely.appendTheRest(*look.posterior);
   }
 
-  /// A name must also predict: a cause that does not lower the error of rows that were not seen, by more than
-  /// its standard error, may act, and is not named.
+  /// A name must also predict: a cause that does not clearly lower the error of rows that were not seen may
+  /// act, and is not named.
   static void dropWhatPredictsNothing(Look& look) {
     const Search search(look.questions);
-    const HeldOut held(search, look.found, false);
-    std::vector<Member> kept;
-    for (std::size_t j = 0; j < look.found.members.size(); ++j) {
-      const Member& m = look.found.members[j];
-      if (held.worthOf(j) > 1.0) {
-        kept.push_back(m);
+    const Questions rows = rowsOf(look.questions);
+    const Search ofRows(rows);
+    look.likeliest = look.found;
+    while (!look.found.members.empty()) {
+      const HeldOut held(ofRows, look.found, false);
+      std::size_t least = 0;
+      double worth = std::numeric_limits<double>::infinity();
+      for (std::size_t j = 0; j < look.found.members.size(); ++j)
+        if (const double of = held.worthOf(j); of < worth) worth = of, least = j;
+      if (worth > kPredicts) break;
+      const int group = look.found.members[least].group;
+      const bool again = !look.doubted
+                              .emplace(look.questions.groups.groups[static_cast<std::size_t>(group)].key,
+                                       0.5 * std::erfc(-worth / std::sqrt(2.0)))
+                              .second;
+      if (look.posterior == nullptr) {
+        look.found = search.without(look.found, least);
+        if (!again) look.found = search.settledWithPairs(std::move(look.found));  // it may come back once
         continue;
       }
       for (Slot& slot : look.posterior->slots)
-        if (slot.named && slot.causes.front() == m.group) slot.named = false;
+        if (slot.named && slot.causes.front() == group) slot.named = false;
+      std::vector<Member> kept = look.found.members;
+      kept.erase(kept.begin() + static_cast<long>(least));
+      look.found = search.refitted(kept, look.found, false);
     }
-    if (kept.size() < look.found.members.size()) look.found = search.refitted(kept, look.found, false);
   }
 
   /// The search on with the weights that the tails of the noise ask for.
@@ -285,6 +304,18 @@ class Diagnoser {
     look.found = Search(q).improved(found);
   }
 
+  /// Columns of what scatters from place to place.
+  static RowMatrix scatterOf(const Questions& q, const Explanation& found) {
+    RowMatrix columns(q.rows.length(), 0);
+    for (std::size_t b = 0; b < q.scatter.size(); ++b) {
+      if (!(found.scatter[b] > 0.0)) continue;
+      const RowMatrix& more = q.scatter[b].columns;
+      columns.conservativeResize(Eigen::NoChange, columns.cols() + more.cols());
+      columns.rightCols(more.cols()) = more;
+    }
+    return columns;
+  }
+
   void conclude(Look& look, const CalibrationResult& fitted, const FullFit& full) {
     const Questions& q = look.questions;
     const Search search(q);
@@ -292,10 +323,8 @@ class Diagnoser {
     const double unit = unitOf(*look.space);
     out_.tailDof = look.tailDof;
     out_.resolution = q.resolution;
-    if (look.posterior == nullptr)
-      sortByGain(search, found);
-    else
-      dropWhatPredictsNothing(look);
+    dropWhatPredictsNothing(look);
+    sortByGain(search, found);
     report("held out", 0.7);
     const HeldOut held(search, found, look.posterior == nullptr);
     out_.heldOutBefore = held.before() * unit;
@@ -304,11 +333,12 @@ class Diagnoser {
     fillAnswers(search, found, held, unit, out_);
     full.takeSizes(look, fitted, out_);
     allowForForm(search, found, out_);
-    listCandidates(search, found, held, unit, out_);
-    listCannotShow(q, found, out_);
     DriftReport drift = driftOf(search, found);
     out_.drift = std::move(drift.drift);
+    listCandidates(search, look.likeliest, look.doubted, held, unit, out_);
+    listCannotShow(q, found, out_);
     const double white = unit * std::sqrt(drift.spokenOf.noise.variance.mean());
+    out_.where = explainedByVariable(*look.space, &search.evidenceAt(found)->whitener(), scatterOf(q, found));
     out_.noise = drift.spokenOf.white * white;
     out_.noiseStd = search.whiteStdOf(drift.spokenOf) * white;
     if (look.posterior != nullptr) takeOdds(q, *look.posterior, out_);
@@ -326,7 +356,6 @@ class Diagnoser {
   const Session& session_;
   Model model_;
   const DiagnoseOptions& options_;
-  const DiagnosisMethod method_;
   Diagnosis& out_;
   CalibrateOptions fit_;
 };
@@ -335,27 +364,25 @@ class Diagnoser {
 
 Diagnosis diagnose(const Session& session, const Model& model, const DiagnoseOptions& options,
                    const Eigen::VectorXd& start) {
-  return diagnoseBy(DiagnosisMethod::kSearch, session, model, options, start);
-}
-
-Diagnosis diagnoseBy(DiagnosisMethod method, const Session& session, const Model& model,
-                     const DiagnoseOptions& options, const Eigen::VectorXd& start) {
   Diagnosis out;
   const CancelScope scope(options.cancelled);
+  for (Doubt& d : sensibleDoubts(session))
+    if (d.first) out.questions.push_back(std::move(d));
   try {
-    Threads(options.calibrate.threads).run([&] {
-      Diagnoser(session, model, options, method, out).run(start);
-    });
+    Threads(options.calibrate.threads).run([&] { Diagnoser(session, model, options, out).run(start); });
   } catch (const NumericalError& error) {
     out.verdict = Verdict::kInsufficientData;
     out.sentence = std::string("The model cannot be fitted to this session: ") + error.what();
+  }
+  if (!out.questions.empty()) {
+    out.verdict = Verdict::kQuestion;
+    out.sentence = sentenceOf(out);
   }
   return out;
 }
 
 std::vector<WhereItFails> whereItFails(const CalibrationResult& fitted) {
-  const ResidualSpace space(fitted);
-  return explainedByVariable(space, space.target(), Eigen::MatrixXd(space.length(), 0));
+  return explainedByVariable(ResidualSpace(fitted), nullptr, {});
 }
 
 }  // namespace mm

@@ -7,6 +7,7 @@
 #include "design/next_measurement.h"
 #include "effects/effect.h"
 #include "estimation/calibrate.h"
+#include "session/sense_checks.h"
 
 namespace mm {
 
@@ -15,6 +16,7 @@ struct WhereItFails {
   std::string variable;  // "x", "x travel direction", "temperature bed", "time", "ball", …
   double share = 0.0;    // of the residual variance, adjusted for the number of terms; 0 … 1
   double pValue = 1.0;   // corrected for the number of variables asked
+  double shareBeside = 0.0, pBeside = 1.0;  // the same of what the variables before it in the list leave
 };
 
 /// One estimated parameter of a missing effect, in its unit for people.
@@ -40,8 +42,8 @@ struct Confusable {
 struct CandidateResult {
   EffectSpec effect;
   std::vector<NamedValue> parameters;
-  double gain = 0.0;    // log evidence with it minus without, everything refitted, nats
-  double odds = 0.0;    // posterior probability that it acts, against its rivals and chance, 0 … 1
+  double gain = 0.0;    // log evidence with it minus without, nats: beside what was found, or alone
+  double odds = 0.0;    // posterior probability that it acts, given what was found, 0 … 1
   double pValue = 1.0;  // a bound from `gain`, corrected for every cause that was asked
   double heldOutBefore = 0.0, heldOutAfter = 0.0;  // RMS, m (rad for angular sessions)
   double size = 0.0;  // RMS of its contribution after refit, m (rad for angular sessions)
@@ -121,7 +123,15 @@ struct CannotShow {
   std::string why, moves;
 };
 
-enum class Verdict { kInsufficientData, kUnknownEffect, kConfusable, kMissingEffect, kScatter, kExplained };
+enum class Verdict {
+  kQuestion,
+  kInsufficientData,
+  kUnknownEffect,
+  kConfusable,
+  kMissingEffect,
+  kScatter,
+  kExplained
+};
 /// As in JSON: "missing_effect".
 std::string nameOf(Verdict verdict);
 
@@ -132,7 +142,8 @@ struct NotJudged {
 };
 
 struct Diagnosis {
-  CalibrationResult base;  // the model as it is, refitted to the session
+  std::vector<Doubt> questions;  // what must be answered first: then no cause is named
+  CalibrationResult base;        // the model as it is, refitted to the session
   Verdict verdict = Verdict::kExplained;
   std::string sentence;  // the verdict in words
   std::vector<WhereItFails> where;
@@ -158,7 +169,12 @@ struct Diagnosis {
   bool angular = false;  // RMS figures are rad
 };
 
+/// How causes are found: by a search that changes one explanation as long as that helps, or by drawing from
+/// the posterior over all sets of causes, of which every answer is a marginal.
+enum class DiagnosisMethod { kSearch, kPosterior };
+
 struct DiagnoseOptions {
+  DiagnosisMethod method = DiagnosisMethod::kSearch;
   CalibrateOptions calibrate;  // repeatability, outliers, cancel
   std::uint64_t seed = 1;
   int manyRows = 3000;  // residuals: of a longer session not all questions are asked together

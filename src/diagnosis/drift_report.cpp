@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/units.h"
+#include "diagnosis/held_out.h"
 #include "diagnosis/wording.h"
 #include "estimation/drift.h"
 #include "estimation/repeatability.h"
@@ -54,8 +55,7 @@ Eigen::VectorXd pathOf(const Search& search, const Explanation& found, int direc
   const int n = q.rows.rows();
   const Eigen::VectorXd left = q.rows.target - search.evidenceAt(found)->fit(found.members).withoutDrift;
   const Eigen::MatrixXd byTerm =
-      TimeWhitener(q.rows.time, q.rows.factors, found.noise.variance, found.noise.drift)
-          .driftByTerm(left.head(n));
+      whitenerOf(q.rows, found.noise.variance, found.noise.drift).driftByTerm(left.head(n));
   Eigen::VectorXd path = Eigen::VectorXd::Zero(n);
   int term = 0;
   for (const DriftTerm& t : found.noise.drift) {
@@ -137,6 +137,8 @@ DriftReport driftOf(const Search& search, const Explanation& found) {
   DriftReport report{{}, found};
   std::vector<DriftResult>& results = report.drift;
   std::vector<int> directions;
+  const Questions rows = rowsOf(q);
+  const Search ofRows(rows);
   for (int d = 0; d < static_cast<int>(q.directions.size()); ++d) {
     if (!(varianceAlong(found.noise, d, found.white) > 0.0)) continue;
     Explanation without = search.refitted(found.members, withoutDriftAlong(found, d), false);
@@ -146,7 +148,10 @@ DriftReport driftOf(const Search& search, const Explanation& found) {
     }
     DriftResult r;
     r.direction = q.directions[d];
-    const Quickest quickest = quickestOf(search, found, d);
+    Quickest quickest = quickestOf(search, found, d);
+    // what does not predict rows from their neighbours is scatter
+    if (!(HeldOut(ofRows, found, false).worthOver(HeldOut(ofRows, without, false)) > kPredicts))
+      quickest.most = std::numeric_limits<double>::infinity();
     r.std = std::sqrt(varianceAlong(found.noise, d, found.white)) * q.directionScale[d];
     r.quickStd = std::sqrt(varianceAlong(found.noise, d, found.white, quickest.most)) * q.directionScale[d];
     double largest = 0.0;

@@ -43,8 +43,7 @@ std::shared_ptr<const Evidence::Fixed> Evidence::fixedOf(const NoiseRows& rows, 
   if (heldOut != nullptr)
     for (int i = 0; i < rows.rows(); ++i)
       if ((*heldOut)[i]) out->noise.variance[i] = kUnused, ++held;
-  out->whitener =
-      std::make_unique<TimeWhitener>(rows.time, rows.factors, out->noise.variance, out->noise.drift);
+  out->whitener = std::make_unique<TimeWhitener>(whitenerOf(rows, out->noise.variance, out->noise.drift));
   const int base = static_cast<int>(rows.base.cols());
   int fixed = base;
   for (const RandomBlock& b : blocks)

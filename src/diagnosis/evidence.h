@@ -70,9 +70,10 @@ class Evidence {
   };
   Fit fit(const std::vector<Member>& members) const;  ///< refits all together
 
-  const NoiseModel& noise() const { return fixed_->noise; }  ///< held
-  const Groups& groups() const { return groups_; }           ///< all causes asked
-  const NoiseRows& rows() const { return rows_; }            ///< whitened
+  const NoiseModel& noise() const { return fixed_->noise; }           ///< held
+  const TimeWhitener& whitener() const { return *fixed_->whitener; }  ///< of the noise
+  const Groups& groups() const { return groups_; }                    ///< all causes asked
+  const NoiseRows& rows() const { return rows_; }                     ///< whitened
 
  private:
   /// The columns of a member, whitened, and what the base and the blocks leave of their products.

@@ -1,5 +1,7 @@
 #pragma once
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "diagnosis/answers.h"
@@ -14,6 +16,9 @@ struct Look {
   Explanation found;
   std::shared_ptr<PosteriorAnswer> posterior;  // where the answer was drawn from it
   double tailDof = 0.0;
+  Explanation likeliest;  // with those that do not clearly predict rows that were not seen
+  /// These: the probability that they predict anything.
+  std::map<std::string, double> doubted;
 };
 
 /// The model with everything that a look found, fitted to the session as a calibration would fit it. The

@@ -11,11 +11,6 @@
 
 namespace mm {
 
-/// Nats that a size costs for each factor of e by which it is larger than is usual: odds that fall with its
-/// third power, so that it can still be shown, and does not stand where an ordinary size of another cause
-/// explains as much (a scale, and an expansion of forty times that of steel at a temperature that hardly
-/// changed).
-constexpr double kUnusual = 3.0;
 /// Nats that a sign costs which is seldom met (10 to 1): of causes that act alike it is not the first, and
 /// still among them.
 constexpr double kSeldomSign = 2.3;
@@ -29,16 +24,17 @@ struct Shape {
   int main = 0;                   // of these, the first are those of the effect itself
   std::vector<EffectSpec>
       mixed;  // not empty: a shape made of several members of the family, a main column each
-  /// Coefficient of the first column that is the largest usual one (Parameter::usual).
+  /// Coefficient of the first column beyond which sizes are met less and less: that of Parameter::usual,
+  /// where nothing of it is known a part of its bound.
   double usual = std::numeric_limits<double>::infinity();
-  /// Coefficient of the first column beyond which sizes are met less and less (half-t).
-  double plausible = std::numeric_limits<double>::infinity();
   bool seldomNegative = false;  // that coefficient (Parameter::seldomNegative)
-  /// Of a coefficient of the first column, in nats.
+  /// Of a coefficient of the first column, in nats. A half-t of three degrees of freedom, whose odds fall
+  /// with the third power of the size: it can still be shown, and does not stand where an ordinary size of
+  /// another cause explains as much (a scale, and an expansion of forty times that of steel at a temperature
+  /// that hardly changed).
   double priceOfSize(double coefficient) const {
-    const double size = std::abs(coefficient);
-    return (size > usual ? kUnusual * std::log(size / usual) : 0.0) +
-           (seldomNegative && coefficient < 0.0 ? kSeldomSign : 0.0);
+    const double of = coefficient / usual;
+    return 1.5 * std::log1p(of * of) + (seldomNegative && coefficient < 0.0 ? kSeldomSign : 0.0);
   }
 };
 

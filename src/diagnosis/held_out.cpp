@@ -64,24 +64,38 @@ double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& mem
   return n > 0 ? std::sqrt(sum / n) : 0.0;
 }
 
-double HeldOut::worthOf(std::size_t member) const {
-  std::vector<Member> others = found_.members;
-  others.erase(others.begin() + static_cast<long>(member));
+std::map<int, double> HeldOut::squaresOf(int without) const {
   const std::vector<int>& blockOfRow = search_.questions().space->folds().blockOfRow;
-  std::map<int, double> lower;  // a block: by how much
+  std::map<int, double> squares;
   for (const Fold& fold : folds_) {
-    const Eigen::VectorXd gain =
-        errorsOf(fold, others).cwiseAbs2() - errorsOf(fold, found_.members).cwiseAbs2();
+    std::vector<Member> members = fold.members;
+    if (without >= 0) members.erase(members.begin() + without);
+    const Eigen::VectorXd errors = errorsOf(fold, members);
     int at = 0;
     for (std::size_t i = 0; i < fold.held.size(); ++i)
-      if (fold.held[i]) lower[blockOfRow[i]] += gain[at++];
+      if (fold.held[i]) squares[blockOfRow[i]] += errors[at] * errors[at], ++at;
   }
+  return squares;
+}
+
+namespace {
+
+/// How much lower the sums of blocks are, over the standard error of that.
+double lowerBy(const std::map<int, double>& before, const std::map<int, double>& after) {
+  const double n = static_cast<double>(before.size());
   double sum = 0.0, squares = 0.0;
-  for (const auto& [block, value] : lower) sum += value;
-  const double n = static_cast<double>(lower.size()), mean = sum / n;
-  for (const auto& [block, value] : lower) squares += (value - mean) * (value - mean);
+  for (const auto& [block, value] : before) sum += value - after.at(block);
+  for (const auto& [block, value] : before) squares += std::pow(value - after.at(block) - sum / n, 2);
   return sum / std::sqrt(std::max(1e-300, squares * n / std::max(1.0, n - 1.0)));
 }
+
+}  // namespace
+
+double HeldOut::worthOf(std::size_t member) const {
+  return lowerBy(squaresOf(static_cast<int>(member)), squaresOf(-1));
+}
+
+double HeldOut::worthOver(const HeldOut& other) const { return lowerBy(other.squaresOf(-1), squaresOf(-1)); }
 
 double HeldOut::before() const {
   return rmsOf([](const Fold&) { return std::vector<Member>(); });

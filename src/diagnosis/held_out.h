@@ -1,10 +1,16 @@
 #pragma once
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "diagnosis/search.h"
 
 namespace mm {
+
+/// Standard errors by which what is told must lower the error of rows that were not seen: one in ten that
+/// predicts nothing does so by chance.
+constexpr double kPredicts = 1.28;
 
 /// What an explanation is worth on rows that it has not seen. Blocks of time are held out with a gap on
 /// either side; in each fold the search is run again on the other rows, the noise being that of all; drift is
@@ -28,6 +34,8 @@ class HeldOut {
   /// How much a member lowers the sum of squared errors beside the others, over its standard error, blocks of
   /// rows being independent; what predicts nothing is about 0.
   double worthOf(std::size_t member) const;
+  /// The same of what another explanation of the same rows lacks.
+  double worthOver(const HeldOut& other) const;
 
  private:
   struct Fold {
@@ -39,6 +47,8 @@ class HeldOut {
   };
   /// Errors of the judged rows of a fold, what only they determine taken out.
   Eigen::VectorXd errorsOf(const Fold& fold, const std::vector<Member>& members) const;
+  /// Sums of squared errors, a block of rows. @param without a member of the explanation; -1: with all.
+  std::map<int, double> squaresOf(int without) const;
   double rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const;
 
   const Search& search_;

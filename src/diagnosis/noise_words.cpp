@@ -87,23 +87,6 @@ std::string scatterSentence(const Diagnosis& d) {
                     twenty + " to find out which.");
 }
 
-std::string dependenceSentence(const Diagnosis& d) {
-  constexpr double kPlain = 1e-3;  // of one variable, of all that were asked: nobody takes it for chance
-  const auto strongest =
-      std::min_element(d.where.begin(), d.where.end(),
-                       [](const WhereItFails& a, const WhereItFails& b) { return a.pValue < b.pValue; });
-  if (strongest == d.where.end() || !(strongest->pValue < kPlain)) return {};
-  std::string of = d.drift.empty() ? "" : "drift";
-  for (const ArtifactScatter& s : d.artifactScatter) {
-    const std::string what = s.what == "datum"  ? "the displacement of the artifact"
-                             : s.what == "form" ? "the form of the balls"
-                                                : "the scatter of the balls' " + s.what;
-    of += (of.empty() ? "" : &s == &d.artifactScatter.back() ? " and " : ", ") + what;
-  }
-  if (of.empty()) return {};
-  return " That the residuals depend on " + strongest->variable + " comes of " + of + ".";
-}
-
 /// " Backlash of x is not the same everywhere: …"
 std::string variationSentence(const Diagnosis& d) {
   std::string text;

@@ -11,8 +11,6 @@ namespace mm {
 std::string scatterSentence(const Diagnosis& diagnosis);
 /// Sentence of Verdict::kExplained.
 std::string explainedSentence(const Diagnosis& diagnosis);
-/// Whose the dependences are that the residuals show where no cause is missing; empty where they show none.
-std::string dependenceSentence(const Diagnosis& diagnosis);
 /// " But backlash of x is not the same everywhere: …", and what would explain that; else empty.
 std::string variationSentence(const Diagnosis& diagnosis);
 /// " Drift: …", of all that is not told by another sentence; else empty.

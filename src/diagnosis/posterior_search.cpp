@@ -17,38 +17,33 @@ constexpr double kPerhaps = 0.1;           // probability from which a cause is 
 /// How often such a cause is met, a common one being 1.
 double metOf(const Group& group) { return group.profile ? std::pow(kCurve, group.variables) : 1.0; }
 
-/// A half-t of three degrees of freedom: odds that fall with the third power of the size.
-double logOfSize(double size, double plausible) {
-  const double of = size / plausible;
-  return -1.5 * std::log1p(of * of);
+}  // namespace
+
+double logPriorOddsOf(const Questions& q, const Group& group) {
+  return std::log(kExpected * metOf(group) / std::max(1, q.asked));
 }
 
-PosteriorProblem problemOf(const Questions& q, double statedFreedoms) {
+PosteriorProblem problemOf(const Questions& q, const Groups& groups, double statedFreedoms) {
   PosteriorProblem p;
   p.rows = q.rows;
   p.scatter = q.scatter;
-  p.columns = q.groups.columns;
   p.statedFreedoms = statedFreedoms;
-  double met = 0.0;
-  for (const Group& g : q.groups.groups)
-    if (!g.profile) met += metOf(g);
   // shapes of one cause side by side
-  RowMatrix columns(p.columns.rows(), p.columns.cols());
+  RowMatrix columns(q.rows.length(), groups.columns.cols());
   int at = 0;
-  for (const Group& g : q.groups.groups) {
+  for (const Group& g : groups.groups) {
     Cause cause;
-    cause.logPriorOdds = std::log(kExpected * metOf(g) / std::max(1.0, met));
+    cause.logPriorOdds = logPriorOddsOf(q, g);
     cause.first = static_cast<int>(p.shapes.size());
     for (const Shape& s : g.shapes) {
       CauseShape shape;
       shape.cause = static_cast<int>(p.causes.size());
       shape.first = at;
       shape.count = s.count;
-      columns.middleCols(at, s.count) = q.groups.columns.middleCols(s.first, s.count);
+      columns.middleCols(at, s.count) = groups.columns.middleCols(s.first, s.count);
       at += s.count;
       for (int k = 0; k < kSizes; ++k)
-        shape.logPrior[k] =
-            -g.priceOfShape() - std::log(double(kSizes)) + logOfSize(sizeGrid()[k], s.plausible);
+        shape.logPrior[k] = -g.priceOfShape() - std::log(double(kSizes)) - s.priceOfSize(sizeGrid()[k]);
       p.shapes.push_back(shape);
     }
     cause.end = static_cast<int>(p.shapes.size());
@@ -58,8 +53,6 @@ PosteriorProblem problemOf(const Questions& q, double statedFreedoms) {
   return p;
 }
 
-}  // namespace
-
 double statedFreedomsOf(const CalibrationResult& fitted) {
   if (fitted.repeatabilityFrom == "estimated") return 1.0;
   if (fitted.repeatabilityFrom == "repeated" && fitted.repeated.dof > 0.0)
@@ -68,10 +61,11 @@ double statedFreedomsOf(const CalibrationResult& fitted) {
 }
 
 PosteriorAnswer explainByPosterior(const Questions& q, const Eigen::VectorXd& variance, double statedFreedoms,
-                                   std::uint64_t seed) {
-  const PosteriorProblem problem = problemOf(q, statedFreedoms);
+                                   const std::vector<PosteriorStart>& starts, std::uint64_t seed) {
+  const PosteriorProblem problem = problemOf(q, q.groups, statedFreedoms);
   SampleOptions options;
   options.seed = seed;
+  options.starts = starts;
   PosteriorAnswer out;
   out.sample = samplePosterior(problem, variance, options);
   out.slots = slotsOf(out.sample);
@@ -159,7 +153,7 @@ void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out)
   }
   for (CandidateResult& r : out.candidates) {
     const std::string key = causeOf(*createEffect(r.effect, domain));
-    for (std::size_t g = 0; g < q.groups.groups.size(); ++g)
+    for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g)
       if (q.groups.groups[g].key == key) r.odds = odds(answer.sample, answer.sample.inclusion[g]);
   }
 }

@@ -13,10 +13,16 @@ struct PosteriorAnswer {
   Explanation found;           // the leaders of the named slots, refitted
 };
 
-/// Draws from the posterior. @param variance of the white noise, a data row. @param statedFreedoms how many
-/// degrees of freedom the stated noise is worth.
+/// Log prior odds that a cause acts in a session.
+double logPriorOddsOf(const Questions& questions, const Group& group);
+/// A session as the posterior sees it. @param groups what may act; those of the questions or a part of them.
+/// @param statedFreedoms how many degrees of freedom the stated noise is worth.
+PosteriorProblem problemOf(const Questions& questions, const Groups& groups, double statedFreedoms);
+/// Draws from the posterior. @param variance of the white noise, a data row. @param starts sets from which
+/// chains begin, beside that of nothing.
 PosteriorAnswer explainByPosterior(const Questions& questions, const Eigen::VectorXd& variance,
-                                   double statedFreedoms, std::uint64_t seed);
+                                   double statedFreedoms, const std::vector<PosteriorStart>& starts,
+                                   std::uint64_t seed);
 /// Degrees of freedom that the repeatability of a fit is worth.
 double statedFreedomsOf(const CalibrationResult& fitted);
 

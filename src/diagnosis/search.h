@@ -27,6 +27,16 @@ struct Questions {
   bool many = false;        // rows: the noise is fitted as `fitManyRows` does
 };
 
+/// The same session without the questions, for what asks none.
+inline Questions rowsOf(const Questions& q) {
+  Questions rows;
+  rows.space = q.space;
+  rows.rows = q.rows;
+  rows.scatter = q.scatter;
+  rows.groups.columns.resize(q.rows.length(), 0);
+  return rows;
+}
+
 /// Another cause in the place of a member, with the noise fitted again.
 struct Rival {
   std::size_t member = 0;

@@ -17,6 +17,7 @@ constexpr double kSeen = 1e-3;
 /// unknowns absorb it there (places at equal distances, and a period that divides them), and it would have to
 /// be large to be seen at all.
 constexpr double kWaveSeen = 0.2;
+constexpr double kMostOfOne = 0.5;  // of what is left of a shape: more in one observation is that observation
 constexpr double kMoved = 1e-9;     // m or rad: less is the rounding of a reading
 constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apart are two
 constexpr double kUsualOfBound =
@@ -105,10 +106,9 @@ MadeShape ShapeMaker::finish(const DraftShape& draft, const Eigen::VectorXd& lef
     }
     if (at == 0) {
       const Parameter& first = firstLinear(*draft.shape.effect);
-      made.shape.usual = first.usual / first.scale / scale;
       made.shape.seldomNegative = first.seldomNegative;
-      const double plausible = std::isfinite(first.usual) ? first.usual : kUsualOfBound * first.bound;
-      made.shape.plausible = plausible / first.scale / scale;
+      const double usual = std::isfinite(first.usual) ? first.usual : kUsualOfBound * first.bound;
+      made.shape.usual = usual / first.scale / scale;
     }
     made.columns.middleCols(at, part.count) = part.share * scale * raw;
     after.segment(at, part.count) = part.share * scale * rest;
@@ -153,6 +153,9 @@ std::vector<MadeShape> ShapeMaker::finished(const std::vector<DraftShape>& draft
       made[i] = finish(drafts[i], left.segment(at, count));
     else
       made[i].why = drafts[i].why;
+    if (made[i].why.empty() &&
+        space_.mostInOneObservation(drafts[i].raw.leftCols(drafts[i].parts.front().count)) > kMostOfOne)
+      made[i].why = "one observation alone would show it, and may as well be a bad reading";
     if (isWave(drafts[i])) {
       if (made[i].why.empty() && !isSeen(drafts[i].raw.leftCols(2), left[at], left[at + 1], left[at + count]))
         made[i].why = "at the places of this session it has its nodes, or the other unknowns absorb it";

@@ -73,25 +73,37 @@ struct Test {
   double share = 0.0, logP = 0.0;
 };
 
-/// What is asked: a residual and what may absorb a part of it.
+/// What is asked: a residual and what may absorb a part of it, as the noise whitens them.
 class ShareTest {
  public:
-  ShareTest(const ResidualSpace& space, const Eigen::VectorXd& left, const Eigen::MatrixXd& found)
-      : basis_(space.length(), space.basis().cols() + found.cols()), left_(left) {
-    basis_ << space.basis(), found;
-    dof_ = static_cast<double>(left_.size() - basis_.cols());
+  ShareTest(const ResidualSpace& space, const TimeWhitener* noise, const RowMatrix& scatter)
+      : noise_(noise), basis_(space.length(), 0), left_(whitened(space.target()).col(0)) {
+    dof_ = static_cast<double>(left_.size());
+    if (noise == nullptr && scatter.cols() == 0) {
+      basis_ = space.basis();
+      dof_ -= static_cast<double>(basis_.cols());
+    } else {
+      absorb(space.basis());
+      absorb(scatter);
+    }
+  }
+
+  /// What these columns (length of the space) explain is asked no more.
+  void absorb(const Eigen::MatrixXd& whole) {
+    if (whole.cols() == 0) return;
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(unitColumns(whole));
+    const auto count = (qr.matrixR().diagonal().cwiseAbs2().array() > kOwnShare).count();
+    const auto before = basis_.cols();
+    basis_.conservativeResize(Eigen::NoChange, before + count);
+    basis_.rightCols(count) = qr.householderQ() * Eigen::MatrixXd::Identity(basis_.rows(), count);
+    left_ -= basis_.rightCols(count) * (basis_.rightCols(count).transpose() * left_).eval();
+    dof_ -= static_cast<double>(count);
   }
 
   /// F test of what columns (length of the space, not projected) explain.
   Test ask(const Eigen::MatrixXd& whole) const {
     CancelScope::check();
-    Eigen::MatrixXd columns = whole;
-    const Eigen::MatrixXd absorbed = basis_.transpose() * columns;
-    columns.noalias() -= basis_ * absorbed;
-    for (int k = 0; k < columns.cols(); ++k) {
-      const double norm = columns.col(k).norm();
-      columns.col(k) /= norm > 0.0 ? norm : 1.0;
-    }
+    const Eigen::MatrixXd columns = unitColumns(whole);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(columns.transpose() * columns);
     const Eigen::VectorXd score = eigen.eigenvectors().transpose() * (columns.transpose() * left_);
     double drop = 0.0;
@@ -111,6 +123,27 @@ class ShareTest {
   }
 
  private:
+  Eigen::MatrixXd whitened(const Eigen::MatrixXd& whole) const {
+    if (noise_ == nullptr) return whole;
+    RowMatrix columns = whole;
+    noise_->whiten(columns);
+    return columns;
+  }
+
+  /// What the basis leaves of columns, as parts of what they were: of one that it absorbs nothing but
+  /// rounding.
+  Eigen::MatrixXd unitColumns(const Eigen::MatrixXd& whole) const {
+    Eigen::MatrixXd columns = whitened(whole);
+    for (int k = 0; k < columns.cols(); ++k) {
+      const double norm = columns.col(k).norm();
+      columns.col(k) /= norm > 0.0 ? norm : 1.0;
+    }
+    const Eigen::MatrixXd absorbed = basis_.transpose() * columns;
+    columns.noalias() -= basis_ * absorbed;
+    return columns;
+  }
+
+  const TimeWhitener* noise_;
   Eigen::MatrixXd basis_;
   Eigen::VectorXd left_;
   double dof_ = 1.0;
@@ -177,21 +210,36 @@ Directions directionsOf(const ResidualSpace& space) {
   return directionsOf(space.linearisation(), space.used());
 }
 
-std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left,
-                                              const Eigen::MatrixXd& found) {
+std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const TimeWhitener* noise,
+                                              const RowMatrix& scatter) {
   const std::vector<Variable> variables = variablesOf(space);
   const Directions directions = directionsOf(space);
-  const ShareTest questions(space, left, found);
-  std::vector<WhereItFails> out;
-  for (const Variable& v : variables) {
+  ShareTest questions(space, noise, scatter);
+  const auto columnsOf = [&](const Variable& v) {
     // about their means: a constant in some direction is no variable's, and none shall seem to explain it
     const Eigen::MatrixXd terms = termsOf(v, 4);
-    const Test t = questions.ask(times(space, terms.rowwise() - terms.colwise().mean(), directions.factors));
-    out.push_back({v.name, t.share, std::min(1.0, std::exp(t.logP) * static_cast<double>(variables.size()))});
+    return times(space, terms.rowwise() - terms.colwise().mean(), directions.factors);
+  };
+  const auto probability = [&](const Test& t) {
+    return std::min(1.0, std::exp(t.logP) * static_cast<double>(variables.size()));
+  };
+  std::vector<std::pair<WhereItFails, const Variable*>> asked;
+  for (const Variable& v : variables) {
+    const Test t = questions.ask(columnsOf(v));
+    asked.push_back({{v.name, t.share, probability(t)}, &v});
   }
-  std::stable_sort(out.begin(), out.end(), [](const WhereItFails& a, const WhereItFails& b) {
-    return a.share != b.share ? a.share > b.share : a.pValue < b.pValue;
+  std::stable_sort(asked.begin(), asked.end(), [](const auto& a, const auto& b) {
+    return a.first.share != b.first.share ? a.first.share > b.first.share : a.first.pValue < b.first.pValue;
   });
+  std::vector<WhereItFails> out;
+  for (auto& [where, variable] : asked) {
+    const Eigen::MatrixXd columns = columnsOf(*variable);
+    const Test beside = questions.ask(columns);
+    where.shareBeside = beside.share;
+    where.pBeside = probability(beside);
+    questions.absorb(columns);
+    out.push_back(where);
+  }
   return out;
 }
 

@@ -24,12 +24,12 @@ std::vector<Variable> variablesOf(const ResidualSpace& space);
 /// Directions of the used rows.
 Directions directionsOf(const ResidualSpace& space);
 
-/// How much of `left` (whitened, projected residual, length of the space) each variable explains, in any
-/// direction: low order terms of the variable times each direction, after everything that the model and
-/// `found` absorb.
-/// @param found orthonormal columns of effects already found. The p-values are corrected for the number of
-/// variables.
-std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const Eigen::VectorXd& left,
-                                              const Eigen::MatrixXd& found);
+/// How much of what the model leaves each variable explains, in any direction: low order terms of the
+/// variable times each direction, after everything that the model absorbs; most first. The p-values are
+/// corrected for the number of variables.
+/// @param noise what whitens the rows; null: they are white. @param scatter columns (length of the space) of
+/// what scatters from place to place, and explains nothing.
+std::vector<WhereItFails> explainedByVariable(const ResidualSpace& space, const TimeWhitener* noise,
+                                              const RowMatrix& scatter);
 
 }  // namespace mm

@@ -178,7 +178,7 @@ std::string unknownSentence(const Diagnosis& d) {
     constexpr double kSignificant = 1e-3;  // chance, corrected for the number of variables asked
     std::vector<std::string> on;
     for (const WhereItFails& w : d.where)
-      if (w.pValue < kSignificant && on.size() < 3) on.push_back(w.variable);
+      if (w.pBeside < kSignificant && on.size() < 3) on.push_back(w.variable);
     text += std::string(namedFirst ? "structure" : "Structure") +
             " is left that no effect of the catalogue explains";
     for (std::size_t i = 0; i < on.size(); ++i) text += (i == 0 ? "; it depends on " : ", ") + on[i];
@@ -196,6 +196,8 @@ std::string unknownSentence(const Diagnosis& d) {
 
 std::string nameOf(Verdict verdict) {
   switch (verdict) {
+    case Verdict::kQuestion:
+      return "question";
     case Verdict::kInsufficientData:
       return "insufficient_data";
     case Verdict::kUnknownEffect:
@@ -213,15 +215,22 @@ std::string nameOf(Verdict verdict) {
 
 std::string sentenceOf(const Diagnosis& d) {
   switch (d.verdict) {
+    case Verdict::kQuestion: {
+      std::string text = "Something must be answered before any cause can be named:";
+      for (const Doubt& q : d.questions) text += " " + q.question;
+      return text +
+             " Correct it where the session was written, or in the mapping of its columns, then diagnose "
+             "again.";
+    }
     case Verdict::kUnknownEffect:
       return unknownSentence(d) + remarks(d);
     case Verdict::kConfusable:
     case Verdict::kMissingEffect:
       return missingSentence(d) + remarks(d);
     case Verdict::kScatter:
-      return scatterSentence(d) + variationSentence(d) + driftSentence(d) + dependenceSentence(d);
+      return scatterSentence(d) + variationSentence(d) + driftSentence(d);
     case Verdict::kExplained:
-      return explainedSentence(d) + driftSentence(d) + dependenceSentence(d);
+      return explainedSentence(d) + driftSentence(d);
     default:
       return "The model cannot be fitted to this session: measure more, or take effects out of the model.";
   }

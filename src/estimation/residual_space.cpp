@@ -78,6 +78,15 @@ Eigen::VectorXd ResidualSpace::leftOf(const RowMatrix& columns) const {
   return left.cwiseMax(0.0).cwiseSqrt();
 }
 
+double ResidualSpace::mostInOneObservation(Eigen::MatrixXd columns) const {
+  project(columns);
+  std::vector<double> of(problem().session().observations.size(), 0.0);
+  for (int i = 0; i < rows(); ++i)
+    of[static_cast<std::size_t>(problem().rows()[used_[i]].observation)] += columns.row(i).squaredNorm();
+  const double all = columns.topRows(rows()).squaredNorm();
+  return all > 0.0 ? *std::max_element(of.begin(), of.end()) / all : 0.0;
+}
+
 double logPValueF(double f, double d1, double d2) {
   constexpr double kSmallest = -700.0;  // what a double can hold
   if (!(f > 0.0) || d1 <= 0.0 || d2 <= 0.0) return 0.0;

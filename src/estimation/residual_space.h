@@ -39,6 +39,9 @@ class ResidualSpace {
   /// Norms of what `project` would leave of columns (length x k): one product, without the columns
   /// themselves.
   Eigen::VectorXd leftOf(const RowMatrix& columns) const;
+  /// Share of what `project` leaves of columns (length x k), all together, that one observation has: the
+  /// most.
+  double mostInOneObservation(Eigen::MatrixXd columns) const;
   int length() const { return static_cast<int>(target_.size()); }
 
  private:

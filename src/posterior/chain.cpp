@@ -30,11 +30,12 @@ void insert(ActingSet& set, Acting a) {
 }  // namespace
 
 PosteriorChain::PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::uint64_t seed,
-                               int number, int noise)
+                               int number, int noise, ActingSet set)
     : problem_(problem),
       pool_(pool),
       random_(seed, "posterior chain " + std::to_string(number)),
-      noise_(noise) {}
+      noise_(noise),
+      set_(std::move(set)) {}
 
 int PosteriorChain::causeOf(Acting a) const {
   return problem_.shapes[static_cast<std::size_t>(a.shape)].cause;
@@ -61,6 +62,7 @@ PosteriorChain::Rates PosteriorChain::ratesOf(const Conditionals& look, const Ac
   if (static_cast<int>(set.size()) >= kMostActing)  // full: what does not act stays out
     for (int c = 0; c < causes; ++c)
       if (memberOf(set, c) < 0) rates.logRate[static_cast<std::size_t>(c)] = kNever;
+  if (rates.logRate.empty()) return rates;  // nothing is asked
   rates.logSum = logSumExp(Eigen::Map<const Eigen::ArrayXd>(rates.logRate.data(),
                                                             static_cast<Eigen::Index>(rates.logRate.size())));
   return rates;
@@ -103,6 +105,7 @@ void PosteriorChain::remember() {
 }
 
 void PosteriorChain::stepSet() {
+  if (rates_.logRate.empty()) return;
   const std::size_t move = drawFrom(rates_.logRate);
   ActingSet set = set_;
   if (move < look_.logOdds.size()) {

@@ -23,10 +23,10 @@ struct Visit {
 /// drawn from a pool by Metropolis's rule under the same tempered density.
 class PosteriorChain {
  public:
-  /// @param pool may grow between runs; problem and pool must outlive it. @param noise of the pool, to begin
-  /// with; no cause acts there.
+  /// @param pool may grow between runs; problem and pool must outlive it. @param noise of the pool, and set,
+  /// to begin with.
   PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::uint64_t seed, int number,
-                 int noise = 0);
+                 int noise = 0, ActingSet set = {});
 
   /// @param visits those of these steps are added; null: they are not kept.
   void run(int steps, std::vector<Visit>* visits);

@@ -22,10 +22,10 @@ NoiseView::NoiseView(const PosteriorProblem& problem, NoiseState state,
                      std::shared_ptr<const PackedColumns> packed)
     : problem_(problem),
       state_(std::move(state)),
-      packed_(packed ? std::move(packed) : std::make_shared<const PackedColumns>(problem.columns)),
+      packed_(std::move(packed)),
       logPrior_(state_.logPrior(problem)) {
   const NoiseRows& rows = problem.rows;
-  whitener_ = std::make_unique<TimeWhitener>(rows.time, rows.factors, state_.variance, state_.drift);
+  whitener_ = std::make_unique<TimeWhitener>(whitenerOf(rows, state_.variance, state_.drift));
   const int base = static_cast<int>(rows.base.cols());
   int count = base;
   for (std::size_t b = 0; b < problem.scatter.size(); ++b)
@@ -84,7 +84,8 @@ void NoiseView::makeAll() const {
       const CauseShape& shape = problem_.shapes[s];
       const auto block = part.middleCols(shape.first - first, shape.count);
       const auto absorbed = by.middleCols(shape.first - first, shape.count);
-      products_[s] = Eigen::MatrixXd(rowProducts(block)) - absorbed.transpose() * absorbed;
+      products_[s] = block.transpose().lazyProduct(block);  // so few columns that to pack them takes longer
+      products_[s] -= absorbed.transpose().lazyProduct(absorbed);
     }
     byFixed_.middleCols(first, count) = by;
   }
@@ -121,7 +122,10 @@ const RowMatrix& NoiseView::crossOf(int shape) const {
       weighted.col(k).head(rows) = (column - whitener_->driftIn(column)).cwiseQuotient(state_.variance);
     }
     own.cross.resize(s.count, problem_.columns.cols());
-    packed_->productsWith(weighted, 0, static_cast<int>(problem_.columns.cols()), own.cross);
+    if (packed_)
+      packed_->productsWith(weighted, 0, static_cast<int>(problem_.columns.cols()), own.cross);
+    else
+      own.cross = rowProducts(weighted, problem_.columns);
     own.cross.noalias() -= own.byFixed.transpose() * byFixed_;
   });
   return own.cross;

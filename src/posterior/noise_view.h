@@ -22,7 +22,8 @@ struct Conditionals {
 /// again and again is kept; safe to ask from several threads, and every answer is the same bits whoever asks.
 class NoiseView {
  public:
-  /// @param problem must outlive it. @param packed its columns, shared by the views of a pool; null: its own.
+  /// @param problem must outlive it. @param packed its columns, where a pool of views asks them again and
+  /// again.
   NoiseView(const PosteriorProblem& problem, NoiseState state,
             std::shared_ptr<const PackedColumns> packed = nullptr);
 

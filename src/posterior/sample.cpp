@@ -20,9 +20,14 @@ class Sampler {
     for (NoiseState& s : plainStates(problem_, variance)) add(std::move(s));
     add(fittedBeside(problem_, {}, pool_.front()->state()));
     add(fittedBeside(problem_, {}, pool_[densest({})]->state()));
+    for (const PosteriorStart& s : options_.starts) add(s.noise);
     // from the two ends: no noise but the white, and the noise that explains most alone
-    for (int c = 0; c < options_.chains; ++c)
-      chains_.emplace_back(problem_, pool_, options_.seed, c, c % 2 == 0 ? 0 : static_cast<int>(densest({})));
+    for (int c = 0; c < options_.chains; ++c) {
+      const int given = static_cast<int>(options_.starts.size()) - 1 - c;
+      const ActingSet set = given >= 0 ? options_.starts[static_cast<std::size_t>(given)].set : ActingSet();
+      const int noise = given < 0 && c % 2 == 0 ? 0 : static_cast<int>(densest(set));
+      chains_.emplace_back(problem_, pool_, options_.seed, c, noise, set);
+    }
     for (int fit = 0; fit < options_.fits; ++fit) {
       advance(options_.warmUp, false);
       fitBesideWhatWasFound();

@@ -6,6 +6,12 @@
 
 namespace mm {
 
+/// Where a chain may begin.
+struct PosteriorStart {
+  ActingSet set;
+  NoiseState noise;
+};
+
 struct SampleOptions {
   int chains = 2;      // beside each other
   int warmUp = 25;     // steps before each fit of the noise beside what was found
@@ -13,6 +19,7 @@ struct SampleOptions {
   int steps = 120;     // of a chain, that are read
   int mostRounds = 3;  // of so many steps, until the chains agree
   std::uint64_t seed = 1;
+  std::vector<PosteriorStart> starts;  // chains begin at the last ones; of none: where nothing acts
 };
 
 /// What was drawn from the posterior. Everything that a diagnosis says is a marginal of it.

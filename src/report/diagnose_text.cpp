@@ -183,6 +183,7 @@ std::string movesCommand(const std::string& session, const std::string& calibrat
 
 std::string diagnoseText(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   std::string text = d.sentence + "\n";
+  if (d.verdict == Verdict::kQuestion) return text + (d.base.problem ? figuresText(d) : "");
   if (d.base.problem) text += figuresText(d) + "\n" + whereText(d.where);
   if (!d.missing.empty()) {
     text += "\nMissing, in the order found\n";

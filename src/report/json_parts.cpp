@@ -132,6 +132,8 @@ Json whereJson(const std::vector<WhereItFails>& where) {
     one["variable"] = w.variable;
     one["share"] = number(w.share);
     one["p_value"] = number(w.pValue);
+    one["share_beside"] = number(w.shareBeside);
+    one["p_value_beside"] = number(w.pBeside);
     list.push_back(std::move(one));
   }
   return list;

@@ -65,10 +65,13 @@ std::string whereText(const std::vector<WhereItFails>& where) {
   int shown = 0;
   for (const WhereItFails& w : where) {
     if (w.pValue > 0.05 || ++shown > 8) continue;
-    text += "  " + padded(w.variable, 32) + format("%5.1f %%   p = %.1g\n", 100.0 * w.share, w.pValue);
+    text += "  " + padded(w.variable, 26) +
+            padded(format("%5.1f %%   p = %.1g", 100.0 * w.share, w.pValue), 24) +
+            format("%5.1f %%   p = %.1g\n", 100.0 * w.shareBeside, w.pBeside);
   }
   if (text.empty()) return "Where it fails: no variable explains what is left.\n";
-  return "Where it fails                     share of the residual variance\n" + text;
+  return "Where it fails: share of the residual variance\n  " + padded("", 26) + padded("alone", 24) +
+         "beside those above\n" + text;
 }
 
 bool angularOnly(const CalibrationResult& result) {

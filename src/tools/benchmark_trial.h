@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/diagnosis_method.h"
+#include "diagnosis/diagnose.h"
 #include "machine/machine.h"
 #include "session/progress.h"
 #include "tools/benchmark_oracle.h"

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "diagnosis/diagnosis_method.h"
+#include "diagnosis/diagnose.h"
 
 namespace mm {
 

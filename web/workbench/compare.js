@@ -99,8 +99,8 @@ export function CompareView() {
       h(Scatter, { x: xc, y: yc, colour: cc, rows, onPick: setPicked, label: yc.name + " against " + xc.name + " of " + count + " residuals" }),
       h("p", { class: "note", "aria-live": "polite" }, "Drawn: " + count + " of " + points.rows + " residuals" + (yc.error ? ", those of touches within 60° of " + yc.name.slice(-1) : "") + "; RMS " + rms(shownRms, count, unit) + " (k\u00a0=\u00a02). The marks with bars are means of classes ± 2 standard errors. Drag to come nearer, double click for the whole; a click tells of one point."),
       picked >= 0 ? h(PickedRow, { points, columns, row: picked }) : null),
-    h(Section, { title: "Where the model fails" }, h(Table, { caption: "Share of the residual's variance that one variable explains, in any direction; p is corrected for the number of variables", columns: [["Variable"], ["share", "nowrap"], ["p", "n"], ["", "n"]],
-      rows: compare.where.map((w) => [w.variable, [h(Meter, { share: w.share }), percent(w.share)], pValue(w.p_value), h("button", { onClick: () => { setX(w.variable === "ball" ? "feature" : w.variable); scrollTo({ top: 0, behavior: "smooth" }); } }, "Draw")]) })),
+    h(Section, { title: "Where the model fails" }, h(Table, { caption: "Share of the residual's variance that one variable explains, in any direction, alone and of what those above it leave; p is corrected for the number of variables", columns: [["Variable"], ["alone", "nowrap"], ["p", "n"], ["beside those above", "n"], ["p", "n"], ["", "n"]],
+      rows: compare.where.map((w) => [w.variable, [h(Meter, { share: w.share }), percent(w.share)], pValue(w.p_value), percent(w.share_beside), pValue(w.p_value_beside), h("button", { onClick: () => { setX(w.variable === "ball" ? "feature" : w.variable); scrollTo({ top: 0, behavior: "smooth" }); } }, "Draw")]) })),
     h(Section, { title: "Worst measurements" }, h(Worst, { points, columns })));
 }
 

@@ -7,7 +7,7 @@ import { Action, Choice, Empty, Meter, Section, Table } from "./parts.js";
 import { Chart, curveWithBand } from "./chart.js";
 import { measured, rms, shown, text, unitOf } from "./units.js";
 
-export const kVerdicts = { insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet", missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained" };
+export const kVerdicts = { question: "A question first", insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet", missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained" };
 
 const scalar = (v) => (typeof v === "string" && !/^[A-Za-z_][\w-]*$/.test(v) ? '"' + v.replace(/(["\\])/g, "\\$1") + '"' : String(v));
 /** An effect of the server's JSON as the YAML that adds it. */
@@ -114,7 +114,7 @@ export function DiagnoseView() {
     h(Section, { title: "Your own formula", lead: "A formula is one effect more: added, refitted, and in the ledger like any other." }, h(OwnFormula, { directions })),
     h(Section, { title: "Drift" }, h(Drift, { d })),
     d.missing_inputs.length ? h(Section, { title: "Inputs that were not recorded" }, h(Table, { caption: "What could act unseen without them", columns: [["Input"], ["in its place", "text"], ["cannot be excluded", "text"]], rows: d.missing_inputs.map((i) => [i.input, i.assumed ? "assumed " + i.assumed : "–", i.assumed ? "–" : i.in_words || "–"]) })) : null,
-    byOdds.length ? h(Section, { title: "Other causes that were asked", lead: "Each alone, everything refitted with it. The odds are against chance, not against each other." }, h(Table, { caption: d.candidates.length + " causes asked, best first", columns: [["Cause"], ["odds", "nowrap"], ["held-out RMS after (k\u00a0=\u00a02)", "nowrap"], ["", "n"]],
+    byOdds.length ? h(Section, { title: "Other causes that were asked", lead: "The odds are those beside what was found: what only imitates it has none. The held-out error is that of each alone, everything refitted with it." }, h(Table, { caption: d.candidates.length + " causes asked, best first", columns: [["Cause"], ["odds", "nowrap"], ["held-out RMS after (k\u00a0=\u00a02)", "nowrap"], ["", "n"]],
       rows: byOdds.map((c) => [c.in_words, c.odds_in_words, c[key] && c[key][0] !== c[key][1] ? [h(Meter, { share: 1 - c[key][1] / c[key][0] }), rms(c[key][1], n, unit)] : "–", h(Action, { label: "Add", run: () => addAndAsk(yamlOf(c.effect)) })]), most: 8 })) : null,
     d.cannot_show.length ? h(Section, { title: "What this session could not have shown" }, h(Table, { caption: "Effects, why they stay hidden, and what would show them", columns: [["Effect", "text"], ["why", "text"], ["what would show it", "text"]], rows: d.cannot_show.map((c) => [c.in_words, said(c.why), said(c.moves)]), most: 8 })) : null);
 }

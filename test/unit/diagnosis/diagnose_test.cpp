@@ -53,7 +53,16 @@ TEST(Diagnose, FindsHiddenBacklashWithItsSizeAndStopsWhenItIsAdded) {
   EXPECT_LT(d.missing[0].pValue, 1e-10);
   EXPECT_LT(d.missing[0].heldOutAfter,
             1.08 * kNoise);  // the noise drawn in this session is 1.045 of the plan's
+  // what resembles it depends on many variables alone, and on none beside the first; the same for the causes
   EXPECT_EQ(d.where[0].variable, "x travel direction");
+  EXPECT_GT(std::count_if(d.where.begin(), d.where.end(), [](const auto& w) { return w.pValue < 1e-3; }), 2);
+  for (std::size_t k = 1; k < d.where.size(); ++k) EXPECT_GT(d.where[k].pBeside, 1e-3) << d.where[k].variable;
+  EXPECT_EQ(d.candidates[0].effect, d.missing[0].effect);
+  EXPECT_EQ(d.candidates[0].odds, d.missing[0].odds);
+  const auto imitates = [](const CandidateResult& c) { return c.gain > 20.0; };
+  EXPECT_GT(std::count_if(d.candidates.begin(), d.candidates.end(), imitates), 2);
+  for (std::size_t k = 1; k < d.candidates.size(); ++k)
+    EXPECT_LT(d.candidates[k].odds, 0.05) << d.candidates[k].effect.yaml();
 
   const Diagnosis after = diagnosed(s.session, {d.missing[0].effect});
   EXPECT_EQ(after.verdict, Verdict::kExplained) << after.sentence;
@@ -190,6 +199,16 @@ TEST(Diagnose, OutliersNeitherHideAnEffectNorBecomeOne) {
   EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x"));
   EXPECT_EQ(d.missing.size(), 1u) << d.sentence;
   EXPECT_GE(d.base.outliers.size(), 8u);
+}
+
+TEST(Diagnose, ExchangedNamesAreAskedAboutBeforeAnyCause) {
+  Simulation s = measured({"backlash:x=3um"}, 5);
+  for (Observation& o : s.session.observations)
+    if (o.feature == 1 || o.feature == 4) o.feature = 5 - o.feature;
+  const Diagnosis d = diagnosed(s.session);
+  EXPECT_EQ(d.verdict, Verdict::kQuestion);
+  EXPECT_TRUE(d.missing.empty() && d.candidates.empty() && d.profiles.empty());
+  EXPECT_NE(d.sentence.find("are the names mixed up?"), std::string::npos) << d.sentence;
 }
 
 TEST(Diagnose, AnEffectWithoutItsInputIsNotTriedButListed) {

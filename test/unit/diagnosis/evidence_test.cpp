@@ -111,11 +111,11 @@ TEST(Evidence, ASizeThatIsNotUsualHasItsPrice) {
   const Evidence::Fit fit = evidence.fit({made.member(1, usual.size)});
   EXPECT_NEAR(usual.coefficient, fit.values[0][0], 1e-8);
   Shape& shape = made.groups.groups[1].shapes[0];
-  shape.usual = 2.0 * std::abs(usual.coefficient);
-  EXPECT_EQ(evidence.gainOf(given, 1).value, usual.value) << "an ordinary size costs nothing";
+  shape.usual = 1e6 * std::abs(usual.coefficient);
+  EXPECT_NEAR(evidence.gainOf(given, 1).value, usual.value, 1e-8) << "an ordinary size costs nothing";
   shape.usual = std::abs(usual.coefficient) / 10.0;
   const Gain unusual = evidence.gainOf(given, 1);
-  EXPECT_NEAR(unusual.value, usual.value - kUnusual * std::log(10.0), 1e-8);
+  EXPECT_NEAR(unusual.value, usual.value - 1.5 * std::log1p(100.0), 1e-8);
   EXPECT_EQ(unusual.size, usual.size);
 }
 

@@ -196,5 +196,17 @@ TEST(PlaceOrTime, ATriggerBeforeTheContactIsNotTheFirstOfWhatActsAlike) {
   }
 }
 
+TEST(PlaceOrTime, OneBadReadingIsNoCause) {
+  // four times the noise, at the start: a warm-up or a jump of which nothing but this reading is seen would
+  // fit it
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    int reading = 0;
+    const Diagnosis d = diagnosisOf(
+        0.0, [&](double, double) { return reading++ == 0 ? 4.0 * kNoise : 0.0; }, seed);
+    EXPECT_TRUE(d.missing.empty()) << d.sentence;
+    for (const CandidateResult& c : d.candidates) EXPECT_LT(c.odds, 0.1) << c.effect.yaml();
+  }
+}
+
 }  // namespace
 }  // namespace mm

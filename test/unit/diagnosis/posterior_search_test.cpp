@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "diagnosis/diagnosis_method.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
 
@@ -17,7 +16,9 @@ Diagnosis drawn(const std::vector<std::string>& hide, std::uint64_t seed) {
   const Simulation s =
       simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, seed, ""});
   const Model model(machine, observedDomain(s.session), std::vector<EffectSpec>());
-  return diagnoseBy(DiagnosisMethod::kPosterior, s.session, model, {});
+  DiagnoseOptions options;
+  options.method = DiagnosisMethod::kPosterior;
+  return diagnose(s.session, model, options);
 }
 
 /// Causes that are given more than an even chance.

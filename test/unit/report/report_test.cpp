@@ -194,7 +194,7 @@ TEST(Report, CandidatesInTheUnitsOfPeople) {
   diagnosis.nextMeasurement.resize(1);
   diagnosis.nextMeasurement[0].values = {{"x_mm", 0.0}};
   diagnosis.nextMeasurement[0].words = {{"feature", "b0"}};
-  diagnosis.where = {{"x travel direction", 0.41, 1e-30},
+  diagnosis.where = {{"x travel direction", 0.41, 1e-30, 0.41, 1e-30},
                      {"t", std::numeric_limits<double>::quiet_NaN(), 1.0}};
   const nlohmann::json json = nlohmann::json::parse(diagnoseJson(diagnosis));
   EXPECT_EQ(json["verdict"], "missing_effect");
@@ -210,6 +210,8 @@ TEST(Report, CandidatesInTheUnitsOfPeople) {
   EXPECT_EQ(json["next_measurement"][0]["x_mm"], 0.0);
   EXPECT_EQ(json["next_measurement"][0]["feature"], "b0");
   EXPECT_TRUE(json["where"][1]["share"].is_null());
+  EXPECT_EQ(json["where"][0]["share_beside"], 0.41);
+  EXPECT_EQ(json["where"][0]["p_value_beside"], 1e-30);
 }
 
 TEST(Report, CheckSeesWhatTheSessionCannotShow) {

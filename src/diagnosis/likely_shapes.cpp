@@ -1,0 +1,302 @@
+#include "diagnosis/likely_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/cancel_scope.h"
+#include "base/parallel.h"
+#include "diagnosis/shortlist.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNear = 10.0;  // nats behind the likeliest: what is further behind is not drawn
+constexpr int kMostSteps = 8;   // causes of a walk
+constexpr double kKept = 3e7;   // numbers of columns that are kept from look to look: 240 MB
+
+}  // namespace
+
+LikelyShapes::LikelyShapes(const ResidualSpace& space, Questions& questions, double statedFreedoms)
+    : space_(space), q_(questions), statedFreedoms_(statedFreedoms) {
+  addList(QuestionList::causes(space));
+  q_.profiles = static_cast<int>(groups_.size());
+  addList(QuestionList::profiles(space));
+  q_.profiles = static_cast<int>(groups_.size()) - q_.profiles;
+}
+
+void LikelyShapes::addPairs() {
+  const std::size_t before = groups_.size();
+  addList(QuestionList::pairs(space_));
+  q_.pairs = static_cast<int>(groups_.size() - before);
+}
+
+void LikelyShapes::addList(QuestionList list) {
+  std::size_t before = 0;
+  for (const QuestionList& l : lists_) before += l.size();
+  std::vector<ListPart> parts;
+  double numbers = 0.0;
+  for (std::size_t first = 0, end = 0; first < list.size(); first = end) {
+    end = list.endOfPart(first, kShapesTogether);
+    ListPart part = partOf(list, before, first, end);
+    numbers += static_cast<double>(part.problem.columns.size());
+    if (numbers <= kKept) parts.push_back(std::move(part));
+  }
+  if (numbers > kKept) parts.clear();
+  // how likely a cause is before the session depends on how many were asked that it can show
+  if (lists_.empty()) {
+    q_.asked = static_cast<int>(groups_.size());
+    for (ListPart& part : parts)
+      for (std::size_t g = 0; g < part.groups.size(); ++g)
+        part.problem.causes[g].logPriorOdds = logPriorOddsOf(q_, part.groups[g]);
+  }
+  lists_.push_back(std::move(list));
+  made_.push_back(std::move(parts));
+}
+
+LikelyShapes::ListPart LikelyShapes::partOf(const QuestionList& list, std::size_t before, std::size_t first,
+                                            std::size_t end) {
+  Groups groups = list.made(first, end - first);
+  ListPart part;
+  part.first = before + first;
+  part.problem = problemOf(q_, groups, statedFreedoms_);
+  for (std::size_t g = 0; g < groups.groups.size(); ++g) {
+    Group& group = groups_[part.first + g];
+    if (group.key.empty()) {  // not seen before
+      group = groups.groups[g];
+      group.shapes.clear();
+      if (g == 0) notShown_.insert(notShown_.end(), groups.notShown.begin(), groups.notShown.end());
+    }
+  }
+  part.groups = std::move(groups.groups);
+  return part;
+}
+
+/// What acts is given, as a block of its size; causes that act are not asked.
+std::vector<LikelyShapes::Asked> LikelyShapes::askPart(ListPart& part, const NoiseState& noise,
+                                                       const std::vector<Taken>& beside,
+                                                       Wanted wanted) const {
+  std::vector<Asked> asked;
+  if (part.groups.empty()) return asked;
+  NoiseState state = noise;
+  part.problem.scatter = q_.scatter;
+  for (const Taken& t : beside) {
+    const double size = sizeGrid()[t.size];
+    part.problem.scatter.push_back({kept_.at(t.group).at(t.shape).columns, size, 0.0, true});
+    state.scatter.push_back(size);
+  }
+  const Conditionals look = NoiseView(part.problem, state).look({});
+  const double most = *std::max_element(look.logOdds.begin(), look.logOdds.end());
+  for (std::size_t g = 0; g < part.groups.size(); ++g) {
+    const Group& group = part.groups[g];
+    const Cause& cause = part.problem.causes[g];
+    if (std::any_of(beside.begin(), beside.end(), [&](const Taken& t) { return t.group == part.first + g; }))
+      continue;
+    Eigen::Index best = 0;
+    const auto all = look.logWeights.middleRows(cause.first, cause.end - cause.first);
+    all.rowwise().maxCoeff().maxCoeff(&best);
+    for (int s = cause.first; s < cause.end; ++s) {
+      const auto weights = look.logWeights.row(s).transpose();
+      Asked one;
+      one.logOdds = logSumExp(weights);
+      one.likelier = one.logOdds - cause.logPriorOdds + group.priceOfShape();
+      if (wanted == Wanted::kLikelierThanBefore ? !(one.likelier > 0.0)
+          : wanted == Wanted::kOneOfEach        ? s != cause.first + best
+                                                : one.logOdds < most - kNear)
+        continue;
+      Eigen::Index size = 0;
+      weights.maxCoeff(&size);
+      const CauseShape& shape = part.problem.shapes[static_cast<std::size_t>(s)];
+      one.taken = {part.first + g, s - cause.first, static_cast<int>(size)};
+      one.kept.shape = group.shapes[static_cast<std::size_t>(s - cause.first)];
+      one.kept.columns = part.problem.columns.middleCols(shape.first, shape.count);
+      asked.push_back(std::move(one));
+    }
+  }
+  return asked;
+}
+
+std::vector<LikelyShapes::Asked> LikelyShapes::ask(const NoiseState& noise, const std::vector<Taken>& beside,
+                                                   Wanted wanted) {
+  std::vector<Asked> asked;
+  std::size_t before = 0;
+  for (std::size_t l = 0; l < lists_.size(); ++l) {
+    const QuestionList& list = lists_[l];
+    std::vector<std::vector<Asked>> ofPart(made_[l].size());
+    parallelFor(made_[l].size(), [&](std::size_t p) {
+      CancelScope::check();
+      ofPart[p] = askPart(made_[l][p], noise, beside, wanted);
+    });
+    if (made_[l].empty())
+      for (std::size_t first = 0, end = 0; first < list.size(); first = end) {
+        end = list.endOfPart(first, kShapesTogether);
+        ListPart part = partOf(list, before, first, end);
+        ofPart.push_back(askPart(part, noise, beside, wanted));
+      }
+    for (std::vector<Asked>& part : ofPart) std::move(part.begin(), part.end(), std::back_inserter(asked));
+    before += list.size();
+  }
+  if (wanted != Wanted::kNearTheLikeliest) return asked;
+  double most = -1e300;
+  for (const Asked& a : asked) most = std::max(most, a.logOdds);
+  asked.erase(
+      std::remove_if(asked.begin(), asked.end(), [&](const Asked& a) { return a.logOdds < most - kNear; }),
+      asked.end());
+  return asked;
+}
+
+/// @return whether any of them is new.
+bool LikelyShapes::take(std::vector<Asked> asked) {
+  bool any = false;
+  for (Asked& a : asked) any |= kept_[a.taken.group].emplace(a.taken.shape, std::move(a.kept)).second;
+  return any;
+}
+
+void LikelyShapes::walk(const Eigen::VectorXd& variance) {
+  walks_.clear();
+  const PosteriorProblem bare = problemOf(q_, {}, statedFreedoms_);
+  std::vector<NoiseState> plain = plainStates(bare, variance);
+  const NoiseState* densest = &plain.front();
+  double most = -1e300;
+  for (const NoiseState& s : plain) {
+    const double density = NoiseView(bare, s).logDensity({});
+    if (density > most) most = density, densest = &s;
+  }
+  for (const NoiseState& start : {plain.front(), fitted({}, *densest)}) {
+    Walk walk{{}, start};
+    while (static_cast<int>(walk.set.size()) < kMostSteps) {
+      std::vector<Asked> asked = ask(walk.noise, walk.set, Wanted::kNearTheLikeliest);
+      const auto best = std::max_element(
+          asked.begin(), asked.end(), [](const Asked& a, const Asked& b) { return a.logOdds < b.logOdds; });
+      if (best == asked.end() || !(best->logOdds > 0.0)) break;
+      walk.set.push_back(best->taken);
+      take(std::move(asked));
+      walk.noise = fitted(walk.set, walk.noise);
+    }
+    take(ask(walk.noise, walk.set, Wanted::kLikelierThanBefore));
+    walks_.push_back(std::move(walk));
+  }
+  fill();
+}
+
+void LikelyShapes::weigh(const Eigen::VectorXd& variance, const PosteriorAnswer& answer) {
+  NoiseState noise = noiseOf(answer);
+  noise.variance = variance;
+  walks_ = {{foundBy(answer), noise}};
+  walks_.front().noise = fitted(walks_.front().set, noise);
+  take(ask(walks_.front().noise, walks_.front().set, Wanted::kLikelierThanBefore));
+  fill();
+}
+
+NoiseState LikelyShapes::fitted(const std::vector<Taken>& set, const NoiseState& from) const {
+  Groups groups;
+  for (const Taken& t : set) {
+    Groups one;
+    one.groups.push_back(groups_.at(t.group));
+    const Kept& kept = kept_.at(t.group).at(t.shape);
+    one.groups[0].shapes = {kept.shape};
+    one.groups[0].shapes[0].first = 0;
+    one.columns = kept.columns;
+    append(groups, std::move(one));
+  }
+  const PosteriorProblem problem = problemOf(q_, groups, statedFreedoms_);
+  ActingSet acting;
+  for (std::size_t k = 0; k < set.size(); ++k) acting.push_back({static_cast<int>(k), set[k].size});
+  return fittedBeside(problem, acting, from);
+}
+
+/// The questions are what is kept, in the order of the lists.
+void LikelyShapes::fill() {
+  Groups all;
+  int columns = 0;
+  for (const auto& [number, shapes] : kept_)
+    for (const auto& [s, kept] : shapes) columns += static_cast<int>(kept.columns.cols());
+  all.columns.resize(q_.rows.length(), columns);
+  int at = 0;
+  for (const auto& [number, shapes] : kept_) {
+    Group group = groups_.at(number);
+    for (const auto& [s, kept] : shapes) {
+      group.shapes.push_back(kept.shape);
+      group.shapes.back().first = at;
+      all.columns.middleCols(at, kept.columns.cols()) = kept.columns;
+      at += static_cast<int>(kept.columns.cols());
+    }
+    all.causes += !group.profile;
+    all.groups.push_back(std::move(group));
+  }
+  all.notShown = notShown_;
+  q_.groups = std::move(all);
+}
+
+/// As shapes of the problem that the questions are.
+ActingSet LikelyShapes::acting(const std::vector<Taken>& set) const {
+  ActingSet out;
+  for (const Taken& t : set) {
+    int shape = 0;
+    for (const auto& [number, shapes] : kept_) {
+      if (number == t.group) {
+        for (const auto& [s, kept] : shapes) {
+          if (s == t.shape) out.push_back({shape, t.size});
+          ++shape;
+        }
+        break;
+      }
+      shape += static_cast<int>(shapes.size());
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const Acting& a, const Acting& b) { return a.shape < b.shape; });
+  return out;
+}
+
+std::vector<PosteriorStart> LikelyShapes::starts() const {
+  std::vector<PosteriorStart> out;
+  for (const Walk& w : walks_) out.push_back({acting(w.set), w.noise});
+  return out;
+}
+
+const NoiseState& LikelyShapes::noiseOf(const PosteriorAnswer& answer) {
+  return answer.sample.pool[static_cast<std::size_t>(answer.sample.bestNoise)]->state();
+}
+
+std::vector<LikelyShapes::Taken> LikelyShapes::foundBy(const PosteriorAnswer& answer) const {
+  std::vector<Taken> set;
+  int shape = 0;
+  for (const auto& [number, shapes] : kept_)
+    for (const auto& [s, kept] : shapes) {
+      for (const Acting& a : answer.sample.best)
+        if (a.shape == shape) set.push_back({number, s, a.size});
+      ++shape;
+    }
+  return set;
+}
+
+bool LikelyShapes::extend(const PosteriorAnswer& answer, bool instead) {
+  const NoiseState& noise = noiseOf(answer);
+  const std::vector<Taken> set = foundBy(answer);
+  bool any = take(ask(noise, set, Wanted::kLikelierThanBefore));
+  for (std::size_t j = 0; instead && j < set.size(); ++j) {
+    std::vector<Taken> others = set;
+    others.erase(others.begin() + static_cast<long>(j));
+    any |= take(ask(noise, others, Wanted::kNearTheLikeliest));
+  }
+  if (!any) return false;
+  walks_.push_back({set, noise});
+  fill();
+  return true;
+}
+
+void LikelyShapes::appendTheRest(const PosteriorAnswer& answer) {
+  const NoiseState& noise = noiseOf(answer);
+  for (Asked& a : ask(noise, foundBy(answer), Wanted::kOneOfEach)) {
+    const Group& group = groups_.at(a.taken.group);
+    if (group.profile || kept_.count(a.taken.group) > 0) continue;
+    Groups one;
+    one.groups.push_back(group);
+    one.groups[0].shapes = {a.kept.shape};
+    one.groups[0].shapes[0].first = 0;
+    one.columns = std::move(a.kept.columns);
+    append(q_.groups, std::move(one));
+    ++q_.groups.causes;
+  }
+}
+
+}  // namespace mm

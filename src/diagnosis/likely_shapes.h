@@ -1,0 +1,86 @@
+#pragma once
+#include <map>
+#include <vector>
+
+#include "diagnosis/posterior_search.h"
+#include "diagnosis/question_list.h"
+
+namespace mm {
+
+/// Which of all shapes a sample is drawn of: those that the data make likelier than they were before, beside
+/// the likeliest others. Of some thousands a hundred are left; what a sample finds is asked of all again.
+class LikelyShapes {
+ public:
+  /// @param space, questions: must outlive it; the questions get what is likely, in the order of the lists.
+  LikelyShapes(const ResidualSpace& space, Questions& questions, double statedFreedoms);
+
+  /// From each end of the noise, none but the white and what explains most alone, takes up the likeliest
+  /// cause beside those before it, until none is likelier than not. @param variance of the white noise, a
+  /// data row.
+  void walk(const Eigen::VectorXd& variance);
+  /// The same at other weights of the rows, from what was found.
+  void weigh(const Eigen::VectorXd& variance, const PosteriorAnswer& answer);
+  /// Where the walks ended: sets of causes and the noise beside them, to begin a sample with.
+  std::vector<PosteriorStart> starts() const;
+  /// Asks everything again beside what a sample found. @param instead and beside all of it but one.
+  /// @return whether there is anything new.
+  bool extend(const PosteriorAnswer& answer, bool instead);
+  /// Asks curves over two variables, too, from now on.
+  void addPairs();
+  /// Puts the causes that are not likely behind the others, each with its likeliest shape: so that all that
+  /// were asked can be told.
+  void appendTheRest(const PosteriorAnswer& answer);
+
+ private:
+  /// A shape as it is kept.
+  struct Kept {
+    Shape shape;
+    RowMatrix columns;
+  };
+  /// A shape that acts: of a group of the lists, at a size of the grid.
+  struct Taken {
+    std::size_t group = 0;
+    int shape = 0, size = 0;
+  };
+  /// What one look says of a shape.
+  struct Asked {
+    Taken taken;            // at its likeliest size
+    double likelier = 0.0;  // log of how much likelier the data make it, its sizes averaged
+    double logOdds = 0.0;   // that it acts, with what was known before
+    Kept kept;
+  };
+  struct Walk {
+    std::vector<Taken> set;
+    NoiseState noise;
+  };
+  /// Some groups of a list, as a sample would see them.
+  struct ListPart {
+    std::size_t first = 0;  // number of its first group
+    std::vector<Group> groups;
+    PosteriorProblem problem;
+  };
+  enum class Wanted { kNearTheLikeliest, kLikelierThanBefore, kOneOfEach };
+  std::vector<Asked> ask(const NoiseState& noise, const std::vector<Taken>& beside, Wanted wanted);
+  std::vector<Asked> askPart(ListPart& part, const NoiseState& noise, const std::vector<Taken>& beside,
+                             Wanted wanted) const;
+  void addList(QuestionList list);
+  ListPart partOf(const QuestionList& list, std::size_t before, std::size_t first, std::size_t end);
+  static const NoiseState& noiseOf(const PosteriorAnswer& answer);
+  std::vector<Taken> foundBy(const PosteriorAnswer& answer) const;
+  bool take(std::vector<Asked> asked);
+  void fill();
+  ActingSet acting(const std::vector<Taken>& set) const;
+  NoiseState fitted(const std::vector<Taken>& set, const NoiseState& from) const;
+
+  const ResidualSpace& space_;
+  Questions& q_;
+  const double statedFreedoms_;
+  std::vector<QuestionList> lists_;
+  std::vector<std::vector<ListPart>> made_;  // a list: its parts, where they are kept
+  std::map<std::size_t, Group> groups_;      // of the lists, by number: without shapes
+  std::map<std::size_t, std::map<int, Kept>> kept_;
+  std::vector<NotShown> notShown_;
+  std::vector<Walk> walks_;
+};
+
+}  // namespace mm
