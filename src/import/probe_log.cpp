@@ -243,7 +243,9 @@ class BedSession {
     Session session = emptySession(context_);
     const bool stamped = clocked();
     if (stamped && touches_.front().calendar) session.epoch = secondsBetween(0, *touches_.front().stamp);
-    double low = INFINITY, high = -INFINITY;
+    const auto [lowest, highest] = std::minmax_element(
+        touches_.begin(), touches_.end(), [](const Touch& a, const Touch& b) { return a.z < b.z; });
+    const double low = lowest->z, high = highest->z;
     for (std::size_t i = 0; i < touches_.size(); ++i) {
       const Touch& t = touches_[i];
       Observation o =
@@ -251,20 +253,18 @@ class BedSession {
                    stamped ? secondsBetween(*touches_.front().stamp, *t.stamp) : static_cast<double>(i));
       o.position[x_] = t.x * kMillimetre;
       o.position[y_] = t.y * kMillimetre;
-      o.position[z_] = t.z * kMillimetre;
-      // the surface is at one height: what the machine reads there, with the sign changed, is true minus
-      // indicated
+      // the surface is at one height, and z stands there at every touch: what it reads, with the sign
+      // changed, is true minus indicated, and not a way that it went
+      o.position[z_] = 0.5 * (low + high) * kMillimetre;
       o.deviation[z_] = -t.z * kMillimetre;
       if (!std::isnan(t.speed)) o.velocity[z_] = -t.speed * kMillimetre;
       o.travel[z_] = -1.0;  // a probe touches on its way down
       o.setup = setupIndex(session, flat ? "bed" : format("bed at %.3f,%.3f", t.x, t.y));
       session.observations.push_back(std::move(o));
-      low = std::min(low, t.z);
-      high = std::max(high, t.z);
     }
     UnderstoodColumn c;
     c.name = "z at the trigger";
-    c.meaning = "reading of joint z, and with its sign changed its deviation from the bed";
+    c.meaning = "with its sign changed the deviation of z from the bed";
     c.unit = "mm";
     c.lower = low;
     c.upper = high;
