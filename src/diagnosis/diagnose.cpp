@@ -192,10 +192,14 @@ class Diagnoser {
     look.likeliest = look.found;
     while (!look.found.members.empty()) {
       const HeldOut held(ofRows, look.found, false);
+      const auto evidence = search.evidenceAt(look.found);
       std::size_t least = 0;
       double worth = std::numeric_limits<double>::infinity();
-      for (std::size_t j = 0; j < look.found.members.size(); ++j)
-        if (const double of = held.worthOf(j); of < worth) worth = of, least = j;
+      for (std::size_t j = 0; j < look.found.members.size(); ++j) {
+        const std::vector<Member> others = search.beside(*evidence, look.found.members, j);
+        const double of = held.worthOf(look.found.members[j], others);
+        if (of < worth) worth = of, least = j;
+      }
       if (worth > kPredicts) break;
       const int group = look.found.members[least].group;
       const bool again = !look.doubted

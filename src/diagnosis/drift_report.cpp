@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "base/units.h"
-#include "diagnosis/held_out.h"
 #include "diagnosis/wording.h"
 #include "estimation/drift.h"
 #include "estimation/repeatability.h"
@@ -137,8 +136,6 @@ DriftReport driftOf(const Search& search, const Explanation& found) {
   DriftReport report{{}, found};
   std::vector<DriftResult>& results = report.drift;
   std::vector<int> directions;
-  const Questions rows = rowsOf(q);
-  const Search ofRows(rows);
   for (int d = 0; d < static_cast<int>(q.directions.size()); ++d) {
     if (!(varianceAlong(found.noise, d, found.white) > 0.0)) continue;
     Explanation without = search.refitted(found.members, withoutDriftAlong(found, d), false);
@@ -148,10 +145,7 @@ DriftReport driftOf(const Search& search, const Explanation& found) {
     }
     DriftResult r;
     r.direction = q.directions[d];
-    Quickest quickest = quickestOf(search, found, d);
-    // what does not predict rows from their neighbours is scatter
-    if (!(HeldOut(ofRows, found, false).worthOver(HeldOut(ofRows, without, false)) > kPredicts))
-      quickest.most = std::numeric_limits<double>::infinity();
+    const Quickest quickest = quickestOf(search, found, d);
     r.std = std::sqrt(varianceAlong(found.noise, d, found.white)) * q.directionScale[d];
     r.quickStd = std::sqrt(varianceAlong(found.noise, d, found.white, quickest.most)) * q.directionScale[d];
     double largest = 0.0;

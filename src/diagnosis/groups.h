@@ -36,6 +36,11 @@ struct Shape {
     const double of = coefficient / usual;
     return 1.5 * std::log1p(of * of) + (seldomNegative && coefficient < 0.0 ? kSeldomSign : 0.0);
   }
+  /// The same where a coefficient is larger than is usual, or of a sign that is seldom met; else nothing.
+  double unusual(double coefficient) const {
+    const double price = priceOfSize(coefficient);
+    return price > priceOfSize(usual) ? price : 0.0;
+  }
 };
 
 /// One question of a diagnosis: a physical cause with everything that it may look like, or a profile.

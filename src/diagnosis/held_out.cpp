@@ -64,12 +64,10 @@ double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& mem
   return n > 0 ? std::sqrt(sum / n) : 0.0;
 }
 
-std::map<int, double> HeldOut::squaresOf(int without) const {
+std::map<int, double> HeldOut::squaresOf(const std::vector<Member>& members) const {
   const std::vector<int>& blockOfRow = search_.questions().space->folds().blockOfRow;
   std::map<int, double> squares;
   for (const Fold& fold : folds_) {
-    std::vector<Member> members = fold.members;
-    if (without >= 0) members.erase(members.begin() + without);
     const Eigen::VectorXd errors = errorsOf(fold, members);
     int at = 0;
     for (std::size_t i = 0; i < fold.held.size(); ++i)
@@ -91,11 +89,11 @@ double lowerBy(const std::map<int, double>& before, const std::map<int, double>&
 
 }  // namespace
 
-double HeldOut::worthOf(std::size_t member) const {
-  return lowerBy(squaresOf(static_cast<int>(member)), squaresOf(-1));
+double HeldOut::worthOf(const Member& member, const std::vector<Member>& beside) const {
+  std::vector<Member> with = beside;
+  with.push_back(member);
+  return lowerBy(squaresOf(beside), squaresOf(with));
 }
-
-double HeldOut::worthOver(const HeldOut& other) const { return lowerBy(other.squaresOf(-1), squaresOf(-1)); }
 
 double HeldOut::before() const {
   return rmsOf([](const Fold&) { return std::vector<Member>(); });

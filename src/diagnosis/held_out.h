@@ -31,11 +31,9 @@ class HeldOut {
   double withGroup(int group) const;
   /// With these members, whatever the folds found.
   double withMembers(const std::vector<Member>& members) const;
-  /// How much a member lowers the sum of squared errors beside the others, over its standard error, blocks of
+  /// How much a member lowers the sum of squared errors beside others, over its standard error, blocks of
   /// rows being independent; what predicts nothing is about 0.
-  double worthOf(std::size_t member) const;
-  /// The same of what another explanation of the same rows lacks.
-  double worthOver(const HeldOut& other) const;
+  double worthOf(const Member& member, const std::vector<Member>& beside) const;
 
  private:
   struct Fold {
@@ -47,8 +45,8 @@ class HeldOut {
   };
   /// Errors of the judged rows of a fold, what only they determine taken out.
   Eigen::VectorXd errorsOf(const Fold& fold, const std::vector<Member>& members) const;
-  /// Sums of squared errors, a block of rows. @param without a member of the explanation; -1: with all.
-  std::map<int, double> squaresOf(int without) const;
+  /// Sums of squared errors with these members, a block of rows.
+  std::map<int, double> squaresOf(const std::vector<Member>& members) const;
   double rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const;
 
   const Search& search_;

@@ -51,7 +51,7 @@ Gain Search::commoner(const Gain& best, const std::vector<Gain>& gains,
                                                                               : best;
   }
   const auto unusual = [&](const Gain& g) {
-    return q_.groups.groups[g.group].shapes[g.shape].priceOfSize(g.coefficient);
+    return q_.groups.groups[g.group].shapes[g.shape].unusual(g.coefficient);
   };
   const auto isBefore = [&](const Gain& a, const Gain& b) {
     return std::pair(unusual(a), a.group) < std::pair(unusual(b), b.group);

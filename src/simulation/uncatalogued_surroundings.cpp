@@ -195,6 +195,17 @@ Kinds probe() {
        {},
        {"temperature [sensor]"},
        [](const Setting& s) -> Quantity { return s.warmth("sensor"); }},
+      {"uncatalogued_worn_tip",
+       "the tip wears off, quickly at first",
+       Along::kApproach,
+       {},
+       {{"exponent", "share", 0.5, 0.8}},
+       {"time"},
+       [](const Setting& s) -> Quantity {
+         return [end = s.duration(), exponent = s.number("exponent")](const Condition& c) {
+           return std::pow(std::max(0.0, c.time / end), exponent);
+         };
+       }},
   };
 }
 
