@@ -62,7 +62,7 @@ class TimeCycle : public CatalogueEffect {
         duration_(std::max(read.domain().duration, 1.0)),
         direction_(direction.name) {
     parameters_ = {errorParameter("S", direction.quantity), errorParameter("K", direction.quantity),
-                   parameter("period", {"s", 1.0}, 0.1 * duration_, 10.0 * duration_, 0.1 * duration_)};
+                   parameter("period", {"s", 1.0}, 0.02 * duration_, 10.0 * duration_, 0.1 * duration_)};
     parameters_[2].minimum = 0.5 * duration_ / kMost;
     parameters_[2].maximum = 10.0 * duration_;
   }

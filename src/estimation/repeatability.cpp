@@ -66,8 +66,13 @@ class Repeats {
   }
 
   Repeatability runs() const {
-    std::vector<Pair> pairs = pairsOfRuns();
+    const std::vector<Pair> pairs = inGroups(pairsOfRuns());
     std::vector<double> differences = withoutShift(pairs, std::vector<char>(pairs.size(), 1), false);
+    // what the shift of a small group takes away must not make the others seem to stand apart
+    std::map<std::pair<int, int>, double> of;
+    for (const Pair& p : pairs) of[p.group] += 1.0;
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      differences[i] *= std::sqrt(of[pairs[i].group] / (of[pairs[i].group] - 1.0));
     std::vector<char> kept;
     spreadOf(differences, kept);
     // the outliers bend no shift
@@ -246,6 +251,15 @@ class Repeats {
         }
       seen[target_[o]] = {run, o};
     }
+    return pairs;
+  }
+
+  /// Without those that are alone in their group: their shift is all that they tell.
+  static std::vector<Pair> inGroups(std::vector<Pair> pairs) {
+    std::map<std::pair<int, int>, int> of;
+    for (const Pair& p : pairs) ++of[p.group];
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return of[p.group] < 2; }),
+                pairs.end());
     return pairs;
   }
 
