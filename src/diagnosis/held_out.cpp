@@ -64,35 +64,22 @@ double HeldOut::rmsOf(const std::function<std::vector<Member>(const Fold&)>& mem
   return n > 0 ? std::sqrt(sum / n) : 0.0;
 }
 
-std::map<int, double> HeldOut::squaresOf(const std::vector<Member>& members) const {
-  const std::vector<int>& blockOfRow = search_.questions().space->folds().blockOfRow;
-  std::map<int, double> squares;
-  for (const Fold& fold : folds_) {
-    const Eigen::VectorXd errors = errorsOf(fold, members);
-    int at = 0;
-    for (std::size_t i = 0; i < fold.held.size(); ++i)
-      if (fold.held[i]) squares[blockOfRow[i]] += errors[at] * errors[at], ++at;
-  }
-  return squares;
-}
-
-namespace {
-
-/// How much lower the sums of blocks are, over the standard error of that.
-double lowerBy(const std::map<int, double>& before, const std::map<int, double>& after) {
-  const double n = static_cast<double>(before.size());
-  double sum = 0.0, squares = 0.0;
-  for (const auto& [block, value] : before) sum += value - after.at(block);
-  for (const auto& [block, value] : before) squares += std::pow(value - after.at(block) - sum / n, 2);
-  return sum / std::sqrt(std::max(1e-300, squares * n / std::max(1.0, n - 1.0)));
-}
-
-}  // namespace
-
 double HeldOut::worthOf(const Member& member, const std::vector<Member>& beside) const {
+  const std::vector<int>& blockOfRow = search_.questions().space->folds().blockOfRow;
   std::vector<Member> with = beside;
   with.push_back(member);
-  return lowerBy(squaresOf(beside), squaresOf(with));
+  double lower = 0.0;
+  std::map<int, double> byChance;  // a block: what its errors have in common with what is predicted
+  for (const Fold& fold : folds_) {
+    const Eigen::VectorXd before = errorsOf(fold, beside), after = errorsOf(fold, with);
+    lower += before.squaredNorm() - after.squaredNorm();
+    int at = 0;
+    for (std::size_t i = 0; i < fold.held.size(); ++i)
+      if (fold.held[i]) byChance[blockOfRow[i]] += 2.0 * after[at] * (before[at] - after[at]), ++at;
+  }
+  double squares = 0.0;
+  for (const auto& [block, value] : byChance) squares += value * value;
+  return lower / std::sqrt(std::max(1e-300, squares));
 }
 
 double HeldOut::before() const {

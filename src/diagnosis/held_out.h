@@ -8,8 +8,8 @@
 
 namespace mm {
 
-/// Standard errors by which what is told must lower the error of rows that were not seen: one in ten that
-/// predicts nothing does so by chance.
+/// Standard uncertainties by which what is told must lower the error of rows that were not seen: one in ten
+/// that predicts nothing does so by chance.
 constexpr double kPredicts = 1.28;
 
 /// What an explanation is worth on rows that it has not seen. Blocks of time are held out with a gap on
@@ -31,8 +31,9 @@ class HeldOut {
   double withGroup(int group) const;
   /// With these members, whatever the folds found.
   double withMembers(const std::vector<Member>& members) const;
-  /// How much a member lowers the sum of squared errors beside others, over its standard error, blocks of
-  /// rows being independent; what predicts nothing is about 0.
+  /// How much a member lowers the sum of squared errors beside others, over the standard uncertainty that the
+  /// errors left give it, blocks of rows being independent; what predicts nothing is about 0. What acts in
+  /// one block alone (a jump, a heater that was switched off once) is as sure as what acts in all.
   double worthOf(const Member& member, const std::vector<Member>& beside) const;
 
  private:
@@ -45,8 +46,6 @@ class HeldOut {
   };
   /// Errors of the judged rows of a fold, what only they determine taken out.
   Eigen::VectorXd errorsOf(const Fold& fold, const std::vector<Member>& members) const;
-  /// Sums of squared errors with these members, a block of rows.
-  std::map<int, double> squaresOf(const std::vector<Member>& members) const;
   double rmsOf(const std::function<std::vector<Member>(const Fold&)>& members) const;
 
   const Search& search_;
