@@ -187,18 +187,6 @@ std::vector<SourceKind> structureKinds() {
          add<ThermalBending>(w, w.thermal.findBody(s.key("warm")), w.thermal.findBody(s.key("cold")),
                              joint(s, w, "axis"), unitVector(s.key("about")), lever(s), s.number("k"));
        }},
-      {"thermal_transient",
-       {{"direction", Key::kDirection, ""}, {"sensor", Key::kBody, ""}},
-       {{"g", "m/K", 2e-6, 8e-6, true}, {"lag", "s", 60.0, 240.0}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {  // a thin part against a thick one behind it
-         const int body = w.thermal.findBody(s.key("sensor"));
-         w.physics.followers.push_back({body, s.number("lag")});
-         const int behind = w.thermal.bodyCount() + static_cast<int>(w.physics.followers.size()) - 1;
-         add<ThermalGrowth>(w, body, direction(s, w, "direction"), s.number("g"));
-         add<ThermalGrowth>(w, behind, direction(s, w, "direction"), -s.number("g"));
-       }},
       {"time_drift",
        {{"direction", Key::kDirection, ""}},
        {{"d", "m/s", 2e-6 / 3600.0, 8e-6 / 3600.0, true}},
@@ -222,15 +210,6 @@ std::vector<SourceKind> structureKinds() {
        false,
        [](const HiddenSource& s, Workshop& w, Random&) {
          add<WarmUp>(w, direction(s, w, "direction"), s.number("d"), s.number("tau"));
-       }},
-      {"time_cycle",
-       {{"direction", Key::kDirection, ""}},
-       {{"size", "m", 1e-6, 4e-6, true}, {"period", "s", 240.0, 600.0}, {"phase", "1", 0.0, 1.0}},
-       Probe::kAny,
-       false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         add<SwitchedHeat>(w, direction(s, w, "direction"), s.number("size"), s.number("period"),
-                           s.number("phase"));
        }},
       {"gravity_sag",
        {{"direction", Key::kDirection, "z"}, {"with", Key::kLinear, ""}},
@@ -287,13 +266,10 @@ std::vector<SourceKind> probeKinds() {
        [](const HiddenSource& s, Workshop& w, Random&) { w.physics.probe.radiusError += s.number("size"); }},
       {"tip_wear",
        {},
-       {{"size", "m/s", 2e-6 / 3600.0, 8e-6 / 3600.0, true}, {"slows", "s", 0.0, 0.0}},
+       {{"size", "m/s", 2e-6 / 3600.0, 8e-6 / 3600.0, true}},
        Probe::kTouch,
        false,
-       [](const HiddenSource& s, Workshop& w, Random&) {
-         w.physics.probe.wear += s.number("size");
-         w.physics.probe.wearSlows = std::max(w.physics.probe.wearSlows, s.number("slows"));
-       }},
+       [](const HiddenSource& s, Workshop& w, Random&) { w.physics.probe.wear += s.number("size"); }},
       {"ball_radius",
        {{"ball", Key::kBall, ""}},
        {{"size", "m", 1e-6, 5e-6, true}},

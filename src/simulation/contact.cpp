@@ -29,7 +29,7 @@ double SimulatedMachine::clearance(const Segment& segment, double part, int feat
   if (normal != nullptr) *normal = outward;
   const double preTravel = physics_.probe.preTravel(-(tip.orientation.transpose() * outward));
   return distance - (physics_.artifact.radius(feature, outward, artifactTemperature) + artifact_.tipRadius +
-                     physics_.probe.radiusError - physics_.probe.worn(time) - preTravel);
+                     physics_.probe.radiusError - physics_.probe.wear * time - preTravel);
 }
 
 std::optional<double> SimulatedMachine::findContact(const Segment& segment, int feature, double from) const {

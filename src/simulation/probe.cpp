@@ -17,10 +17,6 @@ double seatLever(int seats, double azimuth) {
 
 }  // namespace
 
-double SeatedProbe::worn(double time) const {
-  return wear * (wearSlows > 0.0 ? wearSlows * std::log1p(time / wearSlows) : time);
-}
-
 void SeatedProbe::setLobing(int seats, double size, double phase) {
   seats_ = seats;
   phase_ = phase;

@@ -15,11 +15,9 @@ class SeatedProbe {
   /// Pre-travel (m), less its mean, which a probe's calibration takes out. @param push direction of the push
   /// on the surface, axes of probe_tip, unit vector.
   double preTravel(const Eigen::Vector3d& push) const;
-  double worn(double time) const;  ///< m of the radius, at a time (s)
 
   double radiusError = 0.0;   // m, true less stated tip radius
-  double wear = 0.0;          // m/s, of the radius, at first
-  double wearSlows = 0.0;     // s after which the rate has halved, as the flat that was worn grows; 0: never
+  double wear = 0.0;          // m/s, of the radius
   double triggerDelay = 0.0;  // s from the contact to the latch
 
  private:

@@ -29,30 +29,6 @@ void WarmUp::apply(const Condition& condition, Distortion& distortion) const {
                  size_ * ((1.0 - kFastShare) * -std::expm1(-t) + kFastShare * -std::expm1(-kFaster * t)));
 }
 
-SwitchedHeat::SwitchedHeat(Direction direction, double size, double period, double phase)
-    : direction_(direction), size_(size), period_(period), phase_(phase) {
-  constexpr int kSteps = 1000;
-  double sum = 0.0, squares = 0.0;
-  for (int k = 0; k < kSteps; ++k) {
-    const double value = at((k + 0.5) / kSteps);
-    sum += value, squares += value * value;
-  }
-  mean_ = sum / kSteps;
-  rms_ = std::sqrt(squares / kSteps - mean_ * mean_);
-}
-
-double SwitchedHeat::at(double part) const {
-  constexpr double kOn = 0.4, kSlowness = 1.0;  // of a period; time constant in parts of each half
-  const double whole = -std::expm1(-1.0 / kSlowness);
-  return part < kOn ? -std::expm1(-part / kOn / kSlowness) / whole
-                    : 1.0 + std::expm1(-(part - kOn) / (1.0 - kOn) / kSlowness) / whole;
-}
-
-void SwitchedHeat::apply(const Condition& condition, Distortion& distortion) const {
-  const double periods = condition.time / period_ + phase_;
-  direction_.add(distortion, size_ * (at(periods - std::floor(periods)) - mean_) / rms_);
-}
-
 void CovariateError::apply(const Condition& condition, Distortion& distortion) const {
   const double change = condition.covariates[covariate_] - reference_;
   if (axis_ >= 0)

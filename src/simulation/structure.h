@@ -59,21 +59,6 @@ class WarmUp : public Source {
   double size_, timeConstant_;
 };
 
-/// A room, or a cooler, whose controller switches on and off: the structure nears one end of its range while
-/// it is on, and the other while it is off, each with its own time constant.
-class SwitchedHeat : public Source {
- public:
-  /// @param size m or rad, RMS over a period. @param period s. @param phase of the period at the start, 0
-  /// to 1.
-  SwitchedHeat(Direction direction, double size, double period, double phase);
-  void apply(const Condition& condition, Distortion& distortion) const override;
-
- private:
-  double at(double part) const;  // of the swing, before mean and RMS; part of a period, 0 to 1
-  Direction direction_;
-  double size_, period_, phase_, mean_ = 0.0, rms_ = 1.0;
-};
-
 /// Something that was logged (humidity, pressure, load) moves the tip, or stretches an axis.
 class CovariateError : public Source {
  public:

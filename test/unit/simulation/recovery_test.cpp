@@ -54,8 +54,6 @@ TEST(Recovery, TouchProbeOnThePlate) {
       {"time_drift:x=8um/h", "{type: time_drift, direction: x}", 8e-6 / 3600.0},
       {"probe_radius=3um", "{type: probe_radius}", 3e-6},
       {"tip_wear=6um/h", "{type: tip_wear}", 6e-6 / 3600.0},
-      {"thermal_transient:z/bed=5um/K,lag=3min", "{type: thermal_transient, direction: z, sensor: bed}",
-       5e-6},
       {"ball_radius:b3=3um", "{type: ball_radius, ball: b3}", 3e-6},
       {"artifact_expansion=40ppm/K", "{type: artifact_expansion, sensor: bed}", 40.0 * perMetreK},
       {"covariate_offset:x/humidity=0.5um", "{type: covariate_offset, direction: x, covariate: humidity}",
