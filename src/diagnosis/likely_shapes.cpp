@@ -24,12 +24,6 @@ LikelyShapes::LikelyShapes(const ResidualSpace& space, Questions& questions, dou
   q_.profiles = static_cast<int>(groups_.size()) - q_.profiles;
 }
 
-void LikelyShapes::addPairs() {
-  const std::size_t before = groups_.size();
-  addList(QuestionList::pairs(space_));
-  q_.pairs = static_cast<int>(groups_.size() - before);
-}
-
 void LikelyShapes::addList(QuestionList list) {
   std::size_t before = 0;
   for (const QuestionList& l : lists_) before += l.size();

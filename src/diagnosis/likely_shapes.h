@@ -25,8 +25,6 @@ class LikelyShapes {
   /// Asks everything again beside what a sample found. @param instead and beside all of it but one.
   /// @return whether there is anything new.
   bool extend(const PosteriorAnswer& answer, bool instead);
-  /// Asks curves over two variables, too, from now on.
-  void addPairs();
   /// Puts the causes that are not likely behind the others, each with its likeliest shape: so that all that
   /// were asked can be told.
   void appendTheRest(const PosteriorAnswer& answer);
