@@ -1,6 +1,8 @@
 #pragma once
 #include <ros/callback_queue_interface.h>
 
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -17,9 +19,13 @@ class Listeners {
   /// A connection of this node has ended.
   void left(const std::string& node);
   bool listens(const std::string& node) const;
+  /// Waits until the node listens, at most that long. A node that speaks may not be heard to listen yet: its
+  /// connections are made one after the other, those to a driver that was started again as well.
+  bool listensWithin(const std::string& node, std::chrono::milliseconds longest) const;
 
  private:
   mutable std::mutex mutex_;
+  mutable std::condition_variable news_;
   std::map<std::string, int> connections_;
 };
 

@@ -38,6 +38,27 @@ moves:
 """
 
 
+LATE = """
+import time, rospy
+from actionlib_msgs.msg import GoalStatusArray
+from measuring_machine.msg import MoveActionGoal, MoveActionResult, MoveGoal, MoveResult
+rospy.init_node("late")
+results = []
+rospy.Subscriber("axis_driver/move/result", MoveActionResult, results.append)
+out = rospy.Publisher("axis_driver/move/goal", MoveActionGoal, queue_size=1)
+while out.get_num_connections() == 0:
+    time.sleep(0.01)
+goal = MoveActionGoal(goal=MoveGoal(name=["x"], position=[0.01]))
+goal.goal_id.id = "/late-1-1.0"
+out.publish(goal)
+time.sleep(0.4)  # its goal is there before it listens
+rospy.Subscriber("axis_driver/move/status", GoalStatusArray, lambda status: None)
+while not results:
+    time.sleep(0.01)
+result = results[0].result
+print("reached" if result.outcome == MoveResult.REACHED else result.message)
+"""
+
 FLOOD = """
 import rospy
 from measuring_machine.msg import MoveActionGoal, MoveGoal
@@ -201,6 +222,8 @@ class Lease(unittest.TestCase):
         out.publish(goal)
         self.assertTrue(support.wait_until(lambda: results))
         self.assertIn("'/nobody', which asked for the motion, does not listen", results[0].result.message)
+        late = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, timeout=40)
+        self.assertEqual(late.stdout.split("\n")[0], "reached", late)
 
     def test_9_emergency_stop_beside_large_messages(self):
         """20 MB each to the topic that everybody may send to, and a new connection for each call."""
