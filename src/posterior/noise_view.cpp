@@ -131,6 +131,21 @@ const RowMatrix& NoiseView::crossOf(int shape) const {
   return own.cross;
 }
 
+/// Products of the columns of two shapes, with everything free integrated out: a chain meets the same pairs
+/// again and again.
+Eigen::MatrixXd NoiseView::productOf(int a, int b) const {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = keptProducts_.find({a, b});
+    if (found != keptProducts_.end()) return found->second;
+  }
+  const Columns &one = columnsOf(a), &other = columnsOf(b);
+  Eigen::MatrixXd product =
+      Eigen::MatrixXd(rowProducts(one.whitened, other.whitened)) - one.byFixed.transpose() * other.byFixed;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return keptProducts_.emplace(std::make_pair(a, b), std::move(product)).first->second;
+}
+
 NoiseView::Joint NoiseView::jointOf(const ActingSet& set) const {
   int count = 0;
   for (const Acting& a : set) count += problem_.shapes[static_cast<std::size_t>(a.shape)].count;
@@ -144,12 +159,9 @@ NoiseView::Joint NoiseView::jointOf(const ActingSet& set) const {
     target.segment(at, n) = size * a.target;
     int to = 0;
     for (std::size_t j = 0; j <= i; ++j) {
-      const Columns& b = columnsOf(set[j].shape);
-      const auto m = b.whitened.cols();
-      products.block(at, to, n, m) =
-          size * sizeGrid()[set[j].size] *
-          (Eigen::MatrixXd(rowProducts(a.whitened, b.whitened)) - a.byFixed.transpose() * b.byFixed);
-      to += static_cast<int>(m);
+      const int m = problem_.shapes[static_cast<std::size_t>(set[j].shape)].count;
+      products.block(at, to, n, m) = size * sizeGrid()[set[j].size] * productOf(set[i].shape, set[j].shape);
+      to += m;
     }
     at += static_cast<int>(n);
   }

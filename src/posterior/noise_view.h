@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "estimation/row_products.h"
@@ -57,6 +58,7 @@ class NoiseView {
   };
   Columns& columnsOf(int shape) const;
   const RowMatrix& crossOf(int shape) const;
+  Eigen::MatrixXd productOf(int a, int b) const;
   Joint jointOf(const ActingSet& set) const;
   void makeAll() const;
   void askShapes(int first, int end, const ActingSet& set, const Joint& joint, const RowMatrix& absorbed,
@@ -77,8 +79,9 @@ class NoiseView {
   mutable RowMatrix byFixed_;  // fixed x all
   mutable Eigen::VectorXd allTarget_;
   mutable std::vector<Eigen::MatrixXd> products_;  // a shape
-  mutable std::mutex mutex_;                       // of `columns_`
+  mutable std::mutex mutex_;                       // of those below
   mutable std::map<int, std::unique_ptr<Columns>> kept_;
+  mutable std::map<std::pair<int, int>, Eigen::MatrixXd> keptProducts_;  // of two shapes
 };
 
 /// log(sum(exp(values)))
