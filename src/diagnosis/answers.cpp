@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "base/units.h"
 #include "design/next_measurement.h"
@@ -17,7 +16,6 @@
 namespace mm {
 namespace {
 
-constexpr std::size_t kMostRivals = 4;
 constexpr double kCounts = 4.5;  // standard deviations: a further shape of a family is told as well
 constexpr double kPriorCause =
     0.5;  // that any cause acts, before a session is seen: that is why it is diagnosed
@@ -70,41 +68,6 @@ std::vector<EffectSpec> specsOf(const Questions& q, const Member& m, const Eigen
       specs.push_back(shape.mixed[order[k].second]);
   }
   return specs;
-}
-
-/// What else may act in the place of a member, likeliest first.
-/// @param weights sum of the weights of the member, of chance and of all rivals, to which theirs are added.
-std::vector<Confusable> rivalsOf(const Search& search, const Explanation& found, std::size_t member,
-                                 double gain, const std::vector<Member>& others,
-                                 const std::vector<Gain>& gains, double& weights) {
-  const Questions& q = search.questions();
-  const Member& m = found.members[member];
-  std::vector<Confusable> rivals;
-  for (Gain g : gains) {
-    if (g.group < 0) continue;
-    const Group& rival = q.groups.groups[g.group];
-    Rival nearest;  // alone or with another, refitted
-    nearest.behind = std::numeric_limits<double>::infinity();
-    for (const Rival& r : found.rivals)
-      if (r.member == member && r.group == g.group && r.behind < nearest.behind) nearest = r;
-    if (std::isfinite(nearest.behind)) g.value = gain - nearest.behind;
-    if (search.actAlike(m.group, m.shape, g.group, g.shape))
-      g.value = gain + m.priceOfSize - rival.shapes[g.shape].priceOfSize(g.coefficient);
-    if (gain - g.value >= kIndistinct) continue;
-    if (rival.profile || rival.key == q.groups.groups[m.group].key ||
-        std::any_of(others.begin(), others.end(), [&](const Member& o) { return o.group == g.group; }))
-      continue;
-    Confusable c;
-    c.effect = shapeOf(q, search.memberOf(g)).spec;
-    c.delta = std::max(0.0, gain - g.value);
-    c.odds = nearest.share * weightOf(q, g.value);
-    weights += c.odds;
-    for (const std::string& input : rival.notRecorded)
-      c.notRecorded += (c.notRecorded.empty() ? "" : ", ") + input;
-    if (rivals.size() < kMostRivals) rivals.push_back(c);
-  }
-  for (Confusable& c : rivals) c.odds /= weights;
-  return rivals;
 }
 
 }  // namespace
@@ -181,14 +144,8 @@ void sortByGain(const Search& search, Explanation& found) {
   }
   std::stable_sort(order.begin(), order.end());
   std::vector<Member> sorted;
-  std::vector<Rival> rivals;
-  for (const auto& [gain, j] : order) {
-    for (Rival r : found.rivals)
-      if (r.member == j) r.member = sorted.size(), rivals.push_back(r);
-    sorted.push_back(found.members[j]);
-  }
+  for (const auto& [gain, j] : order) sorted.push_back(found.members[j]);
   found.members = std::move(sorted);
-  found.rivals = std::move(rivals);
 }
 
 void fillAnswers(const Search& search, const Explanation& found, const HeldOut& held, double unit,
@@ -206,9 +163,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     const Gain own = evidence->gainOf(given, others, *m.columns);
     const double gain = own.value - group.priceOfShape() - group.shapes[m.shape].priceOfSize(own.coefficient);
     const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;
-    double weights = 1.0 + weightOf(q, gain);
-    std::vector<Confusable> rivals;
-    if (!group.profile) rivals = rivalsOf(search, found, j, gain, others, evidence->gains(given), weights);
+    const double odds = weightOf(q, gain) / (1.0 + weightOf(q, gain));
     bool first = true;
     for (const Answer& a : answers) {
       if (a.member != static_cast<int>(j)) continue;
@@ -219,7 +174,7 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
         const EffectSpec::Value* two = p.effect.find("variables");
         p.variables = two != nullptr ? two->items : std::vector<std::string>{p.effect.text("variable")};
         p.gain = gain;
-        p.odds = weightOf(q, gain) / weights;
+        p.odds = odds;
         p.heldOutBefore = before;
         p.heldOutAfter = after;
         out.profiles.push_back(std::move(p));
@@ -228,12 +183,11 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
       CandidateResult r;
       r.effect = a.effect->spec();
       r.gain = gain;
-      r.odds = weightOf(q, gain) / weights;
+      r.odds = odds;
       r.pValue = std::min(1.0, q.asked * std::exp(-std::min(kMostNats, gain)));
       r.heldOutBefore = first ? before : after;
       r.heldOutAfter = after;
       r.size = projectedRms(*q.space, *m.columns, fit.values[j]) * unit;
-      if (first) r.confusableWith = rivals;
       r.cause = a.effect->cause();
       r.remedy = a.effect->remedy();
       for (int k = 0; k < a.effect->parameterCount(); ++k) {
@@ -247,39 +201,11 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
   }
 }
 
-namespace {
-
-/// Causes that are named, their rivals, and what may act beside drift: their probability, by the key of the
-/// cause.
-std::map<std::string, double> probabilitiesSaid(const Diagnosis& d, const Domain& domain) {
-  std::map<std::string, double> said;
-  const auto take = [&](const EffectSpec& spec, double odds) {
-    double& most = said[causeOf(*createEffect(spec, domain))];
-    most = std::max(most, odds);
-  };
-  for (const CandidateResult& m : d.missing) {
-    take(m.effect, m.odds);
-    for (const Confusable& c : m.confusableWith) take(c.effect, c.odds);
-  }
-  for (const DriftResult& drift : d.drift)
-    for (const DriftResult::Perhaps& p : drift.perhaps) take(p.effect, p.odds);
-  return said;
-}
-
-}  // namespace
-
-void listCandidates(const Search& search, const Explanation& found,
-                    const std::map<std::string, double>& doubted, const HeldOut& held, double unit,
+void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                     Diagnosis& out) {
   const Questions& q = search.questions();
   const auto evidence = search.evidenceAt(found);
   const Evidence::Given nothing = evidence->given({});
-  // what imitates a cause that was found explains much alone, and nothing beside it
-  std::map<std::string, double> odds = probabilitiesSaid(out, q.space->problem().model().domain());
-  odds.insert(doubted.begin(), doubted.end());
-  for (const Gain& g : evidence->gains(evidence->given(found.members)))
-    if (g.group >= 0)
-      odds.try_emplace(q.groups.groups[g.group].key, weightOf(q, g.value) / (1.0 + weightOf(q, g.value)));
   const double before = held.before() * unit;
   std::size_t count = 0;
   for (const Gain& g : evidence->gains(nothing)) {
@@ -289,7 +215,6 @@ void listCandidates(const Search& search, const Explanation& found,
     CandidateResult r;
     r.effect = shape.spec;
     r.gain = g.value;
-    r.odds = odds.at(q.groups.groups[g.group].key);
     r.pValue = std::min(1.0, q.asked * std::exp(-std::min(kMostNats, g.value)));
     r.heldOutBefore = before;
     r.heldOutAfter = count++ < kMostHeldOut && g.size > 0.0 ? held.withGroup(g.group) * unit : before;
@@ -301,8 +226,6 @@ void listCandidates(const Search& search, const Explanation& found,
     }
     out.candidates.push_back(std::move(r));
   }
-  std::stable_sort(out.candidates.begin(), out.candidates.end(),
-                   [](const CandidateResult& a, const CandidateResult& b) { return a.odds > b.odds; });
 }
 
 void listCannotShow(const Questions& q, const Explanation&, Diagnosis& out) {
@@ -368,6 +291,8 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
           nextMeasurement(*q.space, {shape.effect, found.members[j].nonlinear}, rivals);
       for (std::size_t r = 0; r < asked.size() && r < next.rivals.size(); ++r) {
         asked[r]->same = next.rivals[r].same;
+        if (asked[r]->same)
+          missing.odds = std::min(1.0, missing.odds + asked[r]->odds);  // one error, two names
         if (!asked[r]->same) asked[r]->moves = movesInWords(next.rivals[r].deviations, next.moves.size());
       }
       if (out.nextMeasurement.empty()) out.nextMeasurement = next.moves;

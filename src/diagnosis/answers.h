@@ -1,5 +1,4 @@
 #pragma once
-#include <map>
 #include <string>
 #include <vector>
 
@@ -42,11 +41,6 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
                  Diagnosis& out);
 void takeParameters(const CalibrationResult& full, int first, const std::vector<EffectPtr>& effects,
                     Diagnosis& out);
-/// How sure the sizes of each member are in a fit of the model with all answers: chi squared of its linear
-/// parameters, over what chance exceeds where they are nothing in 1 of 22 sessions (k = 2); the surest of its
-/// answers. @param first parameter of the answers.
-std::vector<double> surenessOf(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
-                               std::size_t members);
 /// Of which members that fit has made what the session cannot tell from a smooth profile
 /// (Effect::mayBeClaimed): a wave that became longer than the travel, or has its nodes at the places of the
 /// session, or is a small difference of large parts.
@@ -55,11 +49,9 @@ std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answe
                              const CalibrationResult& full, int first, std::size_t members);
 /// Sizes by the fit that knows the form of the balls, where they have one: least squares do not.
 void allowForForm(const Search& search, const Explanation& found, Diagnosis& out);
-/// Every cause that was asked, likeliest first: its gain with nothing else but the noise, and the probability
-/// that it acts given what was found. @param doubted causes that are no more likely than this. Comes after
-/// what is named and after the drift, whose probabilities it repeats.
-void listCandidates(const Search& search, const Explanation& found,
-                    const std::map<std::string, double>& doubted, const HeldOut& held, double unit,
+/// Every cause that was asked: its gain with nothing else but the noise. Its odds are the sample's
+/// (takeOdds).
+void listCandidates(const Search& search, const Explanation& found, const HeldOut& held, double unit,
                     Diagnosis& out);
 void listCannotShow(const Questions& questions, const Explanation& found, Diagnosis& out);
 void fillScatter(const Search& search, const Explanation& found, double unit, Diagnosis& out);

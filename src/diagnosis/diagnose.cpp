@@ -17,7 +17,6 @@
 #include "diagnosis/likely_shapes.h"
 #include "diagnosis/question_list.h"
 #include "diagnosis/search.h"
-#include "diagnosis/shortlist.h"
 #include "diagnosis/structure.h"
 #include "diagnosis/variation.h"
 #include "diagnosis/verdict.h"
@@ -28,6 +27,7 @@ namespace {
 
 constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 constexpr int kMostLooks = 3;       // at what stands apart
+constexpr double kLikely = 0.5;     // probability from which a cause must predict
 
 class Diagnoser {
  public:
@@ -73,7 +73,6 @@ class Diagnoser {
       again.weights = refitted.weight;
       fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
     }
-    if (look.posterior == nullptr) full.dropWhatDoesNothing(look, fitted);
     conclude(look, fitted, full);
   }
 
@@ -130,31 +129,14 @@ class Diagnoser {
     LinearisedRows rows = noiseRows(look.space->linearisation(), look.space->used(), fitted.sigma,
                                     look.space->target(), look.space->basis());
     q.rows = std::move(rows.rows);
-    q.rows.sinceFirst = options_.method == DiagnosisMethod::kPosterior;
+    q.rows.sinceFirst = true;
     q.directions = std::move(rows.directions);
     q.directionScale = std::move(rows.directionScale);
     spreadOverResolution(q);
     addScatter(q);
     q.many = look.space->rows() > options_.manyRows;
     report("questions", 0.1 + 0.2 * round);
-    if (options_.method == DiagnosisMethod::kPosterior) {
-      drawFromPosterior(look, fitted, round);
-      return look;
-    }
-    if (q.many) {
-      lookAtMany(look, round);
-    } else {
-      q.groups = QuestionList::causes(*look.space).all();
-      q.asked = q.groups.causes;
-      Groups profiles = QuestionList::profiles(*look.space).all();
-      q.profiles = static_cast<int>(profiles.groups.size());
-      append(q.groups, std::move(profiles));
-      report("search", 0.2 + 0.2 * round);
-      const Search search(q);
-      look.found = withTails(search, search.run(Eigen::VectorXd::Ones(q.rows.rows())), look);
-    }
-    lookAtPairs(look);
-    look.found = Search(q).settledWithPairs(std::move(look.found));
+    drawFromPosterior(look, fitted, round);
     return look;
   }
 
@@ -164,23 +146,22 @@ class Diagnoser {
     const double stated = statedFreedomsOf(fitted);
     LikelyShapes likely(*look.space, q, stated);
     report("posterior", 0.2 + 0.2 * round);
-    const auto draw = [&](const Eigen::VectorXd& variance) {
-      if (look.posterior == nullptr)
+    const auto draw = [&](const Eigen::VectorXd& variance, bool first) {
+      if (first)
         likely.walk(variance);
       else
-        likely.weigh(variance, *look.posterior);
+        likely.weigh(variance, look.posterior);
       for (int again = 0; again < kMostLooks; ++again) {
-        look.posterior = std::make_shared<PosteriorAnswer>(
-            explainByPosterior(q, variance, stated, likely.starts(), options_.seed));
-        if (again + 1 == kMostLooks || !likely.extend(*look.posterior, again == 0)) break;
+        look.posterior = explainByPosterior(q, variance, stated, likely.starts(), options_.seed);
+        if (again + 1 == kMostLooks || !likely.extend(look.posterior, again == 0)) break;
       }
-      look.found = look.posterior->found;
+      look.found = look.posterior.found;
     };
-    draw(Eigen::VectorXd::Ones(q.rows.rows()));
+    draw(Eigen::VectorXd::Ones(q.rows.rows()), true);
     const Tails tails = tailsOf(Search(q), look.found);
     look.tailDof = tails.dof;
-    if (tails.dof > 0.0) draw(tails.variance);
-    likely.appendTheRest(*look.posterior);
+    if (tails.dof > 0.0) draw(tails.variance, false);
+    likely.appendTheRest(look.posterior);
   }
 
   /// A name must also predict: a cause that does not clearly lower the error of rows that were not seen may
@@ -189,9 +170,8 @@ class Diagnoser {
     const Search search(look.questions);
     const Questions rows = rowsOf(look.questions);
     const Search ofRows(rows);
-    look.likeliest = look.found;
     while (!look.found.members.empty()) {
-      const HeldOut held(ofRows, look.found, false);
+      const HeldOut held(ofRows, look.found);
       const auto evidence = search.evidenceAt(look.found);
       std::size_t least = 0;
       double worth = std::numeric_limits<double>::infinity();
@@ -201,111 +181,21 @@ class Diagnoser {
         if (of < worth) worth = of, least = j;
       }
       if (worth > kPredicts) break;
-      const int group = look.found.members[least].group;
-      const bool again = !look.doubted
-                              .emplace(look.questions.groups.groups[static_cast<std::size_t>(group)].key,
-                                       0.5 * std::erfc(-worth / std::sqrt(2.0)))
-                              .second;
-      if (look.posterior == nullptr) {
-        look.found = search.without(look.found, least);
-        if (!again) look.found = search.settledWithPairs(std::move(look.found));  // it may come back once
-        continue;
-      }
-      for (Slot& slot : look.posterior->slots)
-        if (slot.named && slot.causes.front() == group) slot.named = false;
-      std::vector<Member> kept = look.found.members;
-      kept.erase(kept.begin() + static_cast<long>(least));
-      look.found = search.refitted(kept, look.found, false);
+      std::vector<Member>& members = look.found.members;
+      look.posterior.doubt(members[least].group, 0.5 * std::erfc(-worth / std::sqrt(2.0)));
+      members.erase(members.begin() + static_cast<long>(least));
+      look.found = search.refitted(members, look.found);
     }
-  }
-
-  /// The search on with the weights that the tails of the noise ask for.
-  static Explanation withTails(const Search& search, Explanation found, Look& look) {
-    const Tails tails = tailsOf(search, found);
-    if (!(tails.dof > 0.0)) return found;
-    look.tailDof = tails.dof;
-    found.noise.variance = tails.variance;
-    return search.improved(found);
-  }
-
-  /// A long session: what may be an answer is asked, and when something was found, all again beside it.
-  void lookAtMany(Look& look, int round) const {
-    Questions& q = look.questions;
-    Shortlist list(*look.space, q);
-    look.found = Search(q).none(Eigen::VectorXd::Ones(q.rows.rows()));
-    list.extend(look.found);
-    report("search", 0.2 + 0.2 * round);
-    look.found = withTails(Search(q), Search(q).improved(look.found), look);
-    if (Search(q).couldHideSeveral(look.found)) tryCausesAlone(look, list);
-    for (int again = 0; again < kMostLooks && !look.found.members.empty() && list.extend(look.found);
-         ++again) {
-      report("search", 0.25 + 0.2 * round);
-      look.found = Search(q).improved(look.found);
+    // what is likely and not sure enough to be named may rest on one reading just as well
+    const HeldOut held(ofRows, look.found);
+    const auto evidence = search.evidenceAt(look.found);
+    for (const Slot& slot : look.posterior.slots) {
+      if (slot.named || slot.shares.front() < kLikely) continue;
+      const Gain gain = evidence->gainOf(evidence->given(look.found.members), slot.causes.front());
+      if (gain.group < 0) continue;
+      const double worth = held.worthOf(search.memberOf(gain), look.found.members);
+      look.posterior.doubt(gain.group, 0.5 * std::erfc(-worth / std::sqrt(2.0)));
     }
-  }
-
-  /// The other way: what comes near to being an answer where neither drift nor scatter is there is asked,
-  /// too.
-  void tryCausesAlone(Look& look, Shortlist& list) const {
-    Explanation causes = Search(look.questions).bare(look.found);
-    for (int again = 0; again < kMostLooks; ++again) {
-      if (!list.extend(causes, &look.found) && again > 0) break;
-      causes = Search(look.questions).causesAlone(std::move(causes));
-    }
-    look.found = Search(look.questions).ofGreaterWorth(std::move(look.found), causes);
-  }
-
-  /// Two variables at once, where what was found may be no more than their shadow.
-  void lookAtPairs(Look& look) const {
-    Questions& q = look.questions;
-    report("two variables", 0.5);
-    const QuestionList list = QuestionList::pairs(*look.space);
-    const Explanation& found = look.found;
-    q.pairs = static_cast<int>(list.size());
-    // beside what was found, in the place of one of it, in the place of all of it
-    const Search of(q);
-    const auto noise = of.evidenceAt(found);
-    struct Beside {
-      std::vector<Member> rest;
-      double lost;
-    };
-    std::vector<Beside> asked = {{found.members, 0.0}};
-    const double whole = noise->given(found.members).logEvidence;
-    double all = 0.0;
-    for (std::size_t j = 0; j < found.members.size(); ++j) {
-      std::vector<Member> others = found.members;
-      others.erase(others.begin() + static_cast<long>(j));
-      const double price = of.priceOf(found.members[j]);
-      const double lost = whole - noise->given(others).logEvidence - price;
-      all += price;
-      asked.push_back({std::move(others), lost + kIndistinct});
-    }
-    if (found.members.size() > 1)
-      asked.push_back({{}, whole - noise->given({}).logEvidence - all + kIndistinct});
-    Groups more;
-    for (std::size_t first = 0, end = 0; first < list.size(); first = end) {
-      end = q.many ? list.endOfPart(first, kShapesTogether) : list.size();
-      Groups part = list.made(first, end - first);
-      if (part.groups.empty()) continue;
-      if (!q.many) q.pairs = static_cast<int>(part.groups.size());
-      const Evidence evidence = noise->ofGroups(part);
-      std::vector<char> worth(part.groups.size(), 0);
-      for (const Beside& beside : asked) {
-        for (const Gain& g : evidence.gains(evidence.given(beside.rest)))
-          if (g.group >= 0 && g.value - of.priceOfOne(part.groups[g.group]) > beside.lost) worth[g.group] = 1;
-        if (!q.many && std::count(worth.begin(), worth.end(), 1) > 0) break;
-      }
-      if (std::count(worth.begin(), worth.end(), 1) == 0) continue;
-      if (!q.many) {
-        more = std::move(part);
-        break;
-      }
-      for (std::size_t g = 0; g < part.groups.size(); ++g)
-        if (worth[g]) append(more, oneOf(part, g));
-    }
-    if (more.groups.empty()) return;
-    append(q.groups, std::move(more));
-    look.found = Search(q).improved(found);
   }
 
   /// Columns of what scatters from place to place.
@@ -330,27 +220,27 @@ class Diagnoser {
     dropWhatPredictsNothing(look);
     sortByGain(search, found);
     report("held out", 0.7);
-    const HeldOut held(search, found, look.posterior == nullptr);
+    const HeldOut held(search, found);
     out_.heldOutBefore = held.before() * unit;
     out_.heldOut = held.all() * unit;
     report("answers", 0.85);
     fillAnswers(search, found, held, unit, out_);
     full.takeSizes(look, fitted, out_);
     allowForForm(search, found, out_);
-    DriftReport drift = driftOf(search, found);
+    DriftReport drift = driftOf(search, found, look.posterior);
     out_.drift = std::move(drift.drift);
-    listCandidates(search, look.likeliest, look.doubted, held, unit, out_);
+    listCandidates(search, found, held, unit, out_);
     listCannotShow(q, found, out_);
     const double white = unit * std::sqrt(drift.spokenOf.noise.variance.mean());
     out_.where = explainedByVariable(*look.space, &search.evidenceAt(found)->whitener(), scatterOf(q, found));
     out_.noise = drift.spokenOf.white * white;
     out_.noiseStd = search.whiteStdOf(drift.spokenOf) * white;
-    if (look.posterior != nullptr) takeOdds(q, *look.posterior, out_);
+    takeOdds(q, look.posterior, out_);
     fillScatter(search, found, unit, out_);
     fillMissingInputs(q, out_);
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);
-    if (look.posterior == nullptr && out_.missing.empty() && out_.profiles.empty())
+    if (out_.missing.empty() && out_.profiles.empty())
       out_.variations =
           variationsOf(*look.space, out_.candidates, unit, std::max(out_.noise, out_.base.repeatability));
     decide(out_);

@@ -161,7 +161,7 @@ struct Diagnosis {
   std::vector<NotJudged> notJudged;
   double tailDof = 0.0;  // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
   /// RMS of rows that were not seen, drift predicted from its neighbours, m (rad): with nothing found, and
-  /// with everything, the search run again without the rows judged. `base.figures.heldOutRms` is another
+  /// with everything, fitted without the rows judged. `base.figures.heldOutRms` is another
   /// figure: values fitted again without the rows judged, no drift predicted, as a corrected machine has it.
   double heldOutBefore = 0.0, heldOut = 0.0;
   std::vector<CannotShow> cannotShow;
@@ -169,12 +169,7 @@ struct Diagnosis {
   bool angular = false;  // RMS figures are rad
 };
 
-/// How causes are found: by a search that changes one explanation as long as that helps, or by drawing from
-/// the posterior over all sets of causes, of which every answer is a marginal.
-enum class DiagnosisMethod { kSearch, kPosterior };
-
 struct DiagnoseOptions {
-  DiagnosisMethod method = DiagnosisMethod::kSearch;
   CalibrateOptions calibrate;  // repeatability, outliers, cancel
   std::uint64_t seed = 1;
   int manyRows = 3000;  // residuals: of a longer session not all questions are asked together

@@ -17,7 +17,7 @@ const double kSaid = std::log(100.0);  // nats: drift that is not there at 100 t
 constexpr std::size_t kMostAsked = 3;  // causes for a direction
 constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kPartOfRun = 0.05;  // of a session: half a run in one direction, of five in both (ISO 230-2)
-constexpr double kHopeless = -3.0;   // nats against drift alone
+constexpr double kPerhaps = 0.1;     // probability from which a cause is told beside drift
 constexpr double kOfThePlace = 0.5;  // of its variance that runs have in common: more follows the place
 /// Standard deviation of what two slow courses have in common by chance: each has one or two degrees of
 /// freedom in a run. What is told is no chance at two and a half of it.
@@ -131,14 +131,14 @@ Quickest quickestOf(const Search& search, const Explanation& found, int directio
 
 }  // namespace
 
-DriftReport driftOf(const Search& search, const Explanation& found) {
+DriftReport driftOf(const Search& search, const Explanation& found, const PosteriorAnswer& answer) {
   const Questions& q = search.questions();
   DriftReport report{{}, found};
   std::vector<DriftResult>& results = report.drift;
   std::vector<int> directions;
   for (int d = 0; d < static_cast<int>(q.directions.size()); ++d) {
     if (!(varianceAlong(found.noise, d, found.white) > 0.0)) continue;
-    Explanation without = search.refitted(found.members, withoutDriftAlong(found, d), false);
+    Explanation without = search.refitted(found.members, withoutDriftAlong(found, d));
     if (found.logEvidence - without.logEvidence < kSaid) {
       report.spokenOf = withoutDriftAlong(std::move(report.spokenOf), d);
       continue;
@@ -157,37 +157,18 @@ DriftReport driftOf(const Search& search, const Explanation& found) {
     directions.push_back(d);
   }
   if (report.spokenOf.noise.drift.size() != found.noise.drift.size())
-    report.spokenOf = search.refitted(found.members, report.spokenOf, false);
+    report.spokenOf = search.refitted(found.members, report.spokenOf);
 
-  // which causes take it over? Drift that was fitted without a cause has absorbed it: so the cause comes in
-  // where there is no drift along that direction, which must then earn its place again
-  for (std::size_t r = 0; r < results.size(); ++r) {
-    const double before = varianceAlong(found.noise, directions[r], found.white);
-    const Explanation none = withoutDriftAlong(found, directions[r]);
-    const auto evidence = search.evidenceAt(none);
-    double total = 1.0;  // drift alone
+  for (std::size_t r = 0; r < results.size(); ++r)
     for (const Alike& alike : alikeTo(search, found, directions[r])) {
-      const Group& group = q.groups.groups[alike.group];
-      std::vector<Member> members = found.members;
-      Gain gain = evidence->gainOf(evidence->given(found.members), alike.group);
-      if (gain.group < 0) continue;
-      members.push_back(search.refined(*evidence, found.members, search.memberOf(gain)));
-      const Explanation with = search.refitted(members, none, true, directions[r]);
-      const double delta = with.logEvidence - found.logEvidence - group.priceOfShape();
-      const double share = 1.0 - varianceAlong(with.noise, directions[r], with.white) / before;
-      if (delta < kHopeless || share < kSomeShare) continue;
-      const Member& m = with.members.back();
-      // what was named had to be 100 to 1 among as many causes: this is less
-      const double odds =
-          std::exp(std::min(50.0, delta - std::log(static_cast<double>(std::max(1, q.asked)))));
-      results[r].perhaps.push_back(
-          {group.shapes[m.shape].effect->shapedAs(m.nonlinear), odds, std::min(1.0, share)});
-      total += odds;
+      const auto group = static_cast<std::size_t>(alike.group);
+      if (group < answer.sample.inclusion.size() && answer.sample.inclusion[group] > kPerhaps)
+        results[r].perhaps.push_back(
+            {specOf(q, answer, alike.group), answer.sample.inclusion[group], std::min(1.0, alike.share)});
     }
-    for (DriftResult::Perhaps& p : results[r].perhaps) p.odds /= total;
-    std::stable_sort(results[r].perhaps.begin(), results[r].perhaps.end(),
+  for (DriftResult& r : results)
+    std::stable_sort(r.perhaps.begin(), r.perhaps.end(),
                      [](const auto& a, const auto& b) { return a.odds > b.odds; });
-  }
   return report;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "diagnosis/diagnose.h"
-#include "diagnosis/search.h"
+#include "diagnosis/posterior_search.h"
 
 namespace mm {
 
@@ -12,6 +11,7 @@ struct DriftReport {
   /// The same explanation with this drift alone: what there is too little of to be spoken of is noise.
   Explanation spokenOf;
 };
-DriftReport driftOf(const Search& search, const Explanation& found);
+/// @param answer of which the causes have their probability.
+DriftReport driftOf(const Search& search, const Explanation& found, const PosteriorAnswer& answer);
 
 }  // namespace mm

@@ -74,12 +74,7 @@ std::shared_ptr<const Evidence::Fixed> Evidence::fixedOf(const NoiseRows& rows, 
 
 Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise,
                    std::vector<RandomBlock> blocks, const std::vector<char>* heldOut)
-    : Evidence(rows, groups, fixedOf(rows, std::move(noise), blocks, heldOut)) {}
-
-Evidence Evidence::ofGroups(const Groups& groups) const { return Evidence(rows_, groups, fixed_); }
-
-Evidence::Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<const Fixed> fixed)
-    : rows_(rows), groups_(groups), fixed_(std::move(fixed)) {
+    : rows_(rows), groups_(groups), fixed_(fixedOf(rows, std::move(noise), blocks, heldOut)) {
   const int all = static_cast<int>(groups.columns.cols());
   RowMatrix columns(groups.columns.rows(), all);
   byBase_.resize(fixed_->columns.cols(), all);

@@ -20,11 +20,6 @@ struct Member {
   double size = 0.0;  // standard deviation of a coefficient of weight 1, in units of the white noise
   std::shared_ptr<const RowMatrix> columns;  // length x k, weighted
   std::string id;                            // tells its columns from those of any other member
-  /// Key of the group that it came together with, and what it must gain beside it: one that was asked as the
-  /// partner of another was chosen among fewer. Empty: it came alone.
-  std::string partner;
-  double priceAsPartner = 0.0;
-  double priceOfSize = 0.0;  // nats, where it is larger than is usual
 };
 
 /// What one more group would bring.
@@ -46,9 +41,6 @@ class Evidence {
   /// where the row must not be used; null: all are.
   Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise, std::vector<RandomBlock> blocks,
            const std::vector<char>* heldOut = nullptr);
-
-  /// The same noise and blocks, and other questions. @param groups must outlive it.
-  Evidence ofGroups(const Groups& groups) const;
 
   struct Given;  ///< what is left for others to explain
   /// What is common to all that is asked beside these members.
@@ -100,7 +92,6 @@ class Evidence {
     Eigen::VectorXd byTarget;
     double logDeterminant = 0.0, rest = 0.0, freedoms = 1.0;
   };
-  Evidence(const NoiseRows& rows, const Groups& groups, std::shared_ptr<const Fixed> fixed);
   static std::shared_ptr<const Fixed> fixedOf(const NoiseRows& rows, NoiseModel noise,
                                               const std::vector<RandomBlock>& blocks,
                                               const std::vector<char>* heldOut);

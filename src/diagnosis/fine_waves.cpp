@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "base/tiny.h"
@@ -16,7 +15,6 @@ namespace {
 
 constexpr std::size_t kMostLikely = 16;
 constexpr int kManyPlaces = 20;
-constexpr double kOnePlace = 1e-4;  // of the range: positions no further apart are one
 
 /// What an error of the joint by one unit does to each row, and where the joint was.
 struct ErrorOfJoint {
@@ -76,44 +74,6 @@ LikelyWaves likelyWaves(const ResidualSpace& space, const Effect& effect) {
   for (const auto& [height, length] : peaks) out.lengths.push_back(length);
   std::sort(out.lengths.begin(), out.lengths.end(), std::greater<double>());
   return out;
-}
-
-bool isBestByChance(const ResidualSpace& space, const Effect& effect, double length, const RowMatrix& columns,
-                    const Eigen::VectorXd& left) {
-  constexpr double kChance = 1e-4;
-  constexpr int kManyMore = 64;  // places: what so many have in common is no chance
-  const int joint = effect.fineWaves().joint;
-  if (joint < 0) return false;
-  const Problem& problem = space.problem();
-  const Domain& domain = problem.model().domain();
-  const int places = distinctPositions(problem, joint);
-  const double range = domain.upper[joint] - domain.lower[joint];
-  if (places > kManyMore || 2.0 * range / length <= places) return false;
-  // the constants of a wave and its length
-  const int constants = static_cast<int>(columns.cols()) + 1;
-  if (places <= constants) return true;
-
-  const ErrorOfJoint error(space, effect, {joint, {length}});
-  std::map<double, int> placeAt;  // of the lowest position of each
-  std::vector<double> sorted(error.position.begin(), error.position.end());
-  std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 0; i < sorted.size(); ++i)
-    if (i == 0 || sorted[i] - sorted[i - 1] > kOnePlace * range)
-      placeAt.emplace(sorted[i], static_cast<int>(placeAt.size()));
-  Eigen::MatrixXd any = Eigen::MatrixXd::Zero(left.size(), static_cast<Eigen::Index>(placeAt.size()));
-  for (int i = 0; i < space.rows(); ++i)
-    any(i, std::prev(placeAt.upper_bound(error.position[i]))->second) = error.factor[i];
-  const auto taken = [&](Eigen::MatrixXd by) {
-    space.project(by);
-    return left.squaredNorm() - (left - by * by.colPivHouseholderQr().solve(left)).squaredNorm();
-  };
-  const double byAny = taken(any), byWave = taken(columns);
-  const double noise =
-      (left.squaredNorm() - byAny) / std::max(1.0, static_cast<double>(space.rows() - places));
-  const double share = (byWave - constants * noise) / std::max(kTiny, byAny - places * noise);
-  // of errors that differ from place to place by chance, what the best of so many waves takes
-  const double asked = static_cast<double>(effect.searchStarts().size() + effect.fineWaves().lengths.size());
-  return share < 1.0 - std::pow(kChance / asked, 2.0 / (places - constants));
 }
 
 }  // namespace mm

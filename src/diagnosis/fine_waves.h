@@ -15,12 +15,4 @@ struct LikelyWaves {
 /// @return none for an effect without fine waves.
 LikelyWaves likelyWaves(const ResidualSpace& space, const Effect& effect);
 
-/// A wave of which there are more than half as many as there are places of its joint explains whatever
-/// differs from place to place nearly as well as it does a wave. It says something where it takes more of an
-/// arbitrary error at these places than the best of so many waves takes of one that is none (1 in 10,000).
-/// @param columns of the wave, without the freedom of its shape. @param left what the others leave, with the
-/// wave; both rows + priors long.
-bool isBestByChance(const ResidualSpace& space, const Effect& effect, double length, const RowMatrix& columns,
-                    const Eigen::VectorXd& left);
-
 }  // namespace mm

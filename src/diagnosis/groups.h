@@ -48,6 +48,7 @@ struct Group {
   std::string key;  // type and what says where it acts, without what says its shape only
   std::vector<Shape> shapes;
   int shapesAsked = 0;  // where `shapes` are only the likely ones of more
+  double met = 1.0;     // Effect::met(); of a profile less
   bool profile = false;
   int variables = 0;  // of a profile
   bool dependsOnTime = false;

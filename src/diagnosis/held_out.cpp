@@ -15,8 +15,7 @@ constexpr int kGap = 2;  // observations on either side that are neither fitted 
 
 }  // namespace
 
-HeldOut::HeldOut(const Search& search, const Explanation& found, bool again)
-    : search_(search), found_(found) {
+HeldOut::HeldOut(const Search& search, const Explanation& found) : search_(search), found_(found) {
   const Questions& q = search.questions();
   const ResidualSpace& space = *q.space;
   const Folds& blocks = space.folds();
@@ -39,7 +38,6 @@ HeldOut::HeldOut(const Search& search, const Explanation& found, bool again)
   for (Fold& fold : folds_) {
     fold.own = determinedWithin(q.rows.base, fold.held, fold.unused);
     fold.evidence = search.evidenceAt(found, &fold.unused);
-    fold.members = again ? search.runHeld(found, *fold.evidence) : found.members;
   }
 }
 
@@ -82,26 +80,13 @@ double HeldOut::worthOf(const Member& member, const std::vector<Member>& beside)
   return lower / std::sqrt(std::max(1e-300, squares));
 }
 
-double HeldOut::before() const {
-  return rmsOf([](const Fold&) { return std::vector<Member>(); });
-}
+double HeldOut::before() const { return withMembers({}); }
 
-double HeldOut::all() const {
-  return rmsOf([](const Fold& fold) { return fold.members; });
-}
+double HeldOut::all() const { return withMembers(found_.members); }
 
 double HeldOut::with(std::size_t members) const {
-  const auto& groups = search_.questions().groups.groups;
-  return rmsOf([&](const Fold& fold) {
-    std::vector<Member> some;
-    for (const Member& m : fold.members)
-      for (std::size_t k = 0; k < std::min(members, found_.members.size()); ++k)
-        if (groups[m.group].key == groups[found_.members[k].group].key) {
-          some.push_back(m);
-          break;
-        }
-    return some;
-  });
+  const auto count = static_cast<long>(std::min(members, found_.members.size()));
+  return withMembers({found_.members.begin(), found_.members.begin() + count});
 }
 
 double HeldOut::withGroup(int group) const {

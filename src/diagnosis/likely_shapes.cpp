@@ -5,23 +5,22 @@
 
 #include "base/cancel_scope.h"
 #include "base/parallel.h"
-#include "diagnosis/shortlist.h"
 
 namespace mm {
 namespace {
 
-constexpr double kNear = 10.0;  // nats behind the likeliest: what is further behind is not drawn
-constexpr int kMostSteps = 8;   // causes of a walk
-constexpr double kKept = 3e7;   // numbers of columns that are kept from look to look: 240 MB
+constexpr double kNear = 10.0;               // nats behind the likeliest: what is further behind is not drawn
+constexpr int kMostSteps = 8;                // causes of a walk
+constexpr std::size_t kShapesTogether = 60;  // whose columns are made and compared at a time
+constexpr std::size_t kListsOfOne = 2;       // causes, and curves over one variable
+constexpr double kKept = 3e7;                // numbers of columns that are kept from look to look: 240 MB
 
 }  // namespace
 
 LikelyShapes::LikelyShapes(const ResidualSpace& space, Questions& questions, double statedFreedoms)
     : space_(space), q_(questions), statedFreedoms_(statedFreedoms) {
   addList(QuestionList::causes(space));
-  q_.profiles = static_cast<int>(groups_.size());
   addList(QuestionList::profiles(space));
-  q_.profiles = static_cast<int>(groups_.size()) - q_.profiles;
 }
 
 void LikelyShapes::addList(QuestionList list) {
@@ -264,6 +263,9 @@ std::vector<LikelyShapes::Taken> LikelyShapes::foundBy(const PosteriorAnswer& an
 }
 
 bool LikelyShapes::extend(const PosteriorAnswer& answer, bool instead) {
+  if (lists_.size() == kListsOfOne) {  // two variables at once, where what was found may be their shadow
+    addList(QuestionList::pairs(space_));
+  }
   const NoiseState& noise = noiseOf(answer);
   const std::vector<Taken> set = foundBy(answer);
   bool any = take(ask(noise, set, Wanted::kLikelierThanBefore));
@@ -278,7 +280,7 @@ bool LikelyShapes::extend(const PosteriorAnswer& answer, bool instead) {
   return true;
 }
 
-void LikelyShapes::appendTheRest(const PosteriorAnswer& answer) {
+void LikelyShapes::appendTheRest(PosteriorAnswer& answer) {
   const NoiseState& noise = noiseOf(answer);
   for (Asked& a : ask(noise, foundBy(answer), Wanted::kOneOfEach)) {
     const Group& group = groups_.at(a.taken.group);
@@ -290,6 +292,7 @@ void LikelyShapes::appendTheRest(const PosteriorAnswer& answer) {
     one.columns = std::move(a.kept.columns);
     append(q_.groups, std::move(one));
     ++q_.groups.causes;
+    answer.rest.push_back(1.0 / (1.0 + std::exp(-a.logOdds)));
   }
 }
 

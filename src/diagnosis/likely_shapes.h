@@ -25,9 +25,9 @@ class LikelyShapes {
   /// Asks everything again beside what a sample found. @param instead and beside all of it but one.
   /// @return whether there is anything new.
   bool extend(const PosteriorAnswer& answer, bool instead);
-  /// Puts the causes that are not likely behind the others, each with its likeliest shape: so that all that
-  /// were asked can be told.
-  void appendTheRest(const PosteriorAnswer& answer);
+  /// Puts the causes that are not likely behind the others, each with its likeliest shape and its probability
+  /// beside what the sample found: so that all that were asked can be told.
+  void appendTheRest(PosteriorAnswer& answer);
 
  private:
   /// A shape as it is kept.

@@ -10,17 +10,31 @@ namespace {
 
 constexpr double kDeclaredFreedoms = 8.0;  // of a repeatability that somebody stated: good to a quarter
 constexpr double kExpected = 1.0;          // causes that act in a session, before it is seen
-constexpr double kCurve = 0.05;            // how often a curve without a name is met, of a cause with one
 constexpr double kAlone = 0.97;            // share of its slot from which a leader has no rivals
-constexpr double kPerhaps = 0.1;           // probability from which a cause is told beside drift
 
-/// How often such a cause is met, a common one being 1.
-double metOf(const Group& group) { return group.profile ? std::pow(kCurve, group.variables) : 1.0; }
+/// A cause with a name that explains nearly all that a curve does is told, and the curve is for its rest.
+void nameCurves(const Search& search, const Evidence& evidence, std::vector<Member>& members) {
+  const std::vector<Group>& groups = search.questions().groups.groups;
+  const std::vector<Member> found = members;
+  for (std::size_t j = 0; j < found.size(); ++j) {
+    if (!groups[static_cast<std::size_t>(found[j].group)].profile) continue;
+    std::vector<Member> others = found;
+    others.erase(others.begin() + static_cast<long>(j));
+    const Evidence::Given given = evidence.given(others);
+    const auto explained = [&](double gain) { return -std::expm1(-2.0 * gain / given.freedoms); };
+    const double byCurve = explained(evidence.gainOf(given, others, *found[j].columns).value);
+    for (const Gain& g : evidence.gains(given)) {  // best first
+      if (g.group < 0 || groups[static_cast<std::size_t>(g.group)].profile) continue;
+      if (explained(g.value) > kMostOfIt * byCurve) members.push_back(search.memberOf(g));
+      break;
+    }
+  }
+}
 
 }  // namespace
 
 double logPriorOddsOf(const Questions& q, const Group& group) {
-  return std::log(kExpected * metOf(group) / std::max(1, q.asked));
+  return std::log(kExpected * group.met / std::max(1, q.asked));
 }
 
 PosteriorProblem problemOf(const Questions& q, const Groups& groups, double statedFreedoms) {
@@ -28,8 +42,11 @@ PosteriorProblem problemOf(const Questions& q, const Groups& groups, double stat
   p.rows = q.rows;
   p.scatter = q.scatter;
   p.statedFreedoms = statedFreedoms;
-  // shapes of one cause side by side
-  RowMatrix columns(q.rows.length(), groups.columns.cols());
+  // shapes of one cause side by side; two may have columns in common
+  int count = 0;
+  for (const Group& g : groups.groups)
+    for (const Shape& s : g.shapes) count += s.count;
+  RowMatrix columns(q.rows.length(), count);
   int at = 0;
   for (const Group& g : groups.groups) {
     Cause cause;
@@ -49,7 +66,7 @@ PosteriorProblem problemOf(const Questions& q, const Groups& groups, double stat
     cause.end = static_cast<int>(p.shapes.size());
     p.causes.push_back(cause);
   }
-  p.columns = columns.leftCols(at);
+  p.columns = std::move(columns);
   return p;
 }
 
@@ -73,20 +90,28 @@ PosteriorAnswer explainByPosterior(const Questions& q, const Eigen::VectorXd& va
     const Acting a = shapeOf(out.sample, problem, static_cast<int>(c));
     out.likeliest.push_back(a.shape < 0 ? -1 : a.shape - problem.causes[c].first);
   }
+  ActingSet named;
+  for (const Slot& slot : out.slots) {
+    const Acting a = slot.named ? shapeOf(out.sample, problem, slot.causes.front()) : Acting{-1, 0};
+    if (a.shape >= 0) named.push_back(a);
+  }
+  // the noise beside what is named: what may act and is not named has to be told as noise
+  const auto densest = [&](const std::shared_ptr<const NoiseView>& a,
+                           const std::shared_ptr<const NoiseView>& b) {
+    return a->logDensity(named) < b->logDensity(named);
+  };
+  const NoiseState& noise =
+      (*std::max_element(out.sample.pool.begin(), out.sample.pool.end(), densest))->state();
   const Search search(q);
-  const NoiseState& noise = out.sample.pool[static_cast<std::size_t>(likeliestNoise(out.sample))]->state();
   Explanation start;
   start.noise.drift = noise.drift;
   start.noise.variance = noise.variance;
   start.scatter = noise.scatter;
   std::vector<Member> members;
   const auto evidence = search.evidenceAt(start);
-  for (const Slot& slot : out.slots) {
-    if (!slot.named) continue;
-    const Acting a = shapeOf(out.sample, problem, slot.causes.front());
-    if (a.shape < 0) continue;
+  for (const Acting& a : named) {
     Gain gain;
-    gain.group = slot.causes.front();
+    gain.group = problem.shapes[static_cast<std::size_t>(a.shape)].cause;
     gain.shape = a.shape - problem.causes[static_cast<std::size_t>(gain.group)].first;
     gain.size = sizeGrid()[a.size];
     members.push_back(search.memberOf(gain));
@@ -97,19 +122,25 @@ PosteriorAnswer explainByPosterior(const Questions& q, const Eigen::VectorXd& va
       others.erase(others.begin() + static_cast<long>(j));
       members[j] = search.refined(*evidence, others, members[j]);
     }
-  out.found = search.refitted(members, start, false);
+  nameCurves(search, *evidence, members);
+  out.found = search.refitted(members, start);
   return out;
 }
 
-namespace {
+void PosteriorAnswer::doubt(int group, double probability) {
+  for (Slot& slot : slots)
+    if (slot.named && slot.causes.front() == group) slot.named = false;
+  sample.inclusion[static_cast<std::size_t>(group)] *= probability;
+}
 
-/// The shape of a cause that has most of its probability, as it would be added.
 EffectSpec specOf(const Questions& q, const PosteriorAnswer& answer, int cause) {
   const Group& g = q.groups.groups[static_cast<std::size_t>(cause)];
   const int shape = std::max(0, answer.likeliest[static_cast<std::size_t>(cause)]);
   const Shape& s = g.shapes[static_cast<std::size_t>(shape)];
   return s.mixed.empty() ? s.effect->shapedAs(s.nonlinear) : s.spec;
 }
+
+namespace {
 
 void takeRivals(const Questions& q, const PosteriorAnswer& answer, const Slot& slot, CandidateResult& to) {
   double all = 0.0;
@@ -145,17 +176,16 @@ void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out)
       }
       continue;
     }
-    for (std::size_t k = 0; k < slot.causes.size(); ++k) {
-      const Group& g = q.groups.groups[static_cast<std::size_t>(slot.causes[k])];
-      if (g.dependsOnTime && !g.profile && slot.shares[k] > kPerhaps && !out.drift.empty())
-        out.drift.front().perhaps.push_back({specOf(q, answer, slot.causes[k]), slot.shares[k], 1.0});
-    }
   }
+  const std::size_t sampled = answer.sample.inclusion.size();
   for (CandidateResult& r : out.candidates) {
     const std::string key = causeOf(*createEffect(r.effect, domain));
-    for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g)
-      if (q.groups.groups[g].key == key) r.odds = odds(answer.sample, answer.sample.inclusion[g]);
+    for (std::size_t g = 0; g < sampled + answer.rest.size(); ++g)
+      if (q.groups.groups[g].key == key)
+        r.odds = g < sampled ? odds(answer.sample, answer.sample.inclusion[g]) : answer.rest[g - sampled];
   }
+  std::stable_sort(out.candidates.begin(), out.candidates.end(),
+                   [](const CandidateResult& a, const CandidateResult& b) { return a.odds > b.odds; });
 }
 
 }  // namespace mm

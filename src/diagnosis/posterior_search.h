@@ -8,9 +8,14 @@ namespace mm {
 /// What the posterior over sets of causes says of a session.
 struct PosteriorAnswer {
   PosteriorSample sample;
+  std::vector<double> rest;    // probability of groups behind those of the sample, beside what it found
   std::vector<Slot> slots;     // likeliest first; causes are groups of the questions
   std::vector<int> likeliest;  // a group: its shape of most probability, -1: none was visited
   Explanation found;           // the leaders of the named slots, refitted
+
+  /// A cause that does not clearly predict is not named; it acts where it predicts anything, too.
+  /// @param probability that it does.
+  void doubt(int group, double probability);
 };
 
 /// Log prior odds that a cause acts in a session.
@@ -26,7 +31,9 @@ PosteriorAnswer explainByPosterior(const Questions& questions, const Eigen::Vect
 /// Degrees of freedom that the repeatability of a fit is worth.
 double statedFreedomsOf(const CalibrationResult& fitted);
 
-/// Odds, rivals and what may act beside drift, as the sample has them.
+/// The shape of a cause that has most of its probability, as it would be added.
+EffectSpec specOf(const Questions& questions, const PosteriorAnswer& answer, int cause);
+/// Odds and rivals, as the sample has them.
 void takeOdds(const Questions& questions, const PosteriorAnswer& answer, Diagnosis& out);
 
 }  // namespace mm

@@ -24,6 +24,7 @@ constexpr std::size_t kFewestMixed = 3;  // two are hardly more than each alone
 /// all cores busy. Part of the layout of the work, so that the bits do not depend on the number of threads.
 constexpr std::size_t kDraftsTogether = 24;
 
+constexpr double kCurve = 0.05;  // how often a curve without a name is met, of a cause with one
 /// Positions of a linear joint from which on a profile over it is asked with short bumps, too: fewer are met
 /// by smooth ones.
 constexpr int kPlacesOfRough = 16;
@@ -65,6 +66,7 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
       if (fresh) {
         Group group;
         group.key = key;
+        group.met = effect->met();
         group.dependsOnTime = inputsOf(*effect, domain).dependsOnTime();
         out.groups_.push_back(group);
         out.why_.push_back(reason);
@@ -152,7 +154,11 @@ Groups QuestionList::made(std::size_t first, std::size_t count) const {
     made[i].shape.first = at;
     out.columns.middleCols(at, made[i].shape.count) = made[i].columns;
     at += made[i].shape.count;
-    out.groups[wanted[i].group - first].shapes.push_back(made[i].shape);
+    std::vector<Shape>& shapes = out.groups[wanted[i].group - first].shapes;
+    shapes.push_back(made[i].shape);
+    if (made[i].shape.main == made[i].shape.count) continue;
+    shapes.push_back(made[i].shape);  // as likely as with its freedom: the law and nothing beside it
+    shapes.back().count = shapes.back().main;
   }
   for (const Mixed& m : mixed) {
     Shape shape = made[m.members[0]].shape;
@@ -224,6 +230,7 @@ QuestionList QuestionList::of(const ResidualSpace& space, const std::vector<Prof
     group.key = causeOf(*effect);
     group.profile = true;
     group.variables = static_cast<int>(variables.size());
+    group.met = std::pow(kCurve, group.variables);
     group.dependsOnTime = std::any_of(variables.begin(), variables.end(), dependsOnTime);
     out.wanted_.push_back({out.groups_.size(), effect, {}});
     if (variables.size() == 1 && changesWithinFewPlaces(maker, *effect))

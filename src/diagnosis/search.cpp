@@ -10,14 +10,7 @@
 namespace mm {
 namespace {
 
-constexpr int kMostMembers = 10;
-/// A free curve imitates whatever has a name: it must be this much more likely, for each of its variables.
-constexpr double kUnnamed = 100.0;
-constexpr int kTrials = 3;              // candidates whose noise is fitted again from none
-constexpr double kFiner = 1e-3;         // nats that a step of a nonlinear parameter must bring
-constexpr double kClearlyBetter = 0.5;  // nats by which another cause must be better to take a place
-constexpr double kExchange = 1.0;       // nats that an exchange of one for two must bring
-
+constexpr double kFiner = 1e-3;  // nats that a step of a nonlinear parameter must bring
 std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
   std::string id = std::to_string(group) + "/" + std::to_string(shape);
   for (const double v : nonlinear) {
@@ -29,18 +22,6 @@ std::string idOf(int group, int shape, const std::vector<double>& nonlinear) {
 }
 
 }  // namespace
-
-double Search::priceOfOne(const Group& g) const {
-  const double asked = g.variables == 2 ? q_.asked + q_.profiles + q_.pairs
-                       : g.profile      ? q_.asked + q_.profiles
-                                        : q_.asked;
-  return std::log(std::max(1.0, asked)) + std::log(kPriorOdds) + g.variables * std::log(kUnnamed);
-}
-
-double Search::priceOf(const Member& member) const {
-  return (member.partner.empty() ? priceOf(member.group) : member.priceAsPartner) +
-         q_.groups.groups[member.group].priceOfShape() + member.priceOfSize;
-}
 
 std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
                                                    const std::vector<char>* heldOut) const {
@@ -69,11 +50,11 @@ std::shared_ptr<const Evidence> Search::evidenceAt(const Explanation& at,
 }
 
 std::vector<RandomBlock> Search::blocksOf(const std::vector<Member>& members,
-                                          const std::vector<double>& scatter, bool all,
+                                          const std::vector<double>& scatter,
                                           std::vector<int>& ofBlock) const {
   std::vector<RandomBlock> blocks;
   for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-    if (all || scatter[b] > 0.0) {
+    if (scatter[b] > 0.0) {
       blocks.push_back(q_.scatter[b]);
       if (!blocks.back().fixed) blocks.back().ratio = scatter[b];
       ofBlock.push_back(static_cast<int>(b));
@@ -84,7 +65,7 @@ std::vector<RandomBlock> Search::blocksOf(const std::vector<Member>& members,
 
 double Search::whiteStdOf(const Explanation& found) const {
   std::vector<int> ofBlock;
-  const NoiseFit fit(q_.rows, blocksOf(found.members, found.scatter, false, ofBlock));
+  const NoiseFit fit(q_.rows, blocksOf(found.members, found.scatter, ofBlock));
   NoiseFitResult at;
   at.noise = found.noise;
   for (const int b : ofBlock) at.ratios.push_back(found.scatter[static_cast<std::size_t>(b)]);
@@ -95,21 +76,16 @@ double Search::whiteStdOf(const Explanation& found) const {
   return fit.whiteStdOf(at, {});
 }
 
-Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start, bool add,
-                             int along) const {
+Explanation Search::refitted(const std::vector<Member>& members, const Explanation& start) const {
   CancelScope::check();
   Explanation out;
   out.members = members;
   std::vector<int> ofBlock;
-  std::vector<RandomBlock> blocks = blocksOf(members, start.scatter, add, ofBlock);
+  std::vector<RandomBlock> blocks = blocksOf(members, start.scatter, ofBlock);
   const std::size_t scatter = ofBlock.size();
   NoiseFitOptions options;
-  options.addDrift = add;
-  options.addAlong = along;
-  if (!add || along >= 0) options.rounds = 2;
-  const auto approach = std::find(q_.directions.begin(), q_.directions.end(), "approach");
-  if (approach != q_.directions.end())
-    options.constantIsACause = static_cast<int>(approach - q_.directions.begin());
+  options.addDrift = false;
+  options.rounds = 2;
   const NoiseFitResult fit = q_.many ? fitManyRows(q_.rows, std::move(blocks), start.noise, options)
                                      : NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
   out.noise = fit.noise;
@@ -120,19 +96,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   out.logEvidence = fit.logEvidence;
   out.white = fit.white;
   out.whiteStd = fit.whiteStd;
-  out.worth = out.logEvidence;
-  payInFullAlone(out.members);
-  for (const Member& m : out.members) out.worth -= priceOf(m);
   return out;
-}
-
-void Search::payInFullAlone(std::vector<Member>& members) const {
-  for (Member& m : members) {
-    const bool alone = std::none_of(members.begin(), members.end(), [&](const Member& other) {
-      return &other != &m && q_.groups.groups[other.group].key == m.partner;
-    });
-    if (alone) m.partner.clear();
-  }
 }
 
 Member Search::memberOf(const Gain& gain) const {
@@ -147,27 +111,7 @@ Member Search::memberOf(const Gain& gain) const {
   return m;
 }
 
-void Search::takeSize(Member& member, const Gain& gain) const {
-  member.size = std::max(kSmallestSize, gain.size);
-  member.priceOfSize = q_.groups.groups[member.group].shapes[member.shape].priceOfSize(gain.coefficient);
-}
-
-Member Search::moved(Member member, int group) const {
-  member.group = group;
-  member.id = idOf(group, member.shape, member.nonlinear);
-  return member;
-}
-
-bool Search::isThere(const std::vector<Member>& members, const Gain& gain) const {
-  if (gain.group < 0) return false;
-  const Shape& shape = q_.groups.groups[gain.group].shapes[gain.shape];
-  const bool curve = q_.groups.groups[gain.group].profile;  // one of a variable is enough
-  const bool saidByAKey =
-      !curve && (shape.nonlinear.empty() || !(shape.effect->shapedAs(shape.nonlinear) == shape.spec));
-  return std::any_of(members.begin(), members.end(), [&](const Member& m) {
-    return m.group == gain.group && (m.shape == gain.shape || !saidByAKey);
-  });
-}
+void Search::takeSize(Member& member, const Gain& gain) { member.size = std::max(kSmallestSize, gain.size); }
 
 Member Search::refined(const Evidence& evidence, const std::vector<Member>& others,
                        const Member& member) const {
@@ -193,6 +137,7 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
           if (at[k] < limits.minimum || at[k] > limits.maximum || !shape.effect->mayBeClaimed(at)) break;
           RowMatrix columns = make(shape.effect, at);
           if (columns.cols() == 0) break;
+          if (shape.count == shape.main) columns = columns.leftCols(shape.main).eval();
           const Gain gain = evidence.gainOf(given, others, columns);
           if (!(gain.value > most + kFiner)) break;
           most = gain.value;
@@ -204,193 +149,29 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
   return best;
 }
 
-std::vector<Member> Search::exchangedAt(const Evidence& evidence, std::vector<Member> members,
-                                        bool* changed) const {
-  *changed = false;
-  for (std::size_t j = 0; j < members.size(); ++j) {
-    CancelScope::check();
-    std::vector<Member> others = members;
-    others.erase(others.begin() + static_cast<long>(j));
-    const Evidence::Given given = evidence.given(others);
-    const Gain own = evidence.gainOf(given, others, *members[j].columns);
-    takeSize(members[j], own);
-    const double now = own.value - priceOf(members[j]);
-    Gain best;
-    double most = -1e300;
-    const std::vector<Gain> gains = evidence.gains(given);
-    for (const Gain& g : gains) {
-      if (isThere(others, g)) continue;
-      if (g.value - priceOf(g.group) > most) most = g.value - priceOf(g.group), best = g;
+std::vector<Member> Search::beside(const Evidence& evidence, const std::vector<Member>& members,
+                                   std::size_t j) const {
+  const auto isCurve = [&](const Member& m) { return q_.groups.groups[m.group].profile; };
+  std::vector<Member> others;
+  for (std::size_t p = 0; p < members.size(); ++p) {
+    if (p == j) continue;
+    if (isCurve(members[p]) && !isCurve(members[j])) {
+      std::vector<Member> rest;
+      for (std::size_t k = 0; k < members.size(); ++k)
+        if (k != j && k != p) rest.push_back(members[k]);
+      const Evidence::Given given = evidence.given(rest);
+      const auto explained = [&](const Member& m) {
+        return -std::expm1(-2.0 * evidence.gainOf(given, rest, *m.columns).value / given.freedoms);
+      };
+      if (explained(members[j]) > kMostOfIt * explained(members[p])) continue;
     }
-    if (best.group >= 0) best = commoner(best, gains, others);
-    const bool nameForCurve = q_.groups.groups[members[j].group].profile && best.group >= 0 &&
-                              !q_.groups.groups[best.group].profile;
-    // another one must be better, and a profile clearly better than a cause with a name
-    const bool named = !q_.groups.groups[members[j].group].profile;
-    double margin = kClearlyBetter;
-    if (best.group >= 0 && q_.groups.groups[best.group].profile && named) {
-      const auto explained = [&](double gain) { return -std::expm1(-2.0 * gain / given.freedoms); };
-      margin = explained(own.value) > kMostOfIt * explained(best.value) ? 1e300 : kIndistinct;
-    }
-    if (best.group >= 0 && (best.group != members[j].group || best.shape != members[j].shape) &&
-        (most > now + margin || (nameForCurve && best.value > priceOf(best.group)))) {
-      members[j] = refined(evidence, others, memberOf(best));
-      *changed = true;
-    }
+    others.push_back(members[p]);
   }
-  return members;
+  return others;
 }
 
-Explanation Search::exchanged(Explanation best) const {
-  for (int round = 0; round < 3 && !best.members.empty(); ++round) {
-    const auto evidence = evidenceAt(best);
-    bool changed = false;
-    std::vector<Member> members = exchangedAt(*evidence, best.members, &changed);
-    // one goes, and what is best beside the rest comes, perhaps two in its place
-    if (!changed && members.size() > 1 && round == 0) {
-      double mostGain = 0.0;
-      std::vector<Member> mostMembers;
-      const double now = worthAt(*evidence, members);
-      for (std::size_t j = 0; j < members.size(); ++j) {
-        CancelScope::check();
-        std::vector<Member> others = members;
-        others.erase(others.begin() + static_cast<long>(j));
-        for (int more = 0; more < 2; ++more) {
-          const std::vector<Gain> gains = evidence->gains(evidence->given(others));
-          Gain pick;
-          double most = 0.0;
-          for (const Gain& g : gains)
-            if (g.group != members[j].group && !isThere(others, g) && g.value - priceOf(g.group) > most)
-              most = g.value - priceOf(g.group), pick = g;
-          if (pick.group < 0) break;
-          others.push_back(refined(*evidence, others, memberOf(commoner(pick, gains, others))));
-          bool again = false;
-          const std::vector<Member> settled = exchangedAt(*evidence, others, &again);
-          const double gain = worthAt(*evidence, settled) - now;
-          if (gain > std::max(kExchange, mostGain)) mostGain = gain, mostMembers = settled;
-        }
-      }
-      if (!mostMembers.empty()) members = mostMembers, changed = true;
-    }
-    if (!changed) {
-      best.members = members;
-      break;
-    }
-    Explanation next = refitted(members, best, false);
-    if (next.worth <= best.worth) break;
-    best = std::move(next);
-  }
-  return best;
-}
-
-Explanation Search::grown(Explanation best, bool bare) const {
-  while (static_cast<int>(best.members.size()) < kMostMembers) {
-    // drift and scatter that were fitted without a cause have absorbed it: ask from none of them, too
-    std::vector<Explanation> starts = {best};
-    if (driftsOrScatters(best)) starts.push_back(withoutDriftAndScatter(best));
-    Explanation next;
-    next.worth = -1e300;
-    for (std::size_t s = 0; s < starts.size(); ++s) {
-      const auto evidence = evidenceAt(starts[s]);
-      std::vector<Gain> gains = evidence->gains(evidence->given(best.members));
-      for (Gain& g : gains) g.value -= priceOf(g.group);
-      std::stable_sort(gains.begin(), gains.end(),
-                       [](const Gain& a, const Gain& b) { return a.value > b.value; });
-      int tried = 0;
-      for (const Gain& g : gains) {
-        if (tried == (s == 0 ? 1 : kTrials) || g.value < (starts.size() == 1 ? 0.0 : -kWorthTrying)) break;
-        if (isThere(best.members, g)) continue;
-        ++tried;
-        std::vector<Member> members = best.members;
-        members.push_back(refined(*evidence, best.members, memberOf(commoner(g, gains, best.members))));
-        // with the cause in at the size that it has without them, drift and scatter must earn their place
-        // again
-        Explanation trial = refitted(members, best, false);
-        if (trial.worth > next.worth) next = std::move(trial);
-      }
-    }
-    if (!(next.worth > best.worth)) break;
-    next = refitted(next.members, next, !bare);
-    next = exchanged(std::move(next));
-    if (!(next.worth > best.worth)) break;
-    best = std::move(next);
-  }
-  return best;
-}
-
-bool Search::driftsOrScatters(const Explanation& found) const {
-  bool scatters = false;
-  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-    scatters = scatters || (!q_.scatter[b].fixed && found.scatter[b] > 0.0);
-  return scatters || !found.noise.drift.empty();
-}
-
-Explanation Search::withoutDriftAndScatter(Explanation found) const {
-  found.noise.drift.clear();
-  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-    if (!q_.scatter[b].fixed) found.scatter[b] = 0.0;
-  return found;
-}
-
-Explanation Search::pruned(Explanation best) const {
-  for (bool again = true; again && !best.members.empty();) {
-    again = false;
-    Explanation most;
-    most.worth = -1e300;
-    const auto evidence = evidenceAt(best);
-    for (std::size_t j = 0; j < best.members.size(); ++j) {
-      const std::vector<Member> named = beside(*evidence, best.members, j);
-      if (named.size() + 1 < best.members.size() &&
-          evidence->gainOf(evidence->given(named), named, *best.members[j].columns).value >
-              priceOf(best.members[j]))
-        continue;  // the curve is for the rest
-      std::vector<Member> others = best.members;
-      others.erase(others.begin() + static_cast<long>(j));
-      // without it, drift may take its place
-      const bool time = q_.groups.groups[best.members[j].group].dependsOnTime || !best.noise.drift.empty();
-      Explanation without = refitted(others, best, time);
-      if (without.worth > most.worth) most = std::move(without);
-    }
-    if (most.worth >= best.worth) {
-      best = std::move(most);
-      again = true;
-    }
-  }
-  return best;
-}
-
-Explanation Search::none(const Eigen::VectorXd& variance) const {
-  Explanation start;
-  start.noise.variance = variance;
-  start.scatter.assign(q_.scatter.size(), 0.0);
-  for (std::size_t b = 0; b < q_.scatter.size(); ++b)
-    if (q_.scatter[b].fixed) start.scatter[b] = q_.scatter[b].ratio;
-  return refitted({}, start, true);
-}
-
-std::vector<Member> Search::grownHeld(const Evidence& evidence, std::vector<Member> members) const {
-  while (static_cast<int>(members.size()) < kMostMembers) {
-    const Evidence::Given given = evidence.given(members);
-    Gain pick;
-    pick.value = 0.0;
-    const std::vector<Gain> gains = evidence.gains(given);
-    for (const Gain& g : gains) {
-      if (isThere(members, g)) continue;
-      const double gain = g.value - priceOf(g.group);
-      if (gain > pick.value) pick = g, pick.value = gain;
-    }
-    if (pick.group < 0) break;
-    Gain whole = pick;
-    whole.value += priceOf(pick.group);
-    pick = commoner(whole, gains, members);
-    members.push_back(refined(evidence, members, memberOf(pick)));
-    for (int round = 0; round < 2; ++round) {
-      bool changed = false;
-      members = exchangedAt(evidence, members, &changed);
-      if (!changed) break;
-    }
-  }
-  return members;
+bool Search::hasCurve(const Evidence& evidence, const std::vector<Member>& members, std::size_t j) const {
+  return beside(evidence, members, j).size() + 1 < members.size();
 }
 
 }  // namespace mm

@@ -17,8 +17,9 @@ constexpr double kSeen = 1e-3;
 /// unknowns absorb it there (places at equal distances, and a period that divides them), and it would have to
 /// be large to be seen at all.
 constexpr double kWaveSeen = 0.2;
-constexpr double kMostOfOne = 0.5;  // of what is left of a shape: more in one observation is that observation
-constexpr double kMoved = 1e-9;     // m or rad: less is the rounding of a reading
+constexpr double kMostOfOne =
+    1.0 / 3.0;                   // of what is left of a shape: more in one observation may be a bad reading
+constexpr double kMoved = 1e-9;  // m or rad: less is the rounding of a reading
 constexpr double kDistinct = 1e-4;  // of a joint's range: positions further apart are two
 constexpr double kUsualOfBound =
     0.1;                          // of the largest plausible size: what is met, where nothing else is known

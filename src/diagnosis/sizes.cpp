@@ -1,7 +1,6 @@
 // How large what was found is, by the fit of everything together.
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "diagnosis/answers.h"
@@ -58,31 +57,10 @@ void takeParameters(const CalibrationResult& full, int first, const std::vector<
   }
 }
 
-std::vector<double> surenessOf(const std::vector<Answer>& answers, const CalibrationResult& full, int first,
-                               std::size_t members) {
-  constexpr double kCertain = 0.9545;  // k = 2
-  std::vector<double> sure(members, 0.0);
-  int at = first;
-  for (const Answer& a : answers) {
-    std::vector<int> linear = linearParameters(*a.effect);
-    for (int& k : linear) k += at;
-    at += a.effect->parameterCount();
-    const Eigen::VectorXd value = full.x(linear);
-    const Eigen::MatrixXd covariance = full.covariance(linear, linear);
-    const double chi2 = value.dot(covariance.ldlt().solve(value));
-    const boost::math::chi_squared spread(std::max<double>(1.0, static_cast<double>(linear.size())));
-    const bool known =
-        std::isfinite(chi2) && (covariance.diagonal().array() > 0.0).all();  // else it was held
-    double& most = sure[static_cast<std::size_t>(a.member)];
-    most = std::max(most, known ? chi2 / boost::math::quantile(spread, kCertain) : 1.0);
-  }
-  return sure;
-}
-
 std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answer>& answers,
                              const CalibrationResult& full, int first, std::size_t members) {
-  constexpr double kFarther = 1.3;  // times what the search allows: a fit may end a little beyond it
-  constexpr double kLarger = 10.0;  // times the size that the search found: two of its parts cancel
+  constexpr double kFarther = 1.3;  // times what is asked: a fit may end a little beyond it
+  constexpr double kLarger = 10.0;  // times the size that was found: two of its parts cancel
   std::vector<char> ranOff(members, 0);
   int at = first;
   for (const Answer& a : answers) {

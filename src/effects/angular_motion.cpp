@@ -9,6 +9,7 @@ namespace mm {
 namespace {
 
 constexpr int kHighestDegree = 5;
+constexpr double kAcross = 0.7;  // cosine between a direction and an axis: with a larger one it is not across
 
 class AngularMotion : public CatalogueEffect {
  public:
@@ -27,8 +28,22 @@ class AngularMotion : public CatalogueEffect {
   }
 
   std::vector<std::string> shapeKeys() const override { return {"degree"}; }
-  std::vector<ShapeFreedom> freedom(const Domain&) const override {
-    return otherValues(spec(), "degree", degree_, 1, kHighestDegree, 1);
+  /// Further degrees; and a carriage turns about a place of its own, not about the origin: beside the angle
+  /// there is a displacement of the same degree in the directions across `about`.
+  std::vector<ShapeFreedom> freedom(const Domain& domain) const override {
+    constexpr double kPlace = 0.3;  // of the Abbe offsets: from where it turns to where the artifact stands
+    std::vector<ShapeFreedom> all = otherValues(spec(), "degree", degree_, 1, kHighestDegree, 1);
+    for (const Joint& joint : domain.joints) {
+      if (joint.kind != JointKind::kLinear || std::abs(joint.axis[about_]) > kAcross) continue;
+      const bool own = joint.name == name_;
+      EffectSpec shift(degree_ > 1 ? (own ? "positioning_polynomial" : "straightness")
+                                   : (own ? "scale" : "squareness"));
+      shift.set("axis", degree_ > 1 ? name_ : joint.name);
+      if (!own) shift.set(degree_ > 1 ? "direction" : "of", degree_ > 1 ? joint.name : name_);
+      if (degree_ > 1) shift.set("degree", degree_);
+      all.push_back({shift, kPlace});
+    }
+    return all;
   }
   std::vector<int> mustMove() const override { return {axis_}; }
 

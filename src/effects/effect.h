@@ -104,6 +104,8 @@ class Effect {
 
   // What a diagnosis must know of an effect to treat it as one physical cause.
 
+  /// How often the cause is met in machines, the usual ones being 1: seldom, 0.3.
+  virtual double met() const { return 1.0; }
   /// Keys of the spec that only say which shape the cause has (degree, harmonic, period, power, lag …):
   /// effects of one type that differ in nothing else have one cause.
   virtual std::vector<std::string> shapeKeys() const { return {}; }

@@ -24,6 +24,8 @@ class SpeedLag : public CatalogueEffect {
     }
   }
 
+  double met() const override { return 0.3; }  // most controllers latch in hardware
+
   std::string cause() const override {
     return "The trigger signal is delayed (probe, filter, cable): the readings are latched after the "
            "contact, further along the motion.";

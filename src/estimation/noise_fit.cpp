@@ -21,7 +21,6 @@ constexpr double kEnough = 0.3;  // nats: what another round must bring
 // they are meanwhile, above what fitting them again gives and takes.
 constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
 constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
-constexpr double kHasMean = 1.0 / 16.0;  // of the longest time constant, two sessions: an eighth of one
 constexpr double kSmoothTime = 0.3;      // time constant of a smooth drift that is like a rough one of 1
 constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
 
@@ -169,9 +168,7 @@ double NoiseFit::prices(const NoiseModel& noise, const std::vector<double>& rati
   double sum = 0.0;
   for (const DriftTerm& t : noise.drift) {
     if (!(t.ratio > 0.0)) continue;
-    const bool hasMean = t.direction == options.constantIsACause && !timeConstants_.empty() &&
-                         t.tau > kHasMean * timeConstants_.back();
-    sum += t.smooth || hasMean ? options.smoothPrice : options.driftPrice;
+    sum += t.smooth ? options.smoothPrice : options.driftPrice;
   }
   for (std::size_t b = 0; b < blocks_.size(); ++b) sum += ratios[b] > 0.0 ? blocks_[b].price : 0.0;
   return sum;
@@ -213,18 +210,17 @@ void NoiseFit::dropTerms(const NoiseFitOptions& options, NoiseFitResult& best) c
 void NoiseFit::addTerm(const NoiseFitOptions& options, NoiseFitResult& best) const {
   constexpr double kRatio = 0.6;  // its size is fitted next
   const int directions = static_cast<int>(rows_.factors.cols());
-  const int along = options.addAlong >= 0 ? 1 : directions;
   // smooth ones of time constants that are long beside the spacing: a short one is as rough as the noise
   const int rough = static_cast<int>(timeConstants_.size()), smooth = rough - kRoughOnly;
   const auto further = [&](std::size_t number) {
     NoiseModel more = best.noise;
-    const int k = static_cast<int>(number), of = k / along;
-    more.drift.push_back({options.addAlong >= 0 ? options.addAlong : k % directions, kRatio,
+    const int k = static_cast<int>(number), of = k / directions;
+    more.drift.push_back({k % directions, kRatio,
                           timeConstants_[static_cast<std::size_t>(of < rough ? of : of - smooth)],
                           of >= rough});
     return more;
   };
-  std::vector<double> worth(static_cast<std::size_t>(along * (rough + smooth)));
+  std::vector<double> worth(static_cast<std::size_t>(directions * (rough + smooth)));
   if (worth.empty()) return;
   parallelFor(worth.size(), [&](std::size_t k) {
     const NoiseModel more = further(k);

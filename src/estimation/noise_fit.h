@@ -66,12 +66,7 @@ struct NoiseFitOptions {
   /// That a smooth one must earn: what follows a smooth course is as particular as a cause that has a name,
   /// and must be as likely beside it (ln 100 causes, and 100 to 1).
   double smoothPrice = 9.2;
-  /// Along the direction of this number a constant is a cause (the radius of the tip, along the
-  /// approach), and drift that is slower than a part of the session, which has a mean, must earn as much as a
-  /// smooth one. -1: along none.
-  int constantIsACause = -1;
   bool addDrift = true;   // look for further terms
-  int addAlong = -1;      // only along this direction; -1: along all
   bool dropDrift = true;  // try without those that are there
   bool refine = true;     // sizes and time constants of those that are there
   int rounds = 4;

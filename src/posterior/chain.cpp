@@ -37,6 +37,11 @@ PosteriorChain::PosteriorChain(const PosteriorProblem& problem, const NoisePool&
       noise_(noise),
       set_(std::move(set)) {}
 
+void PosteriorChain::beginAt(int noise, ActingSet set) {
+  noise_ = noise;
+  set_ = std::move(set);
+}
+
 int PosteriorChain::causeOf(Acting a) const {
   return problem_.shapes[static_cast<std::size_t>(a.shape)].cause;
 }

@@ -28,11 +28,14 @@ class PosteriorChain {
   PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::uint64_t seed, int number,
                  int noise = 0, ActingSet set = {});
 
+  /// Goes on from another state.
+  void beginAt(int noise, ActingSet set);
   /// @param visits those of these steps are added; null: they are not kept.
   void run(int steps, std::vector<Visit>* visits);
   /// The densest state that it met: set and noise.
   const ActingSet& best() const { return best_; }
   int bestNoise() const { return bestNoise_; }
+  double bestDensity() const { return bestDensity_; }
 
  private:
   struct Rates {                  // of the moves from a state

@@ -8,6 +8,8 @@
 namespace mm {
 namespace {
 
+constexpr double kFarBehind = 7.0;  // nats, 1000 to 1
+
 class Sampler {
  public:
   Sampler(const PosteriorProblem& problem, const SampleOptions& options)
@@ -33,6 +35,7 @@ class Sampler {
       fitBesideWhatWasFound();
     }
     advance(options_.warmUp, false);
+    leaveWhatIsFarBehind();
     PosteriorSample out;
     for (int round = 0; round < options_.mostRounds; ++round) {
       advance(options_.steps, true);
@@ -40,11 +43,8 @@ class Sampler {
       if (out.settled) break;
     }
     out.pool = pool_;
-    double most = -1e300;
-    for (const PosteriorChain& c : chains_) {
-      const double density = pool_[static_cast<std::size_t>(c.bestNoise())]->logDensity(c.best());
-      if (density > most) most = density, out.best = c.best(), out.bestNoise = c.bestNoise();
-    }
+    out.best = densestChain().best();
+    out.bestNoise = densestChain().bestNoise();
     return out;
   }
 
@@ -60,6 +60,23 @@ class Sampler {
     for (std::size_t v = 1; v < pool_.size(); ++v)
       if (pool_[v]->logDensity(set) > pool_[best]->logDensity(set)) best = v;
     return best;
+  }
+
+  const PosteriorChain& densestChain() const {
+    return *std::max_element(
+        chains_.begin(), chains_.end(),
+        [](const PosteriorChain& a, const PosteriorChain& b) { return a.bestDensity() < b.bestDensity(); });
+  }
+
+  /// A chain that has met nothing nearly as dense as another has not come to where the posterior is: it
+  /// begins there again.
+  void leaveWhatIsFarBehind() {
+    const PosteriorChain& densest = densestChain();
+    const ActingSet set = densest.best();
+    const int noise = densest.bestNoise();
+    const double least = densest.bestDensity() - kFarBehind;
+    for (PosteriorChain& c : chains_)
+      if (c.bestDensity() < least) c.beginAt(noise, set);
   }
 
   void fitBesideWhatWasFound() {

@@ -17,7 +17,7 @@ struct SampleOptions {
   int warmUp = 25;     // steps before each fit of the noise beside what was found
   int fits = 2;        // of the noise beside what was found
   int steps = 120;     // of a chain, that are read
-  int mostRounds = 3;  // of so many steps, until the chains agree
+  int mostRounds = 8;  // of so many steps, until the chains agree
   std::uint64_t seed = 1;
   std::vector<PosteriorStart> starts;  // chains begin at the last ones; of none: where nothing acts
 };

@@ -78,13 +78,6 @@ Acting shapeOf(const PosteriorSample& sample, const PosteriorProblem& problem, i
   return best;
 }
 
-int likeliestNoise(const PosteriorSample& sample) {
-  std::vector<double> of(sample.pool.size(), 0.0);
-  for (std::size_t i = 0; i < sample.visits.size(); ++i)
-    of[static_cast<std::size_t>(sample.visits[i].noise)] += sample.weights[i];
-  return static_cast<int>(std::max_element(of.begin(), of.end()) - of.begin());
-}
-
 double odds(const PosteriorSample& sample, double probability) {
   const double known = 1.0 / (1.0 + static_cast<double>(sample.visits.size()));
   return std::min(std::max(probability, 0.0), 1.0 - known * 0.1);

@@ -22,8 +22,6 @@ std::vector<Slot> slotsOf(const PosteriorSample& sample);
 /// The shape of a cause that has most of its probability, and its size there. @return shape -1: it was never
 /// visited.
 Acting shapeOf(const PosteriorSample& sample, const PosteriorProblem& problem, int cause);
-/// The state of the noise with most of the probability.
-int likeliestNoise(const PosteriorSample& sample);
 
 /// A probability from the sample as it may be said: no sample of this length knows more than its length.
 double odds(const PosteriorSample& sample, double probability);

@@ -17,7 +17,6 @@
 #include "tools/exit_status.h"
 #include "tools/interrupt.h"
 #include "tools/json_output.h"
-#include "tools/method_option.h"
 #include "tools/progress_bar.h"
 
 namespace mm {
@@ -32,7 +31,6 @@ struct Options {
   bool verbose = false, uncatalogued = false, json = false;
   std::vector<std::string> only;
   std::string rough;
-  DiagnosisMethod method = DiagnosisMethod::kSearch;
   SessionVariant variant;
 };
 
@@ -65,7 +63,6 @@ int run(const Options& o) {
   trial.only = o.only;
   trial.uncatalogued = o.uncatalogued;
   trial.rough = o.rough;
-  trial.method = o.method;
   Roughness().change(o.rough, "--rough");
   if (!o.model.empty()) trial.base = loadModelSpec(o.model).effects;
   if (o.uncatalogued && o.effects != 1)
@@ -151,7 +148,6 @@ void addBenchmarkCommand(CLI::App& app, int& exitStatus) {
                 "also what somebody could tell who knows noise and roughness and asks about the hidden cause "
                 "alone; learned from this many sessions, e.g. 200, or 2000 where balls have form errors")
       ->check(wholeNumberWithin(8, 100000));
-  addMethodOption(*c, o->method);
   c->add_flag("--json", o->json, "figures and sessions as JSON on standard output");
   c->add_option("--seed", o->seed, "first seed")->capture_default_str()->check(anySeed());
   c->add_flag("--verbose", o->verbose, "a line for each session, not only for those that went wrong");

@@ -192,7 +192,6 @@ Trial runTrial(const Machine& machine, const TrialOptions& options, std::uint64_
   }
   DiagnoseOptions diagnosing;
   diagnosing.seed = seed;
-  diagnosing.method = options.method;
   const auto begin = std::chrono::steady_clock::now();
   const Diagnosis d = diagnose(simulation.session, model, diagnosing);
   trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

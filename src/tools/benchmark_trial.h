@@ -44,7 +44,6 @@ struct TrialOptions {
   std::vector<std::string> only;  // types to draw from; empty: all kinds
   bool uncatalogued = false;      // hide effects outside the catalogue
   std::vector<EffectSpec> base;   // the model that knows nothing of what is hidden
-  DiagnosisMethod method = DiagnosisMethod::kSearch;
   std::string rough;  // how the sessions are rougher than the plan says: as for mm simulate
 };
 

@@ -7,7 +7,6 @@
 #include "report/json.h"
 #include "report/text.h"
 #include "tools/commands.h"
-#include "tools/method_option.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
@@ -17,7 +16,6 @@ namespace mm {
 namespace {
 
 struct DiagnoseCommand : SessionAndCalibration {
-  DiagnosisMethod method = DiagnosisMethod::kSearch;
   std::string moves;
   OutputFiles files;
 };
@@ -28,7 +26,6 @@ void runDiagnose(DiagnoseCommand& c) {
   c.files.output("--moves", c.moves, FileKind::kMoves);
   c.files.check();
   DiagnoseOptions options = c.fit.checkedForDiagnosis();
-  options.method = c.method;
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = loadSession(c.bag, calibration, c.fit.space);
   askFirst(session);
@@ -58,7 +55,6 @@ void addDiagnoseCommand(CLI::App& app, int& /*exitStatus*/) {
   c->declare(*command, "the session");
   command->add_option("--moves", c->moves,
                       "writes the proposed moves as a plan for mm simulate and the node measure");
-  addMethodOption(*command, c->method);
   c->files.declare(*command);
   c->fit.declare(*command, true);
   command->footer("Example:\n  mm diagnose plate.bag --calibration plate.yaml");

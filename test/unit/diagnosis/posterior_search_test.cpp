@@ -17,7 +17,6 @@ Diagnosis drawn(const std::vector<std::string>& hide, std::uint64_t seed) {
       simulate(machine, Plan::load("config/plans/nine_ball_plate.yaml", machine), {hide, seed, ""});
   const Model model(machine, observedDomain(s.session), std::vector<EffectSpec>());
   DiagnoseOptions options;
-  options.method = DiagnosisMethod::kPosterior;
   return diagnose(s.session, model, options);
 }
 

@@ -166,23 +166,6 @@ TEST(NoiseFit, EvidenceIsThatOfTheDenseFormula) {
   EXPECT_NEAR(fit.white, std::sqrt(rest / 59), 1e-8);
 }
 
-TEST(NoiseFit, AConstantThatIsACauseIsNoSlowDriftUnlessItEarnsAsMuch) {
-  NoiseRows rows = walking(200, 0.0, 1);
-  for (int i = 0; i < 200; ++i) rows.base(i, 0) *= i % 2 == 0 ? 1.0 : -1.0;  // what is free is no constant
-  rows.target.array() += 0.4;
-  NoiseFitOptions options;
-  const NoiseFitResult slow = NoiseFit(rows, {}).run(whiteNoise(200), options);
-  ASSERT_FALSE(slow.noise.drift.empty());
-  EXPECT_GT(slow.noise.drift[0].tau, 150.0) << "an eighth of the session, 1200 s";
-  options.constantIsACause = 0;
-  const NoiseFitResult dearer = NoiseFit(rows, {}).at(slow.noise, options);
-  EXPECT_NEAR(NoiseFit(rows, {}).at(slow.noise, {}).logEvidence - dearer.logEvidence,
-              options.smoothPrice - options.driftPrice, 1e-9);
-  options.smoothPrice = 1000.0;
-  for (const DriftTerm& t : NoiseFit(rows, {}).run(whiteNoise(200), options).noise.drift)
-    EXPECT_LT(t.tau, 150.0) << "only what has hardly a mean is as cheap as before";
-}
-
 TEST(NoiseFit, WhiteNoiseHasNoDriftAndAWalkHas) {
   int drifts = 0;
   double white = 0.0;
