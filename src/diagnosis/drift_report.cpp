@@ -14,7 +14,7 @@ namespace mm {
 namespace {
 
 const double kSaid = std::log(100.0);  // nats: drift that is not there at 100 to 1 is not spoken of
-constexpr std::size_t kMostAsked = 3;  // causes for a direction
+constexpr std::size_t kMostAsked = 3;  // causes told for a direction
 constexpr double kSomeShare = 0.3;  // of a drift's variance: what a cause must take over to be what it may be
 constexpr double kPartOfRun = 0.05;  // of a session: half a run in one direction, of five in both (ISO 230-2)
 constexpr double kPerhaps = 0.1;     // probability from which a cause is told beside drift
@@ -40,12 +40,6 @@ Explanation withoutDriftAlong(Explanation found, int direction) {
   return found;
 }
 
-/// A cause whose course resembles that of a drift.
-struct Alike {
-  int group = 0;
-  double share = 0.0;  // of the drift's sum of squares
-};
-
 /// The drift along a direction as the session had it, a row, whitened.
 /// @param most time constant, s: that of longer ones does not count.
 Eigen::VectorXd pathOf(const Search& search, const Explanation& found, int direction,
@@ -65,34 +59,35 @@ Eigen::VectorXd pathOf(const Search& search, const Explanation& found, int direc
   return path;
 }
 
-/// The causes that change with time and resemble the drift along a direction most.
-std::vector<Alike> alikeTo(const Search& search, const Explanation& found, int direction) {
+/// Causes that may act, and whose course resembles the drift along a direction, likeliest first.
+std::vector<DriftResult::Perhaps> perhapsOf(const Search& search, const Explanation& found, int direction,
+                                            const PosteriorAnswer& answer) {
   const Questions& q = search.questions();
   Eigen::MatrixXd path = Eigen::MatrixXd::Zero(q.rows.length(), 1);
   path.col(0).head(q.rows.rows()) = pathOf(search, found, direction);
   q.space->project(path);
   const double all = path.squaredNorm();
-  std::vector<Alike> alike;
-  if (!(all > 0.0)) return alike;
-  for (std::size_t g = 0; g < q.groups.groups.size(); ++g) {
+  std::vector<DriftResult::Perhaps> perhaps;
+  for (std::size_t g = 0; g < answer.sample.inclusion.size() && all > 0.0; ++g) {
     const Group& group = q.groups.groups[g];
     const auto there = [&](const Member& m) { return m.group == static_cast<int>(g); };
-    if (!group.dependsOnTime || group.profile ||
+    if (group.profile || !(answer.sample.inclusion[g] > kPerhaps) ||
         std::any_of(found.members.begin(), found.members.end(), there))
       continue;
-    Alike one{static_cast<int>(g), 0.0};
+    double share = 0.0;
     for (const Shape& s : group.shapes) {
       Eigen::MatrixXd columns = q.groups.columns.middleCols(s.first, s.main);
       q.space->project(columns);
       const Eigen::VectorXd rest = path - columns * columns.colPivHouseholderQr().solve(path);
-      one.share = std::max(one.share, 1.0 - rest.squaredNorm() / all);
+      share = std::max(share, 1.0 - rest.squaredNorm() / all);
     }
-    if (one.share > kSomeShare) alike.push_back(one);
+    if (share > kSomeShare)
+      perhaps.push_back({specOf(q, answer, static_cast<int>(g)), answer.sample.inclusion[g], share});
   }
-  std::stable_sort(alike.begin(), alike.end(),
-                   [](const Alike& a, const Alike& b) { return a.share > b.share; });
-  if (alike.size() > kMostAsked) alike.resize(kMostAsked);
-  return alike;
+  std::stable_sort(perhaps.begin(), perhaps.end(),
+                   [](const auto& a, const auto& b) { return a.odds > b.odds; });
+  if (perhaps.size() > kMostAsked) perhaps.resize(kMostAsked);
+  return perhaps;
 }
 
 /// What changes within less time than this is told by no measurement that was made again.
@@ -160,15 +155,7 @@ DriftReport driftOf(const Search& search, const Explanation& found, const Poster
     report.spokenOf = search.refitted(found.members, report.spokenOf);
 
   for (std::size_t r = 0; r < results.size(); ++r)
-    for (const Alike& alike : alikeTo(search, found, directions[r])) {
-      const auto group = static_cast<std::size_t>(alike.group);
-      if (group < answer.sample.inclusion.size() && answer.sample.inclusion[group] > kPerhaps)
-        results[r].perhaps.push_back(
-            {specOf(q, answer, alike.group), answer.sample.inclusion[group], std::min(1.0, alike.share)});
-    }
-  for (DriftResult& r : results)
-    std::stable_sort(r.perhaps.begin(), r.perhaps.end(),
-                     [](const auto& a, const auto& b) { return a.odds > b.odds; });
+    results[r].perhaps = perhapsOf(search, found, directions[r], answer);
   return report;
 }
 

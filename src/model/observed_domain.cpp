@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 namespace mm {
 namespace {
@@ -25,30 +27,31 @@ std::vector<double> distinctPositions(std::vector<double> values) {
   return distinct;
 }
 
-/// The distance of the grid that all values lie on, as the targets of ISO 230-2 do at equal distances, some
-/// of them left out or not; 0: they lie on none.
-double gridSpacing(std::vector<double> values) {
-  constexpr std::size_t kFewest = 5;  // places: four gaps that agree by chance are rare
-  constexpr double kOffGrid = 0.005;  // of the distance: a wave of a third of it is met within 0.1 rad
-  constexpr double kOnePlace = 0.1;   // of the widest gap
-  std::sort(values.begin(), values.end());
-  double widest = 0.0;
-  for (std::size_t i = 1; i < values.size(); ++i) widest = std::max(widest, values[i] - values[i - 1]);
-  if (widest <= kSamePosition) return 0.0;
-  std::vector<double> place, number;  // number: of the grid
-  std::vector<std::size_t> end;
-  for (std::size_t first = 0, i = 1; i <= values.size(); ++i) {
-    if (i < values.size() && values[i] - values[i - 1] <= kOnePlace * widest) continue;
-    place.push_back(0.5 * (values[first] + values[i - 1]));
-    end.push_back(i);
-    first = i;
+/// Where an axis stood, of values that differ by less than a bound: the first and last value of each place.
+std::vector<std::pair<double, double>> placesOf(const std::vector<double>& values, double apart) {
+  std::vector<std::pair<double, double>> places;
+  for (const double value : values) {
+    if (places.empty() || value - places.back().second > apart)
+      places.emplace_back(value, value);
+    else
+      places.back().second = value;
   }
-  if (place.size() < kFewest) return 0.0;
-  double nearest = widest;
-  for (std::size_t i = 1; i < place.size(); ++i) nearest = std::min(nearest, place[i] - place[i - 1]);
+  return places;
+}
+
+/// The distance of the grid on which places lie, a part of their least distance; 0: they lie on none.
+/// @param part one in so many.
+double gridOf(const std::vector<std::pair<double, double>>& places, int part) {
+  constexpr double kOffGrid = 0.005;  // of the distance: a wave of a third of it is met within 0.1 rad
+  std::vector<double> place, number;  // number: of the grid
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [first, last] : places) {
+    place.push_back(0.5 * (first + last));
+    if (place.size() > 1) nearest = std::min(nearest, place.back() - place[place.size() - 2]);
+  }
   number.push_back(0.0);
   for (std::size_t i = 1; i < place.size(); ++i)
-    number.push_back(number.back() + std::round((place[i] - place[i - 1]) / nearest));
+    number.push_back(number.back() + std::round((place[i] - place[i - 1]) / nearest * part));
   const double n = static_cast<double>(place.size());
   const double meanPlace = std::accumulate(place.begin(), place.end(), 0.0) / n,
                meanNumber = std::accumulate(number.begin(), number.end(), 0.0) / n;
@@ -58,12 +61,30 @@ double gridSpacing(std::vector<double> values) {
     squares += (number[i] - meanNumber) * (number[i] - meanNumber);
   }
   const double spacing = products / squares;
-  for (std::size_t i = 0, first = 0; i < place.size(); first = end[i++]) {
+  for (std::size_t i = 0; i < place.size(); ++i) {
     const double expected = meanPlace + spacing * (number[i] - meanNumber);
-    for (const double value : {values[first], values[end[i] - 1]})
+    for (const double value : {places[i].first, places[i].second})
       if (std::abs(value - expected) > kOffGrid * spacing) return 0.0;
   }
   return spacing;
+}
+
+/// The distance of the grid that all values lie on, as the targets of ISO 230-2 do at equal distances, some
+/// of them left out or not, and whole degrees; 0: they lie on none.
+double gridSpacing(std::vector<double> values) {
+  constexpr std::size_t kFewest = 5;                  // places: four gaps that agree by chance are rare
+  constexpr double kOnePlace[] = {0.1, 0.01, 0.001};  // of the widest gap
+  constexpr int kMostParts = 10;  // gaps that agree with a tenth of the least by chance: 1 in 100 each
+  std::sort(values.begin(), values.end());
+  double widest = 0.0;
+  for (std::size_t i = 1; i < values.size(); ++i) widest = std::max(widest, values[i] - values[i - 1]);
+  if (widest <= kSamePosition) return 0.0;
+  for (const double apart : kOnePlace) {
+    const auto places = placesOf(values, apart * widest);
+    for (int part = 1; part <= kMostParts && places.size() >= kFewest; ++part)
+      if (const double spacing = gridOf(places, part); spacing > 0.0) return spacing;
+  }
+  return 0.0;
 }
 
 /// Names and ranges at the observations of what was logged against time.

@@ -40,6 +40,9 @@ TEST(Spacing, IsThatOfEqualDistances) {
 
 TEST(Spacing, IsThatOfTheGridWhereTargetsAreLeftOut) {
   EXPECT_NEAR(spacingOf({0.0, 2e-3, 4e-3, 10e-3, 12e-3, 18e-3}), 2e-3, 1e-12);
+  // whole steps, of which no two that were taken are neighbours: a wave of 60 steps is one of 60/61, too
+  EXPECT_NEAR(spacingOf({-84e-3, -77e-3, -42e-3, -39e-3, -5e-3, -2e-3, 19e-3, 43e-3, 48e-3, 60e-3, 77e-3}),
+              1e-3, 1e-12);
 }
 
 TEST(Spacing, IsNoneOfUnequalDistances) {
