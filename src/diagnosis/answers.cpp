@@ -275,6 +275,10 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
   const Questions& q = search.questions();
   for (CandidateResult& missing : out.missing) {
     if (missing.confusableWith.empty()) continue;
+    const auto causeOfSpec = [&](const EffectSpec& spec) {
+      return causeOf(*createEffect(spec, q.space->problem().model().domain()));
+    };
+    const std::string cause = causeOfSpec(missing.effect);
     for (std::size_t j = 0; j < found.members.size(); ++j) {
       const Shape& shape = shapeOf(q, found.members[j]);
       if (!(shape.spec == missing.effect) && shape.mixed.empty()) continue;
@@ -298,6 +302,8 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
       if (out.nextMeasurement.empty()) out.nextMeasurement = next.moves;
       break;
     }
+    for (CandidateResult& c : out.candidates)
+      if (causeOfSpec(c.effect) == cause) c.odds = missing.odds;
   }
 }
 

@@ -247,7 +247,9 @@ QuestionList QuestionList::of(const ResidualSpace& space, const std::vector<Prof
 QuestionList QuestionList::profiles(const ResidualSpace& space) {
   std::vector<ProfileOf> profiles;
   for (const std::string& direction : directionsOf(space).names)
-    for (const std::string& variable : variablesThatVary(space)) profiles.push_back({direction, {variable}});
+    for (const std::string& variable : variablesThatVary(space))
+      if (variable != "t")
+        profiles.push_back({direction, {variable}});  // a course in time without a name is drift
   return of(space, profiles);
 }
 

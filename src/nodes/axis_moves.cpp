@@ -197,7 +197,18 @@ AxesMotion AxisDriver::motionOf(const measuring_machine::MoveGoal& goal) const {
   return motion;
 }
 
-// A goal of another than the one who moves is refused; one of the same replaces the one before.
+// Not longer than until the goal is cancelled or another takes its place.
+void AxisDriver::awaitListener(const std::string& sender) {
+  constexpr std::chrono::milliseconds kLook(10);
+  const auto until = std::chrono::steady_clock::now() + kListens;
+  while (!listeners_.listensWithin(sender, kLook) && std::chrono::steady_clock::now() < until) {
+    const std::lock_guard<std::mutex> lock(goals_);
+    if (cancelled_ || ending_) return;
+  }
+}
+
+// A goal of another than the one who moves is refused; one of the same, or one in the place of somebody who
+// does not listen, replaces the one before.
 void AxisDriver::takeGoal(Goal goal) {
   auto asked = std::make_unique<Asked>();
   asked->goal = goal;
@@ -206,7 +217,7 @@ void AxisDriver::takeGoal(Goal goal) {
   {
     const std::lock_guard<std::mutex> lock(goals_);
     const Asked* before = next_ ? next_.get() : now_.get();
-    if (before != nullptr && before->sender != asked->sender) {
+    if (before != nullptr && before->sender != asked->sender && listeners_.listens(before->sender)) {
       MoveResult result;
       result.outcome = MoveResult::REFUSED;
       result.message =
@@ -274,7 +285,7 @@ void AxisDriver::execute(const Asked& asked) {
     (handle.*how)(result, result.message);
   };
   try {
-    listeners_.listensWithin(asked.sender, kListens);  // who does not is refused by the mover's own question
+    awaitListener(asked.sender);  // who does not listen is refused by the mover's own question
     const AxesMotion motion = motionOf(*goal);
     const std::vector<double> from = control_.view().state.position;
     double way = 0.0;

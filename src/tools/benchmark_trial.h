@@ -44,7 +44,7 @@ struct TrialOptions {
   std::vector<std::string> only;  // types to draw from; empty: all kinds
   bool uncatalogued = false;      // hide effects outside the catalogue
   std::vector<EffectSpec> base;   // the model that knows nothing of what is hidden
-  std::string rough;  // how the sessions are rougher than the plan says: as for mm simulate
+  std::string rough;              // how the sessions are rougher than the plan says: as for mm simulate
 };
 
 /// Runs one trial. The size of each hidden effect is set by a noise-free simulation of it alone. Only the

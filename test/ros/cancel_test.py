@@ -8,7 +8,7 @@ import unittest
 import rospy
 import rostest
 from actionlib import GoalStatus, SimpleActionClient
-from measuring_machine.msg import CalibrateAction, CalibrateGoal, DiagnoseAction, DiagnoseGoal, Progress
+from measuring_machine.msg import CalibrateAction, CalibrateActionFeedback, CalibrateGoal, DiagnoseAction, DiagnoseGoal, Progress
 from measuring_machine.srv import Calibrate, Cancel, Compare, Diagnose
 
 import support
@@ -97,12 +97,17 @@ class CancelTest(unittest.TestCase):
     def test_the_action_does_what_the_service_does(self):
         request = dict(bag=self.bag, model=support.model("{type: scale, axis: x}"), method="least_squares")
         answer, client, stages = service("calibrate", Calibrate, **request), self.client("calibrate", CalibrateAction), []
-        client.send_goal(CalibrateGoal(**request), feedback_cb=lambda f: stages.append(f.stage))
+        # actionlib's client passes over what comes before its send_goal has returned
+        heard = rospy.Subscriber("calibration_server/calibrate/feedback", CalibrateActionFeedback,
+                                 lambda told: stages.append(told.feedback.stage))
+        self.assertTrue(support.wait_until(lambda: heard.get_num_connections() > 0))
+        client.send_goal(CalibrateGoal(**request))
         self.assertTrue(support.ended(client, PATIENCE))
         self.assertEqual(client.get_state(), GoalStatus.SUCCEEDED)
         self.assertEqual(support.figures(client.get_result().json), support.figures(answer.json))
         self.assertTrue(client.get_result().calibration_id)
-        self.assertIn("reading the bag", stages)
+        self.assertTrue(support.wait_until(lambda: "reading the bag" in stages), stages)
+        heard.unregister()
         client.send_goal(CalibrateGoal(bag="/nowhere/s.bag", model=request["model"]))
         self.assertTrue(support.ended(client, PATIENCE))
         self.assertEqual(client.get_state(), GoalStatus.ABORTED)

@@ -49,7 +49,8 @@ TEST_P(Traits, freedomsAreOtherLinearShapesInCanonicalForm) {
       EXPECT_LE(shape.share, 0.3);
       // it acts where the main shape does
       const Inputs a = inputsOf(*effect, domain()), b = inputsOf(*other, domain());
-      EXPECT_EQ(a.positions, b.positions);
+      EXPECT_TRUE(
+          std::includes(a.positions.begin(), a.positions.end(), b.positions.begin(), b.positions.end()));
       EXPECT_EQ(a.temperatures, b.temperatures);
       EXPECT_EQ(a.time, b.time);
       EXPECT_EQ(a.approach, b.approach);
