@@ -12,6 +12,7 @@
 #include "effects/linearity.h"
 #include "effects/profile.h"
 #include "effects/registry.h"
+#include "posterior/slots.h"
 
 namespace mm {
 namespace {
@@ -296,7 +297,7 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
       for (std::size_t r = 0; r < asked.size() && r < next.rivals.size(); ++r) {
         asked[r]->same = next.rivals[r].same;
         if (asked[r]->same)
-          missing.odds = std::min(1.0, missing.odds + asked[r]->odds);  // one error, two names
+          missing.odds = std::min(kOfThisWorld, missing.odds + asked[r]->odds);  // one error, two names
         if (!asked[r]->same) asked[r]->moves = movesInWords(next.rivals[r].deviations, next.moves.size());
       }
       if (out.nextMeasurement.empty()) out.nextMeasurement = next.moves;

@@ -82,7 +82,8 @@ std::vector<DriftResult::Perhaps> perhapsOf(const Search& search, const Explanat
       share = std::max(share, 1.0 - rest.squaredNorm() / all);
     }
     if (share > kSomeShare)
-      perhaps.push_back({specOf(q, answer, static_cast<int>(g)), answer.sample.inclusion[g], share});
+      perhaps.push_back(
+          {specOf(q, answer, static_cast<int>(g)), odds(answer.sample, answer.sample.inclusion[g]), share});
   }
   std::stable_sort(perhaps.begin(), perhaps.end(),
                    [](const auto& a, const auto& b) { return a.odds > b.odds; });

@@ -163,6 +163,12 @@ void takeRivals(const Questions& q, const PosteriorAnswer& answer, const Slot& s
 
 void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out) {
   const Domain& domain = q.space->problem().model().domain();
+  for (CandidateResult& r : out.missing) r.odds = odds(answer.sample, r.odds);  // named for a curve
+  for (ProfileResult& p : out.profiles) {
+    const std::string key = causeOf(*createEffect(p.effect, domain));
+    for (std::size_t g = 0; g < answer.sample.inclusion.size(); ++g)
+      if (q.groups.groups[g].key == key) p.odds = odds(answer.sample, answer.sample.inclusion[g]);
+  }
   for (const Slot& slot : answer.slots) {
     const Group& group = q.groups.groups[static_cast<std::size_t>(slot.causes.front())];
     if (slot.named) {

@@ -80,7 +80,7 @@ Acting shapeOf(const PosteriorSample& sample, const PosteriorProblem& problem, i
 
 double odds(const PosteriorSample& sample, double probability) {
   const double known = 1.0 / (1.0 + static_cast<double>(sample.visits.size()));
-  return std::min(std::max(probability, 0.0), 1.0 - known * 0.1);
+  return kOfThisWorld * std::min(std::max(probability, 0.0), 1.0 - known * 0.1);
 }
 
 }  // namespace mm

@@ -15,6 +15,10 @@ struct Slot {
 
 constexpr double kNamed = 0.99;  // probability at which a cause, or a set of rivals, is named
 
+/// How often what the model is sure of is so: no catalogue has every law. Of 245 causes at 0.999 or more in
+/// sessions by other physics 238 were hidden (scripts/judge; 95 % interval 0.942 to 0.988).
+constexpr double kOfThisWorld = 0.98;
+
 /// The one decision of a diagnosis. The likeliest cause that is not used gets rivals, each the one that acts
 /// in most of what is left, until one of them is sure to act; where that is not reached its causes may act.
 std::vector<Slot> slotsOf(const PosteriorSample& sample);
@@ -23,7 +27,8 @@ std::vector<Slot> slotsOf(const PosteriorSample& sample);
 /// visited.
 Acting shapeOf(const PosteriorSample& sample, const PosteriorProblem& problem, int cause);
 
-/// A probability from the sample as it may be said: no sample of this length knows more than its length.
+/// A probability from the sample as it may be said: no sample of this length knows more than its length, and
+/// no model more than how often it has been right.
 double odds(const PosteriorSample& sample, double probability);
 
 }  // namespace mm
