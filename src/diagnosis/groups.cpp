@@ -1,7 +1,6 @@
 #include "diagnosis/groups.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace mm {
 
@@ -32,32 +31,6 @@ void append(Groups& to, Groups more) {
     to.groups.push_back(std::move(g));
   }
   to.notShown.insert(to.notShown.end(), more.notShown.begin(), more.notShown.end());
-}
-
-Groups oneOf(const Groups& all, std::size_t group, const std::vector<int>& shapes) {
-  Groups one;
-  one.groups.push_back(all.groups[group]);
-  std::vector<Shape>& kept = one.groups[0].shapes;
-  kept.clear();
-  int count = 0;
-  for (const int s : shapes) count += all.groups[group].shapes[s].count;
-  one.columns.resize(all.columns.rows(), count);
-  int at = 0;
-  for (const int s : shapes) {
-    Shape shape = all.groups[group].shapes[s];
-    one.columns.middleCols(at, shape.count) = all.columns.middleCols(shape.first, shape.count);
-    shape.first = at;
-    at += shape.count;
-    kept.push_back(std::move(shape));
-  }
-  one.causes = !one.groups[0].profile;
-  return one;
-}
-
-Groups oneOf(const Groups& all, std::size_t group) {
-  std::vector<int> shapes(all.groups[group].shapes.size());
-  std::iota(shapes.begin(), shapes.end(), 0);
-  return oneOf(all, group, shapes);
 }
 
 }  // namespace mm

@@ -36,11 +36,6 @@ struct Shape {
     const double of = coefficient / usual;
     return 1.5 * std::log1p(of * of) + (seldomNegative && coefficient < 0.0 ? kSeldomSign : 0.0);
   }
-  /// The same where a coefficient is larger than is usual, or of a sign that is seldom met; else nothing.
-  double unusual(double coefficient) const {
-    const double price = priceOfSize(coefficient);
-    return price > priceOfSize(usual) ? price : 0.0;
-  }
 };
 
 /// One question of a diagnosis: a physical cause with everything that it may look like, or a profile.
@@ -79,10 +74,6 @@ struct Groups {
 
 /// One after the other. @param more is emptied.
 void append(Groups& to, Groups more);
-/// One of the groups, with a copy of its columns. @param shapes of it, ascending.
-Groups oneOf(const Groups& all, std::size_t group, const std::vector<int>& shapes);
-Groups oneOf(const Groups& all, std::size_t group);
-
 /// Whether an effect of this canonical spec is in the model.
 bool inModel(const Model& model, const EffectSpec& spec);
 

@@ -188,7 +188,7 @@ void takeOdds(const Questions& q, const PosteriorAnswer& answer, Diagnosis& out)
     const std::string key = causeOf(*createEffect(r.effect, domain));
     for (std::size_t g = 0; g < sampled + answer.rest.size(); ++g)
       if (q.groups.groups[g].key == key)
-        r.odds = g < sampled ? odds(answer.sample, answer.sample.inclusion[g]) : answer.rest[g - sampled];
+        r.odds = odds(answer.sample, g < sampled ? answer.sample.inclusion[g] : answer.rest[g - sampled]);
   }
   std::stable_sort(out.candidates.begin(), out.candidates.end(),
                    [](const CandidateResult& a, const CandidateResult& b) { return a.odds > b.odds; });

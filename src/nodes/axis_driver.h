@@ -97,7 +97,6 @@ class AxisDriver {
   void homeAll();
   void executeHoming(HomeServer::GoalHandle goal);
   Mover callerOf(const std::string& node);
-  void awaitListener(const std::string& sender);
   Mover moverOf(const std::string& sender, std::uint64_t ticket);
   bool home(TriggerCall& call);
   bool homeAxes(HomeCall& call);

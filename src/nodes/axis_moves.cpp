@@ -141,7 +141,7 @@ void AxisDriver::executeHoming(HomeServer::GoalHandle goal) {
   };
   try {
     const std::string sender = senderOf(goal.getGoalID().id);
-    listeners_.listensWithin(sender, kListens);
+    listeners_.listensWithin(sender, kListens, [&] { return homingCancelled_ || ending_; });
     control_.home(goal.getGoal()->name, moverOf(sender, goal.getGoal()->ticket), watch);
     result.message = control_.view().state.homed ? "homed" : "homed; other axes are not";
     homes_ = false;  // before the result: it may be answered with the next goal at once
@@ -195,16 +195,6 @@ AxesMotion AxisDriver::motionOf(const measuring_machine::MoveGoal& goal) const {
   motion.probing = goal.kind == measuring_machine::MoveGoal::PROBE;
   checkSpeeds(control_.joints(), motion);
   return motion;
-}
-
-// Not longer than until the goal is cancelled or another takes its place.
-void AxisDriver::awaitListener(const std::string& sender) {
-  constexpr std::chrono::milliseconds kLook(10);
-  const auto until = std::chrono::steady_clock::now() + kListens;
-  while (!listeners_.listensWithin(sender, kLook) && std::chrono::steady_clock::now() < until) {
-    const std::lock_guard<std::mutex> lock(goals_);
-    if (cancelled_ || ending_) return;
-  }
 }
 
 // A goal of another than the one who moves is refused; one of the same, or one in the place of somebody who
@@ -285,7 +275,10 @@ void AxisDriver::execute(const Asked& asked) {
     (handle.*how)(result, result.message);
   };
   try {
-    awaitListener(asked.sender);  // who does not listen is refused by the mover's own question
+    listeners_.listensWithin(asked.sender, kListens, [&] {
+      const std::lock_guard<std::mutex> lock(goals_);
+      return cancelled_ || ending_;
+    });  // who does not listen is refused by the mover's own question
     const AxesMotion motion = motionOf(*goal);
     const std::vector<double> from = control_.view().state.position;
     double way = 0.0;

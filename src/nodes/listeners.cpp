@@ -1,5 +1,7 @@
 #include "nodes/listeners.h"
 
+#include <algorithm>
+
 namespace mm {
 
 void Listeners::came(const std::string& node) {
@@ -22,9 +24,18 @@ bool Listeners::listens(const std::string& node) const {
   return connections_.count(node) > 0;
 }
 
-bool Listeners::listensWithin(const std::string& node, std::chrono::milliseconds longest) const {
-  std::unique_lock<std::mutex> lock(mutex_);
-  return news_.wait_for(lock, longest, [&] { return connections_.count(node) > 0; });
+bool Listeners::listensWithin(const std::string& node, std::chrono::milliseconds longest,
+                              const std::function<bool()>& over) const {
+  constexpr std::chrono::milliseconds kLook(10);
+  const auto until = std::chrono::steady_clock::now() + longest;
+  do {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (news_.wait_for(lock, std::min(kLook, longest), [&] { return connections_.count(node) > 0; }))
+      return true;
+    lock.unlock();
+    if (over()) return false;
+  } while (std::chrono::steady_clock::now() < until);
+  return false;
 }
 
 }  // namespace mm

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -19,9 +20,11 @@ class Listeners {
   /// A connection of this node has ended.
   void left(const std::string& node);
   bool listens(const std::string& node) const;
-  /// Waits until the node listens, at most that long. A node that speaks may not be heard to listen yet: its
-  /// connections are made one after the other, those to a driver that was started again as well.
-  bool listensWithin(const std::string& node, std::chrono::milliseconds longest) const;
+  /// Waits until the node listens, at most that long, or until it is over. A node that speaks may not be
+  /// heard to listen yet: its connections are made one after the other, those to a driver that was started
+  /// again as well. @param over asked without a lock of ours.
+  bool listensWithin(const std::string& node, std::chrono::milliseconds longest,
+                     const std::function<bool()>& over) const;
 
  private:
   mutable std::mutex mutex_;

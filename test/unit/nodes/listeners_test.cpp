@@ -11,9 +11,11 @@ using std::chrono::milliseconds;
 
 TEST(Listeners, AConnectionThatComesAfterTheGoalIsWaitedFor) {
   Listeners listeners;
-  EXPECT_FALSE(listeners.listensWithin("/measure", milliseconds(1)));
+  const auto goesOn = [] { return false; };
+  EXPECT_FALSE(listeners.listensWithin("/measure", milliseconds(1), goesOn));
+  EXPECT_FALSE(listeners.listensWithin("/measure", milliseconds(20000), [] { return true; })) << "cancelled";
   std::thread late([&] { listeners.came("/measure"); });
-  EXPECT_TRUE(listeners.listensWithin("/measure", milliseconds(20000)));
+  EXPECT_TRUE(listeners.listensWithin("/measure", milliseconds(20000), goesOn));
   late.join();
   EXPECT_FALSE(listeners.listens("/other"));
 }
