@@ -68,7 +68,22 @@ class LikelyShapes {
   bool take(std::vector<Asked> asked);
   void fill();
   ActingSet acting(const std::vector<Taken>& set) const;
+  /// Takes up the likeliest cause again and again.
+  void grow(Walk& walk);
+  /// What scatters or drifts may be a cause: for each term of the noise, is there one that does nearly what
+  /// the term did, and explains as much where that is small? @return whether the walk goes on from there.
+  bool exchange(Walk& walk);
+  /// A term of the noise: the state where it is small, and what it did (length).
+  struct Term {
+    NoiseState small;
+    Eigen::VectorXd did;
+  };
+  std::vector<Term> termsOf(const Walk& walk) const;
+  /// Causes that do nearly the same, at the size at which they do.
+  std::vector<Asked> alike(const Eigen::VectorXd& did) const;
+  PosteriorProblem problemBeside(const std::vector<Taken>& set, ActingSet& acting) const;
   NoiseState fitted(const std::vector<Taken>& set, const NoiseState& from) const;
+  double densityOf(const Walk& walk) const;
 
   const ResidualSpace& space_;
   Questions& q_;

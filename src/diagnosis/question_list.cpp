@@ -19,7 +19,6 @@ namespace {
 
 /// Weights of the members of a family that act together: the lowest two alike, the further ones less.
 constexpr double kMixed[] = {1.0, 1.0, 0.7, 0.5, 0.4};
-constexpr std::size_t kFewestMixed = 3;  // two are hardly more than each alone
 /// Shapes whose projection is one product: enough columns for it to be worth its packing, few enough to keep
 /// all cores busy. Part of the layout of the work, so that the bits do not depend on the number of threads.
 constexpr std::size_t kDraftsTogether = 24;
@@ -124,8 +123,7 @@ std::vector<QuestionList::Mixed> QuestionList::mixedOf(const Groups& groups, std
       if (wanted[i].group == first + g && made[i].why.empty() && made[i].shape.main == 1 &&
           wanted[i].nonlinear.empty())
         m.members.push_back(i);
-    if (!groups.groups[g].profile && m.members.size() >= kFewestMixed &&
-        m.members.size() <= std::size(kMixed))
+    if (!groups.groups[g].profile && m.members.size() > 1 && m.members.size() <= std::size(kMixed))
       mixed.push_back(m);
   }
   return mixed;

@@ -11,6 +11,8 @@ namespace {
 constexpr double kAsked = 0.05;  // inclusion from which a cause has a slot
 constexpr double kRivalsFrom = 0.002;
 constexpr double kOfTheRest = 0.02;  // share of what is left that a further rival must have
+/// A rival acts instead: beside those of the slot it is less likely than without them, by this much.
+constexpr double kInstead = 0.5;
 constexpr double kToldRival = 0.03;  // a rival of less is not told
 constexpr std::size_t kMostRivals = 9;
 
@@ -42,6 +44,8 @@ std::vector<Slot> slotsOf(const PosteriorSample& sample) {
           continue;
         double taken = 0.0;
         for (std::size_t i = 0; i < n; ++i) taken += none[i] * sample.visits[i].inclusion[c];
+        const double beside = (sample.inclusion[c] - taken) / (1.0 - left());  // acts beside one of the slot
+        if (beside > kInstead * taken / left()) continue;
         if (taken > most) most = taken, best = c;
       }
       if (best < 0) break;

@@ -41,4 +41,11 @@ catkin_make run_tests -j1 >/tmp/run_tests.log 2>&1 || true
 tail -n 30 /tmp/run_tests.log
 
 step "catkin_test_results"
+python3 - build/test_results <<'PYTHON'
+import pathlib, sys, xml.etree.ElementTree as xml
+for file in sorted(pathlib.Path(sys.argv[1]).rglob("*.xml")):
+    for case in xml.parse(file).iter("testcase"):
+        for wrong in [*case.iter("failure"), *case.iter("error")]:
+            print("%s.%s: %s" % (case.get("classname"), case.get("name"), (wrong.text or wrong.get("message") or "")[-1500:]))
+PYTHON
 catkin_test_results build

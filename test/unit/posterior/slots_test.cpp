@@ -44,6 +44,16 @@ TEST(Slots, TwoThatActTogetherHaveAPlaceEach) {
   EXPECT_TRUE(slots[0].named && slots[1].named);
 }
 
+TEST(Slots, WhatActsBesideTheLeaderAsOftenAsWithoutItIsNoRival) {
+  const std::vector<Slot> slots =
+      slotsOf(sampleOf({{1.0, 1.0}, {1.0, 1.0}, {1.0, 1.0}, {1.0, 0.0}, {0.0, 1.0}, {0.0, 1.0}}));
+  ASSERT_EQ(slots.size(), 2u);
+  for (const Slot& slot : slots) {
+    EXPECT_EQ(slot.causes.size(), 1u);
+    EXPECT_FALSE(slot.named);  // either acts, and neither instead of the other
+  }
+}
+
 TEST(Slots, WhatIsLessSureIsNotNamed) {
   const std::vector<Slot> slots = slotsOf(sampleOf({{0.97, 0.0}, {0.97, 0.0}}));
   ASSERT_EQ(slots.size(), 1u);
