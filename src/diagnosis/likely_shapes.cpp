@@ -9,21 +9,9 @@
 namespace mm {
 namespace {
 
-constexpr double kNear = 10.0;               // nats behind the likeliest: what is further behind is not drawn
-constexpr int kMostSteps = 8;                // causes of a walk
 constexpr std::size_t kShapesTogether = 60;  // whose columns are made and compared at a time
 constexpr std::size_t kListsOfOne = 2;       // causes, and curves over one variable
-constexpr double kSmallTerm = 0.4;           // ratio of a term of the noise for which a cause is tried
-constexpr double kAlike = 0.3;               // share of what a term of the noise did that a cause must do
-constexpr std::size_t kMostAlike = 8;        // causes that are tried for a term
-constexpr double kWorthFitting = 40.0;       // nats behind before the noise is fitted again
 constexpr double kKept = 3e7;                // numbers of columns that are kept from look to look: 240 MB
-
-template <typename List>
-auto likeliest(List& asked) {
-  return std::max_element(asked.begin(), asked.end(),
-                          [](const auto& a, const auto& b) { return a.logOdds < b.logOdds; });
-}
 
 }  // namespace
 
@@ -152,131 +140,6 @@ bool LikelyShapes::take(std::vector<Asked> asked) {
   bool any = false;
   for (Asked& a : asked) any |= kept_[a.taken.group].emplace(a.taken.shape, std::move(a.kept)).second;
   return any;
-}
-
-void LikelyShapes::walk(const Eigen::VectorXd& variance) {
-  walks_.clear();
-  const PosteriorProblem bare = problemOf(q_, {}, statedFreedoms_);
-  std::vector<NoiseState> plain = plainStates(bare, variance);
-  const NoiseState* densest = &plain.front();
-  double most = -1e300;
-  for (const NoiseState& s : plain) {
-    const double density = NoiseView(bare, s).logDensity({});
-    if (density > most) most = density, densest = &s;
-  }
-  for (const NoiseState& start : {plain.front(), fitted({}, *densest)}) {
-    Walk walk{{}, start};
-    do grow(walk);
-    while (exchange(walk));
-    take(ask(walk.noise, walk.set, Wanted::kLikelierThanBefore));
-    walks_.push_back(std::move(walk));
-  }
-  fill();
-}
-
-void LikelyShapes::grow(Walk& walk) {
-  while (static_cast<int>(walk.set.size()) < kMostSteps) {
-    std::vector<Asked> asked = ask(walk.noise, walk.set, Wanted::kNearTheLikeliest);
-    const auto best = likeliest(asked);
-    if (best == asked.end() || !(best->logOdds > 0.0)) break;
-    walk.set.push_back(best->taken);
-    take(std::move(asked));
-    walk.noise = fitted(walk.set, walk.noise);
-  }
-}
-
-std::vector<LikelyShapes::Term> LikelyShapes::termsOf(const Walk& walk) const {
-  const Questions rows = rowsOf(q_);
-  Explanation at;
-  at.noise.drift = walk.noise.drift;
-  at.noise.variance = walk.noise.variance;
-  at.scatter = walk.noise.scatter;
-  for (const Taken& t : walk.set) {
-    Member m;
-    m.size = sizeGrid()[t.size];
-    m.columns = std::make_shared<RowMatrix>(kept_.at(t.group).at(t.shape).columns);
-    m.id = std::to_string(t.group) + "/" + std::to_string(t.shape);
-    at.members.push_back(std::move(m));
-  }
-  const auto evidence = Search(rows).evidenceAt(at);
-  const int n = q_.rows.rows();
-  const Eigen::VectorXd left = (q_.rows.target - evidence->fit(at.members).withoutDrift).head(n);
-  Eigen::VectorXd weighed = Eigen::VectorXd::Zero(q_.rows.length());
-  weighed.head(n) = (left - evidence->whitener().driftIn(left)).cwiseQuotient(walk.noise.variance);
-  std::vector<Term> terms;
-  for (std::size_t b = 0; b < walk.noise.scatter.size(); ++b) {
-    const double ratio = walk.noise.scatter[b];
-    if (q_.scatter[b].fixed || !(ratio > kSmallTerm)) continue;
-    const RowMatrix& columns = q_.scatter[b].columns;
-    terms.push_back({walk.noise, ratio * ratio * (columns * (columns.transpose() * weighed))});
-    terms.back().small.scatter[b] = kSmallTerm;
-  }
-  const Eigen::MatrixXd drift = evidence->whitener().driftByTerm(left);
-  for (std::size_t k = 0; k < walk.noise.drift.size(); ++k) {
-    if (!(walk.noise.drift[k].ratio > kSmallTerm)) continue;
-    terms.push_back({walk.noise, Eigen::VectorXd::Zero(q_.rows.length())});
-    terms.back().did.head(n) = drift.col(static_cast<long>(k));
-    terms.back().small.drift[k].ratio = kSmallTerm;
-  }
-  for (Term& t : terms) {
-    Eigen::MatrixXd one = t.did;
-    space_.project(one);
-    t.did = one;
-  }
-  return terms;
-}
-
-std::vector<LikelyShapes::Asked> LikelyShapes::alike(const Eigen::VectorXd& did) const {
-  std::vector<Asked> found;  // `likelier`: share of what was done
-  for (const ListPart& part : made_.front()) {
-    const Eigen::VectorXd products = part.problem.columns.transpose() * did;
-    for (std::size_t g = 0; g < part.groups.size(); ++g) {
-      Asked best;
-      for (std::size_t s = 0; s < part.groups[g].shapes.size(); ++s) {
-        const int at = part.problem.causes[g].first + static_cast<int>(s);
-        const CauseShape& columns = part.problem.shapes[static_cast<std::size_t>(at)];
-        const Shape& shape = part.groups[g].shapes[s];
-        const double square = products.segment(columns.first, shape.main).squaredNorm();
-        const double share = square / (space_.rows() * did.squaredNorm());
-        if (!(share > std::max(kAlike, best.likelier))) continue;
-        best.likelier = share;
-        Eigen::Index size = 0;
-        (sizeGrid() - std::sqrt(square) / space_.rows()).abs().minCoeff(&size);
-        best.taken = {part.first + g, static_cast<int>(s), static_cast<int>(size)};
-        best.kept = {shape, part.problem.columns.middleCols(columns.first, columns.count)};
-      }
-      if (best.likelier > 0.0) found.push_back(std::move(best));
-    }
-  }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Asked& a, const Asked& b) { return a.likelier > b.likelier; });
-  if (found.size() > kMostAlike) found.resize(kMostAlike);
-  return found;
-}
-
-bool LikelyShapes::exchange(Walk& walk) {
-  if (static_cast<int>(walk.set.size()) >= kMostSteps) return false;
-  const double now = densityOf(walk);
-  Walk best = walk;
-  double most = now;
-  for (const Term& term : termsOf(walk))
-    for (Asked& one : alike(term.did)) {
-      if (std::any_of(walk.set.begin(), walk.set.end(),
-                      [&](const Taken& t) { return t.group == one.taken.group; }))
-        continue;
-      Walk other = {walk.set, term.small};
-      other.set.push_back(one.taken);
-      kept_[one.taken.group].emplace(one.taken.shape, std::move(one.kept));
-      if (densityOf(other) < now - kWorthFitting) continue;
-      other.noise = fitted(other.set, term.small);
-      const double density = densityOf(other);
-      if (density < now - kNear) continue;
-      walks_.insert(walks_.begin(), other);  // its noise may be drawn, too
-      if (density > most) most = density, best = std::move(other);
-    }
-  if (!(most > now)) return false;
-  walk = std::move(best);
-  return true;
 }
 
 void LikelyShapes::weigh(const Eigen::VectorXd& variance, const PosteriorAnswer& answer) {

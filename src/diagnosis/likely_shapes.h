@@ -85,6 +85,7 @@ class LikelyShapes {
   NoiseState fitted(const std::vector<Taken>& set, const NoiseState& from) const;
   double densityOf(const Walk& walk) const;
 
+  static constexpr double kNear = 10.0;  // nats behind the likeliest: what is further behind is not drawn
   const ResidualSpace& space_;
   Questions& q_;
   const double statedFreedoms_;
