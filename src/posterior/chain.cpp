@@ -12,6 +12,7 @@ constexpr double kTried = 0.3;
 constexpr double kRedrawn = 0.5;  // rate at which the shape of one that acts is drawn again
 constexpr int kNoiseEvery = 3;    // steps
 constexpr int kPairEvery = 10;
+constexpr int kTogetherEvery = 10;
 constexpr double kNearlyAny = 0.1;  // power of the density by which a state of the noise is proposed
 constexpr double kFlat = 0.5;       // power of the odds by which partners are proposed
 constexpr int kMostActing = 12;
@@ -29,10 +30,12 @@ void insert(ActingSet& set, Acting a) {
 
 }  // namespace
 
-PosteriorChain::PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::uint64_t seed,
-                               int number, int noise, ActingSet set)
+PosteriorChain::PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool,
+                               std::size_t firstFitted, std::uint64_t seed, int number, int noise,
+                               ActingSet set)
     : problem_(problem),
       pool_(pool),
+      firstFitted_(firstFitted),
       random_(seed, "posterior chain " + std::to_string(number)),
       noise_(noise),
       set_(std::move(set)) {}
@@ -223,6 +226,37 @@ void PosteriorChain::stepPair() {
   if (std::log(1.0 - random_.uniform()) < logRatio) moveTo(std::move(to), std::move(look), std::move(rates));
 }
 
+void PosteriorChain::stepTogether() {
+  if (static_cast<std::size_t>(noise_) < firstFitted_) return;
+  const bool out = random_.uniform() < 0.5;
+  if (out ? set_.empty() : static_cast<int>(set_.size()) >= kMostActing) return;
+  ActingSet common = set_;
+  if (out) common.erase(common.begin() + random_.below(static_cast<int>(common.size())));
+  // a state of the noise, with none or one of the other causes: drawn by its density
+  std::vector<Conditionals> looks;
+  std::vector<double> densities;  // a state: with none, then with each cause
+  for (std::size_t v = firstFitted_; v < pool_.size(); ++v) {
+    const double density = pool_[v]->logDensity(common);
+    looks.push_back(pool_[v]->look(common));
+    densities.push_back(density);
+    for (const double odds : looks.back().logOdds) densities.push_back(density + odds);
+    for (const Acting& a : common)
+      densities[densities.size() - looks.back().logOdds.size() + causeOf(a)] = kNever;
+  }
+  const std::size_t each = 1 + looks.front().logOdds.size(), drawn = drawFrom(densities);
+  const std::size_t state = drawn / each, cause = drawn % each;
+  if (cause > 0) insert(common, drawShape(looks[state], static_cast<int>(cause) - 1));
+  // on the way back one of those that act then is taken out
+  const double before = static_cast<double>(set_.size()), after = static_cast<double>(common.size());
+  const double logWays = after > before ? -std::log(after) : after < before ? std::log(before) : 0.0;
+  const std::size_t to = firstFitted_ + state;
+  Conditionals look = pool_[to]->look(common);
+  Rates rates = ratesOf(look, common);
+  if (std::log(1.0 - random_.uniform()) >= rates.logSum - rates_.logSum + logWays) return;
+  noise_ = static_cast<int>(to);
+  moveTo(std::move(common), std::move(look), std::move(rates));
+}
+
 void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
   look_ = view().look(set_);
   rates_ = ratesOf(look_, set_);
@@ -230,6 +264,7 @@ void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
   for (int step = 0; step < steps; ++step) {
     if (step % kNoiseEvery == 0) stepNoise();
     if (step % kPairEvery == kPairEvery - 1) stepPair();
+    if (step % kTogetherEvery == kTogetherEvery / 2) stepTogether();
     if (visits != nullptr) {
       Visit v;
       v.logWeight = -rates_.logSum;

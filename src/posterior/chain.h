@@ -23,10 +23,10 @@ struct Visit {
 /// drawn from a pool by Metropolis's rule under the same tempered density.
 class PosteriorChain {
  public:
-  /// @param pool may grow between runs; problem and pool must outlive it. @param noise of the pool, and set,
-  /// to begin with.
-  PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::uint64_t seed, int number,
-                 int noise = 0, ActingSet set = {});
+  /// @param pool may grow between runs; problem and pool must outlive it. @param firstFitted of the pool:
+  /// from there on the noise was fitted beside causes. @param noise of the pool, and set, to begin with.
+  PosteriorChain(const PosteriorProblem& problem, const NoisePool& pool, std::size_t firstFitted,
+                 std::uint64_t seed, int number, int noise = 0, ActingSet set = {});
 
   /// Goes on from another state.
   void beginAt(int noise, ActingSet set);
@@ -47,6 +47,9 @@ class PosteriorChain {
   void stepSet();
   /// One that acts for two others, or two for one: neither of the two need be likely alone.
   void stepPair();
+  /// The noise and one cause drawn together, beside all others: what drift or scatter explains, a cause may
+  /// explain instead, and neither can go before the other has come.
+  void stepTogether();
   std::vector<double> proposals(const Conditionals& look, const ActingSet& never, int nor) const;
   double logDrawn(const Conditionals& look, Acting a) const;  // that drawShape gives it
   void moveTo(ActingSet set, Conditionals look, Rates rates);
@@ -59,6 +62,7 @@ class PosteriorChain {
 
   const PosteriorProblem& problem_;
   const NoisePool& pool_;
+  std::size_t firstFitted_;
   Random random_;
   int noise_ = 0;
   ActingSet set_;

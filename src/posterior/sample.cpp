@@ -20,6 +20,7 @@ class Sampler {
 
   PosteriorSample run(const Eigen::VectorXd& variance) {
     for (NoiseState& s : plainStates(problem_, variance)) add(std::move(s));
+    const std::size_t plain = pool_.size();
     add(fittedBeside(problem_, {}, pool_.front()->state()));
     add(fittedBeside(problem_, {}, pool_[densest({})]->state()));
     for (const PosteriorStart& s : options_.starts) add(s.noise);
@@ -28,7 +29,7 @@ class Sampler {
       const int given = static_cast<int>(options_.starts.size()) - 1 - c;
       const ActingSet set = given >= 0 ? options_.starts[static_cast<std::size_t>(given)].set : ActingSet();
       const int noise = given < 0 && c % 2 == 0 ? 0 : static_cast<int>(densest(set));
-      chains_.emplace_back(problem_, pool_, options_.seed, c, noise, set);
+      chains_.emplace_back(problem_, pool_, plain, options_.seed, c, noise, set);
     }
     for (int fit = 0; fit < options_.fits; ++fit) {
       advance(options_.warmUp, false);

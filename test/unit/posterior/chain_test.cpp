@@ -91,7 +91,7 @@ TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
     const NoisePool pool = {std::make_shared<NoiseView>(small.problem, small.plain()),
                             std::make_shared<NoiseView>(small.problem, small.walking())};
     const Exact exact = exactOf(small.problem, pool);
-    PosteriorChain chain(small.problem, pool, 1, 0);
+    PosteriorChain chain(small.problem, pool, 0, 1, 0);
     std::vector<Visit> visits;
     chain.run(20000, &visits);
     double sum = 0.0, walking = 0.0;
