@@ -85,6 +85,7 @@ class LinuxCncController final : public AxisController {
   std::int64_t taken_ = 0, serial_ = 0;  // the last command that LinuxCNC was given, and as which of its own
   double settledAt_ = 0.0;               // s of the last state that shows every command taken
   double untakenAt_ = 0.0;               // s of the last state that does not
+  double ownAt_ = 0.0;                   // s of the last state in which what happens may be by this driver
   double idleSince_ = 0.0;               // s since when nothing is under way
   double beatAt_ = 0.0;                  // s
   std::string trouble_;

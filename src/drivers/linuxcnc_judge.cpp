@@ -11,6 +11,7 @@ namespace {
 constexpr double kChange = 2e-6;    // mm or deg: what is commanded has changed
 constexpr double kStill = 0.06;     // s without a change of what is commanded: at rest
 constexpr double kNoEffect = 0.25;  // s that a stop that was taken may have no effect
+constexpr double kOwnEffect = 0.2;  // s that it is busy with a command that moves nothing: it was switched on
 constexpr double kUntaken = 5.0;    // s for a command to be taken
 constexpr double kWhole = 1.001;    // a feed override above the whole
 constexpr double kSaid = 0.3;       // s within which LinuxCNC says why its machine went off
@@ -73,7 +74,8 @@ void LinuxCncController::takeReadings(const LinuxCncState& now) {
     if (joint < now.homed.size()) state_.axisHomed[j] = now.homed[joint];
   }
   const bool ours = task_ != Task::kNone || stopSaid_ > 0.0;
-  others_ = !ours && now.on && (now.busy || !rests(now)) && settled(now);
+  if (ours || !now.on || !settled(now)) ownAt_ = now.time;
+  others_ = now.time - ownAt_ > kOwnEffect && (now.busy || !rests(now));
   // Axes that nobody drives are at rest, whatever the last digit of an encoder does.
   if (!ours && !others_) state_.velocity.assign(axes, 0.0);
   state_.time = std::max(state_.time, now.time);

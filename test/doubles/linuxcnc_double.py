@@ -19,6 +19,7 @@ LETTERS = "XYZABC"
 LIMIT = 200.0  # mm or deg
 TOP = 50.0     # units/s
 RECEPTION = 0.01  # s between two looks at whether a command was taken
+SWITCHING = 0.1  # s that it is busy with switching on, on a busy computer
 HOMING_BEGINS = 0.25  # s after which homing begins on a busy computer
 NAMES = ("state", "mode", "abort", "teleop_enable", "unhome", "home", "feedrate", "mdi")  # of commands
 ESTOP, ESTOP_RESET, ON, MANUAL, MDI = 1, 2, 4, 1, 3
@@ -66,6 +67,7 @@ class LinuxCnc(device_double.Double):
         self.refusals = 0
         self.said_late, self.unsaid = False, []
         self.homing = None  # when the joints begin to home, and which
+        self.switching = 0.0  # until when it is busy with switching on
         self.frozen = 0.0   # until when the status is not written
         self.lines, self.shown = {}, {}
         self.waiting = []   # when a command's sender hears that it was taken, who that is, and its number
@@ -113,8 +115,9 @@ class LinuxCnc(device_double.Double):
             position[0] += device_double.WRONG
         full = lambda values: list(values) + [0.0] * (9 - len(values))
         axes = self.machine.axes
+        busy = self.job or self.queue or time.monotonic() < self.switching
         self.shown = {
-            "echo_serial_number": self.serial, "state": 2 if self.job or self.queue else 1, "task_state": self.task, "joints": axes,
+            "echo_serial_number": self.serial, "state": 2 if busy else 1, "task_state": self.task, "joints": axes,
             "homed": self.homed, "limit": [{-1: 1, 0: 0, 1: 2}[l] for l in self.machine.limits],
             "actual_position": full(position), "position": full(position), "axis_mask": 2**axes - 1,
             "linear_units": self.units, "angular_units": 1.0, "probe_val": int(self.machine.closed()), "probe_tripped": self.tripped,
@@ -131,6 +134,7 @@ class LinuxCnc(device_double.Double):
             self.task = ESTOP_RESET
         elif value == ON and self.task != ESTOP:
             self.task = ON
+            self.switching = time.monotonic() + SWITCHING
 
     def set_mode(self, value):
         self.mode = value

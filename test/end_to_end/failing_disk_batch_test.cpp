@@ -12,6 +12,8 @@ class FailingBatch : public FailingDisk {
   static constexpr const char* kLine = "batch manifest.yaml -o results --jobs 1 --json";
 
   void SetUp() override {
+    if (std::system("command -v parallel >/dev/null") != 0)
+      GTEST_SKIP() << "GNU parallel is not installed; scripts/setup installs it";
     folder_->write("first.yaml",
                    "sessions: [{bags: t.bag}]\nmodel: m.yaml\nmethod: least_squares\nsteps: [calibrate]\n");
     folder_->write("manifest.yaml",
