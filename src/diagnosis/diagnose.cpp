@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <set>
+#include <optional>
 
 #include "base/cancel_scope.h"
 #include "base/error.h"
@@ -27,6 +27,7 @@ namespace {
 
 constexpr int kFewestFreedoms = 5;  // residuals beyond the unknowns
 constexpr int kMostLooks = 3;       // at what stands apart
+constexpr int kMostSamples = 3;     // until none of all questions is likely beside what the last one found
 constexpr double kLikely = 0.5;     // probability from which a cause must predict
 
 class Diagnoser {
@@ -56,23 +57,15 @@ class Diagnoser {
     out_.notJudged = leaveOutUnknownTravel(fitted.weight);
     const FullFit full(session_, model_, fit_);
     Look look;
+    std::optional<LikelyShapes> likely;
     for (int round = 0; round < kMostLooks; ++round) {
       look = lookAt(fitted, round);
-      if (look.found.members.empty() || round + 1 == kMostLooks) break;  // a look is of the fit that it had
-      const FullFit::Start with = full.startOf(look);
-      CalibrationResult refitted;
-      try {
-        refitted = calibrate(session_, full.with(with.found), fit_, with.x);
-      } catch (const NumericalError&) {
-        break;  // the session cannot determine them beside the rest: they stay as they were found
-      }
-      leaveOutUnknownTravel(refitted.weight);
-      if (refitted.weight == fitted.weight) break;
-      CalibrateOptions again = fit_;
-      again.rejectOutliers = false;
-      again.weights = refitted.weight;
-      fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
+      likely.emplace(*look.space, look.questions, statedFreedomsOf(fitted));
+      walk(look, *likely);
+      // a look is of the fit that it had
+      if (look.found.members.empty() || round + 1 == kMostLooks || !weighAgain(full, look, fitted)) break;
     }
+    draw(look, *likely, statedFreedomsOf(fitted));
     conclude(look, fitted, full);
   }
 
@@ -135,32 +128,51 @@ class Diagnoser {
     spreadOverResolution(q);
     addScatter(q);
     q.many = look.space->rows() > options_.manyRows;
-    report("questions", 0.1 + 0.2 * round);
-    drawFromPosterior(look, fitted, round);
+    report("questions", 0.1 + 0.1 * round);
     return look;
   }
 
-  /// All questions together, answered by one sample.
-  void drawFromPosterior(Look& look, const CalibrationResult& fitted, int round) const {
-    Questions& q = look.questions;
-    const double stated = statedFreedomsOf(fitted);
-    LikelyShapes likely(*look.space, q, stated);
-    report("posterior", 0.2 + 0.2 * round);
-    const auto draw = [&](const Eigen::VectorXd& variance, bool first) {
-      if (first)
-        likely.walk(variance);
-      else
-        likely.weigh(variance, look.posterior);
-      for (int again = 0; again < kMostLooks; ++again) {
-        look.posterior = explainByPosterior(q, variance, stated, likely.starts(), options_.seed);
-        if (again + 1 == kMostLooks || !likely.extend(look.posterior, again == 0)) break;
-      }
-      look.found = look.posterior.found;
-    };
-    draw(Eigen::VectorXd::Ones(q.rows.rows()), true);
-    const Tails tails = tailsOf(Search(q), look.found);
+  /// What explains the session at first sight, and the weights of the rows beside it.
+  static void walk(Look& look, LikelyShapes& likely) {
+    look.variance = Eigen::VectorXd::Ones(look.questions.rows.rows());
+    likely.walk(look.variance);
+    look.found = likely.found();
+    const Tails tails = tailsOf(Search(look.questions), look.found);
     look.tailDof = tails.dof;
-    if (tails.dof > 0.0) draw(tails.variance, false);
+    if (!(tails.dof > 0.0)) return;
+    look.variance = tails.variance;
+    likely.weigh(look.variance);
+    look.found = likely.found();
+  }
+
+  /// The fit without causes, at the weights that the rows have beside what a look found.
+  /// @return whether any is another.
+  bool weighAgain(const FullFit& full, const Look& look, CalibrationResult& fitted) const {
+    const FullFit::Start with = full.startOf(look);
+    CalibrationResult refitted;
+    try {
+      refitted = calibrate(session_, full.with(with.found), fit_, with.x);
+    } catch (const NumericalError&) {
+      return false;  // the session cannot determine them beside the rest: they stay as they were found
+    }
+    leaveOutUnknownTravel(refitted.weight);
+    if (refitted.weight == fitted.weight) return false;
+    CalibrateOptions again = fit_;
+    again.rejectOutliers = false;
+    again.weights = refitted.weight;
+    fitted = calibrate(session_, model_, again, fitted.x.head(model_.parameterCount()));
+    return true;
+  }
+
+  /// All questions together, answered by one sample.
+  void draw(Look& look, LikelyShapes& likely, double stated) const {
+    report("posterior", 0.4);
+    for (int again = 0; again < kMostSamples; ++again) {
+      look.posterior =
+          explainByPosterior(look.questions, look.variance, stated, likely.starts(), options_.seed);
+      if (again + 1 == kMostSamples || !likely.extend(look.posterior, again == 0)) break;
+    }
+    look.found = look.posterior.found;
     likely.appendTheRest(look.posterior);
   }
 

@@ -11,6 +11,7 @@ namespace mm {
 struct Look {
   std::unique_ptr<ResidualSpace> space;
   Questions questions;
+  Eigen::VectorXd variance;  // of the white noise, a row
   Explanation found;
   PosteriorAnswer posterior;
   double tailDof = 0.0;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ struct Group {
   std::vector<Shape> shapes;
   int shapesAsked = 0;  // where `shapes` are only the likely ones of more
   double met = 1.0;     // Effect::met(); of a profile less
+  /// Keys of other causes that are a part of this one as real parts are made (Effect::freedom), with their
+  /// usual share of its size.
+  std::map<std::string, double> parts;
   bool profile = false;
   int variables = 0;  // of a profile
   bool dependsOnTime = false;

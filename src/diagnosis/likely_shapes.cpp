@@ -142,13 +142,29 @@ bool LikelyShapes::take(std::vector<Asked> asked) {
   return any;
 }
 
-void LikelyShapes::weigh(const Eigen::VectorXd& variance, const PosteriorAnswer& answer) {
-  NoiseState noise = noiseOf(answer);
-  noise.variance = variance;
-  walks_ = {{foundBy(answer), noise}};
-  walks_.front().noise = fitted(walks_.front().set, noise);
-  take(ask(walks_.front().noise, walks_.front().set, Wanted::kLikelierThanBefore));
+void LikelyShapes::weigh(const Eigen::VectorXd& variance) {
+  for (Walk& w : walks_) {
+    w.noise.variance = variance;
+    w.noise = fitted(w.set, w.noise, NoiseTerms::kAsTheyAre);
+  }
+  const Walk& most = likeliestWalk();
+  take(ask(most.noise, most.set, Wanted::kLikelierThanBefore));
   fill();
+}
+
+const LikelyShapes::Walk& LikelyShapes::likeliestWalk() const {
+  std::size_t best = 0;
+  double most = -1e300;
+  for (std::size_t w = 0; w < walks_.size(); ++w) {
+    const double density = densityOf(walks_[w]);
+    if (density > most) most = density, best = w;
+  }
+  return walks_[best];
+}
+
+Explanation LikelyShapes::found() const {
+  const Walk& most = likeliestWalk();
+  return explanationOf(q_, problemOf(q_, q_.groups, statedFreedoms_), acting(most.set), most.noise);
 }
 
 /// A set alone, and what acts in that problem.
@@ -167,10 +183,11 @@ PosteriorProblem LikelyShapes::problemBeside(const std::vector<Taken>& set, Acti
   return problemOf(q_, groups, statedFreedoms_);
 }
 
-NoiseState LikelyShapes::fitted(const std::vector<Taken>& set, const NoiseState& from) const {
+NoiseState LikelyShapes::fitted(const std::vector<Taken>& set, const NoiseState& from,
+                                NoiseTerms terms) const {
   ActingSet acting;
   const PosteriorProblem problem = problemBeside(set, acting);
-  return fittedBeside(problem, acting, from);
+  return fittedBeside(problem, acting, from, terms);
 }
 
 double LikelyShapes::densityOf(const Walk& walk) const {

@@ -18,8 +18,10 @@ class LikelyShapes {
   /// cause beside those before it, until none is likelier than not. @param variance of the white noise, a
   /// data row.
   void walk(const Eigen::VectorXd& variance);
-  /// The same at other weights of the rows, from what was found.
-  void weigh(const Eigen::VectorXd& variance, const PosteriorAnswer& answer);
+  /// Where the likeliest walk ended.
+  Explanation found() const;
+  /// The same walks, at other weights of the rows.
+  void weigh(const Eigen::VectorXd& variance);
   /// Where the walks ended: sets of causes and the noise beside them, to begin a sample with.
   std::vector<PosteriorStart> starts() const;
   /// Asks everything again beside what a sample found. @param instead and beside all of it but one.
@@ -73,6 +75,7 @@ class LikelyShapes {
   /// What scatters or drifts may be a cause: for each term of the noise, is there one that does nearly what
   /// the term did, and explains as much where that is small? @return whether the walk goes on from there.
   bool exchange(Walk& walk);
+  bool endsLikeAnother(const Walk& walk) const;  // with the same causes
   /// A term of the noise: the state where it is small, and what it did (length).
   struct Term {
     NoiseState small;
@@ -82,8 +85,10 @@ class LikelyShapes {
   /// Causes that do nearly the same, at the size at which they do.
   std::vector<Asked> alike(const Eigen::VectorXd& did) const;
   PosteriorProblem problemBeside(const std::vector<Taken>& set, ActingSet& acting) const;
-  NoiseState fitted(const std::vector<Taken>& set, const NoiseState& from) const;
+  NoiseState fitted(const std::vector<Taken>& set, const NoiseState& from,
+                    NoiseTerms terms = NoiseTerms::kFitted) const;
   double densityOf(const Walk& walk) const;
+  const Walk& likeliestWalk() const;
 
   static constexpr double kNear = 10.0;  // nats behind the likeliest: what is further behind is not drawn
   const ResidualSpace& space_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "effects/registry.h"
 
@@ -67,6 +68,12 @@ PosteriorProblem problemOf(const Questions& q, const Groups& groups, double stat
     p.causes.push_back(cause);
   }
   p.columns = std::move(columns);
+  std::map<std::string, int> ofKey;
+  for (const Group& g : groups.groups) ofKey.emplace(g.key, static_cast<int>(ofKey.size()));
+  for (std::size_t whole = 0; whole < groups.groups.size(); ++whole)
+    for (const auto& [key, share] : groups.groups[whole].parts)
+      if (const auto part = ofKey.find(key); part != ofKey.end())
+        p.causes[static_cast<std::size_t>(part->second)].partOf.emplace_back(static_cast<int>(whole), share);
   return p;
 }
 
@@ -75,6 +82,32 @@ double statedFreedomsOf(const CalibrationResult& fitted) {
   if (fitted.repeatabilityFrom == "repeated" && fitted.repeated.dof > 0.0)
     return std::min(kDeclaredFreedoms, fitted.repeated.dof);
   return kDeclaredFreedoms;
+}
+
+Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, const ActingSet& acting,
+                          const NoiseState& noise) {
+  const Search search(q);
+  Explanation start;
+  start.noise.drift = noise.drift;
+  start.noise.variance = noise.variance;
+  start.scatter = noise.scatter;
+  std::vector<Member> members;
+  const auto evidence = search.evidenceAt(start);
+  for (const Acting& a : acting) {
+    Gain gain;
+    gain.group = problem.shapes[static_cast<std::size_t>(a.shape)].cause;
+    gain.shape = a.shape - problem.causes[static_cast<std::size_t>(gain.group)].first;
+    gain.size = sizeGrid()[a.size];
+    members.push_back(search.memberOf(gain));
+  }
+  for (int round = 0; round < 2; ++round)
+    for (std::size_t j = 0; j < members.size(); ++j) {
+      std::vector<Member> others = members;
+      others.erase(others.begin() + static_cast<long>(j));
+      members[j] = search.refined(*evidence, others, members[j]);
+    }
+  nameCurves(search, *evidence, members);
+  return search.refitted(members, start);
 }
 
 PosteriorAnswer explainByPosterior(const Questions& q, const Eigen::VectorXd& variance, double statedFreedoms,
@@ -102,28 +135,7 @@ PosteriorAnswer explainByPosterior(const Questions& q, const Eigen::VectorXd& va
   };
   const NoiseState& noise =
       (*std::max_element(out.sample.pool.begin(), out.sample.pool.end(), densest))->state();
-  const Search search(q);
-  Explanation start;
-  start.noise.drift = noise.drift;
-  start.noise.variance = noise.variance;
-  start.scatter = noise.scatter;
-  std::vector<Member> members;
-  const auto evidence = search.evidenceAt(start);
-  for (const Acting& a : named) {
-    Gain gain;
-    gain.group = problem.shapes[static_cast<std::size_t>(a.shape)].cause;
-    gain.shape = a.shape - problem.causes[static_cast<std::size_t>(gain.group)].first;
-    gain.size = sizeGrid()[a.size];
-    members.push_back(search.memberOf(gain));
-  }
-  for (int round = 0; round < 2; ++round)
-    for (std::size_t j = 0; j < members.size(); ++j) {
-      std::vector<Member> others = members;
-      others.erase(others.begin() + static_cast<long>(j));
-      members[j] = search.refined(*evidence, others, members[j]);
-    }
-  nameCurves(search, *evidence, members);
-  out.found = search.refitted(members, start);
+  out.found = explanationOf(q, problem, named, noise);
   return out;
 }
 

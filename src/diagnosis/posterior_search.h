@@ -28,6 +28,9 @@ PosteriorProblem problemOf(const Questions& questions, const Groups& groups, dou
 PosteriorAnswer explainByPosterior(const Questions& questions, const Eigen::VectorXd& variance,
                                    double statedFreedoms, const std::vector<PosteriorStart>& starts,
                                    std::uint64_t seed);
+/// What acts, and the noise beside it, refitted as causes of the questions.
+Explanation explanationOf(const Questions& questions, const PosteriorProblem& problem,
+                          const ActingSet& acting, const NoiseState& noise);
 /// Degrees of freedom that the repeatability of a fit is worth.
 double statedFreedomsOf(const CalibrationResult& fitted);
 

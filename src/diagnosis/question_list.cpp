@@ -73,6 +73,10 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
         out.passedOver_.push_back(0);
       }
       if (!reason.empty()) continue;
+      for (const ShapeFreedom& f : effect->freedom(domain)) {
+        const std::string other = causeOf(*createEffect(f.spec, domain));
+        if (other != key) out.groups_[at->second].parts[other] = f.share;
+      }
       const LikelyWaves likely = likelyWaves(space, *effect);
       for (const double length : likely.lengths) starts.push_back({length});
       out.passedOver_[at->second] += likely.looked - static_cast<int>(likely.lengths.size());

@@ -72,7 +72,10 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
     RowMatrix part = columnsOf(other, at, why);
     if (why.empty()) take(std::move(part), share);
   };
-  for (const ShapeFreedom& f : effect->freedom(domain_)) beside(*createEffect(f.spec, domain_), {}, f.share);
+  for (const ShapeFreedom& f : effect->freedom(domain_)) {  // another cause is asked by itself (Group::parts)
+    const EffectPtr other = createEffect(f.spec, domain_);
+    if (causeOf(*other) == causeOf(*effect)) beside(*other, {}, f.share);
+  }
   for (const Effect::NonlinearFreedom& f : effect->freedomBeside(nonlinear))
     beside(*effect, f.nonlinear, f.share);
   for (const int joint : effect->variesAlong(domain_)) {

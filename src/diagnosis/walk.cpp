@@ -2,17 +2,19 @@
 // does, causes are tried.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "diagnosis/likely_shapes.h"
 
 namespace mm {
 namespace {
 
-constexpr int kMostSteps = 8;           // causes of a walk
-constexpr double kSmallTerm = 0.4;      // ratio of a term of the noise for which a cause is tried
-constexpr double kAlike = 0.3;          // share of what a term of the noise did that a cause must do
-constexpr std::size_t kMostAlike = 8;   // causes that are tried for a term
-constexpr double kWorthFitting = 40.0;  // nats behind before the noise is fitted again
+constexpr int kMostSteps = 8;          // causes of a walk
+constexpr double kSmallTerm = 0.4;     // ratio of a term of the noise for which a cause is tried
+constexpr double kAlike = 0.3;         // share of what a term of the noise did that a cause must do
+constexpr std::size_t kMostAlike = 4;  // causes that are tried for a term
+// nats behind, before the noise is fitted again; and with the sizes of its terms fitted, before all of it is
+constexpr double kWorthSizing = 40.0, kWorthFitting = 20.0;
 
 template <typename List>
 auto likeliest(List& asked) {
@@ -35,11 +37,21 @@ void LikelyShapes::walk(const Eigen::VectorXd& variance) {
   for (const NoiseState& start : {plain.front(), fitted({}, *densest)}) {
     Walk walk{{}, start};
     do grow(walk);
-    while (exchange(walk));
+    while (!endsLikeAnother(walk) && exchange(walk));
     take(ask(walk.noise, walk.set, Wanted::kLikelierThanBefore));
     walks_.push_back(std::move(walk));
   }
   fill();
+}
+
+bool LikelyShapes::endsLikeAnother(const Walk& walk) const {
+  const auto groupsOf = [](const Walk& w) {
+    std::set<std::size_t> groups;
+    for (const Taken& t : w.set) groups.insert(t.group);
+    return groups;
+  };
+  return std::any_of(walks_.begin(), walks_.end(),
+                     [&](const Walk& other) { return groupsOf(other) == groupsOf(walk); });
 }
 
 void LikelyShapes::grow(Walk& walk) {
@@ -135,8 +147,10 @@ bool LikelyShapes::exchange(Walk& walk) {
       Walk other = {walk.set, term.small};
       other.set.push_back(one.taken);
       kept_[one.taken.group].emplace(one.taken.shape, std::move(one.kept));
+      if (densityOf(other) < now - kWorthSizing) continue;
+      other.noise = fitted(other.set, term.small, NoiseTerms::kAsTheyAre);
       if (densityOf(other) < now - kWorthFitting) continue;
-      other.noise = fitted(other.set, term.small);
+      other.noise = fitted(other.set, other.noise);
       const double density = densityOf(other);
       if (density < now - kNear) continue;
       walks_.insert(walks_.begin(), other);  // its noise may be drawn, too

@@ -18,6 +18,11 @@ class Scale : public CatalogueEffect {
     sink.add(layout_.axis(axis_), 0, p[0], state.position[axis_]);
   }
 
+  /// A lead that is wrong is rarely wrong by the same everywhere.
+  std::vector<ShapeFreedom> freedom(const Domain&) const override {
+    const EffectSpec further = EffectSpec("positioning_polynomial").set("axis", name_);
+    return {{EffectSpec(further).set("degree", 2)}, {EffectSpec(further).set("degree", 3)}};
+  }
   std::vector<int> mustMove() const override { return {axis_}; }
 
   std::string cause() const override {

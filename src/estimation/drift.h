@@ -17,6 +17,9 @@ struct DriftTerm {
   bool smooth = false;
 };
 
+/// Time constant of a smooth drift that is like a rough one of 1.
+constexpr double kSmoothTime = 0.3;
+
 /// Correlation of such a drift with itself, `apart` (s) later. A time constant of 0 s: it remembers nothing.
 double correlationOf(bool smooth, double tau, double apart);
 

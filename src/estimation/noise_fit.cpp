@@ -21,7 +21,6 @@ constexpr double kEnough = 0.3;  // nats: what another round must bring
 // they are meanwhile, above what fitting them again gives and takes.
 constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
 constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
-constexpr double kSmoothTime = 0.3;      // time constant of a smooth drift that is like a rough one of 1
 constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
 
 RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {

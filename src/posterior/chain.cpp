@@ -257,6 +257,34 @@ void PosteriorChain::stepTogether() {
   moveTo(std::move(common), std::move(look), std::move(rates));
 }
 
+/// What the members of the set do, in units of the white noise.
+std::vector<double> PosteriorChain::sizesOfMembers() const {
+  std::vector<double> sizes;
+  const double white = std::sqrt(view().whiteVariance(set_));
+  for (const Eigen::VectorXd& values : view().fit(set_).values) sizes.push_back(values.norm() / white);
+  return sizes;
+}
+
+/// What belongs to another cause as real parts are made is there as often as not where that one acts, at its
+/// usual share of what that one does; to be a cause of its own, it must be likelier than that.
+double PosteriorChain::inclusionOf(int cause, const std::vector<double>& sizes) const {
+  const Cause& one = problem_.causes[static_cast<std::size_t>(cause)];
+  double logNot = 0.0;
+  for (const auto& [whole, share] : one.partOf) {
+    const int member = memberOf(set_, whole);
+    if (member < 0) continue;
+    Eigen::Index size = 0;
+    (sizeGrid().log() - std::log(share * sizes[static_cast<std::size_t>(member)])).abs().minCoeff(&size);
+    Eigen::ArrayXd logWeights(one.end - one.first);  // of its shapes, one as likely as another
+    for (int s = one.first; s < one.end; ++s)
+      logWeights[s - one.first] =
+          look_.logWeights(s, size) - problem_.shapes[static_cast<std::size_t>(s)].logPrior[size];
+    logNot = logAdd(logNot, logSumExp(logWeights) - one.logPriorOdds -
+                                std::log(static_cast<double>(one.end - one.first)));
+  }
+  return std::exp(-softPlus(logNot - look_.logOdds[static_cast<std::size_t>(cause)]));
+}
+
 void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
   look_ = view().look(set_);
   rates_ = ratesOf(look_, set_);
@@ -270,7 +298,9 @@ void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
       v.logWeight = -rates_.logSum;
       v.noise = noise_;
       v.set = set_;
-      for (const double odds : look_.logOdds) v.inclusion.push_back(std::exp(-softPlus(-odds)));
+      const std::vector<double> sizes = sizesOfMembers();
+      for (std::size_t c = 0; c < problem_.causes.size(); ++c)
+        v.inclusion.push_back(inclusionOf(static_cast<int>(c), sizes));
       visits->push_back(std::move(v));
     }
     stepSet();

@@ -14,7 +14,9 @@ struct Visit {
   double logWeight = 0.0;
   int noise = 0;  // of the pool
   ActingSet set;
-  std::vector<double> inclusion;  // a cause: that it acts, given all else of the state (Rao-Blackwell)
+  /// A cause: that it acts, and as more than a part of another that acts, given all else of the state
+  /// (Rao-Blackwell).
+  std::vector<double> inclusion;
 };
 
 /// Tempered Gibbs sampling over sets of causes (Zanella & Roberts, J. R. Stat. Soc. B 81 (2019)): a cause is
@@ -59,6 +61,8 @@ class PosteriorChain {
   std::size_t drawFrom(const std::vector<double>& logWeights);
   const NoiseView& view() const { return *pool_[static_cast<std::size_t>(noise_)]; }
   void remember();
+  std::vector<double> sizesOfMembers() const;
+  double inclusionOf(int cause, const std::vector<double>& sizes) const;
 
   const PosteriorProblem& problem_;
   const NoisePool& pool_;

@@ -36,7 +36,8 @@ std::vector<NoiseState> plainStates(const PosteriorProblem& problem, const Eigen
   return states;
 }
 
-NoiseState fittedBeside(const PosteriorProblem& problem, const ActingSet& set, const NoiseState& start) {
+NoiseState fittedBeside(const PosteriorProblem& problem, const ActingSet& set, const NoiseState& start,
+                        NoiseTerms terms) {
   std::vector<RandomBlock> blocks = problem.scatter;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     blocks[b].ratio = start.scatter[b];
@@ -53,13 +54,22 @@ NoiseState fittedBeside(const PosteriorProblem& problem, const ActingSet& set, c
   NoiseModel from;
   from.drift = start.drift;
   from.variance = start.variance;
-  const NoiseFitResult fit = NoiseFit(problem.rows, std::move(blocks)).run(from, options);
+  const NoiseFit of(problem.rows, std::move(blocks));
+  const NoiseFitResult fit = terms == NoiseTerms::kFitted ? of.run(from, options) : of.at(from, options);
   NoiseState out = start;
   out.drift.clear();
   for (const DriftTerm& t : fit.noise.drift)
     if (t.ratio > 0.0) out.drift.push_back(t);
   for (std::size_t b = 0; b < problem.scatter.size(); ++b) out.scatter[b] = fit.ratios[b];
   return out;
+}
+
+NoiseState ofOtherKernel(NoiseState state) {
+  for (DriftTerm& t : state.drift) {
+    t.smooth = !t.smooth;
+    t.tau *= t.smooth ? kSmoothTime : 1.0 / kSmoothTime;
+  }
+  return state;
 }
 
 }  // namespace mm

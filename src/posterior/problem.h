@@ -1,4 +1,5 @@
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "estimation/noise_fit.h"
@@ -17,6 +18,8 @@ struct CauseShape {
 struct Cause {
   double logPriorOdds = 0.0;  // that it acts, against that it does not
   int first = 0, end = 0;     // of the shapes
+  /// Other causes of which this one is a part where they act, and its usual share of their size.
+  std::vector<std::pair<int, double>> partOf = {};
 };
 
 /// A linear-Gaussian session: what is free, what scatters, and what may act.

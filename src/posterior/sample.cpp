@@ -21,9 +21,9 @@ class Sampler {
   PosteriorSample run(const Eigen::VectorXd& variance) {
     for (NoiseState& s : plainStates(problem_, variance)) add(std::move(s));
     const std::size_t plain = pool_.size();
-    add(fittedBeside(problem_, {}, pool_.front()->state()));
-    add(fittedBeside(problem_, {}, pool_[densest({})]->state()));
-    for (const PosteriorStart& s : options_.starts) add(s.noise);
+    addFitted(fittedBeside(problem_, {}, pool_.front()->state()));
+    addFitted(fittedBeside(problem_, {}, pool_[densest({})]->state()));
+    for (const PosteriorStart& s : options_.starts) addFitted(s.noise);
     // from the two ends: no noise but the white, and the noise that explains most alone
     for (int c = 0; c < options_.chains; ++c) {
       const int given = static_cast<int>(options_.starts.size()) - 1 - c;
@@ -56,6 +56,11 @@ class Sampler {
     pool_.push_back(std::make_shared<NoiseView>(problem_, std::move(state), packed_));
   }
 
+  void addFitted(NoiseState state) {
+    add(ofOtherKernel(state));
+    add(std::move(state));
+  }
+
   std::size_t densest(const ActingSet& set) const {
     std::size_t best = 0;
     for (std::size_t v = 1; v < pool_.size(); ++v)
@@ -84,7 +89,7 @@ class Sampler {
     std::vector<NoiseState> fitted(chains_.size());
     for (std::size_t c = 0; c < chains_.size(); ++c)
       fitted[c] = fittedBeside(problem_, chains_[c].best(), pool_[densest(chains_[c].best())]->state());
-    for (NoiseState& s : fitted) add(std::move(s));
+    for (NoiseState& s : fitted) addFitted(std::move(s));
   }
 
   void advance(int steps, bool keep) {

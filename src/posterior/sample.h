@@ -46,7 +46,13 @@ PosteriorSample samplePosterior(const PosteriorProblem& problem, const Eigen::Ve
 /// States of the noise with which a pool begins: none, each kind alone, small and large; what is not in the
 /// pool cannot win. @param variance a data row.
 std::vector<NoiseState> plainStates(const PosteriorProblem& problem, const Eigen::VectorXd& variance);
+/// Which terms of the noise there are, and their sizes, or the sizes of the scatter alone.
+enum class NoiseTerms { kFitted, kAsTheyAre };
 /// The noise fitted beside a set, from a state.
-NoiseState fittedBeside(const PosteriorProblem& problem, const ActingSet& set, const NoiseState& start);
+NoiseState fittedBeside(const PosteriorProblem& problem, const ActingSet& set, const NoiseState& start,
+                        NoiseTerms terms = NoiseTerms::kFitted);
+/// Smooth where the drift was rough, and rough where it was smooth: a fit takes one of them, and beside other
+/// causes the other may be the likelier.
+NoiseState ofOtherKernel(NoiseState state);
 
 }  // namespace mm

@@ -110,3 +110,26 @@ TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
     }
   }
 }
+
+// A guideway that pitches turns about a place of its own: the squareness beside it is no second cause, unless
+// it is larger than such a place makes it.
+TEST(PosteriorChain, WhatAnotherCauseHasAsAPartIsACauseOfItsOwnOnlyWhereItIsLarger) {
+  const auto probabilityOf = [](double coefficient, bool isPart) {
+    SmallProblem small(3, 3.0);  // the first cause, at three times the noise
+    small.problem.rows.target += coefficient * small.problem.columns.col(2);
+    if (isPart) small.problem.causes[1].partOf = {{0, 0.15}};
+    const NoisePool pool = {std::make_shared<NoiseView>(small.problem, small.plain())};
+    PosteriorChain chain(small.problem, pool, 0, 1, 0);
+    std::vector<Visit> visits;
+    chain.run(2000, &visits);
+    double sum = 0.0, acts = 0.0;
+    for (const Visit& v : visits) {
+      sum += std::exp(v.logWeight);
+      acts += std::exp(v.logWeight) * v.inclusion[1];
+    }
+    return acts / sum;
+  };
+  EXPECT_GT(probabilityOf(0.8, false), 0.9);
+  EXPECT_LT(probabilityOf(0.8, true), 0.5);
+  EXPECT_GT(probabilityOf(3.0, true), 0.95);
+}
