@@ -267,9 +267,9 @@ std::vector<double> PosteriorChain::sizesOfMembers() const {
 
 /// What belongs to another cause as real parts are made is there as often as not where that one acts, at its
 /// usual share of what that one does; to be a cause of its own, it must be likelier than that.
-double PosteriorChain::inclusionOf(int cause, const std::vector<double>& sizes) const {
+double PosteriorChain::logPartOf(int cause, const std::vector<double>& sizes) const {
   const Cause& one = problem_.causes[static_cast<std::size_t>(cause)];
-  double logNot = 0.0;
+  double logPart = kNever;
   for (const auto& [whole, share] : one.partOf) {
     const int member = memberOf(set_, whole);
     if (member < 0) continue;
@@ -279,10 +279,10 @@ double PosteriorChain::inclusionOf(int cause, const std::vector<double>& sizes) 
     for (int s = one.first; s < one.end; ++s)
       logWeights[s - one.first] =
           look_.logWeights(s, size) - problem_.shapes[static_cast<std::size_t>(s)].logPrior[size];
-    logNot = logAdd(logNot, logSumExp(logWeights) - one.logPriorOdds -
-                                std::log(static_cast<double>(one.end - one.first)));
+    logPart = logAdd(logPart, logSumExp(logWeights) - one.logPriorOdds -
+                                  std::log(static_cast<double>(one.end - one.first)));
   }
-  return std::exp(-softPlus(logNot - look_.logOdds[static_cast<std::size_t>(cause)]));
+  return logPart;
 }
 
 void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
@@ -299,8 +299,12 @@ void PosteriorChain::run(int steps, std::vector<Visit>* visits) {
       v.noise = noise_;
       v.set = set_;
       const std::vector<double> sizes = sizesOfMembers();
-      for (std::size_t c = 0; c < problem_.causes.size(); ++c)
-        v.inclusion.push_back(inclusionOf(static_cast<int>(c), sizes));
+      for (std::size_t c = 0; c < problem_.causes.size(); ++c) {
+        const int cause = static_cast<int>(c);
+        const double odds = look_.logOdds[c], part = logPartOf(cause, sizes);
+        v.inclusion.push_back(std::exp(-softPlus(logAdd(0.0, part) - odds)));
+        if (memberOf(set_, cause) >= 0 && odds > part) v.acting.push_back(cause);
+      }
       visits->push_back(std::move(v));
     }
     stepSet();

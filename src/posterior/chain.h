@@ -17,6 +17,7 @@ struct Visit {
   /// A cause: that it acts, and as more than a part of another that acts, given all else of the state
   /// (Rao-Blackwell).
   std::vector<double> inclusion;
+  std::vector<int> acting;  // causes of the set, those that are more than a part of another
 };
 
 /// Tempered Gibbs sampling over sets of causes (Zanella & Roberts, J. R. Stat. Soc. B 81 (2019)): a cause is
@@ -62,7 +63,8 @@ class PosteriorChain {
   const NoiseView& view() const { return *pool_[static_cast<std::size_t>(noise_)]; }
   void remember();
   std::vector<double> sizesOfMembers() const;
-  double inclusionOf(int cause, const std::vector<double>& sizes) const;
+  /// Log odds of a cause as a part of others that act, against its absence.
+  double logPartOf(int cause, const std::vector<double>& sizes) const;
 
   const PosteriorProblem& problem_;
   const NoisePool& pool_;

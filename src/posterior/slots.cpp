@@ -16,6 +16,19 @@ constexpr double kInstead = 0.5;
 constexpr double kToldRival = 0.03;  // a rival of less is not told
 constexpr std::size_t kMostRivals = 9;
 
+/// Of a visit: that none of these acts, by each of them given the others (Rao-Blackwell). Two of which one is
+/// enough are each improbable beside the other: that says nothing against both.
+double noneOf(const std::vector<int>& causes, const Visit& visit) {
+  double sum = 0.0;
+  for (const int one : causes) {
+    const bool other = std::any_of(visit.acting.begin(), visit.acting.end(), [&](int acts) {
+      return acts != one && std::find(causes.begin(), causes.end(), acts) != causes.end();
+    });
+    if (!other) sum += 1.0 - visit.inclusion[static_cast<std::size_t>(one)];
+  }
+  return sum / static_cast<double>(causes.size());
+}
+
 }  // namespace
 
 std::vector<Slot> slotsOf(const PosteriorSample& sample) {
@@ -32,8 +45,10 @@ std::vector<Slot> slotsOf(const PosteriorSample& sample) {
     Slot slot;
     slot.causes = {leader};
     std::vector<double> none(n);  // a visit: weight of it that none of the slot acts
-    for (std::size_t i = 0; i < n; ++i)
-      none[i] = sample.weights[i] * (1.0 - sample.visits[i].inclusion[leader]);
+    const auto weigh = [&] {
+      for (std::size_t i = 0; i < n; ++i) none[i] = sample.weights[i] * noneOf(slot.causes, sample.visits[i]);
+    };
+    weigh();
     const auto left = [&] { return std::accumulate(none.begin(), none.end(), 0.0); };
     while (left() > 1.0 - kNamed && slot.causes.size() < kMostRivals) {
       int best = -1;
@@ -50,7 +65,7 @@ std::vector<Slot> slotsOf(const PosteriorSample& sample) {
       }
       if (best < 0) break;
       slot.causes.push_back(best);
-      for (std::size_t i = 0; i < n; ++i) none[i] *= 1.0 - sample.visits[i].inclusion[best];
+      weigh();
     }
     slot.probability = 1.0 - left();
     slot.named = slot.probability >= kNamed;

@@ -13,6 +13,8 @@ PosteriorSample sampleOf(const std::vector<std::vector<double>>& inclusion) {
   for (const auto& of : inclusion) {
     Visit v;
     v.inclusion = of;
+    for (std::size_t c = 0; c < of.size(); ++c)
+      if (of[c] > 0.5) v.acting.push_back(static_cast<int>(c));
     s.visits.push_back(v);
     s.weights.push_back(1.0 / static_cast<double>(inclusion.size()));
     for (std::size_t c = 0; c < of.size(); ++c)
@@ -36,6 +38,16 @@ TEST(Slots, TwoThatExcludeEachOtherAreRivalsOfOnePlace) {
   EXPECT_TRUE(slots[0].named);
   EXPECT_EQ(slots[0].causes, (std::vector<int>{0, 1}));
   EXPECT_NEAR(slots[0].shares[0], 2.0 / 3.0, 1e-12);
+}
+
+// Either is enough: where both act, each is improbable given the other.
+TEST(Slots, TwoOfWhichOneIsEnoughAreNamedWhereBothAct) {
+  PosteriorSample sample = sampleOf({{1.0, 0.1}, {0.1, 1.0}, {0.1, 1.0}, {0.2, 0.2}});
+  sample.visits[3].acting = {0, 1};
+  const std::vector<Slot> slots = slotsOf(sample);
+  ASSERT_FALSE(slots.empty());
+  EXPECT_TRUE(slots[0].named) << slots[0].probability;
+  EXPECT_EQ(slots[0].causes.size(), 2u);
 }
 
 TEST(Slots, TwoThatActTogetherHaveAPlaceEach) {
