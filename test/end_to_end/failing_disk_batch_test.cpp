@@ -1,5 +1,7 @@
 // A batch on a disk that fails at the n-th read or write of all its processes together: what was done before
 // stays, nothing is done twice or lost, and the same line goes on from there until everything is done.
+#include <cstdlib>
+
 #include "failing_disk.h"
 
 namespace mm {

@@ -412,6 +412,7 @@ TEST_F(LinuxCncTest, ALimitSwitchIsNamedAndTheWayOutLeadsOut) {
   double_->tell("limit 0 0");
   EXPECT_TRUE(await([&] { return refusal([&] { control_->clearAlarm(); }).empty(); }));
   EXPECT_TRUE(control_->view().state.homed);
+  EXPECT_FALSE(await([&] { return control_->view().state.moving; }, 0.3)) << "it is busy with being on";
   report = go({0, 0, 4});
   EXPECT_EQ(report.outcome, Outcome::kReached) << report.message;
 }
