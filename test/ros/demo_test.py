@@ -9,7 +9,7 @@ import rostest
 import support
 
 MODEL = os.path.join(support.PACKAGE, "config/demo_model.yaml")
-FAST = [] if support.long_tests() else ["time_factor:=25", "rate:=20"]
+FAST = [] if support.long_tests() else ["time_factor:=" + os.environ.get("MM_DEMO_TIME_FACTOR", "25"), "rate:=20"]
 
 
 class Demo(unittest.TestCase):

@@ -15,7 +15,7 @@ TBB = re.compile(r"tbb::detail|/usr/include/oneapi/|\(libtbb\.so")
 LIBRARIES = re.compile(
     r"\(lib(roscpp|xmlrpcpp|rosconsole\w*|log4cxx|rosbag|rosbag_storage|boost_\w+|apr\w*-1)\.so|ros::(SerializedMessage::~|ServiceCallbackHelperT)|serializeMessage<rosgraph_msgs::Log_|" + TBB.pattern)
 # What a library's templates and the sanitizer itself put on top of the caller's frame.
-ON_TOP = re.compile(r"libtsan\.so|^(void |bool )?boost::|^(void )?std::|^(void )?ros::(SubscriptionCallbackHelperT|serialization|MessageEvent)"
+ON_TOP = re.compile(r"libtsan\.so|^(void |bool )?boost::|^(void )?std::|^((void|ros::\w+) )?ros::(SubscriptionCallbackHelperT|serialization|MessageEvent)"
                     r"|/usr/(include|lib/gcc)/(?!oneapi)")
 FREED = re.compile(r"Write of size \d+ .*\n\s+#0 operator delete")
 STACK = re.compile(r"(acquired here|(Write|Read|read|write) of size|atomic write|atomic read|^WARNING.*(unlock|destroy|double lock))")
