@@ -162,7 +162,8 @@ void fillAnswers(const Search& search, const Explanation& found, const HeldOut& 
     const std::vector<Member> others = search.beside(*evidence, found.members, j);
     const Evidence::Given given = evidence->given(others);
     const Gain own = evidence->gainOf(given, others, *m.columns);
-    const double gain = own.value - group.priceOfShape() - group.shapes[m.shape].priceOfSize(own.coefficient);
+    const double gain =
+        own.value - group.shapes[m.shape].price - group.shapes[m.shape].priceOfSize(own.coefficient);
     const double after = (j + 1 == found.members.size() ? held.all() : held.with(j + 1)) * unit;
     const double odds = weightOf(q, gain) / (1.0 + weightOf(q, gain));
     bool first = true;

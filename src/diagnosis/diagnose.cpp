@@ -114,9 +114,25 @@ class Diagnoser {
     return left;
   }
 
+  /// What is asked grows with the number of residuals, and a long session says more than enough: of the
+  /// others the weight becomes 0.
+  void askStretches(Eigen::VectorXd& weight) const {
+    constexpr int kStretch = 10;
+    std::vector<int> used;
+    for (int i = 0; i < weight.size(); ++i)
+      if (weight[i] > 0.0) used.push_back(i);
+    if (static_cast<int>(used.size()) <= options_.mostRows) return;
+    Eigen::VectorXd asked = Eigen::VectorXd::Zero(weight.size());
+    for (const int k : stretches(static_cast<int>(used.size()), options_.mostRows, kStretch))
+      asked[used[static_cast<std::size_t>(k)]] = weight[used[static_cast<std::size_t>(k)]];
+    weight = std::move(asked);
+  }
+
   Look lookAt(const CalibrationResult& fitted, int round) const {
     Look look;
-    look.space = std::make_unique<ResidualSpace>(fitted);
+    look.fitted = std::make_unique<CalibrationResult>(fitted);
+    askStretches(look.fitted->weight);
+    look.space = std::make_unique<ResidualSpace>(*look.fitted);
     Questions& q = look.questions;
     q.space = look.space.get();
     LinearisedRows rows = noiseRows(look.space->linearisation(), look.space->used(), fitted.sigma,
@@ -127,7 +143,6 @@ class Diagnoser {
     q.directionScale = std::move(rows.directionScale);
     spreadOverResolution(q);
     addScatter(q);
-    q.many = look.space->rows() > options_.manyRows;
     report("questions", 0.1 + 0.1 * round);
     return look;
   }
@@ -167,11 +182,18 @@ class Diagnoser {
   /// All questions together, answered by one sample.
   void draw(Look& look, LikelyShapes& likely, double stated) const {
     report("posterior", 0.4);
+    PosteriorProblem problem = problemOf(look.questions, look.questions.groups, stated);
+    SampleOptions options;
+    options.seed = options_.seed;
+    options.starts = likely.starts();
+    const int most = std::exchange(options.mostRounds, 1);  // where the posterior is, a short sample says
     for (int again = 0; again < kMostSamples; ++again) {
-      look.posterior =
-          explainByPosterior(look.questions, look.variance, stated, likely.starts(), options_.seed);
-      if (again + 1 == kMostSamples || !likely.extend(look.posterior, again == 0)) break;
+      if (!likely.extend(samplePosterior(problem, look.variance, options), again == 0)) break;
+      problem = problemOf(look.questions, look.questions.groups, stated);
+      options.starts = likely.starts();
     }
+    options.mostRounds = most;
+    look.posterior = answerOf(look.questions, problem, samplePosterior(problem, look.variance, options));
     look.found = look.posterior.found;
     likely.appendTheRest(look.posterior);
   }
@@ -228,6 +250,9 @@ class Diagnoser {
     Explanation& found = look.found;
     const double unit = unitOf(*look.space);
     out_.tailDof = look.tailDof;
+    out_.asked = look.space->rows();
+    out_.residuals = static_cast<int>((fitted.weight.array() > 0.0).count());
+    if (!look.posterior.sample.settled) out_.chainsDiffer = look.posterior.sample.disagreement;
     out_.resolution = q.resolution;
     dropWhatPredictsNothing(look);
     sortByGain(search, found);

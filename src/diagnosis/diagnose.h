@@ -159,7 +159,9 @@ struct Diagnosis {
   double noiseStd = 0.0;    // its standard uncertainty
   double resolution = 0.0;  // m (rad): step of readings that are coarser than their noise; 0: finer
   std::vector<NotJudged> notJudged;
-  double tailDof = 0.0;  // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
+  int asked = 0, residuals = 0;  // by which causes were found; by which their sizes are
+  double tailDof = 0.0;       // degrees of freedom of Student's t where the noise has heavy tails; 0: normal
+  double chainsDiffer = 0.0;  // largest difference of a probability between the chains; 0: they agree
   /// RMS of rows that were not seen, drift predicted from its neighbours, m (rad): with nothing found, and
   /// with everything, fitted without the rows judged. `base.figures.heldOutRms` is another
   /// figure: values fitted again without the rows judged, no drift predicted, as a corrected machine has it.
@@ -172,7 +174,7 @@ struct Diagnosis {
 struct DiagnoseOptions {
   CalibrateOptions calibrate;  // repeatability, outliers, cancel
   std::uint64_t seed = 1;
-  int manyRows = 3000;  // residuals: of a longer session not all questions are asked together
+  int mostRows = 2000;  // residuals that are asked: of a longer session stretches of neighbours
   std::function<void(const std::string& stage, double share)> progress;
   std::function<bool()> cancelled;
 };

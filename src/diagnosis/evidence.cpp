@@ -230,7 +230,6 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
 Gain Evidence::gainOf(const Given& given, int group, std::vector<double>* ofShapes) const {
   Gain best;
   const Group& g = groups_.groups[group];
-  const double price = g.priceOfShape();
   if (ofShapes != nullptr) ofShapes->clear();
   for (std::size_t s = 0; s < g.shapes.size(); ++s) {
     const Shape& shape = g.shapes[s];
@@ -251,7 +250,7 @@ Gain Evidence::gainOf(const Given& given, int group, std::vector<double>* ofShap
     Gain gain = this->best(products, target, given);
     gain.group = group;
     gain.shape = static_cast<int>(s);
-    gain.value -= price + shape.priceOfSize(gain.coefficient);
+    gain.value -= shape.price + shape.priceOfSize(gain.coefficient);
     if (ofShapes != nullptr) ofShapes->push_back(gain.value);
     if (gain.value > best.value) best = gain;
   }

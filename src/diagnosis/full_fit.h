@@ -9,6 +9,7 @@ namespace mm {
 
 /// One look at the session: what was fitted, what is asked, what was found.
 struct Look {
+  std::unique_ptr<CalibrationResult> fitted;  // what is left by it is asked
   std::unique_ptr<ResidualSpace> space;
   Questions questions;
   Eigen::VectorXd variance;  // of the white noise, a row

@@ -23,6 +23,9 @@ struct Shape {
   std::vector<double> nonlinear;  // values of its nonlinear parameters (a period, a time constant), SI
   int first = 0, count = 0;       // of Groups::columns
   int main = 0;                   // of these, the first are those of the effect itself
+  /// Against its cause, in nats: which of the effects that a cause may be is as likely as another, and then
+  /// which of the shapes of that effect.
+  double price = 0.0;
   std::vector<EffectSpec>
       mixed;  // not empty: a shape made of several members of the family, a main column each
   /// Coefficient of the first column beyond which sizes are met less and less: that of Parameter::usual,
@@ -43,8 +46,7 @@ struct Shape {
 struct Group {
   std::string key;  // type and what says where it acts, without what says its shape only
   std::vector<Shape> shapes;
-  int shapesAsked = 0;  // where `shapes` are only the likely ones of more
-  double met = 1.0;     // Effect::met(); of a profile less
+  double met = 1.0;  // Effect::met(); of a profile less
   /// Keys of other causes that are a part of this one as real parts are made (Effect::freedom), with their
   /// usual share of its size.
   std::map<std::string, double> parts;
@@ -53,10 +55,6 @@ struct Group {
   bool dependsOnTime = false;
   std::vector<std::string>
       notRecorded;  // inputs of it that the session does not have, made up for the question
-  /// Log of the number of its shapes, one of which is to be chosen.
-  double priceOfShape() const {
-    return std::log(std::max<double>({1.0, double(shapesAsked), double(shapes.size())}));
-  }
 };
 
 /// A member of the catalogue that the session cannot show.

@@ -89,7 +89,8 @@ std::vector<LikelyShapes::Asked> LikelyShapes::askPart(ListPart& part, const Noi
       const auto weights = look.logWeights.row(s).transpose();
       Asked one;
       one.logOdds = logSumExp(weights);
-      one.likelier = one.logOdds - cause.logPriorOdds + group.priceOfShape();
+      one.likelier =
+          one.logOdds - cause.logPriorOdds + group.shapes[static_cast<std::size_t>(s - cause.first)].price;
       if (wanted == Wanted::kLikelierThanBefore ? !(one.likelier > 0.0)
           : wanted == Wanted::kOneOfEach        ? s != cause.first + best
                                                 : one.logOdds < most - kNear)
@@ -245,28 +246,28 @@ std::vector<PosteriorStart> LikelyShapes::starts() const {
   return out;
 }
 
-const NoiseState& LikelyShapes::noiseOf(const PosteriorAnswer& answer) {
-  return answer.sample.pool[static_cast<std::size_t>(answer.sample.bestNoise)]->state();
+const NoiseState& LikelyShapes::noiseOf(const PosteriorSample& sample) {
+  return sample.pool[static_cast<std::size_t>(sample.bestNoise)]->state();
 }
 
-std::vector<LikelyShapes::Taken> LikelyShapes::foundBy(const PosteriorAnswer& answer) const {
+std::vector<LikelyShapes::Taken> LikelyShapes::foundBy(const PosteriorSample& sample) const {
   std::vector<Taken> set;
   int shape = 0;
   for (const auto& [number, shapes] : kept_)
     for (const auto& [s, kept] : shapes) {
-      for (const Acting& a : answer.sample.best)
+      for (const Acting& a : sample.best)
         if (a.shape == shape) set.push_back({number, s, a.size});
       ++shape;
     }
   return set;
 }
 
-bool LikelyShapes::extend(const PosteriorAnswer& answer, bool instead) {
+bool LikelyShapes::extend(const PosteriorSample& sample, bool instead) {
   if (lists_.size() == kListsOfOne) {  // two variables at once, where what was found may be their shadow
     addList(QuestionList::pairs(space_));
   }
-  const NoiseState& noise = noiseOf(answer);
-  const std::vector<Taken> set = foundBy(answer);
+  const NoiseState& noise = noiseOf(sample);
+  const std::vector<Taken> set = foundBy(sample);
   bool any = take(ask(noise, set, Wanted::kLikelierThanBefore));
   for (std::size_t j = 0; instead && j < set.size(); ++j) {
     std::vector<Taken> others = set;
@@ -280,8 +281,8 @@ bool LikelyShapes::extend(const PosteriorAnswer& answer, bool instead) {
 }
 
 void LikelyShapes::appendTheRest(PosteriorAnswer& answer) {
-  const NoiseState& noise = noiseOf(answer);
-  for (Asked& a : ask(noise, foundBy(answer), Wanted::kOneOfEach)) {
+  const NoiseState& noise = noiseOf(answer.sample);
+  for (Asked& a : ask(noise, foundBy(answer.sample), Wanted::kOneOfEach)) {
     const Group& group = groups_.at(a.taken.group);
     if (group.profile || kept_.count(a.taken.group) > 0) continue;
     Groups one;

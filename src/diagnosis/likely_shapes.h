@@ -26,7 +26,7 @@ class LikelyShapes {
   std::vector<PosteriorStart> starts() const;
   /// Asks everything again beside what a sample found. @param instead and beside all of it but one.
   /// @return whether there is anything new.
-  bool extend(const PosteriorAnswer& answer, bool instead);
+  bool extend(const PosteriorSample& sample, bool instead);
   /// Puts the causes that are not likely behind the others, each with its likeliest shape and its probability
   /// beside what the sample found: so that all that were asked can be told.
   void appendTheRest(PosteriorAnswer& answer);
@@ -65,8 +65,8 @@ class LikelyShapes {
                              Wanted wanted) const;
   void addList(QuestionList list);
   ListPart partOf(const QuestionList& list, std::size_t before, std::size_t first, std::size_t end);
-  static const NoiseState& noiseOf(const PosteriorAnswer& answer);
-  std::vector<Taken> foundBy(const PosteriorAnswer& answer) const;
+  static const NoiseState& noiseOf(const PosteriorSample& sample);
+  std::vector<Taken> foundBy(const PosteriorSample& sample) const;
   bool take(std::vector<Asked> asked);
   void fill();
   ActingSet acting(const std::vector<Taken>& set) const;

@@ -61,7 +61,7 @@ PosteriorProblem problemOf(const Questions& q, const Groups& groups, double stat
       columns.middleCols(at, s.count) = groups.columns.middleCols(s.first, s.count);
       at += s.count;
       for (int k = 0; k < kSizes; ++k)
-        shape.logPrior[k] = -g.priceOfShape() - std::log(double(kSizes)) - s.priceOfSize(sizeGrid()[k]);
+        shape.logPrior[k] = -s.price - std::log(double(kSizes)) - s.priceOfSize(sizeGrid()[k]);
       p.shapes.push_back(shape);
     }
     cause.end = static_cast<int>(p.shapes.size());
@@ -110,14 +110,9 @@ Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, c
   return search.refitted(members, start);
 }
 
-PosteriorAnswer explainByPosterior(const Questions& q, const Eigen::VectorXd& variance, double statedFreedoms,
-                                   const std::vector<PosteriorStart>& starts, std::uint64_t seed) {
-  const PosteriorProblem problem = problemOf(q, q.groups, statedFreedoms);
-  SampleOptions options;
-  options.seed = seed;
-  options.starts = starts;
+PosteriorAnswer answerOf(const Questions& q, const PosteriorProblem& problem, PosteriorSample sample) {
   PosteriorAnswer out;
-  out.sample = samplePosterior(problem, variance, options);
+  out.sample = std::move(sample);
   out.slots = slotsOf(out.sample);
   for (std::size_t c = 0; c < problem.causes.size(); ++c) {
     const Acting a = shapeOf(out.sample, problem, static_cast<int>(c));

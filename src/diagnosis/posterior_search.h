@@ -23,11 +23,8 @@ double logPriorOddsOf(const Questions& questions, const Group& group);
 /// A session as the posterior sees it. @param groups what may act; those of the questions or a part of them.
 /// @param statedFreedoms how many degrees of freedom the stated noise is worth.
 PosteriorProblem problemOf(const Questions& questions, const Groups& groups, double statedFreedoms);
-/// Draws from the posterior. @param variance of the white noise, a data row. @param starts sets from which
-/// chains begin, beside that of nothing.
-PosteriorAnswer explainByPosterior(const Questions& questions, const Eigen::VectorXd& variance,
-                                   double statedFreedoms, const std::vector<PosteriorStart>& starts,
-                                   std::uint64_t seed);
+/// What a sample of the questions says. @param problem of them.
+PosteriorAnswer answerOf(const Questions& questions, const PosteriorProblem& problem, PosteriorSample sample);
 /// What acts, and the noise beside it, refitted as causes of the questions.
 Explanation explanationOf(const Questions& questions, const PosteriorProblem& problem,
                           const ActingSet& acting, const NoiseState& noise);

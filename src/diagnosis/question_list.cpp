@@ -176,11 +176,27 @@ Groups QuestionList::made(std::size_t first, std::size_t count) const {
   return out;
 }
 
+/// @param passedOver waves that were looked at, and are none of the shapes.
+void QuestionList::setPrices(std::vector<Shape>& shapes, int passedOver) {
+  std::vector<std::pair<EffectSpec, int>> ofEffect;  // its shapes; those of several members are one more
+  const auto countOf = [&](const Shape& s) -> int& {
+    const EffectSpec effect = s.mixed.empty() ? s.spec : EffectSpec("mixed");
+    for (auto& [spec, count] : ofEffect)
+      if (spec == effect) return count;
+    return ofEffect.emplace_back(effect, 0).second;
+  };
+  for (const Shape& s : shapes) ++countOf(s);
+  for (Shape& s : shapes) {
+    const int looked = countOf(s) + (s.effect->fineWaves().lengths.empty() ? 0 : passedOver);
+    s.price = std::log(static_cast<double>(ofEffect.size())) + std::log(static_cast<double>(looked));
+  }
+}
+
 void QuestionList::dropEmpty(Groups& out, std::size_t first, const std::vector<std::string>& why) const {
   std::vector<Group> kept;
   for (std::size_t g = 0; g < out.groups.size(); ++g) {
     const EffectPtr& effect = first_[first + g];
-    out.groups[g].shapesAsked = static_cast<int>(out.groups[g].shapes.size()) + passedOver_[first + g];
+    setPrices(out.groups[g].shapes, passedOver_[first + g]);
     if (!out.groups[g].shapes.empty())
       kept.push_back(std::move(out.groups[g]));
     else if (!out.groups[g].profile && !why[g].empty())

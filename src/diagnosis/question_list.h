@@ -44,6 +44,7 @@ class QuestionList {
   std::vector<MadeShape> shapesOf(const std::vector<Wanted>& wanted) const;
   static std::vector<Mixed> mixedOf(const Groups& groups, std::size_t first,
                                     const std::vector<Wanted>& wanted, const std::vector<MadeShape>& made);
+  static void setPrices(std::vector<Shape>& shapes, int passedOver);
   void dropEmpty(Groups& out, std::size_t first, const std::vector<std::string>& why) const;
 
   const ResidualSpace* space_;

@@ -86,8 +86,7 @@ Explanation Search::refitted(const std::vector<Member>& members, const Explanati
   NoiseFitOptions options;
   options.addDrift = false;
   options.rounds = 2;
-  const NoiseFitResult fit = q_.many ? fitManyRows(q_.rows, std::move(blocks), start.noise, options)
-                                     : NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
+  const NoiseFitResult fit = NoiseFit(q_.rows, std::move(blocks)).run(start.noise, options);
   out.noise = fit.noise;
   out.scatter.assign(q_.scatter.size(), 0.0);
   for (std::size_t k = 0; k < scatter; ++k) out.scatter[ofBlock[k]] = fit.ratios[k];

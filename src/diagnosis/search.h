@@ -22,7 +22,6 @@ struct Questions {
   Groups groups;
   int asked = 0;            // causes
   double resolution = 0.0;  // m or rad: step of readings of which most agree; 0: finer than their noise
-  bool many = false;        // rows: the noise is fitted as `fitManyRows` does
 };
 
 /// The same session without the questions, for what asks none.

@@ -78,8 +78,8 @@ class TipWear : public CatalogueEffect {
 EffectType tipWearType() {
   return effectType<TipWear>("tip_wear", {"slows"}, [](const Domain& domain) {
     std::vector<EffectSpec> specs;
-    // not the one that slows down: a drift along the approach that wanders looks like it too often
-    if (!domain.laser && domain.duration > 0.0 && !ballNames(domain).empty()) specs.emplace_back("tip_wear");
+    if (!domain.laser && domain.duration > 0.0 && !ballNames(domain).empty())
+      specs = {EffectSpec("tip_wear"), EffectSpec("tip_wear").set("slows", "true")};
     return specs;
   });
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "base/cancel_scope.h"
@@ -21,7 +22,10 @@ constexpr double kEnough = 0.3;  // nats: what another round must bring
 // they are meanwhile, above what fitting them again gives and takes.
 constexpr double kBetterRatio = 1e-6, kBetterDrift = 1e-3;
 constexpr double kRatiosSettled = 0.05;  // nats that a round over all ratios must bring
-constexpr double kShortest = 4.0;        // spacings of the rows: a shorter session has no time constants
+/// Further terms that are asked with everything beside them, of all that are asked with the blocks where they
+/// are: which is best of those that are nearly as good, the blocks decide.
+constexpr std::size_t kLikeliest = 4;
+constexpr double kShortest = 4.0;  // spacings of the rows: a shorter session has no time constants
 
 RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
   const int priors = static_cast<int>(all.rows()) - rows, n = static_cast<int>(taken.size());
@@ -31,21 +35,18 @@ RowMatrix some(const RowMatrix& all, const std::vector<int>& taken, int rows) {
   return out;
 }
 
-/// At most `most` of so many rows, in stretches spread over the session: neighbours for what lasts from row
-/// to row, and the whole length for what is slow.
-std::vector<int> stretches(int rows, int most) {
+}  // namespace
+
+std::vector<int> stretches(int rows, int most, int length) {
   std::vector<int> taken;
-  constexpr int kStretch = 30;
-  const int count = most / kStretch;
+  const int count = most / length;
   for (int s = 0; s < count; ++s) {
-    const int first = static_cast<int>(static_cast<long>(s) * (rows - kStretch) / std::max(1, count - 1));
-    for (int i = 0; i < kStretch; ++i)
+    const int first = static_cast<int>(static_cast<long>(s) * (rows - length) / std::max(1, count - 1));
+    for (int i = 0; i < length; ++i)
       if (taken.empty() || first + i > taken.back()) taken.push_back(first + i);
   }
   return taken;
 }
-
-}  // namespace
 
 double medianSpacing(const std::vector<double>& time) {
   std::vector<double> dt;
@@ -221,13 +222,47 @@ void NoiseFit::addTerm(const NoiseFitOptions& options, NoiseFitResult& best) con
   };
   std::vector<double> worth(static_cast<std::size_t>(directions * (rough + smooth)));
   if (worth.empty()) return;
-  parallelFor(worth.size(), [&](std::size_t k) {
+  const auto worthOf = [&](const NoiseFit& fit, std::size_t k) {
     const NoiseModel more = further(k);
-    worth[k] =
-        value(gramOf(more, best.ratios, false), best.ratios, nullptr) - prices(more, best.ratios, options);
-  });
-  const auto most = std::max_element(worth.begin(), worth.end()) - worth.begin();
-  take(further(static_cast<std::size_t>(most)), options, best);
+    const std::vector<double> ratios(best.ratios.begin(), best.ratios.begin() + fit.blocks_.size());
+    return fit.value(fit.gramOf(more, ratios, false), ratios, nullptr) - prices(more, best.ratios, options);
+  };
+  // which of them, with the blocks where they are: their columns are many
+  NoiseRows bare = rows_;
+  if (!blocks_.empty()) bare.target = withoutBlocks(best);
+  const NoiseFit quick(bare, {});
+  parallelFor(worth.size(), [&](std::size_t k) { worth[k] = worthOf(quick, k); });
+  std::vector<std::size_t> order(worth.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return worth[a] > worth[b]; });
+  if (!blocks_.empty()) {
+    order.resize(std::min(order.size(), kLikeliest));
+    parallelFor(order.size(), [&](std::size_t i) { worth[order[i]] = worthOf(*this, order[i]); });
+  }
+  const std::size_t most =
+      *std::max_element(order.begin(), order.end(), [&](auto a, auto b) { return worth[a] < worth[b]; });
+  take(further(most), options, best);
+}
+
+/// The target less what the blocks are expected to do.
+Eigen::VectorXd NoiseFit::withoutBlocks(const NoiseFitResult& best) const {
+  const Gram gram = gramOf(best.noise, best.ratios, false);
+  const auto n = gram.products.cols() - 1;
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(n);
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (gram.first[b] >= 0)
+      scale.segment(gram.first[b], blocks_[b].columns.cols()).setConstant(best.ratios[b]);
+  Eigen::MatrixXd m = scale.asDiagonal() * gram.products.topLeftCorner(n, n) * scale.asDiagonal();
+  m.diagonal().head(base_).array() += kRidge;
+  m.diagonal().tail(n - base_).array() += 1.0;
+  const Eigen::VectorXd values = scale.cwiseProduct(m.selfadjointView<Eigen::Lower>().llt().solve(
+      scale.cwiseProduct(gram.products.row(n).head(n).transpose())));
+  Eigen::VectorXd left = rows_.target;
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (gram.first[b] >= 0)
+      left -= blocks_[b].columns * values.segment(gram.first[b], blocks_[b].columns.cols());
+  return left;
 }
 
 void NoiseFit::refineTerms(int round, const NoiseFitOptions& options, NoiseFitResult& best) const {
@@ -327,29 +362,11 @@ double NoiseFit::whiteStdOf(const NoiseFitResult& found, const NoiseFitOptions& 
   return std::hypot(found.whiteStd, std::sqrt(squares / sum));
 }
 
-NoiseFitResult fitManyRows(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
-                           const NoiseFitOptions& options) {
-  NoiseRows left = rows;
-  left.base.resize(rows.length(), 0);
-  std::vector<RandomBlock> leftOf = blocks;
-  for (RandomBlock& b : leftOf) {
-    const RowMatrix absorbed = rowProducts(rows.base, b.columns);
-    b.columns.noalias() -= rows.base * absorbed;
-  }
-  const NoiseFitResult rough = NoiseFit(left, std::move(leftOf)).run(start, options);
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    if (!blocks[b].fixed) blocks[b].ratio = rough.ratios[b];
-  const NoiseFit fit(rows, std::move(blocks));
-  NoiseFitOptions fine = options;
-  fine.addDrift = fine.dropDrift = false;
-  fine.rounds = 1;
-  return rough.noise.drift.empty() ? fit.at(rough.noise, fine) : fit.run(rough.noise, fine);
-}
-
 NoiseFitResult fitNoise(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
                         const NoiseFitOptions& options, int most) {
   if (rows.rows() <= most) return NoiseFit(rows, std::move(blocks)).run(start, options);
-  const std::vector<int> taken = stretches(rows.rows(), most);
+  constexpr int kStretch = 30;
+  const std::vector<int> taken = stretches(rows.rows(), most, kStretch);
   NoiseRows fewer;
   for (const int i : taken) fewer.time.push_back(rows.time[i]);
   fewer.factors = some(rows.factors, taken, rows.rows());

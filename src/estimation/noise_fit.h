@@ -101,6 +101,7 @@ class NoiseFit {
   // What a round of `run` consists of: each changes `best` where that makes it worth more.
   void dropTerms(const NoiseFitOptions& options, NoiseFitResult& best) const;
   void addTerm(const NoiseFitOptions& options, NoiseFitResult& best) const;  // the best of all further ones
+  Eigen::VectorXd withoutBlocks(const NoiseFitResult& best) const;
   void refineTerms(int round, const NoiseFitOptions& options, NoiseFitResult& best) const;
   void refitRatios(const NoiseFitOptions& options, NoiseFitResult& best) const;
 
@@ -110,10 +111,9 @@ class NoiseFit {
   std::vector<double> timeConstants_;
 };
 
-/// The fit of a long session with many free columns: variances from what those leave of the target and of the
-/// blocks, which costs a hundredth; then refined, and valued, with the columns free.
-NoiseFitResult fitManyRows(const NoiseRows& rows, std::vector<RandomBlock> blocks, const NoiseModel& start,
-                           const NoiseFitOptions& options);
+/// At most `most` of so many rows, in stretches of a length spread over the session: neighbours for what
+/// lasts from row to row, and the whole session for what is slow.
+std::vector<int> stretches(int rows, int most, int length);
 
 /// The fit of a session: one of more rows than `most` is fitted to stretches of its rows, spread over its
 /// length.

@@ -53,7 +53,7 @@ Problem::Problem(const Session& session, Model model, Datum datum)
     featureStart_[f] = session.artifact.features[f].known
                            ? session.artifact.features[f].position
                            : Eigen::Vector3d(rotation0_.transpose() * (start.features[f] - translation0_));
-  states_ = std::make_shared<SessionStates>(session, model_.domain());
+  states_ = std::make_shared<SessionStates>(session, model_.domain(), Temperatures::kSmoothed);
   states_->aim(start.features);
   addRows();
   addUnknowns();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "model/smoothed_series.h"
 
 namespace mm {
 namespace {
@@ -72,11 +73,13 @@ std::vector<Series> temperaturesOf(const Session& session, const Domain& domain)
   return ordered;
 }
 
-SessionStates::SessionStates(const Session& session, const Domain& domain) {
+SessionStates::SessionStates(const Session& session, const Domain& domain, Temperatures temperatures) {
   checkJoints(session, domain);
-  history_ = std::make_shared<SeriesHistory>(temperaturesOf(session, domain));
-  const std::vector<const Series*> temperatures = inOrder(session.temperatures, domain.sensors);
+  std::vector<Series> courses = temperaturesOf(session, domain);
+  if (temperatures == Temperatures::kSmoothed)
+    for (Series& s : courses) s = smoothed(std::move(s));
   const std::vector<const Series*> covariates = inOrder(session.covariates, domain.covariates);
+  history_ = std::make_shared<SeriesHistory>(courses);
   std::vector<int> featureOf;
   for (const Feature& feature : session.artifact.features)
     featureOf.push_back(domain.findFeature(feature.name));
@@ -90,7 +93,7 @@ SessionStates::SessionStates(const Session& session, const Domain& domain) {
     state.velocity.resize(o.position.size(), kNotMeasured);
     state.travel = o.travel;
     state.travel.resize(o.position.size(), 0.0);
-    state.temperature = valuesAt(temperatures, o.time);
+    for (std::size_t s = 0; s < courses.size(); ++s) state.temperature.push_back(courses[s].at(o.time));
     state.covariate = valuesAt(covariates, o.time);
     state.laserReading = o.laserReading;
     state.history = history_.get();

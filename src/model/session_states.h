@@ -9,6 +9,9 @@
 
 namespace mm {
 
+/// Courses of the temperatures as they were read, or without the scatter of the readings (`smoothed`).
+enum class Temperatures { kAsLogged, kSmoothed };
+
 /// The inputs of the effects at every observation of a session, in its order. The states point to a history
 /// that this object keeps: it must outlive them.
 class SessionStates {
@@ -16,7 +19,8 @@ class SessionStates {
   /// @param domain of the model: gives the order of sensors, covariates and features; one that the session
   /// does not have is NaN (or -1) in the states. @throw InputError when its joints are not those of the
   /// session's machine.
-  SessionStates(const Session& session, const Domain& domain);
+  SessionStates(const Session& session, const Domain& domain,
+                Temperatures temperatures = Temperatures::kAsLogged);
 
   const std::vector<State>& states() const { return states_; }  ///< one an observation, SI
   const State& operator[](std::size_t observation) const { return states_[observation]; }

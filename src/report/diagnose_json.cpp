@@ -134,6 +134,8 @@ std::string diagnoseJson(const Diagnosis& d) {
   if (d.resolution > 0.0) setEither(object, "resolution", d.resolution, d.angular);
   for (const NotJudged& n : d.notJudged)
     object["not_judged"].push_back({{"joint", n.joint}, {"observations", n.observations}});
+  if (d.asked < d.residuals) object["residuals_asked"] = d.asked;
+  object["chains_differ"] = number(d.chainsDiffer);
   object["tail_dof"] = number(found(d.tailDof));
   object["chi2_per_dof"] = fitted ? number(d.base.figures.chi2PerDof) : Json(nullptr);
   object["verdict"] = nameOf(d.verdict);

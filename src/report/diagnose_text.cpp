@@ -91,7 +91,7 @@ std::string figuresText(const Diagnosis& d) {
   if (found && d.heldOut > 0.0)
     text += "\n  held out with drift predicted " + length(d.heldOutBefore, d.angular) +
             "; with what was found " + length(d.heldOut, d.angular) +
-            " (the search run again without what is judged)";
+            " (fitted again without what is judged)";
   const bool known = d.base.repeatabilityFrom == "declared" || d.base.repeatabilityFrom == "repeated";
   text +=
       "\n  repeatability " +
@@ -102,6 +102,16 @@ std::string figuresText(const Diagnosis& d) {
     const double unit = d.angular ? kArcsecond : kMicrometre;
     text += ", noise found " + expanded(d.noise / unit, d.noiseStd / unit, d.angular ? "arcsec" : "um");
   }
+  if (d.asked < d.residuals)
+    text += format(
+        "\n  causes were looked for in %d of %d residuals, in stretches over the whole session; sizes are "
+        "those of all",
+        d.asked, d.residuals);
+  if (d.chainsDiffer > 0.0)
+    text += format(
+        "\n  the two chains of the sample do not agree: a probability may be wrong by %.2g; diagnose again "
+        "with another --seed",
+        d.chainsDiffer);
   if (d.tailDof > 0.0)
     text += format("\n  the noise has heavy tails: Student's t of %.2g degrees of freedom", d.tailDof);
   if (d.resolution > 0.0)

@@ -82,7 +82,7 @@ void FitOptions::declare(CLI::App& command, bool genetic) {
                    "uncertainties as if no row knew of its neighbours, whatever the residuals show");
   declareNamespace(command, space);
   if (!genetic) return;
-  command.add_option("--seed", calibrate.seed, "of the genetic algorithm")
+  command.add_option("--seed", calibrate.seed, "of all that is drawn at random")
       ->capture_default_str()
       ->check(anySeed());
   command.add_option("--threads", calibrate.threads, "0: all cores; the result does not depend on it")

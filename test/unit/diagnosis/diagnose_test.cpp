@@ -137,13 +137,13 @@ TEST(Diagnose, SeveralLargeEffectsAreNotTakenForBallsThatScatter) {
   // less than the scatter of all
   const struct {
     std::uint64_t seed;
-    int manyRows;  // of a longer session not all questions are compared at once
-  } cases[] = {{1, 3000}, {5, 3000}, {5, 100}};
-  for (const auto& [seed, manyRows] : cases) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed << ", together up to " << manyRows);
+    int mostRows;  // of a longer session stretches are asked
+  } cases[] = {{1, 3000}, {5, 3000}, {5, 200}};
+  for (const auto& [seed, mostRows] : cases) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", at most " << mostRows);
     const Simulation s = measuredOnFiveBalls(seed);
     DiagnoseOptions options;
-    options.manyRows = manyRows;
+    options.mostRows = mostRows;
     const Diagnosis d = diagnose(
         s.session, Model(s.session.machine, observedDomain(s.session), std::vector<EffectSpec>{}), options);
     EXPECT_TRUE(names(d, "scale", "axis", "x")) << d.sentence;
@@ -256,7 +256,7 @@ TEST(Diagnose, OfALongSessionTheSameIsFoundThoughNotAllIsAskedTogether) {
   const Model model(s.session.machine, observedDomain(s.session), std::vector<EffectSpec>{});
   DiagnoseOptions options;
   const Diagnosis together = diagnose(s.session, model, options);
-  options.manyRows = 100;
+  options.mostRows = 100;
   const Diagnosis inParts = diagnose(s.session, model, options);
   EXPECT_EQ(together.missing.size(), 3u) << together.sentence;
   EXPECT_EQ(together.verdict, inParts.verdict) << inParts.sentence;
