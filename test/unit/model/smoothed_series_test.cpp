@@ -46,14 +46,15 @@ TEST(SmoothedSeries, SeesBetweenTheStepsOfAThermometerThatRounds) {
 TEST(SmoothedSeries, LeavesWhatDoesNotScatter) {
   const Series raw = read(course, 0.0, 0.0);
   EXPECT_LT(rmsAgainst(course, smoothed(raw)), 1e-4);
-  const auto door = [](double t) { return t < 1800.0 ? 20.0 : 22.0; };
-  EXPECT_LT(rmsAgainst(+door, smoothed(read(+door, 0.0, 0.0))), 1e-3);
 }
 
-TEST(SmoothedSeries, KeepsAStepOfWhatScatters) {
+TEST(SmoothedSeries, AStepIsFeltByItsNeighboursAlone) {
   const auto door = [](double t) { return t < 1800.0 ? 20.0 : 22.0; };
-  const Series raw = read(+door, 0.02, 0.0);
-  EXPECT_LT(rmsAgainst(+door, smoothed(raw)), 1.1 * rmsAgainst(+door, raw));
+  const Series course = smoothed(read(+door, 0.02, 0.0));
+  for (std::size_t i = 0; i < course.time.size(); ++i)
+    if (std::abs(course.time[i] - 1800.0) > 5 * 9.0) {
+      EXPECT_NEAR(course.value[i], door(course.time[i]), 0.1) << course.time[i] << " s";
+    }
 }
 
 TEST(SmoothedSeries, PassesOverWhatIsNotKnown) {
