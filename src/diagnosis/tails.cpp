@@ -3,8 +3,10 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "base/tiny.h"
 #include "diagnosis/answers.h"
 #include "estimation/robust.h"
+#include "estimation/row_products.h"
 
 namespace mm {
 namespace {
@@ -12,15 +14,45 @@ namespace {
 constexpr double kClearly = 5.0;    // nats: as likely by chance as a cause at 100 to 1 and better
 constexpr int kFewestOfATail = 60;  // rows: below, a tail is one row
 
+/// What each row differs from what all the others make of it, in units of the standard deviation of that:
+/// what a row shows alone is not explained by what was found for it, and a bad reading stays one.
+Eigen::VectorXd againstAllOthers(const Search& search, const Explanation& found) {
+  const Questions& q = search.questions();
+  const NoiseRows& rows = q.rows;
+  const int n = rows.rows(), base = static_cast<int>(rows.base.cols());
+  RowMatrix all = rows.base;
+  const auto append = [&](const RowMatrix& columns, double size) {
+    if (!(size > 0.0)) return;
+    all.conservativeResize(Eigen::NoChange, all.cols() + columns.cols());
+    all.rightCols(columns.cols()) = size * columns;
+  };
+  for (std::size_t b = 0; b < q.scatter.size(); ++b) append(q.scatter[b].columns, found.scatter[b]);
+  for (const Member& m : found.members) append(*m.columns, m.size);
+  const TimeWhitener whitener = whitenerOf(rows, found.noise.variance, found.noise.drift);
+  RowMatrix own = RowMatrix::Identity(rows.length(), n), target = rows.target;
+  whitener.whiten(all);
+  whitener.whiten(own);
+  whitener.whiten(target);
+  Eigen::MatrixXd products = rowProducts(all);
+  products.diagonal().array() += 1.0;
+  products.diagonal().head(base).array() += kRidge - 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> factor(products);
+  RowMatrix by = rowProducts(all, own);
+  factor.matrixL().solveInPlace(by);
+  const Eigen::VectorXd byTarget = factor.matrixL().solve(all.transpose() * target.col(0));
+  const Eigen::VectorXd left = own.transpose() * target.col(0) - by.transpose() * byTarget;
+  const Eigen::VectorXd weight = own.colwise().squaredNorm() - by.colwise().squaredNorm();
+  return left.cwiseQuotient(weight.cwiseMax(kTiny).cwiseSqrt());
+}
+
 }  // namespace
 
 Tails tailsOf(const Search& search, const Explanation& found) {
-  const auto evidence = search.evidenceAt(found);
   const NoiseRows& rows = search.questions().rows;
   const int n = rows.rows();
   Tails tails;
   if (n < kFewestOfATail || search.questions().resolution > 0.0) return tails;  // steps are no tails
-  const Eigen::VectorXd e = (rows.target - evidence->fit(found.members).expected).head(n);
+  const Eigen::VectorXd e = againstAllOthers(search, found);
   const double variance = e.squaredNorm() / n;
   double best = -0.5 * n * (std::log(2.0 * M_PI * variance) + 1.0) + kClearly;
   for (const double dof : {10.0, 6.0, 4.0, 3.0}) {
