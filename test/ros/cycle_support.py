@@ -8,11 +8,10 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from measuring_machine.msg import MeasureAction, MeasureGoal
 from measuring_machine.srv import Calibrate
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 import support
-
-TOPICS = "(joint_states|reference|artifact|robot_description|controller_compensation|axis_driver/status|probe/contact|temperature/.*|covariate/.*)"
 
 
 def ready(seconds=60):
@@ -31,9 +30,9 @@ def ready(seconds=60):
 
 def record(plan, bag, seconds, first=0):
     """@param first the move with which the plan begins, or goes on. @return the result of the plan."""
-    recorder = subprocess.Popen(["rosrun", "rosbag", "record", "-O", bag, "-e", "/" + TOPICS, "__name:=recorder"])
+    recorder = subprocess.Popen(["rosrun", "measuring_machine", "session_recorder.py", bag, "__name:=recorder"])
     try:
-        assert support.wait_until(lambda: os.path.exists(bag + ".active"), 20)
+        assert rospy.wait_for_message("/recorder/recording", String, 30).data == bag  # every publisher is heard
         measure = actionlib.SimpleActionClient("measure/run", MeasureAction)
         assert support.served(measure, seconds=20)
         measure.send_goal(MeasureGoal(plan=plan, first=first))
@@ -43,8 +42,7 @@ def record(plan, bag, seconds, first=0):
     finally:
         recorder.send_signal(signal.SIGINT)
         recorder.wait(20)
-        # rosbag's wrapper ends before what it started has given the bag its name
-        assert support.wait_until(lambda: os.path.exists(bag), 20), "the bag was not finished"
+        assert os.path.exists(bag), "the bag was not finished"
 
 
 def calibrate(bag, model):

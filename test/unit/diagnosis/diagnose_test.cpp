@@ -249,21 +249,25 @@ TEST(Diagnose, TheMovesTellConfusableEffectsApart) {
   }
 }
 
-TEST(Diagnose, OfALongSessionTheSameIsFoundThoughNotAllIsAskedTogether) {
+TEST(Diagnose, OfALongSessionTheSameIsFoundInStretches) {
   MM_THOROUGH_ONLY("a long session takes long");
-  // a short session taken as a long one: the period of y hides among a hundred, of which a few are compared
+  // a short session taken as a long one: the period of y hides among a hundred
   const Simulation s = measured({"backlash:x=2um", "lead_screw_periodic:y,size=0.6um", "warm_up:z=2um"}, 21);
   const Model model(s.session.machine, observedDomain(s.session), std::vector<EffectSpec>{});
   DiagnoseOptions options;
   const Diagnosis together = diagnose(s.session, model, options);
-  options.mostRows = 100;
+  options.mostRows = 400;
   const Diagnosis inParts = diagnose(s.session, model, options);
   EXPECT_EQ(together.missing.size(), 3u) << together.sentence;
+  EXPECT_EQ(together.asked, together.residuals);
+  EXPECT_EQ(inParts.residuals, together.residuals);
+  EXPECT_LE(inParts.asked, 400);
   EXPECT_EQ(together.verdict, inParts.verdict) << inParts.sentence;
   ASSERT_EQ(together.missing.size(), inParts.missing.size()) << inParts.sentence;
   for (std::size_t i = 0; i < together.missing.size(); ++i) {
     EXPECT_EQ(together.missing[i].effect, inParts.missing[i].effect);
-    EXPECT_NEAR(together.missing[i].heldOutAfter, inParts.missing[i].heldOutAfter, 0.03 * kNoise);
+    const NamedValue &all = together.missing[i].parameters[0], &some = inParts.missing[i].parameters[0];
+    EXPECT_NEAR(all.value, some.value, all.std) << "sizes are those of all";
   }
   EXPECT_EQ(together.cannotShow.size(), inParts.cannotShow.size());
 }
