@@ -115,14 +115,14 @@ void Compensator::addPlay(const State& state, const MovingState& moved, const Pa
   if (!c.corrected.position.allFinite()) return;
   for (std::size_t j = 0; j < state.travel.size(); ++j) {
     if (!limits_->usesTravel(j) || state.travel[j] == 0.0) continue;
-    const double since = j < moved.sinceReversal.size() ? moved.sinceReversal[j] : kNotMeasured;
+    const double since = state.sinceReversalOf(static_cast<int>(j));
     const double back = j < moved.back.size() ? moved.back[j] : 0.0;
-    if (std::isnan(since) && !(back > 0.0)) continue;
+    if (!std::isfinite(since) && !(back > 0.0)) continue;
     State other = state;
     other.travel[j] = -state.travel[j];
     const Eigen::Vector3d play =
         part.model->corrected(other, part.parameters.data(), work.model).position - c.corrected.position;
-    const double left = std::isnan(since) ? 0.0 : play.norm() - since;
+    const double left = play.norm() - since;
     const double open = std::max(left, std::min(back, play.norm()));
     if (!(open > 0.0)) continue;
     const Eigen::Vector3d off = play * (open / play.norm());

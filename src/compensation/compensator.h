@@ -35,9 +35,6 @@ class YoungHistory : public TemperatureHistory {
 
 /// A state with what its joints did before it.
 struct MovingState : State {
-  /// A joint; m or rad that it has travelled since its last reversal, at the least: below the play, the play
-  /// is still being taken up. Empty or NaN: taken as far enough.
-  std::vector<double> sinceReversal;
   /// A joint; m or rad that it has come back from its farthest reading, too little to be called a reversal.
   /// Empty: nothing.
   std::vector<double> back;

@@ -58,7 +58,8 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Movi
   std::vector<int> turns(joints, 0);
   std::string upwards;
   Workspace work;
-  start.sinceReversal.assign(joints, std::numeric_limits<double>::quiet_NaN());
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  start.sinceReversal.assign(joints, kFar);
   start.back.clear();
   for (std::size_t j = 0; j < std::min(joints, arrival.size()); ++j)
     if (arrival[j] != 0.0) start.travel[j] = arrival[j];
@@ -77,10 +78,9 @@ TargetReadings Compensator::correctTarget(const Eigen::Vector3d& truePoint, Movi
     }
     if (turns[j] == kTurns || told) return;  // whoever is told approaches it from far enough
     const bool goesOn = now.travel[j] != 0.0 && start.travel[j] == now.travel[j];
-    start.sinceReversal[j] =
-        goesOn ? (now.sinceReversal.size() == joints ? now.sinceReversal[j] + std::abs(moved)
-                                                     : std::numeric_limits<double>::quiet_NaN())
-               : (now.travel[j] == 0.0 ? std::numeric_limits<double>::quiet_NaN() : std::abs(moved));
+    start.sinceReversal[j] = goesOn ? now.sinceReversalOf(static_cast<int>(j)) + std::abs(moved)
+                             : now.travel[j] == 0.0 ? kFar
+                                                    : std::abs(moved);
   };
   model_.place(start);
   for (target.iterations = 0;; ++target.iterations) {

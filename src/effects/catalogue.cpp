@@ -222,6 +222,7 @@ std::vector<std::string> needsOf(const Inputs& in) {
   std::vector<std::string> needs;
   if (!in.positions.empty()) needs.emplace_back("position");
   if (!in.travels.empty()) needs.emplace_back("direction of travel");
+  if (!in.reversals.empty()) needs.emplace_back("way since the reversal");
   if (!in.velocities.empty()) needs.emplace_back("velocity");
   if (!in.temperatures.empty()) needs.emplace_back("temperature");
   if (!in.covariates.empty()) needs.emplace_back("covariate");

@@ -25,6 +25,7 @@ constexpr std::array kPhrases = {
     Phrase{"position_table", "position table of {axis}"},
     Phrase{"angular_motion", "angular error of {axis} about {about}"},
     Phrase{"backlash", "backlash of {axis}"},
+    Phrase{"lost_motion", "lost motion of {axis}"},
     Phrase{"thermal_expansion", "thermal expansion of {axis} with {sensor}"},
     Phrase{"thermal_growth", "thermal growth along {direction} with {sensor}"},
     Phrase{"thermal_bending", "thermal bending of {axis} about {about} with {sensors}"},

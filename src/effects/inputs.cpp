@@ -77,7 +77,7 @@ class Trial {
 
   Inputs run() {
     const std::size_t joints = domain_.joints.size();
-    std::vector<char> position(joints, 0), velocity(joints, 0), travel(joints, 0),
+    std::vector<char> position(joints, 0), velocity(joints, 0), travel(joints, 0), reversal(joints, 0),
         temperature(domain_.sensors.size(), 0), covariate(domain_.covariates.size(), 0);
     char time = 0, approach = 0, reading = 0, feature = 0;
     for (int k = 0; k < kStates; ++k) {
@@ -99,6 +99,7 @@ class Trial {
         });
         tryIt(velocity[j], [&](State& s) { s.velocity[j] = drawVelocity(j); });
         tryIt(travel[j], [&](State& s) { s.travel[j] = -s.travel[j]; });
+        tryIt(reversal[j], [&](State& s) { s.sinceReversal[j] = drawWay(j); });
       }
       for (std::size_t i = 0; i < temperature.size(); ++i)
         tryIt(temperature[i], [&](State& s) { s.temperature[i] = drawTemperature(i); });
@@ -113,6 +114,7 @@ class Trial {
     inputs.positions = indices(position);
     inputs.velocities = indices(velocity);
     inputs.travels = indices(travel);
+    inputs.reversals = indices(reversal);
     inputs.temperatures = indices(temperature);
     inputs.covariates = indices(covariate);
     inputs.time = time != 0;
@@ -144,6 +146,7 @@ class Trial {
     const bool rotary = domain_.joints[j].kind == JointKind::kRotary;
     return drawn(domain_.lower, domain_.upper, j, rotary ? -0.5 : -0.01, rotary ? 0.5 : 0.01);
   }
+  double drawWay(std::size_t j) { return std::abs(drawPosition(j) - drawPosition(j)); }
   double drawVelocity(std::size_t j) {
     const double most = domain_.maxSpeed > 0.0 ? domain_.maxSpeed : 0.01;
     return drawn(domain_.velocityLower, domain_.velocityUpper, j, -most, most);
@@ -220,6 +223,7 @@ class Trial {
       s.position.push_back(drawPosition(j));
       s.velocity.push_back(drawVelocity(j));
       s.travel.push_back(s.velocity.back() < 0.0 ? -1.0 : 1.0);
+      s.sinceReversal.push_back(drawWay(j));
     }
     for (std::size_t i = 0; i < domain_.sensors.size(); ++i) s.temperature.push_back(drawTemperature(i));
     for (std::size_t i = 0; i < domain_.covariates.size(); ++i) s.covariate.push_back(drawCovariate(i));

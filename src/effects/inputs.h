@@ -10,6 +10,7 @@ namespace mm {
 /// error counts. So an effect of a plugin need not state it.
 struct Inputs {
   std::vector<int> positions, velocities, travels;  // joints
+  std::vector<int> reversals;                       // joints: on the way since their last reversal
   std::vector<int> temperatures, covariates;        // indices of the Domain
   bool time = false, approach = false, reading = false, feature = false;
 

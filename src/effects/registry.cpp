@@ -18,6 +18,7 @@
 #include "effects/laser_mount.h"
 #include "effects/laser_scale.h"
 #include "effects/lead_screw_periodic.h"
+#include "effects/lost_motion.h"
 #include "effects/mmt_deviation.h"
 #include "effects/position_table.h"
 #include "effects/positioning_polynomial.h"
@@ -59,6 +60,7 @@ std::vector<EffectType>& registry() {
       positionTableType(),          //
       angularMotionType(),          //
       backlashType(),               //
+      lostMotionType(),             //
       speedLagType(),               //
       thermalExpansionType(),       //
       thermalGrowthType(),          //

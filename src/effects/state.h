@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 namespace mm {
@@ -16,10 +17,13 @@ class TemperatureHistory {
 
 /// The inputs of the effects at one moment: uncorrected readings and what else was logged. SI units, degC.
 struct State {
-  double time = 0.0;                // s from the session's start (live: from the last homing)
-  std::vector<double> position;     // a joint
-  std::vector<double> velocity;     // a joint; NaN: not known
-  std::vector<double> travel;       // a joint; -1, +1, 0: not known
+  double time = 0.0;             // s from the session's start (live: from the last homing)
+  std::vector<double> position;  // a joint
+  std::vector<double> velocity;  // a joint; NaN: not known
+  std::vector<double> travel;    // a joint; -1, +1, 0: not known
+  /// A joint; m or rad that it has travelled since its last reversal, at the least. NaN: not known; empty or
+  /// infinite: taken as far away.
+  std::vector<double> sinceReversal;
   std::vector<double> temperature;  // a sensor of the Domain; NaN: not known
   std::vector<double> covariate;    // a covariate of the Domain; NaN: not known
   /// Unit vector in workpiece towards the surface. Zero or NaN with a feature: not known (effects of the
@@ -35,6 +39,11 @@ struct State {
       Eigen::Vector3d::Zero();  // nominal origin of probe_tip (no beam) in workpiece: the lever, m
   Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();  // nominal, of probe_tip in workpiece
   const TemperatureHistory* history = nullptr;
+
+  double sinceReversalOf(int joint) const {
+    const auto j = static_cast<std::size_t>(joint);
+    return j < sinceReversal.size() ? sinceReversal[j] : std::numeric_limits<double>::infinity();
+  }
 };
 
 }  // namespace mm

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "model/smoothed_series.h"
@@ -58,6 +59,30 @@ void whereTravelDoesNotMatter(const Session& session, std::vector<State>& states
       const bool measured = j < at.deviation.size() && !std::isnan(at.deviation[j]);
       if (at.kind == ObservationKind::kDeviation && !measured) states[o].travel[j] = states[first].travel[j];
     }
+  }
+}
+
+/// The way since a reversal, by the rows: from the last one before it, and at first from where a joint began
+/// to move; how it came to where it stood before, nobody knows. Between two touches the probe went back and
+/// forth.
+void sinceReversals(const Session& session, std::vector<State>& states) {
+  const std::size_t joints = session.machine.joints().size();
+  for (State& state : states) state.sinceReversal.assign(joints, std::numeric_limits<double>::infinity());
+  for (std::size_t j = 0; j < joints; ++j) {
+    double turn = states.front().position[j];
+    bool moved = false;
+    for (std::size_t o = 1; o < states.size(); ++o) {
+      State& state = states[o];
+      const State& before = states[o - 1];
+      if (state.travel[j] * before.travel[j] < 0.0) turn = before.position[j], moved = true;
+      moved |= state.position[j] != turn;
+      if (moved) state.sinceReversal[j] = std::abs(state.position[j] - turn);
+    }
+  }
+  for (std::size_t o = 0; o < states.size(); ++o) {
+    const Observation& at = session.observations[o];
+    if (at.kind == ObservationKind::kContact && at.feature >= 0 && std::isnan(at.laserReading))
+      states[o].sinceReversal.assign(joints, kNotMeasured);
   }
 }
 
@@ -120,6 +145,7 @@ SessionStates::SessionStates(const Session& session, const Domain& domain, Tempe
     states_.push_back(std::move(state));
   }
   whereTravelDoesNotMatter(session, states_);
+  if (!states_.empty()) sinceReversals(session, states_);
 }
 
 void SessionStates::aim(const std::vector<Eigen::Vector3d>& centres) {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 namespace mm {
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // s
+constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kBlink =
     100000000;  // ns: what comes later than that out of order is a clock that went back
 constexpr std::int64_t kDense = 5000000000;  // ns between the values that a history keeps
@@ -262,7 +264,8 @@ void LiveInputs::fillLogged(const View& view, std::int64_t stamp, MovingState& s
   state.back.resize(travel_.size());
   for (std::size_t j = 0; j < travel_.size(); ++j) {
     state.travel[j] = travel_[j].direction();
-    state.sinceReversal[j] = travel_[j].sinceReversal();
+    const double since = travel_[j].sinceReversal();
+    state.sinceReversal[j] = std::isnan(since) ? kFar : since;
     state.back[j] = travel_[j].back();
   }
 }
@@ -282,7 +285,7 @@ void LiveInputs::fill(const View& view, std::int64_t stamp, const std::vector<do
     const double direction = directionOf(velocity[j]);
     if (direction == 0.0 || direction == state.travel[j]) continue;
     state.travel[j] = direction;
-    state.sinceReversal[j] = kNotMeasured;
+    state.sinceReversal[j] = kFar;
     state.back[j] = 0.0;
   }
 }

@@ -17,6 +17,7 @@ std::string wordsOf(const Inputs& in, const Domain& d) {
   for (const int j : in.positions) say(d.joints[j].name);
   for (const int j : in.velocities) say("velocity:" + d.joints[j].name);
   for (const int j : in.travels) say("travel:" + d.joints[j].name);
+  for (const int j : in.reversals) say("since:" + d.joints[j].name);
   for (const int s : in.temperatures) say(d.sensors[s]);
   for (const int c : in.covariates) say(d.covariates[c]);
   if (in.time) say("t");
@@ -44,6 +45,7 @@ const std::vector<Row> kThreeAxis{
     {"{type: angular_motion, axis: x, about: y}", "x z"},
     {"{type: angular_motion, axis: z, about: z, degree: 3}", "x y z"},
     {"{type: backlash, axis: y}", "travel:y"},
+    {"{type: lost_motion, axis: y}", "travel:y since:y"},
     {"{type: speed_lag}", "velocity:x velocity:y velocity:z"},
     {"{type: thermal_expansion, axis: x, sensor: bed}", "x bed"},
     {"{type: thermal_growth, direction: z, sensor: bed}", "bed"},
