@@ -37,12 +37,6 @@ const Shape* shapeWith(const Questions& q, const EffectSpec& spec) {
   return nullptr;
 }
 
-double projectedRms(const ResidualSpace& space, const RowMatrix& columns, const Eigen::VectorXd& values) {
-  Eigen::MatrixXd one = columns * values;
-  space.project(one);
-  return std::sqrt(one.topRows(space.rows()).squaredNorm() / std::max(1, space.rows()));
-}
-
 /// The effects that a member stands for: itself, a profile of the size found, or the members of a family.
 /// @param values, covariance of its coefficients. @param size of a profile, m or rad. @param taken what is in
 /// the model already.
@@ -77,6 +71,12 @@ double unitOf(const ResidualSpace& space) {
   double sum = 0.0;
   for (const int row : space.used()) sum += space.fitted().sigma[row];
   return space.rows() > 0 ? sum / space.rows() : 1.0;
+}
+
+double projectedRms(const ResidualSpace& space, const RowMatrix& columns, const Eigen::VectorXd& values) {
+  Eigen::MatrixXd one = columns * values;
+  space.project(one);
+  return std::sqrt(one.topRows(space.rows()).squaredNorm() / std::max(1, space.rows()));
 }
 
 std::vector<Answer> answersOf(const Search& search, const Explanation& found) {

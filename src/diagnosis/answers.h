@@ -34,6 +34,9 @@ void spreadOverResolution(Questions& q);
 
 /// m or rad of a residual of one unit of the stated noise.
 double unitOf(const ResidualSpace& space);
+/// Root mean square of what columns at these values explain, beside what the model's unknowns absorb, in
+/// units of the stated noise.
+double projectedRms(const ResidualSpace& space, const RowMatrix& columns, const Eigen::VectorXd& values);
 
 /// Members in the order of what they bring, most first.
 void sortByGain(const Search& search, Explanation& found);

@@ -15,10 +15,10 @@
 #include "diagnosis/full_fit.h"
 #include "diagnosis/held_out.h"
 #include "diagnosis/likely_shapes.h"
+#include "diagnosis/model_shapes.h"
 #include "diagnosis/question_list.h"
 #include "diagnosis/search.h"
 #include "diagnosis/structure.h"
-#include "diagnosis/variation.h"
 #include "diagnosis/verdict.h"
 #include "diagnosis/wording.h"
 
@@ -278,8 +278,8 @@ class Diagnoser {
     separate(search, found, out_);
     describeProfiles(search, found, held, unit, out_);
     if (out_.missing.empty() && out_.profiles.empty())
-      out_.variations =
-          variationsOf(*look.space, out_.candidates, unit, std::max(out_.noise, out_.base.repeatability));
+      out_.variations = variationsOf(search, found, out_.candidates, out_.noise,
+                                     std::max(out_.noise, out_.base.repeatability));
     decide(out_);
     out_.sentence = sentenceOf(out_);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "diagnosis/model_shapes.h"
 #include "diagnosis/search.h"
 #include "diagnosis/shape_maker.h"
 #include "estimation/ball_columns.h"
@@ -90,8 +91,8 @@ double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
 }  // namespace
 
 void addScatter(Questions& q) {
-  for (RandomBlock& b : shapesOfTheModel(*q.space)) {
-    q.scatter.push_back(std::move(b));
+  for (ModelShape& s : shapesOfTheModel(*q.space)) {
+    q.scatter.push_back(std::move(s.block));
     q.scatterNames.emplace_back();
   }
   const ResidualSpace& space = *q.space;

@@ -74,9 +74,6 @@ class GroupColumns {
   const ResidualSpace& space_;
 };
 
-/// Shapes that the effects of the model may have beside those they have in it: blocks of known size.
-std::vector<RandomBlock> shapesOfTheModel(const ResidualSpace& space);
-
 /// How much the size of a cause changes over the travel of a joint along which it is known to change.
 constexpr double kVariation = 0.15;
 /// Columns of an effect (a row for each of `rows`), from minus themselves at one end of a joint's travel to

@@ -45,7 +45,6 @@ class LostMotion : public CatalogueEffect {
                     changes ? side * (p[1] - p[0]) * left * way / (distance * distance) : 0.0 * side);
   }
 
-  std::vector<int> mustMove() const override { return {axis_}; }
   /// Over less the session saw a play, over more a play and a scale.
   bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
     return nonlinear.empty() || (nonlinear.front() >= std::ldexp(range_, kShortest - 1) &&

@@ -112,6 +112,23 @@ TEST(PlaceOrTime, APlayThatIsLargerInTheMiddleIsNoDrift) {
     }
 }
 
+// The slide stands still until the drive has wound up, and then follows evenly: no law of the catalogue.
+TEST(PlaceOrTime, WhatIsLostOverTheWaySinceAReversalIsLostMotion) {
+  constexpr double kGap = 4.0, kWindUp = 12.0;  // um, mm
+  const auto lost = [&](double x, double way) {
+    const double gone = way > 0.0 ? x : kTravel - x;
+    return -way * kGap * (std::min(gone / kWindUp, 1.0) - 0.5);
+  };
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Diagnosis d = diagnosisOf(0.0, lost, seed);
+    ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+    EXPECT_EQ(d.missing[0].effect, EffectSpec("lost_motion").set("axis", "x")) << d.sentence;
+    EXPECT_TRUE(d.missing[0].confusableWith.empty()) << d.sentence;
+    ASSERT_FALSE(d.missing[0].parameters.empty());
+    EXPECT_NEAR(d.missing[0].parameters[0].value, kGap * kMicrometre, 0.5 * kMicrometre) << d.sentence;
+  }
+}
+
 // before: two waves of 0.3 ± 0.7 um and 0.1 ± 0.5 um at more than 1000 to 1, and one of 358 um when added
 TEST(PlaceOrTime, AWaveOfTwoStepsIsNoLongerAndNoLarger) {
   const auto wave = [](double x, double) { return 2.0 * std::sin(kPi * x / 2.0 + 0.8); };

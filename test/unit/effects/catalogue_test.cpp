@@ -210,6 +210,7 @@ TEST_P(Catalogue, missingInputGivesNan) {
     State bare = whole;
     for (double& v : bare.velocity) v = kNan;
     for (double& v : bare.travel) v = 0.0;
+    for (double& v : bare.sinceReversal) v = kNan;
     for (double& v : bare.temperature) v = kNan;
     for (double& v : bare.covariate) v = kNan;
     bare.approach.setZero();
@@ -227,7 +228,7 @@ TEST_P(Catalogue, missingInputGivesNan) {
     const std::set<std::string> needy{"backlash",         "speed_lag",       "thermal_expansion",
                                       "thermal_growth",   "thermal_bending", "thermal_transient",
                                       "probe_lobing",     "laser_incidence", "artifact_expansion",
-                                      "covariate_offset", "covariate_scale", "thermal_network"};
+                                      "covariate_offset", "covariate_scale", "thermal_network", "lost_motion"};
     if (needy.count(effect->spec().type) != 0) {
       EXPECT_TRUE(nan);
     }

@@ -143,6 +143,8 @@ inline State randomState(const Machine& machine, const Domain& d, std::mt19937_6
   s.featurePosition = 0.05 * Eigen::Vector3d(normal(random), normal(random), normal(random));
   s.featureRadius = d.featureRadius[s.feature];
   s.history = &ramp;
+  for (std::size_t j = 0; j < d.joints.size(); ++j)
+    s.sinceReversal.push_back((d.upper[j] - d.lower[j]) * unit(random));
   return s;
 }
 
