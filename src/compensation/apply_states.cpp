@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "model/session_states.h"
 #include "session/contacts_csv.h"
@@ -92,6 +93,8 @@ AppliedStates applyStates(const std::filesystem::path& file, const Calibration& 
   out += csv.header + "," + kAppliedColumns + "\n";
   for (std::size_t i = 0; i < states.size(); ++i) {
     State state = states[i];
+    for (double& way : state.sinceReversal)
+      if (std::isnan(way)) way = std::numeric_limits<double>::infinity();  // as of a machine that went on
     if (!own.timed()) state.time = kNotMeasured;
     own.read(csv.lines[i], state);
     const Correction c = compensator.apply(state, work);

@@ -204,7 +204,12 @@ NextMeasurement nextMeasurement(const ResidualSpace& space, const Hypothesis& ow
     const Leading leading(views, own);
     std::vector<Imitation> imitations;
     for (const Hypothesis& rival : rivals) {
-      imitations.emplace_back(views, rival, leading);
+      Imitation ofLeading(views, rival, leading);
+      if (ofLeading
+              .same())  // the rival may be the wider law of the two: then its rest is what tells them apart
+        imitations.emplace_back(views, own, Leading(views, rival));
+      else
+        imitations.push_back(std::move(ofLeading));
       out.rivals.push_back({imitations.back().same(), 0.0});
     }
     if (std::any_of(imitations.begin(), imitations.end(), [](const Imitation& r) { return !r.same(); }))

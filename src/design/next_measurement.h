@@ -24,7 +24,7 @@ struct Hypothesis {
 struct NextMeasurement {
   std::vector<Move> moves;
   struct Rival {
-    bool same = false;  // it imitates the leading hypothesis wherever the machine can go
+    bool same = false;  // each imitates the other wherever the machine can go
     double deviations =
         0.0;  // by which the moves tell it from the leading hypothesis, in standard deviations
   };

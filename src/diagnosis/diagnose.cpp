@@ -87,9 +87,9 @@ class Diagnoser {
         "asks about them)");
   }
 
-  /// Before a joint first moved its direction of travel is not known. A play has no value there, and what
-  /// needs no direction, as a jump at the reversal, would explain these rows too, and win by them: all causes
-  /// are judged by the same rows.
+  /// Before a joint first moved its direction of travel is not known, nor its way since a reversal. A play
+  /// has no value there, and what needs no direction, as a jump at the reversal, would explain these rows
+  /// too, and win by them: all causes are judged by the same rows.
   std::vector<NotJudged> leaveOutUnknownTravel(Eigen::VectorXd& weight) const {
     std::vector<NotJudged> left;
     constexpr int kMost = 5;  // one observation in so many; more are a session without directions
@@ -97,13 +97,15 @@ class Diagnoser {
     const auto count = static_cast<int>(session_.observations.size());
     for (int j = 0; j < session_.machine.jointCount(); ++j) {
       bool up = false, down = false;
-      std::vector<int> unknown;
+      std::vector<int> unknown, unknownWay;
       for (int o = 0; o < count; ++o) {
         const double travel = problem.state(o).travel[j];
         up |= travel > 0.0;
         down |= travel < 0.0;
         if (travel == 0.0) unknown.push_back(o);
+        if (travel == 0.0 || std::isnan(problem.state(o).sinceReversalOf(j))) unknownWay.push_back(o);
       }
+      if (static_cast<int>(unknownWay.size()) * kMost <= count) unknown = std::move(unknownWay);
       if (!up || !down || static_cast<int>(unknown.size()) * kMost > count) continue;
       if (!unknown.empty())
         left.push_back(

@@ -262,6 +262,32 @@ std::vector<LikelyShapes::Taken> LikelyShapes::foundBy(const PosteriorSample& sa
   return set;
 }
 
+/// A period or a time constant is asked at some values, and the data may know it much better than these lie
+/// apart: what is between them would then have to be another cause.
+bool LikelyShapes::takeRefined(const std::vector<Taken>& set, const NoiseState& noise) {
+  constexpr double kAnother = 0.01;  // of a value: nearer is the same shape
+  constexpr int kRefined = 1 << 20;  // numbers of these shapes, behind all that the lists have
+  const Search search(q_);
+  const auto evidence = search.evidenceAt(noiseOnly(noise));
+  const PosteriorProblem problem = problemOf(q_, q_.groups, statedFreedoms_);
+  bool any = false;
+  for (const Member& m : membersOf(search, *evidence, problem, acting(set))) {
+    const Shape& asked =
+        q_.groups.groups[static_cast<std::size_t>(m.group)].shapes[static_cast<std::size_t>(m.shape)];
+    bool another = false;
+    for (std::size_t k = 0; k < m.nonlinear.size(); ++k)
+      another |= std::abs(m.nonlinear[k] - asked.nonlinear[k]) > kAnother * std::abs(asked.nonlinear[k]);
+    if (!another) continue;
+    Kept refined{asked, *m.columns};
+    refined.shape.nonlinear = m.nonlinear;
+    refined.shape.count = static_cast<int>(m.columns->cols());
+    std::map<int, Kept>& shapes = std::next(kept_.begin(), m.group)->second;
+    shapes.emplace(std::max(kRefined, shapes.rbegin()->first + 1), std::move(refined));
+    any = true;
+  }
+  return any;
+}
+
 bool LikelyShapes::extend(const PosteriorSample& sample, bool instead) {
   if (lists_.size() == kListsOfOne) {  // two variables at once, where what was found may be their shadow
     addList(QuestionList::pairs(space_));
@@ -274,6 +300,7 @@ bool LikelyShapes::extend(const PosteriorSample& sample, bool instead) {
     others.erase(others.begin() + static_cast<long>(j));
     any |= take(ask(noise, others, Wanted::kNearTheLikeliest));
   }
+  any |= takeRefined(set, noise);
   if (!any) return false;
   walks_.push_back({set, noise});
   fill();

@@ -68,6 +68,7 @@ class LikelyShapes {
   static const NoiseState& noiseOf(const PosteriorSample& sample);
   std::vector<Taken> foundBy(const PosteriorSample& sample) const;
   bool take(std::vector<Asked> asked);
+  bool takeRefined(const std::vector<Taken>& set, const NoiseState& noise);
   void fill();
   ActingSet acting(const std::vector<Taken>& set) const;
   /// Takes up the likeliest cause again and again.

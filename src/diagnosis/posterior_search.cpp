@@ -84,15 +84,17 @@ double statedFreedomsOf(const CalibrationResult& fitted) {
   return kDeclaredFreedoms;
 }
 
-Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, const ActingSet& acting,
-                          const NoiseState& noise) {
-  const Search search(q);
-  Explanation start;
-  start.noise.drift = noise.drift;
-  start.noise.variance = noise.variance;
-  start.scatter = noise.scatter;
+Explanation noiseOnly(const NoiseState& noise) {
+  Explanation at;
+  at.noise.drift = noise.drift;
+  at.noise.variance = noise.variance;
+  at.scatter = noise.scatter;
+  return at;
+}
+
+std::vector<Member> membersOf(const Search& search, const Evidence& evidence, const PosteriorProblem& problem,
+                              const ActingSet& acting) {
   std::vector<Member> members;
-  const auto evidence = search.evidenceAt(start);
   for (const Acting& a : acting) {
     Gain gain;
     gain.group = problem.shapes[static_cast<std::size_t>(a.shape)].cause;
@@ -104,8 +106,17 @@ Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, c
     for (std::size_t j = 0; j < members.size(); ++j) {
       std::vector<Member> others = members;
       others.erase(others.begin() + static_cast<long>(j));
-      members[j] = search.refined(*evidence, others, members[j]);
+      members[j] = search.refined(evidence, others, members[j]);
     }
+  return members;
+}
+
+Explanation explanationOf(const Questions& q, const PosteriorProblem& problem, const ActingSet& acting,
+                          const NoiseState& noise) {
+  const Search search(q);
+  const Explanation start = noiseOnly(noise);
+  const auto evidence = search.evidenceAt(start);
+  std::vector<Member> members = membersOf(search, *evidence, problem, acting);
   nameCurves(search, *evidence, members);
   return search.refitted(members, start);
 }

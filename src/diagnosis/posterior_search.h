@@ -25,6 +25,11 @@ double logPriorOddsOf(const Questions& questions, const Group& group);
 PosteriorProblem problemOf(const Questions& questions, const Groups& groups, double statedFreedoms);
 /// What a sample of the questions says. @param problem of them.
 PosteriorAnswer answerOf(const Questions& questions, const PosteriorProblem& problem, PosteriorSample sample);
+/// The noise alone.
+Explanation noiseOnly(const NoiseState& noise);
+/// What acts, with the nonlinear parameters at their best at this noise. @param evidence of the questions.
+std::vector<Member> membersOf(const Search& search, const Evidence& evidence, const PosteriorProblem& problem,
+                              const ActingSet& acting);
 /// What acts, and the noise beside it, refitted as causes of the questions.
 Explanation explanationOf(const Questions& questions, const PosteriorProblem& problem,
                           const ActingSet& acting, const NoiseState& noise);

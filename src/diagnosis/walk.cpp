@@ -67,10 +67,7 @@ void LikelyShapes::grow(Walk& walk) {
 
 std::vector<LikelyShapes::Term> LikelyShapes::termsOf(const Walk& walk) const {
   const Questions rows = rowsOf(q_);
-  Explanation at;
-  at.noise.drift = walk.noise.drift;
-  at.noise.variance = walk.noise.variance;
-  at.scatter = walk.noise.scatter;
+  Explanation at = noiseOnly(walk.noise);
   for (const Taken& t : walk.set) {
     Member m;
     m.size = sizeGrid()[t.size];

@@ -25,6 +25,7 @@ class LostMotion : public CatalogueEffect {
   }
 
   bool linear() const override { return false; }
+  double met() const override { return 0.3; }  // a play is met more often
   std::vector<int> nonlinearParameters() const override { return {2}; }
   std::vector<std::vector<double>> searchStarts() const override {
     std::vector<std::vector<double>> starts;
@@ -51,6 +52,11 @@ class LostMotion : public CatalogueEffect {
                                  nonlinear.front() <= std::ldexp(range_, kLongest + 1));
   }
 
+  /// No drive winds up by one exponential: some of it sooner, some later.
+  std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& nonlinear) const override {
+    return {{{0.5 * nonlinear.front()}, kOther}, {{2.0 * nonlinear.front()}, kOther}};
+  }
+
   std::string cause() const override {
     return "After a reversal the drive of " + name_ +
            " winds up (screw, belt, bearing against the friction of the guideway) before the slide follows: "
@@ -73,6 +79,7 @@ class LostMotion : public CatalogueEffect {
 
  private:
   static constexpr int kShortest = -5, kLongest = -1;  // powers of two, of the range
+  static constexpr double kOther = 0.4;                // share of what is lost over another distance
   int axis_;
   double range_ = 0.0;  // m or rad
   std::string name_;

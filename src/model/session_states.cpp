@@ -47,6 +47,12 @@ void checkJoints(const Session& session, const Domain& domain) {
                      "; use a session of the machine that was calibrated");
 }
 
+/// Whether an observation may show the error of a joint: deviations are those of the joints they are told of.
+bool sees(const Observation& o, std::size_t joint) {
+  return o.kind != ObservationKind::kDeviation ||
+         (joint < o.deviation.size() && !std::isnan(o.deviation[joint]));
+}
+
 /// Before a joint first moved its direction of travel is not known. Where nothing is measured along it, as in
 /// the runs of the other axes, it does not matter: the direction of its first motion stands for it.
 void whereTravelDoesNotMatter(const Session& session, std::vector<State>& states) {
@@ -54,30 +60,30 @@ void whereTravelDoesNotMatter(const Session& session, std::vector<State>& states
     std::size_t first = 0;
     while (first < states.size() && states[first].travel[j] == 0.0) ++first;
     if (first == states.size()) continue;
-    for (std::size_t o = 0; o < first; ++o) {
-      const Observation& at = session.observations[o];
-      const bool measured = j < at.deviation.size() && !std::isnan(at.deviation[j]);
-      if (at.kind == ObservationKind::kDeviation && !measured) states[o].travel[j] = states[first].travel[j];
-    }
+    for (std::size_t o = 0; o < first; ++o)
+      if (!sees(session.observations[o], j)) states[o].travel[j] = states[first].travel[j];
   }
 }
 
 /// The way since a reversal, by the rows: from the last one before it, and at first from where a joint began
-/// to move; how it came to where it stood before, nobody knows. Between two touches the probe went back and
+/// to move. How it came to where it stood before, nobody knows; between two touches the probe went back and
 /// forth.
 void sinceReversals(const Session& session, std::vector<State>& states) {
   const std::size_t joints = session.machine.joints().size();
   for (State& state : states) state.sinceReversal.assign(joints, std::numeric_limits<double>::infinity());
   for (std::size_t j = 0; j < joints; ++j) {
     double turn = states.front().position[j];
-    bool moved = false;
+    std::size_t first = states.size();  // that is reached by a motion
     for (std::size_t o = 1; o < states.size(); ++o) {
       State& state = states[o];
-      const State& before = states[o - 1];
-      if (state.travel[j] * before.travel[j] < 0.0) turn = before.position[j], moved = true;
-      moved |= state.position[j] != turn;
-      if (moved) state.sinceReversal[j] = std::abs(state.position[j] - turn);
+      const bool turned = state.travel[j] * states[o - 1].travel[j] < 0.0;
+      if (turned) turn = states[o - 1].position[j];
+      if (turned || state.position[j] != turn) first = std::min(first, o);
+      if (o >= first) state.sinceReversal[j] = std::abs(state.position[j] - turn);
     }
+    if (first == states.size()) continue;
+    for (std::size_t o = 0; o < first; ++o)
+      if (sees(session.observations[o], j)) states[o].sinceReversal[j] = kNotMeasured;
   }
   for (std::size_t o = 0; o < states.size(); ++o) {
     const Observation& at = session.observations[o];

@@ -119,7 +119,7 @@ std::string figuresText(const Diagnosis& d) {
             ": they were judged spread over a quarter of it";
   for (const NotJudged& n : d.notJudged)
     text += format(
-        "\n  %d observations are not judged: the direction of travel of %s is not known there; move it "
+        "\n  %d observations are not judged: how %s came there is not known; move it "
         "before the first reading",
         n.observations, n.joint.c_str());
   return text + "\n  ± is the expanded uncertainty, k = 2\n";

@@ -112,12 +112,11 @@ TEST(PlaceOrTime, APlayThatIsLargerInTheMiddleIsNoDrift) {
     }
 }
 
-// The slide stands still until the drive has wound up, and then follows evenly: no law of the catalogue.
 TEST(PlaceOrTime, WhatIsLostOverTheWaySinceAReversalIsLostMotion) {
-  constexpr double kGap = 4.0, kWindUp = 12.0;  // um, mm
+  constexpr double kGap = 4.0, kWindUp = 6.0;  // um, mm
   const auto lost = [&](double x, double way) {
     const double gone = way > 0.0 ? x : kTravel - x;
-    return -way * kGap * (std::min(gone / kWindUp, 1.0) - 0.5);
+    return -0.5 * way * kGap * (1.0 - 2.0 * std::exp(-gone / kWindUp));
   };
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Diagnosis d = diagnosisOf(0.0, lost, seed);
@@ -125,7 +124,18 @@ TEST(PlaceOrTime, WhatIsLostOverTheWaySinceAReversalIsLostMotion) {
     EXPECT_EQ(d.missing[0].effect, EffectSpec("lost_motion").set("axis", "x")) << d.sentence;
     EXPECT_TRUE(d.missing[0].confusableWith.empty()) << d.sentence;
     ASSERT_FALSE(d.missing[0].parameters.empty());
-    EXPECT_NEAR(d.missing[0].parameters[0].value, kGap * kMicrometre, 0.5 * kMicrometre) << d.sentence;
+    EXPECT_NEAR(d.missing[0].parameters[0].value, kGap, 0.5) << d.sentence;
+  }
+}
+
+// A play is a lost motion that is lost at once: what is said of the two is not that nothing would tell.
+TEST(PlaceOrTime, APlayIsNotTheSameAsALostMotion) {
+  const auto play = [](double, double way) { return -2.0 * way; };
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const Diagnosis d = diagnosisOf(0.0, play, seed);
+    ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
+    EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x")) << d.sentence;
+    for (const Confusable& c : d.missing[0].confusableWith) EXPECT_FALSE(c.same) << c.effect.yaml();
   }
 }
 
