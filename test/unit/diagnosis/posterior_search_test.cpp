@@ -37,7 +37,7 @@ TEST(PosteriorSearch, ACauseThatActsIsSureAndThoseThatImitateItAreNot) {
   const Diagnosis d = drawn({"backlash:x=3um"}, 5);
   ASSERT_EQ(d.missing.size(), 1u) << d.sentence;
   EXPECT_EQ(d.missing[0].effect, EffectSpec("backlash").set("axis", "x"));
-  EXPECT_GT(d.missing[0].odds, 0.97);
+  EXPECT_GT(d.missing[0].odds, 0.99 * kOfThisWorld);
   for (const CandidateResult& c : d.candidates)
     EXPECT_LE(c.odds, kOfThisWorld) << "no model is surer than it has been right: " << c.effect.yaml();
   EXPECT_NEAR(d.missing[0].parameters[0].value, 3.0, 4.0 * d.missing[0].parameters[0].std + 0.03);
