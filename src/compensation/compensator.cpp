@@ -122,7 +122,7 @@ void Compensator::addPlay(const State& state, const MovingState& moved, const Pa
     other.travel[j] = -state.travel[j];
     const Eigen::Vector3d play =
         part.model->corrected(other, part.parameters.data(), work.model).position - c.corrected.position;
-    const double left = play.norm() - since;
+    const double left = std::isnan(since) ? 0.0 : play.norm() - since;
     const double open = std::max(left, std::min(back, play.norm()));
     if (!(open > 0.0)) continue;
     const Eigen::Vector3d off = play * (open / play.norm());

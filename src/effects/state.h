@@ -40,6 +40,7 @@ struct State {
   Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();  // nominal, of probe_tip in workpiece
   const TemperatureHistory* history = nullptr;
 
+  /// m or rad; infinity where nothing is told of the joint.
   double sinceReversalOf(int joint) const {
     const auto j = static_cast<std::size_t>(joint);
     return j < sinceReversal.size() ? sinceReversal[j] : std::numeric_limits<double>::infinity();

@@ -15,9 +15,9 @@ struct Slot {
 
 constexpr double kNamed = 0.99;  // probability at which a cause, or a set of rivals, is named
 
-/// How often what the model is sure of is so: no catalogue has every law. Of 834 causes that were named at the
-/// then bound in 800 sessions by other physics 794 were hidden (scripts/judge; 0.952, 95 % interval 0.935 to
-/// 0.966).
+/// How often what the model is sure of is so: no catalogue has every law. Of 834 causes that were named at
+/// the then bound in 800 sessions by other physics 794 were hidden (scripts/judge; 0.952, 95 % interval 0.935
+/// to 0.966).
 constexpr double kOfThisWorld = 0.95;
 
 /// The one decision of a diagnosis. The likeliest cause that is not used gets rivals, each the one that acts
