@@ -60,16 +60,13 @@ class LostMotion : public CatalogueEffect {
   std::string cause() const override {
     return "After a reversal the drive of " + name_ +
            " winds up (screw, belt, bearing against the friction of the guideway) before the slide follows: "
-           "what is "
-           "lost grows to the gap over the distance. A play is lost at once; where at_once is negative, the "
-           "slide "
-           "at first still is where the old direction had it.";
+           "what is lost grows to the gap over the distance. A play is lost at once; where at_once is "
+           "negative, the slide at first still is where the old direction had it.";
   }
   std::string remedy() const override {
     return "Lower the friction of the guideway of " + name_ +
            " (lubrication, preload), stiffen its drive, or measure by a scale at the slide; until then "
-           "approach "
-           "every point from the same side and from further away than three distances.";
+           "approach every point from the same side and from further away than three distances.";
   }
   std::string shownBy() const override {
     return "Positions of " + name_ +

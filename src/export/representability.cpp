@@ -120,6 +120,8 @@ std::string whatItDoes(const NeededCorrection& needed) {
   const auto name = [&](int joint) { return needed.axes()[static_cast<std::size_t>(joint)].letter; };
   for (const int j : in.positions) by.push_back("the position of " + name(j));
   for (const int j : in.travels) by.push_back("the travel of " + name(j));
+  for (const int j : in.reversals)
+    by.push_back("the way of " + name(j) + " since its last reversal (taken as far from it)");
   for (const int k : in.temperatures)
     by.push_back("the temperature " + d.sensors[static_cast<std::size_t>(k)]);
   for (const int k : in.covariates) by.push_back(d.covariates[static_cast<std::size_t>(k)]);
