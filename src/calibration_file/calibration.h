@@ -20,7 +20,21 @@ struct LedgerEntry {
   std::string time;                    // ISO 8601, UTC
   double rmsBefore = 0, rmsAfter = 0;  // m (rad where the session has angular residuals only); NaN: none
   double heldOutBefore = 0, heldOutAfter = 0;  // m
-  std::string calibration;  // id of the calibration before the step: what it can be taken back to
+  std::string calibration;            // id of the calibration before the step: what it can be taken back to
+  std::vector<std::string> sessions;  // by which it was judged, where these were several
+};
+
+/// One of several sessions by which a machine was calibrated.
+struct SessionPart {
+  std::string source, hash;
+};
+
+/// A feature as a calibration found it in the artifact's frame. SI units.
+struct FoundInArtifact {
+  std::string name;
+  bool ball = true, free = false;  // free: estimated, or its deviation from the file was
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), std = Eigen::Vector3d::Zero();
+  double radius = 0.0, radiusStd = 0.0;
 };
 
 /// How the machine drifts along one direction, which no parameter describes.
@@ -40,6 +54,8 @@ struct CalibratedBy {
   double span = 0.0;       // m, largest distance of two features of known position; 0: fewer than two
   double centreStd = 0.0;  // m, largest standard uncertainty of a known position; 0: taken as exact
   double radiusStd = 0.0;  // m, largest of a ball's radius; 0: taken as exact
+  std::string serial;
+  std::vector<FoundInArtifact> found;  // empty: the file does not tell
 };
 
 /// A calibration: the model, its parameters and where it holds. Complete in itself (the URDF is inside). SI
@@ -72,6 +88,7 @@ struct Calibration {
   std::optional<CalibratedBy> artifact;  // empty: the file does not tell
   std::string sessionSource;
   std::string sessionHash;
+  std::vector<SessionPart> sessionParts;  // of several sessions that were judged together; empty: of one
   /// Namespace of the nodes that measured ("/m1"); empty: not measured by nodes (imported, simulated).
   std::string sessionSpace;
   bool toldSpace = true;  // false: a file that was written before this was told

@@ -115,6 +115,9 @@ void readDomain(const YamlMapping& in, Domain& d, std::vector<LearnedNetwork>& n
   readRanges(in, "covariates", "", d.covariates, d.covariateLower, d.covariateUpper);
   for (const YAML::Node& name : in.list("features")) d.features.push_back(name.Scalar());
   d.featureRadius = in.storedList("feature_radii_m");
+  if (in.has("styli"))
+    for (const YAML::Node& name : in.list("styli")) d.styli.push_back(name.Scalar());
+  if (in.has("sessions")) d.recordings = integer<int>(in, "sessions");
   d.duration = in.stored("duration_s");
   d.maxSpeed = in.stored("max_speed_si");
   d.tipLower = vectorOf(in, "tip_lower_m");
@@ -176,6 +179,21 @@ void readArtifact(const YamlMapping& root, Calibration& c) {
   a.span = keys.stored("span_m");
   a.centreStd = keys.stored("centre_std_m");
   a.radiusStd = keys.stored("radius_std_m");
+  if (keys.has("serial")) a.serial = keys.storedText("serial");
+  const std::vector<YAML::Node> found = keys.has("found") ? keys.list("found") : std::vector<YAML::Node>();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const YamlMapping one = keys.item(found[i], "artifact.found", i);
+    FoundInArtifact f;
+    f.name = one.storedText("name");
+    f.ball = one.flag("ball");
+    f.free = one.flag("free");
+    f.position = vectorOf(one, "position_m");
+    f.std = vectorOf(one, "std_m");
+    f.radius = one.stored("radius_m");
+    f.radiusStd = one.stored("radius_std_m");
+    one.finish();
+    a.found.push_back(std::move(f));
+  }
   keys.finish();
   c.artifact = a;
 }
@@ -193,6 +211,8 @@ void readLedger(const YamlMapping& root, std::vector<LedgerEntry>& ledger) {
     entry.heldOutBefore = keys.stored("held_out_before_si");
     entry.heldOutAfter = keys.stored("held_out_after_si");
     entry.calibration = keys.storedText("calibration");
+    if (keys.has("sessions"))
+      for (const YAML::Node& session : keys.list("sessions")) entry.sessions.push_back(session.Scalar());
     keys.finish();
     ledger.push_back(std::move(entry));
   }
@@ -216,6 +236,13 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   const YamlMapping session = root.map("session");
   c.sessionSource = session.storedText("source");
   c.sessionHash = session.storedText("hash");
+  const std::vector<YAML::Node> parts =
+      session.has("parts") ? session.list("parts") : std::vector<YAML::Node>();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const YamlMapping part = session.item(parts[i], "session.parts", i);
+    c.sessionParts.push_back({part.storedText("source"), part.storedText("hash")});
+    part.finish();
+  }
   c.sessionEpoch = session.stored("epoch_s");
   c.toldSpace = session.has("namespace");
   if (c.toldSpace) c.sessionSpace = session.storedText("namespace");

@@ -142,6 +142,12 @@ void domain(YAML::Emitter& out, const Domain& d, const std::vector<LearnedNetwor
   for (const std::string& name : d.features) out << name;
   out << EndSeq << Key << "feature_radii_m" << Value;
   numbers(out, d.featureRadius);
+  if (!d.styli.empty()) {
+    out << Key << "styli" << Value << Flow << BeginSeq;
+    for (const std::string& name : d.styli) out << name;
+    out << EndSeq;
+  }
+  if (d.recordings > 1) out << Key << "sessions" << Value << d.recordings;
   number(out, "duration_s", d.duration);
   number(out, "max_speed_si", d.maxSpeed);
   out << Key << "tip_lower_m" << Value;
@@ -167,6 +173,23 @@ void artifact(YAML::Emitter& out, const CalibratedBy& a) {
   number(out, "span_m", a.span);
   number(out, "centre_std_m", a.centreStd);
   number(out, "radius_std_m", a.radiusStd);
+  if (!a.serial.empty()) text(out, "serial", a.serial);
+  if (!a.found.empty()) {
+    out << Key << "found" << Value << BeginSeq;
+    for (const FoundInArtifact& f : a.found) {
+      out << BeginMap;
+      text(out, "name", f.name);
+      out << Key << "ball" << Value << f.ball << Key << "free" << Value << f.free;
+      out << Key << "position_m" << Value;
+      numbers(out, toVector(f.position));
+      out << Key << "std_m" << Value;
+      numbers(out, toVector(f.std));
+      number(out, "radius_m", f.radius);
+      number(out, "radius_std_m", f.radiusStd);
+      out << EndMap;
+    }
+    out << EndSeq;
+  }
   out << EndMap;
 }
 
@@ -204,6 +227,11 @@ void ledger(YAML::Emitter& out, const std::vector<LedgerEntry>& entries) {
     number(out, "held_out_before_si", entry.heldOutBefore);
     number(out, "held_out_after_si", entry.heldOutAfter);
     text(out, "calibration", entry.calibration);
+    if (!entry.sessions.empty()) {
+      out << Key << "sessions" << Value << BeginSeq;
+      for (const std::string& session : entry.sessions) out << YAML::DoubleQuoted << session;
+      out << EndSeq;
+    }
     out << EndMap;
   }
   out << EndSeq;
@@ -239,6 +267,16 @@ std::string content(const Calibration& c) {
   out << Key << "session" << Value << BeginMap;
   text(out, "source", c.sessionSource);
   text(out, "hash", c.sessionHash);
+  if (!c.sessionParts.empty()) {
+    out << Key << "parts" << Value << BeginSeq;
+    for (const SessionPart& part : c.sessionParts) {
+      out << BeginMap;
+      text(out, "source", part.source);
+      text(out, "hash", part.hash);
+      out << EndMap;
+    }
+    out << EndSeq;
+  }
   number(out, "epoch_s", c.sessionEpoch);
   if (c.toldSpace) text(out, "namespace", c.sessionSpace);
   text(out, "method", c.method);

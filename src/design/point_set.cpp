@@ -46,7 +46,8 @@ std::vector<FeatureCoverage> coverFeatures(const Problem& problem) {
     cover.ball = session.artifact.features[f].kind == FeatureKind::kBall;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    const Eigen::Vector3d centre = problem.featureInWorkpiece(static_cast<int>(f), problem.start());
+    const Eigen::Vector3d centre = problem.featureInWorkpiece(
+        static_cast<int>(f), session.placementOf(static_cast<int>(f)), problem.start());
     std::vector<Eigen::Vector3d> approaches;
     for (std::size_t o = 0; o < session.observations.size(); ++o) {
       const Observation& at = session.observations[o];
@@ -244,6 +245,7 @@ PointSet checkPointSet(const Session& session, const ModelSpec* spec) {
   }
   set.doubts = postureDoubts(session);
   if (set.hasModel) set.advice = proposePostures(*problem, x, inverse);
+  set.separations = separationsOf(session);
   set.cannotShow = judgeCatalogue(*problem, set.identifiability, inverse);
   return set;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "design/posture_proposals.h"
+#include "design/separation.h"
 #include "effects/effect_spec.h"
 #include "estimation/identifiability.h"
 #include "model/model_spec.h"
@@ -72,6 +73,7 @@ struct PointSet {
   std::vector<Doubt> questions;     // about units, signs and names: before everything else
   PostureAdvice advice;             // for machines with rotary joints
   std::vector<CannotBeShown> cannotShow;
+  std::vector<Separation> separations;  // machine, artifact, stylus and day told apart
 };
 
 /// @param model null: without one, what cannot be shown is judged against the artifact's unknowns alone.

@@ -63,13 +63,14 @@ std::vector<Candidate> candidatesOf(const Problem& problem, const Eigen::VectorX
   for (const Observation& o : session.observations) {
     if (o.kind != ObservationKind::kContact || done[o.feature]++ != 0) continue;
     const Feature& feature = session.artifact.features[o.feature];
-    const Eigen::Vector3d centre = problem.featureInWorkpiece(o.feature, x);
+    const Eigen::Vector3d centre = problem.featureInWorkpiece(o.feature, o.placement, x);
     for (const auto& angles : anglesOf(machine, o.position))
       for (const double reading : readings) {
         const Eigen::Matrix3d probe = machine.nominal(angles.data(), reading).orientation;
         const double distance = feature.kind != FeatureKind::kBall ? 0.0
-                                : std::isfinite(reading)           ? feature.radius
-                                                         : feature.radius + session.artifact.tipRadius;
+                                : std::isfinite(reading)
+                                    ? feature.radius
+                                    : feature.radius + session.artifact.tipRadiusOf(o.stylus);
         Candidate c;
         bool feasible = true;
         for (int i = 0; i < (distance > 0.0 ? 5 : 1) && feasible; ++i) {

@@ -19,7 +19,7 @@ constexpr double kAsGood = 1.5;          // times the least residual
 constexpr double kReversed = 0.2;        // share of the residual that is left when the sign was wrong
 
 std::string rowOf(const Session& session, const Observation& o) {
-  return session.source + ": " + session.rowText(o.row) + ": ";
+  return session.source + ": " + session.rowText(o.row, o.recording) + ": ";
 }
 
 void rotaryDoubts(const Session& session, const std::vector<const Observation*>& contacts,
@@ -98,8 +98,8 @@ void beamDoubts(const CalibrationResult& result, std::vector<std::string>& doubt
     if (o.kind != ObservationKind::kContact || !std::isfinite(o.laserReading)) continue;
     const Feature& feature = session.artifact.features[o.feature];
     if (feature.kind != FeatureKind::kBall) continue;
-    const double miss =
-        missOf(problem, static_cast<int>(i), result.x, problem.featureInWorkpiece(o.feature, result.x));
+    const double miss = missOf(problem, static_cast<int>(i), result.x,
+                               problem.featureInWorkpiece(o.feature, o.placement, result.x));
     if (miss > feature.radius)
       doubts.push_back(rowOf(session, o) +
                        format("the beam passes the centre of '%s' at %.3g mm and misses it "

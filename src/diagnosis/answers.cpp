@@ -299,9 +299,14 @@ void separate(const Search& search, const Explanation& found, Diagnosis& out) {
         asked[r]->same = next.rivals[r].same;
         if (asked[r]->same)
           missing.odds = std::min(kOfThisWorld, missing.odds + asked[r]->odds);  // one error, two names
-        if (!asked[r]->same) asked[r]->moves = movesInWords(next.rivals[r].deviations, next.moves.size());
+        if (!asked[r]->same)
+          asked[r]->moves = movesInWords(next.rivals[r].deviations, next.moves.size()) +
+                            (next.change.empty() ? "" : ", with " + next.change);
       }
-      if (out.nextMeasurement.empty()) out.nextMeasurement = next.moves;
+      if (out.nextMeasurement.empty()) {
+        out.nextMeasurement = next.moves;
+        out.moveChange = next.change;
+      }
       break;
     }
     for (CandidateResult& c : out.candidates)

@@ -168,6 +168,7 @@ struct Diagnosis {
   double heldOutBefore = 0.0, heldOut = 0.0;
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;
+  std::string moveChange;  // what is changed before these, in words: the artifact turned, another stylus
   bool angular = false;  // RMS figures are rad
 };
 

@@ -6,6 +6,8 @@
 #include "base/tiny.h"
 #include "base/units.h"
 #include "diagnosis/wording.h"
+#include "effects/owned.h"
+#include "effects/registry.h"
 
 namespace mm {
 namespace {
@@ -97,6 +99,23 @@ std::string sizeInWords(const CandidateResult& c, bool angular) {
   if (p.size() == 1 || (p.size() == 2 && (p[1].unit == "s" || p[1].unit == "min" || p[1].unit == "h")))
     return expanded(p[0].value, p[0].std, p[0].unit);
   return c.size > 0.0 ? errorInWords(c.size, angular) + " RMS" : "";
+}
+
+std::string ownerOf(const EffectSpec& effect, const Diagnosis& d) {
+  if (d.base.problem == nullptr) return "machine";
+  const Session& session = d.base.problem->session();
+  EffectSpec law = effect;
+  const Owner owner = takeOwner(law);
+  if (owner.fromSession > 1)
+    return "session " + (session.recordings.size() < static_cast<std::size_t>(owner.fromSession)
+                             ? std::to_string(owner.fromSession)
+                             : session.recordings[static_cast<std::size_t>(owner.fromSession) - 1].source);
+  if (!owner.stylus.empty()) return "stylus " + owner.stylus;
+  const EffectPtr made = createEffect(law, d.base.problem->model().domain());
+  if (made->stage() == Stage::kArtifact) return "artifact " + session.artifact.name;
+  const auto& styli = session.artifact.styli;
+  if (made->stage() == Stage::kProbe && styli.size() == 1) return "stylus " + styli.front().name;
+  return "machine";
 }
 
 std::string foundInWords(const CandidateResult& c) {

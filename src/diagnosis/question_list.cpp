@@ -11,6 +11,7 @@
 #include "diagnosis/fine_waves.h"
 #include "diagnosis/structure.h"
 #include "effects/inputs.h"
+#include "effects/owned.h"
 #include "effects/profile.h"
 #include "effects/registry.h"
 
@@ -24,6 +25,9 @@ constexpr double kMixed[] = {1.0, 1.0, 0.7, 0.5, 0.4};
 constexpr std::size_t kDraftsTogether = 24;
 
 constexpr double kCurve = 0.05;  // how often a curve without a name is met, of a cause with one
+/// How often a cause is met that began between two sessions, or is one stylus' alone, of one that always
+/// acts.
+constexpr double kOwned = 0.5;
 /// Positions of a linear joint from which on a profile over it is asked with short bumps, too: fewer are met
 /// by smooth ones.
 constexpr int kPlacesOfRough = 16;
@@ -33,6 +37,17 @@ bool changesWithinFewPlaces(const ShapeMaker& maker, const Effect& profile) {
   const std::vector<int> joints = profile.mustMove();
   return joints.size() == 1 && maker.domain().joints[joints[0]].kind == JointKind::kLinear &&
          distinctPositions(maker.problem(), joints[0]) >= kPlacesOfRough;
+}
+
+/// Whose a cause may be in several sessions, or of a probe with several styli, beside the machine's own in
+/// all of them: what changes while the machine stands still is told by its time or temperature.
+std::vector<Owner> ownersOf(const Effect& effect, const Domain& domain) {
+  std::vector<Owner> owners = {{}};
+  if (domain.recordings > 1 && !inputsOf(effect, domain).dependsOnTime())
+    for (int n = 2; n <= domain.recordings; ++n) owners.push_back({n, ""});
+  if (domain.styli.size() > 1 && effect.stage() == Stage::kProbe)
+    for (const std::string& stylus : domain.styli) owners.push_back({1, stylus});
+  return owners;
 }
 
 /// Names that a formula may use for what varied in this session.
@@ -54,8 +69,14 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
   std::vector<Wanted> wanted;
   for (const EffectType& type : effectRegistry()) {
     if (type.composite || !type.candidates) continue;
+    std::vector<EffectPtr> candidates;
     for (const EffectSpec& spec : type.candidates(domain)) {
-      const EffectPtr effect = type.create(spec, domain);
+      const EffectPtr law = type.create(spec, domain);
+      for (const Owner& owner : ownersOf(*law, domain))
+        candidates.push_back(owner.isMachine() ? law : ownedEffect(law, owner, domain));
+    }
+    for (const EffectPtr& effect : candidates) {
+      const bool owned = &effect->law() != effect.get();
       std::vector<std::vector<double>> starts = effect->searchStarts();
       const bool again = inModel(model, effect->spec());
       if (again && starts.empty()) continue;
@@ -65,7 +86,7 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
       if (fresh) {
         Group group;
         group.key = key;
-        group.met = effect->met();
+        group.met = effect->met() * (owned ? kOwned : 1.0);
         group.dependsOnTime = inputsOf(*effect, domain).dependsOnTime();
         out.groups_.push_back(group);
         out.why_.push_back(reason);
@@ -199,7 +220,7 @@ void QuestionList::dropEmpty(Groups& out, std::size_t first, const std::vector<s
     setPrices(out.groups[g].shapes, passedOver_[first + g]);
     if (!out.groups[g].shapes.empty())
       kept.push_back(std::move(out.groups[g]));
-    else if (!out.groups[g].profile && !why[g].empty())
+    else if (!out.groups[g].profile && !why[g].empty() && &effect->law() == effect.get())
       out.notShown.push_back({effect->spec(), effect, why[g]});
   }
   out.groups = std::move(kept);

@@ -62,13 +62,12 @@ template <typename Unit>
 Eigen::MatrixXd datumColumns(const ResidualSpace& space, const Unit& unitOf) {
   const Problem& problem = space.problem();
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.rowCount(), 3);
-  if (!problem.session().artifact.poseKnown) return Eigen::MatrixXd(problem.rowCount(), 0);
   const ErrorLayout layout = problem.model().machine().layout();
   const Eigen::MatrixXd& g = space.linearisation().slotGradients();
   bool touched = false;
   for (const int row : space.used()) {
-    if (problem.session().observations[problem.rows()[row].observation].kind != ObservationKind::kContact)
-      continue;
+    const Observation& o = problem.session().observations[problem.rows()[row].observation];
+    if (o.kind != ObservationKind::kContact || problem.session().poseFree(o.placement)) continue;
     touched = true;
     for (int k = 0; k < 3; ++k) columns(row, k) = unitOf(row) * g(row, layout.volume(k));
   }

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "diagnosis/noise_words.h"
 
 namespace mm {
 namespace {
+
+std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 std::string alongWords(const Diagnosis& d, const std::string& direction) {
   return direction == "approach"   ? "along the approach"
@@ -42,20 +45,36 @@ std::vector<const Confusable*> openRivals(const CandidateResult& c) {
 
 bool isOpen(const CandidateResult& c) { return !openRivals(c).empty(); }
 
+/// Whose it is, where more than one thing was changed and measured again; else nothing.
+std::string whose(const Diagnosis& d, const EffectSpec& effect) {
+  if (d.base.problem == nullptr) return {};
+  const Session& session = d.base.problem->session();
+  if (session.recordings.empty() && session.placements.empty() && session.artifact.styli.size() < 2)
+    return {};
+  const std::string owner = ownerOf(effect, d);
+  const std::size_t n = session.recordings.size();
+  for (std::size_t r = 1; r < n; ++r)
+    if (owner == "session " + session.recordings[r].source)
+      return " (it began between " + fileName(session.recordings[r - 1].source) + " and " +
+             fileName(session.recordings[r].source) + ")";
+  return " (of " + std::string(owner == "machine" ? "the " : "") + owner + ")";
+}
+
 /// "backlash of x, 2.06 ± 0.06 um (k = 2), odds about 1000 to 1"
-std::string surely(const CandidateResult& c, bool angular) {
-  const std::string size = withFactor(sizeInWords(c, angular));
-  return foundInWords(c) + (size.empty() ? "" : ", " + size) + ", odds " + oddsInWords(c.odds);
+std::string surely(const CandidateResult& c, const Diagnosis& d) {
+  const std::string size = withFactor(sizeInWords(c, d.angular));
+  return foundInWords(c) + whose(d, c.effect) + (size.empty() ? "" : ", " + size) + ", odds " +
+         oddsInWords(c.odds);
 }
 
 /// "either backlash of x (2.06 ± 0.06 um, k = 2; odds 3 to 2) or speed lag (1 to 3)"
-std::string eitherOr(const CandidateResult& c, bool angular) {
-  std::string size = sizeInWords(c, angular);
+std::string eitherOr(const CandidateResult& c, const Diagnosis& d) {
+  std::string size = sizeInWords(c, d.angular);
   if (size.find("±") != std::string::npos) size += ", k = 2";
-  std::string text = "either " + foundInWords(c) + " (" + size + (size.empty() ? "" : "; ") + "odds " +
-                     oddsInWords(c.odds) + ")";
+  std::string text = "either " + foundInWords(c) + whose(d, c.effect) + " (" + size +
+                     (size.empty() ? "" : "; ") + "odds " + oddsInWords(c.odds) + ")";
   for (const Confusable* rival : openRivals(c))
-    text += " or " + inWords(rival->effect) + " (" + oddsInWords(rival->odds) + ")";
+    text += " or " + inWords(rival->effect) + whose(d, rival->effect) + " (" + oddsInWords(rival->odds) + ")";
   return text;
 }
 
@@ -68,14 +87,15 @@ std::string missingSentence(const Diagnosis& d) {
   std::string sure, open;
   for (const CandidateResult& c : d.missing) {
     std::string& text = isOpen(c) ? open : sure;
-    text += (text.empty() ? "" : "; ") + (isOpen(c) ? eitherOr(c, d.angular) : surely(c, d.angular));
+    text += (text.empty() ? "" : "; ") + (isOpen(c) ? eitherOr(c, d) : surely(c, d));
   }
   const std::string heldOut = heldOutWords(d);
   std::string text = sure.empty() ? "" : "Missing: " + sure;
   if (open.empty()) return text + (heldOut.empty() ? "" : "; " + heldOut) + "." + noBetterWords(d);
   if (!sure.empty()) text += ". Beside it ";
   text += (sure.empty() ? capital(open) : open) + ": these data do not separate them";
-  if (!d.nextMeasurement.empty()) text += "; the listed moves would";
+  if (!d.nextMeasurement.empty())
+    text += "; the listed moves" + (d.moveChange.empty() ? "" : ", with " + d.moveChange + ",") + " would";
   return text + (heldOut.empty() ? "" : ". " + capital(heldOut)) + "." + noBetterWords(d);
 }
 
@@ -150,7 +170,7 @@ std::string peakOf(const Diagnosis& d, const ProfileResult& p) {
 /// "Missing: backlash of x, … ; backlash of y, …."
 std::string surelyAll(const Diagnosis& d) {
   std::string text;
-  for (const CandidateResult& c : d.missing) text += (text.empty() ? "" : "; ") + surely(c, d.angular);
+  for (const CandidateResult& c : d.missing) text += (text.empty() ? "" : "; ") + surely(c, d);
   return text + ".";
 }
 

@@ -37,6 +37,8 @@ std::string shortNumber(double value);
 /// Its name with what the fit found where its spec says "unknown": "periodic error of x, period 5.002 ± 0.018
 /// mm".
 std::string foundInWords(const CandidateResult& candidate);
+/// Whose a cause is: "machine", "artifact plate", "stylus A", or "session b.bag", from which on it acts.
+std::string ownerOf(const EffectSpec& effect, const Diagnosis& diagnosis);
 /// How large a missing effect is: its constant or its amplitude ± expanded uncertainty, else the RMS of what
 /// it does.
 std::string sizeInWords(const CandidateResult& candidate, bool angular);

@@ -20,6 +20,7 @@ int Domain::findJoint(const std::string& name) const {
 
 int Domain::findSensor(const std::string& name) const { return indexOf(sensors, name); }
 int Domain::findCovariate(const std::string& name) const { return indexOf(covariates, name); }
+int Domain::findStylus(const std::string& name) const { return indexOf(styli, name); }
 int Domain::findFeature(const std::string& name) const { return indexOf(features, name); }
 
 double Domain::spacingOf(int joint) const {

@@ -24,7 +24,9 @@ struct Domain {
   std::vector<std::string> covariates;
   std::vector<double> covariateLower, covariateUpper;
   std::vector<std::string> features;  // balls and points of the artifact
-  double duration = 0.0;              // s
+  std::vector<std::string> styli;     // of the probe; empty: one without a name
+  int recordings = 1;                 // sessions, one after the other
+  double duration = 0.0;              // s, of the longest
   std::vector<double>
       gaps;  // s, ascending: moments between the observations, of many only some; empty: not known
   double maxSpeed = 0.0;  // m/s or rad/s, largest joint velocity seen
@@ -51,6 +53,7 @@ struct Domain {
   int findSensor(const std::string& name) const;
   int findCovariate(const std::string& name) const;
   int findFeature(const std::string& name) const;
+  int findStylus(const std::string& name) const;
 };
 
 /// A domain without inputs but the machine's joints: each covered its travel, at five positions.

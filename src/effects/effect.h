@@ -141,6 +141,9 @@ class Effect {
 
   // What the rest of the library must know of a few effects, without their names.
 
+  /// What acts where its owner does (effects/owned.h); the effect itself where that is everywhere.
+  virtual const Effect& law() const { return *this; }
+
   /// Its shape is learned from the residuals of the model without it (estimation/network_learning); until
   /// then it has no parameters.
   virtual bool learned() const { return false; }

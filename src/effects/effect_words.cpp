@@ -89,6 +89,7 @@ std::string keyInWords(const std::string& key, const EffectSpec::Value& value) {
   const std::string text = valueOf(value);
   if (text == "false" || text.empty()) return {};
   if (text == "true") return ", with " + spaced(key);
+  if (key == "from_session") return ", from session " + text + " on";
   for (const std::string unit : {"mm", "deg", "um", "s"}) {
     const std::string ending = "_" + unit;
     if (key.size() <= ending.size() || key.compare(key.size() - ending.size(), ending.size(), ending) != 0)

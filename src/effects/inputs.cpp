@@ -272,6 +272,6 @@ class Trial {
 
 }  // namespace
 
-Inputs inputsOf(const Effect& effect, const Domain& domain) { return Trial(effect, domain).run(); }
+Inputs inputsOf(const Effect& effect, const Domain& domain) { return Trial(effect.law(), domain).run(); }
 
 }  // namespace mm

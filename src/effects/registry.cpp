@@ -20,6 +20,7 @@
 #include "effects/lead_screw_periodic.h"
 #include "effects/lost_motion.h"
 #include "effects/mmt_deviation.h"
+#include "effects/owned.h"
 #include "effects/position_table.h"
 #include "effects/positioning_polynomial.h"
 #include "effects/probe_lobing.h"
@@ -114,9 +115,13 @@ void registerEffectType(EffectType type) {
 EffectPtr createEffect(const EffectSpec& given, const Domain& domain) {
   EffectSpec spec = given;
   spec.type = presentType(given.type);
+  const Owner owner = takeOwner(spec);
   std::vector<std::string> names;
   for (const EffectType& type : registry()) {
-    if (type.type == spec.type) return type.create(spec, domain);
+    if (type.type == spec.type) {
+      EffectPtr law = type.create(spec, domain);
+      return owner.isMachine() ? law : ownedEffect(std::move(law), owner, domain);
+    }
     names.push_back(type.type);
   }
   throw InputError("effect " + spec.yaml() + ": unknown type '" + spec.type + "'" +

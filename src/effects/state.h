@@ -17,7 +17,10 @@ class TemperatureHistory {
 
 /// The inputs of the effects at one moment: uncorrected readings and what else was logged. SI units, degC.
 struct State {
-  double time = 0.0;             // s from the session's start (live: from the last homing)
+  double time = 0.0;  // s from the session's start (live: from the last homing)
+  /// Which of the sessions of the Domain it belongs to, from 0; what is measured after them is like the last.
+  int recording = std::numeric_limits<int>::max();
+  int stylus = 0;                // index of the Domain
   std::vector<double> position;  // a joint
   std::vector<double> velocity;  // a joint; NaN: not known
   std::vector<double> travel;    // a joint; -1, +1, 0: not known

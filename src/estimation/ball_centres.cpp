@@ -35,11 +35,13 @@ std::vector<Posture> posturesOf(const Session& session) {
     const Observation& at = session.observations[o];
     if (at.kind != ObservationKind::kContact ||
         session.artifact.features[at.feature].kind != FeatureKind::kBall)
-      throw InputError(session.source + ": " + session.rowText(at.row) +
+      throw InputError(session.source + ": " + session.rowText(at.row, at.recording) +
                        " is no contact with a ball; the two steps of LASER need contacts with balls only");
     Posture* mine = nullptr;
     for (Posture& p : postures)
-      if (p.feature == at.feature && sameRotary(session.machine, session.observations[p.contacts[0]], at))
+      if (const Observation& first = session.observations[p.contacts[0]];
+          p.feature == at.feature && first.placement == at.placement && first.recording == at.recording &&
+          sameRotary(session.machine, first, at))
         mine = &p;
     if (mine == nullptr) mine = &postures.emplace_back(Posture{at.feature, {}});
     mine->contacts.push_back(o);
@@ -94,11 +96,14 @@ Session centresWith(const Session& session, const std::vector<Posture>& postures
     f.radius = f.radiusStd = 0.0;
   }
   out.artifact.tipRadius = 0.0;
+  out.artifact.styli.clear();
   out.artifact.repeatability = kNotMeasured;  // that of a centre is another than that of a contact
   out.temperatures = session.temperatures;
   out.covariates = session.covariates;
   out.epoch = session.epoch;
   out.source = session.source;
+  out.placements = session.placements;
+  out.recordings = session.recordings;
   Model::Workspace work;
   for (const Posture& posture : postures) {
     if (posture.contacts.size() < kFewest)
@@ -113,7 +118,7 @@ Session centresWith(const Session& session, const std::vector<Posture>& postures
       time += session.observations[o].time / static_cast<double>(posture.contacts.size());
     }
     const double radius = session.artifact.features[posture.feature].radius +
-                          (std::isfinite(reading) ? 0.0 : session.artifact.tipRadius);
+                          (std::isfinite(reading) ? 0.0 : session.artifact.tipRadiusOf(0));
     Eigen::Vector3d centre, behind = Eigen::Vector3d::Zero();  // the centre is behind the surface
     for (const std::size_t o : posture.contacts) behind += radius * states[o].approach.normalized();
     for (const Eigen::Vector3d& p : points) behind += p;

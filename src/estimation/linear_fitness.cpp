@@ -40,7 +40,7 @@ class LinearParts {
         unit_(unit),
         genes_(genes.size()),
         geneOf_(static_cast<std::size_t>(problem.unknownCount()), -1),
-        ballOf_(problem.session().artifact.features.size(), -1) {
+        ballOf_(problem.session().artifact.features.size() * problem.session().placementCount(), -1) {
     for (std::size_t g = 0; g < genes.size(); ++g) geneOf_[genes[g]] = static_cast<int>(g);
     std::vector<int> sphere, other;
     for (int i = 0; i < problem.rowCount(); ++i) {
@@ -81,15 +81,18 @@ class LinearParts {
       Eigen::Matrix<double, 6, Eigen::Dynamic> unused;
       const ProbePose pose = problem_.model().corrected(problem_.state(o), x_.data(), work, &unused);
       // at the start the genes have values: take their part out, so that the contact is P0 + B c
-      Eigen::Vector3d p0 = pose.position;
+      const Eigen::Vector3d reach = pose.orientation * problem_.reach(at.stylus, x_);
+      Eigen::Vector3d p0 = pose.position + reach;
       double d0 = artifact.features[at.feature].radius +
-                  (std::isfinite(at.laserReading) ? 0.0 : artifact.tipRadius) +
+                  (std::isfinite(at.laserReading) ? 0.0 : artifact.tipRadiusOf(at.stylus)) +
                   work.errors[layout.distance()];
       for (const Model::Derivative& d : work.derivatives) {
         const int g = geneOf_[d.parameter];
         if (g < 0) continue;
+        const Eigen::Vector3d moved = work.bySlot.block<3, 1>(0, d.slot) +
+                                      Eigen::Vector3d(work.bySlot.block<3, 1>(3, d.slot)).cross(reach);
         for (int k = 0; k < 3; ++k) {
-          const double b = work.bySlot(k, d.slot) * d.value;
+          const double b = moved[k] * d.value;
           displacement[static_cast<std::size_t>(k)].add(g, s, b);
           p0[k] -= b * x_[d.parameter];
         }
@@ -101,17 +104,17 @@ class LinearParts {
       for (int k = 0; k < 3; ++k) contacts.position[k].push_back(p0[k]);
       contacts.distance.push_back(d0);
       contacts.weight.push_back(std::pow(inverseSigma_[sphere[s]] * unit_, 2));
-      contacts.ball.push_back(ballAt(at.feature));
+      contacts.ball.push_back(ballAt(at.feature, at.placement));
     }
   }
 
-  std::size_t ballAt(int feature) {
-    int& ball = ballOf_[feature];
+  std::size_t ballAt(int feature, int placement) {
+    int& ball = ballOf_[static_cast<std::size_t>(feature * problem_.session().placementCount() + placement)];
     if (ball < 0) {
       ball = static_cast<int>(balls.size());
       SphereBall b;
-      b.centre = problem_.featureInWorkpiece(feature, x_);
-      b.free = problem_.poseFree() || problem_.find(UnknownKind::kFeature, feature) >= 0;
+      b.centre = problem_.featureInWorkpiece(feature, placement, x_);
+      b.free = problem_.poseFree(placement) || problem_.find(UnknownKind::kFeature, feature) >= 0;
       balls.push_back(b);
     }
     return static_cast<std::size_t>(ball);
@@ -141,7 +144,7 @@ class LinearParts {
   double unit_;
   std::size_t genes_;
   std::vector<int> geneOf_;  // an unknown: its gene, or -1
-  std::vector<int> ballOf_;  // a feature: its ball, or -1
+  std::vector<int> ballOf_;  // a feature in a placement: its ball, or -1
 };
 
 }  // namespace

@@ -48,31 +48,46 @@ Eigen::VectorXd Problem::sigmas(double linearSigma, double angularSigma) const {
   return s;
 }
 
-Eigen::Matrix3d Problem::poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d* leftJacobian) const {
+Eigen::Matrix3d Problem::poseRotation(int placement, const Eigen::VectorXd& x,
+                                      Eigen::Matrix3d* leftJacobian) const {
+  const Eigen::Matrix3d& start = start_.poses[static_cast<std::size_t>(placement)].rotation;
+  const int offset = poseOffset_[static_cast<std::size_t>(placement)];
   if (leftJacobian != nullptr) leftJacobian->setIdentity();
-  if (poseOffset_ < 0) return rotation0_;
-  const Eigen::Vector3d w = x.segment<3>(poseOffset_);
+  if (offset < 0) return start;
+  const Eigen::Vector3d w = x.segment<3>(offset);
   const double angle = w.norm();
-  if (angle < kNoTurn) return (Eigen::Matrix3d::Identity() + skew(w)) * rotation0_;
+  if (angle < kNoTurn) return (Eigen::Matrix3d::Identity() + skew(w)) * start;
   const Eigen::Matrix3d k = skew(w / angle);
   if (leftJacobian != nullptr)
     *leftJacobian = Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / angle * k +
                     (1 - std::sin(angle) / angle) * k * k;
-  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() * rotation0_;
+  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() * start;
 }
 
-Eigen::Vector3d Problem::featureInWorkpiece(int feature, const Eigen::VectorXd& x) const {
-  Eigen::Vector3d c = featureStart_[feature];
-  if (featureOffset_[feature] >= 0) c += x.segment<3>(featureOffset_[feature]);
-  Eigen::Vector3d t = translation0_;
-  if (poseOffset_ >= 0) t += x.segment<3>(poseOffset_ + 3);
-  return poseRotation(x, nullptr) * c + t;
+Eigen::Vector3d Problem::featureInArtifact(int feature, const Eigen::VectorXd& x) const {
+  const auto f = static_cast<std::size_t>(feature);
+  Eigen::Vector3d position = start_.features[f];
+  if (featureOffset_[f] >= 0) position += x.segment<3>(featureOffset_[f]);
+  return position;
+}
+
+Eigen::Vector3d Problem::featureInWorkpiece(int feature, int placement, const Eigen::VectorXd& x) const {
+  const ArtifactPose pose = artifactPose(placement, x, false);
+  return pose.rotation * featureInArtifact(feature, x) + pose.translation;
+}
+
+Eigen::Vector3d Problem::reach(int stylus, const Eigen::VectorXd& x) const {
+  const auto s = static_cast<std::size_t>(stylus);
+  Eigen::Vector3d offset = start_.offsets[s];
+  if (stylusOffset_[s] >= 0) offset += x.segment<3>(stylusOffset_[s]);
+  return offset;
 }
 
 void Problem::Derivative::clear(int rows, int parameters, int slotCount) {
   effects.setZero(rows, parameters);
   pose.setZero(rows, 6);
   feature.setZero(rows, 3);
+  stylus.setZero(rows, 3);
   slots.setZero(rows, slotCount);
   radius.setZero(rows);
 }
@@ -81,13 +96,15 @@ void Problem::Derivative::clear(int rows, int parameters, int slotCount) {
 struct Problem::Seen {
   int observation = 0, rows = 0;
   const Eigen::VectorXd& x;
-  const ProbePose& pose;  // of the probe with the effects applied
+  const ProbePose& pose;        // of the probe with the effects applied, at the tip of its stylus
+  const Eigen::Vector3d reach;  // of that tip from probe_tip, in workpiece
   const Model::Workspace& work;
   double* r;
   Derivative* d;  // null: not wanted
 
   /// Passes a derivative with respect to the pose of the probe (6) on to the small errors.
-  void chain(int row, const Eigen::Matrix<double, 1, 6>& by) const {
+  void chain(int row, Eigen::Matrix<double, 1, 6> by) const {
+    by.tail<3>() += reach.cross(by.head<3>().transpose()).transpose();
     for (Eigen::Index s = 0; s < d->slots.cols(); ++s) d->slots(row, s) += (by * work.bySlot.col(s)).value();
   }
 };
@@ -106,18 +123,19 @@ void Problem::seeDeviation(const Seen& seen) const {
   }
 }
 
-Problem::ArtifactPose Problem::artifactPose(const Eigen::VectorXd& x, bool derivative) const {
+Problem::ArtifactPose Problem::artifactPose(int placement, const Eigen::VectorXd& x, bool derivative) const {
   ArtifactPose pose;
-  pose.rotation = poseRotation(x, derivative ? &pose.leftJacobian : nullptr);
-  pose.translation = translation0_;
-  if (poseOffset_ >= 0) pose.translation += x.segment<3>(poseOffset_ + 3);
+  pose.rotation = poseRotation(placement, x, derivative ? &pose.leftJacobian : nullptr);
+  pose.translation = start_.poses[static_cast<std::size_t>(placement)].translation;
+  const int offset = poseOffset_[static_cast<std::size_t>(placement)];
+  if (offset >= 0) pose.translation += x.segment<3>(offset + 3);
   return pose;
 }
 
 void Problem::seePosition(const Seen& seen) const {
   // in the artifact's frame, where its components were measured
   const Observation& o = session_->observations[seen.observation];
-  const ArtifactPose at = artifactPose(seen.x, seen.d != nullptr);
+  const ArtifactPose at = artifactPose(o.placement, seen.x, seen.d != nullptr);
   const Eigen::Vector3d inArtifact = at.rotation.transpose() * (seen.pose.position - at.translation);
   for (int i = 0; i < seen.rows; ++i) {
     const int k = rows_[firstRow_[seen.observation] + i].component;
@@ -146,12 +164,11 @@ void Problem::seeContact(const Seen& seen) const {
   const Artifact& artifact = session_->artifact;
   const Feature& feature = artifact.features[o.feature];
   const ErrorLayout layout = model_.machine().layout();
-  const ArtifactPose at = artifactPose(seen.x, seen.d != nullptr);
+  const ArtifactPose at = artifactPose(o.placement, seen.x, seen.d != nullptr);
   const double growth = growthAt(seen.observation);
   const double* errors = seen.work.errors.data();
-  Eigen::Vector3d inArtifact = featureStart_[o.feature];
-  if (featureOffset_[o.feature] >= 0) inArtifact += seen.x.segment<3>(featureOffset_[o.feature]);
-  inArtifact = growth * inArtifact + Eigen::Map<const Eigen::Vector3d>(errors + layout.feature(0));
+  const Eigen::Vector3d inArtifact = growth * featureInArtifact(o.feature, seen.x) +
+                                     Eigen::Map<const Eigen::Vector3d>(errors + layout.feature(0));
   const Eigen::Vector3d offset = at.rotation * inArtifact;
   const Eigen::Vector3d away = seen.pose.position - offset - at.translation;
   const auto geometry = [&](int row, const Eigen::RowVector3d& n) {  // changes by n . (tip - feature)
@@ -161,6 +178,7 @@ void Problem::seeContact(const Seen& seen) const {
     seen.d->pose.block<1, 3>(row, 0) = n * skew(offset) * at.leftJacobian;
     seen.d->pose.block<1, 3>(row, 3) = -n;
     seen.d->feature.row(row) = -growth * n * at.rotation;
+    seen.d->stylus.row(row) = n * seen.pose.orientation;
     seen.d->slots.block<1, 3>(row, layout.feature(0)) -= n * at.rotation;
   };
   if (feature.kind == FeatureKind::kPoint) {
@@ -170,7 +188,8 @@ void Problem::seeContact(const Seen& seen) const {
     }
     return;
   }
-  double distance = growth * feature.radius + (std::isfinite(o.laserReading) ? 0.0 : artifact.tipRadius) +
+  double distance = growth * feature.radius +
+                    (std::isfinite(o.laserReading) ? 0.0 : artifact.tipRadiusOf(o.stylus)) +
                     errors[layout.distance()];
   if (radiusOffset_[o.feature] >= 0) distance += seen.x[radiusOffset_[o.feature]];
   const double length = away.norm();
@@ -193,10 +212,11 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
     clear();
     return rows;
   }
-  const ProbePose pose =
-      model_.corrected(state(observation), x.data(), work, d != nullptr ? &d->unused : nullptr);
+  ProbePose pose = model_.corrected(state(observation), x.data(), work, d != nullptr ? &d->unused : nullptr);
   clear();
-  const Seen seen{observation, rows, x, pose, work, r, d};
+  const Eigen::Vector3d reached = pose.orientation * reach(o.stylus, x);
+  pose.position += reached;
+  const Seen seen{observation, rows, x, pose, reached, work, r, d};
   if (o.kind == ObservationKind::kDeviation)
     seeDeviation(seen);
   else if (o.kind == ObservationKind::kPosition)
@@ -227,8 +247,11 @@ void Problem::scatter(int observation, const Derivative& d, Eigen::MatrixXd& row
   rows.setZero(n, unknownCount());
   if (!usable_[observation]) return;
   if (model_.parameterCount() > 0) rows.leftCols(model_.parameterCount()) = d.effects;
-  if (at.kind != ObservationKind::kDeviation && poseOffset_ >= 0) rows.middleCols(poseOffset_, 6) = d.pose;
+  const int pose = poseOffset_[static_cast<std::size_t>(at.placement)];
+  if (at.kind != ObservationKind::kDeviation && pose >= 0) rows.middleCols(pose, 6) = d.pose;
   if (at.kind == ObservationKind::kContact) {
+    const int stylus = stylusOffset_[static_cast<std::size_t>(at.stylus)];
+    if (stylus >= 0) rows.middleCols(stylus, 3) = d.stylus;
     if (featureOffset_[at.feature] >= 0) rows.middleCols(featureOffset_[at.feature], 3) = d.feature;
     if (radiusOffset_[at.feature] >= 0) rows.col(radiusOffset_[at.feature]) = d.radius;
   } else if (setupOf_[observation] >= 0) {

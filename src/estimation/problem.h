@@ -11,12 +11,12 @@
 
 namespace mm {
 
-enum class UnknownKind { kEffect, kPose, kFeature, kRadius, kSetup };
+enum class UnknownKind { kEffect, kPose, kFeature, kRadius, kStylus, kSetup };
 
 /// One unknown of a calibration. SI; `unit` and `toUnit` are for people.
 struct Unknown {
   UnknownKind kind = UnknownKind::kEffect;
-  int owner = 0;      // effect, feature or setup
+  int owner = 0;      // effect, placement, feature, stylus or setup
   int component = 0;  // within the owner
   std::string name;   // unique: "gap (backlash x)", "rotation x of the artifact" …
   std::string unit;
@@ -32,7 +32,7 @@ struct Unknown {
 /// Unknowns of one kind and owner, neighbours in x.
 struct UnknownGroup {
   UnknownKind kind = UnknownKind::kEffect;
-  int owner = 0;  // effect, feature or setup
+  int owner = 0;  // effect, placement, feature, stylus or setup
   int first = 0, count = 0;
 };
 
@@ -60,7 +60,8 @@ struct ResidualRow {
 };
 
 /// Session + model -> residuals as a function of the unknowns: the effects' parameters, the pose of the
-/// artifact, free (or not exactly known) positions of features, not exactly known radii, zeros of setups.
+/// artifact in each placement, free (or not exactly known) positions of features, not exactly known radii,
+/// offsets of styli that are not stated, zeros of setups.
 ///
 /// Residual of a contact on a ball: distance of the corrected probe from the ball's centre minus what it
 /// should be, MMT eq. (16); of a point: three components; of a reference: measured minus model. Whitened by
@@ -73,6 +74,7 @@ class Problem {
     Eigen::MatrixXd effects;  // rows x parameterCount
     Eigen::MatrixXd pose;     // rows x 6
     Eigen::MatrixXd feature;  // rows x 3
+    Eigen::MatrixXd stylus;   // rows x 3: by its offset
     Eigen::MatrixXd slots;    // rows x ErrorLayout::size(): by each small error
     Eigen::VectorXd radius;   // rows
     Eigen::Matrix<double, 6, Eigen::Dynamic>
@@ -115,23 +117,36 @@ class Problem {
   /// Index of the first unknown of a kind and owner, -1 when it is not unknown.
   int find(UnknownKind kind, int owner) const;
   const std::vector<int>& priors() const { return priors_; }
-  bool poseFree() const { return poseOffset_ >= 0; }
+  bool poseFree(int placement) const { return poseOffset_[static_cast<std::size_t>(placement)] >= 0; }
+  /// Position of a feature in the artifact's frame at x (m).
+  Eigen::Vector3d featureInArtifact(int feature, const Eigen::VectorXd& x) const;
   /// True position of a feature in workpiece at x (m), without thermal growth of the artifact.
-  Eigen::Vector3d featureInWorkpiece(int feature, const Eigen::VectorXd& x) const;
+  Eigen::Vector3d featureInWorkpiece(int feature, int placement, const Eigen::VectorXd& x) const;
   /// Rotation artifact -> workpiece at x.
-  Eigen::Matrix3d artifactRotation(const Eigen::VectorXd& x) const { return poseRotation(x, nullptr); }
+  Eigen::Matrix3d artifactRotation(int placement, const Eigen::VectorXd& x) const {
+    return poseRotation(placement, x, nullptr);
+  }
+  /// Where the artifact's origin is in workpiece at x, m.
+  Eigen::Vector3d artifactPlace(int placement, const Eigen::VectorXd& x) const {
+    return artifactPose(placement, x, false).translation;
+  }
+  /// From the machine's probe_tip to the tip of a stylus at x: axes of probe_tip, m.
+  Eigen::Vector3d reach(int stylus, const Eigen::VectorXd& x) const;
 
   static constexpr int kMaxRows = 16;
 
  private:
   void addUnknowns();
   void addRows();
-  Eigen::Matrix3d poseRotation(const Eigen::VectorXd& x, Eigen::Matrix3d* leftJacobian) const;
+  void addPoses();
+  void addStyli();
+  void add(Unknown unknown);
+  Eigen::Matrix3d poseRotation(int placement, const Eigen::VectorXd& x, Eigen::Matrix3d* leftJacobian) const;
   struct ArtifactPose {
     Eigen::Matrix3d rotation, leftJacobian;  // artifact -> workpiece; of its rotation vector, where wanted
     Eigen::Vector3d translation;             // m
   };
-  ArtifactPose artifactPose(const Eigen::VectorXd& x, bool derivative) const;
+  ArtifactPose artifactPose(int placement, const Eigen::VectorXd& x, bool derivative) const;
   double growthAt(int observation) const;  // of the artifact, by its temperature
   struct Seen;
   void seeDeviation(const Seen& seen) const;
@@ -142,8 +157,7 @@ class Problem {
   Model model_;
   Datum datum_;
   std::shared_ptr<SessionStates> states_;
-  Eigen::Matrix3d rotation0_ = Eigen::Matrix3d::Identity();  // start of the artifact's pose
-  std::vector<Eigen::Vector3d> featureStart_;                // artifact frame, m
+  GeometricStart start_;
   std::vector<Unknown> unknowns_;
   std::vector<UnknownGroup> groups_;
   std::vector<UnitVector> unitVectors_;
@@ -151,11 +165,9 @@ class Problem {
   std::vector<int> firstRow_, priors_, leftOut_;
   std::vector<char> usable_;  // an observation
   void findUsable();
-  int poseOffset_ = -1;
-  std::vector<int> featureOffset_, radiusOffset_, setupOffset_;
+  std::vector<int> poseOffset_, featureOffset_, radiusOffset_, stylusOffset_, setupOffset_;
   std::vector<int>
-      setupOf_;  // an observation: its setup; the last one is that of rows without a setup; -1: none
-  Eigen::Vector3d translation0_ = Eigen::Vector3d::Zero();
+      setupOf_;  // an observation: its setup; behind them, one a recording, that of rows without; -1: none
 };
 
 }  // namespace mm

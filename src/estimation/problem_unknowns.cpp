@@ -45,16 +45,9 @@ Problem::Problem(const Session& session, Model model, Datum datum)
   if (session.observations.empty())
     throw InputError(session.source +
                      ": the session has no observations; record contacts or references first");
-  const GeometricStart start = geometricStart(session);
-  rotation0_ = start.rotation;
-  translation0_ = start.translation;
-  featureStart_.resize(start.features.size());
-  for (std::size_t f = 0; f < start.features.size(); ++f)
-    featureStart_[f] = session.artifact.features[f].known
-                           ? session.artifact.features[f].position
-                           : Eigen::Vector3d(rotation0_.transpose() * (start.features[f] - translation0_));
+  start_ = geometricStart(session);
   states_ = std::make_shared<SessionStates>(session, model_.domain(), Temperatures::kSmoothed);
-  states_->aim(start.features);
+  states_->aim(start_);
   addRows();
   addUnknowns();
 
@@ -75,8 +68,10 @@ void Problem::findUsable() {
   }
   if (kMostUnused * leftOut_.size() <= usable_.size()) return;
   const int o = leftOut_.front();  // which effect lacks its input?
-  const std::string where = session_->source + ": " + session_->rowText(session_->observations[o].row) +
-                            " and " + std::to_string(leftOut_.size() - 1) + " more: ";
+  const std::string where =
+      session_->source + ": " +
+      session_->rowText(session_->observations[o].row, session_->observations[o].recording) + " and " +
+      std::to_string(leftOut_.size() - 1) + " more: ";
   for (const EffectPtr& e : model_.effects()) {
     Model one(model_.machine(), model_.domain(), {e});
     std::vector<double> p;
@@ -121,16 +116,71 @@ void Problem::addRows() {
     throw InputError(session_->source + ": no observation has a measured value; nothing to fit");
 }
 
+void Problem::add(Unknown u) {
+  if (u.priorStd > 0.0) priors_.push_back(static_cast<int>(unknowns_.size()));
+  const bool next = !groups_.empty() && groups_.back().kind == u.kind && groups_.back().owner == u.owner;
+  if (next)
+    ++groups_.back().count;
+  else
+    groups_.push_back({u.kind, u.owner, static_cast<int>(unknowns_.size()), 1});
+  unknowns_.push_back(std::move(u));
+}
+
+/// Free features that nothing else tells of stand wherever a placement is: its pose is then a part of them.
+/// Where all features are free, the first placement is the frame in which they are told.
+void Problem::addPoses() {
+  const auto& features = session_->artifact.features;
+  const auto placements = static_cast<std::size_t>(session_->placementCount());
+  std::vector<std::vector<char>> seenIn(placements, std::vector<char>(features.size(), 0));
+  std::vector<char> known(placements, 0), shares(placements, 0);  // with another placement
+  std::vector<int> places(features.size(), 0);                    // in so many placements
+  for (const Observation& o : session_->observations) {
+    const auto p = static_cast<std::size_t>(o.placement);
+    if (o.kind == ObservationKind::kPosition) known[p] = 1;
+    if (o.kind != ObservationKind::kContact) continue;
+    const auto f = static_cast<std::size_t>(o.feature);
+    if (features[f].known) known[p] = 1;
+    if (!seenIn[p][f]) ++places[f];
+    seenIn[p][f] = 1;
+  }
+  for (std::size_t p = 0; p < placements; ++p)
+    for (std::size_t f = 0; f < features.size(); ++f) shares[p] |= seenIn[p][f] && places[f] > 1;
+  const bool anyKnown = std::find(known.begin(), known.end(), 1) != known.end();
+  poseOffset_.assign(placements, -1);
+  for (std::size_t p = 0; p < placements; ++p) {
+    const bool told = known[p] || (shares[p] && (anyKnown || p > 0));
+    if (!session_->poseFree(static_cast<int>(p)) || !told) continue;
+    poseOffset_[p] = unknownCount();
+    const std::string name = session_->placements.empty() ? "" : session_->placements[p];
+    for (int k = 0; k < 6; ++k) {
+      const bool rotation = k < 3;
+      add({UnknownKind::kPose, static_cast<int>(p), k,
+           std::string(rotation ? "rotation " : "position ") + kAxisNames[k % 3] + " of the artifact" +
+               (name.empty() ? "" : " in placement " + name),
+           rotation ? "arcsec" : "um", rotation ? 1.0 / kArcsecond : 1.0 / kMicrometre,
+           rotation ? kTurnScale : kPlaceScale, rotation ? kTurnBound : kPlaceBound, 0.0, 0.0});
+    }
+  }
+}
+
+/// Offsets that the artifact's file does not state, of styli that touched something.
+void Problem::addStyli() {
+  const auto& styli = session_->artifact.styli;
+  stylusOffset_.assign(std::max<std::size_t>(1, styli.size()), -1);
+  std::vector<char> used(stylusOffset_.size(), 0);
+  for (const Observation& o : session_->observations)
+    if (o.kind == ObservationKind::kContact) used[static_cast<std::size_t>(o.stylus)] = 1;
+  for (std::size_t s = 0; s < styli.size(); ++s) {
+    if (!used[s] || styli[s].known) continue;
+    stylusOffset_[s] = unknownCount();
+    for (int k = 0; k < 3; ++k)
+      add({UnknownKind::kStylus, static_cast<int>(s), k,
+           std::string("offset ") + kAxisNames[k] + " of stylus " + styli[s].name, "um", 1.0 / kMicrometre,
+           kPlaceScale, kPlaceBound, 0.0, 0.0});
+  }
+}
+
 void Problem::addUnknowns() {
-  const auto add = [&](Unknown u) {
-    if (u.priorStd > 0.0) priors_.push_back(static_cast<int>(unknowns_.size()));
-    const bool next = !groups_.empty() && groups_.back().kind == u.kind && groups_.back().owner == u.owner;
-    if (next)
-      ++groups_.back().count;
-    else
-      groups_.push_back({u.kind, u.owner, static_cast<int>(unknowns_.size()), 1});
-    unknowns_.push_back(std::move(u));
-  };
   for (int e = 0; e < static_cast<int>(model_.effects().size()); ++e) {
     const Effect& effect = *model_.effects()[e];
     for (int k = 0; k < effect.parameterCount(); ++k) {
@@ -143,24 +193,10 @@ void Problem::addUnknowns() {
   }
   const auto& features = session_->artifact.features;
   std::vector<char> touched(features.size(), 0);
-  bool positions = false;
-  for (const Observation& o : session_->observations) {
+  for (const Observation& o : session_->observations)
     if (o.kind == ObservationKind::kContact) touched[o.feature] = 1;
-    if (o.kind == ObservationKind::kPosition) positions = true;
-  }
-  bool knownTouched = positions;
-  for (std::size_t f = 0; f < features.size(); ++f) knownTouched |= touched[f] && features[f].known;
-  if (!session_->artifact.poseKnown &&
-      knownTouched) {  // with free features only, the pose is absorbed by them
-    poseOffset_ = unknownCount();
-    for (int k = 0; k < 6; ++k) {
-      const bool rotation = k < 3;
-      add({UnknownKind::kPose, 0, k,
-           std::string(rotation ? "rotation " : "position ") + kAxisNames[k % 3] + " of the artifact",
-           rotation ? "arcsec" : "um", rotation ? 1.0 / kArcsecond : 1.0 / kMicrometre,
-           rotation ? kTurnScale : kPlaceScale, rotation ? kTurnBound : kPlaceBound, 0.0, 0.0});
-    }
-  }
+  addPoses();
+  addStyli();
   featureOffset_.assign(features.size(), -1);
   radiusOffset_.assign(features.size(), -1);
   for (std::size_t f = 0; f < features.size(); ++f) {
@@ -178,14 +214,14 @@ void Problem::addUnknowns() {
            1.0 / kMicrometre, kRadiusScale, kRadiusBound, 0.0, features[f].radiusStd});
     }
   }
-  // one zero a setup and measured component; rows without a setup share one too
+  // one zero a setup and measured component; rows without a setup share one, too, in each session
   const int named = static_cast<int>(session_->setups.size());
   for (const Observation& o : session_->observations)
     setupOf_.push_back(o.setup >= 0                                                      ? o.setup
-                       : o.kind == ObservationKind::kDeviation && datum_ == Datum::kFree ? named
+                       : o.kind == ObservationKind::kDeviation && datum_ == Datum::kFree ? named + o.recording
                                                                                          : -1);
   const int width = std::max(3, model_.machine().jointCount());
-  setupOffset_.assign((named + 1) * width, -1);
+  setupOffset_.assign((named + session_->recordingCount()) * width, -1);
   for (const ResidualRow& row : rows_) {
     const int setup = setupOf_[row.observation];
     if (session_->observations[row.observation].kind == ObservationKind::kContact || setup < 0) continue;
@@ -195,7 +231,10 @@ void Problem::addUnknowns() {
     const double unit = row.angular ? kArcsecond : kMicrometre;
     add({UnknownKind::kSetup, setup, row.component,
          (setup < named ? "zero of setup " + session_->setups[setup] : "zero of the instrument along ") +
-             (setup < named ? "" : model_.machine().joints()[row.component].name),
+             (setup < named ? "" : model_.machine().joints()[row.component].name) +
+             (setup < named || session_->recordings.empty()
+                  ? ""
+                  : " in " + session_->recordings[static_cast<std::size_t>(setup - named)].source),
          row.angular ? "arcsec" : "um", 1.0 / unit, unit, kZeroBound, 0.0, 0.0});
   }
 }

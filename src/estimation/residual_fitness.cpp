@@ -38,8 +38,8 @@ ResidualFitness::ResidualFitness(const Problem& problem, const Eigen::VectorXd& 
 
 bool ResidualFitness::solvedInClosedForm(const Problem& problem, int unknown) {
   const Unknown& u = problem.unknowns()[unknown];
-  return u.kind == UnknownKind::kFeature && u.priorStd == 0.0 && !problem.poseFree() &&
-         problem.session().artifact.poseKnown &&
+  return u.kind == UnknownKind::kFeature && u.priorStd == 0.0 && problem.session().placements.empty() &&
+         !problem.session().poseFree(0) &&
          problem.session().artifact.features[u.owner].kind == FeatureKind::kPoint;
 }
 

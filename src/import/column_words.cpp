@@ -32,6 +32,8 @@ const std::map<std::string, WordClass>& wordClasses() {
     add(W::kTemperature,
         {"temp", "temperature", "temperatur", "thermocouple", "pt100", "température", "temperatura"});
     add(W::kSetup, {"setup", "aufstellung", "fixturing"});
+    add(W::kPlacement, {"placement", "aufspannung", "lage", "placering", "posage"});
+    add(W::kStylus, {"stylus", "styli", "taster", "tasteinsatz", "palpeur", "stilo"});
     add(W::kRun, {"run", "cycle", "lauf", "zyklus", "pass", "durchlauf", "durchgang", "messlauf", "messreihe",
                   "passe", "passage", "essai"});
     add(W::kDirection,

@@ -18,6 +18,8 @@ enum class WordClass {
   kVelocity,
   kTemperature,
   kSetup,
+  kPlacement,
+  kStylus,
   kRun,
   kDirection,
   kDisplay,

@@ -45,7 +45,9 @@ bool isOwnFormat(const std::filesystem::path& file, const Machine& machine) {
 }
 
 std::string ownUnit(const CsvColumn& c) {
-  if (c.role == CsvRole::kFeature || c.role == CsvRole::kSetup) return "";
+  if (c.role == CsvRole::kFeature || c.role == CsvRole::kSetup || c.role == CsvRole::kPlacement ||
+      c.role == CsvRole::kStylus)
+    return "";
   if (c.role == CsvRole::kTemperature || c.role == CsvRole::kCovariate) return c.unit;
   return parseUnit(splitUnit(c.header).unitText, std::nullopt).value_or(Unit{}).symbol;
 }

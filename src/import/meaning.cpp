@@ -81,6 +81,10 @@ std::string meaningText(const Meaning& m, const Machine& machine) {
       return "direction of travel of " + joint;
     case CsvRole::kSetup:
       return "setup";
+    case CsvRole::kPlacement:
+      return "placement";
+    case CsvRole::kStylus:
+      return "stylus";
     case CsvRole::kTemperature:
       return "temperature " + m.name;
     case CsvRole::kCovariate:
@@ -118,6 +122,10 @@ std::string exampleOf(const Meaning& m, const Machine& machine) {
       return "feature";
     case CsvRole::kSetup:
       return "setup";
+    case CsvRole::kPlacement:
+      return "placement";
+    case CsvRole::kStylus:
+      return "stylus";
     default:
       return joint + (linear ? "_mm" : "_deg");
   }

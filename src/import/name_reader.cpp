@@ -92,6 +92,8 @@ std::optional<Meaning> NameReader::byWords(const std::string& stem, const std::o
   if (has(W::kNote)) return leftOut("a note");
   if (has(W::kFeature)) return meaningOf(CsvRole::kFeature, 0, machine_);
   if (has(W::kSetup)) return meaningOf(CsvRole::kSetup, 0, machine_);
+  if (has(W::kPlacement)) return meaningOf(CsvRole::kPlacement, 0, machine_);
+  if (has(W::kStylus)) return meaningOf(CsvRole::kStylus, 0, machine_);
   if (has(W::kDirection)) return ofJoint(CsvRole::kDirection, joint, context);
   if (has(W::kRun) && joint < 0) return leftOut("number of the run; the order of the rows keeps it");
   // what a display shows in um is a gauge's, in mm it is where the axis stands

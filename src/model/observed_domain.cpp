@@ -104,10 +104,10 @@ void addRanges(const std::vector<Series>& logged, const std::vector<Observation>
 }
 
 /// Midway between one observation and the next.
-std::vector<double> gapsOf(const std::vector<Observation>& observations) {
+std::vector<double> gapsOf(const Session& session) {
   constexpr std::size_t kMost = 400;
   std::vector<double> times;
-  for (const Observation& o : observations) times.push_back(o.time);
+  for (const Observation& o : session.observations) times.push_back(session.ownTime(o));
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   const std::size_t step = times.size() / kMost + 1;
@@ -148,9 +148,12 @@ Domain observedDomain(const Session& session) {
     domain.featureRadius.push_back(feature.kind == FeatureKind::kBall ? feature.radius : 0.0);
   }
 
+  for (const Stylus& stylus : session.artifact.styli) domain.styli.push_back(stylus.name);
+  domain.recordings = session.recordingCount();
+
   bool first = true;
   for (const Observation& o : session.observations) {
-    domain.duration = std::max(domain.duration, o.time);
+    domain.duration = std::max(domain.duration, session.ownTime(o));
     domain.readingLower = std::fmin(domain.readingLower, o.laserReading);
     domain.readingUpper = std::fmax(domain.readingUpper, o.laserReading);
     for (const double v : o.velocity)
@@ -160,7 +163,7 @@ Domain observedDomain(const Session& session) {
     domain.tipUpper = first ? tip : domain.tipUpper.cwiseMax(tip);
     first = false;
   }
-  domain.gaps = gapsOf(session.observations);
+  domain.gaps = gapsOf(session);
   domain.laser = session.hasLaser();
   domain.artifactExpansion = session.artifact.expansion;
   return domain;

@@ -5,6 +5,7 @@
 #include "effects/domain.h"
 #include "effects/state.h"
 #include "model/series_history.h"
+#include "session/geometric_start.h"
 #include "session/session.h"
 
 namespace mm {
@@ -27,18 +28,22 @@ class SessionStates {
   std::size_t size() const { return states_.size(); }  ///< number of observations
 
   /// Points the contacts of a touch probe whose approach was not recorded from the nominal tip to the centre
-  /// of their feature, and gives the contacts of a laser on a ball the surface's normal. @param centres in
-  /// workpiece (m), one a feature of the session's artifact.
-  void aim(const std::vector<Eigen::Vector3d>& centres);
+  /// of their feature, and gives the contacts of a laser on a ball the surface's normal.
+  void aim(const GeometricStart& start);
 
  private:
-  std::shared_ptr<const SeriesHistory> history_;
+  std::vector<std::shared_ptr<const SeriesHistory>> histories_;  // a recording
   std::vector<State> states_;
-  std::vector<int> aimAt_;      // an observation: feature of the artifact to aim at, or -1
-  std::vector<int> surfaceOf_;  // an observation: ball whose surface a laser sees, or -1
+  struct Seen {
+    int aimAt = -1;      // feature of the artifact to aim at
+    int surfaceOf = -1;  // ball whose surface a laser sees
+    int placement = 0, stylus = 0;
+  };
+  std::vector<Seen> seen_;  // an observation
 };
 
-/// The session's temperatures in the order of the domain's sensors; empty series for those it does not have.
-std::vector<Series> temperaturesOf(const Session& session, const Domain& domain);
+/// The session's temperatures in the order of the domain's sensors, those of one recording by its own time;
+/// empty series for those it does not have.
+std::vector<Series> temperaturesOf(const Session& session, const Domain& domain, int recording = 0);
 
 }  // namespace mm

@@ -139,8 +139,9 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
     lastSpace_ = machineSpace();
     return last_ = std::make_shared<const Session>(live_.session(fallback));
   }
-  Session session = readSessionBag(bag, [this](double share) { job_.step("reading the bag", share); },
-                                   &fallback, {node_.getNamespace(), false});
+  Session session =
+      readSessionBags(bagPaths(bag), [this](double share) { job_.step("reading the bag", share); }, &fallback,
+                      {node_.getNamespace(), false});
   lastSpace_ = bagSpace(bag, node_.getNamespace());
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
   for (const std::string& line : setAsideLines(session)) ROS_WARN("%s: %s", bag.c_str(), line.c_str());
@@ -151,7 +152,10 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
 CalibrationServer::SessionPtr CalibrationServer::sessionOf(const Calibration& calibration) {
   if (last_ && sessionHash(*last_) == calibration.sessionHash) return last_;
   const Machine machine(calibration.urdf, calibration.machineName);
-  if (namesFile(calibration.sessionSource)) return openSession(calibration.sessionSource, machine);
+  const std::string& source = calibration.sessionSource;
+  const std::vector<std::string> bags = source.empty() ? std::vector<std::string>() : bagPaths(source);
+  if (!bags.empty() && std::all_of(bags.begin(), bags.end(), namesFile))
+    return openSession(calibration.sessionSource, machine);
   if (live_.observations() > 0) return openSession({}, machine);
   throw InputError("the session of calibration '" + calibration.id + "' (" + calibration.sessionSource +
                    ") no longer exists; calibrate again first");

@@ -22,9 +22,9 @@ mm::BenchSources sources() {
   const std::string space = mm::machineSpace();
   sources.readBag = [space](const std::filesystem::path& bag, const mm::ProgressCallback& progress,
                             const mm::Machine* fallback) {
-    return mm::readSessionBag(bag, progress, fallback, {space, false});
+    return mm::readSessionBags(mm::bagPaths(bag.string()), progress, fallback, {space, false});
   };
-  sources.spaceOf = [space](const std::filesystem::path& bag) { return mm::bagSpace(bag, space); };
+  sources.spaceOf = [space](const std::filesystem::path& bag) { return mm::bagSpace(bag.string(), space); };
   sources.packageFolder = mm::packageFolder;
   return sources;
 }

@@ -19,9 +19,11 @@ void setOdds(Json& object, double probability) {
   object["odds_in_words"] = oddsInWords(probability);
 }
 
-Json candidateJson(const CandidateResult& c, bool angular) {
+Json candidateJson(const CandidateResult& c, const Diagnosis& d) {
+  const bool angular = d.angular;
   Json one;
   setEffect(one, c.effect);
+  one["owner"] = ownerOf(c.effect, d);
   one["parameters"] = Json::array();
   for (const NamedValue& v : c.parameters) {
     Json p;
@@ -40,6 +42,7 @@ Json candidateJson(const CandidateResult& c, bool angular) {
   for (const Confusable& other : c.confusableWith) {
     Json o;
     setEffect(o, other.effect);
+    o["owner"] = ownerOf(other.effect, d);
     o["delta"] = number(other.delta);
     setOdds(o, other.odds);
     o["same"] = other.same;
@@ -142,9 +145,9 @@ std::string diagnoseJson(const Diagnosis& d) {
   object["sentence"] = d.sentence;
   object["where"] = whereJson(d.where);
   object["missing"] = Json::array();
-  for (const CandidateResult& c : d.missing) object["missing"].push_back(candidateJson(c, d.angular));
+  for (const CandidateResult& c : d.missing) object["missing"].push_back(candidateJson(c, d));
   object["candidates"] = Json::array();
-  for (const CandidateResult& c : d.candidates) object["candidates"].push_back(candidateJson(c, d.angular));
+  for (const CandidateResult& c : d.candidates) object["candidates"].push_back(candidateJson(c, d));
   object["profiles"] = Json::array();
   for (const ProfileResult& p : d.profiles) object["profiles"].push_back(profileJson(p, d));
   object["formulas"] = Json::array();
@@ -190,6 +193,7 @@ std::string diagnoseJson(const Diagnosis& d) {
   }
   object["next_measurement"] = Json::array();
   for (const Move& m : d.nextMeasurement) object["next_measurement"].push_back(moveJson(m));
+  if (!d.moveChange.empty()) object["next_measurement_change"] = d.moveChange;
   return dump(object);
 }
 

@@ -22,6 +22,17 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// Several bags, "a.bag:b.bag", as they are typed.
+std::string bagsTyped(const std::string& session) {
+  constexpr const char kBetween[] = ".bag:";
+  std::string typed;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; (end = session.find(kBetween, begin)) != std::string::npos;
+       begin = end + sizeof kBetween - 1)
+    typed += quoted(session.substr(begin, end + sizeof kBetween - 2 - begin)) + " ";
+  return typed + quoted(session.substr(begin));
+}
+
 /// "    cause             play in the drive": a label, and what belongs to it; nothing where that is empty.
 std::string entry(const std::string& label, const std::string& text) {
   return text.empty() ? "" : wrapped("    " + padded(label, 18), text);
@@ -179,12 +190,12 @@ std::string cannotShowText(const Diagnosis& d) {
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   const EffectSpec* next = nextToAdd(d);
   if (next == nullptr) return {};
-  return "mm add " + quoted(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
+  return "mm add " + bagsTyped(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
          " -o " + quoted(nextName(calibration));
 }
 
 std::string diagnoseCommand(const std::string& session, const std::string& calibration) {
-  return "mm diagnose " + quoted(session) + " --calibration " + quoted(calibration);
+  return "mm diagnose " + bagsTyped(session) + " --calibration " + quoted(calibration);
 }
 
 std::string movesCommand(const std::string& session, const std::string& calibration) {
@@ -213,7 +224,8 @@ std::string diagnoseText(const Diagnosis& d, const std::string& session, const s
   text += cannotShowText(d);
   if (!d.nextMeasurement.empty()) {
     constexpr std::size_t kShown = 6;
-    text += format("\nNext measurement, to tell them apart: %zu targets\n", d.nextMeasurement.size());
+    text += format("\nNext measurement, to tell them apart: %zu targets", d.nextMeasurement.size()) +
+            (d.moveChange.empty() ? "" : ", with " + d.moveChange) + "\n";
     for (std::size_t i = 0; i < std::min(kShown, d.nextMeasurement.size()); ++i)
       text += "  " + moveText(d.nextMeasurement[i]) + "\n";
     if (d.nextMeasurement.size() > kShown) text += "  … (--json lists them)\n";

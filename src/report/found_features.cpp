@@ -14,7 +14,8 @@ std::vector<FoundFeature> foundFeatures(const CalibrationResult& result) {
   std::vector<FoundFeature> found;
   for (std::size_t f = 0; f < features.size(); ++f) {
     if (touched[f] == 0) continue;
-    const int feature = static_cast<int>(f);
+    const int feature = static_cast<int>(f), placement = problem.session().placementOf(feature);
+    const Eigen::Vector3d at = problem.featureInWorkpiece(feature, placement, result.x);
     std::vector<int> of;  // the unknowns that move it
     for (int u = 0; u < problem.unknownCount(); ++u) {
       const Unknown& unknown = problem.unknowns()[static_cast<std::size_t>(u)];
@@ -28,16 +29,15 @@ std::vector<FoundFeature> foundFeatures(const CalibrationResult& result) {
       const double h = 1e-6;  // m or rad
       Eigen::VectorXd x = result.x;
       x[of[i]] += h;
-      by.col(static_cast<Eigen::Index>(i)) =
-          (problem.featureInWorkpiece(feature, x) - problem.featureInWorkpiece(feature, result.x)) / h;
+      by.col(static_cast<Eigen::Index>(i)) = (problem.featureInWorkpiece(feature, placement, x) - at) / h;
       for (std::size_t j = 0; j < of.size(); ++j)
         covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
             result.covariance(of[i], of[j]);
     }
     const Eigen::Matrix3d c = by * covariance * by.transpose();
     const int radius = problem.find(UnknownKind::kRadius, feature);
-    found.push_back({features[f].name, features[f].kind == FeatureKind::kBall,
-                     problem.featureInWorkpiece(feature, result.x), c.diagonal().cwiseMax(0.0).cwiseSqrt(),
+    found.push_back({features[f].name, features[f].kind == FeatureKind::kBall, at,
+                     c.diagonal().cwiseMax(0.0).cwiseSqrt(),
                      features[f].radius + (radius >= 0 ? result.x[radius] : 0.0),
                      radius >= 0 ? result.std(radius) : 0.0});
   }

@@ -77,9 +77,9 @@ Json outliersJson(const CalibrationResult& result) {
     const ResidualRow& row = result.problem->rows()[static_cast<std::size_t>(o.row)];
     Json one;
     const Session& session = result.problem->session();
-    const std::int64_t line = session.observations[static_cast<std::size_t>(row.observation)].row;
-    one["row"] = line;
-    one["where"] = session.rowText(line);
+    const Observation& at = session.observations[static_cast<std::size_t>(row.observation)];
+    one["row"] = at.row;
+    one["where"] = session.rowText(at.row, at.recording);
     one["residual_um"] = row.angular ? Json(nullptr) : number(o.residual / kMicrometre);
     if (row.angular) one["residual_arcsec"] = number(o.residual / kArcsecond);
     list.push_back(std::move(one));
@@ -96,11 +96,12 @@ void setSessionNotes(Json& object, const Session& session, const std::vector<Dou
                                      {"share", number(a.share)}});
   object["set_aside"] = Json::array();
   for (const SetAside& a : session.setAside)
-    object["set_aside"].push_back(Json{{"row", a.row > 0 ? Json(a.row) : Json(nullptr)},
-                                       {"where", a.row > 0 ? Json(session.rowText(a.row)) : Json(nullptr)},
-                                       {"field", a.field},
-                                       {"value", a.value},
-                                       {"why", a.why}});
+    object["set_aside"].push_back(
+        Json{{"row", a.row > 0 ? Json(a.row) : Json(nullptr)},
+             {"where", a.row > 0 ? Json(session.rowText(a.row, a.recording)) : Json(nullptr)},
+             {"field", a.field},
+             {"value", a.value},
+             {"why", a.why}});
   object["questions"] = Json::array();
   for (const Doubt& d : questions)
     object["questions"].push_back(Json{{"question", d.question},
@@ -150,6 +151,7 @@ Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
     setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
     setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);
     one["calibration"] = e.calibration;
+    if (!e.sessions.empty()) one["sessions"] = e.sessions;
     out.push_back(std::move(one));
   }
   return out;

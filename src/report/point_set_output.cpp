@@ -131,6 +131,14 @@ std::string hiddenText(const PointSet& set) {
   return text;
 }
 
+std::string separationsText(const PointSet& set) {
+  if (set.separations.empty()) return {};
+  std::string told, open;
+  for (const Separation& s : set.separations)
+    (s.told ? told : open) += "  " + s.what + (s.told ? "" : ": it takes " + s.needs) + "\n";
+  return (told.empty() ? "" : "\nTold apart\n" + told) + (open.empty() ? "" : "\nNot told apart\n" + open);
+}
+
 }  // namespace
 
 std::string pointSetText(const PointSet& set) {
@@ -145,8 +153,8 @@ std::string pointSetText(const PointSet& set) {
          format("%lld contacts, %lld references in %.4g s; noise %.3g um, %s\n",
                 static_cast<long long>(set.contacts), static_cast<long long>(set.references), set.duration,
                 set.noise / kMicrometre, set.noiseDeclared ? "declared" : "assumed for the figures below") +
-         notes + featuresText(set) + jointsText(set) + inputsText(set) + doubtsText(set) + modelText(set) +
-         adviceText(set) + hiddenText(set);
+         notes + featuresText(set) + jointsText(set) + inputsText(set) + separationsText(set) +
+         doubtsText(set) + modelText(set) + adviceText(set) + hiddenText(set);
 }
 
 std::string pointSetJson(const PointSet& set) {
@@ -222,6 +230,9 @@ std::string pointSetJson(const PointSet& set) {
                                          {"std_after", number(g.after)},
                                          {"unit", g.unit}});
   }
+  object["separates"] = Json::array();
+  for (const Separation& s : set.separations)
+    object["separates"].push_back(Json{{"what", s.what}, {"told", s.told}, {"needs", s.told ? "" : s.needs}});
   object["cannot_show"] = Json::array();
   for (const CannotBeShown& c : set.cannotShow) {
     Json one;

@@ -225,7 +225,6 @@ std::vector<CircleTest> circleTests(const CalibrationResult& fitted) {
     add(bySetup, joints[static_cast<std::size_t>(a)].name, joints[static_cast<std::size_t>(b)].name);
   }
   const std::array<const char*, 3> axes = {"x", "y", "z"};
-  const Eigen::Matrix3d rotation = problem.artifactRotation(fitted.x);
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3;
     std::map<int, std::vector<Place>> bySetup;
@@ -235,7 +234,11 @@ std::vector<CircleTest> circleTests(const CalibrationResult& fitted) {
       const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
       const Eigen::Vector3d tip = session.machine.nominal(o.position.data(), reading).position;
       Eigen::Vector3d at = o.reference, rest = residualOf(fitted, static_cast<int>(i), 3);
-      if (problem.poseFree()) at = rotation * at, rest = rotation * rest;  // takes all three components
+      if (problem.poseFree(o.placement)) {  // takes all three components
+        const Eigen::Matrix3d rotation = problem.artifactRotation(o.placement, fitted.x);
+        at = rotation * at;
+        rest = rotation * rest;
+      }
       const Eigen::Vector2d nominal(tip[a], tip[b]), actual(at[a], at[b]), left(rest[a], rest[b]);
       if (!actual.allFinite() || !left.allFinite()) continue;
       bySetup[o.setup].push_back({nominal / kMillimetre, (actual - nominal) / kMicrometre, left});

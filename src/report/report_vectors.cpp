@@ -27,7 +27,7 @@ Eigen::Vector3d vectorOf(const CalibrationResult& fit, int observation, const Ei
   const Observation& o = fit.problem->session().observations[static_cast<std::size_t>(observation)];
   if (o.kind != ObservationKind::kPosition) return vector;
   // measured minus model, in the artifact's frame
-  return -(fit.problem->artifactRotation(fit.x) * vector);
+  return -(fit.problem->artifactRotation(o.placement, fit.x) * vector);
 }
 
 bool spatial(const std::vector<ResidualVectors::Place>& places) {
@@ -69,7 +69,8 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     if (ball && !(normal.norm() > 0.5)) continue;
     ResidualVectors::Place place;
     place.at = tip / kMillimetre;
-    if (ball && !std::isfinite(o.laserReading)) place.at -= normal * session.artifact.tipRadius / kMillimetre;
+    if (ball && !std::isfinite(o.laserReading))
+      place.at -= normal * session.artifact.tipRadiusOf(o.stylus) / kMillimetre;
     place.row = o.row;
     place.feature = o.feature;
     place.outlier = !(fits.front().fit->weight[problem.firstRow(observation)] > 0.0);
@@ -90,9 +91,12 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     const bool touched = std::any_of(out.places.begin(), out.places.end(),
                                      [&](const auto& p) { return p.feature == static_cast<int>(f); });
     if (feature.kind == FeatureKind::kBall && touched)
-      out.balls.push_back({feature.name,
-                           problem.featureInWorkpiece(static_cast<int>(f), fits.front().fit->x) / kMillimetre,
-                           feature.radius / kMillimetre});
+      out.balls.push_back(
+          {feature.name,
+           problem.featureInWorkpiece(static_cast<int>(f), session.placementOf(static_cast<int>(f)),
+                                      fits.front().fit->x) /
+               kMillimetre,
+           feature.radius / kMillimetre});
   }
   return out;
 }

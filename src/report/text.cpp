@@ -74,8 +74,9 @@ std::string outliersText(const CalibrationResult& r) {
   for (std::size_t i = 0; i < std::min(kShown, r.outliers.size()); ++i) {
     const ResidualRow& row = r.problem->rows()[static_cast<std::size_t>(r.outliers[i].row)];
     const Session& session = r.problem->session();
-    text += "  " + session.rowText(session.observations[static_cast<std::size_t>(row.observation)].row) +
-            "   residual " + length(r.outliers[i].residual, row.angular) + "\n";
+    const Observation& at = session.observations[static_cast<std::size_t>(row.observation)];
+    text += "  " + session.rowText(at.row, at.recording) + "   residual " +
+            length(r.outliers[i].residual, row.angular) + "\n";
   }
   if (r.outliers.size() > kShown)
     text += format("  and %zu more (--json lists them)\n", r.outliers.size() - kShown);

@@ -134,12 +134,12 @@ class SessionWriter {
   void writeObservation(const Observation& o) {
     const ros::Time at = stamp(o.time);
     if (o.kind == ObservationKind::kContact) {
-      auto message = toContactMessage(o, session_.machine, session_.artifact);
+      auto message = toContactMessage(o, session_);
       message.header.stamp = at;
       message.header.seq = rowOf(o);
       bag_.write("/probe/contact", at, message);
     } else {
-      auto message = toReferenceMessage(o, session_.machine, o.setup < 0 ? "" : session_.setups[o.setup]);
+      auto message = toReferenceMessage(o, session_);
       message.header.stamp = at;
       message.header.seq = rowOf(o);
       bag_.write("/reference", at, message);

@@ -35,9 +35,16 @@ struct BagNamespace {
 Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress = {},
                        const Machine* fallback = nullptr, const BagNamespace& where = {});
 
+/// "a.bag:b.bag" as paths, as services and the workbench are given several. @throw InputError: one is empty.
+std::vector<std::string> bagPaths(const std::string& bags);
+/// Several sessions as one (session/joined.h). @throw InputError, as that and readSessionBag.
+Session readSessionBags(const std::vector<std::string>& bags, const ProgressCallback& progress = {},
+                        const Machine* fallback = nullptr, const BagNamespace& where = {});
+
 /// Namespace of the nodes that measured a bag's session, "/" or "/m1"; empty: no node did (mm imported or
-/// simulated it), or the bag is cut short and nobody knows. @param wanted where there are several.
-std::string bagSpace(const std::filesystem::path& file, const std::string& wanted = {});
+/// simulated it), or the bag is cut short and nobody knows. @param bags as bagPaths. @param wanted where
+/// there are several.
+std::string bagSpace(const std::string& bags, const std::string& wanted = {});
 
 /// Writes a prepared session, with what was set aside in it, as a bag that gives the same session back to the
 /// bit (times to 1 ns). Written under a temporary name, then renamed: the final name never holds half a bag.

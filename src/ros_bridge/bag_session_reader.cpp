@@ -10,22 +10,45 @@
 #include "ros_bridge/checked_stream.h"
 #include "ros_bridge/session_collector.h"
 #include "session/assumed_travel.h"
+#include "session/joined.h"
 
 namespace mm {
 namespace {
+
+/// An older version of a message, which ended before the fields that it has now: as bytes 0 these are empty.
+struct OlderVersion {
+  const char* md5;
+  std::size_t missing;  // bytes
+};
+
+template <typename Message>
+constexpr OlderVersion kOlder = {"", 0};
+template <>
+constexpr OlderVersion kOlder<measuring_machine::Artifact> = {"2901c4140fcd49a8ea7858e0305e0f38", 8};
+template <>
+constexpr OlderVersion kOlder<measuring_machine::ProbeContact> = {"b4c29775d90e8a19f75fcdbca4598966", 8};
+template <>
+constexpr OlderVersion kOlder<measuring_machine::ReferenceMeasurement> = {"eeba7cd1b94dfc51f75c0202a252cc66",
+                                                                          4};
 
 /// One message of a bag as `Message`. @throw InputError when the topic holds another type.
 template <typename Message>
 Message decode(const BagMessage& raw, const std::string& source) {
   namespace traits = ros::message_traits;
   const BagConnection& c = *raw.connection;
-  if (c.md5 != traits::MD5Sum<Message>::value())
+  const bool older = c.md5 == kOlder<Message>.md5;
+  if (c.md5 != traits::MD5Sum<Message>::value() && !older)
     throw InputError(source + ": topic " + c.topic + " holds " + c.type +
                      (c.type == traits::DataType<Message>::value()
                           ? " of another version"
                           : std::string(", but ") + traits::DataType<Message>::value() + " is needed"));
   Message message;
-  CheckedStream stream(raw.data, raw.size);
+  std::vector<std::uint8_t> filled;
+  if (older) {
+    filled.assign(raw.data, raw.data + raw.size);
+    filled.resize(raw.size + kOlder<Message>.missing, 0);
+  }
+  CheckedStream stream(older ? filled.data() : raw.data, older ? filled.size() : raw.size);
   try {
     stream.next(message);
   } catch (const ros::serialization::StreamOverrunException&) {
@@ -164,6 +187,19 @@ class NamespacedSessions {
   std::map<std::string, One> all_;
 };
 
+/// See bagSpace, of one bag.
+std::string spaceOf(const std::filesystem::path& file, const std::string& wanted) {
+  std::string found;
+  for (const BagConnection& connection : BagReader(file).indexedConnections()) {
+    const SessionTopic split = splitTopic(connection);
+    if (split.topic != "/probe/contact" && split.topic != "/reference") continue;
+    if (connection.caller.empty() || connection.caller == kBagWriterName) continue;
+    if (!wanted.empty() && normalised(wanted) == split.space) return shown(split.space);
+    if (found.empty()) found = shown(split.space);
+  }
+  return found;
+}
+
 }  // namespace
 
 Session readSessionBag(const std::filesystem::path& file, const ProgressCallback& progress,
@@ -188,16 +224,36 @@ Session readSessionBag(const std::filesystem::path& file, const ProgressCallback
   return session;
 }
 
-std::string bagSpace(const std::filesystem::path& file, const std::string& wanted) {
-  std::string found;
-  for (const BagConnection& connection : BagReader(file).indexedConnections()) {
-    const SessionTopic split = splitTopic(connection);
-    if (split.topic != "/probe/contact" && split.topic != "/reference") continue;
-    if (connection.caller.empty() || connection.caller == kBagWriterName) continue;
-    if (!wanted.empty() && normalised(wanted) == split.space) return shown(split.space);
-    if (found.empty()) found = shown(split.space);
+std::vector<std::string> bagPaths(const std::string& bags) {
+  std::vector<std::string> paths;
+  if (std::filesystem::exists(bags)) return {bags};  // whose name has a colon
+  for (std::size_t begin = 0; begin <= bags.size();) {
+    const std::size_t end = std::min(bags.find(':', begin), bags.size());
+    if (end == begin)
+      throw InputError("'" + bags + "': a path is empty; several bags are separated by single colons");
+    paths.push_back(bags.substr(begin, end - begin));
+    begin = end + 1;
   }
-  return found;
+  return paths;
+}
+
+Session readSessionBags(const std::vector<std::string>& bags, const ProgressCallback& progress,
+                        const Machine* fallback, const BagNamespace& where) {
+  std::vector<Session> sessions;
+  for (std::size_t i = 0; i < bags.size(); ++i) {
+    const auto share = [&](double done) {
+      progress((static_cast<double>(i) + done) / static_cast<double>(bags.size()));
+    };
+    sessions.push_back(
+        readSessionBag(bags[i], progress ? ProgressCallback(share) : ProgressCallback(), fallback, where));
+  }
+  return joined(std::move(sessions));
+}
+
+std::string bagSpace(const std::string& bags, const std::string& wanted) {
+  for (const std::string& bag : bagPaths(bags))
+    if (std::string space = spaceOf(bag, wanted); !space.empty()) return space;
+  return {};
 }
 
 }  // namespace mm

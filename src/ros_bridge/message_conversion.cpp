@@ -85,6 +85,15 @@ measuring_machine::Artifact toMessage(const Artifact& artifact) {
   message.repeatability = artifact.repeatability;
   message.expansion = artifact.expansion;
   message.temperature_sensor = artifact.temperatureSensor;
+  message.serial = artifact.serial;
+  for (const Stylus& s : artifact.styli) {
+    measuring_machine::Stylus stylus;
+    stylus.name = s.name;
+    stylus.tip_radius = s.tipRadius;
+    tf2::toMsg(s.offset, stylus.offset);
+    stylus.offset_known = s.known;
+    message.styli.push_back(stylus);
+  }
   for (const Feature& f : artifact.features) {
     measuring_machine::ArtifactFeature feature;
     feature.kind = f.kind == FeatureKind::kBall ? feature.BALL : feature.POINT;
@@ -107,6 +116,21 @@ Artifact fromMessage(const measuring_machine::Artifact& message) {
   artifact.repeatability = message.repeatability;
   artifact.expansion = message.expansion;
   artifact.temperatureSensor = message.temperature_sensor;
+  artifact.serial = message.serial;
+  for (const auto& s : message.styli) {
+    Stylus stylus;
+    stylus.name = s.name;
+    stylus.tipRadius = s.tip_radius;
+    tf2::fromMsg(s.offset, stylus.offset);
+    stylus.known = s.offset_known != 0;
+    if (s.name.empty()) throw InputError("a stylus has no name");
+    if (artifact.findStylus(s.name) >= 0) throw InputError("two styli are called '" + s.name + "'");
+    if (!(s.tip_radius >= 0.0 && std::isfinite(s.tip_radius)))
+      throw InputError("stylus '" + s.name + "': 'tip_radius' must be a number, at least 0");
+    if (stylus.offset.array().isInf().any() || (stylus.known && stylus.offset.hasNaN()))
+      throw InputError("stylus '" + s.name + "': 'offset' is not a number");
+    artifact.styli.push_back(std::move(stylus));
+  }
   if (!(artifact.tipRadius >= 0.0) || std::isinf(artifact.tipRadius))
     throw InputError("field 'tip_radius' must be a number, at least 0");
   if (artifact.repeatability <= 0.0) throw InputError("field 'repeatability' must be above 0, or NaN");
@@ -135,8 +159,9 @@ Artifact fromMessage(const measuring_machine::Artifact& message) {
   return artifact;
 }
 
-measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Machine& machine,
-                                                 const Artifact& artifact) {
+measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Session& session) {
+  const Machine& machine = session.machine;
+  const Artifact& artifact = session.artifact;
   measuring_machine::ProbeContact message;
   message.header.frame_id = "workpiece";
   message.name = jointNames(machine);
@@ -145,6 +170,8 @@ measuring_machine::ProbeContact toContactMessage(const Observation& contact, con
   if (!contact.approach.hasNaN()) tf2::toMsg(contact.approach, message.approach);
   message.laser_reading = contact.laserReading;
   if (contact.feature >= 0) message.feature = artifact.features.at(contact.feature).name;
+  if (!session.placements.empty()) message.placement = session.placements.at(contact.placement);
+  if (!artifact.styli.empty()) message.stylus = artifact.styli.at(contact.stylus).name;
   return message;
 }
 
@@ -167,17 +194,18 @@ Observation fromMessage(const measuring_machine::ProbeContact& message, const Ma
 }
 
 measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& reference,
-                                                           const Machine& machine, const std::string& setup) {
+                                                           const Session& session) {
   measuring_machine::ReferenceMeasurement message;
   message.header.frame_id = "workpiece";
-  message.name = jointNames(machine);
+  message.name = jointNames(session.machine);
   message.joint_position = reference.position;
   message.joint_velocity = unlessAllNaN(reference.velocity);
   message.laser_reading = reference.laserReading;
   for (int k = 0; k < 3; ++k) message.position[k] = reference.reference[k];
   message.deviation = unlessAllNaN(reference.deviation);
   message.deviation_std = unlessAllNaN(reference.deviationStd);
-  message.setup = setup;
+  if (reference.setup >= 0) message.setup = session.setups.at(reference.setup);
+  if (!session.placements.empty()) message.placement = session.placements.at(reference.placement);
   return message;
 }
 

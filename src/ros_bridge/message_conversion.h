@@ -33,15 +33,14 @@ ros::Time rosTime(std::int64_t nanoseconds);
 measuring_machine::Artifact toMessage(const Artifact& artifact);
 Artifact fromMessage(const measuring_machine::Artifact& message);
 
-/// @param artifact says what the features are called.
-measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Machine& machine,
-                                                 const Artifact& artifact);
+/// @param session says what its feature, placement and stylus are called.
+measuring_machine::ProbeContact toContactMessage(const Observation& contact, const Session& session);
 /// `time`, `row`, `travel` and the index of the feature are the caller's.
 Observation fromMessage(const measuring_machine::ProbeContact& message, const Machine& machine);
 
 /// A deviation or a position of an independent instrument, m and rad.
 measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& reference,
-                                                           const Machine& machine, const std::string& setup);
+                                                           const Session& session);
 /// `time`, `row`, `travel` and the index of the setup are the caller's.
 Observation fromMessage(const measuring_machine::ReferenceMeasurement& message, const Machine& machine);
 

@@ -32,7 +32,7 @@ Eigen::Vector3d residualVector(const CalibrationResult& result, int observation,
   const bool ball =
       o.kind == ObservationKind::kContact &&
       problem.session().artifact.features[static_cast<std::size_t>(o.feature)].kind == FeatureKind::kBall;
-  if (ball) outward = (at - problem.featureInWorkpiece(o.feature, result.x)).normalized();
+  if (ball) outward = (at - problem.featureInWorkpiece(o.feature, o.placement, result.x)).normalized();
   const int end = observation + 1 < static_cast<int>(problem.session().observations.size())
                       ? problem.firstRow(observation + 1)
                       : problem.rowCount();
@@ -137,7 +137,8 @@ visualization_msgs::MarkerArray residualMarkers(const CalibrationResult& result,
   const Artifact& artifact = problem.session().artifact;
   for (std::size_t f = 0; f < artifact.features.size(); ++f) {
     if (artifact.features[f].kind != FeatureKind::kBall) continue;
-    const Eigen::Vector3d centre = problem.featureInWorkpiece(static_cast<int>(f), result.x);
+    const Eigen::Vector3d centre = problem.featureInWorkpiece(
+        static_cast<int>(f), problem.session().placementOf(static_cast<int>(f)), result.x);
     if (!centre.allFinite()) continue;
     Marker ball = markerIn(frame, "balls", Marker::SPHERE);
     ball.id = id++;

@@ -33,7 +33,6 @@ void sortByStamp(std::vector<Item>& items) {
 }
 
 int indexOf(const std::string& name, std::map<std::string, int>& index, std::vector<std::string>& names) {
-  if (name.empty()) return -1;
   const auto entry = index.emplace(name, static_cast<int>(names.size()));
   if (entry.second) names.push_back(name);
   return entry.first->second;
@@ -110,9 +109,11 @@ void SessionCollector::convertOrRefuse(const Message& message, const char* topic
       if (message.feature.empty())
         throw InputError("no feature is assigned; name the ball or point that was touched");
       o.feature = indexOf(message.feature, featureIndex_, features_);
-    } else {
+      o.stylus = indexOf(message.stylus, stylusIndex_, styli_);
+    } else if (!message.setup.empty()) {
       o.setup = indexOf(message.setup, setupIndex_, setups_);
     }
+    o.placement = indexOf(message.placement, placementIndex_, placements_);
     rows_.push_back({stamp, std::move(o), message.header.seq});
   } catch (const InputError& e) {
     refuse(topic, static_cast<std::size_t>(number), e.what(), nanoseconds(message.header.stamp));
@@ -325,21 +326,28 @@ Session SessionCollector::build() const {
   session.source = source_;
   session.compensation = compensation_;
   if (artifact_) session.artifact = *artifact_;
-  std::vector<int> features;
-  std::vector<std::string> names;
+  std::vector<int> features, styli;
+  std::vector<std::string> names, stylusNames;
   for (const Feature& f : session.artifact.features) names.push_back(f.name);
+  for (const Stylus& s : session.artifact.styli) stylusNames.push_back(s.name);
+  for (const std::string& name : styli_)
+    styli.push_back(name.empty() ? 0 : session.artifact.findStylus(name));
   for (const std::string& name : features_) features.push_back(session.artifact.findFeature(name));
   std::vector<Row> rows = sortedRows();
   session.warning = lacking(rows);
   const auto unknown = [&](const Row& row) {
     const Observation& o = row.observation;
-    if (o.kind != ObservationKind::kContact || features[o.feature] >= 0) return false;
-    const std::string& name = features_[o.feature];
-    refused.push_back({kContactTopic, static_cast<std::size_t>(o.row),
-                       "feature '" + name + "' is not in artifact '" + session.artifact.name + "'" +
-                           didYouMean(name, names),
-                       row.stamp});
-    return true;
+    if (o.kind != ObservationKind::kContact) return false;
+    const auto refuse = [&](const char* what, const std::string& name,
+                            const std::vector<std::string>& known) {
+      refused.push_back({kContactTopic, static_cast<std::size_t>(o.row),
+                         std::string(what) + " '" + name + "' is not in artifact '" + session.artifact.name +
+                             "'" + didYouMean(name, known),
+                         row.stamp});
+      return true;
+    };
+    if (features[o.feature] < 0) return refuse("feature", features_[o.feature], names);
+    return styli[o.stylus] < 0 && refuse("stylus", styli_[o.stylus], stylusNames);
   };
   rows.erase(std::remove_if(rows.begin(), rows.end(), unknown), rows.end());
   if (rows.empty()) throw empty();
@@ -350,11 +358,12 @@ Session SessionCollector::build() const {
   for (Row& row : rows) {
     Observation& o = row.observation;
     o.time = secondsBetween(start, row.stamp);
-    if (o.kind == ObservationKind::kContact) o.feature = features[o.feature];
+    if (o.kind == ObservationKind::kContact) o.feature = features[o.feature], o.stylus = styli[o.stylus];
     if (lines) o.row = row.line;
     session.observations.push_back(std::move(o));
   }
   session.setups = setups_;
+  session.placements = placements_;
   session.temperatures = series(temperatures_, start, session.warning);
   session.covariates = series(covariates_, start, session.warning);
   session.epoch = secondsBetween(0, start);

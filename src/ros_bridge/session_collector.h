@@ -123,9 +123,9 @@ class SessionCollector {
   std::optional<Artifact> artifact_;
   std::vector<std::variant<measuring_machine::ProbeContact, measuring_machine::ReferenceMeasurement>>
       waiting_;            // for the machine
-  std::vector<Row> rows_;  // in the order of arrival; `feature` and `setup` count in the lists below
-  std::vector<std::string> features_, setups_;
-  std::map<std::string, int> featureIndex_, setupIndex_;
+  std::vector<Row> rows_;  // in the order of arrival; `feature`, `stylus` … count in the lists below
+  std::vector<std::string> features_, setups_, placements_, styli_;
+  std::map<std::string, int> featureIndex_, setupIndex_, placementIndex_, stylusIndex_;
   std::map<std::string, Logged> temperatures_, covariates_;
   TravelLog travel_;
   std::vector<Refused> refused_;

@@ -2,7 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 #include "session/geometric_start.h"
 #include "session/sphere_centre.h"
@@ -23,8 +25,14 @@ double trimmed(std::vector<double> values) {
 }  // namespace
 
 Geometry::Geometry(const Session& session) : session_(session), of_(session.artifact.features.size()) {
+  std::map<std::pair<int, int>, std::size_t> counts;
+  for (const Observation& o : session.observations) ++counts[{o.placement, o.stylus}];
+  std::size_t most = 0;
+  for (const auto& [at, count] : counts)
+    if (count > most) most = count, std::tie(placement_, stylus_) = at;
   for (std::size_t i = 0; i < session.observations.size(); ++i) {
     const Observation& o = session.observations[i];
+    if (o.placement != placement_ || o.stylus != stylus_) continue;
     if (o.kind == ObservationKind::kContact) of_[o.feature].push_back(&o);
     if (o.kind == ObservationKind::kPosition && o.reference.allFinite()) positions_.push_back(&o);
   }
@@ -66,8 +74,8 @@ void Geometry::judgeFeature(std::size_t f, const Readings& change, Agreement& a,
   const bool ball = feature.kind == FeatureKind::kBall;
   double distance = 0.0;
   if (ball) {
-    distance =
-        feature.radius + (std::isnan(of_[f].front()->laserReading) ? session_.artifact.tipRadius : 0.0);
+    distance = feature.radius +
+               (std::isnan(of_[f].front()->laserReading) ? session_.artifact.tipRadiusOf(stylus_) : 0.0);
     constexpr std::size_t kDetermining = 5;
     if (tips.size() < kDetermining || !sphereCentre(tips, distance, centre)) return;
     a.cap = std::min(a.cap, extent / distance);
@@ -93,7 +101,7 @@ double Geometry::layout(const std::vector<Eigen::Vector3d>& centres, const std::
     from.rightCols<1>() = feature.position;
     to.rightCols<1>() = centres[f];
   }
-  const bool free = !session_.artifact.poseKnown;
+  const bool free = session_.poseFree(placement_);
   constexpr Eigen::Index kLayout = 3;
   if (from.cols() < (free ? kLayout : 1)) return 0.0;
   turned.cap = INFINITY;  // the layout says how large everything is
@@ -118,9 +126,10 @@ std::vector<std::vector<const Observation*>*> Geometry::lists() {
 }
 
 Eigen::Vector3d Geometry::tipOf(const Observation& o, const Readings& change) const {
-  std::vector<double> q = o.position;
-  if (change) change(q);
-  return session_.machine.nominal(q.data(), o.laserReading).position;
+  if (!change) return session_.nominalProbe(o).position;
+  Observation changed = o;
+  change(changed.position);
+  return session_.nominalProbe(changed).position;
 }
 
 /// What an independent instrument found of the tip's position, NaN without.
@@ -134,7 +143,7 @@ double Geometry::positions(const Readings& change) const {
   }
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-  if (!session_.artifact.poseKnown) rigidMotion(from, to, rotation, translation);
+  if (session_.poseFree(placement_)) rigidMotion(from, to, rotation, translation);
   const Eigen::Matrix3Xd off = to - ((rotation * from).colwise() + translation);
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < off.cols(); ++i) distances.push_back(off.col(i).norm());

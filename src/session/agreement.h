@@ -22,7 +22,8 @@ struct Agreement {
 using Readings = std::function<void(std::vector<double>&)>;
 
 /// Judges how well the tips of a session lie on the artifact's balls, their centres in its layout, and the
-/// readings where an instrument found them. A few hundred rows of each are enough.
+/// readings where an instrument found them. A few hundred rows of each are enough, and one placement and
+/// stylus of several: the one that was measured most.
 class Geometry {
  public:
   /// @param session prepared; it must outlive this.
@@ -46,6 +47,7 @@ class Geometry {
   const Session& session_;
   std::vector<std::vector<const Observation*>> of_;
   std::vector<const Observation*> positions_;
+  int placement_ = 0, stylus_ = 0;  // that is judged
 };
 
 }  // namespace mm

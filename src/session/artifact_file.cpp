@@ -73,19 +73,48 @@ void readFeatures(const YamlMapping& file, const std::string& source, FeatureKin
   }
 }
 
+/// Offsets are told from the machine's probe_tip: without one, the first stylus is there.
+void readStyli(const YamlMapping& probe, const std::string& source, Artifact& artifact) {
+  if (!probe.has("styli")) return;
+  if (probe.has("tip_radius_mm"))
+    probe.fail("tip_radius_mm", "and 'styli' exclude each other: state the radius of each stylus");
+  const YAML::Node list = probe.node("styli");
+  if (!list.IsSequence() || list.size() == 0) probe.fail("styli", "must be a list of one or more styli");
+  for (const YAML::Node& node : list) {
+    const YamlMapping m(node, source, "a stylus", {"name", "tip_radius_mm", "offset_mm", "offset"});
+    Stylus stylus;
+    stylus.name = m.text("name");
+    stylus.tipRadius = size(m, "tip_radius_mm", kMillimetre, false);
+    stylus.known = m.has("offset") ? known(m, "offset") : m.has("offset_mm") || artifact.styli.empty();
+    if (m.has("offset_mm"))
+      stylus.offset = m.vector("offset_mm", kMillimetre);
+    else if (!stylus.known)
+      stylus.offset.setConstant(kNotMeasured);
+    else if (!artifact.styli.empty())
+      m.fail("offset", "is known, but 'offset_mm' is not stated");
+    if (artifact.findStylus(stylus.name) >= 0)
+      m.fail("name", "'" + stylus.name + "' is taken by another stylus; each needs a name of its own");
+    artifact.styli.push_back(std::move(stylus));
+  }
+  artifact.tipRadius = artifact.styli.front().tipRadius;
+}
+
 }  // namespace
 
 Artifact parseArtifact(const std::string& yaml, const std::string& source) {
   const YAML::Node root = YamlMapping::load(yaml, source);
   const YamlMapping file(
       root, source, "the artifact",
-      {"name", "pose", "probe", "expansion_per_K", "temperature_sensor", "balls", "points"});
+      {"name", "serial", "pose", "probe", "expansion_per_K", "temperature_sensor", "balls", "points"});
   Artifact artifact;
   artifact.name = file.text("name");
+  if (file.has("serial")) artifact.serial = file.text("serial");
   artifact.poseKnown = known(file, "pose");
   if (file.has("probe")) {
-    const YamlMapping probe(file.node("probe"), source, "probe", {"tip_radius_mm", "repeatability_um"});
+    const YamlMapping probe(file.node("probe"), source, "probe",
+                            {"tip_radius_mm", "styli", "repeatability_um"});
     if (probe.has("tip_radius_mm")) artifact.tipRadius = size(probe, "tip_radius_mm", kMillimetre, false);
+    readStyli(probe, source, artifact);
     if (probe.has("repeatability_um"))
       artifact.repeatability = size(probe, "repeatability_um", kMicrometre, true);
   }

@@ -70,8 +70,7 @@ class TravelMaker {
     if (!std::isnan(o.laserReading)) return Eigen::Vector3d::Zero();  // read where it stands
     if (o.approach.allFinite() && o.approach.norm() > 0.5) return o.approach.normalized();
     if (feature.kind != FeatureKind::kBall) return Eigen::Vector3d::Zero();
-    const Eigen::Vector3d inwards =
-        start.features[o.feature] - session_.machine.nominal(o.position.data(), kNotMeasured).position;
+    const Eigen::Vector3d inwards = start.inWorkpiece(o.feature, o.placement) - start.tipOf(session_, o);
     return inwards.norm() > 0.0 ? inwards.normalized().eval() : Eigen::Vector3d::Zero();
   }
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
+#include "base/nearest_name.h"
 #include "base/text.h"
 #include "session/assumed_travel.h"
 #include "session/csv_cells.h"
@@ -105,6 +106,7 @@ class CsvReader {
     };
     hasTime_ = has(CsvRole::kTime);
     hasDate_ = has(CsvRole::kDate);
+    hasPlacement_ = has(CsvRole::kPlacement);
     ranges_.resize(columns_.size());
     if (!hasTime_ && !statesOnly_ && !foreign_) fail("column 'time_s' is missing");
     if (has(CsvRole::kFeature) && !hasArtifact_ && !statesOnly_)
@@ -160,6 +162,7 @@ class CsvReader {
     const std::size_t joints = zeroUnlessColumn_.size();
     Observation o;
     o.row = lines_.number();
+    if (hasPlacement_) o.placement = indexOf("", placementIndex_, session.placements);
     o.position = zeroUnlessColumn_;
     o.velocity.assign(joints, kNotMeasured);
     if (hasDeviation_) {
@@ -284,14 +287,21 @@ class CsvReader {
         if (o.deviationStd[column.index] <= 0.0)
           fail("column '" + column.header + "': " + std::string(cell) + " must be above 0");
         break;
-      case CsvRole::kSetup: {
+      case CsvRole::kSetup:
         kinds.setup = true;
         ranges_[index].add(cell);
-        const auto entry = setupIndex_.emplace(std::string(cell), static_cast<int>(session.setups.size()));
-        if (entry.second) session.setups.emplace_back(cell);
-        o.setup = entry.first->second;
+        o.setup = indexOf(cell, setupIndex_, session.setups);
         break;
-      }
+      case CsvRole::kPlacement:
+        ranges_[index].add(cell);
+        o.placement = indexOf(cell, placementIndex_, session.placements);
+        break;
+      case CsvRole::kStylus:
+        kinds.stylus = true;
+        ranges_[index].add(cell);
+        o.stylus = session.artifact.findStylus(std::string(cell));
+        if (o.stylus < 0) fail(stylusFault(cell));
+        break;
       case CsvRole::kTemperature:
         kinds.logged = true;
         temperatures_.add(column.index, stamp, number(cell, index));
@@ -301,6 +311,22 @@ class CsvReader {
         covariates_.add(column.index, stamp, number(cell, index));
         break;
     }
+  }
+
+  static int indexOf(std::string_view cell, std::unordered_map<std::string, int>& index,
+                     std::vector<std::string>& names) {
+    const auto entry = index.emplace(std::string(cell), static_cast<int>(names.size()));
+    if (entry.second) names.emplace_back(cell);
+    return entry.first->second;
+  }
+
+  std::string stylusFault(std::string_view cell) const {
+    std::vector<std::string> known;
+    for (const Stylus& s : states_.session.artifact.styli) known.push_back(s.name);
+    return "stylus '" + std::string(cell) + "' is not in the artifact file" +
+           (known.empty()
+                ? "; name it there: probe: {styli: [{name: " + std::string(cell) + ", tip_radius_mm: …}, …]}"
+                : didYouMean(std::string(cell), known) + "; it names " + listOf(known));
   }
 
   void countTimeFromStart() {
@@ -321,13 +347,13 @@ class CsvReader {
   std::vector<ColumnRange> ranges_;
   std::vector<std::string> notes_;
   std::int64_t rows_ = 0;
-  bool hasDate_ = false, hasTime_ = false, hasDeviation_ = false;
+  bool hasDate_ = false, hasTime_ = false, hasDeviation_ = false, hasPlacement_ = false;
   std::vector<CsvColumn> columns_;
   std::vector<std::string_view> cells_;
   std::vector<double>
       zeroUnlessColumn_;  // readings of a row before its cells: a joint without a column stays at 0
   FeatureNames features_;
-  std::unordered_map<std::string, int> setupIndex_;
+  std::unordered_map<std::string, int> setupIndex_, placementIndex_;
   std::vector<std::int64_t> stamps_;  // of the observations, ns on the file's own clock
   RowClock clock_;
   LoggedSeries temperatures_, covariates_;
@@ -337,7 +363,7 @@ class CsvReader {
 void finish(Session& session, const std::filesystem::path& file, const Artifact* artifact) {
   if (session.observations.empty())
     throw InputError(file.string() + ": no row holds a measurement (feature, reference or deviation)");
-  if (artifact != nullptr && artifact->tipRadius == 0.0 && session.hasLaser())
+  if (artifact != nullptr && artifact->tipRadius == 0.0 && artifact->styli.empty() && session.hasLaser())
     for (const Observation& o : session.observations)
       if (o.kind == ObservationKind::kContact && std::isnan(o.laserReading))
         throw InputError(

@@ -20,7 +20,8 @@ bool sameNumbers(const std::vector<double>& x, const std::vector<double>& y) {
 bool sameRow(const Observation& a, const Observation& b) {
   bool reference = true;
   for (int k = 0; k < 3; ++k) reference = reference && sameNumber(a.reference[k], b.reference[k]);
-  return a.kind == b.kind && a.feature == b.feature && a.setup == b.setup && a.time == b.time && reference &&
+  return a.kind == b.kind && a.feature == b.feature && a.setup == b.setup && a.placement == b.placement &&
+         a.stylus == b.stylus && a.time == b.time && reference &&
          sameNumber(a.laserReading, b.laserReading) && sameNumbers(a.position, b.position) &&
          sameNumbers(a.velocity, b.velocity) && sameNumbers(a.deviation, b.deviation) &&
          sameNumbers(a.deviationStd, b.deviationStd);
@@ -34,6 +35,8 @@ std::vector<double> contentOf(const Session& session, const Observation& o, bool
     for (const double v : *values) add(v);
   add(static_cast<double>(o.kind));
   add(o.feature);
+  add(o.placement);
+  add(o.stylus);
   add(o.laserReading);
   for (int k = 0; k < 3; ++k) add(o.reference[k]);
   if (!whole) return content;
@@ -125,7 +128,7 @@ std::vector<RepeatedStretch> repeatedStretches(const Session& session, std::size
 std::vector<CopiedRow> copiedRows(const Session& session) {
   const auto& all = session.observations;
   std::vector<CopiedRow> copies;
-  const auto is = [&](std::size_t i) { return "is " + session.rowText(all[i].row); };
+  const auto is = [&](std::size_t i) { return "is " + session.rowText(all[i].row, all[i].recording); };
   std::vector<std::size_t> kept;  // of the time of the row at hand
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!kept.empty() && all[kept.front()].time != all[i].time) kept.clear();

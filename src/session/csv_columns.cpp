@@ -30,6 +30,8 @@ Known knownColumns(const Machine& machine) {
   add("reading_mm", CsvRole::kReading, 0, kMillimetre);
   add("feature", CsvRole::kFeature, 0, 1.0);
   add("setup", CsvRole::kSetup, 0, 1.0);
+  add("placement", CsvRole::kPlacement, 0, 1.0);
+  add("stylus", CsvRole::kStylus, 0, 1.0);
   add("reference_x_mm", CsvRole::kReference, 0, kMillimetre);
   add("reference_y_mm", CsvRole::kReference, 1, kMillimetre);
   add("reference_z_mm", CsvRole::kReference, 2, kMillimetre);

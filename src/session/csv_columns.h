@@ -17,6 +17,8 @@ enum class CsvRole {
   kDeviation,
   kDeviationStd,
   kSetup,
+  kPlacement,
+  kStylus,
   kTemperature,
   kCovariate,
   // Only in other people's tables:

@@ -26,9 +26,13 @@ void startFreeFeatures(Session& session) {
     Feature& feature = session.artifact.features[f];
     if (feature.known || !feature.position.hasNaN()) continue;
     std::vector<Eigen::Vector3d> tips;
-    for (const Observation& o : session.observations)
-      if (o.kind == ObservationKind::kContact && o.feature == static_cast<int>(f))
-        tips.push_back(session.machine.nominal(o.position.data(), o.laserReading).position);
+    const Observation* first = nullptr;  // of the placement and stylus by which it is told
+    for (const Observation& o : session.observations) {
+      if (o.kind != ObservationKind::kContact || o.feature != static_cast<int>(f)) continue;
+      if (first == nullptr) first = &o;
+      if (o.placement == first->placement && o.stylus == first->stylus)
+        tips.push_back(session.nominalProbe(o).position);
+    }
     if (tips.empty())
       feature.position.setZero();
     else

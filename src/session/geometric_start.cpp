@@ -1,6 +1,8 @@
 #include "session/geometric_start.h"
 
 #include <Eigen/Dense>
+#include <map>
+#include <tuple>
 
 #include "session/sphere_centre.h"
 
@@ -10,6 +12,185 @@ namespace {
 /// Points whose extent across a line is below a thousandth of that along it (squares: 1e-6) do not tell the
 /// rotation about the line.
 constexpr double kOneLine = 1e-6;
+
+/// What one stylus touched of one feature in one placement.
+struct Spot {
+  int feature = 0, placement = 0, stylus = 0;
+  std::vector<Eigen::Vector3d> tips, approaches;
+  Eigen::Matrix3d orientation = Eigen::Matrix3d::Identity();  // of the probe, at its first contact
+  bool laser = false;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in workpiece, without the stylus' offset if unknown
+};
+
+/// Points of which places are known in two frames.
+struct Pairs {
+  std::vector<Eigen::Vector3d> from, to;
+};
+
+Eigen::Matrix3Xd columnsOf(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) columns.col(static_cast<Eigen::Index>(i)) = points[i];
+  return columns;
+}
+
+class Start {
+ public:
+  explicit Start(const Session& session) : session_(session) {}
+
+  GeometricStart make() {
+    const auto& features = session_.artifact.features;
+    findSpots();
+    findOffsets();
+    out_.poses.resize(static_cast<std::size_t>(session_.placementCount()));
+    known_.assign(features.size(), 0);
+    for (const Feature& f : features) out_.features.push_back(f.position);
+    for (std::size_t f = 0; f < features.size(); ++f) known_[f] = features[f].known;
+    // a placement that shares the most with what is known comes next: what is free in it is known then
+    std::vector<char> placed(out_.poses.size(), 0);
+    for (std::size_t k = 0; k < placed.size(); ++k) {
+      std::size_t next = 0;
+      int most = -1;
+      for (std::size_t p = 0; p < placed.size(); ++p) {
+        const int shared = placed[p] ? -1 : static_cast<int>(pairsOf(static_cast<int>(p)).from.size());
+        if (shared > most) most = shared, next = p;
+      }
+      place(static_cast<int>(next));
+      placed[next] = 1;
+    }
+    return std::move(out_);
+  }
+
+ private:
+  /// Where the tip is, or probe_tip where the offset of the stylus is to be found.
+  Eigen::Vector3d placeOf(const Observation& o) const {
+    const auto& styli = session_.artifact.styli;
+    const bool known = styli.empty() || styli[static_cast<std::size_t>(o.stylus)].known;
+    return known ? session_.nominalProbe(o).position
+                 : session_.machine.nominal(o.position.data(), o.laserReading).position;
+  }
+
+  void findSpots() {
+    for (const Observation& o : session_.observations) {
+      if (o.kind != ObservationKind::kContact || o.feature < 0) continue;
+      int& at = number_[{o.feature, o.placement, o.stylus}];
+      if (at == 0) {
+        Spot& added = spots_.emplace_back();
+        added.feature = o.feature;
+        added.placement = o.placement;
+        added.stylus = o.stylus;
+        at = static_cast<int>(spots_.size());
+        spots_.back().orientation = session_.nominalProbe(o).orientation;
+      }
+      Spot& spot = spots_[static_cast<std::size_t>(at - 1)];
+      spot.tips.push_back(placeOf(o));
+      if (o.laserReading == o.laserReading) spot.laser = true;
+      if (o.approach.allFinite() && o.approach.norm() > 0.5)
+        spot.approaches.push_back(o.approach.normalized());
+    }
+    std::vector<Spot> found;
+    for (Spot& spot : spots_)
+      if (findCentre(spot)) found.push_back(std::move(spot));
+    spots_ = std::move(found);
+  }
+
+  bool findCentre(Spot& spot) const {
+    const Feature& feature = session_.artifact.features[static_cast<std::size_t>(spot.feature)];
+    if (feature.kind == FeatureKind::kPoint) {
+      spot.centre = meanOf(spot.tips);
+      return true;
+    }
+    const double distance = feature.radius + (spot.laser ? 0.0 : session_.artifact.tipRadiusOf(spot.stylus));
+    bool found = false;
+    if (spot.approaches.size() == spot.tips.size()) {
+      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+      for (std::size_t i = 0; i < spot.tips.size(); ++i)
+        centre += spot.tips[i] + distance * spot.approaches[i];
+      spot.centre = centre / static_cast<double>(spot.tips.size());
+      found = true;
+    }
+    Eigen::Vector3d fitted;
+    if (sphereCentre(spot.tips, distance, fitted)) {
+      // the mirror image of a shallow cap fits too: trust the approach where there is one
+      if (!found || (fitted - spot.centre).norm() < distance) spot.centre = fitted;
+      found = true;
+    }
+    return found;
+  }
+
+  /// An offset that is not stated: by the features that another stylus touched in the same placement.
+  void findOffsets() {
+    const auto& styli = session_.artifact.styli;
+    for (const Stylus& s : styli) out_.offsets.push_back(s.offset);
+    if (styli.empty()) out_.offsets.emplace_back(Eigen::Vector3d::Zero());
+    std::vector<char> known;
+    for (const Stylus& s : styli) known.push_back(s.known);
+    if (styli.empty()) known.push_back(1);
+    for (bool found = true; found;) {
+      found = false;
+      for (std::size_t s = 0; s < known.size(); ++s) {
+        if (known[s]) continue;
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        int count = 0;
+        for (const Spot& mine : spots_)
+          for (const Spot& other : spots_) {
+            if (mine.stylus != static_cast<int>(s) || !known[static_cast<std::size_t>(other.stylus)] ||
+                mine.feature != other.feature || mine.placement != other.placement)
+              continue;
+            sum += mine.orientation.transpose() * (other.centre - mine.centre);
+            ++count;
+          }
+        if (count == 0) continue;
+        out_.offsets[s] = sum / count;
+        for (Spot& mine : spots_)
+          if (mine.stylus == static_cast<int>(s)) mine.centre += mine.orientation * out_.offsets[s];
+        known[s] = 1;
+        found = true;
+      }
+    }
+    for (std::size_t s = 0; s < known.size(); ++s)
+      if (!known[s] && !out_.offsets[s].allFinite()) out_.offsets[s].setZero();
+    for (Spot& spot : spots_)
+      if (!known[static_cast<std::size_t>(spot.stylus)])
+        spot.centre += spot.orientation * out_.offsets[static_cast<std::size_t>(spot.stylus)];
+  }
+
+  /// What is known in the artifact's frame and was found in a placement.
+  Pairs pairsOf(int placement) const {
+    Pairs pairs;
+    for (const Spot& spot : spots_)
+      if (spot.placement == placement && known_[static_cast<std::size_t>(spot.feature)])
+        pairs.from.push_back(out_.features[static_cast<std::size_t>(spot.feature)]),
+            pairs.to.push_back(spot.centre);
+    for (const Observation& o : session_.observations)
+      if (o.kind == ObservationKind::kPosition && o.placement == placement && o.reference.allFinite())
+        pairs.from.push_back(o.reference), pairs.to.push_back(out_.tipOf(session_, o));
+    return pairs;
+  }
+
+  void place(int placement) {
+    GeometricStart::Pose& pose = out_.poses[static_cast<std::size_t>(placement)];
+    if (session_.poseFree(placement)) {
+      const Pairs pairs = pairsOf(placement);
+      if (!pairs.from.empty())
+        rigidMotion(columnsOf(pairs.from), columnsOf(pairs.to), pose.rotation, pose.translation);
+    }
+    std::vector<char> here(known_.size(), 0);
+    for (const Spot& spot : spots_) {
+      const auto f = static_cast<std::size_t>(spot.feature);
+      if (spot.placement != placement || known_[f] || here[f]) continue;
+      out_.features[f] = pose.rotation.transpose() * (spot.centre - pose.translation);
+      here[f] = 1;
+    }
+    for (std::size_t f = 0; f < here.size(); ++f)
+      if (here[f]) known_[f] = 1;
+  }
+
+  const Session& session_;
+  std::map<std::tuple<int, int, int>, int> number_;  // of a spot, from 1
+  std::vector<Spot> spots_;
+  std::vector<char> known_;  // a feature: it is where it is said to be in the artifact's frame
+  GeometricStart out_;
+};
 
 }  // namespace
 
@@ -30,59 +211,16 @@ void rigidMotion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, Eigen
   translation = b - rotation * a;
 }
 
-GeometricStart geometricStart(const Session& session) {
-  const auto& features = session.artifact.features;
-  GeometricStart start;
-  std::vector<std::vector<Eigen::Vector3d>> touched(features.size()), approaches(features.size());
-  std::vector<char> laser(features.size(), 0);
-  for (const Observation& o : session.observations) {
-    if (o.kind != ObservationKind::kContact || o.feature < 0) continue;
-    const ProbePose pose = session.machine.nominal(o.position.data(), o.laserReading);
-    touched[o.feature].push_back(pose.position);
-    if (o.laserReading == o.laserReading) laser[o.feature] = 1;
-    if (o.approach.allFinite() && o.approach.norm() > 0.5)
-      approaches[o.feature].push_back(o.approach.normalized());
-  }
-  start.features.resize(features.size());
-  std::vector<char> found(features.size(), 0);
-  for (std::size_t f = 0; f < features.size(); ++f) {
-    start.features[f] = features[f].position;
-    if (touched[f].empty()) continue;
-    if (features[f].kind == FeatureKind::kPoint) {
-      start.features[f] = meanOf(touched[f]);
-      found[f] = 1;
-      continue;
-    }
-    const double distance = features[f].radius + (laser[f] ? 0.0 : session.artifact.tipRadius);
-    if (approaches[f].size() == touched[f].size()) {
-      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-      for (std::size_t i = 0; i < touched[f].size(); ++i)
-        centre += touched[f][i] + distance * approaches[f][i];
-      start.features[f] = centre / static_cast<double>(touched[f].size());
-      found[f] = 1;
-    }
-    Eigen::Vector3d fitted;
-    if (sphereCentre(touched[f], distance, fitted)) {
-      // the mirror image of a shallow cap fits too: trust the approach where there is one
-      if (!found[f] || (fitted - start.features[f]).norm() < distance) start.features[f] = fitted;
-      found[f] = 1;
-    }
-  }
-  if (!session.artifact.poseKnown) {
-    Eigen::Matrix3Xd from(3, 0), to(3, 0);
-    for (std::size_t f = 0; f < features.size(); ++f) {
-      if (!found[f] || !features[f].known) continue;
-      from.conservativeResize(3, from.cols() + 1);
-      to.conservativeResize(3, to.cols() + 1);
-      from.rightCols<1>() = features[f].position;
-      to.rightCols<1>() = start.features[f];
-    }
-    if (from.cols() > 0) rigidMotion(from, to, start.rotation, start.translation);
-  }
-  for (std::size_t f = 0; f < features.size(); ++f)
-    if (features[f].known || !found[f])
-      start.features[f] = start.rotation * features[f].position + start.translation;
-  return start;
+Eigen::Vector3d GeometricStart::inWorkpiece(int feature, int placement) const {
+  const Pose& pose = poses[static_cast<std::size_t>(placement)];
+  return pose.rotation * features[static_cast<std::size_t>(feature)] + pose.translation;
 }
+
+Eigen::Vector3d GeometricStart::tipOf(const Session& session, const Observation& o) const {
+  const ProbePose pose = session.machine.nominal(o.position.data(), o.laserReading);
+  return pose.position + pose.orientation * offsets[static_cast<std::size_t>(o.stylus)];
+}
+
+GeometricStart geometricStart(const Session& session) { return Start(session).make(); }
 
 }  // namespace mm

@@ -6,13 +6,21 @@
 
 namespace mm {
 
-/// Start values from the geometry alone: centres of the balls in workpiece and the pose of the artifact.
+/// Start values from the geometry alone: where the artifact stood, where its features are in it, and the
+/// offsets of the styli.
 struct GeometricStart {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // artifact -> workpiece
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // m
-  std::vector<Eigen::Vector3d> features;                   // in workpiece, m
+  struct Pose {
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // artifact -> workpiece
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // m
+  };
+  std::vector<Pose> poses;                // one a placement
+  std::vector<Eigen::Vector3d> features;  // in the artifact's frame, m
+  std::vector<Eigen::Vector3d> offsets;   // one a stylus, at the least one: axes of probe_tip, m
+
+  Eigen::Vector3d inWorkpiece(int feature, int placement) const;              ///< m
+  Eigen::Vector3d tipOf(const Session& session, const Observation& o) const;  ///< nominal, in workpiece, m
 };
-/// From the contacts alone, at the nominal machine.
+/// From the contacts and reference positions alone, at the nominal machine.
 GeometricStart geometricStart(const Session& session);
 
 /// The rigid motion that brings `from` closest to `to` (columns, m): translation alone of one point, the

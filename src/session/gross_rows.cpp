@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "base/format.h"
@@ -196,6 +197,12 @@ class GrossRows {
 
   /// Contacts far from what they are said to have touched.
   void contacts() {
+    std::set<std::pair<int, int>> parts;
+    for (const Observation& o : session_.observations) parts.emplace(o.placement, o.stylus);
+    for (const auto& [placement, stylus] : parts) contacts(placement, stylus);
+  }
+
+  void contacts(int placement, int stylus) {
     const auto& features = session_.artifact.features;
     std::vector<std::vector<std::size_t>> of(features.size());
     std::vector<std::vector<Eigen::Vector3d>> tips(features.size());
@@ -203,14 +210,16 @@ class GrossRows {
     for (std::size_t i = 0; i < session_.observations.size(); ++i) {
       const Observation& o = session_.observations[i];
       if (o.kind != ObservationKind::kContact || gone_[i] != 0) continue;
+      if (o.placement != placement || o.stylus != stylus) continue;
       of[o.feature].push_back(i);
-      tips[o.feature].push_back(session_.machine.nominal(o.position.data(), o.laserReading).position);
+      tips[o.feature].push_back(session_.nominalProbe(o).position);
       if (!std::isnan(o.laserReading)) laser[o.feature] = 1;
     }
     std::vector<Place> places(features.size());
     for (std::size_t f = 0; f < features.size(); ++f)
       if (!tips[f].empty())
-        places[f] = placeOf(features[f], tips[f], laser[f] != 0 ? 0.0 : session_.artifact.tipRadius);
+        places[f] =
+            placeOf(features[f], tips[f], laser[f] != 0 ? 0.0 : session_.artifact.tipRadiusOf(stylus));
     for (std::size_t f = 0; f < features.size(); ++f) judge(f, of[f], tips[f], places);
   }
 

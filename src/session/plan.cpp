@@ -2,10 +2,12 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "base/nearest_name.h"
 #include "base/read_file.h"
 #include "base/units.h"
 #include "base/yaml_mapping.h"
@@ -70,6 +72,96 @@ void readSettings(const YamlMapping& root, Plan& plan, PlanBuilder& builder) {
   }
 }
 
+void readPlacements(const YamlMapping& root, Plan& plan) {
+  if (!root.has("placements")) return;
+  const YAML::Node list = root.node("placements");
+  if (!list.IsSequence() || list.size() == 0) root.fail("placements", "must be a list of one or more");
+  for (const YAML::Node& node : list) {
+    const YamlMapping m(node, plan.source, "a placement", {"name", "turn_deg", "about_mm", "shift_mm"});
+    PlanPlacement placement;
+    placement.name = m.text("name");
+    if (m.has("turn_deg")) placement.turn = m.number("turn_deg", kDegree, -360.0, 360.0);
+    if (m.has("about_mm")) placement.about = m.vector("about_mm", kMillimetre);
+    if (m.has("shift_mm")) placement.shift = m.vector("shift_mm", kMillimetre);
+    for (const PlanPlacement& other : plan.placements)
+      if (other.name == placement.name)
+        m.fail("name", "'" + placement.name + "' is taken by another placement");
+    plan.placements.push_back(std::move(placement));
+  }
+}
+
+std::vector<std::string> placementNames(const Plan& plan) {
+  std::vector<std::string> names;
+  for (const PlanPlacement& p : plan.placements) names.push_back(p.name);
+  return names;
+}
+
+std::vector<std::string> stylusNames(const Plan& plan) {
+  std::vector<std::string> names;
+  for (const Stylus& s : plan.artifact.styli) names.push_back(s.name);
+  return names;
+}
+
+/// The styli of the plan's key `styli`: `all`, or names in the artifact's file; without it the first.
+std::vector<int> readStyli(const YamlMapping& root, const Plan& plan) {
+  if (!root.has("styli")) return {0};
+  const std::vector<std::string> known = stylusNames(plan);
+  std::vector<int> styli;
+  for (const std::string& name : root.texts("styli")) {
+    const int at = plan.artifact.findStylus(name);
+    if (at < 0 && name != "all")
+      root.fail("styli", "names '" + name + "', which the artifact does not: it has " + listOf(known));
+    for (int s = 0; s < static_cast<int>(known.size()); ++s)
+      if (s == at || name == "all") styli.push_back(s);
+  }
+  if (styli.empty()) root.fail("styli", "is given, but the artifact names none (probe: styli)");
+  return styli;
+}
+
+/// Index that a key names; -1 without it.
+int indexIn(const YamlMapping& entry, const std::string& key, const std::vector<std::string>& names) {
+  if (!entry.has(key)) return -1;
+  const auto at = std::find(names.begin(), names.end(), entry.text(key));
+  if (at == names.end())
+    entry.fail(key, "is '" + entry.text(key) + "', which is not among the plan's: " + listOf(names));
+  return static_cast<int>(at - names.begin());
+}
+
+/// `touch` and `postures` in every placement and with every stylus, unless an entry names its own.
+template <typename Expand>
+void everywhere(const YAML::Node& section, const Plan& plan, const std::vector<int>& styli,
+                PlanBuilder& builder, const Expand& expand) {
+  std::vector<YAML::Node> entries = {section};
+  if (section.IsSequence()) entries = std::vector<YAML::Node>(section.begin(), section.end());
+  for (int p = 0; p < std::max(1, static_cast<int>(plan.placements.size())); ++p)
+    for (const int s : styli)
+      for (const YAML::Node& entry : entries) {
+        if (entry.IsMap()) {
+          const YamlMapping m = YamlMapping::written(entry, plan.source, "an entry", "");
+          const int placement = indexIn(m, "placement", placementNames(plan));
+          const int stylus = indexIn(m, "stylus", stylusNames(plan));
+          if ((placement >= 0 && placement != p) || (stylus >= 0 && stylus != s)) continue;
+        }
+        builder.stand(p, s);
+        expand(entry, builder);
+      }
+}
+
+/// A placement or a stylus that is named and never used was meant to be.
+void checkUsed(const YamlMapping& root, const Plan& plan, const std::vector<int>& styli) {
+  for (std::size_t p = 0; p < plan.placements.size(); ++p)
+    if (std::none_of(plan.moves.begin(), plan.moves.end(), [&](const PlanMove& m) {
+          return m.kind != MoveKind::kGo && m.placement == static_cast<int>(p);
+        }))
+      root.fail("placements", "names '" + plan.placements[p].name + "', in which nothing is measured");
+  for (const int s : styli)
+    if (root.has("styli") && std::none_of(plan.moves.begin(), plan.moves.end(), [&](const PlanMove& m) {
+          return m.kind == MoveKind::kTouch && m.stylus == s;
+        }))
+      root.fail("styli", "names '" + plan.artifact.styli[static_cast<std::size_t>(s)].name +
+                             "', with which nothing is touched");
+}
+
 std::vector<int> sidesOf(const YamlMapping& move, const Machine& machine) {
   std::vector<int> sides(machine.joints().size(), 0);
   if (!move.has("from")) return sides;
@@ -88,10 +180,13 @@ std::vector<int> sidesOf(const YamlMapping& move, const Machine& machine) {
 void readMove(const YAML::Node& node, const Plan& plan, PlanBuilder& builder) {
   const Machine& machine = builder.machine();
   std::vector<std::string> known = jointKeys(machine);
-  for (const char* key : {"feature", "approach", "speed_mm_s", "wait_s", "from", "reference", "setup"})
+  for (const char* key :
+       {"feature", "approach", "speed_mm_s", "wait_s", "from", "reference", "setup", "placement", "stylus"})
     known.push_back(key);
   const YamlMapping move(node, plan.source, "a move", known);
   builder.at(move.line(), "a move");
+  builder.stand(std::max(0, indexIn(move, "placement", placementNames(plan))),
+                std::max(0, indexIn(move, "stylus", stylusNames(plan))));
   const std::vector<double> position = readingsOf(move, machine, builder.current());
   const std::vector<int> sides = sidesOf(move, machine);
   const double wait = move.has("wait_s") ? move.number("wait_s", 1.0, 0.0, 1e6) : 0.0;
@@ -140,9 +235,11 @@ Plan Plan::parse(const std::string& yaml, const std::string& source, const std::
         source + ":1: a plan is a mapping with 'artifact' and 'touch', 'postures', 'reference' or 'moves'");
   const YamlMapping root(node, source, "the plan",
                          {"name", "artifact", "probe", "speeds", "approach", "clearance", "touch", "postures",
-                          "reference", "moves", "instrument"});
+                          "reference", "moves", "placements", "styli", "instrument"});
   plan.name = root.has("name") ? root.text("name") : std::filesystem::path(source).stem().string();
   readArtifact(root, folder, plan);
+  readPlacements(root, plan);
+  const std::vector<int> styli = readStyli(root, plan);
   PlanBuilder builder(plan, machine);
   readSettings(root, plan, builder);
   for (const std::string& key : root.keys()) {
@@ -150,8 +247,8 @@ Plan Plan::parse(const std::string& yaml, const std::string& source, const std::
     if (key == "touch" && plan.laser) root.fail(key, "needs a touch probe, but the plan's probe is a laser");
     if (key == "postures" && !plan.laser) root.fail(key, "needs 'probe: laser'");
     const YAML::Node section = root.node(key);
-    if (key == "touch") expandTouch(section, builder);
-    if (key == "postures") expandPostures(section, builder);
+    if (key == "touch") everywhere(section, plan, styli, builder, expandTouch);
+    if (key == "postures") everywhere(section, plan, styli, builder, expandPostures);
     if (key == "reference") expandReference(section, builder);
     if (key != "moves") continue;
     if (!section.IsSequence()) root.fail(key, "must be a list");
@@ -159,7 +256,27 @@ Plan Plan::parse(const std::string& yaml, const std::string& source, const std::
   }
   if (plan.measurements() == 0)
     throw InputError(source + ": the plan measures nothing; give touch, postures, reference or moves");
+  checkUsed(root, plan, styli);
   return plan;
+}
+
+Eigen::Vector3d PlanPlacement::operator()(const Eigen::Vector3d& place) const {
+  return Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * (place - about) + about + shift;
+}
+
+Eigen::Vector3d Plan::placeOf(int feature, int placement) const {
+  const Eigen::Vector3d& place = artifact.features[static_cast<std::size_t>(feature)].position;
+  return placements.empty() ? place : placements[static_cast<std::size_t>(placement)](place);
+}
+
+std::string Plan::standText(const PlanMove& move) const {
+  std::string text;
+  if (!placements.empty())
+    text = "placement '" + placements[static_cast<std::size_t>(move.placement)].name + "'";
+  if (artifact.styli.size() > 1)
+    text += (text.empty() ? "" : ", ") +
+            ("stylus '" + artifact.styli[static_cast<std::size_t>(move.stylus)].name) + "'";
+  return text;
 }
 
 Plan Plan::load(const std::filesystem::path& file, const Machine& machine) {

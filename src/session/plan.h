@@ -27,7 +27,18 @@ struct PlanMove {
   double wait = 0.0;           // s after arriving, before measuring
   int joint = -1;              // kDeviation
   std::string setup;           // kDeviation: rows of one setup share an unknown zero; empty: known zero
+  int placement = 0;           // index in Plan::placements
+  int stylus = 0;              // index in the artifact's styli
   int line = 0;                // of the plan file
+};
+
+/// How the artifact stands, beside where its file says: turned about the vertical through a point of the
+/// workpiece frame, then shifted. rad, m.
+struct PlanPlacement {
+  std::string name;
+  double turn = 0.0;
+  Eigen::Vector3d about = Eigen::Vector3d::Zero(), shift = Eigen::Vector3d::Zero();
+  Eigen::Vector3d operator()(const Eigen::Vector3d& place) const;  ///< in workpiece
 };
 
 /// What to measure, in order: read by `mm simulate`, by the measurement node, and written by a diagnosis.
@@ -37,8 +48,9 @@ struct Plan {
   std::string text;    // the YAML; its key `instrument` is for the simulation only
   Artifact artifact;
   bool laser = false;
-  double rapid = 10e-3;       // m/s, of linear joints between measurements
-  double rapidRotary = 0.35;  // rad/s
+  std::vector<PlanPlacement> placements;  // one after the other; empty: one, without a name
+  double rapid = 10e-3;                   // m/s, of linear joints between measurements
+  double rapidRotary = 0.35;              // rad/s
   std::vector<PlanMove> moves;
 
   /// @param machine that will move: checks names, limits and reach. @throw InputError naming file, line and
@@ -47,6 +59,11 @@ struct Plan {
   /// The same from text. @param folder to which the name of an artifact file is relative.
   static Plan parse(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
                     const Machine& machine);
+  /// Where a feature stands in a placement, by the artifact's file: workpiece, m.
+  Eigen::Vector3d placeOf(int feature, int placement) const;
+  /// "placement turned, stylus B", what an operator is asked for before a move; empty: nothing but one of
+  /// each.
+  std::string standText(const PlanMove& move) const;
   /// How often each kind of measurement occurs: contacts, laser readings, references.
   int measurements() const;
 };

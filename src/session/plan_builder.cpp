@@ -31,7 +31,18 @@ void PlanBuilder::fail(const std::string& message) const {
 }
 
 Eigen::Vector3d PlanBuilder::tip(const std::vector<double>& readings) const {
-  return machine_.nominal(readings.data(), kNotMeasured).position;
+  const ProbePose pose = machine_.nominal(readings.data(), kNotMeasured);
+  return pose.position + pose.orientation * offset();
+}
+
+Eigen::Vector3d PlanBuilder::offset() const {
+  if (plan_.artifact.styli.empty()) return Eigen::Vector3d::Zero();
+  const Stylus& stylus = plan_.artifact.styli[static_cast<std::size_t>(stylus_)];
+  if (!stylus.offset.allFinite())
+    fail("stylus '" + stylus.name +
+         "' has no offset, and cannot be brought to a ball: give 'offset_mm' as good "
+         "as it is known; with 'offset: free' it is estimated");
+  return stylus.offset;
 }
 
 Eigen::Vector3d PlanBuilder::beam(const std::vector<double>& readings) const {
@@ -39,7 +50,8 @@ Eigen::Vector3d PlanBuilder::beam(const std::vector<double>& readings) const {
 }
 
 std::vector<double> PlanBuilder::reach(const Eigen::Vector3d& target, std::vector<double> readings) const {
-  if (!placeTip(machine_, target, kNotMeasured, readings))
+  const Eigen::Matrix3d orientation = machine_.nominal(readings.data(), kNotMeasured).orientation;
+  if (!placeTip(machine_, target - orientation * offset(), kNotMeasured, readings))
     fail("machine '" + machine_.name() +
          "' has not three linear joints that reach every direction; give the readings under 'moves'");
   return readings;
@@ -68,14 +80,14 @@ void PlanBuilder::checkLimits(const std::vector<double>& readings) const {
 double PlanBuilder::contactDistance(int feature) const {
   const Feature& f = plan_.artifact.features[feature];
   if (f.kind != FeatureKind::kBall) fail("'" + f.name + "' is a point; only balls can be touched");
-  return f.radius + plan_.artifact.tipRadius;
+  return f.radius + plan_.artifact.tipRadiusOf(stylus_);
 }
 
-const Eigen::Vector3d& PlanBuilder::centre(int feature) const {
+Eigen::Vector3d PlanBuilder::centre(int feature) const {
   const Feature& f = plan_.artifact.features[feature];
   if (!f.position.allFinite())
     fail("'" + f.name + "' has no position in the artifact; give a start value to find it by");
-  return f.position;
+  return plan_.placeOf(feature, placement_);
 }
 
 void PlanBuilder::append(PlanMove move) {
@@ -84,6 +96,8 @@ void PlanBuilder::append(PlanMove move) {
   if (plan_.moves.size() >= kMostMoves)
     fail("makes more than " + std::to_string(kMostMoves) + " moves; ask for fewer points, repeats or runs");
   move.line = line_;
+  move.placement = placement_;
+  move.stylus = stylus_;
   current_ = move.position;
   plan_.moves.push_back(std::move(move));
 }
@@ -110,11 +124,14 @@ void PlanBuilder::comeFrom(const std::vector<int>& sides, std::vector<double> po
 
 bool PlanBuilder::blocked(const std::vector<double>& from, const std::vector<double>& to) const {
   const Eigen::Vector3d a = tip(from), way = tip(to) - a;
-  for (const Feature& f : plan_.artifact.features) {
+  for (std::size_t i = 0; i < plan_.artifact.features.size(); ++i) {
+    const Feature& f = plan_.artifact.features[i];
     if (f.kind != FeatureKind::kBall || !f.position.allFinite()) continue;
+    const Eigen::Vector3d place = plan_.placeOf(static_cast<int>(i), placement_);
     const double along =
-        way.squaredNorm() > 0.0 ? std::clamp((f.position - a).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-    if ((a + along * way - f.position).norm() < f.radius + plan_.artifact.tipRadius + kClose) return true;
+        way.squaredNorm() > 0.0 ? std::clamp((place - a).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
+    if ((a + along * way - place).norm() < f.radius + plan_.artifact.tipRadiusOf(stylus_) + kClose)
+      return true;
   }
   return false;
 }

@@ -23,6 +23,9 @@ class PlanBuilder {
   const Machine& machine() const { return machine_; }              ///< that moves
   const Plan& plan() const { return plan_; }                       ///< as far as it is built
   const std::vector<double>& current() const { return current_; }  ///< readings, m or rad
+  /// How the artifact stands, and what touches it, from the next move on: indices of the plan and its
+  /// artifact.
+  void stand(int placement, int stylus) { placement_ = placement, stylus_ = stylus; }
   /// Starts a group of moves of one line of the file; messages name it.
   void at(int line, std::string what) { line_ = line, what_ = std::move(what); }
 
@@ -40,14 +43,14 @@ class PlanBuilder {
   void reference(MoveKind kind, int joint, const std::vector<double>& position, double speed, double wait,
                  const std::string& setup);
 
-  Eigen::Vector3d tip(const std::vector<double>& readings) const;   ///< nominal, workpiece
+  Eigen::Vector3d tip(const std::vector<double>& readings) const;   ///< nominal, of the stylus, workpiece
   Eigen::Vector3d beam(const std::vector<double>& readings) const;  ///< of a laser, workpiece
   /// Linear joints that put the nominal tip there; rotary ones stay. @throw InputError
   std::vector<double> reach(const Eigen::Vector3d& tip, std::vector<double> readings) const;
   bool withinLimits(const std::vector<double>& readings) const;
   /// R + r (m). @throw InputError for a point, or a centre without a start value.
   double contactDistance(int feature) const;
-  const Eigen::Vector3d& centre(int feature) const;
+  Eigen::Vector3d centre(int feature) const;  ///< in workpiece, m
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
@@ -59,7 +62,8 @@ class PlanBuilder {
   Plan& plan_;
   const Machine& machine_;
   std::vector<double> current_;
-  int line_ = 0;
+  Eigen::Vector3d offset() const;
+  int line_ = 0, placement_ = 0, stylus_ = 0;
   std::string what_;
 };
 

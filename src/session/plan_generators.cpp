@@ -47,8 +47,9 @@ struct TouchPlan {
 };
 
 TouchPlan readTouch(const YAML::Node& node, PlanBuilder& builder) {
-  std::vector<std::string> known = {"features",    "points", "cone_deg",    "pole",    "approach", "tilt_deg",
-                                    "azimuth_deg", "order",  "speeds_mm_s", "repeats", "wait_s",   "pause"};
+  std::vector<std::string> known = {"features", "points",      "cone_deg",  "pole",        "approach",
+                                    "tilt_deg", "azimuth_deg", "order",     "speeds_mm_s", "repeats",
+                                    "wait_s",   "pause",       "placement", "stylus"};
   for (const std::string& key : jointKeys(builder.machine())) known.push_back(key);
   const YamlMapping map(node, builder.plan().source, "touch", known);
   builder.at(map.line(), "touch");

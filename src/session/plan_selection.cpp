@@ -14,21 +14,26 @@ namespace {
 constexpr double kSlowest = 1e-9;  // m/s: a move that says none takes for ever
 
 /// Where the tip trips on its way from `from` to `to`, as a share of the way; 1 where it does not.
-double shareOfWay(const Plan& plan, int feature, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  const Feature& ball = plan.artifact.features[static_cast<std::size_t>(feature)];
-  const Eigen::Vector3d way = to - from, aside = from - ball.position;
-  const double reach = ball.radius + plan.artifact.tipRadius;
+double shareOfWay(const Plan& plan, const PlanMove& move, const Eigen::Vector3d& from,
+                  const Eigen::Vector3d& to) {
+  const Feature& ball = plan.artifact.features[static_cast<std::size_t>(move.feature)];
+  const Eigen::Vector3d way = to - from, aside = from - plan.placeOf(move.feature, move.placement);
+  const double reach = ball.radius + plan.artifact.tipRadiusOf(move.stylus);
   const double a = way.squaredNorm(), b = aside.dot(way), c = aside.squaredNorm() - reach * reach;
   const double square = b * b - a * c;
   return a > 0.0 && square > 0.0 ? std::clamp((-b - std::sqrt(square)) / a, 0.0, 1.0) : 1.0;
 }
 
 void touched(const Plan& plan, const Machine& machine, const PlanMove& move, Observation& o) {
+  const std::vector<Stylus>& styli = plan.artifact.styli;
+  const Eigen::Vector3d offset =
+      styli.empty() ? Eigen::Vector3d(0, 0, 0) : styli[static_cast<std::size_t>(move.stylus)].offset;
   const auto tip = [&](const std::vector<double>& q) {
-    return machine.nominal(q.data(), kNotMeasured).position;
+    const ProbePose pose = machine.nominal(q.data(), kNotMeasured);
+    return Eigen::Vector3d(pose.position + pose.orientation * offset);
   };
   const Eigen::Vector3d from = tip(move.position), to = tip(move.target);
-  const double share = shareOfWay(plan, move.feature, from, to);
+  const double share = shareOfWay(plan, move, from, to);
   const double seconds = (to - from).norm() / std::max(kSlowest, move.speed);
   o.approach = (to - from).normalized();
   for (std::size_t j = 0; j < o.position.size(); ++j) {
@@ -52,7 +57,7 @@ std::string planSelection(const Plan& plan, const Machine& machine, const std::v
       one[key] = root[key];
       text += YAML::Dump(one) + "\n";
     }
-  text += "moves:\n";
+  text += placementsYaml(plan) + "moves:\n";
   for (const std::size_t i : moves) {
     const PlanMove& move = plan.moves[i];
     // a position that an instrument reads is reached from the side from which the plan reaches it
@@ -68,6 +73,7 @@ Session plannedSession(const Plan& plan, const Machine& machine, std::vector<std
   Session session(machine);
   session.artifact = plan.artifact;
   session.source = plan.source;
+  for (const PlanPlacement& placement : plan.placements) session.placements.push_back(placement.name);
   const std::size_t joints = machine.joints().size();
   std::vector<double> before, travel(joints, 0.0);
   double time = 0.0;
@@ -85,6 +91,8 @@ Session plannedSession(const Plan& plan, const Machine& machine, std::vector<std
     o.velocity.assign(joints, 0.0);
     o.travel = travel;
     o.feature = move.feature;
+    o.placement = move.placement;
+    o.stylus = move.stylus;
     if (move.kind == MoveKind::kTouch) touched(plan, machine, move, o);
     if (move.kind == MoveKind::kLaser) {
       o.laserReading = 0.0;

@@ -15,7 +15,7 @@ constexpr std::size_t kMostPlaces = 200;  // of one way
 
 /// The nominal tip (workpiece, m) along a straight way of the joints.
 std::vector<Eigen::Vector3d> wayOfTip(const Machine& machine, const std::vector<double>& from,
-                                      const std::vector<double>& to) {
+                                      const std::vector<double>& to, const Eigen::Vector3d& offset) {
   double turn = 0.0;
   for (int j = 0; j < machine.jointCount(); ++j)
     if (machine.joints()[j].kind == JointKind::kRotary) turn = std::max(turn, std::abs(to[j] - from[j]));
@@ -25,7 +25,8 @@ std::vector<Eigen::Vector3d> wayOfTip(const Machine& machine, const std::vector<
   for (std::size_t i = 0; i <= pieces; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(pieces);
     for (std::size_t j = 0; j < at.size(); ++j) at[j] = from[j] + part * (to[j] - from[j]);
-    way.push_back(machine.nominal(at.data(), kNotMeasured).position);
+    const ProbePose pose = machine.nominal(at.data(), kNotMeasured);
+    way.push_back(pose.position + pose.orientation * offset);
   }
   return way;
 }
@@ -60,16 +61,20 @@ std::vector<BlockedWay> blockedWays(const Plan& plan, const Machine& machine) {
   for (std::size_t m = 0; m < plan.moves.size(); ++m) {
     const PlanMove& move = plan.moves[m];
     if (move.feature >= 0) touched = move.feature;
-    if (m == 0) continue;
-    const std::vector<Eigen::Vector3d> way = wayOfTip(machine, plan.moves[m - 1].position, move.position);
+    if (m == 0 || plan.standText(plan.moves[m - 1]) != plan.standText(move)) continue;
+    const std::vector<Stylus>& styli = plan.artifact.styli;
+    const Eigen::Vector3d offset =
+        styli.empty() ? Eigen::Vector3d(0, 0, 0) : styli[static_cast<std::size_t>(move.stylus)].offset;
+    const std::vector<Eigen::Vector3d> way =
+        wayOfTip(machine, plan.moves[m - 1].position, move.position, offset);
     BlockedWay worst{m, -1, kShallow};
     for (int f = 0; f < static_cast<int>(features.size()); ++f) {
       if (!isBall(features[f])) continue;
       if (touched >= 0 && f != touched && isBall(features[touched]) &&
           !together(features[f], features[touched]))
         continue;
-      const double depth =
-          features[f].radius + plan.artifact.tipRadius - distanceTo(features[f].position, way);
+      const double depth = features[f].radius + plan.artifact.tipRadiusOf(move.stylus) -
+                           distanceTo(plan.placeOf(f, move.placement), way);
       if (depth > worst.depth) worst = {m, f, depth};
     }
     if (worst.ball >= 0) blocked.push_back(worst);

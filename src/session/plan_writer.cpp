@@ -26,7 +26,32 @@ std::string list(const Eigen::Vector3d& v) {
   return out.str();
 }
 
+std::string stylusList(const Artifact& artifact) {
+  std::ostringstream out;
+  out.precision(12);
+  for (const Stylus& s : artifact.styli) {
+    out << (out.tellp() > 0 ? ", " : "[") << "{name: " << quoted(s.name)
+        << ", tip_radius_mm: " << s.tipRadius / kMillimetre;
+    if (s.offset.allFinite()) out << ", offset_mm: " << list(s.offset / kMillimetre);
+    out << (s.known ? "}" : ", offset: free}");
+  }
+  out << "]";
+  return out.str();
+}
+
 }  // namespace
+
+std::string placementsYaml(const Plan& plan) {
+  if (plan.placements.empty()) return "";
+  std::ostringstream out;
+  out.precision(12);
+  out << "placements:\n";
+  for (const PlanPlacement& p : plan.placements)
+    out << "  - {name: " << quoted(p.name) << ", turn_deg: " << p.turn / kDegree
+        << ", about_mm: " << list(p.about / kMillimetre) << ", shift_mm: " << list(p.shift / kMillimetre)
+        << "}\n";
+  return out.str();
+}
 
 std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& machine) {
   std::ostringstream out;
@@ -46,6 +71,10 @@ std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& mach
   }
   if (move.kind == MoveKind::kDeviation) out << ", reference: " << quoted(machine.joints()[move.joint].name);
   if (move.kind == MoveKind::kPosition) out << ", reference: position";
+  if (!plan.placements.empty())
+    out << ", placement: " << quoted(plan.placements[static_cast<std::size_t>(move.placement)].name);
+  if (move.feature >= 0 && !plan.artifact.styli.empty())
+    out << ", stylus: " << quoted(plan.artifact.styli[static_cast<std::size_t>(move.stylus)].name);
   if (!move.setup.empty()) out << ", setup: " << quoted(move.setup);
   if (move.speed > 0.0) out << ", speed_mm_s: " << move.speed / kMillimetre;
   if (move.wait > 0.0) out << ", wait_s: " << move.wait;
@@ -59,7 +88,11 @@ std::string artifactYaml(const Artifact& artifact, int indent) {
   out.precision(12);
   out << in << "name: " << quoted(artifact.name) << "\n"
       << in << "pose: " << (artifact.poseKnown ? "known" : "free") << "\n";
-  out << in << "probe: {tip_radius_mm: " << artifact.tipRadius / kMillimetre;
+  if (!artifact.serial.empty()) out << in << "serial: " << quoted(artifact.serial) << "\n";
+  if (artifact.styli.empty())
+    out << in << "probe: {tip_radius_mm: " << artifact.tipRadius / kMillimetre;
+  else
+    out << in << "probe: {styli: " << stylusList(artifact);
   if (artifact.repeatability > 0.0) out << ", repeatability_um: " << artifact.repeatability / kMicrometre;
   out << "}\n";
   if (artifact.expansion != 0.0) out << in << "expansion_per_K: " << artifact.expansion << "\n";
@@ -92,7 +125,7 @@ std::string planYaml(const Plan& plan, const Machine& machine) {
   if (!plan.artifact.features.empty()) out << "artifact:\n" << artifactYaml(plan.artifact, 2);
   out << "speeds: {rapid_mm_s: " << plan.rapid / kMillimetre
       << ", rapid_deg_s: " << plan.rapidRotary / kDegree << "}\n";
-  out << "moves:\n";
+  out << placementsYaml(plan) << "moves:\n";
   for (const PlanMove& move : plan.moves) out << "  - " << moveYaml(move, plan, machine) << "\n";
   return out.str();
 }

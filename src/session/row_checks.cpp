@@ -176,7 +176,7 @@ class RowAsker {
     if (count == 0 || count > std::max(kFew, rows.size() / kShare) || manyRowsALine()) return;
     doubt(format("time goes back at %zu place%s, first from %.6g s to %.6g s in ", count,
                  count == 1 ? "" : "s", before->time, first->time) +
-          session_.rowText(first->row) +
+          session_.rowText(first->row, first->recording) +
           ": rows are taken in the order of their times; was the clock set, were several runs joined, or is "
           "the order wrong?");
   }
@@ -210,9 +210,11 @@ class RowAsker {
     const RepeatedStretch& longest = *std::max_element(
         stretches.begin(), stretches.end(), [](const auto& a, const auto& b) { return a.length < b.length; });
     const auto& all = session_.observations;
-    doubt(format("%zu rows from ", longest.length) + session_.rowText(all[longest.begin].row) +
+    doubt(format("%zu rows from ", longest.length) +
+          session_.rowText(all[longest.begin].row, all[longest.begin].recording) +
           " on are to the last digit those from " +
-          session_.rowText(all[longest.begin - longest.distance].row) +
+          session_.rowText(all[longest.begin - longest.distance].row,
+                           all[longest.begin - longest.distance].recording) +
           " on: is a run there twice? (noise would be taken for smaller than it is)");
   }
 

@@ -15,7 +15,8 @@ namespace {
 /// Where a value came from, in words for people.
 std::string place(const Session& session, const Observation& o) {
   const bool own = std::filesystem::path(session.source).filename() == session.rowFile;
-  return session.source + ": " + (own ? "line " + std::to_string(o.row) : session.rowText(o.row));
+  return session.source + ": " +
+         (own ? "line " + std::to_string(o.row) : session.rowText(o.row, o.recording));
 }
 
 void fail(const Session& session, const Observation& o, const std::string& what) {
@@ -52,6 +53,10 @@ void checkValues(const Session& session, const Observation& o) {
   if (anyInfinite(o.velocity)) fail(session, o, "a velocity is infinite");
   if (std::isinf(o.laserReading)) fail(session, o, "the laser's reading is infinite");
   if (o.setup >= static_cast<int>(session.setups.size())) fail(session, o, "its setup is not in the session");
+  if (o.placement < 0 || o.placement >= session.placementCount())
+    fail(session, o, "its placement is not in the session");
+  if (o.stylus < 0 || (o.stylus > 0 && o.stylus >= static_cast<int>(session.artifact.styli.size())))
+    fail(session, o, "its stylus is not in artifact '" + session.artifact.name + "'");
   switch (o.kind) {
     case ObservationKind::kContact:
       if (o.feature < 0 || o.feature >= static_cast<int>(session.artifact.features.size()))
@@ -84,8 +89,26 @@ void checkSeries(const Session& session, const Series& series) {
                        " is not a number");
 }
 
+/// Names in the order in which observations first have them. @param index of an observation in the names; -1:
+/// it has none.
+void numberAsTheyOccur(std::vector<Observation>& all, int Observation::*index,
+                       std::vector<std::string>& names) {
+  std::vector<int> renumbered(names.size(), -1);
+  std::vector<std::string> occurred;
+  for (Observation& o : all) {
+    if (o.*index < 0) continue;
+    int& number = renumbered[static_cast<std::size_t>(o.*index)];
+    if (number < 0) {
+      number = static_cast<int>(occurred.size());
+      occurred.push_back(names[static_cast<std::size_t>(o.*index)]);
+    }
+    o.*index = number;
+  }
+  names = std::move(occurred);
+}
+
 /// One order whatever the session was read from: observations by time (at equal times contacts come first:
-/// which of two topics speaks first is chance), series by name, setups as they first occur.
+/// which of two topics speaks first is chance), series by name, setups and placements as they first occur.
 void order(Session& session) {
   const auto earlier = [](const Observation& a, const Observation& b) {
     if (a.time != b.time) return a.time < b.time;
@@ -100,18 +123,10 @@ void order(Session& session) {
     std::stable_sort(series->begin(), series->end(),
                      [](const Series& a, const Series& b) { return a.name < b.name; });
   }
-  std::vector<int> renumbered(session.setups.size(), -1);
-  std::vector<std::string> setups;
-  for (Observation& o : all) {
-    if (o.setup < 0) continue;
-    int& setup = renumbered[o.setup];
-    if (setup < 0) {
-      setup = static_cast<int>(setups.size());
-      setups.push_back(session.setups[o.setup]);
-    }
-    o.setup = setup;
-  }
-  session.setups = std::move(setups);
+  numberAsTheyOccur(all, &Observation::setup, session.setups);
+  if (session.placements.empty()) return;
+  numberAsTheyOccur(all, &Observation::placement, session.placements);
+  if (session.placements.size() == 1 && session.placements[0].empty()) session.placements.clear();
 }
 
 }  // namespace
@@ -120,6 +135,16 @@ int Artifact::findFeature(const std::string& name) const {
   for (std::size_t i = 0; i < features.size(); ++i)
     if (features[i].name == name) return static_cast<int>(i);
   return -1;
+}
+
+int Artifact::findStylus(const std::string& name) const {
+  for (std::size_t i = 0; i < styli.size(); ++i)
+    if (styli[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+double Artifact::tipRadiusOf(int stylus) const {
+  return styli.empty() ? tipRadius : styli[static_cast<std::size_t>(stylus)].tipRadius;
 }
 
 double Series::at(double t) const {
@@ -132,10 +157,35 @@ double Series::at(double t) const {
   return value[i - 1] + part * (value[i] - value[i - 1]);
 }
 
-std::string Session::rowText(std::int64_t row) const {
+std::string Session::rowText(std::int64_t row, int recording) const {
   const std::string number = std::to_string(row);
-  if (rowFile.empty()) return "row " + number;
-  return "line " + number + " of " + rowFile;
+  if (recordings.empty()) return rowFile.empty() ? "row " + number : "line " + number + " of " + rowFile;
+  const Recording& r = recordings[static_cast<std::size_t>(recording)];
+  if (!r.rowFile.empty()) return "line " + number + " of " + r.rowFile;
+  return "row " + number + " of " + std::filesystem::path(r.source).filename().string();
+}
+
+bool Session::poseFree(int placement) const {
+  const bool named = !placements.empty() && !placements[static_cast<std::size_t>(placement)].empty();
+  return named || !artifact.poseKnown || (artifact.name.empty() && artifact.features.empty());
+}
+
+int Session::placementOf(int feature) const {
+  for (const Observation& o : observations)
+    if (o.kind == ObservationKind::kContact && o.feature == feature) return o.placement;
+  return 0;
+}
+
+double Session::ownTime(const Observation& o) const {
+  return recordings.empty() ? o.time : o.time - recordings[static_cast<std::size_t>(o.recording)].begin;
+}
+
+ProbePose Session::nominalProbe(const Observation& o) const {
+  ProbePose pose = machine.nominal(o.position.data(), o.laserReading);
+  if (artifact.styli.empty()) return pose;
+  const Eigen::Vector3d& offset = artifact.styli[static_cast<std::size_t>(o.stylus)].offset;
+  if (offset.allFinite()) pose.position += pose.orientation * offset;
+  return pose;
 }
 
 void Session::prepare() {

@@ -28,16 +28,30 @@ struct Feature {
   double radiusStd = 0.0;  // 0: exact
 };
 
+/// One of the styli that a probe may carry. Lengths in m.
+struct Stylus {
+  std::string name;
+  double tipRadius = 0.0;
+  /// From the machine's probe_tip to this one's tip, in the axes of probe_tip; a start value when free (NaN:
+  /// none).
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  bool known = true;  // the offset
+};
+
 /// What is measured. With `poseKnown` its frame is `workpiece`, else its pose is estimated.
 struct Artifact {
   std::string name;
+  std::string serial;  // empty: not stated
   bool poseKnown = true;
   std::vector<Feature> features;
   double tipRadius = 0.0;               // m
   double repeatability = kNotMeasured;  // m, standard deviation of one contact
   double expansion = 0.0;               // 1/K
   std::string temperatureSensor;
+  std::vector<Stylus> styli;                       // empty: one, of `tipRadius` at the machine's probe_tip
   int findFeature(const std::string& name) const;  // -1 when absent
+  int findStylus(const std::string& name) const;   // -1 when absent
+  double tipRadiusOf(int stylus) const;            ///< m
 };
 
 /// A logged quantity against time, e.g. a temperature (degC) or a covariate (its own unit).
@@ -69,6 +83,9 @@ struct Observation {
   std::vector<double> deviation;     // kDeviation: true minus indicated a joint, m or rad; NaN: not measured
   std::vector<double> deviationStd;  // NaN: not stated
   int setup = -1;                    // index in Session::setups: rows that share an unknown zero
+  int placement = 0;                 // index in Session::placements
+  int stylus = 0;                    // kContact: index in Artifact::styli
+  int recording = 0;                 // index in Session::recordings
 };
 
 /// A direction of travel that was not recorded and was made from what was.
@@ -87,6 +104,7 @@ struct SetAside {
     double time = 0.0, value = 0.0;
   };
   std::int64_t row = 0;                    // as Observation::row; 0: a value that was logged between the rows
+  int recording = 0;                       // as Observation::recording
   std::string field;                       // "x", "x velocity", "time", "feature", "temperature bed"
   std::string value;                       // with its unit
   std::string why;                         // with the figures, and what to do
@@ -94,7 +112,14 @@ struct SetAside {
   std::optional<LoggedValue> logged;       // one value of a series
 };
 
-/// A measurement session, whatever it was read from (bag, CSV, live topics).
+/// One of several sessions that were joined (session/joined.h).
+struct Recording {
+  std::string source, hash;
+  std::string rowFile;  // as Session::rowFile
+  double begin = 0.0;   // s from the start of the joined session
+};
+
+/// A measurement session, whatever it was read from (bag, CSV, live topics), or several of them joined.
 struct Session {
   Machine machine;
   Artifact artifact;
@@ -102,6 +127,10 @@ struct Session {
   std::vector<Series> temperatures;       // degC
   std::vector<Series> covariates;
   std::vector<std::string> setups;
+  /// Where the artifact stood, or the frame of the reference positions: each has a pose of its own. One
+  /// without a name is the artifact's own pose where that is known. Empty: one, without a name.
+  std::vector<std::string> placements;
+  std::vector<Recording> recordings;    // in the order of time; empty: this is one session
   double epoch = 0.0;                   // s, stamp of the session's start (t = 0)
   std::string source;                   // path, for messages
   std::string warning;                  // e.g. "read up to the damage at message 812"; empty: none
@@ -117,8 +146,19 @@ struct Session {
   /// call changes nothing. @throw InputError naming source, row and field of a bad value.
   void prepare();
   bool hasLaser() const;
+  int placementCount() const { return placements.empty() ? 1 : static_cast<int>(placements.size()); }
+  /// Whether what stands there has an unknown pose: all but an artifact of known pose without a placement's
+  /// name. Positions without an artifact have the frame of their instrument.
+  bool poseFree(int placement) const;
+  /// The first in which a feature was touched; 0: in none.
+  int placementOf(int feature) const;
+  int recordingCount() const { return recordings.empty() ? 1 : static_cast<int>(recordings.size()); }
+  /// s from the start of the recording that an observation belongs to.
+  double ownTime(const Observation& o) const;
+  /// Where the readings say that the probe is, with the stylus that was used (without an offset: probe_tip).
+  ProbePose nominalProbe(const Observation& o) const;
   /// "line 17 of plate.csv", or "row 17" where rows are messages.
-  std::string rowText(std::int64_t row) const;
+  std::string rowText(std::int64_t row, int recording = 0) const;
 };
 
 }  // namespace mm

@@ -60,6 +60,13 @@ void addArtifact(Hash& hash, const Artifact& artifact) {
   hash.number(artifact.repeatability);
   hash.number(artifact.expansion);
   hash.text(artifact.temperatureSensor);
+  if (!artifact.serial.empty()) hash.text(artifact.serial);
+  for (const Stylus& s : artifact.styli) {
+    hash.text(s.name);
+    hash.number(s.tipRadius);
+    hash.vector(s.offset);
+    hash.word(s.known);
+  }
   hash.word(artifact.features.size());
   for (const Feature& f : artifact.features) {
     hash.word(static_cast<std::uint64_t>(f.kind));
@@ -85,6 +92,9 @@ void addObservation(Hash& hash, const Observation& o) {
   hash.numbers(o.deviation);
   hash.numbers(o.deviationStd);
   hash.word(static_cast<std::uint64_t>(o.setup));
+  for (const int index :
+       {o.placement, o.stylus, o.recording})  // what older files do not have changes nothing
+    if (index != 0) hash.word(static_cast<std::uint64_t>(index));
 }
 
 void addSeries(Hash& hash, const std::vector<Series>& all) {
@@ -109,6 +119,8 @@ std::string sessionHash(const Session& session) {
   addSeries(hash, session.covariates);
   hash.word(session.setups.size());
   for (const std::string& s : session.setups) hash.text(s);
+  for (const std::string& s : session.placements) hash.text(s);
+  for (const Recording& r : session.recordings) hash.text(r.hash);
   if (session.compensation.stated != ControllerCompensation::Stated::kNot)
     hash.text(session.compensation.inWords());
   return hash.digits();

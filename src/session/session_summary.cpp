@@ -139,9 +139,9 @@ std::string lossText(const Session& session) {
 }
 
 std::string setAsideText(const Session& session, const SetAside& aside) {
-  if (aside.field == kCopiedRow) return session.rowText(aside.row) + " " + aside.why;
+  if (aside.field == kCopiedRow) return session.rowText(aside.row, aside.recording) + " " + aside.why;
   if (!aside.observation && !aside.logged) return aside.field + " is set aside: " + aside.why;
-  return (aside.row > 0 ? session.rowText(aside.row) + ": " : "") +
+  return (aside.row > 0 ? session.rowText(aside.row, aside.recording) + ": " : "") +
          (aside.observation ? "the row is set aside: " : "a value is set aside: ") + aside.field + " = " +
          aside.value + ": " + aside.why;
 }

@@ -23,13 +23,14 @@ double SimulatedMachine::clearance(const Segment& segment, double part, int feat
   const ProbePose tip = chain_.pose(now.slide, physics_.distortion(now));
   const double artifactTemperature = now.bodies[physics_.artifactBody];
   const Eigen::Vector3d centre = physics_.artifact.centre(feature, artifactTemperature);
-  const Eigen::Vector3d from = tip.position - centre;
+  const Eigen::Vector3d from = tip.position + tip.orientation * offset_ - centre;
   const double distance = from.norm();
   const Eigen::Vector3d outward = from / distance;
   if (normal != nullptr) *normal = outward;
   const double preTravel = physics_.probe.preTravel(-(tip.orientation.transpose() * outward));
-  return distance - (physics_.artifact.radius(feature, outward, artifactTemperature) + artifact_.tipRadius +
-                     physics_.probe.radiusError - physics_.probe.wear * time - preTravel);
+  return distance -
+         (physics_.artifact.radius(feature, outward, artifactTemperature) + artifact_.tipRadiusOf(stylus_) +
+          physics_.probe.radiusError - physics_.probe.wear * time - preTravel);
 }
 
 std::optional<double> SimulatedMachine::findContact(const Segment& segment, int feature, double from) const {
@@ -89,8 +90,8 @@ Trip SimulatedMachine::latch(const Segment& segment, double part, int feature) {
   const Condition now = condition(at, trip.time);
   const ProbePose tip = chain_.pose(now.slide, physics_.distortion(now));
   trip.push = -normal;
-  trip.truePosition =
-      tip.position + physics_.probe.preTravel(-(tip.orientation.transpose() * normal)) * normal;
+  trip.truePosition = tip.position + tip.orientation * offset_ +
+                      physics_.probe.preTravel(-(tip.orientation.transpose() * normal)) * normal;
   return trip;
 }
 

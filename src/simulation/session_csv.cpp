@@ -55,8 +55,10 @@ std::string sessionCsv(const Session& session) {
   std::ostringstream out;
   out.precision(17);
   for (std::size_t c = 0; c < columns.size(); ++c) out << (c > 0 ? "," : "") << columns[c].first;
-  const bool features = !session.artifact.features.empty(), setups = !session.setups.empty();
-  out << (features ? ",feature" : "") << (setups ? ",setup" : "") << '\n';
+  const bool features = !session.artifact.features.empty(), setups = !session.setups.empty(),
+             placements = !session.placements.empty(), styli = !session.artifact.styli.empty();
+  out << (features ? ",feature" : "") << (setups ? ",setup" : "") << (placements ? ",placement" : "")
+      << (styli ? ",stylus" : "") << '\n';
   for (const Observation& o : session.observations) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const double value = columns[c].second(o);
@@ -65,6 +67,8 @@ std::string sessionCsv(const Session& session) {
     }
     if (features) out << ',' << (o.feature >= 0 ? session.artifact.features[o.feature].name : "");
     if (setups) out << ',' << (o.setup >= 0 ? session.setups[o.setup] : "");
+    if (placements) out << ',' << session.placements[o.placement];
+    if (styli) out << ',' << (o.feature >= 0 ? session.artifact.styli[o.stylus].name : "");
     out << '\n';
   }
   return out.str();

@@ -51,6 +51,7 @@ class Recorder {
   }
 
   void run(const PlanMove& move) {
+    stand(move);
     if (move.kind == MoveKind::kTouch) return touch(move);
     go(move);
     if (move.kind == MoveKind::kLaser) keep(machine_.readLaser(move.feature));
@@ -60,6 +61,7 @@ class Recorder {
   Simulation finish() {
     Session& session = result_.session;
     session.artifact = plan_.artifact;
+    for (const PlanPlacement& placement : plan_.placements) session.placements.push_back(placement.name);
     session.temperatures = machine_.temperatureLog();
     session.covariates = machine_.covariateLog();
     session.source = "simulation of " + plan_.source;
@@ -69,6 +71,30 @@ class Recorder {
   }
 
  private:
+  /// The operator turns the artifact, or changes the stylus, before the move. What is set down by hand lies
+  /// somewhat beside; an offset that is not known is somewhat beside the stated one.
+  void stand(const PlanMove& move) {
+    if (!plan_.placements.empty() && move.placement != placement_) {
+      const PlanPlacement& to = plan_.placements[static_cast<std::size_t>(move.placement)];
+      Random byHand(seed_, "placement " + to.name);
+      if (placement_ < 0) flat_ = machine_.artifact();
+      TrueArtifact artifact = flat_;
+      const auto beside = [&] { return settings_.placement.shift * byHand.normal(); };
+      const Eigen::Vector3d shift = to.shift + Eigen::Vector3d(beside(), beside(), beside());
+      artifact.turn(to.turn + settings_.placement.turn * byHand.normal(), to.about, shift);
+      machine_.putDown(artifact);
+      placement_ = move.placement;
+    }
+    if (plan_.artifact.styli.empty() || move.stylus == stylus_) return;
+    const Stylus& stylus = plan_.artifact.styli[static_cast<std::size_t>(move.stylus)];
+    Random making(seed_, "stylus " + stylus.name);
+    constexpr double kBeside = 50e-6;  // m: an offset that was read from a drawing
+    Eigen::Vector3d offset = stylus.offset;
+    for (int k = 0; k < 3 && !stylus.known; ++k) offset[k] += kBeside * making.normal();
+    machine_.takeStylus(move.stylus, offset);
+    stylus_ = move.stylus;
+  }
+
   void sample(double time, const std::vector<double>& velocity) {
     if (settings_.noise.missingVelocityShare == 0.0)
       result_.motion.push_back({time, machine_.readings(), velocity});
@@ -126,6 +152,8 @@ class Recorder {
     o.approach = trip->approach;
     o.laserReading = trip->laserReading;
     o.feature = trip->feature;
+    o.placement = std::max(0, placement_);
+    o.stylus = std::max(0, stylus_);
     if (draw < settings_.noise.missingVelocityShare) {
       std::fill(o.velocity.begin(), o.velocity.end(), kNotMeasured);
       std::fill(o.travel.begin(), o.travel.end(), 0.0);
@@ -160,6 +188,7 @@ class Recorder {
                                 (move.setup.empty() ? 0.0 : setupZero(move.setup, move.joint));
     } else {
       o.kind = ObservationKind::kPosition;
+      o.placement = std::max(0, placement_);
       o.reference = machine_.measurePosition();
     }
     TrueState state;
@@ -177,6 +206,8 @@ class Recorder {
   Simulation result_;
   std::uint64_t seed_;
   Random noise_;
+  int placement_ = -1, stylus_ = -1;
+  TrueArtifact flat_;  // as it lies where its file says
 };
 
 enum class Hide { kNothing, kAsked };

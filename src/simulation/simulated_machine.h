@@ -34,6 +34,11 @@ class SimulatedMachine {
   SimulatedMachine(Machine machine, Artifact artifact, InstrumentSettings settings, Physics physics,
                    std::uint64_t seed);
 
+  const TrueArtifact& artifact() const { return physics_.artifact; }  ///< as it lies now
+  void putDown(const TrueArtifact& artifact) { physics_.artifact = artifact; }
+  /// @param stylus index in the artifact's. @param offset true place of its tip from probe_tip, m.
+  void takeStylus(int stylus, const Eigen::Vector3d& offset) { stylus_ = stylus, offset_ = offset; }
+
   double time() const { return time_; }                              ///< s since switching on
   const std::vector<double>& readings() const { return drive_; }     ///< of the drives, m or rad
   const std::vector<double>& velocity() const { return velocity_; }  ///< m/s or rad/s
@@ -112,6 +117,8 @@ class SimulatedMachine {
   std::vector<Series> temperatureLog_, covariateLog_;
   std::optional<Trip> trip_;
   bool touching_ = false;
+  int stylus_ = 0;
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // of its tip from probe_tip, axes of probe_tip, m
 };
 
 }  // namespace mm

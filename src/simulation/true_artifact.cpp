@@ -53,6 +53,13 @@ void TrueArtifact::place(double distance, double turn, Random& random) {
   orientation = Eigen::AngleAxisd(turn, about.normalized()).toRotationMatrix();
 }
 
+void TrueArtifact::turn(double angle, const Eigen::Vector3d& about, const Eigen::Vector3d& by) {
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  origin = rotation * (origin - about) + about + by;
+  orientation = rotation * orientation;
+  turned_ = rotation * turned_;
+}
+
 void TrueArtifact::scatterFree(const Artifact& artifact, double distance, Random& random) {
   for (std::size_t f = 0; f < artifact.features.size(); ++f)
     if (!artifact.features[f].known) positions_[f] += distance * randomVector(random);
@@ -103,7 +110,8 @@ Eigen::Vector3d TrueArtifact::centre(int feature, double artifactTemperature) co
 
 double TrueArtifact::radius(int feature, const Eigen::Vector3d& normal, double artifactTemperature) const {
   const double stretch = 1.0 + expansion * (artifactTemperature - kReferenceTemperature);
-  return (radii_[feature] + radiusError[feature]) * stretch + forms_[feature].at(normal);
+  return (radii_[feature] + radiusError[feature]) * stretch +
+         forms_[feature].at(turned_.transpose() * normal);
 }
 
 }  // namespace mm

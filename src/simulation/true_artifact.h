@@ -17,6 +17,8 @@ class TrueArtifact {
 
   /// Lays it down somewhat shifted (m) and turned (rad), at random.
   void place(double shift, double turn, Random& random);
+  /// Turned about the vertical through a point of workpiece, then shifted (rad, m), from where it lies now.
+  void turn(double angle, const Eigen::Vector3d& about, const Eigen::Vector3d& by);
   /// Moves every feature whose position is not known, at random (m, standard deviation of each component).
   void scatterFree(const Artifact& artifact, double distance, Random& random);
   /// Form error of every ball: long random waves over its surface of this amplitude (m).
@@ -51,6 +53,7 @@ class TrueArtifact {
     /// m, outwards along a unit vector.
     double at(const Eigen::Vector3d& normal) const;
   };
+  Eigen::Matrix3d turned_ = Eigen::Matrix3d::Identity();  // since it was made: its forms turn with it
   std::vector<Eigen::Vector3d> positions_;
   std::vector<double> radii_;
   std::vector<Form> forms_;

@@ -29,7 +29,8 @@ namespace mm {
 namespace {
 
 struct CalibrateCommand {
-  std::string bag, model, output, method = "staged_mutation", curve, stages, prior, priorExcept;
+  Bags bags;
+  std::string model, output, method = "staged_mutation", curve, stages, prior, priorExcept;
   bool json = false, traditional = false, twoSteps = false;
   std::optional<std::size_t> population, generations;
   FitOptions fit;
@@ -105,7 +106,7 @@ int runCalibrate(CalibrateCommand& c) {
   options.niching.eliminate = !c.traditional;
   options.stagedMutation.validate();
   options.niching.validate();
-  c.files.input(c.bag);
+  for (const std::string& bag : c.bags.paths) c.files.input(bag);
   c.files.input(c.model);
   c.files.output("-o", c.output, FileKind::kCalibration);
   c.files.output("--curve", c.curve, FileKind::kCurve);
@@ -115,7 +116,7 @@ int runCalibrate(CalibrateCommand& c) {
   const std::filesystem::path folder = std::filesystem::path(c.model).parent_path();
   std::optional<Machine> machine;
   if (!model.machine.empty()) machine = Machine::load(model.machine, folder);
-  Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.fit.space);
+  Session session = loadSession(c.bags.joined(), machine ? &*machine : nullptr, c.fit.space);
   checkMachine(model, folder, session);
   checkEffects(model, c.model, session);
   const std::vector<Doubt> questions = askFirst(session);
@@ -139,7 +140,7 @@ int runCalibrate(CalibrateCommand& c) {
     for (const std::string& doubt : fitDoubts(done->result)) doubts.push_back(doubt);
   for (const std::string& doubt : doubts) std::cerr << "mm: warning: " << oneLine(doubt) << std::endl;
   const int status = verdictOf(done->result);
-  done->calibration.sessionSpace = bagSpace(c.bag, c.fit.space);
+  done->calibration.sessionSpace = bagSpace(c.bags.joined(), c.fit.space);
   if (!c.output.empty()) c.files.write(c.output, done->calibration);
   const bool angular = !std::isfinite(done->result.figures.rms);
   if (!c.curve.empty())
@@ -158,7 +159,7 @@ int runCalibrate(CalibrateCommand& c) {
     std::cout << calibrateText(done->result);
     std::cout << '\n';
     if (!c.output.empty()) std::cout << "written to " << c.output << '\n';
-    if (!done->result.cancelled) std::cout << nextText(done->result, c.bag, c.output);
+    if (!done->result.cancelled) std::cout << nextText(done->result, c.bags.joined(), c.output);
   }
   return status;
 }
@@ -168,7 +169,7 @@ int runCalibrate(CalibrateCommand& c) {
 void addCalibrateCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<CalibrateCommand>();
   CLI::App* command = app.add_subcommand("calibrate", "Finds the parameters of a model from a session");
-  command->add_option("bag", c->bag, "the session")->required();
+  c->bags.declare(*command);
   command->add_option("--model", c->model, "YAML: machine and effects")->required();
   command->add_option("-o,--output", c->output, "the calibration file");
   command->add_option("--method", c->method, "staged_mutation, niching or least_squares")
@@ -189,7 +190,8 @@ void addCalibrateCommand(CLI::App& app, int& exitStatus) {
   command->footer(
       "Exit status 1: not converged, or a parameter that this session does not determine and no convention\n"
       "fixes; the file is still written.\n"
-      "Example:\n  mm calibrate plate.bag --model model.yaml -o plate.yaml");
+      "Example:\n  mm calibrate plate.bag --model model.yaml -o plate.yaml\n"
+      "  mm calibrate monday.bag tuesday.bag --model model.yaml -o both.yaml");
   command->callback([c, &exitStatus] { exitStatus = runCalibrate(*c); });
 }
 

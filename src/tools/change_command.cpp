@@ -22,7 +22,9 @@ namespace mm {
 namespace {
 
 struct ChangeOptions {
-  std::string bag, effect, calibration, output;
+  std::vector<std::string> given;  // bags, and behind them the effect
+  Bags bags;
+  std::string effect, calibration, output;
   bool json = false, all = false;
   std::size_t most = 10;
   FitOptions fit;
@@ -83,8 +85,24 @@ int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
   return kAnswerIsNo;
 }
 
+/// What was given in one list: an effect is YAML in braces, and stands behind the bags.
+void takeGiven(ChangeOptions& c) {
+  for (const std::string& one : c.given) {
+    const bool isEffect = one.find('{') != std::string::npos || one.find("type:") != std::string::npos;
+    if (!c.effect.empty())
+      throw InputError("'" + one + "' stands behind the effect " + c.effect +
+                       "; name the bags first, and one effect");
+    if (isEffect)
+      c.effect = one;
+    else
+      c.bags.paths.push_back(one);
+  }
+  if (c.bags.paths.empty()) throw InputError("no session is named; give its bag before the effect");
+}
+
 int runChange(ChangeOptions& c, ModelChange change) {
-  c.files.input(c.bag);
+  takeGiven(c);
+  for (const std::string& bag : c.bags.paths) c.files.input(bag);
   c.files.calibration(c.calibration);
   c.files.output("-o", c.output, FileKind::kCalibration);
   c.files.check();
@@ -94,7 +112,7 @@ int runChange(ChangeOptions& c, ModelChange change) {
                            : "no effect is named; give one, e.g. '{type: backlash, axis: x}', or --all");
   const EffectSpec effect = c.all ? EffectSpec() : parseEffectSpec(c.effect, "effect");
   const Calibration before = loadCalibration(c.calibration);
-  const Session session = loadSession(c.bag, before, c.fit.space);
+  const Session session = loadSession(c.bags.joined(), before, c.fit.space);
   c.files.checkSession({sessionHash(session)});
   if (c.all) return runAll(c, session, before, options);
   std::optional<Recalibration> done;
@@ -120,8 +138,12 @@ int runChange(ChangeOptions& c, ModelChange change) {
 void declareChange(CLI::App& command, ModelChange change, bool all, const std::string& example,
                    int& exitStatus) {
   auto c = std::make_shared<ChangeOptions>();
-  command.add_option("bag", c->bag, "the session")->required();
-  command.add_option("effect", c->effect, "YAML: {type: backlash, axis: x}")->required(!all);
+  command
+      .add_option("bag", c->given,
+                  std::string("the session, or several that are judged together, then the effect as YAML: "
+                              "{type: backlash, axis: x}") +
+                      (all ? "; with --all no effect" : ""))
+      ->required();
   command.add_option("--calibration", c->calibration, "the calibration file")->required();
   command.add_option("-o,--output", c->output, "the new calibration file");
   command.add_flag("--json", c->json, "the result as JSON on standard output");

@@ -13,7 +13,8 @@ namespace mm {
 namespace {
 
 struct CheckCommand {
-  std::string bag, model, space;
+  Bags bags;
+  std::string model, space;
   bool json = false;
 };
 
@@ -25,7 +26,7 @@ int runCheck(const CheckCommand& c) {
     model = loadModelSpec(c.model);
     if (!model->machine.empty()) machine = Machine::load(model->machine, folder);
   }
-  const Session session = loadSession(c.bag, machine ? &*machine : nullptr, c.space);
+  const Session session = loadSession(c.bags.joined(), machine ? &*machine : nullptr, c.space);
   if (model) checkMachine(*model, folder, session);
   if (model) checkEffects(*model, c.model, session);
   const PointSet set = checkPointSet(session, model ? &*model : nullptr);
@@ -39,7 +40,7 @@ void addCheckCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<CheckCommand>();
   CLI::App* command =
       app.add_subcommand("check", "The point set before the fit: what was covered, what it can show");
-  command->add_option("bag", c->bag, "the session")->required();
+  c->bags.declare(*command);
   command->add_option("--model", c->model, "YAML: which of its parameters can be found");
   declareNamespace(*command, c->space);
   command->add_flag("--json", c->json, "the result as JSON on standard output");

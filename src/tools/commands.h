@@ -26,6 +26,7 @@ void addReportCommand(CLI::App& app, int& exitStatus);
 void addApplyCommand(CLI::App& app, int& exitStatus);
 void addUncertaintyCommand(CLI::App& app, int& exitStatus);
 void addCertificateCommand(CLI::App& app, int& exitStatus);
+void addArtifactCommand(CLI::App& app, int& exitStatus);
 void addExportCommand(CLI::App& app, int& exitStatus);
 void addHistoryCommand(CLI::App& app, int& exitStatus);
 void addPromoteCommand(CLI::App& app, int& exitStatus);

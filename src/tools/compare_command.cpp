@@ -16,7 +16,7 @@ namespace {
 void runCompare(const SessionAndCalibration& c) {
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
-  const Session session = loadSession(c.bag, calibration, c.fit.space);
+  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
   std::optional<CalibrationResult> compared;
   {
     ProgressBar bar("comparing");

@@ -21,13 +21,13 @@ struct DiagnoseCommand : SessionAndCalibration {
 };
 
 void runDiagnose(DiagnoseCommand& c) {
-  c.files.input(c.bag);
+  for (const std::string& bag : c.bags.paths) c.files.input(bag);
   c.files.input(c.calibration);
   c.files.output("--moves", c.moves, FileKind::kMoves);
   c.files.check();
   DiagnoseOptions options = c.fit.checkedForDiagnosis();
   const Calibration calibration = loadCalibration(c.calibration);
-  const Session session = loadSession(c.bag, calibration, c.fit.space);
+  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
   askFirst(session);
   std::optional<Diagnosis> diagnosis;
   {
@@ -44,7 +44,7 @@ void runDiagnose(DiagnoseCommand& c) {
   if (c.json)
     std::cout << diagnoseJson(*diagnosis) << '\n';
   else
-    std::cout << diagnoseText(*diagnosis, c.bag, c.calibration);
+    std::cout << diagnoseText(*diagnosis, c.bags.joined(), c.calibration);
 }
 
 }  // namespace

@@ -132,6 +132,7 @@ int run(int argc, char** argv) {
   mm::addApplyCommand(app, exitStatus);
   mm::addUncertaintyCommand(app, exitStatus);
   mm::addCertificateCommand(app, exitStatus);
+  mm::addArtifactCommand(app, exitStatus);
   mm::addExportCommand(app, exitStatus);
   mm::addHistoryCommand(app, exitStatus);
   mm::addPromoteCommand(app, exitStatus);

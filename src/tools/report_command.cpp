@@ -15,14 +15,15 @@ namespace mm {
 namespace {
 
 struct ReportCommand {
-  std::string bag, calibration, output = "report.html", plotly, serial, operatorName;
+  Bags bags;
+  std::string calibration, output = "report.html", plotly, serial, operatorName;
   std::vector<std::string> curves;
   FitOptions fit;
   OutputFiles files;
 };
 
 void runReport(ReportCommand& c) {
-  c.files.input(c.bag);
+  for (const std::string& bag : c.bags.paths) c.files.input(bag);
   c.files.input(c.calibration);
   c.files.input(c.plotly);
   for (const std::string& curve : c.curves) c.files.input(curve);
@@ -31,13 +32,13 @@ void runReport(ReportCommand& c) {
   const ReportFiles files = loadReportFiles(c.plotly);
   ReportOptions options;
   options.diagnose = c.fit.checkedForDiagnosis();
-  options.sessionPath = c.bag;
+  options.sessionPath = c.bags.joined();
   options.calibrationPath = c.calibration;
   options.serial = c.serial;
   options.operatorName = c.operatorName;
   for (const std::string& curve : c.curves) options.curves.push_back(readConvergenceCurve(curve));
   const Calibration calibration = loadCalibration(c.calibration);
-  const Session session = loadSession(c.bag, calibration, c.fit.space);
+  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
   std::optional<ReportContents> report;
   {
     ProgressBar bar("diagnosing");
@@ -54,7 +55,7 @@ void addReportCommand(CLI::App& app, int& /*exitStatus*/) {
   auto c = std::make_shared<ReportCommand>();
   CLI::App* command =
       app.add_subcommand("report", "One self-contained HTML page about a session and its calibration");
-  command->add_option("bag", c->bag, "the session")->required();
+  c->bags.declare(*command);
   command->add_option("--calibration", c->calibration, "the calibration file")->required();
   command->add_option("-o,--output", c->output, "the page")->capture_default_str();
   command->add_option("--curve", c->curves, "CSV of mm calibrate --curve; two are drawn beside each other")

@@ -23,9 +23,19 @@
 
 namespace mm {
 
+void Bags::declare(CLI::App& command, const std::string& session) {
+  command.add_option("bag", paths, session)->required();
+}
+
+std::string Bags::joined() const {
+  std::string text;
+  for (const std::string& path : paths) text += (text.empty() ? "" : ":") + path;
+  return text;
+}
+
 Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space) {
   ProgressBar bar("reading");
-  Session session = readSessionBag(bag, bar.callback(), fallback, {space, !space.empty()});
+  Session session = readSessionBags(bagPaths(bag), bar.callback(), fallback, {space, !space.empty()});
   Interrupt::check();
   if (!session.warning.empty())
     std::cerr << "mm: warning: " << oneLine(bag + ": " + session.warning) << std::endl;
@@ -108,7 +118,7 @@ DiagnoseOptions FitOptions::checkedForDiagnosis() const {
 }
 
 void SessionAndCalibration::declare(CLI::App& command, const std::string& session) {
-  command.add_option("bag", bag, session)->required();
+  bags.declare(command, session);
   command.add_option("--calibration", calibration, "the calibration file")->required();
   command.add_flag("--json", json, "the result as JSON on standard output");
 }

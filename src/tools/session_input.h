@@ -14,8 +14,17 @@ class App;
 
 namespace mm {
 
-/// Reads a session's bag with a progress bar; what is wrong with it, and what was set aside in
-/// it, is said on standard error.
+/// The sessions that a command is given: one bag, or several that are judged together.
+struct Bags {
+  std::vector<std::string> paths;
+
+  /// Adds the positional option. @param session in words.
+  void declare(CLI::App& command, const std::string& session = "the session; several are judged together");
+  std::string joined() const;  ///< "a.bag:b.bag", as services take them
+};
+
+/// Reads a session's bag, or several as "a.bag:b.bag", with a progress bar; what is wrong with it, and what
+/// was set aside in it, is said on standard error.
 /// @param fallback machine of a bag that does not bring its own; may be null. @param space of `--namespace`;
 /// empty: the only one that there is. @throw InputError.
 Session loadSession(const std::string& bag, const Machine* fallback, const std::string& space);
@@ -49,7 +58,8 @@ struct FitOptions {
 
 /// What commands are asked that judge a session by a calibration.
 struct SessionAndCalibration {
-  std::string bag, calibration;
+  Bags bags;
+  std::string calibration;
   bool json = false;
   FitOptions fit;
 

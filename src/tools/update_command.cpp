@@ -22,14 +22,14 @@ struct UpdateOptions : SessionAndCalibration {
 };
 
 int runUpdate(UpdateOptions& c) {
-  c.files.input(c.bag);
+  for (const std::string& bag : c.bags.paths) c.files.input(bag);
   c.files.calibration(c.calibration);
   c.files.output("-o", c.output, FileKind::kCalibration);
   c.files.check();
   CalibrateOptions options = c.fit.checked();
   const Calibration before = loadCalibration(c.calibration);
   c.files.checkSession({before.sessionHash});
-  const Session session = loadSession(c.bag, before, c.fit.space);
+  const Session session = loadSession(c.bags.joined(), before, c.fit.space);
   std::optional<Recalibration> done;
   {
     ProgressBar bar("updating");

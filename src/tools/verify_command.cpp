@@ -42,9 +42,9 @@ int runVerify(const VerifyCommand& c) {
   options.calibrate = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
   if (!c.exported.empty()) options.exported = std::make_shared<const LoadedExport>(c.exported, calibration);
-  const Session session = loadSession(c.bag, calibration, c.fit.space);
+  const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
   if (const std::string why = whyNotFresh(calibration, session); !why.empty())
-    std::cerr << "mm: warning: " << c.bag << ": " << why << std::endl;
+    std::cerr << "mm: warning: " << c.bags.joined() << ": " << why << std::endl;
   std::optional<Verification> found;
   {
     ProgressBar bar("verifying");

@@ -22,23 +22,24 @@ namespace {
 struct WorkbenchCommand {
   BenchOptions bench;
   ServerOptions server;
-  std::string bag, calibration, store, space;
+  Bags bags;
+  std::string calibration, store, space;
 };
 
 BenchSources sourcesOf(const std::string& space) {
   BenchSources sources;
   sources.readBag = [space](const std::filesystem::path& bag, const ProgressCallback& progress,
                             const Machine* fallback) {
-    return readSessionBag(bag, progress, fallback, {space, !space.empty()});
+    return readSessionBags(bagPaths(bag.string()), progress, fallback, {space, !space.empty()});
   };
-  sources.spaceOf = [space](const std::filesystem::path& bag) { return bagSpace(bag, space); };
+  sources.spaceOf = [space](const std::filesystem::path& bag) { return bagSpace(bag.string(), space); };
   sources.packageFolder = packageFolder;
   return sources;
 }
 
 int runWorkbench(WorkbenchCommand& c) {
   using namespace std::chrono_literals;
-  c.bench.bag = c.bag;
+  c.bench.bag = c.bags.joined();
   c.bench.calibration = c.calibration;
   c.bench.store = c.store;
   c.server.token = newToken();
@@ -59,7 +60,7 @@ void addWorkbenchCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<WorkbenchCommand>();
   CLI::App* command =
       app.add_subcommand("workbench", "The whole loop on a page in the browser, until Ctrl-C");
-  command->add_option("bag", c->bag, "the session")->required();
+  c->bags.declare(*command);
   command->add_option("--calibration", c->calibration,
                       "the calibration to begin with (default: a model without effects)");
   command->add_option("--port", c->server.port, "0: any that is free")

@@ -99,7 +99,13 @@ void checkStatements(const Session& session, const Calibration& calibration, con
 }  // namespace
 
 std::string whyNotFresh(const Calibration& calibration, const Session& session) {
-  if (calibration.sessionHash.empty() || calibration.sessionHash != sessionHash(session)) return {};
+  std::vector<std::string> used = {calibration.sessionHash}, asked = {sessionHash(session)};
+  for (const SessionPart& part : calibration.sessionParts) used.push_back(part.hash);
+  for (const Recording& part : session.recordings) asked.push_back(part.hash);
+  const auto isUsed = [&](const std::string& hash) {
+    return !hash.empty() && std::find(used.begin(), used.end(), hash) != used.end();
+  };
+  if (std::none_of(asked.begin(), asked.end(), isUsed)) return {};
   return "the calibration was fitted to this very session, so none of its points is fresh; measure a few "
          "others (mm plan verify says which) and verify with them";
 }

@@ -260,7 +260,10 @@ std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals&
   Json balls = Json::array();
   for (std::size_t f = 0; f < rows.session().artifact.features.size(); ++f) {
     const Feature& feature = rows.session().artifact.features[f];
-    const Eigen::Vector3d centre = fit.problem->featureInWorkpiece(static_cast<int>(f), fit.x) / kMillimetre;
+    const Eigen::Vector3d centre =
+        fit.problem->featureInWorkpiece(static_cast<int>(f), rows.session().placementOf(static_cast<int>(f)),
+                                        fit.x) /
+        kMillimetre;
     if (feature.kind == FeatureKind::kBall && centre.allFinite())
       balls.push_back({{"name", feature.name},
                        {"centre_mm", roundedList(centre, kPlaceStep)},

@@ -1,6 +1,7 @@
 #include "workflow/recalibration.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/utc_now.h"
@@ -16,7 +17,7 @@ namespace {
 bool angularOnly(const ResidualFigures& f) { return !std::isfinite(f.rms) && std::isfinite(f.rmsAngular); }
 
 LedgerEntry entryOf(const std::string& action, const EffectSpec& effect, const ResidualFigures& before,
-                    const ResidualFigures& after, const std::string& from) {
+                    const ResidualFigures& after, const std::string& from, const Session& session) {
   LedgerEntry entry;
   entry.action = action;
   entry.effect = effect;
@@ -27,6 +28,7 @@ LedgerEntry entryOf(const std::string& action, const EffectSpec& effect, const R
   entry.heldOutBefore = angular ? before.heldOutRmsAngular : before.heldOutRms;
   entry.heldOutAfter = angular ? after.heldOutRmsAngular : after.heldOutRms;
   entry.calibration = from;
+  for (const Recording& r : session.recordings) entry.sessions.push_back(r.source);
   return entry;
 }
 
@@ -73,13 +75,14 @@ Recalibration refit(const Session& session, const Calibration& calibration,
   done.calibration.toldSpace = calibration.toldSpace;
   done.calibration.ledger = calibration.ledger;
   done.calibration.ledger.push_back(
-      entryOf(action, effect, base.figures, done.result.figures, calibration.id));
+      entryOf(action, effect, base.figures, done.result.figures, calibration.id, session));
   return done;
 }
 
 CalibratedBy calibratedBy(const Artifact& artifact) {
   CalibratedBy by;
   by.name = artifact.name;
+  by.serial = artifact.serial;
   by.features = static_cast<std::int64_t>(artifact.features.size());
   by.poseKnown = artifact.poseKnown;
   by.tipRadius = artifact.tipRadius;
@@ -91,6 +94,54 @@ CalibratedBy calibratedBy(const Artifact& artifact) {
       if (g.known) by.span = std::max(by.span, (f.position - g.position).norm());
   }
   return by;
+}
+
+/// Where the features are in the artifact's frame: as its file says, where nothing was estimated; with what
+/// effects of the artifact do to them.
+std::vector<FoundInArtifact> foundInArtifact(const CalibrationResult& result) {
+  const Problem& problem = *result.problem;
+  const Artifact& artifact = problem.session().artifact;
+  const Model& model = problem.model();
+  std::vector<FoundInArtifact> all;
+  for (std::size_t i = 0; i < artifact.features.size(); ++i) {
+    const int feature = static_cast<int>(i);
+    const Feature& stated = artifact.features[i];
+    FoundInArtifact f;
+    f.name = stated.name;
+    f.ball = stated.kind == FeatureKind::kBall;
+    f.position = problem.featureInArtifact(feature, result.x);
+    f.radius = stated.radius;
+    Eigen::Vector3d variance = Eigen::Vector3d::Constant(std::pow(stated.positionStd, 2));
+    f.radiusStd = stated.radiusStd;
+    const auto varianceOf = [&](int unknown) {
+      const auto u = static_cast<std::size_t>(unknown);
+      return result.identifiability.fixed[u] != 0 ? 0.0 : result.covariance(unknown, unknown);
+    };
+    if (const int at = problem.find(UnknownKind::kFeature, feature); at >= 0) {
+      f.free = true;
+      for (int k = 0; k < 3; ++k) variance[k] = varianceOf(at + k);
+    }
+    if (const int at = problem.find(UnknownKind::kRadius, feature); at >= 0) {
+      f.radius += result.x[at];
+      f.radiusStd = std::sqrt(varianceOf(at));
+    }
+    for (int u = 0; u < model.parameterCount(); ++u) {
+      const EffectSpec& effect = model.effects()[static_cast<std::size_t>(model.effectOf(u))]->spec();
+      const bool position = effect.type == "artifact_position" && effect.text("feature") == f.name;
+      const bool radius = effect.type == "ball_radius" && effect.text("ball") == f.name;
+      if (!effect.text("from_session").empty() || (!position && !radius)) continue;
+      f.free = true;
+      const int k = u - model.offset(model.effectOf(u));
+      (position ? f.position[k] : f.radius) += result.x[u];
+      if (position)
+        variance[k] += varianceOf(u);
+      else
+        f.radiusStd = std::hypot(f.radiusStd, std::sqrt(varianceOf(u)));
+    }
+    f.std = variance.cwiseSqrt();
+    all.push_back(std::move(f));
+  }
+  return all;
 }
 
 }  // namespace
@@ -156,6 +207,8 @@ Calibration toCalibration(const CalibrationResult& result, const std::string& ma
     if (d.direction != "approach")
       c.drift.push_back({d.direction, d.std, d.timeConstant, d.smooth});  // that is the contact's
   c.artifact = calibratedBy(session.artifact);
+  c.artifact->found = foundInArtifact(result);
+  for (const Recording& r : session.recordings) c.sessionParts.push_back({r.source, r.hash});
   c.sessionSource = session.source;
   c.sessionHash = sessionHash(session);
   c.compensation = session.compensation;
@@ -183,7 +236,7 @@ Recalibration recalibrate(const Session& session, const ModelSpec& spec, const C
   Recalibration done;
   done.result = calibrate(session, modelFor(session, spec.effects), options);
   done.calibration = toCalibration(done.result, spec.machine);
-  done.calibration.ledger = {entryOf("calibrate", {}, done.result.before, done.result.figures, {})};
+  done.calibration.ledger = {entryOf("calibrate", {}, done.result.before, done.result.figures, {}, session)};
   return done;
 }
 

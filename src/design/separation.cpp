@@ -1,0 +1,78 @@
+#include "design/separation.h"
+
+#include <algorithm>
+#include <set>
+
+#include "effects/effect_words.h"
+#include "estimation/identifiability.h"
+#include "model/observed_domain.h"
+
+namespace mm {
+namespace {
+
+constexpr double kNoise = 1e-6;  // m: what is told and what is not are orders of magnitude apart
+
+/// Scales and squareness of the linear axes: what an artifact is measured for.
+std::vector<EffectSpec> geometryOf(const Machine& machine) {
+  std::vector<std::string> axes;
+  for (const Joint& joint : machine.joints())
+    if (joint.kind == JointKind::kLinear) axes.push_back(joint.name);
+  std::vector<EffectSpec> effects;
+  for (const std::string& axis : axes) effects.push_back(EffectSpec("scale").set("axis", axis));
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    for (std::size_t j = i + 1; j < axes.size(); ++j)
+      effects.push_back(EffectSpec("squareness").set("axis", axes[i]).set("of", axes[j]));
+  return effects;
+}
+
+/// Of each effect, whether it is told from errors of the artifact. Of a lost direction each effect that is
+/// part of it is lost with it.
+std::vector<char> toldFromArtifact(Session session, const std::vector<EffectSpec>& effects) {
+  for (Feature& f : session.artifact.features) {
+    f.known = false;
+    f.positionStd = 0.0;
+  }
+  const Problem problem(session, Model(session.machine, observedDomain(session), effects));
+  Eigen::VectorXd inverse = problem.sigmas(kNoise, kNoise).cwiseInverse();
+  for (int i = 0; i < inverse.size(); ++i)
+    if (!problem.uses(problem.rows()[static_cast<std::size_t>(i)].observation)) inverse[i] = 0.0;
+  const Identifiability found = identify(problem, problem.start(), inverse, true);
+  std::vector<char> told(effects.size(), 1);
+  constexpr double kPart = 0.05;  // of a unit vector
+  for (const LostDirection& lost : found.lost)
+    for (const auto& [unknown, part] : lost.direction) {
+      const Unknown& u = problem.unknowns()[static_cast<std::size_t>(unknown)];
+      if (u.kind == UnknownKind::kEffect && std::abs(part) > kPart)
+        told[static_cast<std::size_t>(u.owner)] = 0;
+    }
+  return told;
+}
+
+}  // namespace
+
+std::vector<Separation> separationsOf(const Session& session) {
+  std::vector<Separation> all;
+  std::set<int> features, styli;
+  for (const Observation& o : session.observations) {
+    if (o.kind != ObservationKind::kContact) continue;
+    features.insert(o.feature);
+    styli.insert(o.stylus);
+  }
+  constexpr std::size_t kLayout = 3;
+  if (features.size() < kLayout) return all;
+  const std::vector<EffectSpec> effects = geometryOf(session.machine);
+  const std::vector<char> told = toldFromArtifact(session, effects);
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    all.push_back(
+        {"the " + inWords(effects[e]) + " from errors of the artifact", told[e] != 0,
+         effects[e].type == "scale"
+             ? "one length that is known, and the artifact turned so that it lies along another axis"
+             : "the artifact turned about an axis square to both (a placement of its own)"});
+  all.push_back({"what a stylus does (lobing, radius) from what the machine does", styli.size() > 1,
+                 "the same balls touched with another stylus"});
+  all.push_back({"what changed between two sessions from what is always so", session.recordings.size() > 1,
+                 "a session of another day beside this one"});
+  return all;
+}
+
+}  // namespace mm
