@@ -122,7 +122,7 @@ void plainCeres(benchmark::State& state) {
     for (std::size_t b = 0; b < centres.size(); ++b)
       for (int k = 0; k < 3; ++k)
         centres[b][static_cast<std::size_t>(k)] =
-            s.problem.featureInWorkpiece(static_cast<int>(b), s.x)[k] / Contact::kLength;
+            s.problem.featureInWorkpiece(static_cast<int>(b), 0, s.x)[k] / Contact::kLength;
     ceres::Problem problem;
     for (std::size_t i = 0; i < data().readings.size(); ++i) {
       auto* contact = new Contact{data().readings[i], {}};

@@ -54,8 +54,8 @@ struct CalibratedBy {
   double span = 0.0;       // m, largest distance of two features of known position; 0: fewer than two
   double centreStd = 0.0;  // m, largest standard uncertainty of a known position; 0: taken as exact
   double radiusStd = 0.0;  // m, largest of a ball's radius; 0: taken as exact
-  std::string serial;
-  std::vector<FoundInArtifact> found;  // empty: the file does not tell
+  std::string serial = {};
+  std::vector<FoundInArtifact> found = {};  // empty: the file does not tell
 };
 
 /// A calibration: the model, its parameters and where it holds. Complete in itself (the URDF is inside). SI

@@ -81,7 +81,8 @@ void addAllTouches(const ResidualSpace& space, const Stand& stand, double end, S
   for (const Observation& o : session.observations) {
     if (o.kind != ObservationKind::kContact || o.placement != last || done[o.feature]++) continue;
     Observation like = o;
-    if (!stand.placement.empty()) like.placement = static_cast<int>(next.placements.size()) - 1;
+    if (next.placements.size() > session.placements.size())
+      like.placement = static_cast<int>(next.placements.size()) - 1;
     if (stand.stylus >= 0) like.stylus = stand.stylus;
     like.recording = session.observations.back().recording;
     const Eigen::Vector3d centre =
@@ -146,9 +147,10 @@ std::vector<Stand> standsOf(const ResidualSpace& space) {
 Session hypotheticalSession(const ResidualSpace& space, const Stand& stand) {
   const Session& session = space.problem().session();
   Session next = session;
-  if (!stand.placement.empty()) {
+  // it is another session, and where an artifact of unknown pose stands then is to be found anew
+  if (!stand.placement.empty() || session.poseFree(lastTouch(session).placement)) {
     if (next.placements.empty()) next.placements.emplace_back();
-    next.placements.push_back(stand.placement);
+    next.placements.push_back(stand.placement.empty() ? "then" : stand.placement);
   }
   const double end = session.observations.back().time;
   continueSeries(session, end, next);

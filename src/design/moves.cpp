@@ -13,7 +13,7 @@ std::string number(double v) { return format("%.9g", v); }
 
 std::string movesYaml(const std::vector<Move>& moves, const Session& session) {
   if (moves.empty()) return "";
-  std::string text = "name: next_measurement\n";
+  std::string text = kMovesBegin;
   if (!session.artifact.features.empty()) text += "artifact:\n" + artifactYaml(session.artifact, 2);
   if (session.hasLaser()) text += "probe: laser\n";
   std::string placements;

@@ -26,7 +26,9 @@ Eigen::MatrixXd columnsOf(const Linearisation& at, const Hypothesis& hypothesis)
       .unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
 }
 
-Move moveOf(const Problem& whole, const Eigen::VectorXd& x, const Observation& o, double end) {
+/// @param before the session that was measured. @param stand where the artifact is then.
+Move moveOf(const Session& before, const Stand& stand, const Problem& whole, const Eigen::VectorXd& x,
+            const Observation& o) {
   const Session& session = whole.session();
   Move move;
   for (int j = 0; j < session.machine.jointCount(); ++j) {
@@ -50,8 +52,11 @@ Move moveOf(const Problem& whole, const Eigen::VectorXd& x, const Observation& o
   if (o.kind == ObservationKind::kContact) {
     move.words.emplace_back("feature", session.artifact.features[o.feature].name);
     move.approach = {o.approach.x(), o.approach.y(), o.approach.z()};
-    if (!session.placements.empty() && !session.placements[o.placement].empty()) {
-      move.words.emplace_back("placement", session.placements[o.placement]);
+    std::string placement = stand.placement;
+    if (placement.empty() && before.recordings.empty() && !before.placements.empty())
+      placement = before.placements[static_cast<std::size_t>(before.observations.back().placement)];
+    if (!placement.empty()) {
+      move.words.emplace_back("placement", placement);
       const Eigen::Matrix3d rotation = whole.artifactRotation(o.placement, x);
       move.turn = std::atan2(rotation(1, 0), rotation(0, 0));
       move.shift = whole.artifactPlace(o.placement, x);
@@ -59,7 +64,7 @@ Move moveOf(const Problem& whole, const Eigen::VectorXd& x, const Observation& o
     if (!session.artifact.styli.empty())
       move.words.emplace_back("stylus", session.artifact.styli[o.stylus].name);
   }
-  if (o.time - end > 0.5 * kCooling) move.values.emplace_back("wait_s", kCooling);
+  if (o.time - before.observations.back().time > 0.5 * kCooling) move.values.emplace_back("wait_s", kCooling);
   return move;
 }
 
@@ -229,7 +234,8 @@ std::vector<Move> withOneWait(std::vector<std::pair<double, Move>> chosen) {
 
 /// One move after the other, each that which tells most of the rival that is told apart least; before them,
 /// where the artifact was turned, those that tell how it lies.
-void choose(const Views& views, std::vector<Imitation>& imitations, NextMeasurement& out) {
+void choose(const Views& views, const Stand& stand, std::vector<Imitation>& imitations,
+            NextMeasurement& out) {
   const Session& next = views.whole.session();
   const Session& measured = views.space.problem().session();
   const int before = static_cast<int>(measured.observations.size()),
@@ -253,7 +259,7 @@ void choose(const Views& views, std::vector<Imitation>& imitations, NextMeasurem
       out.rivals[r].deviations =
           std::sqrt(std::pow(out.rivals[r].deviations, 2) + imitations[r].measured(pick));
     const Observation& o = next.observations[static_cast<std::size_t>(before + pick)];
-    chosen.emplace_back(o.time, moveOf(views.whole, views.x, o, measured.observations.back().time));
+    chosen.emplace_back(o.time, moveOf(measured, stand, views.whole, views.x, o));
   }
   out.moves = withOneWait(std::move(chosen));
 }
@@ -280,7 +286,7 @@ NextMeasurement proposed(const ResidualSpace& space, const Stand& stand, const H
       out.rivals.push_back({imitations.back().same(), 0.0});
     }
     if (std::any_of(imitations.begin(), imitations.end(), [](const Imitation& r) { return !r.same(); }))
-      choose(views, imitations, out);
+      choose(views, stand, imitations, out);
   } catch (const InputError&) {
     out = {};  // the model cannot be evaluated at states that were not measured
   }

@@ -1,7 +1,9 @@
 #include "design/separation.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <tuple>
 
 #include "effects/effect_words.h"
 #include "estimation/identifiability.h"
@@ -25,13 +27,35 @@ std::vector<EffectSpec> geometryOf(const Machine& machine) {
   return effects;
 }
 
+/// One point for what a stylus touched of a feature in a placement: the shape of a ball tells something too,
+/// but as little as is known of its form.
+std::vector<Observation> centresOf(const Session& session) {
+  std::map<std::tuple<int, int, int, int>, std::vector<const Observation*>> groups;
+  for (const Observation& o : session.observations)
+    if (o.kind == ObservationKind::kContact)
+      groups[{o.feature, o.placement, o.stylus, o.recording}].push_back(&o);
+  std::vector<Observation> centres;
+  for (const auto& [key, group] : groups) {
+    Observation mean = *group.front();
+    for (std::size_t j = 0; j < mean.position.size(); ++j) {
+      mean.position[j] = 0.0;
+      for (const Observation* o : group)
+        mean.position[j] += o->position[j] / static_cast<double>(group.size());
+    }
+    centres.push_back(std::move(mean));
+  }
+  return centres;
+}
+
 /// Of each effect, whether it is told from errors of the artifact. Of a lost direction each effect that is
 /// part of it is lost with it.
 std::vector<char> toldFromArtifact(Session session, const std::vector<EffectSpec>& effects) {
   for (Feature& f : session.artifact.features) {
+    f.kind = FeatureKind::kPoint;
     f.known = false;
-    f.positionStd = 0.0;
+    f.positionStd = f.radius = f.radiusStd = 0.0;
   }
+  session.observations = centresOf(session);
   const Problem problem(session, Model(session.machine, observedDomain(session), effects));
   Eigen::VectorXd inverse = problem.sigmas(kNoise, kNoise).cwiseInverse();
   for (int i = 0; i < inverse.size(); ++i)

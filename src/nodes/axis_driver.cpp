@@ -182,7 +182,7 @@ void AxisDriver::cycle(double elapsed) {
       }
       for (const ProbeEdge& trip : seen->trips)
         publishLatch(toLatchMessage(trip, control_.axes(), stampOf(trip.time, control_.toHost(trip.time)),
-                                    trip.probing ? probedFeature() : ""));
+                                    trip.probing ? probed() : Meant()));
       if (stamp > lastStamp_) publishJoints(*seen, stamp);
       publishTemperatures(stamp);
       lastStamp_ = std::max(stamp, lastStamp_);
@@ -213,16 +213,16 @@ void AxisDriver::publishJoints(const MotionControl::Observation& seen, const ros
   truthOut_.publish(truth);
 }
 
-std::string AxisDriver::probedFeature() {
+Meant AxisDriver::probed() {
   const std::lock_guard<std::mutex> lock(goals_);
-  return feature_;
+  return meant_;
 }
 
-bool AxisDriver::latchLaser(const std::string& feature) {
+bool AxisDriver::latchLaser(const Meant& meant) {
   const std::optional<ProbeEdge> reading = control_.readLaser();
   if (reading)
     publishLatch(toLatchMessage(*reading, control_.axes(),
-                                stampOf(reading->time, control_.toHost(reading->time)), feature));
+                                stampOf(reading->time, control_.toHost(reading->time)), meant));
   return reading.has_value();
 }
 

@@ -28,6 +28,7 @@
 #include "drivers/motion_control.h"
 #include "nodes/listeners.h"
 #include "nodes/time_watch.h"
+#include "ros_bridge/axis_messages.h"
 #include "ros_bridge/direct_server.h"
 #include "session/travel_tracker.h"
 
@@ -78,7 +79,7 @@ class AxisDriver {
   void publishJoints(const MotionControl::Observation& seen, const ros::Time& stamp);
   void publishStatus(const MotionControl::View& view, const ros::Time& stamp);
   void publishMotion(const MotionControl::View& view, const ros::Time& stamp);
-  std::string probedFeature();
+  Meant probed();
   void publishLatch(measuring_machine::ProbeLatch latch);
   void publishTemperatures(const ros::Time& stamp);
   ros::Time stampOf(double controllerTime, double host) const;
@@ -88,7 +89,7 @@ class AxisDriver {
   void execute(const Asked& asked);
   void forgetGoal();
   AxesMotion motionOf(const measuring_machine::MoveGoal& goal) const;
-  bool latchLaser(const std::string& feature);
+  bool latchLaser(const Meant& meant);
 
   // Threads of actions and services.
   void takeGoal(Goal goal);
@@ -133,7 +134,7 @@ class AxisDriver {
   std::unique_ptr<Asked> next_, now_;
   std::unique_ptr<HomeServer::GoalHandle> nextHoming_;
   bool cancelled_ = false;  // the goal that is under way
-  std::string feature_;     // of the last goal that probes
+  Meant meant_;             // by the last goal that probes
 
   ros::CallbackQueue holdQueue_, leaseQueue_;  // before whoever calls into them: these outlive it
   AtOnce atOnce_;

@@ -249,7 +249,7 @@ void AxisDriver::moveAll() {
       now_ = std::move(next_);
       cancelled_ = false;
       const auto goal = now_->goal.getGoal();
-      if (goal->kind == measuring_machine::MoveGoal::PROBE) feature_ = goal->feature;
+      if (goal->kind == measuring_machine::MoveGoal::PROBE) meant_ = meantBy(*goal);
       asked = *now_;
     }
     execute(asked);
@@ -309,7 +309,7 @@ void AxisDriver::execute(const Asked& asked) {
     result.tripped = motion.probing && report.outcome == Outcome::kTripped;
     result.message = report.message;
     const bool done = report.outcome == Outcome::kReached || result.tripped;
-    if (done && goal->kind == measuring_machine::MoveGoal::LASER) result.tripped = latchLaser(goal->feature);
+    if (done && goal->kind == measuring_machine::MoveGoal::LASER) result.tripped = latchLaser(meantBy(*goal));
     if (done) return finish(&Goal::setSucceeded);
     if (report.outcome == Outcome::kStopped && result.message.rfind("cancelled", 0) == 0)
       return finish(&Goal::setCanceled);

@@ -17,6 +17,7 @@
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/node_support.h"
 #include "ros_bridge/residual_markers.h"
+#include "session/joined.h"
 #include "session/session_hash.h"
 #include "session/session_summary.h"
 
@@ -139,10 +140,13 @@ CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& 
     lastSpace_ = machineSpace();
     return last_ = std::make_shared<const Session>(live_.session(fallback));
   }
+  const bool beside = bag.back() == ':';  // "s.bag:" is that bag and the live session
+  const std::string recorded = beside ? bag.substr(0, bag.size() - 1) : bag;
   Session session =
-      readSessionBags(bagPaths(bag), [this](double share) { job_.step("reading the bag", share); }, &fallback,
-                      {node_.getNamespace(), false});
-  lastSpace_ = bagSpace(bag, node_.getNamespace());
+      readSessionBags(bagPaths(recorded), [this](double share) { job_.step("reading the bag", share); },
+                      &fallback, {node_.getNamespace(), false});
+  if (beside) session = joined({std::move(session), live_.session(fallback)});
+  lastSpace_ = beside ? machineSpace() : bagSpace(recorded, node_.getNamespace());
   if (!session.warning.empty()) ROS_WARN("%s: %s", bag.c_str(), session.warning.c_str());
   for (const std::string& line : setAsideLines(session)) ROS_WARN("%s: %s", bag.c_str(), line.c_str());
   return last_ = std::make_shared<const Session>(std::move(session));

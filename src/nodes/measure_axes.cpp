@@ -168,6 +168,8 @@ bool MeasureNode::drive(const Plan& plan, std::uint8_t kind, const std::vector<d
   goal.linear_speed = speed > 0.0 ? speed : plan.rapid;
   goal.rotary_speed = plan.rapidRotary;
   goal.feature = feature;
+  goal.placement = placement_;
+  goal.stylus = stylus_;
   goOn();
   keepLease();
   {

@@ -166,6 +166,7 @@ void MeasureNode::execute(const measuring_machine::MeasureGoalConstPtr& goal) {
   measuring_machine::MeasureResult result;
   feedback_ = {};
   paused_ = false;
+  stand_.clear();
   retried_ = left_ = 0;
   const auto fill = [&](const std::string& message) {
     result.contacts = feedback_.contacts;
@@ -235,6 +236,7 @@ void MeasureNode::runFrom(const Plan& plan, std::size_t first) {
   for (std::size_t m = first; m < plan.moves.size(); ++m) {
     const PlanMove& move = plan.moves[m];
     tell(plan, m);
+    askFor(plan, move);
     holdWhilePaused();
     if (move.kind == MoveKind::kGo) {
       drive(plan, measuring_machine::MoveGoal::GO, move.position, move.speed, {});
@@ -281,6 +283,22 @@ void MeasureNode::holdWhilePaused() {
     server_.publishFeedback(feedback_);
   }
   feedback_.paused = false;
+}
+
+void MeasureNode::askFor(const Plan& plan, const PlanMove& move) {
+  const std::string stand = plan.standText(move);
+  placement_ = plan.placements.empty() ? "" : plan.placements[static_cast<std::size_t>(move.placement)].name;
+  stylus_ =
+      plan.artifact.styli.empty() ? "" : plan.artifact.styli[static_cast<std::size_t>(move.stylus)].name;
+  if (stand == stand_) return;
+  const bool first = stand_.empty();
+  stand_ = stand;
+  if (first) return;  // as it stands when a plan begins
+  feedback_.asks = "set up " + stand + ", then go on";
+  ROS_INFO("%s", feedback_.asks.c_str());
+  paused_ = true;
+  holdWhilePaused();
+  feedback_.asks.clear();
 }
 
 void MeasureNode::tell(const Plan& plan, std::size_t move) {

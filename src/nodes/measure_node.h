@@ -32,9 +32,11 @@ namespace mm {
 /// contacts so far. Owns the axes while it runs, by a lease that it renews on a connection of its own: a stop
 /// takes it away, and so ends the plan wherever it is; what ends this node, or the one whose lease the plan
 /// is, stops the axes. A touch that brings no contact is tried again, and set aside when none comes; how
-/// often is said at the end. Parameters: `retries` of a touch, `give_up` (misses in a row that end the plan),
-/// `contact_timeout` (s between a trip and its contact), `release_timeout` (s for the probe to open after it
-/// was backed off), `compensation` (what the controller compensates: none, or a folder as of `mm import
+/// often is said at the end. Where the plan turns the artifact or changes the stylus it pauses, says what it
+/// asks for (feedback `asks`), and goes on when `~pause` is called with false. Parameters: `retries` of a
+/// touch, `give_up` (misses in a row that end the plan), `contact_timeout` (s between a trip and its
+/// contact), `release_timeout` (s for the probe to open after it was backed off), `compensation` (what the
+/// controller compensates: none, or a folder as of `mm import
 /// --compensation`), which is published as `controller_compensation`, latched.
 class MeasureNode {
  public:
@@ -87,6 +89,8 @@ class MeasureNode {
   bool touches();
   void pauseFor(double seconds);
   void holdWhilePaused();
+  /// Asks for the placement and stylus of a move, and waits until the operator says that they are there.
+  void askFor(const Plan& plan, const PlanMove& move);
   void tell(const Plan& plan, std::size_t move);
   bool waitForContact(std::uint64_t before);
   std::uint64_t contactsSeen();
@@ -104,11 +108,12 @@ class MeasureNode {
   int left_ = 0;                 // ways back from a surface that the probe ended
   measuring_machine::MeasureFeedback feedback_;
   std::atomic<bool> paused_{false};
-  std::uint32_t measured_ = 0;       // contacts in the session
-  bool leaving_ = false;             // the way back from a touch
-  std::atomic<bool> cancel_{false};  // of the goal under way, or another goal has come
-  ros::Time announced_;              // the stamp of the session
-  std::string announcedPlan_;        // its text
+  std::uint32_t measured_ = 0;              // contacts in the session
+  std::string stand_, placement_, stylus_;  // of the move under way
+  bool leaving_ = false;                    // the way back from a touch
+  std::atomic<bool> cancel_{false};         // of the goal under way, or another goal has come
+  ros::Time announced_;                     // the stamp of the session
+  std::string announcedPlan_;               // its text
   std::mutex mutex_;
   std::condition_variable contact_;            // or arrival
   std::uint64_t contacts_ = 0;                 // seen on /probe/contact

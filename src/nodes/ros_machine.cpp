@@ -217,7 +217,9 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
     measuring_ = "move " + std::to_string(feedback.move + 1) + " of " + std::to_string(feedback.moves) +
                  ", " + std::to_string(feedback.contacts) + " contacts" +
                  (feedback.feature.empty() ? "" : ", on " + feedback.feature) +
-                 (feedback.paused ? ", paused" : "");
+                 (!feedback.asks.empty() ? "; waits: " + feedback.asks
+                  : feedback.paused      ? ", paused"
+                                         : "");
     share_ = feedback.progress;
   });
   bool asked = false, gone = false;

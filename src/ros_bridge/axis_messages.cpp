@@ -101,7 +101,7 @@ Homing homingOf(const sensor_msgs::JointState& message) {
 }
 
 measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& trip, const std::vector<std::string>& axes,
-                                             const ros::Time& stamp, const std::string& feature) {
+                                             const ros::Time& stamp, const Meant& meant) {
   measuring_machine::ProbeLatch message;
   message.header.stamp = stamp;
   message.header.frame_id = "workpiece";
@@ -110,7 +110,9 @@ measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& trip, const std::v
   message.position = trip.position;
   message.velocity = trip.velocity;
   message.laser_reading = trip.laserReading;
-  message.feature = feature;
+  message.feature = meant.feature;
+  message.placement = meant.placement;
+  message.stylus = meant.stylus;
   message.time_uncertainty = trip.timeUncertainty;
   message.actual = trip.actual;
   return message;
@@ -126,6 +128,8 @@ measuring_machine::ProbeContact contactOf(const measuring_machine::ProbeLatch& t
   contact.header = trip.header;
   contact.laser_reading = trip.laser_reading;
   contact.feature = trip.feature;
+  contact.placement = trip.placement;
+  contact.stylus = trip.stylus;
   for (const Joint& joint : machine.joints()) {
     const bool own = std::count(trip.name.begin(), trip.name.end(), joint.name) > 0;
     const std::optional<JointAtTrip> at =

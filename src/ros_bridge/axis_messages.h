@@ -28,9 +28,19 @@ sensor_msgs::JointState toJointState(const std::vector<std::string>& axes, const
 /// Also of recordings in which the frame says "homed at 1795316193.267980268" or "not homed".
 Homing homingOf(const sensor_msgs::JointState& message);
 
+/// What a probing move means to touch, and where.
+struct Meant {
+  std::string feature, placement, stylus;
+};
+/// @param goal a MoveGoal.
+template <typename Goal>
+Meant meantBy(const Goal& goal) {
+  return {goal.feature, goal.placement, goal.stylus};
+}
+
 /// What the controller latched at a trip of the probe, or as the laser was read, m and rad.
 measuring_machine::ProbeLatch toLatchMessage(const ProbeEdge& trip, const std::vector<std::string>& axes,
-                                             const ros::Time& stamp, const std::string& feature);
+                                             const ros::Time& stamp, const Meant& meant);
 
 /// How far latches of several controllers may be apart, by what the joints move in the time between them.
 struct LatchTolerance {

@@ -132,6 +132,12 @@ int placeOf(std::vector<std::string>& names, const std::string& name) {
   return static_cast<int>(names.size()) - 1;
 }
 
+/// What a session is, or is joined of.
+std::vector<Recording> partsOf(const Session& session) {
+  if (!session.recordings.empty()) return session.recordings;
+  return {{session.source, sessionHash(session), session.rowFile, 0.0}};
+}
+
 /// In the order of time. @return begin of each, s from that of the first.
 std::vector<double> inOrder(std::vector<Session>& sessions, std::string& warning) {
   const bool dated =
@@ -156,15 +162,16 @@ std::vector<double> inOrder(std::vector<Session>& sessions, std::string& warning
 
 Session joined(std::vector<Session> sessions) {
   if (sessions.size() == 1) return std::move(sessions.front());
-  std::vector<std::string> hashes;
-  for (const Session& s : sessions) {
-    const std::string hash = sessionHash(s);
-    const auto same = std::find(hashes.begin(), hashes.end(), hash);
-    if (same != hashes.end())
-      refuse(s, sessions[static_cast<std::size_t>(same - hashes.begin())], "is the same session as",
-             "give each session once");
-    hashes.push_back(hash);
-  }
+  std::vector<std::pair<std::string, std::string>> seen;  // hash, source
+  for (const Session& s : sessions)
+    for (const Recording& part : partsOf(s)) {
+      const auto same =
+          std::find_if(seen.begin(), seen.end(), [&](const auto& p) { return p.first == part.hash; });
+      if (same != seen.end())
+        throw InputError(part.source + ": is the same session as " + same->second +
+                         "; give each session once");
+      seen.emplace_back(part.hash, part.source);
+    }
   std::string warning;
   const std::vector<double> begins = inOrder(sessions, warning);
   Session out(sessions.front().machine);
@@ -175,23 +182,30 @@ Session joined(std::vector<Session> sessions) {
   for (const Session& s : sessions) namesIn.insert(nameOf(s));
   for (std::size_t r = 0; r < sessions.size(); ++r) {
     Session& s = sessions[r];
-    const int recording = static_cast<int>(r);
+    const int recording = static_cast<int>(out.recordings.size());
+    const bool several = !s.recordings.empty();  // its placements and setups are told by session already
     const std::string own = namesIn.count(nameOf(s)) > 1 ? s.source : nameOf(s);
     out.source += (r > 0 ? ":" : "") + s.source;
-    out.recordings.push_back({s.source, sessionHash(s), s.rowFile, begins[r]});
+    for (Recording part : partsOf(s)) {
+      part.begin += begins[r];
+      out.recordings.push_back(std::move(part));
+    }
     if (!s.warning.empty()) warning += (warning.empty() ? "" : "; ") + own + ": " + s.warning;
     takeArtifact(out, s);
     if (out.artifact.serial.empty()) out.artifact.serial = s.artifact.serial;
     for (Observation& o : s.observations) {
       const std::string placement =
           s.placements.empty() ? "" : s.placements[static_cast<std::size_t>(o.placement)];
-      const bool ownPlace =
-          placement.empty() && o.kind != ObservationKind::kDeviation && s.poseFree(o.placement);
-      o.placement = placeOf(out.placements, ownPlace ? own : placement);
-      if (o.setup >= 0)
-        o.setup = placeOf(out.setups, own + ": " + s.setups[static_cast<std::size_t>(o.setup)]);
+      const bool known =
+          placement.empty() && (o.kind == ObservationKind::kDeviation || !s.poseFree(o.placement));
+      const std::string behind = placement.empty() ? "" : ": " + placement;
+      o.placement = placeOf(out.placements, known ? "" : several ? placement : own + behind);
+      if (o.setup >= 0) {
+        const std::string& setup = s.setups[static_cast<std::size_t>(o.setup)];
+        o.setup = placeOf(out.setups, several ? setup : own + ": " + setup);
+      }
       o.time += begins[r];
-      o.recording = recording;
+      o.recording += recording;
       out.observations.push_back(std::move(o));
     }
     takeSeries(out.temperatures, s.temperatures, begins[r], s);
@@ -201,7 +215,7 @@ Session joined(std::vector<Session> sessions) {
                        [&](const AssumedInput& b) { return a.joint == b.joint && a.how == b.how; }))
         out.assumed.push_back(a);
     for (SetAside aside : s.setAside) {
-      aside.recording = recording;
+      aside.recording += recording;
       out.setAside.push_back(std::move(aside));
     }
   }

@@ -1,5 +1,7 @@
 // Who may move the machine, and what stops it.
 #include "base/error.h"
+#include "base/text.h"
+#include "design/moves.h"
 #include "workbench/bench.h"
 #include "workbench/sent_yaml.h"
 
@@ -133,7 +135,8 @@ WebAnswer Bench::motion(const std::string& name, const RequestBody& body, const 
         return job_.cancelled() || !held(arming);
       });
     }
-    return measured + "; " + work_.openLive();
+    // what a diagnosis proposed is answered with what it was proposed for
+    return measured + "; " + work_.openLive(startsWith(checked, kMovesBegin));
   });
 }
 

@@ -12,6 +12,7 @@
 #include "import/import_file.h"
 #include "model/observed_domain.h"
 #include "report/json.h"
+#include "session/joined.h"
 #include "session/session_summary.h"
 #include "workbench/calibration_documents.h"
 #include "workbench/compact_json.h"
@@ -178,12 +179,13 @@ std::string BenchWork::importTable(const std::filesystem::path& file, const std:
   return shownAs + ": " + std::to_string(session_->observations.size()) + " observations; " + how;
 }
 
-std::string BenchWork::openLive() {
+std::string BenchWork::openLive(bool beside) {
   if (live_ == nullptr) throw InputError("no machine is there: this workbench shows a recorded session");
   space_ = live_->space();
   origin_ = UrdfOrigin::kThisComputer;
-  take(live_->session(), "live session");
-  return "live session: " + std::to_string(session_->observations.size()) + " observations";
+  const std::string shownAs = beside && session_ ? shownAs_ + " and its moves" : "live session";
+  take(beside && session_ ? joined({*session_, live_->session()}) : live_->session(), shownAs);
+  return shownAs + ": " + std::to_string(session_->observations.size()) + " observations";
 }
 
 /// What a machine without any correction leaves: the first "before".

@@ -54,7 +54,9 @@ class BenchWork {
   std::string open(const std::filesystem::path& bag, const std::string& shownAs);
   /// A table of measurements of the same machine and artifact.
   std::string importTable(const std::filesystem::path& file, const std::string& shownAs);
-  std::string openLive();  ///< what the machine has measured so far
+  /// What the machine has measured so far. @param beside with the session in hand, as moves that its
+  /// diagnosis proposed.
+  std::string openLive(bool beside = false);
   /// @param model YAML: {effects: […]}; empty: the effects of the calibration in use. No file that it names
   /// is opened.
   std::string calibrate(const std::string& model, const std::string& method, std::uint64_t seed);

@@ -123,6 +123,20 @@ class Instrument(unittest.TestCase):
         self.assertIn("not homed", self.end()[1])
         self.assertTrue(self.call("axis_driver/home").success)
 
+    def test_5b_a_plan_asks_for_a_placement(self):
+        contacts, told = [], []
+        with open(PLAN) as f:
+            plan = f.read() + "placements: [{name: flat}, {name: again}]\n"
+        rospy.Subscriber("probe/contact", ProbeContact, contacts.append)
+        self.measure.send_goal(MeasureGoal(plan=plan), feedback_cb=told.append)
+        self.assertTrue(support.wait_until(lambda: told and told[-1].asks, 60))
+        self.assertIn("placement 'again'", told[-1].asks)
+        self.assertTrue(told[-1].paused)
+        self.assertEqual({c.placement for c in contacts}, {"flat"})
+        self.call("measure/pause", SetBool, False)
+        self.assertTrue(support.wait_until(lambda: self.measure.get_state() == GoalStatus.SUCCEEDED, 60))
+        self.assertEqual({c.placement for c in contacts}, {"flat", "again"})
+
     def test_5_a_plan_with_pause_cancel_and_resume(self):
         contacts, temperatures, told = [], [], []
         with open(PLAN) as f:  # long enough for a status, which comes twice a second

@@ -65,7 +65,11 @@ inline Calibration exampleCalibration(double rms = 0.31e-6) {
   c.heldOutRmsAngular = std::numeric_limits<double>::quiet_NaN();
   c.chi2PerDof = 1.02;
   c.degreesOfFreedom = 16289;
-  c.artifact = CalibratedBy{"plate: \"no. 7\"", 9, false, 1e-3, 0.1 + 0.2, 2e-7, 1e-7};
+  c.artifact = CalibratedBy{"plate: \"no. 7\"", 9, false, 1e-3, 0.1 + 0.2, 2e-7, 1e-7, "A 17", {}};
+  c.artifact->found.push_back({"b0", true, true, {0.1, 0.2, 1.0 / 3.0}, {1e-7, 2e-7, 3e-7}, 4e-3, 1e-7});
+  c.sessionParts = {{"monday.bag", "0123"}, {"tuesday.bag", "4567"}};
+  c.domain.styli = {"A", "B: long"};
+  c.domain.recordings = 2;
   c.repeatability = 0.3e-6;
   c.repeatabilityFrom = "declared";
   LedgerEntry first;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "design/separation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/wording.h"
 #include "estimation/calibrate.h"
@@ -44,7 +45,8 @@ TEST(Placements, EachHasAPose) {
   EXPECT_TRUE(r.problem->poseFree(0) && r.problem->poseFree(1) && r.problem->poseFree(2));
   EXPECT_NEAR(r.x[0], 100e-6, 4.0 * r.std(0));
   EXPECT_NEAR(r.x[1], 200e-6, 4.0 * r.std(1));
-  EXPECT_NEAR(r.figures.rms, plate.noise, 0.05 * plate.noise);
+  const double n = r.problem->rowCount(), free = n - r.problem->unknownCount();
+  EXPECT_NEAR(r.figures.rms, plate.noise * std::sqrt(free / n), 4.0 * plate.noise / std::sqrt(2.0 * n));
 }
 
 TEST(Placements, TurningThePlateTellsItsErrorsFromTheMachines) {
@@ -55,13 +57,13 @@ TEST(Placements, TurningThePlateTellsItsErrorsFromTheMachines) {
   for (Feature& f : plate.artifact.features) f.known = false;
   const std::vector<EffectSpec> model = {scaleOf("x"), scaleOf("y"), squareness()};
   const CalibrationResult one = fitted(plate.session("a.bag", {0.0}), model);
-  EXPECT_EQ(one.identifiability.lost.size(), 3U) << "one placement cannot tell them from the plate's";
 
   const Session turned = plate.session("b.bag", {0.0, kQuarter, 2.0 * kQuarter, 3.0 * kQuarter});
   const CalibrationResult r = fitted(turned, model);
-  ASSERT_EQ(r.identifiability.lost.size(), 1U) << "one length is missing";
+  // one placement tells them by the shape of the balls alone, several by their places too
+  EXPECT_LT(r.std(2), 0.2 * one.std(2));
   EXPECT_NEAR(r.x[2], 150e-6, 4.0 * r.std(2));
-  EXPECT_NEAR(r.x[0] - r.x[1], 60e-6, 4e-6) << "the difference of the scales";
+  EXPECT_NEAR(r.x[0] - r.x[1], 60e-6, 3e-6) << "the difference of the scales";
   // distances of balls, but for the scale
   const auto at = [&](int f) { return r.problem->featureInArtifact(f, r.x); };
   const auto truth = [&](int f) {
@@ -98,7 +100,7 @@ TEST(Placements, WhatBeganBetweenTwoSessionsIsTheSecondOnes) {
       joined({plate.session("monday.bag", {0.0}, 0), plate.session("tuesday.bag", {0.0}, 1)});
   const Diagnosis d = diagnose(both, modelOf(both, {scaleOf("x")}), {});
   ASSERT_EQ(d.missing.size(), 1U) << d.sentence;
-  EXPECT_EQ(d.missing[0].effect, scaleOf("x").set("from_session", 2.0));
+  EXPECT_EQ(d.missing[0].effect.yaml(), scaleOf("x").set("from_session", 2.0).yaml()) << d.sentence;
   EXPECT_EQ(ownerOf(d.missing[0].effect, d), "session tuesday.bag");
   EXPECT_THAT(d.sentence, HasSubstr("it began between monday.bag and tuesday.bag"));
   EXPECT_NEAR(d.missing[0].parameters[0].value, 200.0, 3.0 * d.missing[0].parameters[0].std);
@@ -119,6 +121,24 @@ TEST(Placements, WhatOneStylusDoesIsItsOwn) {
   ASSERT_FALSE(d.missing.empty()) << d.sentence;
   EXPECT_EQ(d.missing[0].effect.type, "probe_lobing");
   EXPECT_EQ(ownerOf(d.missing[0].effect, d), "stylus B");
+}
+
+TEST(Placements, ASetSaysWhatItTellsApart) {
+  test::TurnedPlate plate(16);
+  const auto told = [](const Session& session, const std::string& what) {
+    for (const Separation& s : separationsOf(session))
+      if (s.what.find(what) != std::string::npos) return s.told;
+    ADD_FAILURE() << what;
+    return false;
+  };
+  const std::string square = "squareness of y to x";
+  const Session flat = plate.session("a.bag", {0.0}), turned = plate.session("b.bag", {0.0, kQuarter});
+  EXPECT_FALSE(told(flat, square));
+  EXPECT_TRUE(told(turned, square));
+  EXPECT_FALSE(told(turned, "squareness of z to x")) << "turned about the vertical alone";
+  EXPECT_FALSE(told(turned, "scale of x")) << "one length is missing";
+  EXPECT_FALSE(told(turned, "two sessions"));
+  EXPECT_TRUE(told(joined({flat, turned}), "two sessions"));
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "effects/effect_words.h"
+#include "effects/registry.h"
 #include "model/observed_domain.h"
 #include "model/session_states.h"
 
@@ -91,7 +93,11 @@ TEST(SessionStates, areTheInputsAtEachObservation) {
   EXPECT_DOUBLE_EQ(states[0].history->lagged(1, 0.0, 30.0, nullptr), 26.0);
   EXPECT_EQ(states[0].approach.norm(), 0.0);
 
-  states.aim({{0, 0, 0}, {0.0, 0.0, 0.010}});
+  GeometricStart start;
+  start.poses.resize(1);
+  start.features = {{0, 0, 0}, {0.0, 0.0, 0.010}};
+  start.offsets = {Eigen::Vector3d::Zero()};
+  states.aim(start);
   EXPECT_LT((states[0].approach - Eigen::Vector3d(-1, 0, 1).normalized()).norm(), 1e-12);
   EXPECT_EQ(states[2].approach, Eigen::Vector3d(0, -1, 0));  // recorded
 }
@@ -211,6 +217,40 @@ TEST(Model, isUnknownWhereAnInputIs) {
   EXPECT_TRUE(model.corrected(state, p.data(), work).position.allFinite());
   state.temperature[0] = kNotMeasured;
   EXPECT_FALSE(model.corrected(state, p.data(), work).position.allFinite());
+}
+
+TEST(OwnedEffect, ActsFromItsSessionOnAndWithItsStylus) {
+  Domain domain = domainOverTravel(Machine::load("three_axis"));
+  domain.recordings = 2;
+  domain.styli = {"A", "B"};
+  const auto errorOf = [&](const EffectSpec& spec, int recording, int stylus, const Domain& in) {
+    Model model(Machine::load("three_axis"), in, {spec});
+    State state;
+    state.position = {0.01, 0.0, 0.0};
+    state.velocity = state.travel = {0.0, 0.0, 0.0};
+    state.recording = recording;
+    state.stylus = stylus;
+    model.place(state);
+    Model::Workspace work;
+    const double p[] = {1e-3};
+    return model.corrected(state, p, work).position.x() - 0.01;
+  };
+  const EffectSpec later = EffectSpec("scale").set("axis", "x").set("from_session", 2.0);
+  EXPECT_EQ(errorOf(later, 0, 0, domain), 0.0);
+  EXPECT_NEAR(errorOf(later, 1, 0, domain), 1e-5, 1e-12);
+  EXPECT_NEAR(errorOf(later, State().recording, 0, domain), 1e-5, 1e-12) << "and what comes after them";
+  Domain one = domain;
+  one.recordings = 1;
+  EXPECT_NEAR(errorOf(later, 0, 0, one), 1e-5, 1e-12) << "a session that is none of them is later";
+  const EffectSpec ofB = EffectSpec("scale").set("axis", "x").set("stylus", "B");
+  EXPECT_EQ(errorOf(ofB, 0, 0, domain), 0.0);
+  EXPECT_NEAR(errorOf(ofB, 0, 1, domain), 1e-5, 1e-12);
+  const EffectPtr effect = createEffect(later, domain);
+  EXPECT_EQ(effect->spec().yaml(), "{type: scale, axis: x, from_session: 2}");
+  EXPECT_EQ(inWords(effect->spec()), "scale of x, from session 2 on");
+  EXPECT_THROW(createEffect(EffectSpec(later).set("from_session", 3.0), domain), InputError);
+  EXPECT_THROW(createEffect(EffectSpec(later).set("from_session", "two"), domain), InputError);
+  EXPECT_THROW(createEffect(EffectSpec(ofB).set("stylus", "C"), domain), InputError);
 }
 
 }  // namespace

@@ -552,5 +552,99 @@ TEST_F(BagSession, SensorsWithSpacesKeepTheirNames) {
   EXPECT_EQ(messages, 30u) << "a name that a replay can publish";
 }
 
+TEST_F(BagSession, KeepsPlacementsAndStyli) {
+  const Artifact artifact = parseArtifact(
+      "name: plate\nserial: P7\npose: free\nprobe: {styli: [{name: A, tip_radius_mm: 1}, {name: B, "
+      "tip_radius_mm: "
+      "2}]}\nballs:\n  - {name: b0, centre_mm: [0, 0, 0], radius_mm: 4}\n",
+      "plate.yaml");
+  const Session s = readContactsCsv(folder_.write("c.csv",
+                                                  "time_s,x_mm,feature,placement,stylus,reference_x_mm\n"
+                                                  "0,5,b0,flat,B,\n1,6,b0,turned,A,\n2,6,,flat,,1\n"),
+                                    Machine::load("three_axis"), &artifact);
+  writeSessionBag(s, folder_.path("s.bag"));
+  const Session bag = readSessionBag(folder_.path("s.bag"));
+  EXPECT_EQ(sessionHash(bag), sessionHash(s));
+  EXPECT_EQ(bag.placements, s.placements);
+  EXPECT_EQ(bag.observations[0].stylus, 1);
+  EXPECT_FALSE(bag.artifact.styli[1].known);
+}
+
+/// A message of an older version: that of today without the fields at its end.
+struct Older {
+  std::vector<std::uint8_t> bytes;
+};
+
+template <typename Message>
+Older olderOf(const Message& message, std::size_t missing) {
+  Older older;
+  older.bytes.resize(ros::serialization::serializationLength(message));
+  ros::serialization::OStream out(older.bytes.data(), static_cast<std::uint32_t>(older.bytes.size()));
+  ros::serialization::serialize(out, message);
+  older.bytes.resize(older.bytes.size() - missing);
+  return older;
+}
+
+}  // namespace
+}  // namespace mm
+
+namespace ros {
+namespace message_traits {
+template <>
+struct MD5Sum<mm::Older> {
+  static const char* value() { return "b4c29775d90e8a19f75fcdbca4598966"; }
+  static const char* value(const mm::Older&) { return value(); }
+};
+template <>
+struct DataType<mm::Older> {
+  static const char* value() { return "measuring_machine/ProbeContact"; }
+  static const char* value(const mm::Older&) { return value(); }
+};
+template <>
+struct Definition<mm::Older> {
+  static const char* value() { return "# of the version before"; }
+  static const char* value(const mm::Older&) { return value(); }
+};
+}  // namespace message_traits
+namespace serialization {
+template <>
+struct Serializer<mm::Older> {
+  template <typename Stream>
+  static void write(Stream& stream, const mm::Older& message) {
+    std::memcpy(stream.advance(static_cast<std::uint32_t>(message.bytes.size())), message.bytes.data(),
+                message.bytes.size());
+  }
+  static std::uint32_t serializedLength(const mm::Older& message) {
+    return static_cast<std::uint32_t>(message.bytes.size());
+  }
+};
+}  // namespace serialization
+}  // namespace ros
+
+namespace mm {
+namespace {
+
+TEST_F(BagSession, ReadsContactsOfTheVersionBefore) {
+  const Session s = sample();
+  writeSessionBag(s, folder_.path("s.bag"));
+  rosbag::Bag now(folder_.path("s.bag").string(), rosbag::bagmode::Read),
+      before(folder_.path("before.bag").string(), rosbag::bagmode::Write);
+  for (const rosbag::MessageInstance& m : rosbag::View(now)) {
+    if (const auto contact = m.instantiate<measuring_machine::ProbeContact>())
+      before.write(m.getTopic(), m.getTime(), olderOf(*contact, 8));
+    else
+      before.write(m.getTopic(), m.getTime(), m);
+  }
+  before.close();
+  EXPECT_EQ(sessionHash(readSessionBag(folder_.path("before.bag"))), sessionHash(s));
+}
+
+TEST_F(BagSession, SeveralBagsAreSeparatedByColons) {
+  EXPECT_EQ(bagPaths("a.bag:b.bag"), (std::vector<std::string>{"a.bag", "b.bag"}));
+  EXPECT_THROW(bagPaths("a.bag::b.bag"), InputError);
+  writeSessionBag(sample(), folder_.path("odd:name.bag"));
+  EXPECT_EQ(bagPaths(folder_.path("odd:name.bag")).size(), 1U) << "a file with that name";
+}
+
 }  // namespace
 }  // namespace mm

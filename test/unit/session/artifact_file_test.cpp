@@ -107,5 +107,30 @@ TEST(ArtifactFile, AMissingFileIsNamed) {
   EXPECT_THAT(test::messageOf<InputError>([] { loadArtifact("no.yaml"); }), HasSubstr("no.yaml"));
 }
 
+TEST(ArtifactFile, KnowsSeveralStyli) {
+  const Artifact a = parseArtifact(
+      "name: plate\nserial: P 7\nprobe: {styli: [{name: A, tip_radius_mm: 1}, {name: B, tip_radius_mm: 0.5, "
+      "offset_mm: [0, 0, -20]}, {name: C, tip_radius_mm: 2}, {name: D, tip_radius_mm: 2, offset_mm: [1, 2, "
+      "3], "
+      "offset: free}]}\n",
+      "a.yaml");
+  EXPECT_EQ(a.serial, "P 7");
+  EXPECT_EQ(a.tipRadiusOf(1), 0.5e-3);
+  EXPECT_TRUE(a.styli[0].known && a.styli[0].offset.isZero(0.0)) << "where the machine says";
+  EXPECT_TRUE(a.styli[1].known);
+  EXPECT_FALSE(a.styli[2].known);
+  EXPECT_TRUE(a.styli[2].offset.hasNaN());
+  EXPECT_FALSE(a.styli[3].known);
+  EXPECT_EQ(a.styli[3].offset.x(), 1e-3);
+  const auto refusal = [](const std::string& probe) {
+    return test::messageOf<InputError>([&] { parseArtifact("name: p\nprobe: " + probe + "\n", "a.yaml"); });
+  };
+  EXPECT_THAT(refusal("{tip_radius_mm: 1, styli: [{name: A, tip_radius_mm: 1}]}"),
+              HasSubstr("exclude each other"));
+  EXPECT_THAT(refusal("{styli: [{name: A, tip_radius_mm: 1}, {name: A, tip_radius_mm: 1}]}"),
+              HasSubstr("'A' is taken by another stylus"));
+  EXPECT_THAT(refusal("{styli: []}"), HasSubstr("must be a list of one or more styli"));
+}
+
 }  // namespace
 }  // namespace mm

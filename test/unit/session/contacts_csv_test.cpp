@@ -283,5 +283,31 @@ TEST_F(ContactsCsv, RealFilesAreRead) {
             4u);
 }
 
+TEST_F(ContactsCsv, NamesWhatChanges) {
+  const Artifact artifact = parseArtifact(
+      "name: plate\nprobe: {styli: [{name: A, tip_radius_mm: 1}, {name: B, tip_radius_mm: 2}]}\n"
+      "balls:\n  - {name: b0, centre_mm: [0, 0, 0], radius_mm: 4}\n",
+      "plate.yaml");
+  const auto read = [&](const std::string& csv) {
+    return readContactsCsv(folder_.write("c.csv", csv), Machine::load("three_axis"), &artifact);
+  };
+  const Session s =
+      read("time_s,x_mm,feature,placement,stylus\n0,1,b0,flat,B\n1,1,b0,turned,\n2,1,b0,flat,A\n");
+  EXPECT_EQ(s.placements, (std::vector<std::string>{"flat", "turned"}));
+  EXPECT_EQ(s.observations[1].placement, 1);
+  EXPECT_EQ(s.observations[0].stylus, 1);
+  EXPECT_EQ(s.observations[1].stylus, 0) << "the first, where none is named";
+  EXPECT_TRUE(s.poseFree(0)) << "a placement with a name has a pose of its own";
+  EXPECT_TRUE(read("time_s,x_mm,feature,placement\n0,1,b0,\n").placements.empty());
+  const auto refusal = [&](const std::string& csv) {
+    return test::messageOf<InputError>([&] { read(csv); });
+  };
+  EXPECT_THAT(refusal("time_s,x_mm,feature,stylus\n0,1,b0,C\n"),
+              AllOf(HasSubstr("c.csv:2: stylus 'C' is not in the artifact file"), HasSubstr("A, B")));
+  EXPECT_THAT(refusal("time_s,x_mm,deviation_x_um,stylus\n0,1,1,A\n"),
+              HasSubstr("belongs to rows with a feature"));
+  EXPECT_THAT(errorOf("time_s,x_mm,feature,stylus\n0,1,b0,A\n"), HasSubstr("name it there: probe: {styli:"));
+}
+
 }  // namespace
 }  // namespace mm

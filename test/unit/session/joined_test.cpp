@@ -43,11 +43,13 @@ TEST(Joined, KeepsWhatBelongsToEachSession) {
   EXPECT_EQ(both.source, "a.bag:b.bag");
 }
 
-TEST(Joined, ANamedPlacementIsOneInAllSessions) {
+TEST(Joined, APlacementIsEachSessionsOwn) {
   test::TurnedPlate plate(3);
-  const Session both =
-      joined({plate.session("a.bag", {0.0, 1.5707963}), plate.session("b.bag", {1.5707963, 0.0})});
-  EXPECT_THAT(both.placements, ElementsAre("0", "90"));
+  const Session a = plate.session("a.bag", {0.0, 1.5707963}), b = plate.session("b.bag", {1.5707963, 0.0});
+  EXPECT_THAT(joined({a, b}).placements, ElementsAre("a.bag: 0", "a.bag: 90", "b.bag: 90", "b.bag: 0"));
+  Session c = plate.session("c.bag", {0.0}, 0, false), d = plate.session("d.bag", {0.0}, 0, false);
+  c.artifact.poseKnown = d.artifact.poseKnown = true;
+  EXPECT_TRUE(joined({c, d}).placements.empty()) << "where the file says, in both";
 }
 
 TEST(Joined, StandsInTheOrderOfItsDates) {
@@ -85,6 +87,17 @@ TEST(Joined, RefusesWhatDoesNotBelongTogether) {
   other = b;
   other.compensation.stated = ControllerCompensation::Stated::kNone;
   EXPECT_THAT(refusal(a, other), HasSubstr("another compensation"));
+}
+
+TEST(Joined, GoesOnFromWhatIsJoinedAlready) {
+  test::TurnedPlate plate(7);
+  const Session a = plate.session("a.bag", {0.0}), b = plate.session("b.bag", {0.0}, 0, false),
+                c = plate.session("c.bag", {0.0});
+  const Session all = joined({a, b, c}), later = joined({joined({a, b}), c});
+  EXPECT_EQ(sessionHash(later), sessionHash(all));
+  EXPECT_EQ(later.placements, all.placements);
+  EXPECT_EQ(later.recordings.at(2).begin, all.recordings.at(2).begin);
+  EXPECT_THAT(refusal(joined({a, b}), b), HasSubstr("b.bag: is the same session as b.bag"));
 }
 
 TEST(Joined, HasAHashOfItsOwn) {

@@ -141,5 +141,37 @@ TEST(Plan, RefusalsNameLineAndKey) {
   expectRefusal("artifact: missing.yaml\ntouch: {points: 3}", "missing.yaml");
 }
 
+TEST(Plan, MeasuresEveryPlacementWithEveryStylus) {
+  const std::string plate =
+      "artifact: {name: one, pose: free, probe: {styli: [{name: A, tip_radius_mm: 1}, {name: B, "
+      "tip_radius_mm: 1, "
+      "offset_mm: [2, 0, 0]}]}, balls: [{name: b0, centre_mm: [5, 5, -4], radius_mm: 4}]}\n"
+      "placements: [{name: flat}, {name: turned, turn_deg: 90, about_mm: [0, 5, 0]}]\n";
+  const Plan plan = parse(plate + "styli: all\nclearance: {z_mm: 10}\ntouch: {points: 3}\n");
+  EXPECT_EQ(plan.measurements(), 2 * 2 * 3);
+  EXPECT_NEAR((plan.placeOf(0, 1) - Eigen::Vector3d(0.0, 10e-3, -4e-3)).norm(), 0.0, 1e-12);
+  for (const PlanMove& move : plan.moves) {
+    if (move.kind != MoveKind::kTouch) continue;
+    Eigen::Vector3d tip(move.target[0], move.target[1], move.target[2]);
+    if (move.stylus == 1) tip.x() += 2e-3;
+    EXPECT_LT((tip - plan.placeOf(0, move.placement)).norm(), 5e-3) << "into the ball, where it stands";
+  }
+  const Plan again = parse(planYaml(plan, Machine::load("three_axis")));
+  ASSERT_EQ(again.moves.size(), plan.moves.size());
+  EXPECT_EQ(again.moves.back().placement, plan.moves.back().placement);
+  EXPECT_EQ(again.moves.back().stylus, plan.moves.back().stylus);
+  EXPECT_EQ(plan.standText(plan.moves.back()), "placement 'turned', stylus 'B'");
+  EXPECT_EQ(
+      parse(plate + "touch: {points: 3, placement: turned}\nmoves: [{z_mm: 9, placement: flat, feature: b0, "
+                    "x_mm: 5, y_mm: 5}]\n")
+          .measurements(),
+      4);
+  expectRefusal(plate + "touch: {points: 3, placement: flat}\n",
+                "names 'turned', in which nothing is measured");
+  expectRefusal(plate + "touch: {points: 3, placement: falt}\n",
+                "is 'falt', which is not among the plan's: flat, turned");
+  expectRefusal(plate + "styli: [C]\ntouch: {points: 3}\n", "names 'C', which the artifact does not");
+}
+
 }  // namespace
 }  // namespace mm
