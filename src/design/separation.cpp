@@ -1,13 +1,14 @@
 #include "design/separation.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <tuple>
 
 #include "effects/effect_words.h"
 #include "estimation/identifiability.h"
+#include "machine/linear_inverse.h"
 #include "model/observed_domain.h"
+#include "session/geometric_start.h"
 
 namespace mm {
 namespace {
@@ -27,22 +28,23 @@ std::vector<EffectSpec> geometryOf(const Machine& machine) {
   return effects;
 }
 
-/// One point for what a stylus touched of a feature in a placement: the shape of a ball tells something too,
-/// but as little as is known of its form.
+/// One point for what a stylus touched of a feature in a placement, at its centre: the shape of a ball tells
+/// something too, but as little as is known of its form.
 std::vector<Observation> centresOf(const Session& session) {
-  std::map<std::tuple<int, int, int, int>, std::vector<const Observation*>> groups;
-  for (const Observation& o : session.observations)
-    if (o.kind == ObservationKind::kContact)
-      groups[{o.feature, o.placement, o.stylus, o.recording}].push_back(&o);
+  const GeometricStart start = geometricStart(session);
+  std::set<std::tuple<int, int, int, int>> seen;
   std::vector<Observation> centres;
-  for (const auto& [key, group] : groups) {
-    Observation mean = *group.front();
-    for (std::size_t j = 0; j < mean.position.size(); ++j) {
-      mean.position[j] = 0.0;
-      for (const Observation* o : group)
-        mean.position[j] += o->position[j] / static_cast<double>(group.size());
-    }
-    centres.push_back(std::move(mean));
+  for (const Observation& o : session.observations) {
+    if (o.kind != ObservationKind::kContact ||
+        !seen.emplace(o.feature, o.placement, o.stylus, o.recording).second)
+      continue;
+    Observation centre = o;
+    centre.laserReading = kNotMeasured;
+    const Eigen::Matrix3d orientation = session.machine.nominal(o.position.data(), kNotMeasured).orientation;
+    const Eigen::Vector3d offset = orientation * start.offsets[static_cast<std::size_t>(o.stylus)];
+    if (placeTip(session.machine, start.inWorkpiece(o.feature, o.placement) - offset, kNotMeasured,
+                 centre.position))
+      centres.push_back(std::move(centre));
   }
   return centres;
 }
@@ -83,7 +85,7 @@ std::vector<Separation> separationsOf(const Session& session) {
     styli.insert(o.stylus);
   }
   constexpr std::size_t kLayout = 3;
-  if (features.size() < kLayout) return all;
+  if (features.size() < kLayout || linearJoints(session.machine.joints()).size() < kLayout) return all;
   const std::vector<EffectSpec> effects = geometryOf(session.machine);
   const std::vector<char> told = toldFromArtifact(session, effects);
   for (std::size_t e = 0; e < effects.size(); ++e)

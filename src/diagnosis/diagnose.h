@@ -169,7 +169,7 @@ struct Diagnosis {
   std::vector<CannotShow> cannotShow;
   std::vector<Move> nextMeasurement;
   std::string moveChange;  // what is changed before these, in words: the artifact turned, another stylus
-  bool angular = false;  // RMS figures are rad
+  bool angular = false;    // RMS figures are rad
 };
 
 struct DiagnoseOptions {

@@ -12,7 +12,9 @@ struct Owner {
   int fromSession = 1;
   std::string stylus;  // empty: any
 
-  bool isMachine() const { return fromSession == 1 && stylus.empty(); }
+  bool isMachine() const {
+    return fromSession == 1 && stylus.empty();
+  }  ///< in all sessions, with every stylus
 };
 
 /// Takes the owner's keys out of a spec. @throw InputError: a number of a session that is none.

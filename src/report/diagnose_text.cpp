@@ -190,8 +190,8 @@ std::string cannotShowText(const Diagnosis& d) {
 std::string addCommand(const Diagnosis& d, const std::string& session, const std::string& calibration) {
   const EffectSpec* next = nextToAdd(d);
   if (next == nullptr) return {};
-  return "mm add " + bagsTyped(session) + " --calibration " + quoted(calibration) + " " + quoted(next->yaml()) +
-         " -o " + quoted(nextName(calibration));
+  return "mm add " + bagsTyped(session) + " --calibration " + quoted(calibration) + " " +
+         quoted(next->yaml()) + " -o " + quoted(nextName(calibration));
 }
 
 std::string diagnoseCommand(const std::string& session, const std::string& calibration) {

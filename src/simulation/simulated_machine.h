@@ -34,8 +34,8 @@ class SimulatedMachine {
   SimulatedMachine(Machine machine, Artifact artifact, InstrumentSettings settings, Physics physics,
                    std::uint64_t seed);
 
-  const TrueArtifact& artifact() const { return physics_.artifact; }  ///< as it lies now
-  void putDown(const TrueArtifact& artifact) { physics_.artifact = artifact; }
+  const TrueArtifact& artifact() const { return physics_.artifact; }            ///< as it lies now
+  void putDown(const TrueArtifact& artifact) { physics_.artifact = artifact; }  ///< by hand, between moves
   /// @param stylus index in the artifact's. @param offset true place of its tip from probe_tip, m.
   void takeStylus(int stylus, const Eigen::Vector3d& offset) { stylus_ = stylus, offset_ = offset; }
 

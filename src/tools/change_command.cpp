@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "calibration_file/calibration_yaml.h"
 #include "report/json.h"
 #include "report/text.h"
@@ -85,19 +87,18 @@ int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
   return kAnswerIsNo;
 }
 
-/// What was given in one list: an effect is YAML in braces, and stands behind the bags.
+/// What was given in one list: the first is a bag, and behind the bags stands the effect.
 void takeGiven(ChangeOptions& c) {
   for (const std::string& one : c.given) {
-    const bool isEffect = one.find('{') != std::string::npos || one.find("type:") != std::string::npos;
+    const bool isBag = c.bags.paths.empty() || endsWith(one, ".bag") || std::filesystem::exists(one);
     if (!c.effect.empty())
       throw InputError("'" + one + "' stands behind the effect " + c.effect +
                        "; name the bags first, and one effect");
-    if (isEffect)
-      c.effect = one;
-    else
+    if (isBag)
       c.bags.paths.push_back(one);
+    else
+      c.effect = one;
   }
-  if (c.bags.paths.empty()) throw InputError("no session is named; give its bag before the effect");
 }
 
 int runChange(ChangeOptions& c, ModelChange change) {
