@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/utc_now.h"
+#include "effects/owned.h"
 #include "effects/registry.h"
 #include "estimation/network_learning.h"
 #include "machine/machine_fit.h"
@@ -37,6 +38,16 @@ std::string listOf(const std::vector<EffectSpec>& effects) {
   std::string text;
   for (const EffectSpec& e : effects) text += (text.empty() ? "it has " : ", ") + e.yaml();
   return text;
+}
+
+/// What began with a session is found by one before it.
+void checkSessions(const Session& session, EffectSpec effect) {
+  const std::string text = effect.yaml();
+  if (takeOwner(effect).fromSession > session.recordingCount())
+    throw InputError(
+        "effect " + text + ": 'from_session' counts several sessions, and there " +
+        (session.recordingCount() == 1 ? "is one" : "are " + std::to_string(session.recordingCount())) +
+        "; give the sessions before it as well");
 }
 
 std::size_t findEffect(const Calibration& calibration, const EffectSpec& effect) {
@@ -233,6 +244,7 @@ Recalibration recalibrate(const Session& session, const ModelSpec& spec, const C
     for (std::size_t j = 0; j < i; ++j)
       if (spec.effects[i] == spec.effects[j])
         throw InputError("the model names " + spec.effects[i].yaml() + " twice; leave one of them out");
+  for (const EffectSpec& effect : spec.effects) checkSessions(session, effect);
   Recalibration done;
   done.result = calibrate(session, modelFor(session, spec.effects), options);
   done.calibration = toCalibration(done.result, spec.machine);
@@ -244,6 +256,7 @@ Recalibration addEffect(const Session& session, const Calibration& calibration, 
                         const CalibrateOptions& options) {
   checkMachine(calibration, session);             // the effect's joints are those of the calibrated machine
   createEffect(effect, observedDomain(session));  // its own message comes first
+  checkSessions(session, effect);
   if (findEffect(calibration, effect) < calibration.effects.size())
     throw InputError(effect.yaml() + " is in the model already (" + listOf(calibration.effects) +
                      "); add another effect, or remove this one first");

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "design/separation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/wording.h"
@@ -9,6 +10,7 @@
 #include "model/observed_domain.h"
 #include "session/joined.h"
 #include "turned_plate.h"
+#include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
@@ -139,6 +141,20 @@ TEST(Placements, ASetSaysWhatItTellsApart) {
   EXPECT_FALSE(told(turned, "scale of x")) << "one length is missing";
   EXPECT_FALSE(told(turned, "two sessions"));
   EXPECT_TRUE(told(joined({flat, turned}), "two sessions"));
+}
+
+TEST(Placements, WhatBeganWithASessionTakesTheOneBefore) {
+  test::TurnedPlate plate(17);
+  const Session monday = plate.session("a.bag", {0.0}), tuesday = plate.session("b.bag", {0.0});
+  ModelSpec model;
+  model.effects = {scaleOf("x").set("from_session", 2.0)};
+  CalibrateOptions options;
+  options.method = Method::kLeastSquares;
+  EXPECT_THROW(recalibrate(monday, model, options), InputError);
+  const Session both = joined({monday, tuesday});
+  const Calibration made = recalibrate(both, model, options).calibration;
+  EXPECT_EQ(made.sessionParts.size(), 2U);
+  EXPECT_EQ(made.ledger.at(0).sessions, (std::vector<std::string>{"a.bag", "b.bag"}));
 }
 
 }  // namespace
