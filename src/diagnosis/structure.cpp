@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "base/cancel_scope.h"
@@ -196,9 +197,27 @@ std::vector<Variable> variablesOf(const ResidualSpace& space) {
     addVariable(variables, domain.covariates[k], domain.covariates[k],
                 collect([&](const State& s) { return s.covariate[k]; }), false);
   const auto& features = problem.session().artifact.features;
-  if (features.size() > 1 && features.size() <= kMostBalls)
-    addVariable(variables, "ball", "",
-                collect([&](const State& s) { return s.feature < 0 ? kNotMeasured : s.feature; }), true);
+  const auto category = [&](const char* name, std::vector<std::string> labels, auto indexOf) {
+    if (labels.size() < 2 || labels.size() > kMostBalls) return;
+    Eigen::VectorXd raw(n);
+    for (int i = 0; i < n; ++i) {
+      const int index = indexOf(problem.session().observations[static_cast<std::size_t>(
+          problem.rows()[static_cast<std::size_t>(space.used()[static_cast<std::size_t>(i)])].observation)]);
+      raw[i] = index < 0 ? kNotMeasured : index;
+    }
+    const std::size_t before = variables.size();
+    addVariable(variables, name, "", raw, true);
+    if (variables.size() > before) variables.back().labels = std::move(labels);
+  };
+  std::vector<std::string> balls, styli, sessions;
+  for (const Feature& f : features) balls.push_back(f.name);
+  for (const Stylus& s : problem.session().artifact.styli) styli.push_back(s.name);
+  for (const Recording& r : problem.session().recordings)
+    sessions.push_back(std::filesystem::path(r.source).filename().string());
+  category("ball", balls, [](const Observation& o) { return o.feature; });
+  category("stylus", styli, [](const Observation& o) { return o.feature < 0 ? -1 : o.stylus; });
+  category("placement", problem.session().placements, [](const Observation& o) { return o.placement; });
+  category("session", sessions, [](const Observation& o) { return o.recording; });
   if (problem.session().hasLaser())
     addVariable(variables, "laser reading",
                 domain.laser && domain.findCovariate("reading") < 0 ? "reading" : "",

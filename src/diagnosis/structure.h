@@ -11,10 +11,11 @@ namespace mm {
 
 /// A quantity that the residual may depend on, one value a used row. Continuous ones are scaled to [-1, 1].
 struct Variable {
-  std::string name;        // for people: "x", "x travel direction", "temperature bed", "time", "ball"
-  std::string symbol;      // in formulas: "x", "x_velocity", "bed", "t"; empty for categories
-  bool category = false;   // values are then small integers
-  Eigen::VectorXd values;  // a used row
+  std::string name;    // for people: "x", "x travel direction", "temperature bed", "time", "ball", "session"
+  std::string symbol;  // in formulas: "x", "x_velocity", "bed", "t"; empty for categories
+  bool category = false;            // values are then small integers
+  std::vector<std::string> labels;  // of a category's values from 0; empty: they are the directions -1 and +1
+  Eigen::VectorXd values;           // a used row
   double centre = 0.0, half = 1.0;  // raw = centre + half * scaled, in the unit of formulas
 };
 

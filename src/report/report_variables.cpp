@@ -48,9 +48,8 @@ Scale scaleOf(const Variable& variable, const Problem& problem) {
   return {};
 }
 
-std::string labelOf(const Variable& variable, double level, const Problem& problem) {
-  if (variable.name == "ball")
-    return problem.session().artifact.features[static_cast<std::size_t>(level)].name;
+std::string labelOf(const Variable& variable, double level) {
+  if (!variable.labels.empty()) return variable.labels[static_cast<std::size_t>(level)];
   return level > 0.0 ? "+" : "\u2212";
 }
 
@@ -188,7 +187,7 @@ VariableView viewOf(const Variable& variable, const Directions& directions, cons
   view.direction = directions.names[static_cast<std::size_t>(direction)];
   addPoints(view, rows, raw, directions.factors.col(direction));
   if (!view.category) return view;
-  const bool travel = variable.name != "ball";
+  const bool travel = variable.labels.empty();
   const auto unknown = [&](double level) {
     return travel ? std::abs(level) != 1.0 : level != std::floor(level);
   };
@@ -197,7 +196,7 @@ VariableView viewOf(const Variable& variable, const Directions& directions, cons
   for (const VariableBin& bin : view.bins) {  // a category's levels are numbered from 0
     if (unknown(bin.at)) continue;            // rows whose level is not known
     levels.push_back(bin.at);
-    view.labels.push_back(labelOf(variable, bin.at, problem));
+    view.labels.push_back(labelOf(variable, bin.at));
     known.push_back(bin);
     known.back().at = static_cast<double>(levels.size()) - 1.0;
   }

@@ -104,6 +104,8 @@ TEST(Placements, WhatBeganBetweenTwoSessionsIsTheSecondOnes) {
   ASSERT_EQ(d.missing.size(), 1U) << d.sentence;
   EXPECT_EQ(d.missing[0].effect.yaml(), scaleOf("x").set("from_session", 2.0).yaml()) << d.sentence;
   EXPECT_EQ(ownerOf(d.missing[0].effect, d), "session tuesday.bag");
+  EXPECT_TRUE(
+      std::any_of(d.where.begin(), d.where.end(), [](const auto& w) { return w.variable == "session"; }));
   EXPECT_THAT(d.sentence, HasSubstr("it began between monday.bag and tuesday.bag"));
   EXPECT_NEAR(d.missing[0].parameters[0].value, 200.0, 3.0 * d.missing[0].parameters[0].std);
 }
