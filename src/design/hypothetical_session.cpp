@@ -114,6 +114,7 @@ void addAllReadings(const ResidualSpace& space, double end, Session& next) {
           for (const double time : {end + 1.0, end + kCooling}) {
             Observation at = first;
             at.time = time;
+            at.recording = session.observations.back().recording;
             at.position[j] = domain.lower[j] + (domain.upper[j] - domain.lower[j]) * i / 8.0;
             at.travel[j] = sign;
             at.velocity[j] = sign * share * std::max(kLeastSpeed, speed);

@@ -92,9 +92,8 @@ void addObservation(Hash& hash, const Observation& o) {
   hash.numbers(o.deviation);
   hash.numbers(o.deviationStd);
   hash.word(static_cast<std::uint64_t>(o.setup));
-  for (const int index :
-       {o.placement, o.stylus, o.recording})  // what older files do not have changes nothing
-    if (index != 0) hash.word(static_cast<std::uint64_t>(index));
+  if (o.placement == 0 && o.stylus == 0 && o.recording == 0) return;  // as of older files, which have none
+  for (const int index : {o.placement, o.stylus, o.recording}) hash.word(static_cast<std::uint64_t>(index));
 }
 
 void addSeries(Hash& hash, const std::vector<Series>& all) {

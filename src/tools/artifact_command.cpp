@@ -73,6 +73,9 @@ void runArtifact(const ArtifactCommand& given) {
   if (c.output.empty()) return;
   c.files.write(c.output, artifactYaml(foundArtifact(*calibration.artifact)));
   std::cout << "written to " << c.output << '\n';
+  std::cerr << "mm: a calibration does not keep styli, repeatability, expansion and temperature sensor: take "
+               "these lines from the artifact's file before"
+            << std::endl;
 }
 
 }  // namespace

@@ -100,6 +100,18 @@ TEST(Joined, GoesOnFromWhatIsJoinedAlready) {
   EXPECT_THAT(refusal(joined({a, b}), b), HasSubstr("b.bag: is the same session as b.bag"));
 }
 
+TEST(Joined, PlacementAndStylusAreNotTheSameToAHash) {
+  test::TurnedPlate plate(8);
+  plate.artifact.styli = {{"A", 1e-3, Eigen::Vector3d::Zero(), true},
+                          {"B", 1e-3, Eigen::Vector3d::Zero(), true}};
+  Session a = plate.session("a.bag", {0.0, 1.5707963});
+  a.observations[0].placement = 1;
+  Session b = a;
+  b.observations[0].placement = 0;
+  b.observations[0].stylus = 1;
+  EXPECT_NE(sessionHash(a), sessionHash(b));
+}
+
 TEST(Joined, HasAHashOfItsOwn) {
   test::TurnedPlate plate(6);
   const Session a = plate.session("a.bag", {0.0}), b = plate.session("b.bag", {0.0});
