@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/utc_now.h"
+#include "base/version.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 
@@ -329,7 +330,7 @@ std::string calibrationYaml(const Calibration& calibration) {
 }
 
 void completeCalibration(Calibration& calibration) {
-  if (calibration.software.empty()) calibration.software = MM_VERSION;
+  if (calibration.software.empty()) calibration.software = kVersion;
   if (calibration.created.empty()) calibration.created = utcNow();
   if (!calibration.id.empty()) return;
   check(calibration);

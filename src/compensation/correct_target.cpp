@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/units.h"
 #include "compensation/compensator.h"
@@ -24,7 +25,7 @@ Eigen::VectorXd changesFor(const Machine& machine, const std::vector<double>& po
   const Eigen::Matrix3Xd byJoint = machine.jacobian(position.data(), beam).topRows<3>();
   const LinearMotion motion = linearMotion(linearJoints(machine.joints()), byJoint, displacement);
   if (motion.everyDirection) return motion.change;
-  return byJoint.completeOrthogonalDecomposition().solve(displacement);
+  return shortestLeastSquares(byJoint, displacement);
 }
 
 std::string beyondLimits(const Machine& machine, const std::vector<double>& position) {

@@ -1,10 +1,11 @@
 #include "design/next_measurement.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/units.h"
 #include "design/hypothetical_session.h"
@@ -131,7 +132,7 @@ struct Leading {
     Eigen::MatrixXd left = Eigen::MatrixXd::Zero(space.length(), now.cols());
     for (int i = 0; i < space.rows(); ++i) left.row(i) = now.row(space.used()[i]);
     space.project(left);
-    const Eigen::VectorXd size = left.colPivHouseholderQr().solve(space.target());
+    const Eigen::VectorXd size = leastSquares(left, space.target());
     now *= size;
     next *= size;
   }
@@ -161,10 +162,9 @@ class Imitation {
     }
     const Eigen::MatrixXd gram =
         now.transpose() * now + kRidge * Eigen::MatrixXd::Identity(now.cols(), now.cols());
-    const Eigen::LDLT<Eigen::MatrixXd> solver(gram);
-    misses_ = leading.next - later_ * solver.solve(now.transpose() * leading.now);
+    covariance_ = inverseOfSymmetric(gram);
+    misses_ = leading.next - later_ * (covariance_ * (now.transpose() * leading.now));
     same_ = leftOf(misses_) < kSame * leading.next.norm();
-    covariance_ = solver.solve(Eigen::MatrixXd::Identity(gram.rows(), gram.cols()));
     variance_ = (later_ * covariance_).cwiseProduct(later_).rowwise().sum();
   }
   bool same() const { return same_; }
@@ -204,7 +204,7 @@ class Imitation {
     Eigen::MatrixXd of(later_.rows(), static_cast<Eigen::Index>(views_->added.size()));
     for (std::size_t k = 0; k < views_->added.size(); ++k)
       of.col(static_cast<Eigen::Index>(k)) = later_.col(views_->added[k]);
-    return (column - of * of.colPivHouseholderQr().solve(column)).norm();
+    return (column - of * leastSquares(of, column)).norm();
   }
 
   const Views* views_;

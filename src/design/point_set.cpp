@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/units.h"
 #include "design/session_doubts.h"
 #include "effects/linearity.h"
@@ -143,8 +144,7 @@ Eigen::MatrixXd explainedBy(const Linearisation& at, const Eigen::VectorXd& inve
   all.leftCols(free) = system.jacobian;
   for (int i = 0; i < data; ++i) all(i, free + constantOf[static_cast<std::size_t>(i)]) = inverse[i];
   if (all.rows() == 0 || all.cols() == 0) return Eigen::MatrixXd(data, 0);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all);
-  return (qr.householderQ() * Eigen::MatrixXd::Identity(all.rows(), qr.rank())).topRows(data);
+  return spanOf(all).topRows(data);
 }
 
 /// Judges each member of the catalogue by what is left of its columns beside those of the model and the

@@ -1,9 +1,10 @@
 #include "design/posture_proposals.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/units.h"
 #include "estimation/identifiability.h"
@@ -127,7 +128,7 @@ PostureAdvice proposePostures(const Problem& problem, const Eigen::VectorXd& x,
     const Unknown& unknown = problem.unknowns()[u];
     information(u, u) += std::pow(unknown.scale / unknown.bound, 2);
   }
-  Eigen::MatrixXd covariance = information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
+  Eigen::MatrixXd covariance = inverseOfSymmetric(information);
   std::vector<int> wanted;
   for (int u = 0; u < count; ++u)
     if (problem.unknowns()[u].kind == UnknownKind::kEffect) wanted.push_back(u);
@@ -148,9 +149,8 @@ PostureAdvice proposePostures(const Problem& problem, const Eigen::VectorXd& x,
       const Eigen::MatrixXd rows = later.middleRows(first, future.firstRow(observation) - first);
       if (!rows.allFinite()) continue;
       const Eigen::MatrixXd moved = covariance * rows.transpose();
-      const Eigen::MatrixXd gain = (Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) + rows * moved)
-                                       .ldlt()
-                                       .solve(moved.transpose());
+      const Eigen::MatrixXd gain = solveSymmetric(
+          Eigen::MatrixXd::Identity(rows.rows(), rows.rows()) + rows * moved, moved.transpose());
       double sum = 0.0;
       for (const int u : wanted) sum += covariance(u, u) - moved.row(u).dot(gain.col(u));
       if (!(sum < least)) continue;

@@ -1,9 +1,10 @@
 #include "design/weak_directions.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/format.h"
 #include "estimation/linearisation.h"
 
@@ -27,16 +28,15 @@ std::vector<WeakDirection> weakDirections(const CalibrationResult& result) {
   Eigen::MatrixXd scaled(count, count);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < count; ++j) scaled(i, j) = result.covariance(free[i], free[j]) * shown[i] * shown[j];
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const double median = std::sqrt(std::max(0.0, eigen.eigenvalues()[count / 2]));
+  const SymmetricEigen eigen(scaled);
+  const double median = std::sqrt(std::max(0.0, eigen.values[count / 2]));
   for (int k = count - 1; k > count / 2; --k) {
-    const double std = std::sqrt(std::max(0.0, eigen.eigenvalues()[k]));
+    const double std = std::sqrt(std::max(0.0, eigen.values[k]));
     if (!(std > kStandsOut * median)) break;
     WeakDirection one;
     one.timesMedian = median > 0.0 ? std / median : 0.0;
     for (int i = 0; i < count; ++i)
-      if (std::abs(eigen.eigenvectors()(i, k)) > kPart)
-        one.direction.emplace_back(free[i], eigen.eigenvectors()(i, k));
+      if (std::abs(eigen.vectors(i, k)) > kPart) one.direction.emplace_back(free[i], eigen.vectors(i, k));
     std::sort(one.direction.begin(), one.direction.end(),
               [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
     for (std::size_t i = 0; i < one.direction.size(); ++i) {

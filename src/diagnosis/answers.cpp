@@ -1,10 +1,11 @@
 #include "diagnosis/answers.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/dense.h"
 #include "base/units.h"
 #include "design/next_measurement.h"
 #include "diagnosis/wording.h"
@@ -126,7 +127,7 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
     // a trace of a prior: what a profile leaves undetermined stays small
     Eigen::MatrixXd products = all.transpose() * all;
     products.diagonal().array() += kRidge * products.diagonal().maxCoeff();
-    const Eigen::VectorXd values = products.ldlt().solve(all.transpose() * q.space->target());
+    const Eigen::VectorXd values = solveSymmetric(products, all.transpose() * q.space->target());
     int at = 0;
     for (Answer& a : answers)
       for (const int k : linearParameters(*a.effect))

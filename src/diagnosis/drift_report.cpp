@@ -1,10 +1,11 @@
 #include "diagnosis/drift_report.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/dense.h"
 #include "base/units.h"
 #include "diagnosis/wording.h"
 #include "estimation/drift.h"
@@ -78,7 +79,7 @@ std::vector<DriftResult::Perhaps> perhapsOf(const Search& search, const Explanat
     for (const Shape& s : group.shapes) {
       Eigen::MatrixXd columns = q.groups.columns.middleCols(s.first, s.main);
       q.space->project(columns);
-      const Eigen::VectorXd rest = path - columns * columns.colPivHouseholderQr().solve(path);
+      const Eigen::VectorXd rest = path - columns * leastSquares(columns, path);
       share = std::max(share, 1.0 - rest.squaredNorm() / all);
     }
     if (share > kSomeShare)

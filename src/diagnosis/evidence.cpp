@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/cancel_scope.h"
+#include "base/dense.h"
 #include "base/parallel.h"
 #include "base/tiny.h"
 #include "estimation/row_products.h"
@@ -195,9 +196,9 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
 Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& target,
                     const Given& given) const {
   Gain gain;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(products);
-  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(0.0);
-  const Eigen::VectorXd z2 = (eigen.eigenvectors().transpose() * target).cwiseAbs2();
+  const SymmetricEigen eigen(products);
+  const Eigen::VectorXd values = eigen.values.cwiseMax(0.0);
+  const Eigen::VectorXd z2 = (eigen.vectors.transpose() * target).cwiseAbs2();
   double most = 0.0;  // no size explains more than this
   for (int k = 0; k < z2.size(); ++k)
     if (values[k] > kNothingLeft) most += z2[k] / values[k];
@@ -222,8 +223,8 @@ Gain Evidence::best(const Eigen::MatrixXd& products, const Eigen::VectorXd& targ
   }
   const double s2 = gain.size * gain.size;
   const Eigen::ArrayXd shrunk =
-      s2 * (eigen.eigenvectors().transpose() * target).array() / (1.0 + s2 * values.array());
-  gain.coefficient = eigen.eigenvectors().row(0).dot(shrunk.matrix());
+      s2 * (eigen.vectors.transpose() * target).array() / (1.0 + s2 * values.array());
+  gain.coefficient = eigen.vectors.row(0).dot(shrunk.matrix());
   return gain;
 }
 

@@ -1,6 +1,6 @@
 #include "diagnosis/question_list.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -40,12 +40,14 @@ bool changesWithinFewPlaces(const ShapeMaker& maker, const Effect& profile) {
 }
 
 /// Whose a cause may be in several sessions, or of a probe with several styli, beside the machine's own in
-/// all of them: what changes while the machine stands still is told by its time or temperature.
+/// all of them. What changes while the machine stands still is told by its time or temperature; a probe and
+/// its holder have a growth of their own.
 std::vector<Owner> ownersOf(const Effect& effect, const Domain& domain) {
   std::vector<Owner> owners = {{}};
-  if (domain.recordings > 1 && !inputsOf(effect, domain).dependsOnTime())
+  const Inputs inputs = inputsOf(effect, domain);
+  if (domain.recordings > 1 && !inputs.dependsOnTime())
     for (int n = 2; n <= domain.recordings; ++n) owners.push_back({n, ""});
-  if (domain.styli.size() > 1 && effect.stage() == Stage::kProbe)
+  if (domain.styli.size() > 1 && (effect.stage() == Stage::kProbe || inputs.dependsOnTemperature()))
     for (const std::string& stylus : domain.styli) owners.push_back({1, stylus});
   return owners;
 }

@@ -1,9 +1,10 @@
 // What scatters in every session of balls, and is no cause: their centres, radii and form.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/special_functions/spherical_harmonic.hpp>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/units.h"
 #include "diagnosis/model_shapes.h"
 #include "diagnosis/search.h"
@@ -46,12 +47,12 @@ Eigen::Matrix<double, 1, kHarmonics> formAt(const Eigen::Vector3d& n) {
 /// @param all rows x harmonics of one ball. @return rows x at most `most`.
 Eigen::MatrixXd shown(const Eigen::MatrixXd& all, int most) {
   constexpr double kNegligible = 0.01;  // of the largest variance
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(all.transpose() * all);
+  const SymmetricEigen eigen(all.transpose() * all);
   int count = 0;
-  const auto values = eigen.eigenvalues();  // ascending
+  const Eigen::VectorXd& values = eigen.values;  // ascending
   const auto n = static_cast<int>(values.size());
   while (count < std::min(most, n) && values[n - 1 - count] > kNegligible * values[n - 1]) ++count;
-  return all * eigen.eigenvectors().rightCols(count);
+  return all * eigen.vectors.rightCols(count);
 }
 
 /// An artifact whose pose is stated as known lies beside it as a whole: a constant displacement. No cause of
@@ -83,7 +84,7 @@ Eigen::MatrixXd datumColumns(const ResidualSpace& space, const Unit& unitOf) {
 double datumSize(const ResidualSpace& space, const RowMatrix& whitened) {
   Eigen::MatrixXd columns = whitened;
   space.project(columns);
-  const Eigen::VectorXd shift = columns.colPivHouseholderQr().solve(space.target());
+  const Eigen::VectorXd shift = leastSquares(columns, space.target());
   return std::max(kDatumSize, shift.norm() / std::sqrt(static_cast<double>(shift.size())));
 }
 

@@ -1,6 +1,6 @@
 #include "diagnosis/structure.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/cancel_scope.h"
+#include "base/dense.h"
 #include "base/tiny.h"
 #include "base/units.h"
 
@@ -92,26 +93,24 @@ class ShareTest {
   /// What these columns (length of the space) explain is asked no more.
   void absorb(const Eigen::MatrixXd& whole) {
     if (whole.cols() == 0) return;
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(unitColumns(whole));
-    const auto count = (qr.matrixR().diagonal().cwiseAbs2().array() > kOwnShare).count();
-    const auto before = basis_.cols();
-    basis_.conservativeResize(Eigen::NoChange, before + count);
-    basis_.rightCols(count) = qr.householderQ() * Eigen::MatrixXd::Identity(basis_.rows(), count);
-    left_ -= basis_.rightCols(count) * (basis_.rightCols(count).transpose() * left_).eval();
-    dof_ -= static_cast<double>(count);
+    const Eigen::MatrixXd span = spanOf(unitColumns(whole), std::sqrt(kOwnShare));
+    basis_.conservativeResize(Eigen::NoChange, basis_.cols() + span.cols());
+    basis_.rightCols(span.cols()) = span;
+    left_ -= span * (span.transpose() * left_).eval();
+    dof_ -= static_cast<double>(span.cols());
   }
 
   /// F test of what columns (length of the space, not projected) explain.
   Test ask(const Eigen::MatrixXd& whole) const {
     CancelScope::check();
     const Eigen::MatrixXd columns = unitColumns(whole);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(columns.transpose() * columns);
-    const Eigen::VectorXd score = eigen.eigenvectors().transpose() * (columns.transpose() * left_);
+    const SymmetricEigen eigen(columns.transpose() * columns);
+    const Eigen::VectorXd score = eigen.vectors.transpose() * (columns.transpose() * left_);
     double drop = 0.0;
     int rank = 0;
     for (int k = 0; k < score.size(); ++k)
-      if (eigen.eigenvalues()[k] > kOwnShare) {
-        drop += score[k] * score[k] / eigen.eigenvalues()[k];
+      if (eigen.values[k] > kOwnShare) {
+        drop += score[k] * score[k] / eigen.values[k];
         ++rank;
       }
     Test test;

@@ -16,6 +16,7 @@ struct Inputs {
 
   /// Its error changes while the machine stands still: by time, a temperature or a covariate.
   bool dependsOnTime() const { return time || !temperatures.empty() || !covariates.empty(); }
+  bool dependsOnTemperature() const { return !temperatures.empty(); }
   /// It shows only where the direction of travel or the speed differs.
   bool needsMotion() const { return !velocities.empty() || !travels.empty(); }
 };

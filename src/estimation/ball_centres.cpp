@@ -1,8 +1,9 @@
 #include "estimation/ball_centres.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/units.h"
 #include "estimation/calibrate.h"
@@ -80,7 +81,7 @@ void moveTo(const Session& session, const Model& model, const Eigen::VectorXd& x
     Eigen::MatrixXd by(3, linear.size());
     for (std::size_t k = 0; k < linear.size(); ++k)
       by.col(static_cast<Eigen::Index>(k)) = jacobian.block<3, 1>(0, linear[k]);
-    const Eigen::VectorXd change = by.colPivHouseholderQr().solve(miss);
+    const Eigen::VectorXd change = leastSquares(by, miss);
     for (std::size_t k = 0; k < linear.size(); ++k)
       o.position[linear[k]] += change[static_cast<Eigen::Index>(k)];
   }

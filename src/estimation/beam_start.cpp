@@ -1,8 +1,9 @@
 #include "estimation/beam_start.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "base/cancel_scope.h"
+#include "base/dense.h"
 #include "estimation/whitened.h"
 
 namespace mm {
@@ -18,7 +19,7 @@ double refitted(const Problem& problem, const UnitVector& beam, Eigen::VectorXd&
   const WhitenedSystem system(problem, x, inverseSigma, held);
   double cost = system.residuals.squaredNorm();
   if (system.free.empty() || !system.jacobian.allFinite()) return cost;
-  const Eigen::VectorXd step = system.jacobian.colPivHouseholderQr().solve(-system.residuals);
+  const Eigen::VectorXd step = leastSquares(system.jacobian, -system.residuals);
   Eigen::VectorXd next = x;
   for (std::size_t i = 0; i < system.free.size(); ++i)
     next[system.free[i]] += step[static_cast<Eigen::Index>(i)] * system.scale[static_cast<Eigen::Index>(i)];

@@ -1,8 +1,9 @@
 #include "estimation/folds.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 
+#include "base/dense.h"
 #include "estimation/row_products.h"
 #include "estimation/thin_qr.h"
 
@@ -96,16 +97,14 @@ Eigen::VectorXd heldOutResiduals(const Eigen::MatrixXd& q, const Eigen::VectorXd
       for (int k = 0; k < touched; ++k) qf(static_cast<int>(i), k) = q(rows[i], columns[k]);
       rf[static_cast<int>(i)] = residuals[rows[i]];
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(qf.transpose() * qf);
+    const SymmetricEigen eigen(qf.transpose() * qf);
     Eigen::VectorXd gain(touched);
     for (int k = 0; k < touched; ++k) {
-      const double share =
-          eigen.eigenvalues()[k];  // of the information on this direction that the fold alone holds
+      const double share = eigen.values[k];  // of the information on this direction that the fold alone holds
       gain[k] = share > 1.0 - kOwn ? 0.0 : 1.0 / (1.0 - share);
     }
     const Eigen::VectorXd held =
-        rf + qf * (eigen.eigenvectors() *
-                   gain.cwiseProduct(eigen.eigenvectors().transpose() * (qf.transpose() * rf)));
+        rf + qf * (eigen.vectors * gain.cwiseProduct(eigen.vectors.transpose() * (qf.transpose() * rf)));
     for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = held[static_cast<int>(i)];
   }
   return out;
@@ -120,11 +119,11 @@ Eigen::MatrixXd determinedWithin(const RowMatrix& base, const std::vector<char>&
     if (unused[i]) others.row(static_cast<long>(i)).setZero();
     if (held[i]) judged.push_back(static_cast<int>(i));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> shares(Eigen::MatrixXd(rowProducts(others)));
-  const long undetermined = (shares.eigenvalues().array() < kDetermined).count();
+  const SymmetricEigen shares(rowProducts(others));
+  const long undetermined = (shares.values.array() < kDetermined).count();
   Eigen::MatrixXd own(judged.size(), undetermined);
   for (std::size_t i = 0; i < judged.size(); ++i)
-    own.row(static_cast<long>(i)) = base.row(judged[i]) * shares.eigenvectors().leftCols(undetermined);
+    own.row(static_cast<long>(i)) = base.row(judged[i]) * shares.vectors.leftCols(undetermined);
   return orthonormalBasis(std::move(own));
 }
 

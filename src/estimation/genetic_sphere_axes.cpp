@@ -1,7 +1,7 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "estimation/genetic_sphere_fitness.h"
 
 namespace mm {
@@ -57,17 +57,16 @@ std::vector<double> SphereFitness::principalAxes(const GeneticRanges& ranges) co
     for (std::size_t c = 0; c < coefficientCount_; ++c)
       slope(static_cast<Eigen::Index>(c), j) = (above[c] - below[c]) / (2.0 * kStep);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(slope.transpose() * informationOfCoefficients() *
-                                                             slope);
-  const double strongest = eigen.eigenvalues()[n - 1];
+  const SymmetricEigen eigen(slope.transpose() * informationOfCoefficients() * slope);
+  const double strongest = eigen.values[n - 1];
   if (!(strongest > 0.0)) return {};
   constexpr double kNoEffect = 1e-18;  // of the strongest information: rounding, squared
   std::vector<double> axes;
   axes.reserve(dimension_ * dimension_);
   for (Eigen::Index a = 0; a < n; ++a) {
     // An axis without any effect is not longer than its range, like the others in the first stage.
-    const double length = std::sqrt(strongest / std::max(eigen.eigenvalues()[a], kNoEffect * strongest));
-    for (Eigen::Index j = 0; j < n; ++j) axes.push_back(length * half[j] * eigen.eigenvectors()(j, a));
+    const double length = std::sqrt(strongest / std::max(eigen.values[a], kNoEffect * strongest));
+    for (Eigen::Index j = 0; j < n; ++j) axes.push_back(length * half[j] * eigen.vectors(j, a));
   }
   return axes;
 }

@@ -1,9 +1,10 @@
 #include "estimation/linear_start.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "estimation/refine.h"
 #include "estimation/whitened.h"
 
@@ -43,7 +44,7 @@ bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<c
       held[static_cast<std::size_t>(model.offset(static_cast<int>(e)) + k)] = 1;
   const WhitenedSystem system(problem, x, inverseSigma, held);
   if (system.free.empty() || !system.jacobian.allFinite() || !system.residuals.allFinite()) return false;
-  const Eigen::VectorXd step = system.jacobian.colPivHouseholderQr().solve(-system.residuals);
+  const Eigen::VectorXd step = leastSquares(system.jacobian, -system.residuals);
   Eigen::VectorXd next = x;
   for (std::size_t i = 0; i < system.free.size(); ++i)
     next[system.free[i]] += step[static_cast<Eigen::Index>(i)] * system.scale[static_cast<Eigen::Index>(i)];

@@ -1,10 +1,11 @@
 #include "estimation/network_samples.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/dense.h"
 #include "base/error.h"
 
 namespace mm {
@@ -139,8 +140,8 @@ double NetworkSamples::at(double q, const Eigen::RowVectorXd& outputs) const {
 
 Eigen::VectorXd NetworkSamples::mainError() const {
   const Eigen::MatrixXd centred = error.rowwise() - error.colwise().mean();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred.transpose() * centred);
-  const Eigen::VectorXd direction = solver.eigenvectors().rightCols(1);
+  const SymmetricEigen solver(centred.transpose() * centred);
+  const Eigen::VectorXd direction = solver.vectors.rightCols(1);
   Eigen::Index largest = 0;
   direction.cwiseAbs().maxCoeff(&largest);
   return centred * direction * direction[largest];
@@ -195,7 +196,7 @@ NetworkSamples gatherNetworkSamples(const Linearisation& at, const Eigen::Vector
       samples.setOf[static_cast<std::size_t>(e.observation)] = static_cast<int>(k);
     }
     samples.temperatures.row(k) /= static_cast<double>(set.size());
-    samples.error.row(k) = normal.ldlt().solve(right).transpose();
+    samples.error.row(k) = solveSymmetric(normal, right).transpose();
   }
   return samples;
 }

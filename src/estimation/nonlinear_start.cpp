@@ -1,9 +1,10 @@
 #include "estimation/nonlinear_start.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
@@ -57,7 +58,7 @@ void nonlinearStart(const Problem& problem, Eigen::VectorXd& x, const std::vecto
           if (inverseSigma[i] != 0.0 && std::isfinite(v)) a(i, static_cast<int>(k)) = v;
         }
       a -= q * (q.transpose() * a);
-      const Eigen::VectorXd amplitudes = a.colPivHouseholderQr().solve(target);
+      const Eigen::VectorXd amplitudes = leastSquares(a, target);
       const double drop = target.squaredNorm() - (target - a * amplitudes).squaredNorm();
       if (!(drop > best) || !amplitudes.allFinite()) continue;
       best = drop;

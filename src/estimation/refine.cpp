@@ -7,6 +7,7 @@
 #include <array>
 #include <map>
 
+#include "base/dense.h"
 #include "estimation/whitened.h"
 
 namespace mm {
@@ -176,7 +177,7 @@ bool lastDigits(const Problem& problem, const Eigen::VectorXd& inverseSigma, con
   WhitenedSystem system(problem, x, inverseSigma, fixed);
   for (int step = 0; step < kSteps; ++step) {
     const double cost = system.residuals.squaredNorm();
-    const Eigen::VectorXd full = system.jacobian.colPivHouseholderQr().solve(-system.residuals);
+    const Eigen::VectorXd full = leastSquares(system.jacobian, -system.residuals);
     if (!full.allFinite()) return false;
     const double offset = (system.jacobian * full).norm() / std::sqrt(cost);
     bool shorter = false;

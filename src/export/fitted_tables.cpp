@@ -1,9 +1,9 @@
 #include "export/fitted_tables.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/format.h"
 #include "base/units.h"
 #include "export/export_target.h"
@@ -318,10 +318,7 @@ StraightPart straightPart(const NeededCorrection& needed, CorrectionPart which) 
       inputs.col(c).setZero();
   }
   size[0] = 1.0;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(kStandsStill);
-  solver.compute(inputs);
-  Eigen::MatrixXd by = solver.solve(outputs);
+  Eigen::MatrixXd by = shortestLeastSquares(inputs, outputs, kStandsStill);
   // The columns are all but orthogonal, so that this is the standard error of each.
   const Eigen::RowVectorXd error = (outputs - inputs * by).colwise().norm() / kTableStates;
   for (Eigen::Index c = 1; c < by.rows(); ++c)

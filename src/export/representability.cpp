@@ -1,9 +1,9 @@
 #include "export/representability.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/format.h"
 #include "base/units.h"
 #include "effects/inputs.h"
@@ -40,10 +40,7 @@ double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d
     const Eigen::Vector3d a = (places[n] - centre) / size;
     rigid.block<3, 3>(row, 3) << 0, a.z(), -a.y(), -a.z(), 0, a.x(), a.y(), -a.x(), 0;
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(kRank);
-  solver.compute(rigid);
-  return rms(errors - rigid * solver.solve(errors));
+  return rms(errors - rigid * shortestLeastSquares(rigid, errors, kRank));
 }
 
 ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported,

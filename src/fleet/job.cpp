@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/version.h"
 #include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
 #include "fleet/fields.h"
@@ -103,7 +104,7 @@ std::string keyOf(const BatchJob& job) {
   PartsHash hash;
   static const std::string kKind = "mm job 2\n";
   hash.bytes(kKind.data(), kKind.size());
-  hash.part(MM_VERSION);
+  hash.part(kVersion);
   hash.file(job.bag);
   const std::string model = job.model.empty() ? std::string() : readFile(job.model);
   hash.part(model);

@@ -1,8 +1,9 @@
 #include "import/r_test.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/format.h"
 #include "base/text.h"
@@ -114,7 +115,7 @@ class RTestReader {
     Eigen::MatrixXd linear = machine.jacobian(o.position.data(), kNotMeasured).topRows<3>();
     for (int j = 0; j < machine.jointCount(); ++j)
       if (machine.joints()[j].kind == JointKind::kRotary) linear.col(j).setZero();
-    const Eigen::VectorXd by = linear.completeOrthogonalDecomposition().solve(moved);
+    const Eigen::VectorXd by = shortestLeastSquares(linear, moved);
     for (int j = 0; j < machine.jointCount(); ++j) o.position[j] -= by[j];
   }
 

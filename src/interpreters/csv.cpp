@@ -2,8 +2,8 @@
 // (EAA, EBB, ECC, as far as they point along the axis), then the linear ones so that the tip is where it was
 // commanded.
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 
+#include "base/dense.h"
 #include "base/rotation.h"
 #include "interpreters/error_tables.h"
 #include "interpreters/targets.h"
@@ -36,7 +36,7 @@ class CsvInterpreter : public Interpreter {
     constexpr int kRounds = 3;  // each leaves the square of the errors of the one before
     for (int round = 0; round < kRounds && ideal.directions.cols() > 0; ++round) {
       const ChainPose real = pose(driven, errors, locations);
-      const Eigen::VectorXd step = real.directions.colPivHouseholderQr().solve(ideal.tip - real.tip);
+      const Eigen::VectorXd step = leastSquares(real.directions, ideal.tip - real.tip);
       int linear = 0;
       for (std::size_t j = 0; j < chain.size(); ++j)
         if (!chain[j].rotary) driven[j] += step[linear++];

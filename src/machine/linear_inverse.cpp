@@ -1,6 +1,6 @@
 #include "machine/linear_inverse.h"
 
-#include <Eigen/QR>
+#include "base/dense.h"
 
 namespace mm {
 
@@ -20,10 +20,9 @@ LinearMotion linearMotion(const std::vector<int>& linear, const Eigen::Matrix3Xd
   Eigen::MatrixXd columns(3, static_cast<Eigen::Index>(linear.size()));
   for (std::size_t k = 0; k < linear.size(); ++k)
     columns.col(static_cast<Eigen::Index>(k)) = byJoint.col(linear[k]);
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(columns);
-  const Eigen::VectorXd by = solver.solve(displacement);
+  const Eigen::VectorXd by = shortestLeastSquares(columns, displacement);
   for (std::size_t k = 0; k < linear.size(); ++k) motion.change[linear[k]] = by[static_cast<Eigen::Index>(k)];
-  motion.everyDirection = solver.rank() == 3;
+  motion.everyDirection = rankOf(columns) == 3;
   motion.missed = (columns * by - displacement).norm();
   return motion;
 }

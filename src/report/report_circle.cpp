@@ -1,12 +1,13 @@
 #include "report/report_circle.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 
+#include "base/dense.h"
 #include "base/units.h"
 
 namespace mm {
@@ -35,7 +36,7 @@ Circle leastSquaresCircle(const Points& points) {
     a.row(i) << 2.0 * p.x(), 2.0 * p.y(), 1.0;
     b[i] = p.squaredNorm();
   }
-  const Eigen::Vector3d start = a.colPivHouseholderQr().solve(b);
+  const Eigen::Vector3d start = leastSquares(a, b);
   Circle circle{start.head<2>(), std::sqrt(std::max(0.0, start[2] + start.head<2>().squaredNorm()))};
   for (int step = 0; step < 20; ++step) {
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -45,7 +46,7 @@ Circle leastSquaresCircle(const Points& points) {
       a.row(i) << out.x() / distance, out.y() / distance, 1.0;
       b[i] = distance - circle.radius;
     }
-    const Eigen::Vector3d change = a.colPivHouseholderQr().solve(b);
+    const Eigen::Vector3d change = leastSquares(a, b);
     circle.centre += change.head<2>();
     circle.radius += change[2];
     constexpr double kSettled = 1e-12;  // of the radius, or m: rounding

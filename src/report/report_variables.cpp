@@ -1,10 +1,11 @@
 #include "report/report_variables.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "base/dense.h"
 #include "base/units.h"
 #include "diagnosis/structure.h"
 #include "estimation/residual_space.h"
@@ -143,7 +144,7 @@ void removeConstants(Rows& rows, const Eigen::MatrixXd& factors) {
     columns.row(i) = root * factors.row(rows.space[k]);
     whitened[i] = root * rows.residual[k];
   }
-  const Eigen::VectorXd left = whitened - columns * columns.colPivHouseholderQr().solve(whitened);
+  const Eigen::VectorXd left = whitened - columns * leastSquares(columns, whitened);
   rows.varying.clear();
   for (Eigen::Index i = 0; i < n; ++i)
     rows.varying.push_back(left[i] / std::sqrt(rows.weight[static_cast<std::size_t>(i)]));

@@ -29,7 +29,7 @@ template <>
 constexpr OlderVersion kOlder<measuring_machine::ProbeContact> = {"b4c29775d90e8a19f75fcdbca4598966", 8};
 template <>
 constexpr OlderVersion kOlder<measuring_machine::ReferenceMeasurement> = {"eeba7cd1b94dfc51f75c0202a252cc66",
-                                                                          4};
+                                                                          8};
 
 /// One message of a bag as `Message`. @throw InputError when the topic holds another type.
 template <typename Message>

@@ -206,6 +206,7 @@ measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& re
   message.deviation_std = unlessAllNaN(reference.deviationStd);
   if (reference.setup >= 0) message.setup = session.setups.at(reference.setup);
   if (!session.placements.empty()) message.placement = session.placements.at(reference.placement);
+  if (!session.artifact.styli.empty()) message.stylus = session.artifact.styli.at(reference.stylus).name;
   return message;
 }
 

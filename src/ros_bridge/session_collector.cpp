@@ -32,12 +32,6 @@ void sortByStamp(std::vector<Item>& items) {
     std::stable_sort(items.begin(), items.end(), earlier);
 }
 
-int indexOf(const std::string& name, std::map<std::string, int>& index, std::vector<std::string>& names) {
-  const auto entry = index.emplace(name, static_cast<int>(names.size()));
-  if (entry.second) names.push_back(name);
-  return entry.first->second;
-}
-
 }  // namespace
 
 std::int64_t SessionCollector::stampOf(const ros::Time& stamp) {
@@ -108,12 +102,12 @@ void SessionCollector::convertOrRefuse(const Message& message, const char* topic
     if constexpr (std::is_same_v<Message, measuring_machine::ProbeContact>) {
       if (message.feature.empty())
         throw InputError("no feature is assigned; name the ball or point that was touched");
-      o.feature = indexOf(message.feature, featureIndex_, features_);
-      o.stylus = indexOf(message.stylus, stylusIndex_, styli_);
+      o.feature = features_[message.feature];
     } else if (!message.setup.empty()) {
-      o.setup = indexOf(message.setup, setupIndex_, setups_);
+      o.setup = setups_[message.setup];
     }
-    o.placement = indexOf(message.placement, placementIndex_, placements_);
+    o.stylus = styli_[message.stylus];
+    o.placement = placements_[message.placement];
     rows_.push_back({stamp, std::move(o), message.header.seq});
   } catch (const InputError& e) {
     refuse(topic, static_cast<std::size_t>(number), e.what(), nanoseconds(message.header.stamp));
@@ -330,24 +324,24 @@ Session SessionCollector::build() const {
   std::vector<std::string> names, stylusNames;
   for (const Feature& f : session.artifact.features) names.push_back(f.name);
   for (const Stylus& s : session.artifact.styli) stylusNames.push_back(s.name);
-  for (const std::string& name : styli_)
+  for (const std::string& name : styli_.all())
     styli.push_back(name.empty() ? 0 : session.artifact.findStylus(name));
-  for (const std::string& name : features_) features.push_back(session.artifact.findFeature(name));
+  for (const std::string& name : features_.all()) features.push_back(session.artifact.findFeature(name));
   std::vector<Row> rows = sortedRows();
   session.warning = lacking(rows);
   const auto unknown = [&](const Row& row) {
     const Observation& o = row.observation;
-    if (o.kind != ObservationKind::kContact) return false;
+    const bool contact = o.kind == ObservationKind::kContact;
     const auto refuse = [&](const char* what, const std::string& name,
                             const std::vector<std::string>& known) {
-      refused.push_back({kContactTopic, static_cast<std::size_t>(o.row),
+      refused.push_back({contact ? kContactTopic : kReferenceTopic, static_cast<std::size_t>(o.row),
                          std::string(what) + " '" + name + "' is not in artifact '" + session.artifact.name +
                              "'" + didYouMean(name, known),
                          row.stamp});
       return true;
     };
-    if (features[o.feature] < 0) return refuse("feature", features_[o.feature], names);
-    return styli[o.stylus] < 0 && refuse("stylus", styli_[o.stylus], stylusNames);
+    if (contact && features[o.feature] < 0) return refuse("feature", features_.all()[o.feature], names);
+    return styli[o.stylus] < 0 && refuse("stylus", styli_.all()[o.stylus], stylusNames);
   };
   rows.erase(std::remove_if(rows.begin(), rows.end(), unknown), rows.end());
   if (rows.empty()) throw empty();
@@ -358,12 +352,13 @@ Session SessionCollector::build() const {
   for (Row& row : rows) {
     Observation& o = row.observation;
     o.time = secondsBetween(start, row.stamp);
-    if (o.kind == ObservationKind::kContact) o.feature = features[o.feature], o.stylus = styli[o.stylus];
+    o.stylus = styli[o.stylus];
+    if (o.kind == ObservationKind::kContact) o.feature = features[o.feature];
     if (lines) o.row = row.line;
     session.observations.push_back(std::move(o));
   }
-  session.setups = setups_;
-  session.placements = placements_;
+  session.setups = setups_.all();
+  session.placements = placements_.all();
   session.temperatures = series(temperatures_, start, session.warning);
   session.covariates = series(covariates_, start, session.warning);
   session.epoch = secondsBetween(0, start);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/numbered_names.h"
 #include "ros_bridge/message_conversion.h"
 #include "ros_bridge/travel_log.h"
 #include "session/session.h"
@@ -124,8 +125,7 @@ class SessionCollector {
   std::vector<std::variant<measuring_machine::ProbeContact, measuring_machine::ReferenceMeasurement>>
       waiting_;            // for the machine
   std::vector<Row> rows_;  // in the order of arrival; `feature`, `stylus` … count in the lists below
-  std::vector<std::string> features_, setups_, placements_, styli_;
-  std::map<std::string, int> featureIndex_, setupIndex_, placementIndex_, stylusIndex_;
+  NumberedNames features_, setups_, placements_, styli_;
   std::map<std::string, Logged> temperatures_, covariates_;
   TravelLog travel_;
   std::vector<Refused> refused_;

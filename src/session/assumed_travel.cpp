@@ -1,10 +1,11 @@
 #include "session/assumed_travel.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "base/dense.h"
 #include "machine/linear_inverse.h"
 #include "session/geometric_start.h"
 
@@ -81,7 +82,7 @@ class TravelMaker {
     const Eigen::Matrix3Xd byJoint = session_.machine.jacobian(o.position.data(), kNotMeasured).topRows<3>();
     const LinearMotion linear = linearMotion(linearJoints(session_.machine.joints()), byJoint, motion);
     if (linear.missed <= kReached) return linear.change;
-    Eigen::VectorXd speeds = byJoint.completeOrthogonalDecomposition().solve(motion);
+    Eigen::VectorXd speeds = shortestLeastSquares(byJoint, motion);
     if ((byJoint * speeds - motion).norm() > kReached) return Eigen::VectorXd::Zero(joints_);
     for (int j = 0; j < joints_; ++j) speeds[j] *= byJoint.col(j).norm();  // as the tip sees it
     return speeds;

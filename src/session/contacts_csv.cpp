@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/numbered_names.h"
 #include "base/text.h"
 #include "session/assumed_travel.h"
 #include "session/csv_cells.h"
@@ -64,6 +64,8 @@ class CsvReader {
       if (progress && lines_.number() % 8192 == 0) progress(lines_.fraction());
     }
     faults_.throwIfAny();
+    states_.session.setups = setups_.all();
+    states_.session.placements = placements_.all();
     countTimeFromStart();
     if (progress) progress(1.0);
     return std::move(states_);
@@ -162,7 +164,7 @@ class CsvReader {
     const std::size_t joints = zeroUnlessColumn_.size();
     Observation o;
     o.row = lines_.number();
-    if (hasPlacement_) o.placement = indexOf("", placementIndex_, session.placements);
+    if (hasPlacement_) o.placement = placements_[""];
     o.position = zeroUnlessColumn_;
     o.velocity.assign(joints, kNotMeasured);
     if (hasDeviation_) {
@@ -290,14 +292,13 @@ class CsvReader {
       case CsvRole::kSetup:
         kinds.setup = true;
         ranges_[index].add(cell);
-        o.setup = indexOf(cell, setupIndex_, session.setups);
+        o.setup = setups_[cell];
         break;
       case CsvRole::kPlacement:
         ranges_[index].add(cell);
-        o.placement = indexOf(cell, placementIndex_, session.placements);
+        o.placement = placements_[cell];
         break;
       case CsvRole::kStylus:
-        kinds.stylus = true;
         ranges_[index].add(cell);
         o.stylus = session.artifact.findStylus(std::string(cell));
         if (o.stylus < 0) fail(stylusFault(cell));
@@ -311,13 +312,6 @@ class CsvReader {
         covariates_.add(column.index, stamp, number(cell, index));
         break;
     }
-  }
-
-  static int indexOf(std::string_view cell, std::unordered_map<std::string, int>& index,
-                     std::vector<std::string>& names) {
-    const auto entry = index.emplace(std::string(cell), static_cast<int>(names.size()));
-    if (entry.second) names.emplace_back(cell);
-    return entry.first->second;
   }
 
   std::string stylusFault(std::string_view cell) const {
@@ -353,7 +347,7 @@ class CsvReader {
   std::vector<double>
       zeroUnlessColumn_;  // readings of a row before its cells: a joint without a column stays at 0
   FeatureNames features_;
-  std::unordered_map<std::string, int> setupIndex_, placementIndex_;
+  NumberedNames setups_, placements_;
   std::vector<std::int64_t> stamps_;  // of the observations, ns on the file's own clock
   RowClock clock_;
   LoggedSeries temperatures_, covariates_;

@@ -10,7 +10,6 @@ std::string rowFault(const Observation& o, const RowKinds& kinds, const Machine&
   if (kinds.measured() == 0)
     return "nothing was measured: feature, reference and deviation are all empty or have no column";
   if (kinds.feature && kinds.setup) return "'setup' belongs to rows with a reference or a deviation";
-  if (!kinds.feature && kinds.stylus) return "'stylus' belongs to rows with a feature";
   for (std::size_t j = 0; j < o.position.size(); ++j)
     if (std::isnan(o.position[j])) return "the reading of joint '" + machine.joints()[j].name + "' is empty";
   return "";

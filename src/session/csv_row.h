@@ -8,7 +8,7 @@ namespace mm {
 
 /// What was written in one row of a CSV, beside the observation itself.
 struct RowKinds {
-  bool feature = false, reference = false, deviation = false, logged = false, setup = false, stylus = false;
+  bool feature = false, reference = false, deviation = false, logged = false, setup = false;
   int measured() const { return feature + reference + deviation; }  ///< how many kinds
   bool logsOnly() const { return measured() == 0 && logged; }       ///< only temperatures
 };

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/numbered_names.h"
 #include "base/units.h"
 #include "machine/machine_fit.h"
 #include "session/session_hash.h"
@@ -124,14 +125,6 @@ void takeSeries(std::vector<Series>& out, const std::vector<Series>& more, doubl
   }
 }
 
-/// Index of a name that is added where it is new.
-int placeOf(std::vector<std::string>& names, const std::string& name) {
-  const auto at = std::find(names.begin(), names.end(), name);
-  if (at != names.end()) return static_cast<int>(at - names.begin());
-  names.push_back(name);
-  return static_cast<int>(names.size()) - 1;
-}
-
 /// What a session is, or is joined of.
 std::vector<Recording> partsOf(const Session& session) {
   if (!session.recordings.empty()) return session.recordings;
@@ -178,6 +171,7 @@ Session joined(std::vector<Session> sessions) {
   out.epoch = sessions.front().epoch;
   out.compensation = sessions.front().compensation;
   for (const Session& s : sessions) checkSame(sessions.front(), s);
+  NumberedNames placements, setups;
   std::multiset<std::string> namesIn;
   for (const Session& s : sessions) namesIn.insert(nameOf(s));
   for (std::size_t r = 0; r < sessions.size(); ++r) {
@@ -199,10 +193,10 @@ Session joined(std::vector<Session> sessions) {
       const bool known =
           placement.empty() && (o.kind == ObservationKind::kDeviation || !s.poseFree(o.placement));
       const std::string behind = placement.empty() ? "" : ": " + placement;
-      o.placement = placeOf(out.placements, known ? "" : several ? placement : own + behind);
+      o.placement = placements[known ? "" : several ? placement : own + behind];
       if (o.setup >= 0) {
         const std::string& setup = s.setups[static_cast<std::size_t>(o.setup)];
-        o.setup = placeOf(out.setups, several ? setup : own + ": " + setup);
+        o.setup = setups[several ? setup : own + ": " + setup];
       }
       o.time += begins[r];
       o.recording += recording;
@@ -219,7 +213,8 @@ Session joined(std::vector<Session> sessions) {
       out.setAside.push_back(std::move(aside));
     }
   }
-  if (out.placements.size() == 1 && out.placements[0].empty()) out.placements.clear();
+  out.setups = setups.all();
+  if (placements.all() != std::vector<std::string>{""}) out.placements = placements.all();
   out.warning = warning;
   return out;
 }

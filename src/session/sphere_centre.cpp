@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 
+#include "base/dense.h"
+
 namespace mm {
 namespace {
 
@@ -31,10 +33,8 @@ std::optional<Eigen::Vector3d> algebraicSphereCentre(const std::vector<Eigen::Ve
     a.row(static_cast<Eigen::Index>(i)) << 2.0 * d.transpose(), 1.0;
     b[static_cast<Eigen::Index>(i)] = d.squaredNorm();
   }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
-  if (threshold > 0.0) qr.setThreshold(threshold);
-  if (threshold > 0.0 && qr.rank() < 4) return std::nullopt;
-  const Eigen::Vector3d centre = mean + scale * qr.solve(b).head<3>();
+  if (threshold > 0.0 && rankOf(a, threshold) < 4) return std::nullopt;
+  const Eigen::Vector3d centre = mean + scale * leastSquares(a, b).head<3>();
   if (!centre.allFinite()) return std::nullopt;
   return centre;
 }

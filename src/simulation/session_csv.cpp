@@ -68,7 +68,7 @@ std::string sessionCsv(const Session& session) {
     if (features) out << ',' << (o.feature >= 0 ? session.artifact.features[o.feature].name : "");
     if (setups) out << ',' << (o.setup >= 0 ? session.setups[o.setup] : "");
     if (placements) out << ',' << session.placements[o.placement];
-    if (styli) out << ',' << (o.feature >= 0 ? session.artifact.styli[o.stylus].name : "");
+    if (styli) out << ',' << session.artifact.styli[o.stylus].name;
     out << '\n';
   }
   return out.str();

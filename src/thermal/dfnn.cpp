@@ -1,12 +1,11 @@
 #include "thermal/dfnn.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/dfnn_consequents.h"
@@ -24,8 +23,8 @@ constexpr double kClearlyBetter = 0.85;  // held-out error of several rules over
 /// Rules at the samples nearest to even steps along the first principal direction of the inputs.
 DfnnRules spreadRules(const Eigen::MatrixXd& x, int count) {
   const Eigen::MatrixXd centred = x.rowwise() - x.colwise().mean();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred.transpose() * centred);
-  const Eigen::VectorXd along = centred * solver.eigenvectors().rightCols(1);
+  const SymmetricEigen solver(centred.transpose() * centred);
+  const Eigen::VectorXd along = centred * solver.vectors.rightCols(1);
   constexpr double kNoSpan = 1e-9;  // K: of inputs that do not vary
   const double low = along.minCoeff(), span = std::max(along.maxCoeff() - low, kNoSpan);
   DfnnRules rules;
@@ -219,7 +218,7 @@ void Dfnn::solve() {
   common_ = RowMajor::Zero(r + 1, y.cols());
   weights_ = RowMajor::Zero(rules_.count() * (r + 1), y.cols());
   if (settings_.dfnn.published) {
-    weights_ = rules_.design(x).completeOrthogonalDecomposition().solve(y);
+    weights_ = shortestLeastSquares(rules_.design(x), y);
     return;
   }
   const Eigen::MatrixXd all =

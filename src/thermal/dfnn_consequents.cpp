@@ -1,8 +1,9 @@
 #include "thermal/dfnn_consequents.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "base/dense.h"
 
 namespace mm {
 namespace {
@@ -58,16 +59,17 @@ std::vector<Eigen::MatrixXd> RidgeConsequents::solve(const std::vector<double>& 
   const Eigen::Index departures = gram_.rows() - line_;
   Eigen::MatrixXd own = gram_.bottomRightCorner(departures, departures);
   own.diagonal().array() += std::max(departureRidge, kLeast) * samples_;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(own);
+  Eigen::MatrixXd sides(departures, right_.cols() + line_);
+  sides << right_.bottomRows(departures), gram_.bottomLeftCorner(departures, line_);
+  const Eigen::MatrixXd solved = solveSymmetric(own, sides);
   std::vector<Eigen::MatrixXd> solutions;
   for (double ridge : ridges) {
     Eigen::MatrixXd matrix = gram_.topLeftCorner(line_, line_);
     matrix.diagonal().tail(line_ - 1).array() += std::max(ridge, kLeast) * samples_;
     Eigen::MatrixXd w(gram_.rows(), right_.cols());
-    w.topRows(line_) = matrix.ldlt().solve(right_.topRows(line_));
+    w.topRows(line_) = solveSymmetric(matrix, right_.topRows(line_));
     if (departures > 0)
-      w.bottomRows(departures) = factor.solve(right_.bottomRows(departures) -
-                                              gram_.bottomLeftCorner(departures, line_) * w.topRows(line_));
+      w.bottomRows(departures) = solved.leftCols(right_.cols()) - solved.rightCols(line_) * w.topRows(line_);
     solutions.push_back(std::move(w));
   }
   return solutions;
@@ -100,7 +102,7 @@ DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const 
     for (int tries = 0; tries < 8 && !better; ++tries) {
       Eigen::MatrixXd matrix = normal;
       matrix.diagonal().array() += damping * (normal.diagonal().array() + kUnseen * normal.trace() + kZero);
-      const Eigen::VectorXd q = p - matrix.ldlt().solve(gradient);
+      const Eigen::VectorXd q = p - solveSymmetric(matrix, gradient);
       if (q.allFinite()) {
         const Eigen::VectorXd s = at(q);
         if (s.squaredNorm() < r.squaredNorm()) {

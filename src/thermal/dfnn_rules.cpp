@@ -1,12 +1,12 @@
 #include "thermal/dfnn_rules.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "base/dense.h"
 #include "base/error.h"
 
 namespace mm {
@@ -50,7 +50,7 @@ class Consequents {
     const double least = kLeastRidge * gram_.trace() / static_cast<double>(gram_.rows());
     Eigen::MatrixXd matrix = gram_;
     matrix.diagonal().array() += std::max(ridge_ * samples_, least);
-    weights_ = matrix.ldlt().solve(right_);
+    weights_ = solveSymmetric(matrix, right_);
   }
 
   const Eigen::MatrixXd& x_;

@@ -1,12 +1,11 @@
 #include "thermal/duty_error.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/unit_random.h"
 
@@ -60,19 +59,18 @@ DutyError::DutyError(const Eigen::MatrixXd& temperatures, const Eigen::VectorXd&
 
   // principal components from the smaller of the two matrices of products, the largest last
   const bool wide = sensors > n;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(wide ? Eigen::MatrixXd(t * t.transpose())
-                                                                   : products_);
-  const Eigen::Index all = solver.eigenvalues().size();
+  const SymmetricEigen solver(wide ? Eigen::MatrixXd(t * t.transpose()) : products_);
+  const Eigen::Index all = solver.values.size();
   const auto courseOf = [&](Eigen::Index k) {
-    const Eigen::VectorXd vector = solver.eigenvectors().col(all - 1 - k);
+    const Eigen::VectorXd vector = solver.vectors.col(all - 1 - k);
     return Eigen::VectorXd(wide ? vector : (t * vector).normalized());
   };
   const Eigen::Index most = std::min(sensors, std::max<Eigen::Index>(1, n / 4));
   constexpr double kRounding = 1e-13;  // of the largest eigenvalue
-  const double rounding = kRounding * solver.eigenvalues()(all - 1);
+  const double rounding = kRounding * solver.values(all - 1);
   std::vector<Eigen::VectorXd> field, first;
   for (Eigen::Index k = 0; k < all && static_cast<Eigen::Index>(field.size()) < most; ++k) {
-    if (!(solver.eigenvalues()(all - 1 - k) > rounding)) break;
+    if (!(solver.values(all - 1 - k) > rounding)) break;
     const Eigen::VectorXd course = courseOf(k);
     if (!whiteNoise(course)) field.push_back(course);
     if (static_cast<Eigen::Index>(first.size()) < most) first.push_back(course);
@@ -106,7 +104,7 @@ double DutyError::of(const std::vector<int>& sensors) const {
   }
   constexpr double kAlike = 1e-10;    // of sensors that read the same
   matrix.diagonal() *= 1.0 + kAlike;  // of sensors that read the same
-  const Eigen::VectorXd slopes = matrix.ldlt().solve(right);
+  const Eigen::VectorXd slopes = solveSymmetric(matrix, right);
   Eigen::VectorXd left = displacement_;
   double passedOn = 0.0;
   for (Eigen::Index a = 0; a < m; ++a) {

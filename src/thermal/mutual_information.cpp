@@ -1,6 +1,5 @@
 #include "thermal/mutual_information.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/unit_random.h"
 
@@ -204,7 +204,7 @@ double SensorInformation::gaussian(const std::vector<int>& sensors) const {
   constexpr double kAlike = 1e-12;      // of a variance of one: sensors that read the same
   constexpr double kLeastLeft = 1e-15;  // of a variance of one: a course that is explained to the last bit
   const Eigen::MatrixXd matrix = t.transpose() * t / n + kAlike * Eigen::MatrixXd::Identity(m, m);
-  const double explained = covariance.dot(matrix.ldlt().solve(covariance));
+  const double explained = covariance.dot(solveSymmetric(matrix, covariance));
   return -0.5 * std::log(std::max(1.0 - explained, kLeastLeft));
 }
 

@@ -1,10 +1,10 @@
 #include "thermal/rbf_network.h"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
+#include "base/dense.h"
 #include "thermal/blocked_folds.h"
 #include "thermal/numbers.h"
 #include "thermal/ridge.h"
@@ -24,7 +24,7 @@ Eigen::MatrixXd strengths(const Eigen::MatrixXd& x, const Eigen::MatrixXd& centr
 
 /// Weights that meet every sample about the mean of the outputs; the shortest where samples coincide.
 Eigen::MatrixXd exactWeights(const Eigen::MatrixXd& x, const Eigen::MatrixXd& centred, double spread) {
-  return strengths(x, x, spread).completeOrthogonalDecomposition().solve(centred);
+  return shortestLeastSquares(strengths(x, x, spread), centred);
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #include "thermal/ridge.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+
+#include "base/dense.h"
 
 namespace mm {
 namespace {
@@ -21,9 +22,9 @@ struct Decomposition {
     deviation = (centred.colwise().squaredNorm() / n).cwiseSqrt();
     for (Eigen::Index i = 0; i < deviation.size(); ++i)
       centred.col(i) *= deviation(i) > 0.0 ? 1.0 / deviation(i) : 0.0;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred.transpose() * centred / n);
-    vectors = solver.eigenvectors();
-    values = solver.eigenvalues().cwiseMax(0.0);
+    const SymmetricEigen solver(centred.transpose() * centred / n);
+    vectors = solver.vectors;
+    values = solver.values.cwiseMax(0.0);
     projected = vectors.transpose() * (centred.transpose() * (y.rowwise() - meanY)) / n;
   }
 

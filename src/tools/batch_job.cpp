@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/utc_now.h"
+#include "base/version.h"
 #include "calibration_file/atomic_file.h"
 #include "fleet/child_process.h"
 #include "fleet/engine.h"
@@ -106,7 +107,7 @@ class JobRun {
   JobRun(const BatchJob& job, fs::path folder, MmProgram program, int limit)
       : job_(job), folder_(std::move(folder)), program_(program), limit_(limit) {
     result_.key = job.key;
-    result_.software = MM_VERSION;
+    result_.software = kVersion;
     result_.status = "done";
   }
 

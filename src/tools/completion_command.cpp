@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/version.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 
@@ -35,14 +36,14 @@ void addManualCommand(CLI::App& app, int& /*exitStatus*/) {
     for (const Command& c : commands) {
       known.push_back(c.name);
       if (*list) std::cout << c.name << '\n';
-      if (!*list && c.name == wanted) std::cout << manualPage(c, MM_VERSION);
+      if (!*list && c.name == wanted) std::cout << manualPage(c, kVersion);
       if (c.name == wanted) return;
     }
     if (*list) return;
     if (!wanted.empty())
       throw InputError("'" + wanted + "' is no command of mm" + didYouMean(wanted, known) +
                        " (mm manual --list names them)");
-    std::cout << manualPage(app, MM_VERSION);
+    std::cout << manualPage(app, kVersion);
   });
 }
 

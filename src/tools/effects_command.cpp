@@ -92,6 +92,9 @@ void runEffects(const EffectsOptions& options) {
     if (i > 0) std::cout << '\n';
     print(entries[i]);
   }
+  std::cout
+      << "\nany effect, keys  from_session: the number of the session from which on it acts, of several\n"
+         "                  stylus: name of the stylus with which alone it acts\n";
 }
 
 }  // namespace
@@ -102,7 +105,9 @@ void addEffectsCommand(CLI::App& app, int& /*exitStatus*/) {
   command->add_option("type", options->type, "one effect alone, e.g. backlash");
   command->add_flag("--json", options->json, "as JSON on standard output");
   command->footer(
-      "Effects of your own packages are among them. A key in [ ] has that default.\n"
+      "Effects of your own packages are among them. A key in [ ] has that default. Any effect also takes\n"
+      "from_session: N (it acts from the N-th of several sessions on) and stylus: NAME (with that one "
+      "alone).\n"
       "Example:\n  mm effects thermal_growth");
   command->callback([options] { runEffects(*options); });
 }

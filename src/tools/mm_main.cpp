@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
+#include "base/version.h"
 #include "ros_bridge/effect_plugins.h"
 #include "tools/commands.h"
 #include "tools/exit_status.h"
@@ -108,7 +109,7 @@ int run(int argc, char** argv) {
   if (ros::console::set_logger_level(ROSCONSOLE_ROOT_LOGGER_NAME, ros::console::levels::Fatal))
     ros::console::notifyLoggerLevelsChanged();
   CLI::App app{"Calibrates a measuring machine and finds the physical effect that its model misses.", "mm"};
-  app.set_version_flag("--version", "mm " MM_VERSION);
+  app.set_version_flag("--version", std::string("mm ") + mm::kVersion);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
   app.footer(

@@ -1,11 +1,12 @@
 #include "tools/population_prior.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/format.h"
 #include "estimation/fitter.h"
@@ -90,7 +91,7 @@ void PriorOfSisters::judge(const CalibrationResult& result) {
                     u.sisters.machines);
   }
   if (count == 0) return;
-  const double together = conflictOf(away.dot(expected.ldlt().solve(away)), static_cast<double>(count));
+  const double together = conflictOf(away.dot(solveSymmetric(expected, away)), static_cast<double>(count));
   chance_ = std::min({1.0, 2.0 * together, 2.0 * static_cast<double>(count) * least});  // two ways of asking
   contradicted_ = chance_ < kConflict;
 }
@@ -109,7 +110,7 @@ void PriorOfSisters::update(CalibrationResult& result) const {
     total.row(i) = seen.row(used_[static_cast<std::size_t>(i)].parameter);
     total(i, i) += std::pow(used_[static_cast<std::size_t>(i)].std, 2);
   }
-  const Eigen::MatrixXd gain = total.ldlt().solve(seen.transpose()).transpose();
+  const Eigen::MatrixXd gain = solveSymmetric(total, seen.transpose()).transpose();
   result.x += gain * away;
   const Eigen::MatrixXd covariance = result.covariance - gain * seen.transpose();
   result.covariance = 0.5 * (covariance + covariance.transpose());

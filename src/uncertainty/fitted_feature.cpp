@@ -1,11 +1,12 @@
 #include "uncertainty/fitted_feature.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "base/dense.h"
 #include "base/error.h"
 
 namespace mm {
@@ -56,12 +57,11 @@ FittedFeature::FittedFeature(Kind kind, const Eigen::Vector3d& centre, const Eig
         break;
     }
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(design_);
-  if (design_.rows() < unknowns || qr.rank() < unknowns)
+  if (design_.rows() < unknowns || rankOf(design_) < unknowns)
     throw InputError("the " + std::to_string(design_.rows()) +
                      " points do not determine the feature; it needs " + std::to_string(unknowns) +
                      " or more, not all on one line");
-  inverse_ = design_.completeOrthogonalDecomposition().pseudoInverse();
+  inverse_ = pseudoInverse(design_);
 }
 
 double FittedFeature::deviation(const Eigen::Vector3d& measured, const Eigen::VectorXd& feature,

@@ -1,9 +1,9 @@
 // What a VirtualMachine takes from the calibration before the first draw.
 #include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
@@ -201,10 +201,9 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
     for (Eigen::Index j = 0; j < n; ++j)
       if (i != j && std[i] > 0.0 && std[j] > 0.0)
         correlation(i, j) = 0.5 * (covariance(i, j) + covariance(j, i)) / (std[i] * std[j]);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
-  root_ =
-      std.asDiagonal() * (eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-                          eigen.eigenvectors().transpose());
+  const SymmetricEigen eigen(correlation);
+  root_ = std.asDiagonal() *
+          (eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose());
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     Source source{Cause::kParameters, {}, 0.0, 0.0, {}};
     const auto index = static_cast<int>(sources_.size());

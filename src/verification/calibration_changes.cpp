@@ -18,9 +18,6 @@
 namespace mm {
 namespace {
 
-constexpr double kSignificant = 0.01;
-constexpr double kSqrt2 = 1.41421356237309504880;
-
 const EffectSpec* sameIn(const Calibration& c, const EffectSpec& effect) {
   for (const EffectSpec& other : c.effects)
     if (sameEffect(other, effect, c.domain)) return &other;
@@ -47,7 +44,7 @@ ParameterChange changeOf(const Calibration& a, const Calibration::Value& before,
   change.change = change.after - change.before;
   change.std = std::hypot(change.beforeStd, change.afterStd);
   change.comparable = meansTheSame(change.effect, a, b);
-  change.pValue = change.std > 0.0 ? std::erfc(std::abs(change.change) / (change.std * kSqrt2)) : 1.0;
+  change.pValue = change.std > 0.0 ? std::erfc(std::abs(change.change) / (change.std * std::sqrt(2.0))) : 1.0;
   return change;
 }
 

@@ -8,6 +8,8 @@
 
 namespace mm {
 
+constexpr double kSignificant = 0.01;  ///< p below which a change of a parameter counts as one
+
 /// One parameter in two calibrations. In its unit for people.
 struct ParameterChange {
   EffectSpec effect;

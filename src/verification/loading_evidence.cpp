@@ -1,9 +1,10 @@
 #include "verification/loading_evidence.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "estimation/noise_rows.h"
 #include "estimation/thin_qr.h"
 #include "verification/decision.h"
@@ -26,8 +27,8 @@ Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance) {
     for (Eigen::Index j = 0; j < std.size(); ++j)
       if (i != j)
         correlation(i, j) = std[i] > 0.0 && std[j] > 0.0 ? covariance(i, j) / (std[i] * std[j]) : 0.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
-  return std.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen eigen(correlation);
+  return std.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// Size of a parameter that conditions the columns, SI.
@@ -83,8 +84,7 @@ double leftUnexplained(const FreshPoints& points, const PointSystem& system, con
 Shares sharesOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y) {
   Eigen::MatrixXd normal = columns.transpose() * columns;
   normal.diagonal().array() += 1.0 / (kShareStd * kShareStd);
-  const Eigen::MatrixXd covariance =
-      normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+  const Eigen::MatrixXd covariance = inverseOfSymmetric(normal);
   return {covariance * (columns.transpose() * y), covariance.diagonal().cwiseMax(0.0).cwiseSqrt()};
 }
 

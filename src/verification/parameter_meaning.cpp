@@ -1,9 +1,10 @@
 #include "verification/parameter_meaning.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/random.h"
 #include "model/model.h"
@@ -139,7 +140,7 @@ TipChange tipChange(const Calibration& a, const Calibration& b) {
   }
   // Where the workpiece lies is no error of the machine.
   rigid.rightCols<3>() /= std::max(kAtTheOrigin, rigid.rightCols<3>().cwiseAbs().maxCoeff());
-  difference -= rigid * rigid.completeOrthogonalDecomposition().solve(difference);
+  difference -= rigid * shortestLeastSquares(rigid, difference);
   change.rms = std::sqrt(difference.squaredNorm() / static_cast<double>(nodes));
   change.byChance = std::sqrt(variance.cwiseMax(0.0).sum() / static_cast<double>(nodes));
   for (std::size_t node = 0; node < nodes; ++node)

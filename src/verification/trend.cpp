@@ -10,15 +10,14 @@
 #include "effects/effect_words.h"
 #include "estimation/residual_space.h"
 #include "machine/machine_fit.h"
+#include "verification/calibration_changes.h"
 #include "verification/parameter_meaning.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
 namespace {
 
-constexpr double kSignificant = 0.01;
 constexpr double kMonth = 30.0;  // days
-constexpr double kSqrt2 = 1.41421356237309504880;
 
 std::vector<const Calibration*> ofOneMachine(const std::vector<Calibration>& all) {
   std::vector<const Calibration*> same;
@@ -88,7 +87,7 @@ void fitLine(ParameterTrend& t) {
   t.slopeStd = std::sqrt(std::max(1.0, birge) / square);
   const double z = std::abs(t.slope) / t.slopeStd;
   // A scale that the points themselves gave is as uncertain as they are few: Student's t, squared it is F.
-  t.pValue = birge > 1.0 ? std::exp(logPValueF(z * z, 1.0, freedoms)) : std::erfc(z / kSqrt2);
+  t.pValue = birge > 1.0 ? std::exp(logPValueF(z * z, 1.0, freedoms)) : std::erfc(z / std::sqrt(2.0));
 }
 
 void correctForMany(std::vector<ParameterTrend>& trends) {

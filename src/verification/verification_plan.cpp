@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "base/dense.h"
 #include "base/error.h"
 #include "base/units.h"
 #include "session/plan_selection.h"
@@ -81,7 +82,7 @@ class Knowledge {
     const Eigen::MatrixXd across = covariance_ * rows.transpose();
     Eigen::MatrixXd seen = rows * across;
     seen.diagonal().array() += 1.0;
-    covariance_ -= across * seen.ldlt().solve(across.transpose());
+    covariance_ -= across * solveSymmetric(seen, across.transpose());
   }
 
  private:

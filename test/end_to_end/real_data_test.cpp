@@ -206,6 +206,45 @@ TEST(RealData, LaserTable2ByThePenaltyObjective) {
   EXPECT_NEAR(norm, 1.0, 1e-4);
 }
 
+/// One printer, the same heating, four probes one after the other: what the heated nozzle does is the
+/// printer's; the bed warms the probe q5mc1, of which its owner says that it drifts most.
+TEST(RealData, FourProbesOfOnePrinter) {
+  MM_NEEDS_SHARED_DATA(folder, "z_probes");
+  const TestFolder work;
+  std::string styli = "name: place\nprobe:\n  styli:\n", bags;
+  for (const char* probe : {"h12a", "pinda", "pinda_covered", "q5mc1"}) {
+    std::istringstream lines(textOf(folder / (std::string(probe) + ".csv")));
+    std::string line, table;
+    while (std::getline(lines, line))  // the rows of temperatures have no reading behind their time
+      table += line + (table.empty()           ? ",stylus\n"
+                       : line.find(",,,") < 10 ? ",\n"
+                                               : "," + std::string(probe) + "\n");
+    work.write(std::string(probe) + ".csv", table);
+    styli += "    - {name: " + std::string(probe) + ", tip_radius_mm: 1}\n";
+    bags += " " + work / (std::string(probe) + ".bag");
+  }
+  const std::string artifact = work.write("probes.yaml", styli);
+  for (const char* probe : {"h12a", "pinda", "pinda_covered", "q5mc1"}) {
+    const Answer imported =
+        mmRun(work, "import " + work / (std::string(probe) + ".csv") + " --machine three_axis --artifact " +
+                        artifact + " -o " + work / (std::string(probe) + ".bag"));
+    ASSERT_EQ(imported.status, 0) << imported.error;
+  }
+  const std::string model = work.write("m.yaml", "effects: []\n");
+  const Answer fitted = mmRun(work, "calibrate" + bags + " --model " + model + " -o " + work / "c.yaml");
+  ASSERT_EQ(fitted.status, 0) << fitted.error;
+  const Answer answer = mmRun(work, "diagnose" + bags + " --calibration " + work / "c.yaml" + " --json");
+  const nlohmann::json found = answer.json()["missing"];
+  const auto ownerOf = [&](const std::string& sensor) -> std::string {
+    for (const auto& cause : found)
+      if (cause["effect"]["type"] == "thermal_growth" && cause["effect"]["sensor"] == sensor)
+        return cause["owner"];
+    return "nobody";
+  };
+  EXPECT_EQ(ownerOf("hotend"), "machine") << found;
+  EXPECT_EQ(ownerOf("bed"), "stylus q5mc1") << found;
+}
+
 /// Zero and direction as their makers published them, from a start that looks the other way.
 TEST(RealData, LaserProbeMount) {
   MM_NEEDS_SHARED_DATA(folder, "laser_probe_mount");

@@ -1,6 +1,7 @@
 #include <pluginlib/class_loader.hpp>
 
 #include "nodes/axis_driver.h"
+#include "nodes/run.h"
 #include "ros_bridge/ending.h"
 #include "ros_bridge/node_support.h"
 
@@ -19,7 +20,7 @@ mm::AxisController::Parameters controllerParameters(const ros::NodeHandle& own) 
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int mm::runAxisDriver(int argc, char** argv) {
   return mm::runNode(argc, argv, "axis_driver", [] {
     ros::NodeHandle node, own("~");
     const mm::Machine machine = mm::machineFromParameter(node);

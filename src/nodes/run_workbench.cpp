@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "nodes/ros_machine.h"
+#include "nodes/run.h"
 #include "ros_bridge/bag_session.h"
 #include "ros_bridge/effect_plugins.h"
 #include "ros_bridge/ending.h"
@@ -68,4 +69,4 @@ void serve() {
 
 }  // namespace
 
-int main(int argc, char** argv) { return mm::runNode(argc, argv, "workbench", serve); }
+int mm::runWorkbench(int argc, char** argv) { return mm::runNode(argc, argv, "workbench", serve); }

@@ -1,7 +1,8 @@
+#include "nodes/run.h"
 #include "nodes/temperature_node.h"
 #include "ros_bridge/node_support.h"
 
-int main(int argc, char** argv) {
+int mm::runTemperature(int argc, char** argv) {
   return mm::runNode(argc, argv, "temperature", [] {
     ros::NodeHandle node, own("~");
     const mm::TemperatureNode temperature(node, own);

@@ -1,10 +1,11 @@
 #include <ros/console.h>
 
 #include "nodes/compensation_node.h"
+#include "nodes/run.h"
 #include "ros_bridge/effect_plugins.h"
 #include "ros_bridge/node_support.h"
 
-int main(int argc, char** argv) {
+int mm::runCompensation(int argc, char** argv) {
   return mm::runNode(argc, argv, "compensation", [] {
     ros::NodeHandle node, own("~");
     mm::loadEffectPlugins([](const std::string& line) { ROS_WARN("%s", line.c_str()); });

@@ -1,0 +1,67 @@
+#pragma once
+#include <Eigen/Core>
+#include <type_traits>
+
+namespace mm {
+
+// Dense decompositions of matrices whose size is known at run time. They are compiled here, once: Eigen's
+// templates cost 3 to 12 s of compile time in every source that uses them.
+
+namespace dense {
+template <typename B>
+using Like = std::conditional_t<B::ColsAtCompileTime == 1, Eigen::VectorXd, Eigen::MatrixXd>;
+
+void leastSquares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::VectorXd& x);
+void leastSquares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
+void shortest(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double threshold, Eigen::VectorXd& x);
+void shortest(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double threshold, Eigen::MatrixXd& x);
+void solveSymmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::VectorXd& x);
+void solveSymmetric(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
+}  // namespace dense
+
+/// x with the least |a x - b|, of each column of b, by QR with column pivots.
+template <typename B>
+dense::Like<B> leastSquares(const Eigen::MatrixXd& a, const Eigen::MatrixBase<B>& b) {
+  dense::Like<B> x;
+  dense::leastSquares(a, dense::Like<B>(b.derived()), x);
+  return x;
+}
+
+/// The shortest of all x with the least |a x - b|. @param threshold below which a pivot is 0, of the largest;
+/// 0: rounding.
+template <typename B>
+dense::Like<B> shortestLeastSquares(const Eigen::MatrixXd& a, const Eigen::MatrixBase<B>& b,
+                                    double threshold = 0.0) {
+  dense::Like<B> x;
+  dense::shortest(a, dense::Like<B>(b.derived()), threshold, x);
+  return x;
+}
+
+/// x with a x = b, of a symmetric matrix that is positive or negative semidefinite, by LDLᵀ.
+template <typename B>
+dense::Like<B> solveSymmetric(const Eigen::MatrixXd& a, const Eigen::MatrixBase<B>& b) {
+  dense::Like<B> x;
+  dense::solveSymmetric(a, dense::Like<B>(b.derived()), x);
+  return x;
+}
+
+/// Inverse of a symmetric matrix that is positive definite.
+Eigen::MatrixXd inverseOfSymmetric(const Eigen::MatrixXd& a);
+
+/// Eigenvalues of a symmetric matrix, ascending, and its eigenvectors, a column each. Its lower triangle
+/// counts.
+struct SymmetricEigen {
+  explicit SymmetricEigen(const Eigen::MatrixXd& a);
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+
+/// Rank by QR with column pivots, and orthonormal columns that span what the columns of `a` do.
+/// @param threshold below which a pivot is 0, of the largest; 0: rounding.
+Eigen::Index rankOf(const Eigen::MatrixXd& a, double threshold = 0.0);
+Eigen::MatrixXd spanOf(const Eigen::MatrixXd& a, double threshold = 0.0);
+
+/// The Moore-Penrose inverse.
+Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& a);
+
+}  // namespace mm

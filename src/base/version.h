@@ -1,0 +1,7 @@
+#pragma once
+
+namespace mm {
+
+extern const char* const kVersion;  ///< of the package, as package.xml has it
+
+}  // namespace mm
