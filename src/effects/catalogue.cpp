@@ -1,7 +1,6 @@
 #include "effects/catalogue.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -35,177 +34,89 @@ Domain exampleDomain() {
   return d;
 }
 
-/// Values worth trying for a key; the joints of the kind that is looked for come first.
-std::vector<EffectSpec::Value> samplesOf(const KeyUse& use, const Domain& domain, JointKind preferred) {
-  std::vector<EffectSpec::Value> samples;
-  const auto one = [&](const std::string& text) { samples.push_back({{text}, false}); };
-  const auto joints = [&](bool linear, bool rotary) {
-    for (const bool first : {true, false})
-      for (const Joint& j : domain.joints)
-        if ((j.kind == preferred) == first && (j.kind == JointKind::kLinear ? linear : rotary)) one(j.name);
-  };
-  switch (use.kind) {
-    case Kind::kJoint:
-    case Kind::kDirection:
-    case Kind::kDirectionApproach:
-      joints(true, true);
-      break;
-    case Kind::kLinearJoint:
-      joints(true, false);
-      break;
-    case Kind::kRotaryJoint:
-      joints(false, true);
-      break;
-    case Kind::kWorkpieceAxis:
-      for (const char* axis : {"x", "y", "z"}) one(axis);
-      break;
-    case Kind::kSensor:
-      one(domain.sensors.front());
-      break;
-    case Kind::kSensorPair:
-    case Kind::kSensorList:
-    case Kind::kNames:
-      samples.push_back({domain.sensors, true});
-      break;
-    case Kind::kCovariate:
-      one(domain.covariates.front());
-      break;
-    case Kind::kFeature:
-    case Kind::kBall:
-      one(domain.features.front());
-      break;
-    case Kind::kNumber:
-    case Kind::kInteger:
-      if (use.words.empty()) one(format("%.9g", std::clamp(2.0, use.lower, use.upper)));
-      break;
-    case Kind::kNumbers:
-      one("1");
-      break;
-    case Kind::kText:
-      joints(true, true);
-      one("k1*" + domain.joints.front().name);
-      break;
-    case Kind::kFlag:
-    case Kind::kWord:
-      break;
-  }
-  for (const std::string& word : use.words) one(word);
-  return samples;
-}
-
-EffectSpec with(EffectSpec spec, const std::string& key, const EffectSpec::Value& value) {
-  spec.keys.emplace_back(key, value);
-  return spec;
-}
-
-/// Makes one effect of a type, finding out by trial which keys it cannot do without.
-class Example {
- public:
-  Example(const EffectType& type, const Domain& domain, JointKind preferred)
-      : type_(type), domain_(domain), preferred_(preferred) {
-    find(EffectSpec(type.type));
-    if (effect) askForTheRest();
-  }
-
-  EffectPtr effect;           // empty: no effect of this type acts at such a joint
-  EffectSpec spec;            // as it was made
-  std::vector<KeyUse> uses;   // of every key that could be made to tell
-  bool atPreferred() const {  // a joint of the kind that was looked for is among the keys
-    for (const auto& [key, value] : spec.keys)
-      for (const Joint& j : domain_.joints)
-        if (j.kind == preferred_ && value.items.front() == j.name) return true;
-    return false;
-  }
-  const KeyUse* use(const std::string& key) const {
-    const auto found = std::find_if(uses.begin(), uses.end(), [&](const KeyUse& u) { return u.key == key; });
-    return found == uses.end() ? nullptr : &*found;
-  }
-
- private:
-  /// @return whether the effect was made.
-  bool find(const EffectSpec& tried) {
-    constexpr int kMostTrials = 2000;
-    if (++trials_ > kMostTrials) return false;
-    std::optional<KeyUse> lacking;
-    {
-      const KeyRecorder recorder;
-      try {
-        effect = type_.create(tried, domain_);
-        spec = tried;
-        uses = recorder.uses();
-        return true;
-      } catch (const Error&) {
-      }
-      for (const KeyUse& use : recorder.uses())
-        if (!lacking && !use.absent && tried.find(use.key) == nullptr) lacking = use;
-    }
-    if (!lacking) return false;
-    for (const EffectSpec::Value& sample : samplesOf(*lacking, domain_, preferred_))
-      if (find(with(tried, lacking->key, sample))) return true;
-    return false;
-  }
-
-  /// A value that fits nothing makes every key say what it takes; one that excludes another, without that.
-  void askForTheRest() {
-    for (const std::string& key : type_.keys) {
-      EffectSpec asked = spec;
-      asked.keys.erase(std::remove_if(asked.keys.begin(), asked.keys.end(),
-                                      [&](const auto& pair) { return pair.first == key; }),
-                       asked.keys.end());
-      ask(with(asked, key, {{"?"}, false}));
-      for (const auto& [other, value] : spec.keys) {
-        if (use(key) != nullptr) break;
-        EffectSpec without = asked;
-        without.keys.erase(std::remove_if(without.keys.begin(), without.keys.end(),
-                                          [&, name = other](const auto& pair) { return pair.first == name; }),
-                           without.keys.end());
-        ask(with(without, key, {{"?"}, false}));
-      }
-    }
-  }
-
-  void ask(const EffectSpec& asked) {
-    const KeyRecorder recorder;
-    try {
-      type_.create(asked, domain_);
-    } catch (const Error&) {
-    }
-    for (const KeyUse& found : recorder.uses()) {
-      const auto known =
-          std::find_if(uses.begin(), uses.end(), [&](const KeyUse& u) { return u.key == found.key; });
-      if (known == uses.end())
-        uses.push_back(found);
-      else if (known->kind == Kind::kWord && found.kind != Kind::kWord)
-        *known = found;
-    }
-  }
-
-  const EffectType& type_;
-  const Domain& domain_;
-  const JointKind preferred_;
-  int trials_ = 0;
+/// One effect of a type, made on the example machine.
+struct Example {
+  EffectPtr effect;
+  std::vector<KeyUse> uses;             // of the keys that it read
+  bool linear = false, rotary = false;  // joints of that kind are among its keys
 };
 
-std::vector<CatalogueKey> keysOf(const EffectType& type, const Example& linear, const Example* rotary) {
+Example made(const EffectType& type, const EffectSpec& spec, const Domain& domain) {
+  Example example;
+  const KeyRecorder recorder;
+  example.effect = type.create(spec, domain);
+  example.uses = recorder.uses();
+  for (const auto& [key, value] : spec.keys)
+    for (const Joint& j : domain.joints)
+      if (value.items.front() == j.name)
+        (j.kind == JointKind::kLinear ? example.linear : example.rotary) = true;
+  return example;
+}
+
+/// What a type declares as examples, else members of its family: one at a linear axis and one at a rotary one
+/// of each form of its keys.
+std::vector<Example> examplesOf(const EffectType& type, const Domain& domain) {
+  std::vector<Example> examples;
+  if (!type.examples.empty()) {
+    for (const EffectSpec& spec : type.examples) examples.push_back(made(type, spec, domain));
+    return examples;
+  }
+  std::vector<EffectSpec> members = type.candidates(domain);
+  if (members.empty()) members.emplace_back(type.type);
+  for (const EffectSpec& spec : members) {
+    try {
+      Example example = made(type, spec, domain);
+      const bool told = std::any_of(examples.begin(), examples.end(), [&](const Example& e) {
+        return e.rotary == example.rotary && (e.linear || !example.linear);
+      });
+      if (!told) examples.push_back(std::move(example));
+    } catch (const Error&) {  // a plugin's, which says what its keys are in its package
+    }
+  }
+  std::stable_sort(examples.begin(), examples.end(),
+                   [](const Example& a, const Example& b) { return !a.rotary && b.rotary; });
+  return examples;
+}
+
+const KeyUse* useIn(const Example& example, const std::string& key) {
+  for (const KeyUse& use : example.uses)
+    if (use.key == key) return &use;
+  return nullptr;
+}
+
+std::vector<CatalogueKey> keysOf(const EffectType& type, const std::vector<Example>& examples) {
   std::vector<CatalogueKey> keys;
   for (const std::string& name : type.keys) {
     CatalogueKey key;
-    const KeyUse* at[2] = {linear.use(name), rotary != nullptr ? rotary->use(name) : nullptr};
     key.use.key = name;
-    key.known = at[0] != nullptr || at[1] != nullptr;
-    if (key.known) key.use = at[0] != nullptr ? *at[0] : *at[1];
-    if (rotary != nullptr && key.known && (at[0] == nullptr) != (at[1] == nullptr))
-      key.onlyAt = at[0] != nullptr ? "linear" : "rotary";
-    const Example& where = at[0] != nullptr || rotary == nullptr ? linear : *rotary;
-    key.required = where.spec.find(name) != nullptr;
+    key.known = false;
+    bool linear = false, rotary = false, always = true;  // where it is read
+    for (const Example& e : examples) {
+      const KeyUse* use = useIn(e, name);
+      if (use == nullptr) {
+        always = always && e.rotary != examples.front().rotary;
+        continue;
+      }
+      if (!key.known) key.use = *use;
+      key.known = true;
+      (e.rotary ? rotary : linear) = true;
+    }
+    const bool both =
+        std::any_of(examples.begin(), examples.end(), [](const Example& e) { return e.rotary; }) &&
+        std::any_of(examples.begin(), examples.end(), [](const Example& e) { return !e.rotary; });
+    if (both && linear != rotary) key.onlyAt = linear ? "linear" : "rotary";
+    key.required = key.known && !key.use.absent && (always || !key.onlyAt.empty());
     keys.push_back(key);
   }
   return keys;
 }
 
-std::vector<CatalogueParameter> parametersOf(const Example& linear, const Example* rotary) {
+std::vector<CatalogueParameter> parametersOf(const std::vector<Example>& examples) {
+  const Example* rotary = nullptr;
+  for (const Example& e : examples)
+    if (e.rotary && &e != &examples.front() && rotary == nullptr) rotary = &e;
   std::vector<CatalogueParameter> list;
-  for (const Parameter& p : linear.effect->parameters()) list.push_back({p.name, p.unit, {}});
+  for (const Parameter& p : examples.front().effect->parameters()) list.push_back({p.name, p.unit, {}});
   if (rotary == nullptr) return list;
   for (const Parameter& p : rotary->effect->parameters()) {
     const auto same =
@@ -237,30 +148,20 @@ CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
   CatalogueEntry entry;
   entry.type = type.type;
   entry.composite = type.composite;
-  const Example linear(type, domain, JointKind::kLinear);
-  if (!linear.effect) {
-    for (const std::string& key : type.keys) {
-      CatalogueKey unknown;
-      unknown.use.key = key;
-      unknown.known = false;
-      entry.keys.push_back(unknown);
-    }
-    return entry;
-  }
-  const Example atRotary(type, domain, JointKind::kRotary);
-  const bool both = linear.atPreferred() && atRotary.effect && atRotary.atPreferred();
-  const Example* rotary = both ? &atRotary : nullptr;
-  entry.example = linear.spec.yaml();
-  entry.keys = keysOf(type, linear, rotary);
-  entry.parameters = parametersOf(linear, rotary);
+  const std::vector<Example> examples = examplesOf(type, domain);
+  entry.keys = keysOf(type, examples);
+  if (examples.empty()) return entry;
+  const Effect& first = *examples.front().effect;
+  entry.example = first.spec().yaml();
+  entry.parameters = parametersOf(examples);
   try {
-    entry.needs = needsOf(inputsOf(*linear.effect, domain));
+    entry.needs = needsOf(inputsOf(first, domain));
   } catch (const Error&) {  // an effect of a plugin that cannot be evaluated is listed all the same
   }
-  if (linear.effect->learned()) entry.needs.emplace_back("temperature");
-  entry.shownBy = linear.effect->shownBy();
-  entry.cause = linear.effect->cause();
-  entry.remedy = linear.effect->remedy();
+  if (first.learned()) entry.needs.emplace_back("temperature");
+  entry.shownBy = first.shownBy();
+  entry.cause = first.cause();
+  entry.remedy = first.remedy();
   return entry;
 }
 

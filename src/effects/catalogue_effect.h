@@ -1,10 +1,12 @@
 #pragma once
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "effects/effect_words.h"
 #include "effects/registry.h"
 #include "effects/spec_reader.h"
 
@@ -13,21 +15,30 @@ namespace mm {
 /// What contributes when an input is not known.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+/// Where an error along a direction acts in the chain.
+inline Stage stageOf(const Direction& direction) {
+  return direction.kind == Direction::Kind::kJoint       ? Stage::kAxis
+         : direction.kind == Direction::Kind::kWorkpiece ? Stage::kVolume
+                                                         : Stage::kProbe;
+}
+
 /// What the effects of the catalogue have in common besides their physics.
 class CatalogueEffect : public Effect {
  public:
   Stage stage() const override { return stage_; }
   void adopt(EffectSpec canonical) { spec_ = std::move(canonical); }  ///< what spec() gives
+  std::string cause() const override { return wordsOf(spec(), "cause", variant_, words_); }
+  std::string remedy() const override { return wordsOf(spec(), "remedy", variant_, words_); }
+  std::string shownBy() const override { return wordsOf(spec(), "shown_by", variant_, words_); }
 
  protected:
-  CatalogueEffect(const SpecReader& read, Stage stage)
-      : layout_(static_cast<int>(read.domain().joints.size())), stage_(stage) {}
+  CatalogueEffect(const SpecReader& read, Stage stage) : layout_(read.layout()), stage_(stage) {}
   CatalogueEffect(const SpecReader& read, const Direction& direction)
-      : CatalogueEffect(read, direction.kind == Direction::Kind::kJoint       ? Stage::kAxis
-                              : direction.kind == Direction::Kind::kWorkpiece ? Stage::kVolume
-                                                                              : Stage::kProbe) {}
+      : CatalogueEffect(read, stageOf(direction)) {}
 
   const ErrorLayout layout_;
+  std::string variant_;                       // of its words; empty: those of its type
+  std::map<std::string, std::string> words_;  // that words.yaml may name beside its keys
 
  private:
   const Stage stage_;
@@ -38,8 +49,9 @@ using Candidates = std::function<std::vector<EffectSpec>(const Domain&)>;
 /// The registry entry of an effect class that is constructed from a SpecReader.
 template <class E>
 EffectType effectType(const std::string& type, std::vector<std::string> keys, Candidates candidates,
-                      bool composite = false) {
+                      bool composite = false, std::vector<EffectSpec> examples = {}) {
   EffectType entry;
+  entry.examples = std::move(examples);
   entry.type = type;
   entry.keys = keys;
   entry.create = [keys = std::move(keys)](const EffectSpec& spec, const Domain& domain) -> EffectPtr {

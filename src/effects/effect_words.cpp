@@ -1,58 +1,22 @@
 #include "effects/effect_words.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
-#include <array>
 #include <set>
+#include <stdexcept>
+#include <vector>
+
+#include "effects/words_yaml.h"
 
 namespace mm {
 namespace {
 
-struct Phrase {
-  const char* type;
-  const char* words;  // keys in braces
-};
-
-/// How the shop calls an effect. Of several phrases of a type the first counts whose keys are all given; keys
-/// that a phrase does not use follow it. A type that is not here (a plugin) is told by its own name and keys.
-constexpr std::array kPhrases = {
-    Phrase{"mmt_deviation", "MMT deviation of {axis}"},
-    Phrase{"scale", "scale of {axis}"},
-    Phrase{"squareness", "squareness of {of} to {axis}"},
-    Phrase{"lead_screw_periodic", "periodic error of {axis}"},
-    Phrase{"positioning_polynomial", "positioning error of {axis}"},
-    Phrase{"straightness", "straightness of {axis} in {direction}"},
-    Phrase{"straightness_table", "straightness table of {axis} in {direction}"},
-    Phrase{"position_table", "position table of {axis}"},
-    Phrase{"angular_motion", "angular error of {axis} about {about}"},
-    Phrase{"backlash", "backlash of {axis}"},
-    Phrase{"lost_motion", "lost motion of {axis}"},
-    Phrase{"thermal_expansion", "thermal expansion of {axis} with {sensor}"},
-    Phrase{"thermal_growth", "thermal growth along {direction} with {sensor}"},
-    Phrase{"thermal_bending", "thermal bending of {axis} about {about} with {sensors}"},
-    Phrase{"thermal_transient", "growth along {direction} while {sensor} changes"},
-    Phrase{"time_drift", "steady drift along {direction}"},
-    Phrase{"jump", "jump along {direction} at {at_s} s"},
-    Phrase{"warm_up", "warm-up along {direction}"},
-    Phrase{"time_cycle", "cycle in time along {direction}"},
-    Phrase{"gravity_sag", "sag under gravity along {direction} with {with}"},
-    Phrase{"probe_lobing", "probe lobing of order {order}"},
-    Phrase{"probe_radius", "effective radius of the probe tip"},
-    Phrase{"tip_wear", "wear of the probe tip"},
-    Phrase{"ball_radius", "radius of ball {ball}"},
-    Phrase{"artifact_position", "position of {feature}"},
-    Phrase{"artifact_expansion", "expansion of the artifact with {sensor}"},
-    Phrase{"rotary_zero", "zero of {joint}"},
-    Phrase{"rotary_axis_offset", "offset of the axis of {joint} along {direction}"},
-    Phrase{"rotary_axis_tilt", "tilt of the axis of {joint} about {about}"},
-    Phrase{"rotary_eccentricity", "eccentricity of {joint}"},
-    Phrase{"rotary_wobble", "wobble of {joint}"},
-    Phrase{"covariate_offset", "offset along {direction} with {covariate}"},
-    Phrase{"covariate_scale", "scale of {axis} with {covariate}"},
-    Phrase{"thermal_network", "thermal network of {axis}"},
-    Phrase{"profile", "profile along {direction} over {variable}"},
-    Phrase{"profile", "profile along {direction} over {variables}"},
-    Phrase{"formula", "{formula} along {direction}"},
-};
+/// words.yaml, which is compiled in.
+const YAML::Node& words() {
+  static const YAML::Node all = YAML::Load(kWordsYaml);
+  return all;
+}
 
 std::string spaced(std::string text) {
   std::replace(text.begin(), text.end(), '_', ' ');
@@ -67,7 +31,9 @@ std::string valueOf(const EffectSpec::Value& value) {
 }
 
 /// The phrase with its keys put in; empty where one of them is not given.
-std::string filled(const std::string& phrase, const EffectSpec& effect, std::set<std::string>& used) {
+/// @param used the keys. @param more further words.
+std::string filled(const std::string& phrase, const EffectSpec& effect, std::set<std::string>& used,
+                   const std::map<std::string, std::string>& more = {}) {
   std::string text;
   used.clear();
   for (std::size_t at = 0; at < phrase.size();) {
@@ -76,8 +42,9 @@ std::string filled(const std::string& phrase, const EffectSpec& effect, std::set
     const std::size_t close = phrase.find('}', open);
     const std::string key = phrase.substr(open + 1, close - open - 1);
     const EffectSpec::Value* value = effect.find(key);
-    if (value == nullptr || value->items.empty()) return {};
-    text += phrase.substr(at, open - at) + valueOf(*value);
+    const auto word = more.find(key);
+    if (word == more.end() && (value == nullptr || value->items.empty())) return {};
+    text += phrase.substr(at, open - at) + (word == more.end() ? valueOf(*value) : word->second);
     used.insert(key);
     at = close + 1;
   }
@@ -105,8 +72,12 @@ std::string keyInWords(const std::string& key, const EffectSpec::Value& value) {
 std::string inWords(const EffectSpec& effect) {
   std::string text;
   std::set<std::string> used;
-  for (const Phrase& phrase : kPhrases)
-    if (effect.type == phrase.type && text.empty()) text = filled(phrase.words, effect, used);
+  std::vector<std::string> phrases;
+  if (const YAML::Node called = words()[effect.type]["called"])
+    phrases = called.IsSequence() ? called.as<std::vector<std::string>>()
+                                  : std::vector<std::string>{called.as<std::string>()};
+  for (const std::string& phrase : phrases)
+    if (text.empty()) text = filled(phrase, effect, used);
   if (text.empty()) {
     used.clear();
     text = spaced(effect.type);
@@ -114,6 +85,25 @@ std::string inWords(const EffectSpec& effect) {
   for (const auto& [key, value] : effect.keys)
     if (used.count(key) == 0) text += keyInWords(key, value);
   return text;
+}
+
+std::vector<std::string> typesInWords() {
+  std::vector<std::string> types;
+  for (const auto& entry : words()) types.push_back(entry.first.as<std::string>());
+  return types;
+}
+
+std::string wordsOf(const EffectSpec& effect, const std::string& what, const std::string& variant,
+                    const std::map<std::string, std::string>& more) {
+  YAML::Node text;
+  if (!variant.empty()) text.reset(words()[effect.type + " " + variant][what]);
+  if (!text.IsDefined() || text.IsNull()) text.reset(words()[effect.type][what]);
+  std::set<std::string> used;
+  const std::string whole = filled(text.as<std::string>(), effect, used, more);
+  if (whole.empty())
+    throw std::logic_error("words.yaml: " + what + " of " + effect.type + " names a key that " +
+                           effect.yaml() + " has not");
+  return whole;
 }
 
 }  // namespace mm

@@ -1,5 +1,7 @@
 #pragma once
+#include <map>
 #include <string>
+#include <vector>
 
 #include "effects/effect_spec.h"
 
@@ -8,5 +10,13 @@ namespace mm {
 /// An effect as it is called in a workshop: "backlash of x", "straightness of x in z, degree 2". A type that
 /// has no phrase (a plugin's) is told by its own name and keys.
 std::string inWords(const EffectSpec& effect);
+
+/// The types of words.yaml, in its order, which is that of the catalogue.
+std::vector<std::string> typesInWords();
+
+/// What words.yaml says of an effect. @param what "cause", "remedy" or "shown_by".
+/// @param variant of its words, where its law chose one. @param more words that its law gives, by name.
+std::string wordsOf(const EffectSpec& effect, const std::string& what, const std::string& variant,
+                    const std::map<std::string, std::string>& more);
 
 }  // namespace mm

@@ -1,5 +1,3 @@
-#include "effects/formula.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +9,7 @@
 #include "effects/linearity.h"
 #include "effects/numeric_derivative.h"
 #include "effects/quantity.h"
+#include "effects/special_laws.h"
 #include "effects/touch.h"
 
 namespace mm {
@@ -69,16 +68,6 @@ class Formula : public CatalogueEffect {
   bool statesDatum() const override { return true; }
   bool ofUnknownSize() const override { return true; }
 
-  std::string cause() const override {
-    return "A law stated by the user: " + spec().text("formula") + " along " + direction_.name + ".";
-  }
-  std::string remedy() const override {
-    return "Depends on what the formula describes; until that is removed leave the correction on.";
-  }
-  std::string shownBy() const override {
-    return "Measurements in which " + names_ + " vary independently of each other, over their whole range.";
-  }
-
  private:
   Formula(SpecReader& read, const Direction& direction)
       : CatalogueEffect(read, direction),
@@ -97,9 +86,10 @@ class Formula : public CatalogueEffect {
       read.fail("start must hold " + std::to_string(unknowns.size()) + " numbers, for " + listOf(unknowns) +
                 "; it holds " + std::to_string(start.size()));
     linearity_ = linearityOf(*expression_, variables_, start);
+    std::string names;
     for (const int v : expression_->usedVariables())
-      names_ += (names_.empty() ? "" : ", ") + variables_.names()[v];
-    if (names_.empty()) names_ = "all inputs";
+      names += (names.empty() ? "" : ", ") + variables_.names()[v];
+    words_["names"] = names.empty() ? "all inputs" : names;
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
       Parameter k = parameter(unknowns[i], {"1", 1.0}, 1.0, 1e9);
       if (linearity_.linear) {  // sized by what it moves: 1 um (arcsec) is typical, 0.1 m (28 deg) the bound
@@ -137,13 +127,15 @@ class Formula : public CatalogueEffect {
   FormulaVariables variables_;
   std::unique_ptr<const Expression> expression_;
   Linearity linearity_;
-  std::string names_;
 };
 
 }  // namespace
 
 EffectType formulaType() {
-  return effectType<Formula>("formula", {"direction", "formula", "start"}, nullptr);
+  const EffectSpec law("formula");
+  return effectType<Formula>("formula", {"direction", "formula", "start"}, nullptr, false,
+                             {EffectSpec(law).set("direction", "x").set("formula", "k1*x"),
+                              EffectSpec(law).set("direction", "b").set("formula", "k1*x")});
 }
 
 }  // namespace mm

@@ -1,9 +1,8 @@
-#include "effects/laser_mount.h"
-
 #include <cmath>
 
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
+#include "effects/special_laws.h"
 
 namespace mm {
 namespace {
@@ -68,18 +67,6 @@ class LaserMount : public CatalogueEffect {
                      ? -turned.head<2>().squaredNorm() / (1.0 + turned.z())  // z - 1, all its digits
                      : turned.z() - 1.0;
     put(sink, layout_.beam(0), beam_, turned, toTip_ * across);
-  }
-
-  std::string cause() const override {
-    return "The probe is not mounted where the kinematic chain says: its zero, its beam or the axes that "
-           "carry it are displaced.";
-  }
-  std::string remedy() const override {
-    return "Leave the correction on, and calibrate again whenever the probe has been remounted.";
-  }
-  std::string shownBy() const override {
-    return "One ball measured in postures with two values of b or more, a of both signs, and readings from "
-           "both ends of the range.";
   }
 
  private:

@@ -1,11 +1,10 @@
-#include "effects/lead_screw_periodic.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
+#include "effects/special_laws.h"
 
 namespace mm {
 namespace {
@@ -112,20 +111,6 @@ class LeadScrewPeriodic : public CatalogueEffect {
     return "At positions " + text(spacing_) + name + " apart a period of " + text(spacing_ / (1.0 - waves)) +
            " or " + text(spacing_ / (1.0 + waves)) + name + " looks the same" +
            (linear ? commonLeads(waves) : "") + ": measure " + name_ + " at unequal distances.";
-  }
-
-  std::string cause() const override {
-    return "Periodic error of the screw, gear or belt pulley of " + name_ +
-           ": within each revolution it runs ahead of and behind its mean lead.";
-  }
-  std::string remedy() const override {
-    return "Check thrust bearing, coupling and alignment of the screw, or the run-out of the pulley, of " +
-           name_ + "; or leave the correction on.";
-  }
-  std::string shownBy() const override {
-    return "Positions of " + name_ +
-           " at all phases of a revolution: steps that are neither a multiple nor a simple fraction of the "
-           "lead.";
   }
 
  private:

@@ -1,9 +1,8 @@
-#include "effects/mmt_deviation.h"
-
 #include <cmath>
 
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
+#include "effects/special_laws.h"
 
 namespace mm {
 namespace {
@@ -81,19 +80,6 @@ class MmtDeviation : public CatalogueEffect {
     return parameter >= 5 && others_[static_cast<std::size_t>(parameter) - 5] < axis_;
   }
 
-  std::string cause() const override {
-    return "Geometric errors of " + name_ +
-           ": lead, home position, periodic error of the screw, straightness and squareness of the guideway.";
-  }
-  std::string remedy() const override {
-    return "Leave the correction on; where one constant dominates, repair that part of " + name_ +
-           " (screw, guideway, squareness).";
-  }
-  std::string shownBy() const override {
-    return "Contacts all around balls at many places of the measuring volume, not in steps that are a "
-           "multiple of the screw lead.";
-  }
-
  private:
   int axis_;
   std::vector<int> others_;
@@ -105,8 +91,9 @@ class MmtDeviation : public CatalogueEffect {
 }  // namespace
 
 EffectType mmtDeviationType() {
-  return effectType<MmtDeviation>(
-      "mmt_deviation", {"axis", "lead_mm", "exponent", "amplitude_exponent", "argument"}, nullptr, true);
+  return effectType<MmtDeviation>("mmt_deviation",
+                                  {"axis", "lead_mm", "exponent", "amplitude_exponent", "argument"}, nullptr,
+                                  true, {EffectSpec("mmt_deviation").set("axis", "x").set("lead_mm", 2)});
 }
 
 }  // namespace mm

@@ -1,8 +1,7 @@
-#include "effects/position_table.h"
-
 #include "effects/catalogue_effect.h"
 #include "effects/knots.h"
 #include "effects/quantity.h"
+#include "effects/special_laws.h"
 
 namespace mm {
 namespace {
@@ -12,11 +11,10 @@ class PositionTable : public CatalogueEffect {
   explicit PositionTable(SpecReader& read) : CatalogueEffect(read, Stage::kAxis), axis_(read.joint("axis")) {
     const Domain& domain = read.domain();
     const Joint& joint = domain.joints[axis_];
-    name_ = joint.name;
     std::vector<double> positions;
     if (axis_ < static_cast<int>(domain.positions.size())) positions = domain.positions[axis_];
     if (positions.size() < 2)
-      read.fail("a table needs 2 to 64 distinct measured positions of " + name_ + ", and there are " +
+      read.fail("a table needs 2 to 64 distinct measured positions of " + joint.name + ", and there are " +
                 (positions.empty() ? std::string("more (or none); use positioning_polynomial")
                                    : std::string("fewer")));
     knots_ = Knots(positions, joint.kind);
@@ -33,27 +31,17 @@ class PositionTable : public CatalogueEffect {
 
   std::vector<int> mustMove() const override { return {axis_}; }
 
-  std::string cause() const override {
-    return "Positioning error of " + name_ + " of any shape: screw, scale, guideway and Abbe error together.";
-  }
-  std::string remedy() const override {
-    return "Load the table into the controller as its pitch error compensation, or leave the correction on.";
-  }
-  std::string shownBy() const override {
-    return "The same target positions of " + name_ +
-           " measured several times, by an interferometer or a step gauge.";
-  }
-
  private:
   int axis_;
-  std::string name_;
   Knots knots_;
 };
 
 }  // namespace
 
 EffectType positionTableType() {
-  return effectType<PositionTable>("position_table", {"axis"}, nullptr, true);
+  return effectType<PositionTable>(
+      "position_table", {"axis"}, nullptr, true,
+      {EffectSpec("position_table").set("axis", "x"), EffectSpec("position_table").set("axis", "b")});
 }
 
 }  // namespace mm

@@ -1,9 +1,8 @@
-#include "effects/probe_lobing.h"
-
 #include <cmath>
 
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
+#include "effects/special_laws.h"
 #include "effects/touch.h"
 
 namespace mm {
@@ -20,6 +19,7 @@ class ProbeLobing : public CatalogueEffect {
     order_ = read.integer("order", 0, kHighestOrder);
     if (order_ == 1)
       read.fail("order 1 would move the tip, and the artifact's pose takes that up: 0 or 2 to 9");
+    variant_ = order_ == 0 ? "sideways" : order_ == 3 ? "on three points" : "";
     if (order_ > 0) parameters_ = {errorParameter("S", JointKind::kLinear)};
     parameters_.push_back(errorParameter("K", JointKind::kLinear));
   }
@@ -51,22 +51,6 @@ class ProbeLobing : public CatalogueEffect {
         others.push_back(
             {EffectSpec(spec()).set("order", order), order % order_ == 0 ? kHarmonic : kOtherLobes});
     return others;
-  }
-
-  std::string cause() const override {
-    if (order_ == 0)
-      return "The pre-travel of the probe differs sideways from that along the stylus: the stylus bends, and "
-             "the lever to its seat is longer.";
-    return "The pre-travel of the probe depends on the direction of approach: " + std::to_string(order_) +
-           " lobes around the stylus" + (order_ == 3 ? ", from a seat on three points." : ".");
-  }
-  std::string remedy() const override {
-    return "Use a shorter, stiffer stylus and a lower trigger force, or a strain-gauge probe; approach along "
-           "few directions in which the tip was qualified.";
-  }
-  std::string shownBy() const override {
-    if (order_ == 0) return "Contacts all around the equator of one ball and at its pole.";
-    return "Contacts on one ball in twelve directions or more all around the stylus.";
   }
 
  private:

@@ -193,32 +193,23 @@ class Profile : public CatalogueEffect {
     return {};
   }
 
-  std::string cause() const override {
-    return "No effect of the catalogue has this shape: the error along " + law_.direction().name +
-           " is a smooth function of " + names_ + ".";
-  }
-  std::string remedy() const override {
-    return "Look at the curve for what acts with " + names_ +
-           "; until that is found leave the correction on, within the range that was measured.";
-  }
-  std::string shownBy() const override {
-    return "Measurements at many values of " + names_ +
-           ", over the whole range and not correlated with another input.";
-  }
-
  private:
   Profile(SpecReader& read, ProfileLaw law) : CatalogueEffect(read, law.direction()), law_(std::move(law)) {
     parameters_ = law_.parameters();
-    for (const auto& v : law_.variables()) names_ += (names_.empty() ? "" : " and ") + v.name;
+    std::string& names = words_["names"];
+    for (const auto& v : law_.variables()) names += (names.empty() ? "" : " and ") + v.name;
   }
 
   ProfileLaw law_;
-  std::string names_;
 };
 
 }  // namespace
 
-EffectType profileType() { return effectType<Profile>("profile", profileKeys(), nullptr); }
+EffectType profileType() {
+  return effectType<Profile>(
+      "profile", profileKeys(), nullptr, false,
+      {profileSpec("x", {"x"}), profileSpec("b", {"x"}), profileSpec("x", {"x", "y"})});
+}
 
 EffectSpec profileSpec(const std::string& direction, const std::vector<std::string>& variables) {
   EffectSpec spec("profile");

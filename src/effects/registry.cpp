@@ -4,94 +4,34 @@
 
 #include "base/error.h"
 #include "base/nearest_name.h"
-#include "effects/angular_motion.h"
-#include "effects/artifact_expansion.h"
-#include "effects/artifact_position.h"
-#include "effects/backlash.h"
-#include "effects/ball_radius.h"
-#include "effects/covariate_offset.h"
-#include "effects/covariate_scale.h"
-#include "effects/formula.h"
-#include "effects/gravity_sag.h"
-#include "effects/jump.h"
-#include "effects/laser_incidence.h"
-#include "effects/laser_mount.h"
-#include "effects/laser_scale.h"
-#include "effects/lead_screw_periodic.h"
-#include "effects/lost_motion.h"
-#include "effects/mmt_deviation.h"
+#include "effects/effect_words.h"
+#include "effects/law.h"
 #include "effects/owned.h"
-#include "effects/position_table.h"
-#include "effects/positioning_polynomial.h"
-#include "effects/probe_lobing.h"
-#include "effects/probe_radius.h"
 #include "effects/profile.h"
-#include "effects/rotary_axis_offset.h"
-#include "effects/rotary_axis_tilt.h"
-#include "effects/rotary_eccentricity.h"
-#include "effects/rotary_wobble.h"
-#include "effects/rotary_zero.h"
-#include "effects/scale.h"
-#include "effects/speed_lag.h"
-#include "effects/squareness.h"
-#include "effects/straightness.h"
-#include "effects/straightness_table.h"
-#include "effects/thermal_bending.h"
-#include "effects/thermal_expansion.h"
-#include "effects/thermal_growth.h"
-#include "effects/thermal_network.h"
-#include "effects/thermal_transient.h"
-#include "effects/time_cycle.h"
-#include "effects/time_drift.h"
-#include "effects/tip_wear.h"
-#include "effects/warm_up.h"
+#include "effects/special_laws.h"
 
 namespace mm {
 namespace {
 
-std::vector<EffectType>& registry() {
-  static std::vector<EffectType> types{
-      mmtDeviationType(),           //
-      scaleType(),                  //
-      squarenessType(),             //
-      leadScrewPeriodicType(),      //
-      positioningPolynomialType(),  //
-      straightnessType(),           //
-      straightnessTableType(),      //
-      positionTableType(),          //
-      angularMotionType(),          //
-      backlashType(),               //
-      lostMotionType(),             //
-      speedLagType(),               //
-      thermalExpansionType(),       //
-      thermalGrowthType(),          //
-      thermalBendingType(),         //
-      thermalTransientType(),       //
-      timeDriftType(),              //
-      jumpType(),                   //
-      warmUpType(),                 //
-      timeCycleType(),              //
-      gravitySagType(),             //
-      probeLobingType(),            //
-      probeRadiusType(),            //
-      tipWearType(),                //
-      ballRadiusType(),             //
-      artifactPositionType(),       //
-      artifactExpansionType(),      //
-      laserMountType(),             //
-      laserScaleType(),             //
-      laserIncidenceType(),         //
-      rotaryZeroType(),             //
-      rotaryAxisOffsetType(),       //
-      rotaryAxisTiltType(),         //
-      rotaryEccentricityType(),     //
-      rotaryWobbleType(),           //
-      covariateOffsetType(),        //
-      covariateScaleType(),         //
-      formulaType(),                //
-      profileType(),                //
-      thermalNetworkType(),         //
+/// In the order of words.yaml.
+std::vector<EffectType> catalogue() {
+  std::vector<EffectType> types = {mmtDeviationType(),      leadScrewPeriodicType(), positionTableType(),
+                                   straightnessTableType(), probeLobingType(),       laserMountType(),
+                                   formulaType(),           profileType(),           thermalNetworkType()};
+  for (const auto& rows :
+       {lawsOfAxes(), lawsOfTemperature(), lawsOfTime(), lawsOfContact(), lawsOfRotaryAxes()})
+    for (const LawRow& row : rows) types.push_back(lawType(row));
+  const std::vector<std::string> order = typesInWords();
+  const auto placeOf = [&](const EffectType& type) {
+    return std::find(order.begin(), order.end(), type.type) - order.begin();
   };
+  std::sort(types.begin(), types.end(),
+            [&](const EffectType& a, const EffectType& b) { return placeOf(a) < placeOf(b); });
+  return types;
+}
+
+std::vector<EffectType>& registry() {
+  static std::vector<EffectType> types = catalogue();
   return types;
 }
 

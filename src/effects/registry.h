@@ -17,6 +17,9 @@ struct EffectType {
   std::function<std::vector<EffectSpec>(const Domain&)> candidates;
   bool composite = false;
   std::vector<std::string> keys = {};  // that it takes, in the order of the canonical form
+  /// For the catalogue, where `candidates` are none or do not show every key: on a machine with linear joints
+  /// x, y, z and rotary ones b, a.
+  std::vector<EffectSpec> examples = {};
 };
 
 /// The catalogue, in its fixed order: one line an effect (registry.cpp).

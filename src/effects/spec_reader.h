@@ -44,6 +44,10 @@ class SpecReader {
 
   bool has(const std::string& key) const { return spec_.find(key) != nullptr; }  ///< whether the key is given
   const Domain& domain() const { return domain_; }  ///< in which names are looked up
+  const Joint& jointAt(int index) const { return domain_.joints[static_cast<std::size_t>(index)]; }
+  ErrorLayout layout() const {
+    return ErrorLayout(static_cast<int>(domain_.joints.size()));
+  }  ///< of its slots
   /// What was read, in the order of the allowed keys, numbers in their shortest form and defaults left out:
   /// two specs that mean the same have the same canonical form.
   EffectSpec canonical() const;

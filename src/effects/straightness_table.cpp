@@ -1,8 +1,7 @@
-#include "effects/straightness_table.h"
-
 #include "effects/catalogue_effect.h"
 #include "effects/knots.h"
 #include "effects/quantity.h"
+#include "effects/special_laws.h"
 
 namespace mm {
 namespace {
@@ -27,26 +26,12 @@ class StraightnessTable : public CatalogueEffect {
   std::vector<int> mustMove() const override { return {axis_}; }
   int positionsNeeded() const override { return knots_.count(); }
 
-  std::string cause() const override {
-    return "The guideway of " + name_ + " is not straight, in whatever shape: its slide deviates along " +
-           direction_ + " as it travels.";
-  }
-  std::string remedy() const override {
-    return "Load the table into the controller as its straightness compensation, or leave the correction on.";
-  }
-  std::string shownBy() const override {
-    return "Contacts along " + direction_ + " near every knot over the travel of " + name_ +
-           ", or a straightedge measured at the same positions several times.";
-  }
-
  private:
   StraightnessTable(SpecReader& read, int axis, const Direction& direction)
       : CatalogueEffect(read, direction),
         slot_(direction.slot(layout_)),
         axis_(axis),
-        knots_(positionsOf(read, axis), read.domain().joints[axis].kind),
-        name_(read.domain().joints[axis].name),
-        direction_(direction.name) {
+        knots_(positionsOf(read, axis), read.domain().joints[axis].kind) {
     if (direction.kind == Direction::Kind::kJoint && direction.index == axis)
       read.fail("axis and direction must differ; along the axis itself use position_table");
     const std::vector<std::string> names = knots_.names();
@@ -75,13 +60,15 @@ class StraightnessTable : public CatalogueEffect {
 
   int slot_, axis_;
   Knots knots_;
-  std::string name_, direction_;
 };
 
 }  // namespace
 
 EffectType straightnessTableType() {
-  return effectType<StraightnessTable>("straightness_table", {"axis", "direction", "knots"}, nullptr, true);
+  return effectType<StraightnessTable>(
+      "straightness_table", {"axis", "direction", "knots"}, nullptr, true,
+      {EffectSpec("straightness_table").set("axis", "x").set("direction", "y"),
+       EffectSpec("straightness_table").set("axis", "a").set("direction", "b")});
 }
 
 }  // namespace mm

@@ -1,4 +1,4 @@
-#include "effects/thermal_network.h"
+#include "thermal/thermal_network.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "effects/catalogue_effect.h"
 #include "effects/quantity.h"
-#include "thermal/thermal_network.h"
+#include "effects/special_laws.h"
 
 namespace mm {
 namespace {
@@ -17,7 +17,7 @@ constexpr std::size_t kMostInputs = 64;
 class ThermalNetworkEffect : public CatalogueEffect {
  public:
   explicit ThermalNetworkEffect(SpecReader& read)
-      : CatalogueEffect(read, Stage::kAxis), axis_(read.joint("axis")), name_(read.text("axis")) {
+      : CatalogueEffect(read, Stage::kAxis), axis_(read.joint("axis")) {
     std::vector<std::string> listed;
     if (read.isList("sensors"))
       for (const int sensor : read.sensorList("sensors")) listed.push_back(read.domain().sensors[sensor]);
@@ -65,17 +65,6 @@ class ThermalNetworkEffect : public CatalogueEffect {
     return effect;
   }
 
-  std::string cause() const override {
-    return "Thermal deformation of the machine along " + name_ + " that no single thermal effect describes.";
-  }
-  std::string remedy() const override {
-    return "Cool or screen the heat sources, warm up before measuring, or leave the correction on.";
-  }
-  std::string shownBy() const override {
-    return "The same positions of " + name_ +
-           " measured many times while the machine warms and cools, all temperatures logged.";
-  }
-
  private:
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError("effect " + spec().yaml() + ": " + what);
@@ -110,7 +99,6 @@ class ThermalNetworkEffect : public CatalogueEffect {
   }
 
   int axis_;
-  std::string name_;
   std::shared_ptr<const LearnedNetwork> learned_;  // null before it learned
   std::shared_ptr<const ThermalNetwork> network_;  // null where it gives nothing
   std::vector<int> sensors_;                       // of the Domain
@@ -120,7 +108,10 @@ class ThermalNetworkEffect : public CatalogueEffect {
 }  // namespace
 
 EffectType thermalNetworkType() {
-  return effectType<ThermalNetworkEffect>("thermal_network", {"axis", "sensors", "network"}, nullptr, true);
+  return effectType<ThermalNetworkEffect>(
+      "thermal_network", {"axis", "sensors", "network"}, nullptr, true,
+      {EffectSpec("thermal_network").set("axis", "x").setList("sensors", {"bed", "frame"}),
+       EffectSpec("thermal_network").set("axis", "x")});
 }
 
 }  // namespace mm

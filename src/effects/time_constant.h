@@ -18,10 +18,10 @@ inline Parameter timeConstant(const std::string& name, const Domain& domain) {
 }
 
 /// Starts for its search, a factor of two apart: from 1/128 of the session to twice the session.
-inline std::vector<std::vector<double>> timeConstantStarts(const Domain& domain) {
-  std::vector<std::vector<double>> starts;
+inline std::vector<double> timeConstantStarts(const Domain& domain) {
+  std::vector<double> starts;
   const double duration = std::max(domain.duration, 1.0);
-  for (int k = -7; k <= 1; ++k) starts.push_back({std::ldexp(duration, k)});
+  for (int k = -7; k <= 1; ++k) starts.push_back(std::ldexp(duration, k));
   return starts;
 }
 

@@ -1,0 +1,112 @@
+#include "effects/law.h"
+
+#include <algorithm>
+#include <memory>
+
+namespace mm {
+namespace {
+
+/// An effect whose law is data.
+class LawEffect final : public CatalogueEffect {
+ public:
+  LawEffect(const SpecReader& read, Law law) : CatalogueEffect(read, law.stage), law_(std::move(law)) {
+    parameters_ = law_.parameters;
+    variant_ = law_.variant;
+    words_ = law_.words;
+  }
+  void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
+    law_.add(state, p, sink);
+  }
+
+  bool linear() const override { return law_.starts.empty(); }
+  std::vector<int> nonlinearParameters() const override {
+    return linear() ? std::vector<int>{} : std::vector<int>{parameterCount() - 1};
+  }
+  std::vector<std::vector<double>> searchStarts() const override {
+    std::vector<std::vector<double>> starts;
+    for (const double start : law_.starts) starts.push_back({start});
+    return starts;
+  }
+  bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
+    return nonlinear.empty() || (nonlinear.front() >= law_.shortest && nonlinear.front() <= law_.longest);
+  }
+  std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& nonlinear) const override {
+    std::vector<NonlinearFreedom> all;
+    for (const auto& [factor, share] : law_.beside)
+      if (!nonlinear.empty()) all.push_back({{factor * nonlinear.front()}, share});
+    return all;
+  }
+  bool choosesFrame(int) const override { return law_.choosesFrame; }
+  double met() const override { return law_.met; }
+  std::vector<std::string> shapeKeys() const override { return law_.shapeKeys; }
+  std::vector<ShapeFreedom> freedom(const Domain&) const override { return law_.freedom; }
+  std::vector<int> variesAlong(const Domain&) const override { return law_.variesAlong; }
+  std::vector<int> mustMove() const override { return law_.mustMove; }
+
+ private:
+  const Law law_;
+};
+
+}  // namespace
+
+EffectType lawType(LawRow row) {
+  EffectType type;
+  type.type = row.type;
+  type.keys = row.keys;
+  type.create = [keys = row.keys, law = row.law](const EffectSpec& spec, const Domain& domain) -> EffectPtr {
+    SpecReader read(spec, domain, keys);
+    auto effect = std::make_shared<LawEffect>(read, law(read));
+    effect->adopt(read.canonical());
+    return effect;
+  };
+  type.candidates = [row = std::move(row)](const Domain& domain) {
+    std::vector<EffectSpec> members = {EffectSpec(row.type)};
+    for (const Values& values : row.values) {
+      std::vector<EffectSpec> more;
+      const Values::List of = values.of(domain);
+      for (const EffectSpec& member : members)
+        for (const EffectSpec::Value& value : of) {
+          more.push_back(member);
+          if (!value.items.front().empty()) more.back().keys.emplace_back(values.key, value);
+        }
+      members = std::move(more);
+    }
+    if (row.where)
+      members.erase(std::remove_if(members.begin(), members.end(),
+                                   [&](const EffectSpec& spec) { return !row.where(spec, domain); }),
+                    members.end());
+    return members;
+  };
+  return type;
+}
+
+Values named(const std::string& key, std::function<std::vector<std::string>(const Domain&)> of) {
+  return {key, [of = std::move(of)](const Domain& domain) {
+            Values::List list;
+            for (const std::string& name : of(domain)) list.push_back({{name}, false});
+            return list;
+          }};
+}
+Values fixed(const std::string& key, std::vector<std::string> values) {
+  return named(key, [values = std::move(values)](const Domain&) { return values; });
+}
+Values numbers(const std::string& key, int lowest, int highest, int absent) {
+  std::vector<std::string> values;
+  for (int n = lowest; n <= highest; ++n) values.push_back(n == absent ? "" : std::to_string(n));
+  return fixed(key, std::move(values));
+}
+Values joints(const std::string& key) {
+  return named(key, [](const Domain& domain) { return jointNames(domain); });
+}
+Values joints(const std::string& key, JointKind kind) {
+  return named(key, [kind](const Domain& domain) { return jointNames(domain, kind); });
+}
+Values directions() { return named("direction", directionNames); }
+Values sensors() {
+  return named("sensor", [](const Domain& domain) { return domain.sensors; });
+}
+Values covariates() {
+  return named("covariate", [](const Domain& domain) { return domain.covariates; });
+}
+
+}  // namespace mm
