@@ -164,7 +164,7 @@ std::vector<CannotBeShown> judgeCatalogue(const Problem& problem, const Identifi
       if (std::any_of(inModel.begin(), inModel.end(),
                       [&](const EffectPtr& e) { return e->spec() == effect->spec(); }))
         continue;
-      const auto starts = effect->searchStarts();
+      const auto starts = effect->nature().searchStarts;
       const std::vector<double> p =
           startsAt(*effect, starts.empty() ? std::vector<double>() : starts[starts.size() / 2]);
       Eigen::MatrixXd all = inverse.asDiagonal() * at.effectColumns(*effect, p);

@@ -105,7 +105,7 @@ std::vector<Answer> answersOf(const Search& search, const Explanation& found) {
       a.member = static_cast<int>(j);
       a.start.resize(a.effect->parameterCount());
       for (int k = 0; k < a.effect->parameterCount(); ++k) a.start[k] = a.effect->parameters()[k].start;
-      const std::vector<int> nonlinear = a.effect->nonlinearParameters();
+      const std::vector<int> nonlinear = a.effect->nature().nonlinear;
       for (std::size_t k = 0; k < nonlinear.size() && k < m.nonlinear.size(); ++k)
         a.start[nonlinear[k]] = m.nonlinear[k];
       taken.push_back(spec);

@@ -18,7 +18,7 @@ constexpr int kManyPlaces = 20;
 
 /// What an error of the joint by one unit does to each row, and where the joint was.
 struct ErrorOfJoint {
-  ErrorOfJoint(const ResidualSpace& space, const Effect& effect, const Effect::FineWaves& waves) {
+  ErrorOfJoint(const ResidualSpace& space, const Effect& effect, const Nature::FineWaves& waves) {
     const double length = waves.lengths.front();
     const Eigen::MatrixXd both = linearColumns(effect, space.columns(effect, startsAt(effect, {length})));
     const Problem& problem = space.problem();
@@ -48,7 +48,7 @@ double powerOf(const ErrorOfJoint& error, const Eigen::ArrayXd& target, double l
 
 LikelyWaves likelyWaves(const ResidualSpace& space, const Effect& effect) {
   LikelyWaves out;
-  const Effect::FineWaves waves = effect.fineWaves();
+  const Nature::FineWaves waves = effect.nature().fineWaves;
   if (waves.lengths.empty()) return out;
   const Domain& domain = space.problem().model().domain();
   const double range = domain.upper[waves.joint] - domain.lower[waves.joint];

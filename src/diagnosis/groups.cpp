@@ -10,7 +10,7 @@ bool inModel(const Model& model, const EffectSpec& spec) {
 }
 
 std::string causeOf(const Effect& effect) {
-  const std::vector<std::string> shape = effect.shapeKeys();
+  const std::vector<std::string> shape = effect.nature().shapeKeys;
   std::string key = effect.spec().type;
   for (const auto& [name, value] : effect.spec().keys) {
     if (std::find(shape.begin(), shape.end(), name) != shape.end()) continue;

@@ -49,7 +49,7 @@ class ShapesOf {
       // in the units of this effect's parameters, so that a share is a share
       add(linearColumns(*other, space_.columns(*other, startsAt(*other, {}))), f.share, "", f.spec);
     }
-    const std::vector<int> nonlinear = effect_.nonlinearParameters();
+    const std::vector<int> nonlinear = effect_.nature().nonlinear;
     std::vector<double> now;
     for (const int k : nonlinear) now.push_back(p_[static_cast<std::size_t>(k)]);
     for (const Effect::NonlinearFreedom& f : effect_.freedomBeside(now)) {
@@ -58,7 +58,7 @@ class ShapesOf {
         at[static_cast<std::size_t>(nonlinear[k])] = f.nonlinear[k];
       add(linearColumns(effect_, space_.columns(effect_, at)), f.share, "", effect_.shapedAs(f.nonlinear));
     }
-    for (const int joint : effect_.variesAlong(model_.domain())) changesAlong(joint);
+    for (const int joint : effect_.nature().variesAlong) changesAlong(joint);
     return std::move(shapes_);
   }
 

@@ -112,9 +112,9 @@ std::string ownerOf(const EffectSpec& effect, const Diagnosis& d) {
                              : session.recordings[static_cast<std::size_t>(owner.fromSession) - 1].source);
   if (!owner.stylus.empty()) return "stylus " + owner.stylus;
   const EffectPtr made = createEffect(law, d.base.problem->model().domain());
-  if (made->stage() == Stage::kArtifact) return "artifact " + session.artifact.name;
+  if (made->nature().stage == Stage::kArtifact) return "artifact " + session.artifact.name;
   const auto& styli = session.artifact.styli;
-  if (made->stage() == Stage::kProbe && styli.size() == 1) return "stylus " + styli.front().name;
+  if (made->nature().stage == Stage::kProbe && styli.size() == 1) return "stylus " + styli.front().name;
   return "machine";
 }
 

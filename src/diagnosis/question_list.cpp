@@ -34,7 +34,7 @@ constexpr int kPlacesOfRough = 16;
 
 /// Whether a session can show that an error changes within few positions of a joint.
 bool changesWithinFewPlaces(const ShapeMaker& maker, const Effect& profile) {
-  const std::vector<int> joints = profile.mustMove();
+  const std::vector<int> joints = profile.nature().mustMove;
   return joints.size() == 1 && maker.domain().joints[joints[0]].kind == JointKind::kLinear &&
          distinctPositions(maker.problem(), joints[0]) >= kPlacesOfRough;
 }
@@ -47,7 +47,7 @@ std::vector<Owner> ownersOf(const Effect& effect, const Domain& domain) {
   const Inputs inputs = inputsOf(effect, domain);
   if (domain.recordings > 1 && !inputs.dependsOnTime())
     for (int n = 2; n <= domain.recordings; ++n) owners.push_back({n, ""});
-  if (domain.styli.size() > 1 && (effect.stage() == Stage::kProbe || inputs.dependsOnTemperature()))
+  if (domain.styli.size() > 1 && (effect.nature().stage == Stage::kProbe || inputs.dependsOnTemperature()))
     for (const std::string& stylus : domain.styli) owners.push_back({1, stylus});
   return owners;
 }
@@ -79,7 +79,7 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
     }
     for (const EffectPtr& effect : candidates) {
       const bool owned = &effect->law() != effect.get();
-      std::vector<std::vector<double>> starts = effect->searchStarts();
+      std::vector<std::vector<double>> starts = effect->nature().searchStarts;
       const bool again = inModel(model, effect->spec());
       if (again && starts.empty()) continue;
       const std::string reason = maker.notTried(*effect);
@@ -88,7 +88,7 @@ QuestionList QuestionList::causes(const ResidualSpace& space) {
       if (fresh) {
         Group group;
         group.key = key;
-        group.met = effect->met() * (owned ? kOwned : 1.0);
+        group.met = effect->nature().met * (owned ? kOwned : 1.0);
         group.dependsOnTime = inputsOf(*effect, domain).dependsOnTime();
         out.groups_.push_back(group);
         out.why_.push_back(reason);
@@ -210,7 +210,7 @@ void QuestionList::setPrices(std::vector<Shape>& shapes, int passedOver) {
   };
   for (const Shape& s : shapes) ++countOf(s);
   for (Shape& s : shapes) {
-    const int looked = countOf(s) + (s.effect->fineWaves().lengths.empty() ? 0 : passedOver);
+    const int looked = countOf(s) + (s.effect->nature().fineWaves.lengths.empty() ? 0 : passedOver);
     s.price = std::log(static_cast<double>(ofEffect.size())) + std::log(static_cast<double>(looked));
   }
 }

@@ -122,10 +122,11 @@ Member Search::refined(const Evidence& evidence, const std::vector<Member>& othe
     return best;
   }
   const GroupColumns make(*q_.space);
-  const std::vector<int> parameters = shape.effect->nonlinearParameters();
+  const std::vector<int> parameters = shape.effect->nature().nonlinear;
   double most = evidence.gainOf(given, others, *member.columns).value;
   std::vector<double> steps = {0.03, 0.01, 0.003, 0.001, 0.0003};
-  if (!shape.effect->fineWaves().lengths.empty()) steps.insert(steps.end(), {1e-4, 3e-5});  // of many waves
+  if (!shape.effect->nature().fineWaves.lengths.empty())
+    steps.insert(steps.end(), {1e-4, 3e-5});  // of many waves
   for (std::size_t k = 0; k < best.nonlinear.size(); ++k)
     for (const double step : steps)
       for (const double sign : {1.0, -1.0})

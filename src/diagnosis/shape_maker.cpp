@@ -43,12 +43,12 @@ int distinctPositions(const Problem& problem, int joint) {
 }
 
 std::string ShapeMaker::notTried(const Effect& effect) const {
-  for (const int joint : effect.mustMove())
+  for (const int joint : effect.nature().mustMove)
     if (!(domain_.upper[joint] - domain_.lower[joint] > kMoved))
       return domain_.joints[joint].name + " never moved";
-  if (effect.positionsNeeded() > 0)
-    for (const int joint : effect.mustMove())
-      if (distinctPositions(problem_, joint) < effect.positionsNeeded())
+  if (effect.nature().positionsNeeded > 0)
+    for (const int joint : effect.nature().mustMove)
+      if (distinctPositions(problem_, joint) < effect.nature().positionsNeeded)
         return "too few distinct positions of " + domain_.joints[joint].name + " to tell a period";
   return "";
 }
@@ -78,7 +78,7 @@ DraftShape ShapeMaker::draft(const EffectPtr& effect, const std::vector<double>&
   }
   for (const Effect::NonlinearFreedom& f : effect->freedomBeside(nonlinear))
     beside(*effect, f.nonlinear, f.share);
-  for (const int joint : effect->variesAlong(domain_)) {
+  for (const int joint : effect->nature().variesAlong) {
     RowMatrix varied = columns.front();
     varyAlong(problem_, space_.used(), joint, varied);
     RowMatrix most = varied;  // Legendre's polynomial of degree 2: a nut works most in the middle
@@ -137,7 +137,7 @@ bool ShapeMaker::isSeen(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStride<
 
 std::vector<MadeShape> ShapeMaker::finished(const std::vector<DraftShape>& drafts) const {
   const auto isWave = [](const DraftShape& d) {
-    return d.why.empty() && d.parts.front().count == 2 && d.shape.effect->fineWaves().joint >= 0;
+    return d.why.empty() && d.parts.front().count == 2 && d.shape.effect->nature().fineWaves.joint >= 0;
   };
   int columns = 0;
   for (const DraftShape& d : drafts) columns += static_cast<int>(d.raw.cols()) + (isWave(d) ? 1 : 0);

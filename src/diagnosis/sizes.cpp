@@ -15,7 +15,7 @@ namespace {
 /// Values of an effect's nonlinear parameters, SI. @param first of its parameters in x.
 std::vector<double> nonlinearOf(const Effect& effect, const Eigen::VectorXd& x, int first) {
   std::vector<double> values;
-  for (const int k : effect.nonlinearParameters()) values.push_back(x[first + k]);
+  for (const int k : effect.nature().nonlinear) values.push_back(x[first + k]);
   return values;
 }
 
@@ -71,7 +71,7 @@ std::vector<char> whatRanOff(const ResidualSpace& space, const std::vector<Answe
       return a.effect->mayBeClaimed(values);
     };
     Eigen::VectorXd size = full.x.segment(at, a.effect->parameterCount()), sizeBefore = a.start;
-    for (const int k : a.effect->nonlinearParameters()) size[k] = sizeBefore[k] = 0.0;
+    for (const int k : a.effect->nature().nonlinear) size[k] = sizeBefore[k] = 0.0;
     at += a.effect->parameterCount();
     if (nonlinear.empty()) continue;
     const bool allowed = (allowedAt(1.0) || allowedAt(kFarther) || allowedAt(1.0 / kFarther)) &&

@@ -158,7 +158,7 @@ CatalogueEntry entryOf(const EffectType& type, const Domain& domain) {
     entry.needs = needsOf(inputsOf(first, domain));
   } catch (const Error&) {  // an effect of a plugin that cannot be evaluated is listed all the same
   }
-  if (first.learned()) entry.needs.emplace_back("temperature");
+  if (first.nature().learned) entry.needs.emplace_back("temperature");
   entry.shownBy = first.shownBy();
   entry.cause = first.cause();
   entry.remedy = first.remedy();

@@ -25,7 +25,6 @@ inline Stage stageOf(const Direction& direction) {
 /// What the effects of the catalogue have in common besides their physics.
 class CatalogueEffect : public Effect {
  public:
-  Stage stage() const override { return stage_; }
   void adopt(EffectSpec canonical) { spec_ = std::move(canonical); }  ///< what spec() gives
   std::string cause() const override { return wordsOf(spec(), "cause", variant_, words_); }
   std::string remedy() const override { return wordsOf(spec(), "remedy", variant_, words_); }
@@ -39,9 +38,6 @@ class CatalogueEffect : public Effect {
   const ErrorLayout layout_;
   std::string variant_;                       // of its words; empty: those of its type
   std::map<std::string, std::string> words_;  // that words.yaml may name beside its keys
-
- private:
-  const Stage stage_;
 };
 
 using Candidates = std::function<std::vector<EffectSpec>(const Domain&)>;

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <string>
@@ -51,6 +52,54 @@ struct ShapeFreedom {
 
 enum class Stage { kAxis, kJoint, kProbe, kVolume, kArtifact };
 
+/// What is so of an effect whatever its parameters and the state. Parameters are indices of parameters(),
+/// joints of the Domain.
+struct Nature {
+  Stage stage = Stage::kAxis;  // where in the chain it acts
+  bool linear = true;          // the error is linear in all parameters
+  /// The error is the sum over the parameters of coefficient(i, p_i) times a function of the state alone;
+  /// linear effects are. As coefficient(i, 0) = 0 with slope 1, the derivatives at zero are those functions.
+  bool separable = false;
+  bool startTells = false;  // the derivatives at the start values tell what a session can determine
+  bool composite = false;   // never a candidate of a diagnosis
+  /// Its shape is learned from the residuals of the model without it (estimation/network_learning); until
+  /// then it has no parameters.
+  bool learned = false;
+  bool statesDatum = false;    // a user's law: it may say where deviations without a zero count from
+  bool ofUnknownSize = false;  // nobody knows its size: a search goes by starts, not by bounds
+
+  std::vector<int> nonlinear;  // parameters that enter nonlinearly (a period, a time constant)
+  /// Start values (SI) of these that cover their plausible range closely enough for a descent from the
+  /// nearest to reach the optimum: one vector a start.
+  std::vector<std::vector<double>> searchStarts;
+  /// Of a wave over the position of a joint, whose linear parameters are its sine and its cosine, counted
+  /// from the joint's zero, and whose one nonlinear parameter is its length: shorter lengths than those of
+  /// searchStarts, so many that a quick look at the residuals chooses which are asked.
+  struct FineWaves {
+    int joint = -1;               // -1: the effect has none
+    std::vector<double> lengths;  // m or rad, descending
+  };
+  FineWaves fineWaves;
+  std::vector<int> unitVectors;  // first of three parameters (l, m, n) that form a unit vector
+  /// Weight M of h^2, h = l^2 + m^2 + n^2 - 1, beside residuals in mm, LASER (11); 0: the norm is a
+  /// constraint, and the error must not depend on the vector's length.
+  double unitVectorPenalty = 0.0;
+  /// Parameters that partly only choose the frame in which the machine's errors are told: to hold them is a
+  /// convention.
+  std::vector<int> choosesFrame;
+  std::vector<int> zeroByConvention;  // set to zero by a published convention where nothing determines them
+
+  // What a diagnosis must know of it to treat it as one physical cause.
+  double met = 1.0;  // how often the cause is met in machines, the usual ones being 1: seldom, 0.3
+  /// Keys of the spec that only say which shape the cause has (degree, harmonic, period, power, lag …):
+  /// effects of one type that differ in nothing else have one cause.
+  std::vector<std::string> shapeKeys;
+  std::vector<int>
+      variesAlong;            // joints along whose travel its size usually changes: the play of a worn screw
+  std::vector<int> mustMove;  // joints of whose position it is a law: where one never moved, it cannot show
+  int positionsNeeded = 0;    // distinct positions of each of these, at the least; 0: any that moved
+};
+
 /// One physical effect: a small error as a function of the state and of a few unknown constants.
 /// Immutable after construction and safe to call from several threads.
 class Effect {
@@ -60,107 +109,54 @@ class Effect {
   const EffectSpec& spec() const { return spec_; }                             ///< canonical form
   const std::vector<Parameter>& parameters() const { return parameters_; }     ///< in the order of `p`
   int parameterCount() const { return static_cast<int>(parameters_.size()); }  ///< size of `p`
+  const Nature& nature() const { return nature_; }
+  bool linear() const { return nature_.linear; }
+  bool separable() const { return nature_.linear || nature_.separable; }
+  bool startTells() const { return separable() || nature_.startTells; }
 
-  virtual Stage stage() const = 0;  ///< where in the chain it acts
-  /// True when the error is linear in all parameters.
-  virtual bool linear() const { return true; }
-  /// Composites are never candidates of a diagnosis.
-  virtual bool composite() const { return false; }
+  bool choosesFrame(int parameter) const { return isIn(nature_.choosesFrame, parameter); }
+  bool zeroByConvention(int parameter) const { return isIn(nature_.zeroByConvention, parameter); }
+
   /// Adds the error at `state` with parameters `p` (SI) to the sink. An input that is not known contributes
   /// NaN.
   virtual void evaluate(const State& state, const double* p, ErrorSink& sink) const = 0;
-  /// Parameters that enter nonlinearly (a period, a time constant): indices; empty for linear effects.
-  virtual std::vector<int> nonlinearParameters() const { return {}; }
-  /// Start values (SI) of the nonlinear parameters that cover their plausible range closely enough for a
-  /// descent from the nearest to reach the optimum: one vector a start, in the order of
-  /// nonlinearParameters().
-  virtual std::vector<std::vector<double>> searchStarts() const { return {}; }
+  virtual double coefficient(int /*parameter*/, double value) const {
+    return value;
+  }  ///< see Nature::separable
 
-  /// Of a wave over the position of a joint, whose linear parameters are its sine and its cosine, counted
-  /// from the joint's zero, and whose one nonlinear parameter is its length: shorter lengths than those of
-  /// searchStarts(), so many that a quick look at the residuals chooses which are asked.
-  struct FineWaves {
-    int joint = -1;
-    std::vector<double> lengths;  // m or rad, descending
-  };
-  /// @return joint -1 where the effect has none.
-  virtual FineWaves fineWaves() const { return {}; }
+  // Values of `nonlinear` are in the order of Nature::nonlinear, SI.
 
-  /// True when the error is the sum over the parameters of coefficient(i, p_i) times a function of the state
-  /// alone; linear effects are. As coefficient(i, 0) = 0 with slope 1, the derivatives at zero are those
-  /// functions.
-  virtual bool separable() const { return linear(); }
-  virtual double coefficient(int /*parameter*/, double value) const { return value; }
-  /// First of three consecutive parameters (l, m, n) that form a unit vector, for each such vector.
-  virtual std::vector<int> unitVectors() const { return {}; }
-  /// Weight M of h^2, h = l^2 + m^2 + n^2 - 1, beside residuals in mm, LASER (11); 0: the norm is a
-  /// constraint, and the error must not depend on the vector's length.
-  virtual double unitVectorPenalty() const { return 0.0; }
-  /// True when the derivatives at the start values already tell what a session can determine.
-  virtual bool startTells() const { return separable(); }
-  /// True for a parameter that partly only chooses the frame in which the machine's errors are told: to hold
-  /// it is a convention.
-  virtual bool choosesFrame(int /*parameter*/) const { return false; }
-
-  // What a diagnosis must know of an effect to treat it as one physical cause.
-
-  /// How often the cause is met in machines, the usual ones being 1: seldom, 0.3.
-  virtual double met() const { return 1.0; }
-  /// Keys of the spec that only say which shape the cause has (degree, harmonic, period, power, lag …):
-  /// effects of one type that differ in nothing else have one cause.
-  virtual std::vector<std::string> shapeKeys() const { return {}; }
   /// Other shapes that the cause has at the same time, beside this one: further degrees of a guideway's
   /// profile, harmonics of a screw. Each is linear in its parameters.
   virtual std::vector<ShapeFreedom> freedom(const Domain& /*domain*/) const { return {}; }
   /// The spec with the nonlinear parameters stated, where a key can state them: {period_mm: unknown} at 2 mm
-  /// is {period_mm: 2}. Values in the order of nonlinearParameters(), SI.
+  /// is {period_mm: 2}.
   virtual EffectSpec shapedAs(const std::vector<double>& /*nonlinear*/) const { return spec_; }
   /// Like freedom(), by other values of the nonlinear parameters: half the period of a screw.
   struct NonlinearFreedom {
     std::vector<double> nonlinear;
     double share = 0.15;
   };
-  /// See NonlinearFreedom. Values in the order of nonlinearParameters(), SI.
+  /// See NonlinearFreedom.
   virtual std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& /*nonlinear*/) const {
     return {};
   }
-  /// Joints along whose travel its size usually changes (the play of a worn screw): indices of the Domain.
-  virtual std::vector<int> variesAlong(const Domain& /*domain*/) const { return {}; }
-  /// Joints (indices of the Domain) of whose position it is a law: where one of them never moved, the session
-  /// cannot show it.
-  virtual std::vector<int> mustMove() const { return {}; }
-  /// Distinct positions of each of these that it takes at the least; 0: any that moved.
-  virtual int positionsNeeded() const { return 0; }
   /// Whether what the session covered can tell it, with these nonlinear parameters, from a smooth profile: a
-  /// wave of which less than two lengths were seen is none. Values in the order of
-  /// nonlinearParameters().
+  /// wave of which less than two lengths were seen is none.
   virtual bool mayBeClaimed(const std::vector<double>& /*nonlinear*/) const { return true; }
   /// What else looks the same at the places of the session, and what would tell: a sentence; empty: nothing.
-  /// Values in the order of nonlinearParameters(), SI.
   virtual std::string looksTheSame(const std::vector<double>& /*nonlinear*/) const { return {}; }
-
-  // What the rest of the library must know of a few effects, without their names.
 
   /// What acts where its owner does (effects/owned.h); the effect itself where that is everywhere.
   virtual const Effect& law() const { return *this; }
-
-  /// Its shape is learned from the residuals of the model without it (estimation/network_learning); until
-  /// then it has no parameters.
-  virtual bool learned() const { return false; }
   /// What it learned; null before it did.
   virtual const LearnedNetwork* network() const { return nullptr; }
-  /// The same effect with what it learned; null unless learned(). @throw InputError: the network does not fit
-  /// its sensors and positions, or a sensor is not in the domain.
+  /// The same effect with what it learned; null unless it is learned. @throw InputError: the network does not
+  /// fit its sensors and positions, or a sensor is not in the domain.
   virtual std::shared_ptr<const Effect> taught(const LearnedNetwork& /*network*/,
                                                const Domain& /*domain*/) const {
     return nullptr;
   }
-  /// A law stated by the user: it may say where deviations without an instrument's zero count from.
-  virtual bool statesDatum() const { return false; }
-  /// Nobody knows how large its parameters are: a search goes by their start values, not by their bounds.
-  virtual bool ofUnknownSize() const { return false; }
-  /// True for a parameter that a published convention sets to zero where the data do not determine it.
-  virtual bool zeroByConvention(int /*parameter*/) const { return false; }
 
   /// An input at which it says nothing, because it was not calibrated there: which, its value and the range,
   /// in words; empty: none. What all effects have in common (readings of the joints, temperatures,
@@ -171,9 +167,15 @@ class Effect {
   virtual std::string remedy() const = 0;   // in the workshop
   virtual std::string shownBy() const = 0;  // what a session must contain to show it
 
+ private:
+  static bool isIn(const std::vector<int>& list, int value) {
+    return std::find(list.begin(), list.end(), value) != list.end();
+  }
+
  protected:
   EffectSpec spec_;
   std::vector<Parameter> parameters_;
+  Nature nature_;
 };
 
 using EffectPtr = std::shared_ptr<const Effect>;

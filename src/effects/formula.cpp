@@ -22,15 +22,6 @@ class Formula : public CatalogueEffect {
  public:
   explicit Formula(SpecReader& read) : Formula(read, read.direction("direction", true)) {}
 
-  bool linear() const override { return linearity_.linear; }
-  std::vector<int> nonlinearParameters() const override { return linearity_.nonlinear; }
-  std::vector<std::vector<double>> searchStarts() const override {
-    if (linearity_.nonlinear.empty()) return {};
-    std::vector<double> start;
-    for (const int i : linearity_.nonlinear) start.push_back(parameters_[i].start);
-    return {start};
-  }
-
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     double along[3] = {1.0, 0.0, 0.0};
     int slots = 1;
@@ -65,9 +56,6 @@ class Formula : public CatalogueEffect {
     }
   }
 
-  bool statesDatum() const override { return true; }
-  bool ofUnknownSize() const override { return true; }
-
  private:
   Formula(SpecReader& read, const Direction& direction)
       : CatalogueEffect(read, direction),
@@ -86,6 +74,9 @@ class Formula : public CatalogueEffect {
       read.fail("start must hold " + std::to_string(unknowns.size()) + " numbers, for " + listOf(unknowns) +
                 "; it holds " + std::to_string(start.size()));
     linearity_ = linearityOf(*expression_, variables_, start);
+    nature_.linear = linearity_.linear;
+    nature_.nonlinear = linearity_.nonlinear;
+    nature_.statesDatum = nature_.ofUnknownSize = true;
     std::string names;
     for (const int v : expression_->usedVariables())
       names += (names.empty() ? "" : ", ") + variables_.names()[v];
@@ -102,6 +93,10 @@ class Formula : public CatalogueEffect {
       k.start = !start.empty() ? start[i] : linearity_.linear ? 0.0 : 1.0;
       parameters_.push_back(k);
     }
+    if (nature_.linear || nature_.nonlinear.empty()) return;
+    std::vector<double> starts;
+    for (const int i : nature_.nonlinear) starts.push_back(parameters_[i].start);
+    nature_.searchStarts = {starts};
   }
 
   /// d formula / d k_i at k: exact up to rounding where k_i enters linearly.

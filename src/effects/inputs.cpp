@@ -245,8 +245,8 @@ class Trial {
       const double value = q.start == 0.0 ? q.scale * within(0.5, 1.5) : q.start * size;
       p.push_back(std::clamp(value, q.minimum, q.maximum));
     }
-    const std::vector<int> nonlinear = effect_.nonlinearParameters();
-    const std::vector<std::vector<double>> starts = effect_.searchStarts();
+    const std::vector<int> nonlinear = effect_.nature().nonlinear;
+    const std::vector<std::vector<double>> starts = effect_.nature().searchStarts;
     if (!decades && !starts.empty()) {
       const auto& start = starts[static_cast<std::size_t>(unit() * static_cast<double>(starts.size()))];
       for (std::size_t k = 0; k < nonlinear.size() && k < start.size(); ++k) p[nonlinear[k]] = start[k];

@@ -29,20 +29,12 @@ class LaserMount : public CatalogueEffect {
     for (int k = 0; k < 3; ++k)
       parameters_.push_back(parameter(std::string{"xyz"[k]} + "43", kUnitMillimetre, 1e-4, 0.05, zero_[k]));
     penalty_ = read.number("penalty", 0.0, 1e12, 0.0);
-    if (!domain.laser) return;
-    beam_ = parameterCount();
-    for (int k = 0; k < 3; ++k)
-      parameters_.push_back(
-          parameter(std::string{"lmn"[k]}, {"1", 1.0}, 1e-2, 1.0, domain.probeRotation(k, 2)));
+    nature_.linear = false;
+    nature_.startTells = true;
+    nature_.unitVectorPenalty = penalty_;
+    if (domain.laser) addBeam(domain);
+    for (int k = 0; k < parameterCount(); ++k) nature_.choosesFrame.push_back(k);
   }
-
-  bool linear() const override { return false; }
-  bool startTells() const override { return true; }
-  bool choosesFrame(int) const override { return true; }
-  std::vector<int> unitVectors() const override {
-    return beam_ < 0 ? std::vector<int>{} : std::vector<int>{beam_};
-  }
-  double unitVectorPenalty() const override { return penalty_; }
 
   void evaluate(const State&, const double* p, ErrorSink& sink) const override {
     if (a_ >= 0) {
@@ -70,6 +62,14 @@ class LaserMount : public CatalogueEffect {
   }
 
  private:
+  void addBeam(const Domain& domain) {
+    beam_ = parameterCount();
+    nature_.unitVectors = {beam_};
+    for (int k = 0; k < 3; ++k)
+      parameters_.push_back(
+          parameter(std::string{"lmn"[k]}, {"1", 1.0}, 1e-2, 1.0, domain.probeRotation(k, 2)));
+  }
+
   static void put(ErrorSink& sink, int slot, int parameter, const Eigen::Vector3d& value,
                   const Eigen::Matrix3d& slope) {
     for (int k = 0; k < 3; ++k) {

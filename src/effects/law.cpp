@@ -9,23 +9,18 @@ namespace {
 /// An effect whose law is data.
 class LawEffect final : public CatalogueEffect {
  public:
-  LawEffect(const SpecReader& read, Law law) : CatalogueEffect(read, law.stage), law_(std::move(law)) {
+  LawEffect(const SpecReader& read, Law law) : CatalogueEffect(read, law.nature.stage), law_(std::move(law)) {
+    nature_ = law_.nature;
     parameters_ = law_.parameters;
     variant_ = law_.variant;
     words_ = law_.words;
+    if (law_.starts.empty()) return;
+    nature_.linear = false;
+    nature_.nonlinear = {parameterCount() - 1};
+    for (const double start : law_.starts) nature_.searchStarts.push_back({start});
   }
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     law_.add(state, p, sink);
-  }
-
-  bool linear() const override { return law_.starts.empty(); }
-  std::vector<int> nonlinearParameters() const override {
-    return linear() ? std::vector<int>{} : std::vector<int>{parameterCount() - 1};
-  }
-  std::vector<std::vector<double>> searchStarts() const override {
-    std::vector<std::vector<double>> starts;
-    for (const double start : law_.starts) starts.push_back({start});
-    return starts;
   }
   bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
     return nonlinear.empty() || (nonlinear.front() >= law_.shortest && nonlinear.front() <= law_.longest);
@@ -36,12 +31,7 @@ class LawEffect final : public CatalogueEffect {
       if (!nonlinear.empty()) all.push_back({{factor * nonlinear.front()}, share});
     return all;
   }
-  bool choosesFrame(int) const override { return law_.choosesFrame; }
-  double met() const override { return law_.met; }
-  std::vector<std::string> shapeKeys() const override { return law_.shapeKeys; }
   std::vector<ShapeFreedom> freedom(const Domain&) const override { return law_.freedom; }
-  std::vector<int> variesAlong(const Domain&) const override { return law_.variesAlong; }
-  std::vector<int> mustMove() const override { return law_.mustMove; }
 
  private:
   const Law law_;

@@ -12,18 +12,14 @@ namespace mm {
 /// A law of the catalogue as data: its unknown constants, what they add where, and what a diagnosis must know
 /// of it (see the functions of Effect). Its words stand in words.yaml.
 struct Law {
-  Stage stage = Stage::kAxis;
+  Nature nature;
   std::vector<Parameter> parameters;
   std::function<void(const State&, const double* p, ErrorSink&)> add;  // see Effect::evaluate
   /// Start values of the last parameter, which then is not linear (a time constant); empty: all are linear.
   std::vector<double> starts;
   double shortest = 0.0, longest = kUnbounded;    // of that parameter, to be told from a smooth profile
   std::vector<std::pair<double, double>> beside;  // shapes beside: factor of that parameter, share
-  bool choosesFrame = false;
-  double met = 1.0;
-  std::vector<std::string> shapeKeys;
   std::vector<ShapeFreedom> freedom;
-  std::vector<int> variesAlong, mustMove;    // joints
   std::string variant;                       // of its words
   std::map<std::string, std::string> words;  // that words.yaml may name beside the keys
 
@@ -67,7 +63,7 @@ Values covariates();                                    ///< of the key `covaria
 template <typename Basis>
 Law oneTerm(Stage stage, int slot, Parameter parameter, Basis basis) {
   Law law;
-  law.stage = stage;
+  law.nature.stage = stage;
   law.parameters = {std::move(parameter)};
   law.add = [slot, basis](const State& s, const double* p, ErrorSink& sink) {
     sink.add(slot, 0, p[0], basis(s));

@@ -27,7 +27,7 @@ Law scale(SpecReader& read) {
   // A lead that is wrong is rarely wrong by the same everywhere.
   const EffectSpec further = EffectSpec("positioning_polynomial").set("axis", joint.name);
   law.freedom = {{EffectSpec(further).set("degree", 2)}, {EffectSpec(further).set("degree", 3)}};
-  law.mustMove = {axis};
+  law.nature.mustMove = {axis};
   return law;
 }
 
@@ -37,8 +37,8 @@ Law squareness(SpecReader& read) {
   Law law = oneTerm(Stage::kAxis, read.layout().axis(axis),
                     slopeParameter("slope", read.jointAt(axis).kind, read.jointAt(of).kind),
                     [of](const State& s) { return s.position[of]; });
-  law.choosesFrame = true;
-  law.mustMove = {of};
+  law.nature.choosesFrame = {0};
+  law.nature.mustMove = {of};
   return law;
 }
 
@@ -48,11 +48,11 @@ Law positioningPolynomial(SpecReader& read) {
   const ScaledPosition scaled(read.domain(), axis);
   Law law = oneTerm(Stage::kAxis, read.layout().axis(axis), errorParameter("amplitude", joint.kind),
                     [degree, scaled](const State& s) { return legendre(degree, scaled(s)); });
-  law.shapeKeys = {"degree"};
+  law.nature.shapeKeys = {"degree"};
   law.freedom = otherValues(read.canonical(), "degree", degree, 2, 5);
   // a lead that changes is rarely right on average
   law.freedom.push_back({EffectSpec("scale").set("axis", joint.name)});
-  law.mustMove = {axis};
+  law.nature.mustMove = {axis};
   return law;
 }
 
@@ -66,9 +66,9 @@ Law straightness(SpecReader& read) {
   Law law = oneTerm(stageOf(direction), direction.slot(read.layout()),
                     errorParameter("amplitude", direction.quantity),
                     [degree, scaled](const State& s) { return legendre(degree, scaled(s)); });
-  law.shapeKeys = {"degree"};
+  law.nature.shapeKeys = {"degree"};
   law.freedom = otherValues(read.canonical(), "degree", degree, 2, 5);
-  law.mustMove = {axis};
+  law.nature.mustMove = {axis};
   return law;
 }
 
@@ -99,15 +99,15 @@ Law angularMotion(SpecReader& read) {
   const int axis = read.joint("axis"), about = read.axisOf("about"),
             degree = read.integer("degree", 1, kHighestDegree, 1);
   Law law;
-  law.stage = Stage::kVolume;
+  law.nature.stage = Stage::kVolume;
   law.parameters = {parameter("angle", kUnitArcsecond, kArcsecond, 0.02)};
   law.add = [layout = read.layout(), about, degree, scaled = ScaledPosition(read.domain(), axis)](
                 const State& s, const double* p, ErrorSink& sink) {
     addTilt(layout, about, s, 0, p[0], legendre(degree, scaled(s)), sink);
   };
-  law.shapeKeys = {"degree"};
+  law.nature.shapeKeys = {"degree"};
   law.freedom = besideAngle(read, read.jointAt(axis).name, about, degree, kHighestDegree);
-  law.mustMove = {axis};
+  law.nature.mustMove = {axis};
   return law;
 }
 
@@ -116,7 +116,7 @@ Law backlash(SpecReader& read) {
   Law law =
       oneTerm(Stage::kAxis, read.layout().axis(axis), errorParameter("gap", read.jointAt(axis).kind),
               [axis](const State& s) { return s.travel[axis] == 0.0 ? kUnknown : -0.5 * s.travel[axis]; });
-  law.variesAlong = {axis};  // a nut wears most where it works most: the play changes along the screw
+  law.nature.variesAlong = {axis};  // a nut wears most where it works most: the play changes along the screw
   return law;
 }
 
@@ -149,7 +149,7 @@ Law lostMotion(SpecReader& read) {
   law.shortest = std::ldexp(range, kShortest - 1);
   law.longest = std::ldexp(range, kLongest + 1);
   law.beside = {{0.5, kOther}, {2.0, kOther}};  // no drive winds up by one exponential
-  law.met = 0.3;                                // a play is met more often
+  law.nature.met = 0.3;                         // a play is met more often
   return law;
 }
 
@@ -167,7 +167,7 @@ Law speedLag(SpecReader& read) {
       sink.add(layout.axis(j), 0, p[0], std::isnan(velocity) && !moved[j] ? 0.0 : -velocity);
     }
   };
-  law.met = 0.3;  // most controllers latch in hardware
+  law.nature.met = 0.3;  // most controllers latch in hardware
   return law;
 }
 
@@ -187,9 +187,9 @@ Law gravitySag(SpecReader& read) {
                       const double extension = s.position[with] - lower;
                       return power == 2 ? extension * extension : extension * extension * extension;
                     });
-  law.shapeKeys = {"power"};
+  law.nature.shapeKeys = {"power"};
   law.freedom = otherValues(read.canonical(), "power", power, 2, 3);
-  law.mustMove = {with};
+  law.nature.mustMove = {with};
   return law;
 }
 
@@ -211,7 +211,7 @@ Law covariateScale(SpecReader& read) {
                     [axis, covariate, reference](const State& s) {
                       return s.position[axis] * (s.covariate[covariate] - reference);
                     });
-  law.variesAlong = law.mustMove = {axis};
+  law.nature.variesAlong = law.nature.mustMove = {axis};
   return law;
 }
 

@@ -31,7 +31,7 @@ Law laserScale(SpecReader& read) {
 Law laserIncidence(SpecReader& read) {
   needLaser(read);
   Law law;
-  law.stage = Stage::kProbe;
+  law.nature.stage = Stage::kProbe;
   law.parameters = {parameter("offset", kUnitMicrometre, 1e-5, 1e-2)};
   law.add = [slot = read.layout().reading()](const State& s, const double* p, ErrorSink& sink) {
     if (s.feature < 0) return;
@@ -45,7 +45,7 @@ Law laserIncidence(SpecReader& read) {
 
 Law ballRadius(SpecReader& read) {
   Law law;
-  law.stage = Stage::kArtifact;
+  law.nature.stage = Stage::kArtifact;
   law.parameters = {errorParameter("radius", JointKind::kLinear)};
   law.add = [ball = read.ball("ball"), slot = read.layout().distance()](const State& s, const double* p,
                                                                         ErrorSink& sink) {
@@ -56,20 +56,20 @@ Law ballRadius(SpecReader& read) {
 
 Law artifactPosition(SpecReader& read) {
   Law law;
-  law.stage = Stage::kArtifact;
+  law.nature.stage = Stage::kArtifact;
   for (int k = 0; k < 3; ++k) law.parameters.push_back(parameter(axisName(k), kUnitMicrometre, 1e-6, 1e-2));
   law.add = [feature = read.feature("feature"), layout = read.layout()](const State& s, const double* p,
                                                                         ErrorSink& sink) {
     if (s.feature != feature) return;
     for (int k = 0; k < 3; ++k) sink.add(layout.feature(k), k, p[k], 1.0);
   };
-  law.choosesFrame = true;
+  law.nature.choosesFrame = {0, 1, 2};
   return law;
 }
 
 Law artifactExpansion(SpecReader& read) {
   Law law;
-  law.stage = Stage::kArtifact;
+  law.nature.stage = Stage::kArtifact;
   law.parameters = {expansionParameter(kUnitMicrometre / kUnitMetre / kUnitKelvin)};
   law.add = [sensor = read.sensor("sensor"), layout = read.layout()](const State& s, const double* p,
                                                                      ErrorSink& sink) {

@@ -48,7 +48,7 @@ RadialDirections::RadialDirections(const SpecReader& read, int index) {
 Law rotaryZero(SpecReader& read) {
   Law law = oneTerm(Stage::kAxis, read.layout().axis(read.joint("joint", JointKind::kRotary)),
                     errorParameter("zero", JointKind::kRotary), [](const State&) { return 1.0; });
-  law.choosesFrame = true;
+  law.nature.choosesFrame = {0};
   return law;
 }
 
@@ -60,12 +60,12 @@ Law axisError(SpecReader& read, const std::string& key, bool rotation, const Par
   Law law = oneTerm(Stage::kJoint,
                     rotation ? layout.jointRotation(joint, axis) : layout.jointTranslation(joint, axis),
                     parameter, [](const State&) { return 1.0; });
-  law.mustMove = {joint};
+  law.nature.mustMove = {joint};
   return law;
 }
 Law rotaryAxisOffset(SpecReader& read) {
   Law law = axisError(read, "direction", false, parameter("offset", kUnitMicrometre, 1e-5, 1e-2));
-  law.choosesFrame = true;
+  law.nature.choosesFrame = {0};
   return law;
 }
 Law rotaryAxisTilt(SpecReader& read) {
@@ -86,7 +86,7 @@ Law rotaryWave(SpecReader& read, bool rotation) {
   const RadialDirections radial(read, joint);
   const int harmonic = read.integer("harmonic", 1, kHighestHarmonic);
   Law law;
-  law.stage = Stage::kJoint;
+  law.nature.stage = Stage::kJoint;
   for (const std::string& direction : radial.names)
     for (const char* phase : {"cos", "sin"})
       law.parameters.push_back(
@@ -110,13 +110,13 @@ Law rotaryWave(SpecReader& read, bool rotation) {
     sink.add(layout.axis(joint), 4, p[4], cosine);
     sink.add(layout.axis(joint), 5, p[5], sine);
   };
-  law.shapeKeys = {"harmonic"};
+  law.nature.shapeKeys = {"harmonic"};
   // no race is exactly round or exactly an ellipse, and no wave is a pure sine
   std::set<int> others{1, 2, 3, 2 * harmonic};
   others.erase(harmonic);
   for (const int h : others)
     if (h <= kHighestHarmonic) law.freedom.push_back({read.canonical().set("harmonic", h)});
-  law.mustMove = {joint};
+  law.nature.mustMove = {joint};
   law.words["turn"] = harmonic == 1 ? "turn" : "1/" + std::to_string(harmonic) + " turn";
   return law;
 }

@@ -17,7 +17,7 @@ Law thermalExpansion(SpecReader& read) {
                     [axis, sensor](const State& s) {
                       return s.position[axis] * (s.temperature[sensor] - kReferenceTemperature);
                     });
-  law.variesAlong = law.mustMove = {axis};  // no bed warms evenly along its length
+  law.nature.variesAlong = law.nature.mustMove = {axis};  // no bed warms evenly along its length
   return law;
 }
 
@@ -41,7 +41,7 @@ Law thermalGrowth(SpecReader& read) {
   const int sensor = read.sensor("sensor"), slot = direction.slot(read.layout());
   Law law = oneTerm(stageOf(direction), slot, growthParameter(direction.quantity),
                     [sensor](const State& s) { return s.temperature[sensor] - kReferenceTemperature; });
-  law.shapeKeys = {"lag"};
+  law.nature.shapeKeys = {"lag"};
   if (!read.flag("lag", false)) return law;
   law.parameters.push_back(timeConstant("time_constant", read.domain()));
   law.starts = timeConstantStarts(read.domain());
@@ -63,7 +63,7 @@ Law thermalBending(SpecReader& read) {
   const int about = read.axisOf("about");
   const auto [first, second] = read.sensorPair("sensors");
   Law law;
-  law.stage = Stage::kVolume;
+  law.nature.stage = Stage::kVolume;
   law.parameters = {parameter("bending", kUnitArcsecond / kUnitKelvin, kArcsecond, 1e-3)};
   law.add = [layout = read.layout(), about, a = first, b = second](const State& s, const double* p,
                                                                    ErrorSink& sink) {
@@ -91,7 +91,7 @@ Law thermalTransient(SpecReader& read) {
   const Direction direction = read.direction("direction");
   const int sensor = read.sensor("sensor"), slot = direction.slot(read.layout());
   Law law;
-  law.stage = stageOf(direction);
+  law.nature.stage = stageOf(direction);
   law.parameters = {growthParameter(direction.quantity), timeConstant("time_constant", read.domain())};
   law.add = [sensor, slot](const State& s, const double* p, ErrorSink& sink) {
     double byTau = 0.0;

@@ -27,7 +27,7 @@ Law jump(SpecReader& read) {
   Law law =
       oneTerm(stageOf(direction), direction.slot(read.layout()), errorParameter("step", direction.quantity),
               [at](const State& s) { return s.time >= at ? 1.0 : 0.0; });
-  law.shapeKeys = {"at_s"};
+  law.nature.shapeKeys = {"at_s"};
   return law;
 }
 
@@ -56,7 +56,7 @@ std::function<void(const State&, const double*, ErrorSink&)> saturation(int slot
 Law warmUp(SpecReader& read) {
   const Direction direction = read.direction("direction");
   Law law;
-  law.stage = stageOf(direction);
+  law.nature.stage = stageOf(direction);
   law.parameters = {errorParameter("amplitude", direction.quantity),
                     timeConstant("time_constant", read.domain())};
   law.add = saturation(direction.slot(read.layout()), 1.0);
@@ -77,7 +77,7 @@ Law timeCycle(SpecReader& read) {
   period.minimum = 0.5 * duration / kMost;
   period.maximum = 10.0 * duration;
   Law law;
-  law.stage = stageOf(direction);
+  law.nature.stage = stageOf(direction);
   law.parameters = {errorParameter("S", direction.quantity), errorParameter("K", direction.quantity), period};
   law.add = [slot](const State& s, const double* p, ErrorSink& sink) {
     const double phase = 2.0 * kPi * s.time / p[2];
@@ -105,7 +105,7 @@ Law tipWear(SpecReader& read) {
                     parameter("rate", errorUnit(JointKind::kLinear) / kUnitHour,
                               whole.scale / durationOf(read), whole.bound / durationOf(read)),
                     [](const State& s) { return -s.time; });
-  law.shapeKeys = {"slows"};
+  law.nature.shapeKeys = {"slows"};
   if (slows) {
     law.parameters = {whole, timeConstant("time_constant", read.domain())};
     law.add = saturation(slot, -1.0);

@@ -23,13 +23,22 @@ class LeadScrewPeriodic : public CatalogueEffect {
     travel_ = observedRange(read.domain(), axis_);
     spacing_ = read.domain().spacingOf(axis_);
     searched_ = read.isWord(key, "unknown");
+    nature_.shapeKeys = {"period_mm", "period_deg"};
+    nature_.variesAlong = nature_.mustMove = {axis_};
+    // A period that is searched for takes several waves at several places each: nine places are met by many.
+    nature_.positionsNeeded = searched_ ? 12 : 5;
     if (!searched_) {
       period_ = read.number(key, 1e-6, 1e6) * unit;
       return;
     }
+    nature_.linear = false;
+    nature_.nonlinear = {2};
+    nature_.fineWaves.joint = axis_;
+    std::vector<std::vector<double>>& starts = nature_.searchStarts;
+    std::vector<double>& fine = nature_.fineWaves.lengths;
     if (!linear) {  // a wheel has a whole number of teeth, and so has its worm's turn a whole part of a turn
       for (int teeth = kFewestTeeth; teeth <= kMostTeeth; ++teeth)
-        if (!isAlias(2.0 * kPi / teeth)) starts_.push_back({2.0 * kPi / teeth});
+        if (!isAlias(2.0 * kPi / teeth)) starts.push_back({2.0 * kPi / teeth});
       Parameter period = parameter("period", kUnitDegree, 1e-3, 2.0 * kPi, 2.0 * kPi / 60.0);
       period.minimum = std::max(kPi / kMostTeeth, kNyquist * spacing_);
       period.maximum = 20.0 * kPi;
@@ -41,22 +50,15 @@ class LeadScrewPeriodic : public CatalogueEffect {
     const double shortest = std::max(range / 60.0, 0.05 * kMillimetre);
     double cycles = 0.5;
     for (; cycles <= range / shortest && !isAlias(range / cycles); cycles += kStep)
-      starts_.push_back({range / cycles});
+      starts.push_back({range / cycles});
     const double most = std::min(range / (kFinest * kMillimetre), kMostWaves);
-    for (; cycles <= most && !isAlias(range / cycles); cycles += kStep) fine_.push_back(range / cycles);
-    const double finest = fine_.empty() ? starts_.back().front() : fine_.back();
+    for (; cycles <= most && !isAlias(range / cycles); cycles += kStep) fine.push_back(range / cycles);
+    const double finest = fine.empty() ? starts.back().front() : fine.back();
     Parameter period = parameter("period", kUnitMillimetre, 0.05 * range, 2.0 * range, 0.2 * range);
     period.minimum = std::max(0.5 * finest, kNyquist * spacing_);
     period.maximum = 10.0 * range;
     parameters_.push_back(period);
   }
-
-  bool linear() const override { return !searched_; }
-  std::vector<int> nonlinearParameters() const override {
-    return searched_ ? std::vector<int>{2} : std::vector<int>{};
-  }
-  std::vector<std::vector<double>> searchStarts() const override { return starts_; }
-  FineWaves fineWaves() const override { return {axis_, fine_}; }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
@@ -69,7 +71,6 @@ class LeadScrewPeriodic : public CatalogueEffect {
       sink.derivative(slot, 2, -(p[0] * cosine - p[1] * sine) * phase / period);
   }
 
-  std::vector<std::string> shapeKeys() const override { return {"period_mm", "period_deg"}; }
   /// A wobble is no pure sine: the second harmonic.
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
     if (searched_) return {};
@@ -88,11 +89,6 @@ class LeadScrewPeriodic : public CatalogueEffect {
     if (!searched_ || nonlinear.empty()) return {};
     return {{{0.5 * nonlinear[0]}, 0.15}};
   }
-  std::vector<int> variesAlong(const Domain&) const override { return {axis_}; }
-  std::vector<int> mustMove() const override { return {axis_}; }
-  /// A period that is searched for takes several waves at several places each: nine places are met by many
-  /// periods.
-  int positionsNeeded() const override { return searched_ ? 12 : parameterCount() + 3; }
   bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
     const double period = searched_ && !nonlinear.empty() ? nonlinear.front() : period_;
     return period <= 0.5 * travel_ && !(searched_ && isAlias(period));
@@ -144,8 +140,6 @@ class LeadScrewPeriodic : public CatalogueEffect {
   std::string name_;
   bool searched_ = false;
   double period_ = 0.0, travel_ = 0.0, spacing_ = 0.0;  // m or rad
-  std::vector<std::vector<double>> starts_;
-  std::vector<double> fine_;
 };
 
 }  // namespace

@@ -93,7 +93,7 @@ class Trials {
 }  // namespace
 
 std::vector<int> linearParameters(const Effect& effect) {
-  const std::vector<int> nonlinear = effect.nonlinearParameters();
+  const std::vector<int> nonlinear = effect.nature().nonlinear;
   std::vector<int> linear;
   for (int k = 0; k < effect.parameterCount(); ++k)
     if (std::find(nonlinear.begin(), nonlinear.end(), k) == nonlinear.end()) linear.push_back(k);
@@ -111,7 +111,7 @@ Eigen::MatrixXd linearColumns(const Effect& effect, const Eigen::MatrixXd& all) 
 std::vector<double> startsAt(const Effect& effect, const std::vector<double>& nonlinear) {
   std::vector<double> p;
   for (const Parameter& parameter : effect.parameters()) p.push_back(parameter.start);
-  const std::vector<int> indices = effect.nonlinearParameters();
+  const std::vector<int> indices = effect.nature().nonlinear;
   for (std::size_t k = 0; k < indices.size() && k < nonlinear.size(); ++k) p[indices[k]] = nonlinear[k];
   return p;
 }

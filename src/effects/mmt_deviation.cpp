@@ -42,18 +42,22 @@ class MmtDeviation : public CatalogueEffect {
                                 : parameter("C" + domain.joints[j].name + name_, one, 1e-4, 0.02));
     for (const int j : others_)
       parameters_.push_back(parameter("alpha_" + domain.joints[j].name + name_, kUnitArcsecond, 1e-4, 0.02));
+    nature_.linear = false;
+    nature_.separable = true;
+    nature_.composite = true;
+    nature_.nonlinear = nature_.choosesFrame = {5, 6};  // alpha
+    nature_.searchStarts = {{0.0, 0.0}};
+    nature_.shapeKeys = {"lead_mm", "exponent", "amplitude_exponent", "argument"};
+    nature_.mustMove = {axis_};
+    // Whatever the order in which the effects are listed: alpha of an axis by one before it is zero
+    // (alpha_xy, alpha_xz, alpha_yz).
+    for (int i = 0; i < 2; ++i)
+      if (others_[static_cast<std::size_t>(i)] < axis_) nature_.zeroByConvention.push_back(5 + i);
   }
 
-  bool linear() const override { return false; }
-  bool separable() const override { return true; }
   double coefficient(int parameter, double value) const override {
     return parameter < 5 ? value : std::sin(value);
   }
-  bool composite() const override { return true; }
-  std::vector<int> nonlinearParameters() const override { return {5, 6}; }
-  std::vector<std::vector<double>> searchStarts() const override { return {{0.0, 0.0}}; }
-
-  bool choosesFrame(int k) const override { return k >= 5; }  // alpha
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
     const double q = state.position[axis_];
@@ -68,16 +72,6 @@ class MmtDeviation : public CatalogueEffect {
       sink.value(slot, -std::sin(p[5 + i]) * other);
       if (sink.wantsDerivatives()) sink.derivative(slot, 5 + i, -std::cos(p[5 + i]) * other);
     }
-  }
-
-  std::vector<std::string> shapeKeys() const override {
-    return {"lead_mm", "exponent", "amplitude_exponent", "argument"};
-  }
-  std::vector<int> mustMove() const override { return {axis_}; }
-  /// Whatever the order in which the effects are listed: alpha of an axis by one before it is zero (alpha_xy,
-  /// alpha_xz, alpha_yz).
-  bool zeroByConvention(int parameter) const override {
-    return parameter >= 5 && others_[static_cast<std::size_t>(parameter) - 5] < axis_;
   }
 
  private:

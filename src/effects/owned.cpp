@@ -18,6 +18,7 @@ class OwnedEffect final : public Effect {
         stylus_(owner_.stylus.empty() ? -1 : domain.findStylus(owner_.stylus)) {
     spec_ = withOwner(law_->spec(), owner_);
     parameters_ = law_->parameters();
+    nature_ = law_->nature();
   }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
@@ -33,22 +34,9 @@ class OwnedEffect final : public Effect {
   }
 
   // What the law is, it is wherever it acts.
-  Stage stage() const override { return law_->stage(); }
-  bool linear() const override { return law_->linear(); }
-  bool composite() const override { return law_->composite(); }
-  std::vector<int> nonlinearParameters() const override { return law_->nonlinearParameters(); }
-  std::vector<std::vector<double>> searchStarts() const override { return law_->searchStarts(); }
-  FineWaves fineWaves() const override { return law_->fineWaves(); }
-  bool separable() const override { return law_->separable(); }
   double coefficient(int parameter, double value) const override {
     return law_->coefficient(parameter, value);
   }
-  std::vector<int> unitVectors() const override { return law_->unitVectors(); }
-  double unitVectorPenalty() const override { return law_->unitVectorPenalty(); }
-  bool startTells() const override { return law_->startTells(); }
-  bool choosesFrame(int parameter) const override { return law_->choosesFrame(parameter); }
-  double met() const override { return law_->met(); }
-  std::vector<std::string> shapeKeys() const override { return law_->shapeKeys(); }
   std::vector<ShapeFreedom> freedom(const Domain& domain) const override {
     std::vector<ShapeFreedom> all = law_->freedom(domain);
     for (ShapeFreedom& f : all) f.spec = withOwner(f.spec, owner_);
@@ -60,18 +48,12 @@ class OwnedEffect final : public Effect {
   std::vector<NonlinearFreedom> freedomBeside(const std::vector<double>& nonlinear) const override {
     return law_->freedomBeside(nonlinear);
   }
-  std::vector<int> variesAlong(const Domain& domain) const override { return law_->variesAlong(domain); }
-  std::vector<int> mustMove() const override { return law_->mustMove(); }
-  int positionsNeeded() const override { return law_->positionsNeeded(); }
   bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
     return law_->mayBeClaimed(nonlinear);
   }
   std::string looksTheSame(const std::vector<double>& nonlinear) const override {
     return law_->looksTheSame(nonlinear);
   }
-  bool statesDatum() const override { return law_->statesDatum(); }
-  bool ofUnknownSize() const override { return law_->ofUnknownSize(); }
-  bool zeroByConvention(int parameter) const override { return law_->zeroByConvention(parameter); }
   std::string outside(const State& state, double margin) const override {
     return law_->outside(state, margin);
   }
@@ -119,7 +101,7 @@ EffectSpec withOwner(EffectSpec spec, const Owner& owner) {
 
 EffectPtr ownedEffect(EffectPtr law, const Owner& owner, const Domain& domain) {
   const std::string what = "effect " + withOwner(law->spec(), owner).yaml() + ": ";
-  if (law->learned())
+  if (law->nature().learned)
     throw InputError(what + "a network is learned of all sessions; leave '" + kFromSession + "' out");
   if (domain.recordings > 1 && owner.fromSession > domain.recordings)
     throw InputError(what + "'" + kFromSession + "' is " + std::to_string(owner.fromSession) +

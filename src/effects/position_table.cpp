@@ -18,18 +18,18 @@ class PositionTable : public CatalogueEffect {
                 (positions.empty() ? std::string("more (or none); use positioning_polynomial")
                                    : std::string("fewer")));
     knots_ = Knots(positions, joint.kind);
-    for (const std::string& name : knots_.names()) parameters_.push_back(errorParameter(name, joint.kind));
+    for (const std::string& name : knots_.names()) {
+      nature_.choosesFrame.push_back(parameterCount());
+      parameters_.push_back(errorParameter(name, joint.kind));
+    }
+    nature_.composite = true;
+    nature_.mustMove = {axis_};
   }
 
-  bool composite() const override { return true; }
-
-  bool choosesFrame(int) const override { return true; }
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
     knots_.at(state.position[axis_], [&](int knot, double share) { sink.add(slot, knot, p[knot], share); });
   }
-
-  std::vector<int> mustMove() const override { return {axis_}; }
 
  private:
   int axis_;

@@ -22,6 +22,8 @@ class ProbeLobing : public CatalogueEffect {
     variant_ = order_ == 0 ? "sideways" : order_ == 3 ? "on three points" : "";
     if (order_ > 0) parameters_ = {errorParameter("S", JointKind::kLinear)};
     parameters_.push_back(errorParameter("K", JointKind::kLinear));
+    // sideways pre-travel is a cause of its own: a stylus that bends, not a seat on some points
+    if (order_ > 0) nature_.shapeKeys = {"order"};
   }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
@@ -39,10 +41,6 @@ class ProbeLobing : public CatalogueEffect {
     }
   }
 
-  /// Sideways pre-travel (order 0) is a cause of its own: a stylus that bends, not a seat on some points.
-  std::vector<std::string> shapeKeys() const override {
-    return order_ == 0 ? std::vector<std::string>{} : std::vector<std::string>{"order"};
-  }
   std::vector<ShapeFreedom> freedom(const Domain&) const override {
     std::vector<ShapeFreedom> others;
     if (order_ == 0) return others;

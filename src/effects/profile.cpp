@@ -145,16 +145,6 @@ class Profile : public CatalogueEffect {
  public:
   explicit Profile(SpecReader& read) : Profile(read, ProfileLaw(read)) {}
 
-  std::vector<std::string> shapeKeys() const override {
-    return {"functions", "smoothness", "size_um", "size_arcsec"};
-  }
-  std::vector<int> mustMove() const override {
-    std::vector<int> joints;
-    for (const auto& v : law_.variables())
-      if (law_.kind(v) == FormulaVariables::Kind::kPosition) joints.push_back(law_.joint(v));
-    return joints;
-  }
-
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     double along[3] = {1.0, 0.0, 0.0};
     int slots = 1;
@@ -197,7 +187,11 @@ class Profile : public CatalogueEffect {
   Profile(SpecReader& read, ProfileLaw law) : CatalogueEffect(read, law.direction()), law_(std::move(law)) {
     parameters_ = law_.parameters();
     std::string& names = words_["names"];
-    for (const auto& v : law_.variables()) names += (names.empty() ? "" : " and ") + v.name;
+    nature_.shapeKeys = {"functions", "smoothness", "size_um", "size_arcsec"};
+    for (const auto& v : law_.variables()) {
+      names += (names.empty() ? "" : " and ") + v.name;
+      if (law_.kind(v) == FormulaVariables::Kind::kPosition) nature_.mustMove.push_back(law_.joint(v));
+    }
   }
 
   ProfileLaw law_;

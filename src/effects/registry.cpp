@@ -72,7 +72,7 @@ EffectPtr createEffect(const EffectSpec& given, const Domain& domain) {
 EffectPtr createEffect(const EffectSpec& spec, const Domain& domain,
                        const std::vector<LearnedNetwork>& networks) {
   EffectPtr effect = createEffect(spec, domain);
-  if (!effect->learned()) return effect;
+  if (!effect->nature().learned) return effect;
   const std::string own = effect->spec().yaml();
   for (const LearnedNetwork& network : networks)
     if (network.effect == own) return effect->taught(network, domain);

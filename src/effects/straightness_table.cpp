@@ -13,18 +13,12 @@ class StraightnessTable : public CatalogueEffect {
   explicit StraightnessTable(SpecReader& read)
       : StraightnessTable(read, read.joint("axis"), read.direction("direction")) {}
 
-  bool composite() const override { return true; }
-
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int last = knots_.count() - 1;
     knots_.at(state.position[axis_], [&](int knot, double share) {
       if (knot > 0 && knot < last) sink.add(slot_, knot - 1, p[knot - 1], share);
     });
   }
-
-  std::vector<std::string> shapeKeys() const override { return {"knots"}; }
-  std::vector<int> mustMove() const override { return {axis_}; }
-  int positionsNeeded() const override { return knots_.count(); }
 
  private:
   StraightnessTable(SpecReader& read, int axis, const Direction& direction)
@@ -37,6 +31,10 @@ class StraightnessTable : public CatalogueEffect {
     const std::vector<std::string> names = knots_.names();
     for (int knot = 1; knot + 1 < knots_.count(); ++knot)
       parameters_.push_back(errorParameter(names[knot], direction.quantity));
+    nature_.composite = true;
+    nature_.shapeKeys = {"knots"};
+    nature_.mustMove = {axis_};
+    nature_.positionsNeeded = knots_.count();
   }
 
   /// The measured positions, or as many as asked for, evenly over the travel that the session covered.

@@ -27,9 +27,9 @@ class ThermalNetworkEffect : public CatalogueEffect {
     if (listed.size() > kMostInputs) read.fail("at most 64 sensors");
     if (read.domain().sensors.empty())
       read.fail("the session has no temperatures; log them (columns <sensor>_degC), or leave the effect out");
+    nature_.composite = nature_.learned = true;
+    nature_.shapeKeys = {"network"};
   }
-
-  bool composite() const override { return true; }
 
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     if (!network_) return;
@@ -52,8 +52,6 @@ class ThermalNetworkEffect : public CatalogueEffect {
     sink.add(slot, 0, p[0], (1.0 - share) * y[i - 1] + share * y[i]);
   }
 
-  std::vector<std::string> shapeKeys() const override { return {"network"}; }
-  bool learned() const override { return true; }
   const LearnedNetwork* network() const override { return learned_.get(); }
   EffectPtr taught(const LearnedNetwork& learned, const Domain& domain) const override {
     auto effect = std::make_shared<ThermalNetworkEffect>(*this);

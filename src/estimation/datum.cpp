@@ -16,9 +16,9 @@ bool withoutSetup(const Observation& o) { return o.kind == ObservationKind::kDev
 
 bool lawMayStateDatum(const Session& session, const Model& model) {
   const auto& effects = model.effects();
-  return !effects.empty() &&
-         std::all_of(effects.begin(), effects.end(), [](const EffectPtr& e) { return e->statesDatum(); }) &&
-         std::any_of(session.observations.begin(), session.observations.end(), withoutSetup);
+  return !effects.empty() && std::all_of(effects.begin(), effects.end(), [](const EffectPtr& e) {
+    return e->nature().statesDatum;
+  }) && std::any_of(session.observations.begin(), session.observations.end(), withoutSetup);
 }
 
 bool contradictsDatum(const CalibrationResult& fitted) {

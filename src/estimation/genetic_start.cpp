@@ -37,8 +37,9 @@ double halfRange(const Problem& problem, const Unknown& unknown) {
   const double near = std::min(unknown.bound, 10.0 * unknown.scale);
   if (unknown.kind != UnknownKind::kEffect) return near;
   const Effect& effect = *problem.model().effects()[unknown.owner];
-  double half = effect.unitVectors().empty() ? unknown.bound : near;
-  if (effect.ofUnknownSize()) half = 10.0 * std::max(std::abs(unknown.start), kOfScale * unknown.scale);
+  double half = effect.nature().unitVectors.empty() ? unknown.bound : near;
+  if (effect.nature().ofUnknownSize)
+    half = 10.0 * std::max(std::abs(unknown.start), kOfScale * unknown.scale);
   if (unknown.priorStd > 0.0) half = std::min(half, 5.0 * unknown.priorStd);
   return half;
 }

@@ -20,7 +20,7 @@ double costOf(const Problem& problem, const Eigen::VectorXd& x, const Eigen::Vec
     const double prior = x[u] / problem.unknowns()[static_cast<std::size_t>(u)].priorStd;
     cost += prior * prior;
   }
-  for (const UnitVector& v : problem.unitVectors()) {
+  for (const UnitVector& v : problem.nature().unitVectors) {
     const double h = v.weight(inverseSigma) * v.excess(x.data() + v.first);
     cost += h * h;
   }
@@ -32,7 +32,7 @@ double costOf(const Problem& problem, const Eigen::VectorXd& x, const Eigen::Vec
 bool hasNonlinearParameters(const Problem& problem) {
   const auto& effects = problem.model().effects();
   return std::any_of(effects.begin(), effects.end(),
-                     [](const EffectPtr& e) { return !e->separable() && !e->nonlinearParameters().empty(); });
+                     [](const EffectPtr& e) { return !e->separable() && !e->nature().nonlinear.empty(); });
 }
 
 bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
@@ -40,7 +40,7 @@ bool linearStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<c
   const Model& model = problem.model();
   std::vector<char> held = fixed;
   for (std::size_t e = 0; e < model.effects().size(); ++e)
-    for (const int k : model.effects()[e]->nonlinearParameters())
+    for (const int k : model.effects()[e]->nature().nonlinear)
       held[static_cast<std::size_t>(model.offset(static_cast<int>(e)) + k)] = 1;
   const WhitenedSystem system(problem, x, inverseSigma, held);
   if (system.free.empty() || !system.jacobian.allFinite() || !system.residuals.allFinite()) return false;

@@ -205,7 +205,7 @@ class Learner {
 
 bool hasToLearn(const Model& model) {
   return std::any_of(model.effects().begin(), model.effects().end(),
-                     [&](const EffectPtr& e) { return e->learned() && e->network() == nullptr; });
+                     [&](const EffectPtr& e) { return e->nature().learned && e->network() == nullptr; });
 }
 
 LearnedModel learnNetworks(const Session& session, const Model& model, const CalibrateOptions& options,
@@ -215,7 +215,7 @@ LearnedModel learnNetworks(const Session& session, const Model& model, const Cal
   std::vector<double> given;
   for (std::size_t e = 0; e < model.effects().size(); ++e) {
     const EffectPtr& effect = model.effects()[e];
-    if (effect->learned()) continue;
+    if (effect->nature().learned) continue;
     physical.push_back(effect);
     for (int k = 0; k < effect->parameterCount(); ++k)
       given.push_back(start.size() == model.parameterCount()
@@ -246,9 +246,9 @@ LearnedModel learnNetworks(const Session& session, const Model& model, const Cal
   std::vector<double> values;
   int taken = 0, learnedSoFar = 0;
   const auto networks = std::count_if(model.effects().begin(), model.effects().end(),
-                                      [](const EffectPtr& e) { return e->learned(); });
+                                      [](const EffectPtr& e) { return e->nature().learned; });
   for (const EffectPtr& effect : model.effects()) {
-    if (!effect->learned()) {
+    if (!effect->nature().learned) {
       effects.push_back(effect);
       for (int k = 0; k < effect->parameterCount(); ++k) values.push_back(fitted.x[taken++]);
       continue;

@@ -15,10 +15,10 @@ void nonlinearStart(const Problem& problem, Eigen::VectorXd& x, const std::vecto
   const Model& model = problem.model();
   for (int e = 0; e < static_cast<int>(model.effects().size()); ++e) {
     const Effect& effect = *model.effects()[e];
-    std::vector<std::vector<double>> starts = effect.searchStarts();
+    std::vector<std::vector<double>> starts = effect.nature().searchStarts;
     if (starts.empty() || effect.separable()) continue;  // nothing to search where all amplitudes are linear
-    const std::vector<int> nonlinear = effect.nonlinearParameters();
-    for (const double length : effect.fineWaves().lengths) starts.push_back({length});
+    const std::vector<int> nonlinear = effect.nature().nonlinear;
+    for (const double length : effect.nature().fineWaves.lengths) starts.push_back({length});
     const int offset = model.offset(e);
     bool atZero = true;  // a start that the caller chose is kept
     for (int k = 0; k < effect.parameterCount(); ++k)
@@ -28,7 +28,7 @@ void nonlinearStart(const Problem& problem, Eigen::VectorXd& x, const std::vecto
     std::vector<char> without = fixed;  // everything else is refitted
     for (int k = 0; k < effect.parameterCount(); ++k) without[offset + k] = 1;
     for (int other = e + 1; other < static_cast<int>(model.effects().size()); ++other)
-      if (!model.effects()[other]->searchStarts().empty())
+      if (!model.effects()[other]->nature().searchStarts.empty())
         for (int k = 0; k < model.effects()[other]->parameterCount(); ++k)
           without[model.offset(other) + k] = 1;
     const Linearisation at = linearise(problem, x);

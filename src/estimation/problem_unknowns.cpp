@@ -188,8 +188,8 @@ void Problem::addUnknowns() {
       add({UnknownKind::kEffect, e, k, p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, p.priorStd,
            p.minimum, p.maximum});
     }
-    for (const int k : effect.unitVectors())
-      unitVectors_.push_back({model_.offset(e) + k, effect.unitVectorPenalty()});
+    for (const int k : effect.nature().unitVectors)
+      unitVectors_.push_back({model_.offset(e) + k, effect.nature().unitVectorPenalty});
   }
   const auto& features = session_->artifact.features;
   std::vector<char> touched(features.size(), 0);

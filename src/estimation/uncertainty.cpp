@@ -174,7 +174,7 @@ void addNetworkShift(const Problem& problem, const Eigen::VectorXd& x, const Eig
   const Model& model = problem.model();
   Eigen::VectorXd gain = Eigen::VectorXd::Zero(shift.cols());
   for (std::size_t e = 0; e < model.effects().size(); ++e)
-    if (model.effects()[e]->learned() && model.effects()[e]->parameterCount() == 1)
+    if (model.effects()[e]->nature().learned && model.effects()[e]->parameterCount() == 1)
       gain[model.domain().findJoint(model.effects()[e]->spec().text("axis"))] =
           x[model.offset(static_cast<int>(e))];
   const ErrorLayout layout = model.machine().layout();

@@ -54,10 +54,11 @@ class PluginEffect final : public Effect {
     spec_ = std::move(spec);
     if (!effect_) throw InputError("create() returned nothing");
     for (const plugin::Key& key : origin_.type->keys())
-      if (key.shape) shapeKeys_.push_back(key.name);
-    variesAlong_ = jointsOf("variesAlong()", effect_->variesAlong());
-    mustMove_ = jointsOf("mustMove()", effect_->mustMove());
-    positionsNeeded_ = effect_->positionsNeeded();
+      if (key.shape) nature_.shapeKeys.push_back(key.name);
+    nature_.stage = Stage::kVolume;
+    nature_.variesAlong = jointsOf("variesAlong()", effect_->variesAlong());
+    nature_.mustMove = jointsOf("mustMove()", effect_->mustMove());
+    nature_.positionsNeeded = effect_->positionsNeeded();
     cause_ = effect_->cause();
     remedy_ = effect_->remedy();
     shownBy_ = effect_->shownBy();
@@ -77,26 +78,19 @@ class PluginEffect final : public Effect {
       q.maximum = p.maximum;
       q.priorStd = p.priorStd;
       if (!p.search.empty()) {
-        nonlinear_.push_back(static_cast<int>(parameters_.size()));
+        nature_.nonlinear.push_back(static_cast<int>(parameters_.size()));
         combine(p.search);
       }
       parameters_.push_back(std::move(q));
     }
     if (parameters_.empty()) throw InputError("parameters() is empty");
-    if (nonlinear_.size() == parameters_.size())
+    nature_.linear = nature_.nonlinear.empty();
+    if (nature_.nonlinear.size() == parameters_.size())
       throw InputError("an effect needs a parameter that it is linear in: its size");
     checkLinear(domain);
   }
 
-  Stage stage() const override { return Stage::kVolume; }
-  bool linear() const override { return nonlinear_.empty(); }
-  std::vector<int> nonlinearParameters() const override { return nonlinear_; }
-  std::vector<std::vector<double>> searchStarts() const override { return starts_; }
-  std::vector<std::string> shapeKeys() const override { return shapeKeys_; }
   std::vector<ShapeFreedom> freedom(const Domain& domain) const override;
-  std::vector<int> variesAlong(const Domain&) const override { return variesAlong_; }
-  std::vector<int> mustMove() const override { return mustMove_; }
-  int positionsNeeded() const override { return positionsNeeded_; }
   std::string cause() const override { return cause_; }
   std::string remedy() const override { return remedy_; }
   std::string shownBy() const override { return shownBy_; }
@@ -111,7 +105,8 @@ class PluginEffect final : public Effect {
     }
     std::vector<double> slope(static_cast<std::size_t>(layout_.size()));
     for (int i = 0; i < parameterCount(); ++i) {
-      const bool searched = std::find(nonlinear_.begin(), nonlinear_.end(), i) != nonlinear_.end();
+      const bool searched =
+          std::find(nature_.nonlinear.begin(), nature_.nonlinear.end(), i) != nature_.nonlinear.end();
       call.slopes(p, i, searched, slope);
       for (int slot = 0; slot < layout_.size(); ++slot) {
         if (slope[slot] == 0.0) continue;
@@ -171,8 +166,8 @@ class PluginEffect final : public Effect {
       std::copy(p, p + p_.size(), p_.begin());
       if (!searched) {  // the error at one of this parameter, and none of the other linear ones
         for (std::size_t k = 0; k < p_.size(); ++k)
-          if (std::find(effect_.nonlinear_.begin(), effect_.nonlinear_.end(), static_cast<int>(k)) ==
-              effect_.nonlinear_.end())
+          if (std::find(effect_.nature_.nonlinear.begin(), effect_.nature_.nonlinear.end(),
+                        static_cast<int>(k)) == effect_.nature_.nonlinear.end())
             p_[k] = 0.0;
         p_[i] = parameter.scale;
         const std::vector<double>& value = (*this)(p_.data());
@@ -217,14 +212,14 @@ class PluginEffect final : public Effect {
 
   /// The starts of one more searched parameter with each of those before it.
   void combine(const std::vector<double>& search) {
-    if (starts_.empty()) starts_.push_back({});
+    if (nature_.searchStarts.empty()) nature_.searchStarts.push_back({});
     std::vector<std::vector<double>> all;
-    for (const std::vector<double>& before : starts_)
+    for (const std::vector<double>& before : nature_.searchStarts)
       for (const double value : search) {
         all.push_back(before);
         all.back().push_back(value);
       }
-    starts_ = std::move(all);
+    nature_.searchStarts = std::move(all);
   }
 
   /// Refuses an effect that is not linear where it says so: it would be fitted wrongly without a word.
@@ -236,9 +231,10 @@ class PluginEffect final : public Effect {
       std::vector<double> a, sum(static_cast<std::size_t>(layout_.size()), 0.0), slope(sum.size());
       for (const Parameter& q : parameters_) a.push_back(q.scale * random.uniform(0.5, 1.5));
       std::size_t k = 0;
-      for (const int i : nonlinear_) a[i] = starts_.front()[k++];
+      for (const int i : nature_.nonlinear) a[i] = nature_.searchStarts.front()[k++];
       for (int i = 0; i < parameterCount(); ++i) {
-        if (std::find(nonlinear_.begin(), nonlinear_.end(), i) != nonlinear_.end()) continue;
+        if (std::find(nature_.nonlinear.begin(), nature_.nonlinear.end(), i) != nature_.nonlinear.end())
+          continue;
         call.slopes(a.data(), i, false, slope);
         for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += a[i] * slope[s];
       }
@@ -257,11 +253,6 @@ class PluginEffect final : public Effect {
   const ErrorLayout layout_;
   const Origin origin_;
   const std::unique_ptr<plugin::Effect> effect_;
-  std::vector<int> nonlinear_;
-  std::vector<std::vector<double>> starts_;
-  std::vector<std::string> shapeKeys_;
-  std::vector<int> variesAlong_, mustMove_;
-  int positionsNeeded_ = 0;
   std::string cause_, remedy_, shownBy_;
 };
 

@@ -122,7 +122,7 @@ void rankByCorrelation(const Diagnosis& d, const Domain& domain, Trial& trial) {
   for (const CandidateResult& c : d.candidates) {
     const EffectPtr effect = createEffect(c.effect, domain);
     const std::vector<int> linear = linearParameters(*effect);
-    std::vector<std::vector<double>> starts = effect->searchStarts();
+    std::vector<std::vector<double>> starts = effect->nature().searchStarts;
     if (starts.empty()) starts.push_back({});
     double best = 0.0;
     for (const auto& start : starts) {

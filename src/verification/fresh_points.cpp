@@ -66,7 +66,7 @@ double beamOf(const Model& model, const State& state) {
 }  // namespace
 
 bool isOfTheMachine(const Effect& effect, const Domain& domain) {
-  if (effect.stage() == Stage::kProbe || effect.stage() == Stage::kArtifact) return false;
+  if (effect.nature().stage == Stage::kProbe || effect.nature().stage == Stage::kArtifact) return false;
   const Inputs inputs = inputsOf(effect, domain);
   return !inputs.approach && !inputs.reading && !inputs.feature && inputs.velocities.empty();
 }

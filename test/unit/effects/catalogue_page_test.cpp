@@ -38,7 +38,7 @@ std::string registryPart(const Effect& effect) {
     text += "| " + parameters[i].name + " | " + parameters[i].unit + " | " +
             format("%.4g", parameters[i].bound * parameters[i].toUnit) + " |\n";
   if (parameters.size() > kMost) text += format("| … %zu in all | | |\n", parameters.size());
-  if (effect.composite()) text += "\nComposite: never a candidate of a diagnosis.\n";
+  if (effect.nature().composite) text += "\nComposite: never a candidate of a diagnosis.\n";
   return text + "\n- **Shown by**: " + effect.shownBy() + "\n- **Cause**: " + effect.cause() +
          "\n- **Remedy**: " + effect.remedy() + "\n";
 }

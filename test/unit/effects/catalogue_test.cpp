@@ -153,8 +153,8 @@ TEST_P(Catalogue, linearMeansAdditiveAndHomogeneous) {
     }
     if (effect->linear()) {
       EXPECT_LT(worst, 1e-12);
-      EXPECT_TRUE(effect->nonlinearParameters().empty());
-      EXPECT_TRUE(effect->searchStarts().empty());
+      EXPECT_TRUE(effect->nature().nonlinear.empty());
+      EXPECT_TRUE(effect->nature().searchStarts.empty());
       EXPECT_TRUE(effect->separable());
     } else {
       EXPECT_GT(worst, 1e-9);
@@ -184,12 +184,12 @@ TEST_P(Catalogue, searchStartsFitTheNonlinearParameters) {
   for (const EffectPtr& effect : effects_) {
     if (effect->linear()) continue;
     SCOPED_TRACE(effect->spec().yaml());
-    const auto nonlinear = effect->nonlinearParameters();
+    const auto nonlinear = effect->nature().nonlinear;
     // a mount starts at the chain, near enough for its derivatives there to tell all
     if (effect->startTells() && nonlinear.empty()) continue;
     EXPECT_FALSE(nonlinear.empty());
-    EXPECT_FALSE(effect->searchStarts().empty());
-    for (const auto& start : effect->searchStarts()) {
+    EXPECT_FALSE(effect->nature().searchStarts.empty());
+    for (const auto& start : effect->nature().searchStarts) {
       ASSERT_EQ(start.size(), nonlinear.size());
       for (std::size_t i = 0; i < start.size(); ++i) {
         EXPECT_GE(start[i], effect->parameters()[nonlinear[i]].minimum);
@@ -253,7 +253,7 @@ TEST_P(Catalogue, candidatesAreCanonicalAndDifferent) {
       EXPECT_EQ(spec.type, type.type);
       EXPECT_TRUE(effect->spec() == spec) << spec.yaml();
       EXPECT_TRUE(seen.insert(spec.yaml()).second) << spec.yaml();
-      EXPECT_FALSE(effect->composite()) << spec.yaml();
+      EXPECT_FALSE(effect->nature().composite) << spec.yaml();
     }
     if (type.composite) {
       EXPECT_TRUE(type.candidates(domain()).empty()) << type.type;
@@ -285,7 +285,7 @@ TEST_P(Catalogue, refusesUnknownAndDoubledKeys) {
     doubled.keys.push_back(doubled.keys.front());
     EXPECT_THROW(createEffect(doubled, domain()), InputError);
     EffectSpec missing = effect->spec();
-    const std::vector<std::string> shape = effect->shapeKeys();  // may have a default
+    const std::vector<std::string> shape = effect->nature().shapeKeys;  // may have a default
     if (std::find(shape.begin(), shape.end(), missing.keys.front().first) != shape.end()) continue;
     missing.keys.erase(missing.keys.begin());
     EXPECT_THROW(createEffect(missing, domain()), InputError);

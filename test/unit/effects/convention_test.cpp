@@ -236,7 +236,7 @@ TEST_F(Convention, mmtParametersBearTheNamesOfTheChromosome) {
 TEST_F(Convention, periodStartsLieCloseEnoughForADescent) {
   const EffectPtr effect =
       createEffect(specOf("{type: lead_screw_periodic, axis: x, period_mm: unknown}"), domain);
-  const auto starts = effect->searchStarts();
+  const auto starts = effect->nature().searchStarts;
   const double range = domain.upper[0] - domain.lower[0];  // 40 mm
   for (std::size_t i = 1; i < starts.size(); ++i)
     EXPECT_LE(std::abs(1.0 / starts[i][0] - 1.0 / starts[i - 1][0]), 1.0 / (3.0 * range) * (1.0 + 1e-9));

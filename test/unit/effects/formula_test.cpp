@@ -91,8 +91,8 @@ TEST_F(FormulaTest, linearityIsFoundHonestly) {
        {"k1*x + 3", "k1*k2*x", "k1*x^k2", "abs(k1)*x", "k1^2*x", "max(k1,0)*x", "sin(k1*x)",
         "k1*x + k2*k2*1e-6", "x > 100 ? k1*k1 : k1", "k1 > 0 ? k1*x : 2*k1*x"})
     EXPECT_FALSE(make("x", text)->linear()) << text;
-  EXPECT_EQ(make("x", "k1*exp(-k2*t) + k3*x")->nonlinearParameters(), (std::vector<int>{1}));
-  EXPECT_EQ(make("x", "k1*k2*x")->nonlinearParameters(), (std::vector<int>{1}));
+  EXPECT_EQ(make("x", "k1*exp(-k2*t) + k3*x")->nature().nonlinear, (std::vector<int>{1}));
+  EXPECT_EQ(make("x", "k1*k2*x")->nature().nonlinear, (std::vector<int>{1}));
 }
 
 TEST_F(FormulaTest, startIsOneOrZeroOrWhatIsGiven) {

@@ -31,7 +31,7 @@ TEST_P(Traits, shapeKeysAreKeysOfTheType) {
     const std::vector<std::string>& keys = typeOf(*effect).keys;
     for (const auto& key : effect->spec().keys)
       EXPECT_EQ(std::count(keys.begin(), keys.end(), key.first), 1) << effect->spec().yaml();
-    for (const std::string& key : effect->shapeKeys())
+    for (const std::string& key : effect->nature().shapeKeys)
       EXPECT_EQ(std::count(keys.begin(), keys.end(), key), 1) << effect->spec().yaml() << " " << key;
   }
 }
@@ -63,19 +63,19 @@ TEST_P(Traits, jointsAreThoseOfTheLaw) {
   for (const EffectPtr& effect : effects_) {
     SCOPED_TRACE(effect->spec().yaml());
     const Inputs inputs = inputsOf(*effect, domain());
-    for (const int j : effect->variesAlong(domain())) {
+    for (const int j : effect->nature().variesAlong) {
       EXPECT_GE(j, 0);
       EXPECT_LT(j, joints);
     }
-    for (const int j : effect->mustMove()) {
+    for (const int j : effect->nature().mustMove) {
       ASSERT_GE(j, 0);
       ASSERT_LT(j, joints);
       // an axis that is displaced shows only as the joint turns, though the displacement is constant
       if (effect->spec().type.rfind("rotary_axis_", 0) == 0) continue;
       EXPECT_EQ(std::count(inputs.positions.begin(), inputs.positions.end(), j), 1) << j;
     }
-    if (effect->positionsNeeded() > 0) {
-      EXPECT_FALSE(effect->mustMove().empty());
+    if (effect->nature().positionsNeeded > 0) {
+      EXPECT_FALSE(effect->nature().mustMove.empty());
     }
   }
 }
@@ -115,16 +115,17 @@ TEST_F(OneEffect, aPeriodIsClaimedOnlyWhereTwoWereSeen) {
   EXPECT_TRUE(searched->mayBeClaimed({0.49 * travel}));
   EXPECT_FALSE(searched->mayBeClaimed({0.51 * travel}));
   EXPECT_TRUE(make("{type: lead_screw_periodic, axis: x, period_mm: 2}")->mayBeClaimed({}));
-  EXPECT_EQ(searched->positionsNeeded(), 12);  // nine places are met by many periods
-  EXPECT_EQ(make("{type: lead_screw_periodic, axis: x, period_mm: 2}")->positionsNeeded(), 5);
+  EXPECT_EQ(searched->nature().positionsNeeded, 12);  // nine places are met by many periods
+  EXPECT_EQ(make("{type: lead_screw_periodic, axis: x, period_mm: 2}")->nature().positionsNeeded, 5);
 }
 
 TEST_F(OneEffect, onlyALawOfAPositionNeedsOne) {
-  EXPECT_TRUE(make("{type: backlash, axis: x}")->mustMove().empty());
-  EXPECT_TRUE(make("{type: thermal_bending, axis: z, about: x, sensors: [bed, frame]}")->mustMove().empty());
-  EXPECT_EQ(make("{type: squareness, axis: x, of: y}")->mustMove(), std::vector<int>{1});
-  EXPECT_EQ(make("{type: backlash, axis: y}")->variesAlong(domain), std::vector<int>{1});
-  EXPECT_TRUE(make("{type: speed_lag}")->variesAlong(domain).empty());
+  EXPECT_TRUE(make("{type: backlash, axis: x}")->nature().mustMove.empty());
+  EXPECT_TRUE(
+      make("{type: thermal_bending, axis: z, about: x, sensors: [bed, frame]}")->nature().mustMove.empty());
+  EXPECT_EQ(make("{type: squareness, axis: x, of: y}")->nature().mustMove, std::vector<int>{1});
+  EXPECT_EQ(make("{type: backlash, axis: y}")->nature().variesAlong, std::vector<int>{1});
+  EXPECT_TRUE(make("{type: speed_lag}")->nature().variesAlong.empty());
 }
 
 TEST_F(OneEffect, conventionOfMmt) {

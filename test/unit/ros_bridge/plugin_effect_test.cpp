@@ -120,8 +120,8 @@ TEST_F(PluginEffectTest, valuesGoWhereTheLayoutSays) {
 TEST_F(PluginEffectTest, derivativesAreThoseOfTheFormula) {
   const EffectPtr effect = make(EffectSpec("wave").set("axis", "x"));
   EXPECT_FALSE(effect->linear());
-  EXPECT_EQ(effect->nonlinearParameters(), std::vector<int>{1});
-  EXPECT_EQ(effect->searchStarts().size(), 3u);
+  EXPECT_EQ(effect->nature().nonlinear, std::vector<int>{1});
+  EXPECT_EQ(effect->nature().searchStarts.size(), 3u);
   const double p[] = {2e-6, 0.9e-3, 1e-5};
   const ErrorLayout layout(2);
   Sums sums(layout.size());
@@ -197,9 +197,9 @@ class PlayType : public WaveType {
 
 TEST_F(PluginEffectTest, aPluginHasTheSameTraits) {
   const EffectPtr wave = make(EffectSpec("wave").set("axis", "x"));
-  EXPECT_EQ(wave->shapeKeys(), std::vector<std::string>{"order"});
-  EXPECT_EQ(wave->mustMove(), std::vector<int>{0});
-  EXPECT_EQ(wave->positionsNeeded(), 6);
+  EXPECT_EQ(wave->nature().shapeKeys, std::vector<std::string>{"order"});
+  EXPECT_EQ(wave->nature().mustMove, std::vector<int>{0});
+  EXPECT_EQ(wave->nature().positionsNeeded, 6);
   EXPECT_TRUE(wave->freedom(domain).empty());
   const Inputs ofWave = inputsOf(*wave, domain);
   EXPECT_EQ(ofWave.positions, (std::vector<int>{0, 1}));  // the lever of its tilt moves with both
@@ -212,7 +212,7 @@ TEST_F(PluginEffectTest, aPluginHasTheSameTraits) {
                                            [&](const std::string& line) { lines.push_back(line); });
   EXPECT_EQ(type.keys, (std::vector<std::string>{"axis", "order"}));
   const EffectPtr play = type.create(EffectSpec("wave").set("axis", "x").set("order", "5"), domain);
-  EXPECT_EQ(play->variesAlong(domain), std::vector<int>{1});
+  EXPECT_EQ(play->nature().variesAlong, std::vector<int>{1});
   EXPECT_EQ(inputsOf(*play, domain).travels, std::vector<int>{0});
   const std::vector<ShapeFreedom> shapes = play->freedom(domain);
   ASSERT_EQ(shapes.size(), 2u);
