@@ -11,6 +11,7 @@ namespace dense {
 template <typename B>
 using Like = std::conditional_t<B::ColsAtCompileTime == 1, Eigen::VectorXd, Eigen::MatrixXd>;
 
+// Each: of the function of that name below, for one column and for several.
 void leastSquares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::VectorXd& x);
 void leastSquares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
 void shortest(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double threshold, Eigen::VectorXd& x);
@@ -51,7 +52,7 @@ Eigen::MatrixXd inverseOfSymmetric(const Eigen::MatrixXd& a);
 /// Eigenvalues of a symmetric matrix, ascending, and its eigenvectors, a column each. Its lower triangle
 /// counts.
 struct SymmetricEigen {
-  explicit SymmetricEigen(const Eigen::MatrixXd& a);
+  explicit SymmetricEigen(const Eigen::MatrixXd& a);  ///< decomposes it
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
 };

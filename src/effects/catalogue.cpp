@@ -62,6 +62,11 @@ std::vector<Example> examplesOf(const EffectType& type, const Domain& domain) {
     return examples;
   }
   std::vector<EffectSpec> members = type.candidates(domain);
+  if (members.empty()) {  // what a touch alone shows
+    Domain touch = domain;
+    touch.laser = false;
+    members = type.candidates(touch);
+  }
   if (members.empty()) members.emplace_back(type.type);
   for (const EffectSpec& spec : members) {
     try {
@@ -97,7 +102,11 @@ std::vector<CatalogueKey> keysOf(const EffectType& type, const std::vector<Examp
         always = always && e.rotary != examples.front().rotary;
         continue;
       }
-      if (!key.known) key.use = *use;
+      if (!key.known || (key.use.kind == Kind::kWord && use->kind != Kind::kWord)) {
+        const std::vector<std::string> words = key.use.words;  // `unknown`, or a number
+        key.use = *use;
+        if (key.use.words.empty()) key.use.words = words;
+      }
       key.known = true;
       (e.rotary ? rotary : linear) = true;
     }

@@ -31,7 +31,7 @@ class CatalogueEffect : public Effect {
   std::string shownBy() const override { return wordsOf(spec(), "shown_by", variant_, words_); }
 
  protected:
-  CatalogueEffect(const SpecReader& read, Stage stage) : layout_(read.layout()), stage_(stage) {}
+  CatalogueEffect(const SpecReader& read, Stage stage) : layout_(read.layout()) { nature_.stage = stage; }
   CatalogueEffect(const SpecReader& read, const Direction& direction)
       : CatalogueEffect(read, stageOf(direction)) {}
 

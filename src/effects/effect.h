@@ -109,12 +109,14 @@ class Effect {
   const EffectSpec& spec() const { return spec_; }                             ///< canonical form
   const std::vector<Parameter>& parameters() const { return parameters_; }     ///< in the order of `p`
   int parameterCount() const { return static_cast<int>(parameters_.size()); }  ///< size of `p`
-  const Nature& nature() const { return nature_; }
-  bool linear() const { return nature_.linear; }
-  bool separable() const { return nature_.linear || nature_.separable; }
-  bool startTells() const { return separable() || nature_.startTells; }
+  const Nature& nature() const { return nature_; }                        ///< what is so of it as a whole
+  bool linear() const { return nature_.linear; }                          ///< see Nature
+  bool separable() const { return nature_.linear || nature_.separable; }  ///< see Nature
+  bool startTells() const { return separable() || nature_.startTells; }   ///< see Nature
 
+  /// See Nature, each of one parameter.
   bool choosesFrame(int parameter) const { return isIn(nature_.choosesFrame, parameter); }
+  /// As choosesFrame.
   bool zeroByConvention(int parameter) const { return isIn(nature_.zeroByConvention, parameter); }
 
   /// Adds the error at `state` with parameters `p` (SI) to the sink. An input that is not known contributes

@@ -95,9 +95,8 @@ std::vector<std::string> typesInWords() {
 
 std::string wordsOf(const EffectSpec& effect, const std::string& what, const std::string& variant,
                     const std::map<std::string, std::string>& more) {
-  YAML::Node text;
-  if (!variant.empty()) text.reset(words()[effect.type + " " + variant][what]);
-  if (!text.IsDefined() || text.IsNull()) text.reset(words()[effect.type][what]);
+  const YAML::Node own = words()[effect.type + " " + variant], ofType = words()[effect.type];
+  const YAML::Node text = own && own[what] ? own[what] : ofType[what];
   std::set<std::string> used;
   const std::string whole = filled(text.as<std::string>(), effect, used, more);
   if (whole.empty())

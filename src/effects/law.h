@@ -30,7 +30,7 @@ struct Law {
 struct Values {
   using List = std::vector<EffectSpec::Value>;
   std::string key;
-  std::function<List(const Domain&)> of;
+  std::function<List(const Domain&)> of;  ///< that it has in this domain
 };
 
 /// One row of the catalogue.

@@ -1,7 +1,10 @@
 // What the probe and the artifact do.
+#include <cmath>
+
 #include "effects/law.h"
 #include "effects/quantity.h"
 #include "effects/tilt.h"
+#include "effects/touch.h"
 
 namespace mm {
 namespace {
@@ -19,6 +22,42 @@ bool hasFeatures(const EffectSpec&, const Domain& domain) { return !domain.featu
 
 void needLaser(const SpecReader& read) {
   if (!read.domain().laser) read.fail("the session has no readings of a laser probe (reading_mm)");
+}
+
+/// Along the approach, cos(eps) (S sin(n phi) + K cos(n phi)): phi is the azimuth of the approach about the
+/// stylus (z of probe_tip), eps its elevation from the plane across the stylus.
+Law probeLobing(SpecReader& read) {
+  constexpr int kHighestOrder = 9;
+  constexpr double kOtherLobes = 0.1;  // of the lobes that its seat's contacts make
+  constexpr double kHarmonic = 0.3;    // of the same: a seat on three points has 3, 6, 9 … lobes
+  const int order = read.integer("order", 0, kHighestOrder);
+  if (order == 1) read.fail("order 1 would move the tip, and the artifact's pose takes that up: 0 or 2 to 9");
+  Law law;
+  law.nature.stage = Stage::kProbe;
+  if (order > 0) law.parameters = {errorParameter("S", JointKind::kLinear)};
+  law.parameters.push_back(errorParameter("K", JointKind::kLinear));
+  law.add = [layout = read.layout(), order](const State& s, const double* p, ErrorSink& sink) {
+    const Touch touch = touchOf(s);
+    if (touch == Touch::kNone) return;
+    const Eigen::Vector3d& a = s.approach;
+    const double across = a.dot(s.orientation.col(0)), along = a.dot(s.orientation.col(1));
+    const double phi = std::atan2(along, across), elevation = std::hypot(across, along);  // cos(eps)
+    const double sine = elevation * std::sin(order * phi), cosine = elevation * std::cos(order * phi);
+    const int last = order > 0 ? 1 : 0;
+    for (int k = 0; k < 3; ++k) {
+      const double component = touch == Touch::kKnown ? a[k] : kUnknown;
+      if (order > 0) sink.add(layout.volume(k), 0, p[0], component * sine);
+      sink.add(layout.volume(k), last, p[last], component * cosine);
+    }
+  };
+  law.variant = order == 0 ? "sideways" : order == 3 ? "on three points" : "";
+  if (order == 0) return law;  // a cause of its own: a stylus that bends, not a seat on some points
+  law.nature.shapeKeys = {"order"};
+  for (int other = 2; other <= kHighestOrder; ++other)
+    if (other != order && (other % order == 0 || other <= 4))
+      law.freedom.push_back(
+          {read.canonical().set("order", other), other % order == 0 ? kHarmonic : kOtherLobes});
+  return law;
 }
 
 Law laserScale(SpecReader& read) {
@@ -86,6 +125,7 @@ Law artifactExpansion(SpecReader& read) {
 std::vector<LawRow> lawsOfContact() {
   return {
       {"probe_radius", {}, {}, touchesBalls, probeRadius},
+      {"probe_lobing", {"order"}, {fixed("order", {"0", "2", "3", "4", "6"})}, touchesBalls, probeLobing},
       {"laser_scale", {}, {}, hasLaser, laserScale},
       {"laser_incidence", {}, {}, hasLaser, laserIncidence},
       {"ball_radius", {"ball"}, {named("ball", ballNames)}, {}, ballRadius},

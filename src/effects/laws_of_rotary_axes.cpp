@@ -1,4 +1,5 @@
 // Errors of rotary joints, ISO 230-7.
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <set>

@@ -145,15 +145,21 @@ class LeadScrewPeriodic : public CatalogueEffect {
 }  // namespace
 
 EffectType leadScrewPeriodicType() {
+  const EffectSpec screw = EffectSpec("lead_screw_periodic").set("axis", "x"),
+                   worm = EffectSpec("lead_screw_periodic").set("axis", "b");
   return effectType<LeadScrewPeriodic>(
-      "lead_screw_periodic", {"axis", "period_mm", "period_deg"}, [](const Domain& domain) {
+      "lead_screw_periodic", {"axis", "period_mm", "period_deg"},
+      [](const Domain& domain) {
         std::vector<EffectSpec> specs;
         for (const std::string& joint : jointNames(domain, JointKind::kLinear))
           specs.push_back(EffectSpec("lead_screw_periodic").set("axis", joint).set("period_mm", "unknown"));
         for (const std::string& joint : jointNames(domain, JointKind::kRotary))
           specs.push_back(EffectSpec("lead_screw_periodic").set("axis", joint).set("period_deg", "unknown"));
         return specs;
-      });
+      },
+      false,
+      {EffectSpec(screw).set("period_mm", "unknown"), EffectSpec(screw).set("period_mm", 2),
+       EffectSpec(worm).set("period_deg", "unknown"), EffectSpec(worm).set("period_deg", 2)});
 }
 
 }  // namespace mm

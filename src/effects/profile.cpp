@@ -200,9 +200,9 @@ class Profile : public CatalogueEffect {
 }  // namespace
 
 EffectType profileType() {
-  return effectType<Profile>(
-      "profile", profileKeys(), nullptr, false,
-      {profileSpec("x", {"x"}), profileSpec("b", {"x"}), profileSpec("x", {"x", "y"})});
+  return effectType<Profile>("profile", profileKeys(), nullptr, false,
+                             {profileSpec("x", {"x"}), profileSpec("b", {"x"}), profileSpec("x", {"x", "y"}),
+                              profileSpec("b", {"x", "y"})});
 }
 
 EffectSpec profileSpec(const std::string& direction, const std::vector<std::string>& variables) {

@@ -16,8 +16,8 @@ namespace {
 /// In the order of words.yaml.
 std::vector<EffectType> catalogue() {
   std::vector<EffectType> types = {mmtDeviationType(),      leadScrewPeriodicType(), positionTableType(),
-                                   straightnessTableType(), probeLobingType(),       laserMountType(),
-                                   formulaType(),           profileType(),           thermalNetworkType()};
+                                   straightnessTableType(), laserMountType(),        formulaType(),
+                                   profileType(),           thermalNetworkType()};
   for (const auto& rows :
        {lawsOfAxes(), lawsOfTemperature(), lawsOfTime(), lawsOfContact(), lawsOfRotaryAxes()})
     for (const LawRow& row : rows) types.push_back(lawType(row));

@@ -44,6 +44,7 @@ class SpecReader {
 
   bool has(const std::string& key) const { return spec_.find(key) != nullptr; }  ///< whether the key is given
   const Domain& domain() const { return domain_; }  ///< in which names are looked up
+  /// Of the domain. @param index of joint() or a direction.
   const Joint& jointAt(int index) const { return domain_.joints[static_cast<std::size_t>(index)]; }
   ErrorLayout layout() const {
     return ErrorLayout(static_cast<int>(domain_.joints.size()));

@@ -24,11 +24,6 @@ EffectType positionTableType();
 /// knot between the ends.
 EffectType straightnessTableType();
 
-/// `probe_lobing {order}`: along the approach, cos(eps) * (S sin(n phi) + K cos(n phi)); phi is the azimuth
-/// of the approach about the stylus (z of probe_tip), eps its elevation from the plane across the stylus; n =
-/// 2, 3, 4; S, K in m.
-EffectType probeLobingType();
-
 /// `laser_mount {}`: mounting of the probe, LASER eq. (7), with absolute parameters that start at the nominal
 /// chain: omega_B (rad) added to the reading of joint b, y32 (m) offset of joint a along y of its fixed side,
 /// Q43 (m) probe zero and (l, m, n) beam direction in the frame of the last joint. Without rotary joints b

@@ -33,7 +33,7 @@ double refitted(const Problem& problem, const UnitVector& beam, Eigen::VectorXd&
 
 void beamStart(const Problem& problem, Eigen::VectorXd& x, const std::vector<char>& fixed,
                const Eigen::VectorXd& inverseSigma) {
-  for (const UnitVector& beam : problem.nature().unitVectors) {
+  for (const UnitVector& beam : problem.unitVectors()) {
     Eigen::VectorXd own = x, best;
     double least = kMuchBetter * refitted(problem, beam, own, fixed, inverseSigma);
     for (int i = 0; i < 27; ++i) {

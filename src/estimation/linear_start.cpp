@@ -20,7 +20,7 @@ double costOf(const Problem& problem, const Eigen::VectorXd& x, const Eigen::Vec
     const double prior = x[u] / problem.unknowns()[static_cast<std::size_t>(u)].priorStd;
     cost += prior * prior;
   }
-  for (const UnitVector& v : problem.nature().unitVectors) {
+  for (const UnitVector& v : problem.unitVectors()) {
     const double h = v.weight(inverseSigma) * v.excess(x.data() + v.first);
     cost += h * h;
   }

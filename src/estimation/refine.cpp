@@ -154,7 +154,7 @@ bool nearlyLinear(const Problem& problem) {
 constexpr double kSoft = 1.0;
 
 void normalise(const Problem& problem, const std::vector<char>& fixed, Eigen::VectorXd& x) {
-  for (const UnitVector& v : problem.nature().unitVectors)
+  for (const UnitVector& v : problem.unitVectors())
     if (v.penalty == 0.0 && !fixed[v.first] && !fixed[v.first + 1] && !fixed[v.first + 2])
       x.segment<3>(v.first).normalize();
 }
@@ -301,7 +301,7 @@ class CeresFit {
   }
 
   void addUnitVectors() {
-    for (const UnitVector& v : problem_.nature().unitVectors) {
+    for (const UnitVector& v : problem_.unitVectors()) {
       std::array<int, 3> places{-1, -1, -1};
       for (int k = 0; k < 3; ++k)
         if (placeOf_.count(v.first + k) > 0) places[k] = placeOf_[v.first + k].second;

@@ -73,8 +73,7 @@ double ResidualFitness::cost(const Eigen::VectorXd& x) const {
     sum += w * w;
     ++used;
   }
-  for (const UnitVector& v :
-       problem_.nature().unitVectors) {  // LASER (11), also where the norm is a constraint
+  for (const UnitVector& v : problem_.unitVectors()) {  // LASER (11), also where the norm is a constraint
     const double h = v.excess(x.data() + v.first) * kMillimetre / metre_;
     sum += (v.penalty > 0.0 ? v.penalty : kPenalty) * h * h;
   }

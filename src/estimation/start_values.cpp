@@ -68,7 +68,7 @@ Statement stated(const Session& session, const LearnedModel& learned, const Cali
   s.identifiability = identify(problem, gaugePoint(problem, s.x), inverseOf(s.sigma, s.weight), true, held);
   const int free = freeCount(s.identifiability.fixed);
   const int rows = static_cast<int>((s.weight.array() > 0.0).count()) + problem.priorCount() +
-                   static_cast<int>(problem.nature().unitVectors.size());
+                   static_cast<int>(problem.unitVectors().size());
   if (rows < free)
     throw NumericalError(session.source + ": " + std::to_string(problem.rowCount()) +
                          " residuals cannot determine " + std::to_string(free) +

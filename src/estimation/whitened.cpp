@@ -18,7 +18,7 @@ WhitenedSystem::WhitenedSystem(const Linearisation& at, const Eigen::VectorXd& i
   for (int u : problem.priors())
     if (!fixed[u]) priors.push_back(u);
   std::vector<UnitVector> units;
-  for (const UnitVector& v : problem.nature().unitVectors)
+  for (const UnitVector& v : problem.unitVectors())
     if (!fixed[v.first] || !fixed[v.first + 1] || !fixed[v.first + 2]) units.push_back(v);
   const int firstUnit = data + static_cast<int>(priors.size());
   const int rows = firstUnit + static_cast<int>(units.size()), columns = static_cast<int>(free.size());

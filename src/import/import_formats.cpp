@@ -11,7 +11,6 @@ namespace mm {
 
 const std::vector<ImportFormat>& importFormats() {
   static const std::vector<ImportFormat> kFormats = {
-      {"indi", "alignment database of INDI (refused, with the reason)", isIndi, readIndi},
       {"tpoint", "pointing of a mount, TPoint data file", isTPoint, readTPoint},
       {"klipper", "touches of a bed: PROBE_ACCURACY, probe at x,y, saved mesh", isKlipperLog, readKlipperLog},
       {"marlin", "touches of a bed: G29, G30, M48", isMarlinLog, readMarlinLog},

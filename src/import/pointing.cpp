@@ -216,17 +216,4 @@ bool isTPoint(const TextFile& file) {
 
 void readTPoint(ImportContext& context) { TPointReader(context).read(); }
 
-bool isIndi(const TextFile& file) { return headHas(file, {"<indialignmentdatabase"}); }
-
-void readIndi(ImportContext& context) {
-  context.faults.add(context.file.path().string() +
-                     ": INDI's alignment database holds the place of each star (right ascension, "
-                     "declination, Julian date) and a unit vector of the "
-                     "driver's own frame; neither the readings of the two axes nor the type of the mount nor "
-                     "refraction are in it, so no "
-                     "deviation of an axis can be made of it; log azimuth and elevation of star and "
-                     "telescope instead, as a TPoint file or a "
-                     "table (az_deg, alt_deg, deviation_az_arcsec, deviation_alt_arcsec)");
-}
-
 }  // namespace mm

@@ -9,8 +9,4 @@ namespace mm {
 bool isTPoint(const TextFile& file);
 void readTPoint(ImportContext& context);
 
-/// INDI's alignment database: recognised, and refused with the reason.
-bool isIndi(const TextFile& file);
-void readIndi(ImportContext& context);
-
 }  // namespace mm

@@ -263,12 +263,6 @@ TEST_F(Pointing, OfAnotherMachineOrWithBrokenRows) {
               AllOf(HasSubstr("f.txt:5"), HasSubstr("4 numbers")));
 }
 
-TEST_F(Pointing, IndisDatabaseIsRefusedWithTheReason) {
-  EXPECT_THAT(
-      test::messageOf<InputError>([&] { importer_.file("examples/import/indi_alignment_database.xml"); }),
-      AllOf(HasSubstr("INDI"), HasSubstr("refraction")));
-}
-
 TEST_F(Formats, KlipperRepeatsAtOnePlace) {
   const Imported i = example("klipper_probe_accuracy.txt");
   EXPECT_EQ(i.format, "klipper");
