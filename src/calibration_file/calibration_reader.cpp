@@ -20,6 +20,28 @@ Integer integer(const YamlMapping& keys, const std::string& key) {
   return value;
 }
 
+/// Calls `read` with each mapping of a list, and refuses what it did not ask for. @param name of the list in
+/// messages. @param optional it may be left out.
+template <typename Read>
+void eachOf(const YamlMapping& in, const std::string& key, const std::string& name, bool optional,
+            Read read) {
+  if (optional && !in.has(key)) return;
+  const std::vector<YAML::Node> items = in.list(key);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const YamlMapping keys = in.item(items[i], name, i);
+    read(keys);
+    keys.finish();
+  }
+}
+
+/// A list of names.
+std::vector<std::string> namesIn(const YamlMapping& in, const std::string& key, bool optional) {
+  std::vector<std::string> names;
+  if (!optional || in.has(key))
+    for (const YAML::Node& name : in.list(key)) names.push_back(name.Scalar());
+  return names;
+}
+
 void readModel(const YamlMapping& root, Calibration& c) {
   const std::vector<YAML::Node> effects = root.list("effects");
   for (std::size_t e = 0; e < effects.size(); ++e)
@@ -60,14 +82,11 @@ void readModel(const YamlMapping& root, Calibration& c) {
 
 void readRanges(const YamlMapping& in, const char* key, const std::string& unit,
                 std::vector<std::string>& names, std::vector<double>& lower, std::vector<double>& upper) {
-  const std::vector<YAML::Node> items = in.list(key);
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const YamlMapping keys = in.item(items[i], key, i);
+  eachOf(in, key, key, false, [&](const YamlMapping& keys) {
     names.push_back(keys.storedText("name"));
     lower.push_back(keys.stored("lower" + unit));
     upper.push_back(keys.stored("upper" + unit));
-    keys.finish();
-  }
+  });
 }
 
 Eigen::Vector3d vectorOf(const YamlMapping& in, const char* key) {
@@ -77,28 +96,23 @@ Eigen::Vector3d vectorOf(const YamlMapping& in, const char* key) {
 }
 
 void readNetworks(const YamlMapping& in, std::vector<LearnedNetwork>& networks) {
-  const std::vector<YAML::Node> items = in.list("networks");
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const YamlMapping keys = in.item(items[i], "domain.networks", i);
+  eachOf(in, "networks", "domain.networks", true, [&](const YamlMapping& keys) {
     LearnedNetwork n;
     n.effect = keys.storedText("effect");
     n.active = keys.flag("active");
     n.summary = keys.storedText("summary");
-    for (const YAML::Node& name : keys.list("sensors")) n.sensors.push_back(name.Scalar());
+    n.sensors = namesIn(keys, "sensors", false);
     n.positions = keys.storedList("positions_si");
     n.heldOut = keys.stored("held_out_si");
     n.heldOutRidge = keys.stored("held_out_ridge_si");
     n.heldOutNone = keys.stored("held_out_none_si");
     n.numbers = keys.storedList("network");
-    keys.finish();
     networks.push_back(std::move(n));
-  }
+  });
 }
 
 void readDomain(const YamlMapping& in, Domain& d, std::vector<LearnedNetwork>& networks) {
-  const std::vector<YAML::Node> joints = in.list("joints");
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const YamlMapping keys = in.item(joints[j], "domain.joints", j);
+  eachOf(in, "joints", "domain.joints", false, [&](const YamlMapping& keys) {
     Joint joint;
     joint.name = keys.storedText("name");
     d.joints.push_back(joint);
@@ -109,14 +123,12 @@ void readDomain(const YamlMapping& in, Domain& d, std::vector<LearnedNetwork>& n
       d.velocityUpper.push_back(keys.stored("velocity_upper_si"));
     }
     d.positions.push_back(keys.storedList("positions_si"));
-    keys.finish();
-  }
+  });
   readRanges(in, "sensors", "_degC", d.sensors, d.sensorLower, d.sensorUpper);
   readRanges(in, "covariates", "", d.covariates, d.covariateLower, d.covariateUpper);
-  for (const YAML::Node& name : in.list("features")) d.features.push_back(name.Scalar());
+  d.features = namesIn(in, "features", false);
   d.featureRadius = in.storedList("feature_radii_m");
-  if (in.has("styli"))
-    for (const YAML::Node& name : in.list("styli")) d.styli.push_back(name.Scalar());
+  d.styli = namesIn(in, "styli", true);
   if (in.has("sessions")) d.recordings = integer<int>(in, "sessions");
   d.duration = in.stored("duration_s");
   d.maxSpeed = in.stored("max_speed_si");
@@ -128,23 +140,19 @@ void readDomain(const YamlMapping& in, Domain& d, std::vector<LearnedNetwork>& n
     d.readingUpper = in.stored("reading_upper_m");
   }
   d.artifactExpansion = in.stored("artifact_expansion_per_K");
-  if (in.has("networks")) readNetworks(in, networks);
+  readNetworks(in, networks);
   in.finish();
 }
 
 void readDrift(const YamlMapping& root, std::vector<Wandering>& drift) {
-  if (!root.has("drift")) return;  // none, or written before it was told
-  const std::vector<YAML::Node> entries = root.list("drift");
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const YamlMapping keys = root.item(entries[i], "drift", i);
+  eachOf(root, "drift", "drift", true, [&](const YamlMapping& keys) {
     Wandering w;
     w.direction = keys.storedText("direction");
     w.std = keys.stored("std_si");
     w.timeConstant = keys.stored("time_constant_s");
     if (keys.has("smooth")) w.smooth = keys.flag("smooth");
-    keys.finish();
     drift.push_back(std::move(w));
-  }
+  });
 }
 
 void readCompensation(const YamlMapping& root, ControllerCompensation& active) {
@@ -158,12 +166,9 @@ void readCompensation(const YamlMapping& root, ControllerCompensation& active) {
   active.stated = ControllerCompensation::Stated::kFiles;
   const YamlMapping keys = root.map(name);
   active.target = keys.storedText("target");
-  const std::vector<YAML::Node> files = keys.list("files");
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const YamlMapping file = root.item(files[i], name + ".files", i);
+  eachOf(keys, "files", name + ".files", false, [&](const YamlMapping& file) {
     active.files.push_back({file.storedText("path"), file.storedText("text")});
-    file.finish();
-  }
+  });
   if (keys.storedText("checksum") != active.checksum()) keys.fail("checksum", "is not that of the files");
   keys.finish();
 }
@@ -180,9 +185,7 @@ void readArtifact(const YamlMapping& root, Calibration& c) {
   a.centreStd = keys.stored("centre_std_m");
   a.radiusStd = keys.stored("radius_std_m");
   if (keys.has("serial")) a.serial = keys.storedText("serial");
-  const std::vector<YAML::Node> found = keys.has("found") ? keys.list("found") : std::vector<YAML::Node>();
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const YamlMapping one = keys.item(found[i], "artifact.found", i);
+  eachOf(keys, "found", "artifact.found", true, [&](const YamlMapping& one) {
     FoundInArtifact f;
     f.name = one.storedText("name");
     f.ball = one.flag("ball");
@@ -191,17 +194,14 @@ void readArtifact(const YamlMapping& root, Calibration& c) {
     f.std = vectorOf(one, "std_m");
     f.radius = one.stored("radius_m");
     f.radiusStd = one.stored("radius_std_m");
-    one.finish();
     a.found.push_back(std::move(f));
-  }
+  });
   keys.finish();
   c.artifact = a;
 }
 
 void readLedger(const YamlMapping& root, std::vector<LedgerEntry>& ledger) {
-  const std::vector<YAML::Node> entries = root.list("ledger");
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const YamlMapping keys = root.item(entries[i], "ledger", i);
+  eachOf(root, "ledger", "ledger", false, [&](const YamlMapping& keys) {
     LedgerEntry entry;
     entry.action = keys.storedText("action");
     if (keys.has("effect")) entry.effect = effectSpecOf(keys.node("effect"), root.source());
@@ -211,11 +211,9 @@ void readLedger(const YamlMapping& root, std::vector<LedgerEntry>& ledger) {
     entry.heldOutBefore = keys.stored("held_out_before_si");
     entry.heldOutAfter = keys.stored("held_out_after_si");
     entry.calibration = keys.storedText("calibration");
-    if (keys.has("sessions"))
-      for (const YAML::Node& session : keys.list("sessions")) entry.sessions.push_back(session.Scalar());
-    keys.finish();
+    entry.sessions = namesIn(keys, "sessions", true);
     ledger.push_back(std::move(entry));
-  }
+  });
 }
 
 Calibration readAll(const YAML::Node& node, const std::string& source) {
@@ -236,13 +234,9 @@ Calibration readAll(const YAML::Node& node, const std::string& source) {
   const YamlMapping session = root.map("session");
   c.sessionSource = session.storedText("source");
   c.sessionHash = session.storedText("hash");
-  const std::vector<YAML::Node> parts =
-      session.has("parts") ? session.list("parts") : std::vector<YAML::Node>();
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const YamlMapping part = session.item(parts[i], "session.parts", i);
+  eachOf(session, "parts", "session.parts", true, [&](const YamlMapping& part) {
     c.sessionParts.push_back({part.storedText("source"), part.storedText("hash")});
-    part.finish();
-  }
+  });
   c.sessionEpoch = session.stored("epoch_s");
   c.toldSpace = session.has("namespace");
   if (c.toldSpace) c.sessionSpace = session.storedText("namespace");
