@@ -73,9 +73,10 @@ std::string inWords(const EffectSpec& effect) {
   std::string text;
   std::set<std::string> used;
   std::vector<std::string> phrases;
-  if (const YAML::Node called = words()[effect.type]["called"])
-    phrases = called.IsSequence() ? called.as<std::vector<std::string>>()
-                                  : std::vector<std::string>{called.as<std::string>()};
+  const YAML::Node ofType = words()[effect.type];  // a plugin's is not there
+  if (ofType && ofType["called"])
+    phrases = ofType["called"].IsSequence() ? ofType["called"].as<std::vector<std::string>>()
+                                            : std::vector<std::string>{ofType["called"].as<std::string>()};
   for (const std::string& phrase : phrases)
     if (text.empty()) text = filled(phrase, effect, used);
   if (text.empty()) {
