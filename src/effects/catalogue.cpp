@@ -61,12 +61,7 @@ std::vector<Example> examplesOf(const EffectType& type, const Domain& domain) {
     for (const EffectSpec& spec : type.examples) examples.push_back(made(type, spec, domain));
     return examples;
   }
-  std::vector<EffectSpec> members = type.candidates(domain);
-  if (members.empty()) {  // what a touch alone shows
-    Domain touch = domain;
-    touch.laser = false;
-    members = type.candidates(touch);
-  }
+  std::vector<EffectSpec> members = type.members ? type.members(domain) : type.candidates(domain);
   if (members.empty()) members.emplace_back(type.type);
   for (const EffectSpec& spec : members) {
     try {
@@ -75,7 +70,7 @@ std::vector<Example> examplesOf(const EffectType& type, const Domain& domain) {
         return e.rotary == example.rotary && (e.linear || !example.linear);
       });
       if (!told) examples.push_back(std::move(example));
-    } catch (const Error&) {  // a plugin's, which says what its keys are in its package
+    } catch (const Error&) {  // two keys that exclude each other; a plugin's, which says itself what they are
     }
   }
   std::stable_sort(examples.begin(), examples.end(),

@@ -1,6 +1,5 @@
 #include "effects/law.h"
 
-#include <algorithm>
 #include <memory>
 
 namespace mm {
@@ -49,23 +48,25 @@ EffectType lawType(LawRow row) {
     effect->adopt(read.canonical());
     return effect;
   };
-  type.candidates = [row = std::move(row)](const Domain& domain) {
-    std::vector<EffectSpec> members = {EffectSpec(row.type)};
-    for (const Values& values : row.values) {
+  type.members = [name = row.type, values = row.values](const Domain& domain) {
+    std::vector<EffectSpec> members = {EffectSpec(name)};
+    for (const Values& key : values) {
       std::vector<EffectSpec> more;
-      const Values::List of = values.of(domain);
+      const Values::List of = key.of(domain);
       for (const EffectSpec& member : members)
         for (const EffectSpec::Value& value : of) {
           more.push_back(member);
-          if (!value.items.front().empty()) more.back().keys.emplace_back(values.key, value);
+          if (!value.items.front().empty()) more.back().keys.emplace_back(key.key, value);
         }
       members = std::move(more);
     }
-    if (row.where)
-      members.erase(std::remove_if(members.begin(), members.end(),
-                                   [&](const EffectSpec& spec) { return !row.where(spec, domain); }),
-                    members.end());
     return members;
+  };
+  type.candidates = [members = type.members, where = row.where](const Domain& domain) {
+    std::vector<EffectSpec> sensible;
+    for (EffectSpec& member : members(domain))
+      if (!where || where(member, domain)) sensible.push_back(std::move(member));
+    return sensible;
   };
   return type;
 }

@@ -17,6 +17,8 @@ struct EffectType {
   std::function<std::vector<EffectSpec>(const Domain&)> candidates;
   bool composite = false;
   std::vector<std::string> keys = {};  // that it takes, in the order of the canonical form
+  /// Of a row of the catalogue, all combinations of what its keys may be, whether or not they make sense.
+  std::function<std::vector<EffectSpec>(const Domain&)> members = {};
   /// For the catalogue, where `candidates` are none or do not show every key: on a machine with linear joints
   /// x, y, z and rotary ones b, a.
   std::vector<EffectSpec> examples = {};
