@@ -10,7 +10,7 @@
 namespace mm {
 
 /// A law of the catalogue as data: its unknown constants, what they add where, and what a diagnosis must know
-/// of it (see the functions of Effect). Its words stand in words.yaml.
+/// of it (see Nature and Effect). Its words stand in words.yaml.
 struct Law {
   Nature nature;
   std::vector<Parameter> parameters;

@@ -560,24 +560,35 @@ TEST_F(BagSession, KeepsPlacementsAndStyli) {
       "plate.yaml");
   const Session s = readContactsCsv(folder_.write("c.csv",
                                                   "time_s,x_mm,feature,placement,stylus,reference_x_mm\n"
-                                                  "0,5,b0,flat,B,\n1,6,b0,turned,A,\n2,6,,flat,,1\n"),
+                                                  "0,5,b0,flat,B,\n1,6,b0,turned,A,\n2,6,,flat,B,1\n"),
                                     Machine::load("three_axis"), &artifact);
   writeSessionBag(s, folder_.path("s.bag"));
   const Session bag = readSessionBag(folder_.path("s.bag"));
   EXPECT_EQ(sessionHash(bag), sessionHash(s));
   EXPECT_EQ(bag.placements, s.placements);
   EXPECT_EQ(bag.observations[0].stylus, 1);
+  EXPECT_EQ(bag.observations[2].stylus, 1) << "a reading of an instrument has one, too";
   EXPECT_FALSE(bag.artifact.styli[1].known);
 }
 
 /// A message of an older version: that of today without the fields at its end.
+template <typename Message>
 struct Older {
   std::vector<std::uint8_t> bytes;
 };
+/// Checksum of that version's definition, as `rosmsg md5` told it.
+template <typename Message>
+constexpr const char* kOlderMd5 = "";
+template <>
+constexpr const char* kOlderMd5<measuring_machine::ProbeContact> = "b4c29775d90e8a19f75fcdbca4598966";
+template <>
+constexpr const char* kOlderMd5<measuring_machine::ReferenceMeasurement> = "eeba7cd1b94dfc51f75c0202a252cc66";
+template <>
+constexpr const char* kOlderMd5<measuring_machine::Artifact> = "2901c4140fcd49a8ea7858e0305e0f38";
 
 template <typename Message>
-Older olderOf(const Message& message, std::size_t missing) {
-  Older older;
+Older<Message> olderOf(const Message& message, std::size_t missing) {
+  Older<Message> older;
   older.bytes.resize(ros::serialization::serializationLength(message));
   ros::serialization::OStream out(older.bytes.data(), static_cast<std::uint32_t>(older.bytes.size()));
   ros::serialization::serialize(out, message);
@@ -590,31 +601,31 @@ Older olderOf(const Message& message, std::size_t missing) {
 
 namespace ros {
 namespace message_traits {
-template <>
-struct MD5Sum<mm::Older> {
-  static const char* value() { return "b4c29775d90e8a19f75fcdbca4598966"; }
-  static const char* value(const mm::Older&) { return value(); }
+template <typename Message>
+struct MD5Sum<mm::Older<Message>> {
+  static const char* value() { return mm::kOlderMd5<Message>; }
+  static const char* value(const mm::Older<Message>&) { return value(); }
 };
-template <>
-struct DataType<mm::Older> {
-  static const char* value() { return "measuring_machine/ProbeContact"; }
-  static const char* value(const mm::Older&) { return value(); }
+template <typename Message>
+struct DataType<mm::Older<Message>> {
+  static const char* value() { return DataType<Message>::value(); }
+  static const char* value(const mm::Older<Message>&) { return value(); }
 };
-template <>
-struct Definition<mm::Older> {
+template <typename Message>
+struct Definition<mm::Older<Message>> {
   static const char* value() { return "# of the version before"; }
-  static const char* value(const mm::Older&) { return value(); }
+  static const char* value(const mm::Older<Message>&) { return value(); }
 };
 }  // namespace message_traits
 namespace serialization {
-template <>
-struct Serializer<mm::Older> {
+template <typename Message>
+struct Serializer<mm::Older<Message>> {
   template <typename Stream>
-  static void write(Stream& stream, const mm::Older& message) {
+  static void write(Stream& stream, const mm::Older<Message>& message) {
     std::memcpy(stream.advance(static_cast<std::uint32_t>(message.bytes.size())), message.bytes.data(),
                 message.bytes.size());
   }
-  static std::uint32_t serializedLength(const mm::Older& message) {
+  static std::uint32_t serializedLength(const mm::Older<Message>& message) {
     return static_cast<std::uint32_t>(message.bytes.size());
   }
 };
@@ -624,18 +635,26 @@ struct Serializer<mm::Older> {
 namespace mm {
 namespace {
 
-TEST_F(BagSession, ReadsContactsOfTheVersionBefore) {
+TEST_F(BagSession, ReadsMessagesOfTheVersionBefore) {
   const Session s = sample();
   writeSessionBag(s, folder_.path("s.bag"));
   rosbag::Bag now(folder_.path("s.bag").string(), rosbag::bagmode::Read),
       before(folder_.path("before.bag").string(), rosbag::bagmode::Write);
+  int contacts = 0, references = 0, artifacts = 0;
   for (const rosbag::MessageInstance& m : rosbag::View(now)) {
     if (const auto contact = m.instantiate<measuring_machine::ProbeContact>())
-      before.write(m.getTopic(), m.getTime(), olderOf(*contact, 8));
+      before.write(m.getTopic(), m.getTime(), olderOf(*contact, 8)), ++contacts;
+    else if (const auto reference = m.instantiate<measuring_machine::ReferenceMeasurement>())
+      before.write(m.getTopic(), m.getTime(), olderOf(*reference, 8)), ++references;
+    else if (const auto artifact = m.instantiate<measuring_machine::Artifact>())
+      before.write(m.getTopic(), m.getTime(), olderOf(*artifact, 8)), ++artifacts;
     else
       before.write(m.getTopic(), m.getTime(), m);
   }
   before.close();
+  EXPECT_GT(contacts, 0);
+  EXPECT_GT(references, 0);
+  EXPECT_EQ(artifacts, 1);
   EXPECT_EQ(sessionHash(readSessionBag(folder_.path("before.bag"))), sessionHash(s));
 }
 
