@@ -73,7 +73,7 @@ class Swap(unittest.TestCase):
         ended = max(joints)
         axes.cancel_all_goals()
         self.assertTrue(support.wait_until(lambda: max(frames.of("probe_tip_corrected")) > ended))
-        wanted = {s for s in joints if began <= s <= ended}
+        wanted = {s for s in list(joints) if began <= s <= ended}  # a copy: states still arrive
         found = {s: f for s, f in frames.of("probe_tip_corrected").items() if began <= s <= ended}
         self.assertGreater(len(wanted), 1500)
         self.assertEqual(frames.doubled, 0)
