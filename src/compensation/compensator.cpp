@@ -166,15 +166,15 @@ Correction Compensator::apply(const State& state, const MovingState* moved, Work
   c.tooOld = !timed_.empty() && (state.time > d.duration || state.time < 0.0);
   const Part& part = c.tooOld ? timeless_ : all_;
   const double beam = d.laser ? state.laserReading : kNotMeasured;
-  c.nominal = model_.machine().nominal(state.position.data(), beam);
-  c.corrected = part.model->corrected(state, part.parameters.data(), work.model,
-                                      options_.sigma ? &work.byParameter : nullptr);
+  c.nominal = {state.tip, state.orientation};  // as Model::place set them
+  if (!std::isnan(beam)) c.nominal.position += state.orientation.col(2) * beam;
+  c.corrected = options_.sigma ? part.model->correctedWithCovariance(
+                                     state, part.parameters.data(), part.covariance, work.model, c.covariance)
+                               : part.model->corrected(state, part.parameters.data(), work.model);
   c.displacement = c.corrected.position - c.nominal.position;
   if (c.corrected.orientation != c.nominal.orientation)
     c.rotation = rotationVectorOf(c.corrected.orientation * c.nominal.orientation.transpose());
   if (options_.sigma) {
-    work.weighted.noalias() = work.byParameter.topRows<3>() * part.covariance;
-    c.covariance.noalias() = work.weighted * work.byParameter.topRows<3>().transpose();
     if (!drift_.empty()) {
       const auto jacobian = model_.machine().jacobian(state.position.data(), beam);
       for (const Wandering& w : drift_) {

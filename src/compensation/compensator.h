@@ -66,8 +66,6 @@ class Compensator {
   /// Buffers of one thread.
   struct Workspace {
     Model::Workspace model;
-    Eigen::Matrix<double, 6, Eigen::Dynamic> byParameter;
-    Eigen::Matrix<double, 3, Eigen::Dynamic> weighted;
   };
 
   /// @throw InputError when the calibration's effects are not those that its parameters belong to, or its

@@ -61,16 +61,18 @@ class MmtDeviation : public CatalogueEffect {
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     const int slot = layout_.axis(axis_);
     const double q = state.position[axis_];
-    const double amplitude = power(q, amplitudeExponent_);
+    const double amplitude = power(q, amplitudeExponent_), phase = waveNumber_ * q;
+    const double sine = std::sin(phase), cosine = std::cos(phase);
     sink.add(slot, 0, p[0], q);
-    sink.add(slot, 1, p[1], amplitude * std::sin(waveNumber_ * q));
-    sink.add(slot, 2, p[2], amplitude * std::cos(waveNumber_ * q));
+    sink.add(slot, 1, p[1], amplitude * sine);
+    sink.add(slot, 2, p[2], amplitude * cosine);
     for (int i = 0; i < 2; ++i) {
       const double other = state.position[others_[i]];
       sink.add(slot, 3 + i, p[3 + i], power(other, exponent_));
       // cos(pi/2 + alpha) = -sin(alpha)
-      sink.value(slot, -std::sin(p[5 + i]) * other);
-      if (sink.wantsDerivatives()) sink.derivative(slot, 5 + i, -std::cos(p[5 + i]) * other);
+      const double alpha = p[5 + i], sine = std::sin(alpha), cosine = std::cos(alpha);
+      sink.value(slot, -sine * other);
+      if (sink.wantsDerivatives()) sink.derivative(slot, 5 + i, -cosine * other);
     }
   }
 

@@ -81,7 +81,7 @@ Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), u
     const Eigen::Vector3d axis = vectorOf(joint.JointAxis());
     const Eigen::Vector3d origin = vectorOf(joint.JointOrigin());
     then(Eigen::Matrix3d::Identity(), origin);
-    links_.push_back({rotation, translation, axis});
+    links_.push_back({rotation, translation, axis, !rotation.isIdentity(0.0)});
     const Limits limits = limitsOf(document.FirstChildElement("robot"), joint.getName());
     joints_.push_back({joint.getName(), rotary ? JointKind::kRotary : JointKind::kLinear, limits.lower,
                        limits.upper, limits.velocity, axis, rotation.transpose() * translation});
@@ -90,8 +90,7 @@ Machine::Machine(std::string urdf, std::string name) : name_(std::move(name)), u
     // segment.pose(0) = joint at zero * fixed tip; the joint at zero is the identity about its origin
     then(matrixOf(segment.pose(0.0).M), vectorOf(segment.pose(0.0).p) - origin);
   }
-  tipRotation_ = rotation;
-  tipTranslation_ = translation;
+  tip_ = {rotation, translation, Eigen::Vector3d::UnitZ(), !rotation.isIdentity(0.0)};
   if (jointCount() > kMaxJoints)
     throw InputError("machine '" + name_ + "': " + std::to_string(jointCount()) +
                      " moving joints between 'workpiece' and 'probe_tip'; at most " +
@@ -129,19 +128,22 @@ int Machine::findJoint(const std::string& name) const {
   return -1;
 }
 
+void Machine::Link::appendTo(ProbePose& pose) const {
+  pose.position += pose.orientation * translation;
+  if (turned) pose.orientation = pose.orientation * rotation;
+}
+
 ProbePose Machine::nominal(const double* q, double laserReading) const {
   ProbePose pose;
   for (int j = 0; j < jointCount(); ++j) {
     const Link& link = links_[j];
-    pose.position += pose.orientation * link.translation;
-    pose.orientation = pose.orientation * link.rotation;
+    link.appendTo(pose);
     if (joints_[j].kind == JointKind::kLinear)
       pose.position += pose.orientation * link.axis * q[j];
     else
       pose.orientation = pose.orientation * Eigen::AngleAxisd(q[j], link.axis).toRotationMatrix();
   }
-  pose.position += pose.orientation * tipTranslation_;
-  pose.orientation = pose.orientation * tipRotation_;
+  tip_.appendTo(pose);
   if (laserReading == laserReading) pose.position += pose.orientation.col(2) * laserReading;
   return pose;
 }
@@ -156,8 +158,7 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
   ProbePose pose;
   for (int j = 0; j < jointCount(); ++j) {
     const Link& link = links_[j];
-    pose.position += pose.orientation * link.translation;
-    pose.orientation = pose.orientation * link.rotation;
+    link.appendTo(pose);
     origins[j] = pose.position;
     frames[j] = pose.orientation;
     pose.position += pose.orientation * vector(at.jointTranslation(j, 0));
@@ -170,8 +171,7 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
     else
       pose.orientation = pose.orientation * Eigen::AngleAxisd(moved, link.axis).toRotationMatrix();
   }
-  pose.position += pose.orientation * tipTranslation_;
-  pose.orientation = pose.orientation * tipRotation_;
+  tip_.appendTo(pose);
 
   const bool laser = laserReading == laserReading;
   const double reading = (laser ? laserReading : 0.0) + errors[at.reading()];
@@ -190,7 +190,8 @@ ProbePose Machine::measure(const double* q, double laserReading, const double* e
     gradient->block<3, 3>(0, at.jointTranslation(j, 0)) = frames[j];
     gradient->block<3, 3>(3, at.jointRotation(j, 0)) = frames[j];
     const Eigen::Vector3d pivot = origins[j] + frames[j] * vector(at.jointTranslation(j, 0));
-    gradient->block<3, 3>(0, at.jointRotation(j, 0)) = -skew(rigid - pivot) * frames[j];
+    for (int k = 0; k < 3; ++k)
+      gradient->block<3, 1>(0, at.jointRotation(j, k)) = frames[j].col(k).cross(rigid - pivot);
     if (joints_[j].kind == JointKind::kLinear) {
       gradient->block<3, 1>(0, at.axis(j)) = axes[j];
     } else {

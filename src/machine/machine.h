@@ -77,8 +77,8 @@ class Machine {
   ErrorLayout layout() const { return ErrorLayout(jointCount()); }
   /// Nominal probe_tip in the frame of the last moving joint (its moving side, at zero the axes of its fixed
   /// side).
-  const Eigen::Vector3d& tipTranslation() const { return tipTranslation_; }  // m
-  const Eigen::Matrix3d& tipRotation() const { return tipRotation_; }
+  const Eigen::Vector3d& tipTranslation() const { return tip_.translation; }  // m
+  const Eigen::Matrix3d& tipRotation() const { return tip_.rotation; }
 
   /// Pose at the readings `q` (one a joint, m or rad) with the beam's reading (m; NaN or 0 for a touch
   /// probe).
@@ -103,16 +103,17 @@ class Machine {
   Eigen::Matrix<double, 1, 6> seenAsDeviation(int joint, const double* q, double laserReading) const;
 
  private:
-  struct Link {                // one moving joint
-    Eigen::Matrix3d rotation;  // fixed transform before the joint
+  struct Link {                // one moving joint, or the tip
+    Eigen::Matrix3d rotation;  // fixed transform before it
     Eigen::Vector3d translation;
-    Eigen::Vector3d axis;  // in the frame after the fixed transform
+    Eigen::Vector3d axis;  // of the joint, in the frame after the fixed transform
+    bool turned = false;   // `rotation` is not the identity
+    void appendTo(ProbePose& pose) const;
   };
   std::string name_, urdf_;
   std::vector<Joint> joints_;
   std::vector<Link> links_;
-  Eigen::Matrix3d tipRotation_ = Eigen::Matrix3d::Identity();  // after the last moving joint
-  Eigen::Vector3d tipTranslation_ = Eigen::Vector3d::Zero();
+  Link tip_;  // after the last moving joint
 };
 
 }  // namespace mm

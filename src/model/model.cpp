@@ -85,25 +85,60 @@ void Model::place(State& state) const {
   if (domain_.laser && !std::isnan(state.laserReading)) state.approach = nominal.orientation.col(2);
 }
 
-ProbePose Model::corrected(const State& state, const double* parameters, Workspace& work,
-                           Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter) const {
+ProbePose Model::pose(const State& state, const double* parameters, Workspace& work, bool derivatives) const {
   work.errors.assign(static_cast<std::size_t>(machine_.layout().size()), 0.0);
   work.derivatives.clear();
-  Collector collector(work.errors.data(), byParameter != nullptr ? &work.derivatives : nullptr);
+  Collector collector(work.errors.data(), derivatives ? &work.derivatives : nullptr);
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     collector.startAt(offsets_[e]);
     effects_[e]->evaluate(state, parameters + offsets_[e], collector);
   }
   // NaN: a touch probe, which has no beam.
   const double reading = domain_.laser ? state.laserReading : std::numeric_limits<double>::quiet_NaN();
-  const ProbePose pose = machine_.measure(state.position.data(), reading, work.errors.data(),
-                                          byParameter != nullptr ? &work.bySlot : nullptr);
+  return machine_.measure(state.position.data(), reading, work.errors.data(),
+                          derivatives ? &work.bySlot : nullptr);
+}
+
+ProbePose Model::corrected(const State& state, const double* parameters, Workspace& work,
+                           Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter) const {
+  const ProbePose result = pose(state, parameters, work, byParameter != nullptr);
   if (byParameter != nullptr) {
     byParameter->setZero(6, parameterCount_);
     for (const Derivative& d : work.derivatives)
       byParameter->col(d.parameter) += work.bySlot.col(d.slot) * d.value;
   }
-  return pose;
+  return result;
+}
+
+ProbePose Model::correctedWithCovariance(const State& state, const double* parameters,
+                                         const Eigen::MatrixXd& covariance, Workspace& work,
+                                         Eigen::Matrix3d& ofPosition) const {
+  const ProbePose result = pose(state, parameters, work, true);
+  work.moved.clear();
+  work.placeOf.assign(work.errors.size(), -1);
+  for (const Derivative& d : work.derivatives) {
+    int& place = work.placeOf[static_cast<std::size_t>(d.slot)];
+    if (place >= 0) continue;
+    place = static_cast<int>(work.moved.size());
+    work.moved.push_back(d.slot);
+  }
+  work.withErrors.setZero(parameterCount_, static_cast<Eigen::Index>(work.moved.size()));
+  for (const Derivative& d : work.derivatives)
+    work.withErrors.col(work.placeOf[static_cast<std::size_t>(d.slot)]) +=
+        d.value * covariance.col(d.parameter);
+  ofPosition.setZero();
+  for (std::size_t k = 0; k < work.moved.size(); ++k) {
+    const auto withThis = work.withErrors.col(static_cast<Eigen::Index>(k));
+    work.betweenErrors.assign(work.moved.size(), 0.0);  // covariances of error k with each
+    for (const Derivative& d : work.derivatives)
+      work.betweenErrors[static_cast<std::size_t>(work.placeOf[static_cast<std::size_t>(d.slot)])] +=
+          d.value * withThis[d.parameter];
+    Eigen::Vector3d withPosition = Eigen::Vector3d::Zero();
+    for (std::size_t l = 0; l < work.moved.size(); ++l)
+      withPosition += work.betweenErrors[l] * work.bySlot.col(work.moved[l]).head<3>();
+    ofPosition += withPosition * work.bySlot.col(work.moved[k]).head<3>().transpose();
+  }
+  return result;
 }
 
 }  // namespace mm

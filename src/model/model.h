@@ -26,6 +26,11 @@ class Model {
     std::vector<double> errors;
     Eigen::Matrix<double, 6, Eigen::Dynamic> bySlot;
     std::vector<Derivative> derivatives;
+    // Of correctedWithCovariance: the slots that parameters move, the place of a slot among them or -1, and
+    // the covariance of the parameters with these errors.
+    std::vector<int> moved, placeOf;
+    Eigen::MatrixXd withErrors;
+    std::vector<double> betweenErrors;
   };
 
   Model(Machine machine, Domain domain, std::vector<EffectPtr> effects);
@@ -58,7 +63,15 @@ class Model {
   ProbePose corrected(const State& state, const double* parameters, Workspace& work,
                       Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter = nullptr) const;
 
+  /// The same, with the covariance of the position (m^2) that the parameters' leaves: from the parameters to
+  /// the few errors that they move, from these to the tip. @param covariance parameterCount() squared, SI.
+  ProbePose correctedWithCovariance(const State& state, const double* parameters,
+                                    const Eigen::MatrixXd& covariance, Workspace& work,
+                                    Eigen::Matrix3d& ofPosition) const;
+
  private:
+  ProbePose pose(const State& state, const double* parameters, Workspace& work, bool derivatives) const;
+
   Machine machine_;
   Domain domain_;
   std::vector<EffectPtr> effects_;
