@@ -52,8 +52,9 @@ std::vector<FeatureCoverage> coverFeatures(const Problem& problem) {
     std::vector<Eigen::Vector3d> approaches;
     for (std::size_t o = 0; o < session.observations.size(); ++o) {
       const Observation& at = session.observations[o];
-      if (at.kind != ObservationKind::kContact || at.feature != static_cast<int>(f)) continue;
+      if (at.feature != static_cast<int>(f)) continue;
       ++cover.contacts;
+      if (at.kind != ObservationKind::kContact) continue;
       const Eigen::Vector3d from = session.machine.nominal(at.position.data(), at.laserReading).position;
       Eigen::Vector3d approach = problem.state(static_cast<int>(o)).approach;
       if (cover.ball && (centre - from).norm() > 0.0) approach = (centre - from).normalized();

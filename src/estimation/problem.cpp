@@ -159,44 +159,59 @@ double Problem::growthAt(int observation) const {
   return 1.0 + artifact.expansion * (state(observation).temperature[sensor] - kReferenceTemperature);
 }
 
+Problem::Away Problem::awayFromFeature(const Seen& seen) const {
+  const Observation& o = session_->observations[seen.observation];
+  Away away;
+  away.at = artifactPose(o.placement, seen.x, seen.d != nullptr);
+  away.growth = growthAt(seen.observation);
+  const double* moved = seen.work.errors.data() + model_.machine().layout().feature(0);
+  away.offset = away.at.rotation * (away.growth * featureInArtifact(o.feature, seen.x) +
+                                    Eigen::Map<const Eigen::Vector3d>(moved));
+  away.vector = seen.pose.position - away.offset - away.at.translation;
+  return away;
+}
+
+/// The derivative of a residual that changes by n . (probe - feature).
+void Problem::changeAlong(const Seen& seen, const Away& away, int row, const Eigen::RowVector3d& n) const {
+  Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
+  by.head<3>() = n;
+  seen.chain(row, by);
+  seen.d->pose.block<1, 3>(row, 0) = n * skew(away.offset) * away.at.leftJacobian;
+  seen.d->pose.block<1, 3>(row, 3) = -n;
+  seen.d->feature.row(row) = -away.growth * n * away.at.rotation;
+  seen.d->stylus.row(row) = n * seen.pose.orientation;
+  seen.d->slots.block<1, 3>(row, model_.machine().layout().feature(0)) -= n * away.at.rotation;
+}
+
+void Problem::seeLength(const Seen& seen) const {
+  const Away away = awayFromFeature(seen);
+  const double length = away.vector.norm();
+  seen.r[0] = session_->observations[seen.observation].length - length;
+  if (seen.d != nullptr) changeAlong(seen, away, 0, -(away.vector / length).transpose());
+}
+
 void Problem::seeContact(const Seen& seen) const {
   const Observation& o = session_->observations[seen.observation];
   const Artifact& artifact = session_->artifact;
   const Feature& feature = artifact.features[o.feature];
-  const ErrorLayout layout = model_.machine().layout();
-  const ArtifactPose at = artifactPose(o.placement, seen.x, seen.d != nullptr);
-  const double growth = growthAt(seen.observation);
-  const double* errors = seen.work.errors.data();
-  const Eigen::Vector3d inArtifact = growth * featureInArtifact(o.feature, seen.x) +
-                                     Eigen::Map<const Eigen::Vector3d>(errors + layout.feature(0));
-  const Eigen::Vector3d offset = at.rotation * inArtifact;
-  const Eigen::Vector3d away = seen.pose.position - offset - at.translation;
-  const auto geometry = [&](int row, const Eigen::RowVector3d& n) {  // changes by n . (tip - feature)
-    Eigen::Matrix<double, 1, 6> by = Eigen::Matrix<double, 1, 6>::Zero();
-    by.head<3>() = n;
-    seen.chain(row, by);
-    seen.d->pose.block<1, 3>(row, 0) = n * skew(offset) * at.leftJacobian;
-    seen.d->pose.block<1, 3>(row, 3) = -n;
-    seen.d->feature.row(row) = -growth * n * at.rotation;
-    seen.d->stylus.row(row) = n * seen.pose.orientation;
-    seen.d->slots.block<1, 3>(row, layout.feature(0)) -= n * at.rotation;
-  };
+  const Away away = awayFromFeature(seen);
   if (feature.kind == FeatureKind::kPoint) {
     for (int k = 0; k < 3; ++k) {
-      seen.r[k] = away[k];
-      if (seen.d != nullptr) geometry(k, Eigen::RowVector3d::Unit(k));
+      seen.r[k] = away.vector[k];
+      if (seen.d != nullptr) changeAlong(seen, away, k, Eigen::RowVector3d::Unit(k));
     }
     return;
   }
-  double distance = growth * feature.radius +
+  const int slot = model_.machine().layout().distance();
+  double distance = away.growth * feature.radius +
                     (std::isfinite(o.laserReading) ? 0.0 : artifact.tipRadiusOf(o.stylus)) +
-                    errors[layout.distance()];
+                    seen.work.errors[static_cast<std::size_t>(slot)];
   if (radiusOffset_[o.feature] >= 0) distance += seen.x[radiusOffset_[o.feature]];
-  const double length = away.norm();
+  const double length = away.vector.norm();
   seen.r[0] = length - distance;
   if (seen.d == nullptr) return;
-  geometry(0, (away / length).transpose());
-  seen.d->slots(0, layout.distance()) -= 1.0;
+  changeAlong(seen, away, 0, (away.vector / length).transpose());
+  seen.d->slots(0, slot) -= 1.0;
   seen.d->radius[0] = -1.0;
 }
 
@@ -217,12 +232,20 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
   const Eigen::Vector3d reached = pose.orientation * reach(o.stylus, x);
   pose.position += reached;
   const Seen seen{observation, rows, x, pose, reached, work, r, d};
-  if (o.kind == ObservationKind::kDeviation)
-    seeDeviation(seen);
-  else if (o.kind == ObservationKind::kPosition)
-    seePosition(seen);
-  else
-    seeContact(seen);
+  switch (o.kind) {
+    case ObservationKind::kDeviation:
+      seeDeviation(seen);
+      break;
+    case ObservationKind::kPosition:
+      seePosition(seen);
+      break;
+    case ObservationKind::kLength:
+      seeLength(seen);
+      break;
+    case ObservationKind::kContact:
+      seeContact(seen);
+      break;
+  }
   if (setupOf_[observation] >= 0 && o.kind != ObservationKind::kContact)
     for (int i = 0; i < rows; ++i)
       r[i] -= x[setupOffset_[setupOf_[observation] * std::max(3, model_.machine().jointCount()) +
@@ -249,12 +272,13 @@ void Problem::scatter(int observation, const Derivative& d, Eigen::MatrixXd& row
   if (model_.parameterCount() > 0) rows.leftCols(model_.parameterCount()) = d.effects;
   const int pose = poseOffset_[static_cast<std::size_t>(at.placement)];
   if (at.kind != ObservationKind::kDeviation && pose >= 0) rows.middleCols(pose, 6) = d.pose;
-  if (at.kind == ObservationKind::kContact) {
+  if (at.feature >= 0) {
     const int stylus = stylusOffset_[static_cast<std::size_t>(at.stylus)];
     if (stylus >= 0) rows.middleCols(stylus, 3) = d.stylus;
     if (featureOffset_[at.feature] >= 0) rows.middleCols(featureOffset_[at.feature], 3) = d.feature;
     if (radiusOffset_[at.feature] >= 0) rows.col(radiusOffset_[at.feature]) = d.radius;
-  } else if (setupOf_[observation] >= 0) {
+  }
+  if (at.kind != ObservationKind::kContact && setupOf_[observation] >= 0) {
     const int width = std::max(3, model_.machine().jointCount());
     for (int i = 0; i < n; ++i)
       rows(i, setupOffset_[setupOf_[observation] * width + rows_[first + i].component]) = -1.0;

@@ -54,8 +54,8 @@ enum class Datum { kFree, kOfTheLaw };
 /// One scalar residual of the data.
 struct ResidualRow {
   int observation = 0;
-  int component = 0;     // kContact on a ball: 0 (distance); points and positions: 0-2; deviations: the joint
-  bool angular = false;  // rad instead of m
+  int component = 0;       // contact on a ball, length: 0; points and positions: 0-2; deviations: the joint
+  bool angular = false;    // rad instead of m
   double statedSigma = 0;  // m or rad from the data (deviation_std); 0: the session's repeatability
 };
 
@@ -64,8 +64,9 @@ struct ResidualRow {
 /// offsets of styli that are not stated, zeros of setups.
 ///
 /// Residual of a contact on a ball: distance of the corrected probe from the ball's centre minus what it
-/// should be, MMT eq. (16); of a point: three components; of a reference: measured minus model. Whitened by
-/// `sigma`. Immutable; how it changes with the unknowns says `linearise` (linearisation.h).
+/// should be, MMT eq. (16); of a point: three components; of a reference (position, deviation, length):
+/// measured minus model. Whitened by `sigma`. Immutable; how it changes with the unknowns says `linearise`
+/// (linearisation.h).
 class Problem {
  public:
   /// The derivative of one observation's residuals, by groups of unknowns. Rows: its residuals (at most
@@ -152,6 +153,15 @@ class Problem {
   void seeDeviation(const Seen& seen) const;
   void seePosition(const Seen& seen) const;
   void seeContact(const Seen& seen) const;
+  void seeLength(const Seen& seen) const;
+  /// From a feature to the probe, in workpiece.
+  struct Away {
+    ArtifactPose at;
+    double growth = 1.0;
+    Eigen::Vector3d offset, vector;  // artifact's origin -> feature; feature -> probe, m
+  };
+  Away awayFromFeature(const Seen& seen) const;
+  void changeAlong(const Seen& seen, const Away& away, int row, const Eigen::RowVector3d& n) const;
 
   const Session* session_;
   Model model_;

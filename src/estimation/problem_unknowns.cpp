@@ -93,8 +93,8 @@ void Problem::addRows() {
     firstRow_.push_back(static_cast<int>(rows_.size()));
     ResidualRow row;
     row.observation = static_cast<int>(o);
-    if (at.kind == ObservationKind::kContact) {
-      const int count = session_->artifact.features[at.feature].kind == FeatureKind::kBall ? 1 : 3;
+    if (at.feature >= 0) {
+      const int count = session_->isDistance(at) ? 1 : 3;
       for (row.component = 0; row.component < count; ++row.component) rows_.push_back(row);
     } else if (at.kind == ObservationKind::kPosition) {
       for (row.component = 0; row.component < 3; ++row.component)
@@ -137,7 +137,7 @@ void Problem::addPoses() {
   for (const Observation& o : session_->observations) {
     const auto p = static_cast<std::size_t>(o.placement);
     if (o.kind == ObservationKind::kPosition) known[p] = 1;
-    if (o.kind != ObservationKind::kContact) continue;
+    if (o.feature < 0) continue;
     const auto f = static_cast<std::size_t>(o.feature);
     if (features[f].known) known[p] = 1;
     if (!seenIn[p][f]) ++places[f];
@@ -169,7 +169,7 @@ void Problem::addStyli() {
   stylusOffset_.assign(std::max<std::size_t>(1, styli.size()), -1);
   std::vector<char> used(stylusOffset_.size(), 0);
   for (const Observation& o : session_->observations)
-    if (o.kind == ObservationKind::kContact) used[static_cast<std::size_t>(o.stylus)] = 1;
+    if (o.feature >= 0) used[static_cast<std::size_t>(o.stylus)] = 1;
   for (std::size_t s = 0; s < styli.size(); ++s) {
     if (!used[s] || styli[s].known) continue;
     stylusOffset_[s] = unknownCount();
@@ -194,7 +194,7 @@ void Problem::addUnknowns() {
   const auto& features = session_->artifact.features;
   std::vector<char> touched(features.size(), 0);
   for (const Observation& o : session_->observations)
-    if (o.kind == ObservationKind::kContact) touched[o.feature] = 1;
+    if (o.feature >= 0) touched[o.feature] = 1;
   addPoses();
   addStyli();
   featureOffset_.assign(features.size(), -1);

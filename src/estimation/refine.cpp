@@ -274,8 +274,7 @@ class CeresFit {
     std::map<int, std::vector<int>> groups;  // feature, or a negative slice of the rest
     const auto& observations = problem_.session().observations;
     for (int o = 0; o < static_cast<int>(observations.size()); ++o) {
-      const bool has =
-          observations[o].kind == ObservationKind::kContact && local_.count(observations[o].feature) > 0;
+      const bool has = observations[o].feature >= 0 && local_.count(observations[o].feature) > 0;
       if (has || !global_.unknowns.empty())
         groups[has ? observations[o].feature : -1 - o / kSlice].push_back(o);
     }

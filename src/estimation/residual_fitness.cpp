@@ -38,9 +38,14 @@ ResidualFitness::ResidualFitness(const Problem& problem, const Eigen::VectorXd& 
 
 bool ResidualFitness::solvedInClosedForm(const Problem& problem, int unknown) {
   const Unknown& u = problem.unknowns()[unknown];
+  const auto& observations = problem.session().observations;
+  const auto isLength = [&](const Observation& o) {
+    return o.kind == ObservationKind::kLength && o.feature == u.owner;
+  };
   return u.kind == UnknownKind::kFeature && u.priorStd == 0.0 && problem.session().placements.empty() &&
          !problem.session().poseFree(0) &&
-         problem.session().artifact.features[u.owner].kind == FeatureKind::kPoint;
+         problem.session().artifact.features[u.owner].kind == FeatureKind::kPoint &&
+         std::none_of(observations.begin(), observations.end(), isLength);
 }
 
 void ResidualFitness::solve(Eigen::VectorXd& x) const {

@@ -14,8 +14,7 @@ std::vector<LocalBlock> localBlocks(const Problem& problem, const Eigen::MatrixX
   }
   for (int i = 0; i < problem.rowCount(); ++i) {
     const Observation& o = problem.session().observations[problem.rows()[i].observation];
-    if (o.kind == ObservationKind::kContact && !ofFeature[o.feature].columns.empty())
-      ofFeature[o.feature].rows.push_back(i);
+    if (o.feature >= 0 && !ofFeature[o.feature].columns.empty()) ofFeature[o.feature].rows.push_back(i);
   }
   std::vector<LocalBlock> blocks;
   for (LocalBlock& block : ofFeature) {

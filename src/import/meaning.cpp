@@ -21,6 +21,7 @@ std::optional<UnitKind> kindFor(CsvRole role, int index, const Machine& machine)
       return unitKindOf(machine, index) == UnitKind::kLength ? UnitKind::kSpeed : UnitKind::kTurning;
     case CsvRole::kReading:
     case CsvRole::kReference:
+    case CsvRole::kLength:
       return UnitKind::kLength;
     case CsvRole::kTemperature:
       return UnitKind::kTemperature;
@@ -71,6 +72,8 @@ std::string meaningText(const Meaning& m, const Machine& machine) {
       return "ball or point touched";
     case CsvRole::kReference:
       return std::string("true position ") + "xyz"[m.index];
+    case CsvRole::kLength:
+      return "length from a feature to the tip";
     case CsvRole::kDeviation:
       return std::string("deviation of ") + joint + (m.reversed ? ", sign changed" : "");
     case CsvRole::kDeviationStd:
@@ -106,6 +109,8 @@ std::string exampleOf(const Meaning& m, const Machine& machine) {
       return "reading_mm";
     case CsvRole::kReference:
       return std::string("reference_") + "xyz"[m.index] + "_mm";
+    case CsvRole::kLength:
+      return "length_mm";
     case CsvRole::kTemperature:
       return m.name + "_degC";
     case CsvRole::kDeviation:

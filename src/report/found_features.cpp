@@ -9,8 +9,7 @@ std::vector<FoundFeature> foundFeatures(const CalibrationResult& result) {
   const auto& features = problem.session().artifact.features;
   std::vector<char> touched(features.size(), 0);
   for (const Observation& o : problem.session().observations)
-    if (o.kind == ObservationKind::kContact && o.feature >= 0)
-      touched[static_cast<std::size_t>(o.feature)] = 1;
+    if (o.feature >= 0) touched[static_cast<std::size_t>(o.feature)] = 1;
   std::vector<FoundFeature> found;
   for (std::size_t f = 0; f < features.size(); ++f) {
     if (touched[f] == 0) continue;

@@ -11,20 +11,16 @@ namespace {
 
 constexpr std::size_t kPlaces = 3000;
 
-bool onBall(const Problem& problem, const Observation& o) {
-  return o.kind == ObservationKind::kContact &&
-         problem.session().artifact.features[static_cast<std::size_t>(o.feature)].kind == FeatureKind::kBall;
-}
-
 /// From where the target should be to where the machine found it (m, workpiece).
 Eigen::Vector3d vectorOf(const CalibrationResult& fit, int observation, const Eigen::Vector3d& normal,
-                         bool ball) {
+                         bool distance) {
   const int first = fit.problem->firstRow(observation), last = fit.problem->firstRow(observation + 1);
-  if (ball) return normal * fit.residuals[first];
+  const Observation& o = fit.problem->session().observations[static_cast<std::size_t>(observation)];
+  // of a length it is measured minus model
+  if (distance) return normal * fit.residuals[first] * (o.kind == ObservationKind::kLength ? -1.0 : 1.0);
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();
   for (int row = first; row < last; ++row)
     vector[fit.problem->rows()[static_cast<std::size_t>(row)].component] = fit.residuals[row];
-  const Observation& o = fit.problem->session().observations[static_cast<std::size_t>(observation)];
   if (o.kind != ObservationKind::kPosition) return vector;
   // measured minus model, in the artifact's frame
   return -(fit.problem->artifactRotation(o.placement, fit.x) * vector);
@@ -61,12 +57,14 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     const int observation = used[n * used.size() / shown];
     const Observation& o = session.observations[static_cast<std::size_t>(observation)];
     const State& state = problem.state(observation);
-    const bool ball = onBall(problem, o);
+    const bool distance = session.isDistance(o), ball = distance && o.kind == ObservationKind::kContact;
     const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
     const Eigen::Vector3d tip = problem.model().machine().nominal(o.position.data(), reading).position;
     Eigen::Vector3d normal = -state.approach;
     if (state.surfaceNormal.norm() > 0.5) normal = state.surfaceNormal;
-    if (ball && !(normal.norm() > 0.5)) continue;
+    if (distance && !ball)
+      normal = (tip - problem.featureInWorkpiece(o.feature, o.placement, fits.front().fit->x)).normalized();
+    if (distance && !(normal.norm() > 0.5)) continue;
     ResidualVectors::Place place;
     place.at = tip / kMillimetre;
     if (ball && !std::isfinite(o.laserReading))
@@ -74,14 +72,14 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     place.row = o.row;
     place.feature = o.feature;
     place.outlier = !(fits.front().fit->weight[problem.firstRow(observation)] > 0.0);
-    out.signedValues = out.signedValues && ball;
+    out.signedValues = out.signedValues && distance;
     out.places.push_back(place);
     std::size_t s = 0;
     for (const NamedFit& f : fits) {
       if (f.fit->problem->rowCount() != problem.rowCount()) continue;
-      const Eigen::Vector3d vector = vectorOf(*f.fit, observation, normal, ball) / kMicrometre;
+      const Eigen::Vector3d vector = vectorOf(*f.fit, observation, normal, distance) / kMicrometre;
       out.states[s].vectors.push_back(vector);
-      out.states[s].values.push_back(ball ? vector.dot(normal) : vector.norm());
+      out.states[s].values.push_back(distance ? vector.dot(normal) : vector.norm());
       ++s;
     }
   }

@@ -22,33 +22,39 @@ struct OlderVersion {
 };
 
 template <typename Message>
-constexpr OlderVersion kOlder = {"", 0};
+const std::vector<OlderVersion> kOlder = {};
 template <>
-constexpr OlderVersion kOlder<measuring_machine::Artifact> = {"2901c4140fcd49a8ea7858e0305e0f38", 8};
+const std::vector<OlderVersion> kOlder<measuring_machine::Artifact> = {
+    {"2901c4140fcd49a8ea7858e0305e0f38", 8}};
 template <>
-constexpr OlderVersion kOlder<measuring_machine::ProbeContact> = {"b4c29775d90e8a19f75fcdbca4598966", 8};
+const std::vector<OlderVersion> kOlder<measuring_machine::ProbeContact> = {
+    {"b4c29775d90e8a19f75fcdbca4598966", 8}};
 template <>
-constexpr OlderVersion kOlder<measuring_machine::ReferenceMeasurement> = {"eeba7cd1b94dfc51f75c0202a252cc66",
-                                                                          8};
+const std::vector<OlderVersion> kOlder<measuring_machine::ReferenceMeasurement> = {
+    {"eeba7cd1b94dfc51f75c0202a252cc66", 20},   // without placement, stylus, feature and length
+    {"a482de645c806787ff92691de62d6090", 16},   // without stylus, feature and length
+    {"82269c670d85bc4d38c304750d8ffddf", 12}};  // without feature and length
 
 /// One message of a bag as `Message`. @throw InputError when the topic holds another type.
 template <typename Message>
 Message decode(const BagMessage& raw, const std::string& source) {
   namespace traits = ros::message_traits;
   const BagConnection& c = *raw.connection;
-  const bool older = c.md5 == kOlder<Message>.md5;
-  if (c.md5 != traits::MD5Sum<Message>::value() && !older)
+  const auto older = std::find_if(kOlder<Message>.begin(), kOlder<Message>.end(),
+                                  [&](const OlderVersion& version) { return c.md5 == version.md5; });
+  const bool isOlder = older != kOlder<Message>.end();
+  if (c.md5 != traits::MD5Sum<Message>::value() && !isOlder)
     throw InputError(source + ": topic " + c.topic + " holds " + c.type +
                      (c.type == traits::DataType<Message>::value()
                           ? " of another version"
                           : std::string(", but ") + traits::DataType<Message>::value() + " is needed"));
   Message message;
   std::vector<std::uint8_t> filled;
-  if (older) {
+  if (isOlder) {
     filled.assign(raw.data, raw.data + raw.size);
-    filled.resize(raw.size + kOlder<Message>.missing, 0);
+    filled.resize(raw.size + older->missing, 0);
   }
-  CheckedStream stream(older ? filled.data() : raw.data, older ? filled.size() : raw.size);
+  CheckedStream stream(isOlder ? filled.data() : raw.data, isOlder ? filled.size() : raw.size);
   try {
     stream.next(message);
   } catch (const ros::serialization::StreamOverrunException&) {

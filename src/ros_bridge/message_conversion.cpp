@@ -204,6 +204,8 @@ measuring_machine::ReferenceMeasurement toReferenceMessage(const Observation& re
   for (int k = 0; k < 3; ++k) message.position[k] = reference.reference[k];
   message.deviation = unlessAllNaN(reference.deviation);
   message.deviation_std = unlessAllNaN(reference.deviationStd);
+  message.length = reference.length;
+  if (reference.feature >= 0) message.feature = session.artifact.features.at(reference.feature).name;
   if (reference.setup >= 0) message.setup = session.setups.at(reference.setup);
   if (!session.placements.empty()) message.placement = session.placements.at(reference.placement);
   if (!session.artifact.styli.empty()) message.stylus = session.artifact.styli.at(reference.stylus).name;
@@ -220,10 +222,15 @@ Observation fromMessage(const measuring_machine::ReferenceMeasurement& message, 
   const std::vector<double> deviation = inMachineOrder(message.deviation, order, "deviation", true);
   const bool anyPosition = !o.reference.array().isNaN().all();
   const bool anyDeviation = !unlessAllNaN(deviation).empty();
-  if (anyPosition == anyDeviation)
-    throw InputError(anyPosition ? "a position and a deviation at once; send them as two messages"
-                                 : "neither a position nor a deviation was measured");
-  o.kind = anyDeviation ? ObservationKind::kDeviation : ObservationKind::kPosition;
+  const bool anyLength = !message.feature.empty();
+  if (anyPosition + anyDeviation + anyLength > 1)
+    throw InputError("a position, a deviation or a length at once; send each as a message of its own");
+  if (anyPosition + anyDeviation + anyLength == 0)
+    throw InputError("neither a position nor a deviation nor a length was measured");
+  o.kind = anyDeviation ? ObservationKind::kDeviation
+           : anyLength  ? ObservationKind::kLength
+                        : ObservationKind::kPosition;
+  if (anyLength) o.length = message.length;
   if (!anyDeviation) return o;
   o.deviation = deviation;
   o.deviationStd = inMachineOrder(message.deviation_std, order, "deviation_std", true);

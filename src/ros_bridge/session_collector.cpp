@@ -103,8 +103,12 @@ void SessionCollector::convertOrRefuse(const Message& message, const char* topic
       if (message.feature.empty())
         throw InputError("no feature is assigned; name the ball or point that was touched");
       o.feature = features_[message.feature];
-    } else if (!message.setup.empty()) {
-      o.setup = setups_[message.setup];
+    } else {
+      if (!message.setup.empty()) o.setup = setups_[message.setup];
+      if (!message.feature.empty()) o.feature = features_[message.feature];
+      if (o.kind == ObservationKind::kLength &&
+          !(std::isfinite(o.length) && (o.setup >= 0 || o.length > 0.0)))
+        throw InputError("'length' must be a number, above 0 without a setup");
     }
     o.stylus = styli_[message.stylus];
     o.placement = placements_[message.placement];
@@ -340,7 +344,8 @@ Session SessionCollector::build() const {
                          row.stamp});
       return true;
     };
-    if (contact && features[o.feature] < 0) return refuse("feature", features_.all()[o.feature], names);
+    if (o.feature >= 0 && features[o.feature] < 0)
+      return refuse("feature", features_.all()[o.feature], names);
     return styli[o.stylus] < 0 && refuse("stylus", styli_.all()[o.stylus], stylusNames);
   };
   rows.erase(std::remove_if(rows.begin(), rows.end(), unknown), rows.end());
@@ -353,7 +358,7 @@ Session SessionCollector::build() const {
     Observation& o = row.observation;
     o.time = secondsBetween(start, row.stamp);
     o.stylus = styli[o.stylus];
-    if (o.kind == ObservationKind::kContact) o.feature = features[o.feature];
+    if (o.feature >= 0) o.feature = features[o.feature];
     if (lines) o.row = row.line;
     session.observations.push_back(std::move(o));
   }

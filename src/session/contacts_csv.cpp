@@ -275,6 +275,10 @@ class CsvReader {
         if (o.feature < 0 && !statesOnly_) fail(features_.fault(cell, session.artifact));
         break;
       }
+      case CsvRole::kLength:
+        kinds.length = true;
+        o.length = number(cell, index);
+        break;
       case CsvRole::kReference:
         kinds.reference = true;
         o.reference[column.index] = number(cell, index);

@@ -21,7 +21,7 @@ bool sameRow(const Observation& a, const Observation& b) {
   bool reference = true;
   for (int k = 0; k < 3; ++k) reference = reference && sameNumber(a.reference[k], b.reference[k]);
   return a.kind == b.kind && a.feature == b.feature && a.setup == b.setup && a.placement == b.placement &&
-         a.stylus == b.stylus && a.time == b.time && reference &&
+         a.stylus == b.stylus && a.time == b.time && reference && sameNumber(a.length, b.length) &&
          sameNumber(a.laserReading, b.laserReading) && sameNumbers(a.position, b.position) &&
          sameNumbers(a.velocity, b.velocity) && sameNumbers(a.deviation, b.deviation) &&
          sameNumbers(a.deviationStd, b.deviationStd);
@@ -38,6 +38,7 @@ std::vector<double> contentOf(const Session& session, const Observation& o, bool
   add(o.placement);
   add(o.stylus);
   add(o.laserReading);
+  add(o.length);
   for (int k = 0; k < 3; ++k) add(o.reference[k]);
   if (!whole) return content;
   add(o.setup);
@@ -85,16 +86,17 @@ bool fineDigits(const Session& session) {
   for (int of = 0; of < 2; ++of)  // positions, deviations
     for (const Joint& joint : joints)
       columns.emplace_back(joint.kind == JointKind::kLinear ? kNanometre : kDigitOfAnAngle);
-  columns.resize(columns.size() + 4, Digits(kNanometre));  // references, the laser
+  columns.resize(columns.size() + 5, Digits(kNanometre));  // references, the laser, lengths
   for (const Observation& o : session.observations) {
     auto column = columns.begin();
     // a position that an instrument looks at is where the joint was sent
     for (const double v : o.position) (column++)->add(o.kind == ObservationKind::kContact ? v : kNotMeasured);
     column = columns.begin() + static_cast<long>(joints.size());
     for (const double v : o.deviation) (column++)->add(v);
-    column = columns.end() - 4;
+    column = columns.end() - 5;
     for (int k = 0; k < 3; ++k) (column++)->add(o.reference[k]);
-    column->add(o.laserReading);
+    (column++)->add(o.laserReading);
+    column->add(o.length);
   }
   return std::any_of(columns.begin(), columns.end(), [](const Digits& d) { return d.finer(kFine); });
 }

@@ -32,6 +32,7 @@ Known knownColumns(const Machine& machine) {
   add("setup", CsvRole::kSetup, 0, 1.0);
   add("placement", CsvRole::kPlacement, 0, 1.0);
   add("stylus", CsvRole::kStylus, 0, 1.0);
+  add("length_mm", CsvRole::kLength, 0, kMillimetre);
   add("reference_x_mm", CsvRole::kReference, 0, kMillimetre);
   add("reference_y_mm", CsvRole::kReference, 1, kMillimetre);
   add("reference_z_mm", CsvRole::kReference, 2, kMillimetre);

@@ -14,6 +14,7 @@ enum class CsvRole {
   kReading,
   kFeature,
   kReference,
+  kLength,
   kDeviation,
   kDeviationStd,
   kSetup,

@@ -8,9 +8,10 @@ namespace mm {
 
 /// What was written in one row of a CSV, beside the observation itself.
 struct RowKinds {
-  bool feature = false, reference = false, deviation = false, logged = false, setup = false;
-  int measured() const { return feature + reference + deviation; }  ///< how many kinds
-  bool logsOnly() const { return measured() == 0 && logged; }       ///< only temperatures
+  bool feature = false, reference = false, deviation = false, length = false, logged = false, setup = false;
+  bool contact() const { return feature && !length; }                          ///< the feature was touched
+  int measured() const { return contact() + length + reference + deviation; }  ///< how many kinds
+  bool logsOnly() const { return measured() == 0 && logged; }                  ///< only temperatures
 };
 
 /// Why a row holds no observation; empty: it does.

@@ -58,6 +58,10 @@ void checkValues(const Session& session, const Observation& o) {
   if (o.stylus < 0 || (o.stylus > 0 && o.stylus >= static_cast<int>(session.artifact.styli.size())))
     fail(session, o, "its stylus is not in artifact '" + session.artifact.name + "'");
   switch (o.kind) {
+    case ObservationKind::kLength:
+      if (!std::isfinite(o.length)) fail(session, o, "a length is not a number");
+      if (o.setup < 0 && o.length <= 0.0) fail(session, o, "a length without a setup must be above 0");
+      [[fallthrough]];
     case ObservationKind::kContact:
       if (o.feature < 0 || o.feature >= static_cast<int>(session.artifact.features.size()))
         fail(session, o, "its feature is not in artifact '" + session.artifact.name + "'");
@@ -172,8 +176,14 @@ bool Session::poseFree(int placement) const {
 
 int Session::placementOf(int feature) const {
   for (const Observation& o : observations)
-    if (o.kind == ObservationKind::kContact && o.feature == feature) return o.placement;
+    if (o.feature == feature) return o.placement;
   return 0;
+}
+
+bool Session::isDistance(const Observation& o) const {
+  return o.kind == ObservationKind::kLength ||
+         (o.kind == ObservationKind::kContact &&
+          artifact.features[static_cast<std::size_t>(o.feature)].kind == FeatureKind::kBall);
 }
 
 double Session::ownTime(const Observation& o) const {

@@ -64,7 +64,7 @@ struct Series {
   double at(double time) const;
 };
 
-enum class ObservationKind { kContact, kPosition, kDeviation };
+enum class ObservationKind { kContact, kPosition, kDeviation, kLength };
 
 /// One contact of the probe, or one measurement by an independent instrument. SI units.
 struct Observation {
@@ -77,14 +77,15 @@ struct Observation {
   Eigen::Vector3d approach =
       Eigen::Vector3d::Constant(kNotMeasured);  // unit vector in workpiece; NaN: not known
   double laserReading = kNotMeasured;           // m
-  int feature = -1;                             // kContact: index in the artifact
+  int feature = -1;  // index in the artifact: kContact: what was touched, kLength: where the length begins
   Eigen::Vector3d reference =
       Eigen::Vector3d::Constant(kNotMeasured);  // kPosition: true position, artifact frame
+  double length = kNotMeasured;                 // kLength: from the feature's position to the tip, m
   std::vector<double> deviation;     // kDeviation: true minus indicated a joint, m or rad; NaN: not measured
   std::vector<double> deviationStd;  // NaN: not stated
   int setup = -1;                    // index in Session::setups: rows that share an unknown zero
   int placement = 0;                 // index in Session::placements
-  int stylus = 0;                    // kContact: index in Artifact::styli
+  int stylus = 0;                    // index in Artifact::styli
   int recording = 0;                 // index in Session::recordings
 };
 
@@ -153,6 +154,8 @@ struct Session {
   /// The first in which a feature was touched; 0: in none.
   int placementOf(int feature) const;
   int recordingCount() const { return recordings.empty() ? 1 : static_cast<int>(recordings.size()); }
+  /// One residual along the line from a feature to the tip: a contact with a ball, a length.
+  bool isDistance(const Observation& o) const;
   /// s from the start of the recording that an observation belongs to.
   double ownTime(const Observation& o) const;
   /// Where the readings say that the probe is, with the stylus that was used (without an offset: probe_tip).

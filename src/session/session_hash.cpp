@@ -92,6 +92,7 @@ void addObservation(Hash& hash, const Observation& o) {
   hash.numbers(o.deviation);
   hash.numbers(o.deviationStd);
   hash.word(static_cast<std::uint64_t>(o.setup));
+  if (o.kind == ObservationKind::kLength) hash.number(o.length);
   if (o.placement == 0 && o.stylus == 0 && o.recording == 0) return;  // as of older files, which have none
   for (const int index : {o.placement, o.stylus, o.recording}) hash.word(static_cast<std::uint64_t>(index));
 }

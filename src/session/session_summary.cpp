@@ -28,11 +28,12 @@ std::string counted(std::size_t count, const std::string& what) {
 }
 
 std::string observationsLine(const Session& session) {
-  std::size_t contacts = 0, positions = 0, deviations = 0;
+  std::size_t contacts = 0, positions = 0, deviations = 0, lengths = 0;
   for (const Observation& o : session.observations) {
     contacts += o.kind == ObservationKind::kContact;
     positions += o.kind == ObservationKind::kPosition;
     deviations += o.kind == ObservationKind::kDeviation;
+    lengths += o.kind == ObservationKind::kLength;
   }
   std::string text;
   const auto add = [&](std::size_t count, const std::string& what) {
@@ -40,6 +41,7 @@ std::string observationsLine(const Session& session) {
   };
   add(contacts, session.hasLaser() ? "laser contact" : "contact");
   add(positions, "reference position");
+  add(lengths, "length");
   add(deviations, "row");
   if (deviations > 0) text += " of deviations";
   if (!session.setups.empty()) text += ", in " + counted(session.setups.size(), "setup");
@@ -50,6 +52,9 @@ std::string featuresLine(const Session& session) {
   std::vector<std::size_t> touched(session.artifact.features.size(), 0);
   for (const Observation& o : session.observations)
     if (o.feature >= 0) ++touched[o.feature];
+  const bool lengths = std::all_of(session.observations.begin(), session.observations.end(),
+                                   [](const auto& o) { return o.kind != ObservationKind::kContact; });
+  const std::string measured = lengths ? "length" : "contact";
   std::size_t balls = 0, unused = 0;
   for (std::size_t i = 0; i < touched.size(); ++i) {
     balls += session.artifact.features[i].kind == FeatureKind::kBall;
@@ -62,7 +67,7 @@ std::string featuresLine(const Session& session) {
   const auto [least, most] = std::minmax_element(touched.begin(), touched.end());
   if (!touched.empty())
     text +=
-        "; " + (*least == *most ? "" : std::to_string(*least) + " … ") + counted(*most, "contact") + " each";
+        "; " + (*least == *most ? "" : std::to_string(*least) + " … ") + counted(*most, measured) + " each";
   return text + "\n";
 }
 

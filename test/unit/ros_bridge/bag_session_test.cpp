@@ -558,16 +558,20 @@ TEST_F(BagSession, KeepsPlacementsAndStyli) {
       "tip_radius_mm: "
       "2}]}\nballs:\n  - {name: b0, centre_mm: [0, 0, 0], radius_mm: 4}\n",
       "plate.yaml");
-  const Session s = readContactsCsv(folder_.write("c.csv",
-                                                  "time_s,x_mm,feature,placement,stylus,reference_x_mm\n"
-                                                  "0,5,b0,flat,B,\n1,6,b0,turned,A,\n2,6,,flat,B,1\n"),
-                                    Machine::load("three_axis"), &artifact);
+  const Session s =
+      readContactsCsv(folder_.write("c.csv",
+                                    "time_s,x_mm,feature,placement,stylus,reference_x_mm,length_mm\n"
+                                    "0,5,b0,flat,B,,\n1,6,b0,turned,A,,\n2,6,,flat,B,1,\n"
+                                    "3,6,b0,flat,A,,250.5\n"),
+                      Machine::load("three_axis"), &artifact);
   writeSessionBag(s, folder_.path("s.bag"));
   const Session bag = readSessionBag(folder_.path("s.bag"));
   EXPECT_EQ(sessionHash(bag), sessionHash(s));
   EXPECT_EQ(bag.placements, s.placements);
   EXPECT_EQ(bag.observations[0].stylus, 1);
   EXPECT_EQ(bag.observations[2].stylus, 1) << "a reading of an instrument has one, too";
+  EXPECT_EQ(bag.observations[3].kind, ObservationKind::kLength);
+  EXPECT_DOUBLE_EQ(bag.observations[3].length, 0.2505);
   EXPECT_FALSE(bag.artifact.styli[1].known);
 }
 
@@ -578,13 +582,13 @@ struct Older {
 };
 /// Checksum of that version's definition, as `rosmsg md5` told it.
 template <typename Message>
-constexpr const char* kOlderMd5 = "";
+const char* kOlderMd5 = "";
 template <>
-constexpr const char* kOlderMd5<measuring_machine::ProbeContact> = "b4c29775d90e8a19f75fcdbca4598966";
+const char* kOlderMd5<measuring_machine::ProbeContact> = "b4c29775d90e8a19f75fcdbca4598966";
 template <>
-constexpr const char* kOlderMd5<measuring_machine::ReferenceMeasurement> = "eeba7cd1b94dfc51f75c0202a252cc66";
+const char* kOlderMd5<measuring_machine::ReferenceMeasurement> = "";  // of which there are several
 template <>
-constexpr const char* kOlderMd5<measuring_machine::Artifact> = "2901c4140fcd49a8ea7858e0305e0f38";
+const char* kOlderMd5<measuring_machine::Artifact> = "2901c4140fcd49a8ea7858e0305e0f38";
 
 template <typename Message>
 Older<Message> olderOf(const Message& message, std::size_t missing) {
@@ -635,7 +639,11 @@ struct Serializer<mm::Older<Message>> {
 namespace mm {
 namespace {
 
-TEST_F(BagSession, ReadsMessagesOfTheVersionBefore) {
+class OlderReferences : public BagSession,
+                        public ::testing::WithParamInterface<std::pair<const char*, std::size_t>> {};
+
+TEST_P(OlderReferences, AreRead) {
+  kOlderMd5<measuring_machine::ReferenceMeasurement> = GetParam().first;
   const Session s = sample();
   writeSessionBag(s, folder_.path("s.bag"));
   rosbag::Bag now(folder_.path("s.bag").string(), rosbag::bagmode::Read),
@@ -645,7 +653,7 @@ TEST_F(BagSession, ReadsMessagesOfTheVersionBefore) {
     if (const auto contact = m.instantiate<measuring_machine::ProbeContact>())
       before.write(m.getTopic(), m.getTime(), olderOf(*contact, 8)), ++contacts;
     else if (const auto reference = m.instantiate<measuring_machine::ReferenceMeasurement>())
-      before.write(m.getTopic(), m.getTime(), olderOf(*reference, 8)), ++references;
+      before.write(m.getTopic(), m.getTime(), olderOf(*reference, GetParam().second)), ++references;
     else if (const auto artifact = m.instantiate<measuring_machine::Artifact>())
       before.write(m.getTopic(), m.getTime(), olderOf(*artifact, 8)), ++artifacts;
     else
@@ -657,6 +665,10 @@ TEST_F(BagSession, ReadsMessagesOfTheVersionBefore) {
   EXPECT_EQ(artifacts, 1);
   EXPECT_EQ(sessionHash(readSessionBag(folder_.path("before.bag"))), sessionHash(s));
 }
+INSTANTIATE_TEST_SUITE_P(Versions, OlderReferences,
+                         ::testing::Values(std::pair("eeba7cd1b94dfc51f75c0202a252cc66", 20),
+                                           std::pair("a482de645c806787ff92691de62d6090", 16),
+                                           std::pair("82269c670d85bc4d38c304750d8ffddf", 12)));
 
 TEST_F(BagSession, SeveralBagsAreSeparatedByColons) {
   EXPECT_EQ(bagPaths("a.bag:b.bag"), (std::vector<std::string>{"a.bag", "b.bag"}));
