@@ -111,6 +111,18 @@ Law angularMotion(SpecReader& read) {
   return law;
 }
 
+Law angularReversal(SpecReader& read) {
+  const int axis = read.joint("axis", JointKind::kLinear), about = read.axisOf("about");
+  Law law;
+  law.nature.stage = Stage::kVolume;
+  law.parameters = {parameter("angle", kUnitArcsecond, kArcsecond, 0.02)};
+  law.add = [layout = read.layout(), axis, about](const State& s, const double* p, ErrorSink& sink) {
+    addTilt(layout, about, s, 0, p[0], s.travel[axis] == 0.0 ? kUnknown : -0.5 * s.travel[axis], sink);
+  };
+  law.nature.met = 0.3;  // a play along the axis is met more often
+  return law;
+}
+
 Law backlash(SpecReader& read) {
   const int axis = read.joint("axis");
   Law law =
@@ -249,6 +261,11 @@ std::vector<LawRow> lawsOfAxes() {
         numbers("degree", 1, kHighestDegree, 1)},
        {},
        angularMotion},
+      {"angular_reversal",
+       {"axis", "about"},
+       {joints("axis", JointKind::kLinear), fixed("about", {"x", "y", "z"})},
+       {},
+       angularReversal},
       {"backlash", {"axis"}, {joints("axis")}, {}, backlash},
       {"lost_motion", {"axis"}, {joints("axis")}, {}, lostMotion},
       {"speed_lag", {}, {}, {}, speedLag},

@@ -146,6 +146,14 @@ std::vector<SourceKind> guidewayKinds() {
          add<AngularMotion>(w, j, unitVector(s.key("about")), lever(s),
                             Profile::rise(w.lower[j], w.upper[j], s.number("size"), r));
        }},
+      {"angular_reversal",
+       {{"axis", Key::kLinear, ""}, {"about", Key::kAbout, ""}},
+       {{"angle", "rad", 10.0 * kArcsecond, 60.0 * kArcsecond}},
+       Probe::kAny,
+       true,
+       [](const HiddenSource& s, Workshop& w, Random&) {
+         add<AngularReversal>(w, joint(s, w, "axis"), unitVector(s.key("about")), s.number("angle"));
+       }},
   };
 }
 

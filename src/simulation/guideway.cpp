@@ -18,6 +18,10 @@ void AngularMotion::apply(const Condition& condition, Distortion& distortion) co
     distortion.tilt[joint_] += tilt;
 }
 
+void AngularReversal::apply(const Condition& condition, Distortion& distortion) const {
+  distortion.tipTilt -= about_ * (0.5 * angle_ * condition.travel[joint_]);
+}
+
 void Squareness::apply(const Condition& condition, Distortion& distortion) const {
   distortion.travel[axis_] += std::tan(angle_) * condition.slide[of_];
 }

@@ -38,6 +38,20 @@ class AngularMotion : public Source {
   Profile profile_;
 };
 
+/// A slide that tips where it reverses: half the angle to either side, behind its motion.
+class AngularReversal : public Source {
+ public:
+  /// @param about unit vector in workpiece. @param angle from one direction of travel to the other, rad.
+  AngularReversal(int joint, Eigen::Vector3d about, double angle)
+      : joint_(joint), about_(std::move(about)), angle_(angle) {}
+  void apply(const Condition& condition, Distortion& distortion) const override;
+
+ private:
+  int joint_;
+  Eigen::Vector3d about_;
+  double angle_;
+};
+
 /// An axis that is not square to another: travel along `of` carries the tip along `axis`.
 class Squareness : public Source {
  public:

@@ -23,6 +23,7 @@ ProbePose Truth::pose(const TrueState& state) const {
   Condition now;
   now.time = state.time;
   now.velocity = state.velocity;
+  now.travel = state.travel;
   now.drive = state.position;
   now.slide.resize(joints);
   for (std::size_t j = 0; j < joints; ++j) {

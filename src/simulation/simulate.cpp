@@ -228,6 +228,7 @@ std::vector<Condition> rehearse(const Machine& machine, const Plan& plan, const 
     visit.time = state.time;
     visit.drive = visit.slide = state.position;
     visit.velocity = state.velocity;
+    visit.travel = state.travel;
     for (int b = 0; b < bodies; ++b) visit.bodies.push_back(run.truth->temperature(b, state.time));
     for (const TrueCovariate& covariate : settings.covariates)
       visit.covariates.push_back(covariate.at(state.time));

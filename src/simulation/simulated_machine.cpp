@@ -61,11 +61,14 @@ void SimulatedMachine::loadCorrection(std::shared_ptr<const CorrectionTable> tab
 }
 
 std::vector<double> SimulatedMachine::corrected(const std::vector<double>& command) const {
-  if (!correction_) return command;
+  return correction_ ? correction_->drives(command, travelNow()) : command;
+}
+
+std::vector<double> SimulatedMachine::travelNow() const {
   std::vector<double> travel = travel_;
   for (std::size_t j = 0; j < travel.size(); ++j)
     if (velocity_[j] != 0.0) travel[j] = velocity_[j] > 0.0 ? 1.0 : -1.0;
-  return correction_->drives(command, travel);
+  return travel;
 }
 
 void SimulatedMachine::home(const std::vector<double>& readings) {
@@ -79,6 +82,7 @@ Condition SimulatedMachine::condition(const std::vector<double>& drive, double t
   now.time = time;
   now.drive = corrected(drive);
   now.velocity = velocity_;
+  now.travel = travelNow();
   now.slide.resize(drive.size());
   for (std::size_t j = 0; j < drive.size(); ++j) now.slide[j] = play_[j].after(now.drive[j]);
   now.bodies = thermal_.temperatures();

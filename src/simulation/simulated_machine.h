@@ -90,6 +90,7 @@ class SimulatedMachine {
   };
   Condition condition(const std::vector<double>& drive, double time) const;
   /// Where the drives really go for a commanded position.
+  std::vector<double> travelNow() const;  // of each drive, -1 or +1; 0: it never moved
   std::vector<double> corrected(const std::vector<double>& command) const;
   /// Distance (m) that is left until the tip touches, after a part (0 to 1) of the segment. Writes the
   /// outward normal.

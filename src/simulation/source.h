@@ -12,6 +12,7 @@ struct Condition {
   std::vector<double> drive;     // the readings: position of each drive, m or rad
   std::vector<double> slide;     // the drive's position less the play, m or rad
   std::vector<double> velocity;  // of each drive, m/s or rad/s
+  std::vector<double> travel;    // of each drive, -1 or +1: direction of its last motion; 0: none yet
   std::vector<double> bodies;    // temperature of each body of the ThermalModel
   std::vector<double> covariates;
 };

@@ -228,7 +228,7 @@ TEST_P(Catalogue, missingInputGivesNan) {
     const std::set<std::string> needy{
         "backlash",          "speed_lag",       "thermal_expansion", "thermal_growth",     "thermal_bending",
         "thermal_transient", "probe_lobing",    "laser_incidence",   "artifact_expansion", "covariate_offset",
-        "covariate_scale",   "thermal_network", "lost_motion"};
+        "covariate_scale",   "thermal_network", "lost_motion",       "angular_reversal"};
     if (needy.count(effect->spec().type) != 0) {
       EXPECT_TRUE(nan);
     }

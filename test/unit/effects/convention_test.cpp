@@ -38,6 +38,14 @@ TEST_F(Convention, backlashLagsTheTravelByHalfTheGap) {
   EXPECT_DOUBLE_EQ(values("{type: backlash, axis: x}", {8e-6})[layout.axis(0)], 4e-6);
 }
 
+TEST_F(Convention, carriageThatTipsLagsTheTravelByHalfTheAngle) {
+  state.tip = {0.0, 0.0, 0.1};
+  state.travel[0] = 1.0;
+  const auto error = values("{type: angular_reversal, axis: x, about: y}", {8e-6});
+  EXPECT_DOUBLE_EQ(error[layout.volume(0)], -4e-7) << "-4 urad about y, 0.1 m above it";
+  EXPECT_DOUBLE_EQ(error[layout.orientation(1)], -4e-6);
+}
+
 TEST_F(Convention, lateTriggerReadsTooFar) {
   state.velocity = {0.01, -0.02, 0.0};
   const auto error = values("{type: speed_lag}", {1e-3});

@@ -44,6 +44,7 @@ const std::vector<Row> kThreeAxis{
     {"{type: angular_motion, axis: x, about: x}", "x y z"},
     {"{type: angular_motion, axis: x, about: y}", "x z"},
     {"{type: angular_motion, axis: z, about: z, degree: 3}", "x y z"},
+    {"{type: angular_reversal, axis: x, about: y}", "x z travel:x"},
     {"{type: backlash, axis: y}", "travel:y"},
     {"{type: lost_motion, axis: y}", "travel:y since:y"},
     {"{type: speed_lag}", "velocity:x velocity:y velocity:z"},

@@ -40,6 +40,7 @@ TEST(Recovery, TouchProbeOnThePlate) {
   const double perMetreK = 1e-6;
   const std::vector<Recovery> cases = {
       {"backlash:x=3um", "{type: backlash, axis: x}", 3e-6},
+      {"angular_reversal:x/z=40arcsec", "{type: angular_reversal, axis: x, about: z}", 40.0 * kArcsecond},
       {"scale:z=200ppm", "{type: scale, axis: z}", 200e-6},
       {"squareness:x/y=30arcsec", "{type: squareness, axis: x, of: y}", 30.0 * kArcsecond},
       {"speed_lag=1ms", "{type: speed_lag}", 1e-3},

@@ -180,6 +180,7 @@ TEST(Simulate, EverySourceShowsAndGrowsWithItsSize) {
                                              {"squareness", {":x/y", "arcsec", 30}},
                                              {"straightness", {":y/z", "um", 3}},
                                              {"angular_motion", {":y/x", "arcsec", 40}},
+                                             {"angular_reversal", {":y/z", "arcsec", 40}},
                                              {"thermal_expansion", {":x/motor", "ppm/K", 50}},
                                              {"thermal_growth", {":z/bed", "um/K", 2}},
                                              {"thermal_bending", {":x/y/bed/frame", "arcsec/K", 10}},
