@@ -55,7 +55,7 @@ Compensator::Compensator(const Calibration& calibration, Options options)
   }
   all_ = partOf(calibration, true);
   timeless_ = timed_.empty() ? all_ : partOf(calibration, false);
-  limits_ = std::make_unique<CalibratedLimits>(*all_.model, all_.parameters.data(), options_.margin);
+  limits_ = std::make_unique<CalibratedLimits>(*all_.model, options_.margin);
 }
 
 Compensator::Part Compensator::partOf(const Calibration& calibration, bool timed) const {

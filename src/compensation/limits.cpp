@@ -5,30 +5,13 @@
 #include <limits>
 
 #include "base/units.h"
+#include "effects/inputs.h"
 #include "session/session.h"
 
 namespace mm {
 namespace {
 
 constexpr double kReadingSlack = 1e-6;  // m or rad: a joint that stood still may stand there again
-
-/// Answers for a probe of the model: one sensor without history, the others at a plausible temperature.
-class ProbeHistory final : public TemperatureHistory {
- public:
-  explicit ProbeHistory(const std::vector<double>& temperature) : temperature_(temperature) {}
-  double lagged(int sensor, double, double, double* byTau) const override {
-    if (byTau != nullptr) *byTau = 0.0;
-    return temperature_[sensor];
-  }
-
- private:
-  const std::vector<double>& temperature_;
-};
-
-double middle(double lower, double upper) {
-  const double m = 0.5 * (lower + upper);
-  return std::isfinite(m) ? m : kReferenceTemperature;
-}
 
 /// "x = 31.2 mm is outside -20 ... 20 mm", in the unit of people.
 std::string outside(const std::string& name, double value, double lower, double upper, double toUnit,
@@ -42,7 +25,7 @@ std::string outside(const std::string& name, double value, double lower, double 
 
 }  // namespace
 
-CalibratedLimits::CalibratedLimits(const Model& model, const double* parameters, double margin) {
+CalibratedLimits::CalibratedLimits(const Model& model, double margin) {
   const Domain& d = model.domain();
   joints_ = d.joints;
   const auto widened = [margin](const std::string& name, double lower, double upper, double slack) {
@@ -55,57 +38,24 @@ CalibratedLimits::CalibratedLimits(const Model& model, const double* parameters,
     sensors_.push_back(widened(d.sensors[s], d.sensorLower[s], d.sensorUpper[s], 0.0));
   for (std::size_t c = 0; c < d.covariates.size(); ++c)
     covariates_.push_back(widened(d.covariates[c], d.covariateLower[c], d.covariateUpper[c], 0.0));
-  findUsed(model, parameters);
+  findUsed(model);
 }
 
-/// An effect answers NaN without an input that it needs: so each input is taken away once from a complete
-/// state.
-void CalibratedLimits::findUsed(const Model& model, const double* parameters) {
+void CalibratedLimits::findUsed(const Model& model) {
   const Domain& d = model.domain();
-  State complete;
-  complete.laserReading = d.laser ? 0.0 : kNotMeasured;
-  for (std::size_t j = 0; j < d.joints.size(); ++j)
-    complete.position.push_back(middle(d.lower[j], d.upper[j]));
-  complete.velocity.assign(d.joints.size(), 0.0);
-  complete.travel.assign(d.joints.size(), 1.0);
-  for (std::size_t s = 0; s < d.sensors.size(); ++s)
-    complete.temperature.push_back(middle(d.sensorLower[s], d.sensorUpper[s]));
-  for (std::size_t c = 0; c < d.covariates.size(); ++c)
-    complete.covariate.push_back(middle(d.covariateLower[c], d.covariateUpper[c]));
-  complete.approach = -Eigen::Vector3d::UnitZ();
-  model.place(complete);
-
-  Model::Workspace work;
-  const auto answers = [&](State state, bool history) {
-    const ProbeHistory probe(state.temperature);
-    state.history = history ? &probe : nullptr;
-    return model.corrected(state, parameters, work).position.allFinite();
-  };
-  State state = complete;
-  for (std::size_t s = 0; s < d.sensors.size(); ++s) {
-    state.temperature[s] = kNotMeasured;
-    sensors_[s].used = !answers(state, true);
-    state = complete;
+  usesTravel_.assign(d.joints.size(), false);
+  usesVelocity_.assign(d.joints.size(), false);
+  for (const EffectPtr& effect : model.effects()) {
+    const Inputs inputs = inputsOf(*effect, d);
+    for (const int s : inputs.temperatures) sensors_[static_cast<std::size_t>(s)].used = true;
+    for (const int c : inputs.covariates) covariates_[static_cast<std::size_t>(c)].used = true;
+    for (const int j : inputs.travels) usesTravel_[static_cast<std::size_t>(j)] = true;
+    for (const int j : inputs.velocities)  // a joint that never moved stands still
+      if (d.upper[j] - d.lower[j] > kStoodStill) usesVelocity_[static_cast<std::size_t>(j)] = true;
+    usesApproach_ = usesApproach_ || inputs.approach;
+    usesTime_ = usesTime_ || inputs.time;
+    usesHistory_ = usesHistory_ || inputs.history;
   }
-  for (std::size_t c = 0; c < d.covariates.size(); ++c) {
-    state.covariate[c] = kNotMeasured;
-    covariates_[c].used = !answers(state, true);
-    state = complete;
-  }
-  for (std::size_t j = 0; j < d.joints.size(); ++j) {
-    state.travel[j] = 0.0;
-    usesTravel_.push_back(!answers(state, true));
-    state = complete;
-    state.velocity[j] = kNotMeasured;
-    usesVelocity_.push_back(!answers(state, true));
-    state = complete;
-  }
-  state.approach.setZero();
-  usesApproach_ = !answers(state, true);
-  state = complete;
-  state.time = kNotMeasured;
-  usesTime_ = !answers(state, true);
-  usesHistory_ = !answers(complete, false);
 }
 
 std::string CalibratedLimits::jointOutside(const State& state) const {

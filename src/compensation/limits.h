@@ -10,9 +10,9 @@ namespace mm {
 /// inputs without which its model has no answer.
 class CalibratedLimits {
  public:
-  /// @param parameters of the model, SI. @param margin how far beyond the observed range is still accepted on
-  /// each side, as a fraction of the range.
-  CalibratedLimits(const Model& model, const double* parameters, double margin);
+  /// @param margin how far beyond the observed range is still accepted on each side, as a fraction of the
+  /// range.
+  CalibratedLimits(const Model& model, double margin);
 
   /// A joint's reading that is outside: which, its value and the bound; empty when all are inside.
   std::string jointOutside(const State& state) const;
@@ -34,11 +34,11 @@ class CalibratedLimits {
     bool used = false;
   };
   std::string withoutTravel(const State& state) const;
-  void findUsed(const Model& model, const double* parameters);
+  void findUsed(const Model& model);
 
   std::vector<Joint> joints_;
   std::vector<Input> readings_, sensors_, covariates_;
-  std::vector<bool> usesTravel_, usesVelocity_;
+  std::vector<bool> usesTravel_, usesVelocity_;  // a joint
   bool usesHistory_ = false, usesApproach_ = false, usesTime_ = false;
 };
 

@@ -3,16 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <random>
 
-#include "base/unit_random.h"
 #include "base/units.h"
 
 namespace mm {
 namespace {
 
-constexpr int kStates =
-    64;  // a step in an input that moves one state in ten is met but for one in a thousand
 constexpr double kChanged = 1e-9;  // of a contribution: above the rounding of the chain, below any effect
 
 /// The answers of one evaluation: every slot's value and its derivative by every parameter, so that a small
@@ -22,7 +18,6 @@ class Answers final : public ErrorSink {
   Answers(int slots, int parameters)
       : columns_(1 + static_cast<std::size_t>(parameters)),
         numbers_(static_cast<std::size_t>(slots) * columns_, 0.0) {}
-  void clear() { std::fill(numbers_.begin(), numbers_.end(), 0.0); }
   void add(int slot, int parameter, double value, double basis) override {
     at(slot, 0) += value * basis;
     at(slot, 1 + parameter) += basis;
@@ -48,126 +43,102 @@ class Answers final : public ErrorSink {
   std::vector<double> numbers_;
 };
 
-/// Temperatures that are the same at all times, so that a lag does not pass for a dependence on time.
+/// Temperatures that are the same at all times: a lag is no dependence on time.
 class SteadyHistory final : public TemperatureHistory {
  public:
-  explicit SteadyHistory(const std::vector<double>& temperature) : temperature_(temperature) {}
-  double lagged(int sensor, double tau, double, double* byTau) const override {
-    constexpr double kBehind = 0.1, kHalf = 100.0;  // any: a response that depends on the time constant
-    const double share = std::abs(tau) / (std::abs(tau) + kHalf);
-    const double above = temperature_[static_cast<std::size_t>(sensor)] - kReferenceTemperature;
-    if (byTau != nullptr) *byTau = -kBehind * above * (1.0 - share) * (1.0 - share) / kHalf;
-    return kReferenceTemperature + above * (1.0 - kBehind * share);
+  double lagged(int sensor, double, double, double* byTau) const override {
+    if (byTau != nullptr) *byTau = 0.0;
+    return temperature[static_cast<std::size_t>(sensor)];
   }
-
- private:
-  const std::vector<double>& temperature_;
+  std::vector<double> temperature;
 };
 
-class Trial {
+/// Asks an effect at a complete state, with one input after the other changed or not known.
+class Questions {
  public:
-  Trial(const Effect& effect, const Domain& domain)
-      : effect_(effect),
-        domain_(domain),
-        layout_(static_cast<int>(domain.joints.size())),
-        random_(20),
-        before_(layout_.size(), effect.parameterCount()),
-        after_(before_),
-        history_(changed_.temperature) {}
+  Questions(const Effect& effect, const Domain& domain)
+      : effect_(effect), domain_(domain), layout_(static_cast<int>(domain.joints.size())) {
+    for (const Parameter& q : effect.parameters()) parameters_.push_back(q.start == 0.0 ? q.scale : q.start);
+  }
 
-  Inputs run() {
-    const std::size_t joints = domain_.joints.size();
-    std::vector<char> position(joints, 0), velocity(joints, 0), travel(joints, 0), reversal(joints, 0),
-        temperature(domain_.sensors.size(), 0), covariate(domain_.covariates.size(), 0);
-    char time = 0, approach = 0, reading = 0, feature = 0;
-    for (int k = 0; k < kStates; ++k) {
-      const State whole = drawState();
-      const std::vector<double> p = drawParameters();
-      changed_ = whole;
-      answer(p, before_);
-      const auto tryIt = [&](char& found, const auto& vary) {
-        if (found != 0) return;
-        changed_ = whole;
-        vary(changed_);
-        answer(p, after_);
-        found = after_.differsFrom(before_) ? 1 : 0;
-      };
-      for (std::size_t j = 0; j < joints; ++j) {
-        tryIt(position[j], [&](State& s) {
-          s.position[j] = drawPosition(j);
-          place(s);
-        });
-        tryIt(velocity[j], [&](State& s) { s.velocity[j] = drawVelocity(j); });
-        tryIt(travel[j], [&](State& s) { s.travel[j] = -s.travel[j]; });
-        tryIt(reversal[j], [&](State& s) { s.sinceReversal[j] = drawWay(j); });
-      }
-      for (std::size_t i = 0; i < temperature.size(); ++i)
-        tryIt(temperature[i], [&](State& s) { s.temperature[i] = drawTemperature(i); });
-      for (std::size_t i = 0; i < covariate.size(); ++i)
-        tryIt(covariate[i], [&](State& s) { s.covariate[i] = drawCovariate(i); });
-      tryIt(time, [&](State& s) { s.time = drawTime(); });
-      tryIt(approach, [&](State& s) { contact(s); });
-      if (domain_.laser) tryIt(reading, [&](State& s) { s.laserReading = drawReading(); });
-      tryIt(feature, [&](State& s) { touch(s, otherFeature(s.feature)); });
-    }
+  Inputs ask() {
     Inputs inputs;
-    inputs.positions = indices(position);
-    inputs.velocities = indices(velocity);
-    inputs.travels = indices(travel);
-    inputs.reversals = indices(reversal);
-    inputs.temperatures = indices(temperature);
-    inputs.covariates = indices(covariate);
-    inputs.time = time != 0;
-    inputs.approach = approach != 0;
-    inputs.reading = reading != 0;
-    inputs.feature = feature != 0;
+    // Of two features one may be the effect's own. What acts on a touch only acts on any of them.
+    const int count = static_cast<int>(domain_.features.size());
+    const int first = count > 1 ? 0 : -1;
+    std::vector<State> complete = {stateAt(first)};
+    for (int f = first + 1; f < count && !inputs.feature; ++f) {
+      inputs.feature = answer(stateAt(f)).differsFrom(answer(complete[0]));
+      if (inputs.feature || f == 0) complete.push_back(stateAt(f));
+    }
+    for (const State& state : complete) ask(state, inputs);
+    for (auto* found : {&inputs.positions, &inputs.velocities, &inputs.travels, &inputs.reversals,
+                        &inputs.temperatures, &inputs.covariates}) {
+      std::sort(found->begin(), found->end());
+      found->erase(std::unique(found->begin(), found->end()), found->end());
+    }
     return inputs;
   }
 
  private:
-  static std::vector<int> indices(const std::vector<char>& found) {
-    std::vector<int> list;
-    for (std::size_t i = 0; i < found.size(); ++i)
-      if (found[i] != 0) list.push_back(static_cast<int>(i));
-    return list;
+  void ask(const State& complete, Inputs& inputs) const {
+    const Answers before = answer(complete);
+    const auto matters = [&](const auto& change) {
+      State changed = complete;
+      change(changed);
+      return answer(changed).differsFrom(before);
+    };
+    const auto either = [&](std::vector<double> State::*values, std::size_t i, double other, double unknown) {
+      return matters([&](State& s) { (s.*values)[i] = other; }) ||
+             matters([&](State& s) { (s.*values)[i] = unknown; });
+    };
+    constexpr double kOtherShare = 0.83;
+    for (std::size_t j = 0; j < domain_.joints.size(); ++j) {
+      const int joint = static_cast<int>(j);
+      const bool lever = matters([&](State& s) {
+        s.position[j] = positionAt(j, kOtherShare);
+        place(s);
+      });
+      if (lever || matters([&](State& s) { s.position[j] = kNotKnown; })) inputs.positions.push_back(joint);
+      if (either(&State::velocity, j, 0.7 * complete.velocity[j], kNotKnown))
+        inputs.velocities.push_back(joint);
+      if (either(&State::travel, j, -1.0, 0.0)) inputs.travels.push_back(joint);
+      if (either(&State::sinceReversal, j, 0.5 * complete.sinceReversal[j], kNotKnown))
+        inputs.reversals.push_back(joint);
+    }
+    for (std::size_t i = 0; i < domain_.sensors.size(); ++i)
+      if (either(&State::temperature, i, complete.temperature[i] + 3.0, kNotKnown))
+        inputs.temperatures.push_back(static_cast<int>(i));
+    for (std::size_t i = 0; i < domain_.covariates.size(); ++i)
+      if (either(&State::covariate, i, complete.covariate[i] + 0.1, kNotKnown))
+        inputs.covariates.push_back(static_cast<int>(i));
+    inputs.time = inputs.time || matters([](State& s) { s.time *= 1.7; }) ||
+                  matters([](State& s) { s.time = kNotKnown; });
+    inputs.approach = inputs.approach || matters([&](State& s) { contact(s, 1.1); }) ||
+                      matters([](State& s) { s.approach.setZero(), s.surfaceNormal.setZero(); });
+    inputs.reading =
+        inputs.reading || (domain_.laser && (matters([](State& s) { s.laserReading += 1e-3; }) ||
+                                             matters([](State& s) { s.laserReading = kNotKnown; })));
+    inputs.history = inputs.history || answer(complete, false).differsFrom(before);
   }
 
-  double unit() { return unitRandom(random_); }
-  double within(double lower, double upper) { return lower + (upper - lower) * unit(); }
-  /// Within a range of the domain; what was not observed or never changed gets a plausible width.
-  double drawn(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t i, double low,
-               double high) {
-    if (i >= lower.size() || i >= upper.size() || !std::isfinite(lower[i]) || !std::isfinite(upper[i]))
-      return within(low, high);
-    const double slack = upper[i] - lower[i] > kStoodStill ? 0.0 : 0.5 * (high - low);
-    return within(lower[i] - slack, upper[i] + slack);
+  Answers answer(State state, bool history = true) const {
+    SteadyHistory steady;
+    steady.temperature = state.temperature;
+    state.history = history ? &steady : nullptr;
+    Answers answers(layout_.size(), effect_.parameterCount());
+    effect_.evaluate(state, parameters_.data(), answers);
+    return answers;
   }
-  double drawPosition(std::size_t j) {
+
+  /// A part of the observed range of a joint; of one that stood still, of a plausible one about its place.
+  double positionAt(std::size_t j, double share) const {
     const bool rotary = domain_.joints[j].kind == JointKind::kRotary;
-    return drawn(domain_.lower, domain_.upper, j, rotary ? -0.5 : -0.01, rotary ? 0.5 : 0.01);
-  }
-  double drawWay(std::size_t j) { return std::abs(drawPosition(j) - drawPosition(j)); }
-  double drawVelocity(std::size_t j) {
-    const double most = domain_.maxSpeed > 0.0 ? domain_.maxSpeed : 0.01;
-    return drawn(domain_.velocityLower, domain_.velocityUpper, j, -most, most);
-  }
-  double drawTemperature(std::size_t i) {
-    return drawn(domain_.sensorLower, domain_.sensorUpper, i, 15.0, 40.0);
-  }
-  double drawCovariate(std::size_t i) {
-    return drawn(domain_.covariateLower, domain_.covariateUpper, i, -1.0, 1.0);
-  }
-  double drawTime() { return within(0.0, std::max(domain_.duration, 1.0)); }
-  double drawReading() {
-    const bool known = std::isfinite(domain_.readingLower) && domain_.readingUpper > domain_.readingLower;
-    constexpr double kHalfRange = 5e-3;  // m: of a short triangulation probe
-    return known ? within(domain_.readingLower, domain_.readingUpper) : within(-kHalfRange, kHalfRange);
-  }
-  Eigen::Vector3d drawDirection() {
-    for (;;) {
-      const Eigen::Vector3d v(within(-1, 1), within(-1, 1), within(-1, 1));
-      if (v.norm() > 0.1 && v.norm() < 1.0) return v.normalized();
-    }
+    double lower = j < domain_.lower.size() ? domain_.lower[j] : 0.0;
+    double upper = j < domain_.upper.size() ? domain_.upper[j] : 0.0;
+    const double half = rotary ? 0.5 : 0.01;
+    if (!(upper - lower > kStoodStill)) lower -= half, upper += half;
+    return lower + share * (upper - lower);
   }
 
   /// The lever and the orientation, by the joints alone: fixed turns between them are not known to a Domain,
@@ -191,87 +162,48 @@ class Trial {
     if (domain_.laser) s.approach = s.orientation.col(2);
   }
 
-  /// Another direction of the contact. The beam of a laser sees a surface that is inclined by up to 60 deg.
-  void contact(State& s) {
-    if (!domain_.laser) {
-      s.approach = drawDirection();
-      s.surfaceNormal = -s.approach;
-      return;
-    }
-    do s.surfaceNormal = drawDirection();
-    while (-s.surfaceNormal.dot(s.orientation.col(2)) < 0.5);
-    s.approach = (s.orientation.col(2) + 0.1 * drawDirection()).normalized();
+  /// A direction of contact. The beam of a laser sees a surface that is inclined.
+  void contact(State& s, double angle) const {
+    const Eigen::Vector3d direction(0.8 * std::cos(angle), 0.8 * std::sin(angle), -0.6);
+    s.approach = domain_.laser ? s.orientation.col(2) : direction;
+    s.surfaceNormal = domain_.laser ? (0.2 * direction - s.orientation.col(2)).normalized() : -s.approach;
   }
 
-  int otherFeature(int feature) {
-    const int count = static_cast<int>(domain_.features.size());
-    if (count < 2) return feature >= 0 || count == 0 ? -1 : 0;
-    return (feature + 1 + static_cast<int>(unit() * (count - 1))) % count;
-  }
-  void touch(State& s, int feature) {
-    s.feature = feature;
-    if (feature < 0) return;
-    const auto f = static_cast<std::size_t>(feature);
-    s.featurePosition = Eigen::Vector3d(within(-0.05, 0.05), within(-0.05, 0.05), within(-0.05, 0.05));
-    s.featureRadius = f < domain_.featureRadius.size() ? domain_.featureRadius[f] : within(0.002, 0.01);
-  }
-
-  State drawState() {
+  /// A state of which every input is known, and none is special.
+  State stateAt(int feature) const {
+    constexpr double kShare = 0.31, kNext = 0.07;
     State s;
-    s.time = drawTime();
+    s.time = kShare * std::max(domain_.duration, 1.0);
     for (std::size_t j = 0; j < domain_.joints.size(); ++j) {
-      s.position.push_back(drawPosition(j));
-      s.velocity.push_back(drawVelocity(j));
-      s.travel.push_back(s.velocity.back() < 0.0 ? -1.0 : 1.0);
-      s.sinceReversal.push_back(drawWay(j));
+      s.position.push_back(positionAt(j, kShare + kNext * static_cast<double>(j)));
+      s.velocity.push_back(1e-3 * static_cast<double>(j + 1));
+      s.travel.push_back(1.0);
+      s.sinceReversal.push_back(0.1 * std::abs(positionAt(j, 1.0) - positionAt(j, 0.0)));
     }
-    for (std::size_t i = 0; i < domain_.sensors.size(); ++i) s.temperature.push_back(drawTemperature(i));
-    for (std::size_t i = 0; i < domain_.covariates.size(); ++i) s.covariate.push_back(drawCovariate(i));
-    s.laserReading = domain_.laser ? drawReading() : std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t i = 0; i < domain_.sensors.size(); ++i)
+      s.temperature.push_back(22.0 + static_cast<double>(i));
+    for (std::size_t i = 0; i < domain_.covariates.size(); ++i)
+      s.covariate.push_back(0.3 + 0.1 * static_cast<double>(i));
+    s.laserReading = domain_.laser ? 1e-3 : kNotKnown;
     place(s);
-    contact(s);
-    const auto count = static_cast<double>(domain_.features.size());
-    touch(s, count > 0.0 ? static_cast<int>(unit() * count) : -1);
+    contact(s, 0.4);
+    s.feature = feature;
+    if (feature < 0) return s;
+    const auto f = static_cast<std::size_t>(feature);
+    s.featurePosition = Eigen::Vector3d(0.01, -0.02, 0.03) * static_cast<double>(feature + 1);
+    s.featureRadius = f < domain_.featureRadius.size() ? domain_.featureRadius[f] : 5e-3;
     return s;
   }
 
-  /// Parameters at which the effect is not zero. Those that start elsewhere than at zero are tried over
-  /// decades too: a time constant in a formula may start far from the session's length.
-  std::vector<double> drawParameters() {
-    std::vector<double> p;
-    const bool decades = unit() < 0.5;
-    for (const Parameter& q : effect_.parameters()) {
-      const double size = decades ? std::pow(10.0, within(-4.0, 4.0)) : within(0.8, 1.25);
-      const double value = q.start == 0.0 ? q.scale * within(0.5, 1.5) : q.start * size;
-      p.push_back(std::clamp(value, q.minimum, q.maximum));
-    }
-    const std::vector<int> nonlinear = effect_.nature().nonlinear;
-    const std::vector<std::vector<double>> starts = effect_.nature().searchStarts;
-    if (!decades && !starts.empty()) {
-      const auto& start = starts[static_cast<std::size_t>(unit() * static_cast<double>(starts.size()))];
-      for (std::size_t k = 0; k < nonlinear.size() && k < start.size(); ++k) p[nonlinear[k]] = start[k];
-    }
-    return p;
-  }
-
-  /// What the effect answers at changed_.
-  void answer(const std::vector<double>& p, Answers& answers) {
-    changed_.history = &history_;
-    answers.clear();
-    effect_.evaluate(changed_, p.data(), answers);
-  }
-
+  static constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
   const Effect& effect_;
   const Domain& domain_;
   const ErrorLayout layout_;
-  std::mt19937_64 random_;
-  Answers before_, after_;
-  State changed_;
-  const SteadyHistory history_;  // of changed_
+  std::vector<double> parameters_;
 };
 
 }  // namespace
 
-Inputs inputsOf(const Effect& effect, const Domain& domain) { return Trial(effect.law(), domain).run(); }
+Inputs inputsOf(const Effect& effect, const Domain& domain) { return Questions(effect.law(), domain).ask(); }
 
 }  // namespace mm

@@ -24,9 +24,10 @@ Law timeDrift(SpecReader& read) {
 Law jump(SpecReader& read) {
   const Direction direction = read.direction("direction");
   const double at = read.number("at_s", 0.0, 1e9);
-  Law law =
-      oneTerm(stageOf(direction), direction.slot(read.layout()), errorParameter("step", direction.quantity),
-              [at](const State& s) { return s.time >= at ? 1.0 : 0.0; });
+  Law law = oneTerm(stageOf(direction), direction.slot(read.layout()),
+                    errorParameter("step", direction.quantity), [at](const State& s) {
+                      return std::isnan(s.time) ? kUnknown : s.time >= at ? 1.0 : 0.0;
+                    });
   law.nature.shapeKeys = {"at_s"};
   return law;
 }

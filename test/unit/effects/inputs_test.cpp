@@ -72,7 +72,8 @@ const std::vector<Row> kThreeAxis{
     {"{type: formula, direction: y, formula: k1*x_velocity*t}", "velocity:x t"},
     {"{type: formula, direction: z, formula: k1*exp(-t/k2), start: [0, 600]}", "t"},
     {"{type: formula, direction: z, formula: k1*exp(-t/k2)}", "t"},
-    {"{type: formula, direction: z, formula: 'k1*(bed > 27 ? 1 : 0) + 0*t'}", "bed"},
+    {"{type: formula, direction: z, formula: 'k1*(bed > 27 ? 1 : 0) + 0*t'}",
+     "bed t"},  // without t it has no value
     {"{type: profile, direction: x, variable: bed}", "bed"},
     {"{type: profile, direction: x, variable: t}", "t"},
     {"{type: profile, direction: approach, variables: [x, y_velocity]}", "x velocity:y approach"},
