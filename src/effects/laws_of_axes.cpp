@@ -72,11 +72,13 @@ Law straightness(SpecReader& read) {
   return law;
 }
 
+constexpr double kPlace =
+    0.3;  // of the Abbe offsets: from where a carriage turns to where the artifact stands
+
 /// Further degrees; and a carriage turns about a place of its own, not about the origin: beside the angle
 /// there is a displacement of the same degree in the directions across `about`.
 std::vector<ShapeFreedom> besideAngle(const SpecReader& read, const std::string& axis, int about, int degree,
                                       int highest) {
-  constexpr double kPlace = 0.3;  // of the Abbe offsets: from where it turns to where the artifact stands
   constexpr double kAcross =
       0.7;  // cosine between a direction and an axis: with a larger one it is not across
   std::vector<ShapeFreedom> all = otherValues(read.canonical(), "degree", degree, 1, highest, 1);
@@ -119,6 +121,7 @@ Law angularReversal(SpecReader& read) {
   law.add = [layout = read.layout(), axis, about](const State& s, const double* p, ErrorSink& sink) {
     addTilt(layout, about, s, 0, p[0], s.travel[axis] == 0.0 ? kUnknown : -0.5 * s.travel[axis], sink);
   };
+  law.freedom = {{EffectSpec("backlash").set("axis", read.jointAt(axis).name), kPlace}};
   law.nature.met = 0.3;  // a play along the axis is met more often
   return law;
 }
