@@ -8,8 +8,8 @@
 
 #include "model/session_states.h"
 #include "session/contacts_csv.h"
+#include "session/csv_cells.h"
 #include "session/csv_columns.h"
-#include "session/line_reader.h"
 
 namespace mm {
 namespace {

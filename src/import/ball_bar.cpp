@@ -1,7 +1,5 @@
-#include "import/ball_bar.h"
-
 #include <cmath>
-#include <sstream>
+#include <utility>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -18,11 +16,8 @@ constexpr double kLeastTime = 1e-3;  // s between two rows
 /// +1 counter-clockwise, -1 clockwise, 0: not said.
 double turnOf(const std::string& text) {
   for (const std::string& word : wordsOf(text)) {
-    if (word == "ccw" || word == "counterclockwise" || word == "anticlockwise" || word == "g3" ||
-        word == "g03")
-      return 1.0;
-    if (word == "cw" || word == "clockwise" || word == "g2" || word == "g02") return -1.0;
-    if (word == "counter" || word == "anti") return 1.0;
+    if (isOneOf(word, "ccw|counterclockwise|anticlockwise|counter|anti|g3|g03")) return 1.0;
+    if (isOneOf(word, "cw|clockwise|g2|g02")) return -1.0;
   }
   return text == "+" ? 1.0 : text == "-" ? -1.0 : 0.0;
 }
@@ -32,42 +27,30 @@ class BallBarReader {
   explicit BallBarReader(ImportContext& context) : context_(context), table_(context) {}
 
   void read() {
-    if (context_.artifact != nullptr) {
-      context_.faults.add(
-          context_.file.path().string() +
-          ": a ball bar brings its own artifact (the ball at its centre); leave --artifact out");
-      return;
-    }
+    if (!table_.bringsArtifact("a ball bar", "the ball at its centre")) return;
     const bool plane = readPlane(), head = readHead();
-    if (!plane || !head) return;
-    rows();
+    if (plane && head) rows();
   }
 
  private:
-  const std::string name() const { return context_.file.path().string(); }
-
   bool readPlane() {
     std::string plane = lower(table_.said({"plane", "ebene"}, "plane"));
     if (plane.empty()) {
-      context_.faults.add(
-          name() + ": the plane of the circle is not said; write into the mapping (--columns): plane: xy");
+      context_.refuse("the plane of the circle is not said; write into the mapping (--columns): plane: xy");
       return false;
     }
-    if (plane == "g17") plane = "xy";
-    if (plane == "g18") plane = "zx";
-    if (plane == "g19") plane = "yz";
-    if (plane == "xz") plane = "zx";
-    if (plane == "zy") plane = "yz";
-    if (plane.size() == 2)
-      first_ = jointOf(context_.machine, plane.substr(0, 1)),
-      second_ = jointOf(context_.machine, plane.substr(1));
+    for (const auto& [other, name] : {std::pair("g17", "xy"), std::pair("g18", "zx"), std::pair("g19", "yz"),
+                                      std::pair("xz", "zx"), std::pair("zy", "yz")})
+      if (plane == other) plane = name;
+    for (std::size_t k = 0; k < 2 && plane.size() == 2; ++k)
+      plane_[k] = jointOf(context_.machine, plane.substr(k, 1));
     const auto linear = [&](int j) {
       return j >= 0 && context_.machine.joints()[j].kind == JointKind::kLinear;
     };
-    if (linear(first_) && linear(second_) && first_ != second_) return true;
-    context_.faults.add(name() + ": plane '" + plane +
-                        "' is not of two linear joints of this machine; write into the "
-                        "mapping (--columns): plane: xy");
+    if (linear(plane_[0]) && linear(plane_[1]) && plane_[0] != plane_[1]) return true;
+    context_.refuse(
+        "plane '" + plane +
+        "' is not of two linear joints of this machine; write into the mapping (--columns): plane: xy");
     return false;
   }
 
@@ -76,45 +59,33 @@ class BallBarReader {
     if (!table_.number({"radius", "nominal radius", "bar length", "ballbar length", "length"}, "radius_mm",
                        UnitKind::kLength, "mm", radius_) &&
         context_.faults.count() == before)
-      context_.faults.add(
-          name() + ": the nominal radius is not said; write into the mapping (--columns): radius_mm: 100");
+      context_.refuse("the nominal radius is not said; write into the mapping (--columns): radius_mm: 100");
     if (context_.faults.count() == before && radius_ <= 0.0)
-      context_.faults.add(name() + ": the nominal radius must be above 0");
+      context_.refuse("the nominal radius must be above 0");
     if (table_.number({"feed", "feedrate", "feed rate", "vorschub"}, "feed_mm_min", UnitKind::kSpeed,
                       "mm/min", feed_) &&
         feed_ <= 0.0)
-      context_.faults.add(name() + ": the feed must be above 0");
+      context_.refuse("the feed must be above 0");
     turn_ = turnOf(table_.said({"direction", "rotation", "sense", "richtung"}, "direction"));
-    std::string centre =
-        table_.said({"centre", "center", "circle centre", "circle center", "centre position", "mittelpunkt"},
-                    "centre_mm");
-    for (char& c : centre)
-      if (c == ',' || c == ';' || c == '[' || c == ']' || c == '(' || c == ')') c = ' ';
-    std::istringstream in(centre);
-    centre_.clear();
-    for (std::string word; in >> word;) {
-      double value = 0.0;
-      if (parseNumber(word, false, value)) centre_.push_back(value * kMillimetre);
-    }
-    if (centre_.size() != 2 && centre_.size() != 3)
-      context_.faults.add(
-          name() +
-          ": where the circle was, as the machine reads it at its centre, is not said; write into the "
-          "mapping (--columns): centre_mm: [0, 0, 0]");
+    centre_ = blankRow(context_, ObservationKind::kContact, 0, 0.0).position;
+    if (!table_.place(
+            {"centre", "center", "circle centre", "circle center", "centre position", "mittelpunkt"},
+            "centre_mm", plane_, centre_))
+      context_.refuse(
+          "where the circle was, as the machine reads it at its centre, is not said; write into the mapping "
+          "(--columns): centre_mm: [0, 0, 0]");
     return context_.faults.count() == before;
   }
 
   void rows() {
-    const int angle = table_.column({"angle", "phi", "theta", "winkel", "position"});
-    const int time = table_.column({"time", "t", "zeit"});
-    const int radius =
-        table_.column({"radius", "radial", "r", "deviation", "error", "dev", "dr", "abweichung"});
-    const int turn = table_.column({"direction", "dir", "sense", "rotation"});
+    const int angle = table_.column("angle phi theta winkel position");
+    const int time = table_.column("time t zeit");
+    const int radius = table_.column("radius radial r deviation error dev dr abweichung");
+    const int turn = table_.column("direction dir sense rotation");
     double start = 0.0;
     table_.number({"start angle", "start"}, "start_deg", UnitKind::kAngle, "deg", start);
     if (radius < 0 || (angle < 0 && (time < 0 || feed_ <= 0.0))) {
-      context_.faults.add(
-          context_.file.place(std::max<std::size_t>(1, table_.layout().headerLine)) +
+      table_.refuseHead(
           "a ball bar's rows need an angle, or a time and the feed, and a radius or its deviation; name the "
           "columns angle [deg] and deviation [um]");
       return;
@@ -123,21 +94,22 @@ class BallBarReader {
     table_.show(angle, "angle in the plane", "deg");
     table_.show(time, "time", "s");
     table_.show(radius, isRadius ? "radius" : "deviation of the radius", "");
-    Session session = emptySession(context_);
-    makeArtifact(session);
+    Feature ball{FeatureKind::kBall, "centre"};
+    ball.radius = radius_;
+    ball.position = context_.machine.nominal(centre_.data(), kNotMeasured).position;
+    Session session = ownArtifact(context_, "ball_bar", ball);
     double seconds = 0.0, lastAngle = kNotMeasured;
     auto next = table_.between().begin();
     for (std::size_t i = 0; i < table_.rows().size(); ++i) {
       const auto& row = table_.rows()[i];
       for (; next != table_.between().end() && next->first < row.line; ++next) {
-        const double said = turnOf(next->second.second);
-        if (said != 0.0 && (next->second.first == "direction" || next->second.first == "run" ||
-                            next->second.first == "sense"))
+        const auto& [key, value] = next->second;
+        if (const double said = turnOf(value); said != 0.0 && isOneOf(key, "direction|run|sense"))
           turn_ = said, lastAngle = kNotMeasured;
       }
-      const double r = table_.value(row, radius, UnitKind::kLength, context_.mapping.setting("unit"));
-      double phi = table_.value(row, angle, UnitKind::kAngle, "deg");
-      const double t = table_.value(row, time, UnitKind::kTime, "s");
+      const double r = table_.value(row, radius, UnitKind::kLength);
+      double phi = table_.value(row, angle, UnitKind::kAngle);
+      const double t = table_.value(row, time, UnitKind::kTime);
       if (turn >= 0) turn_ = turnOf(table_.text(row, turn));
       const double way = turnAt(i, angle);
       if (angle < 0) phi = start + way * feed_ * t / radius_;
@@ -161,14 +133,13 @@ class BallBarReader {
     double sum = 0.0;
     int count = 0;
     for (const auto& row : table_.rows()) {
-      const double r = table_.value(row, column, UnitKind::kLength, context_.mapping.setting("unit"));
+      const double r = table_.value(row, column, UnitKind::kLength);
       if (!std::isnan(r)) sum += r, ++count;
     }
     const double mean = count > 0 ? sum / count : 0.0;
     if (std::abs(mean - radius_) < 0.05 * radius_) return true;
     if (std::abs(mean) > 0.05 * radius_ && context_.faults.empty())
-      context_.faults.add(
-          context_.file.place(table_.layout().headerLine) +
+      table_.refuseHead(
           format("the radii are about %.4g mm, neither near the nominal %.4g mm nor deviations from it; is "
                  "the unit right?",
                  mean / kMillimetre, radius_ / kMillimetre));
@@ -180,40 +151,11 @@ class BallBarReader {
     if (turn_ != 0.0) return turn_;
     if (angle < 0 || table_.rows().size() < 2) return 0.0;
     const std::size_t a = i > 0 ? i - 1 : i, b = i > 0 ? i : i + 1;
-    const double step = table_.value(table_.rows()[b], angle, UnitKind::kAngle, "deg") -
-                        table_.value(table_.rows()[a], angle, UnitKind::kAngle, "deg");
+    const double step = table_.value(table_.rows()[b], angle, UnitKind::kAngle) -
+                        table_.value(table_.rows()[a], angle, UnitKind::kAngle);
     seen_ = true;
     if (std::abs(step) > kPi) return step > 0.0 ? -1.0 : 1.0;  // 359 to 0
     return step > 0.0 ? 1.0 : step < 0.0 ? -1.0 : 0.0;
-  }
-
-  void makeArtifact(Session& session) const {
-    session.artifact = Artifact();
-    session.artifact.name = "ball_bar";
-    Feature ball;
-    ball.kind = FeatureKind::kBall;
-    ball.name = "centre";
-    ball.known = false;
-    ball.radius = radius_;
-    std::vector<double> q = blankRow(context_, ObservationKind::kContact, 0, 0.0).position;
-    place(q, 0.0, 0.0);
-    ball.position = session.machine.nominal(q.data(), kNotMeasured).position;
-    session.artifact.features.push_back(ball);
-  }
-
-  /// Readings on the circle of radius `r` about its centre.
-  void place(std::vector<double>& q, double r, double phi) const {
-    if (centre_.size() == 3) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const int j = jointOf(context_.machine, std::string(1, "xyz"[k]));
-        if (j >= 0) q[j] = centre_[k];
-      }
-    } else {
-      q[first_] = centre_[0];
-      q[second_] = centre_[1];
-    }
-    q[first_] += r * std::cos(phi);
-    q[second_] += r * std::sin(phi);
   }
 
   /// The tip was at the nominal radius + deviation where the machine indicated the nominal circle: the
@@ -223,10 +165,12 @@ class BallBarReader {
   void add(Session& session, std::size_t line, double time, double phi, double deviation, double turn) const {
     Observation o = blankRow(context_, ObservationKind::kContact, line, time);
     o.feature = 0;
-    place(o.position, radius_ - deviation, phi);
+    o.position = centre_;
+    o.position[plane_[0]] += (radius_ - deviation) * std::cos(phi);
+    o.position[plane_[1]] += (radius_ - deviation) * std::sin(phi);
     const double along[2] = {-std::sin(phi) * turn, std::cos(phi) * turn};
     for (int k = 0; k < 2; ++k) {
-      const int j = k == 0 ? first_ : second_;
+      const int j = plane_[static_cast<std::size_t>(k)];
       if (feed_ > 0.0 && turn != 0.0) o.velocity[j] = feed_ * along[k];
       constexpr double kTurning = 1e-6;  // at the reversal the direction is not known
       if (turn != 0.0 && std::abs(along[k]) > kTurning) o.travel[j] = along[k] > 0.0 ? 1.0 : -1.0;
@@ -238,32 +182,28 @@ class BallBarReader {
   }
 
   void notes() {
-    auto& notes = context_.imported.notes;
-    notes.push_back(
+    context_.note(
         format("nominal radius %.6g mm, plane %s%s", radius_ / kMillimetre,
-               context_.machine.joints()[first_].name.c_str(),
-               context_.machine.joints()[second_].name.c_str()) +
+               context_.machine.joints()[plane_[0]].name.c_str(),
+               context_.machine.joints()[plane_[1]].name.c_str()) +
         (feed_ > 0.0 ? format(", feed %.6g mm/min", feed_ / kMillimetre * 60.0) : ", feed not said"));
-    notes.push_back(
+    context_.note(
         "each row is a contact with the ball 'centre' of the nominal radius; its centre is free, and where "
-        "the bar was not "
-        "calibrated its radius is, too ({type: ball_radius, ball: centre})");
-    if (seen_) notes.push_back("direction of the circle from the order of the angles");
+        "the bar was not calibrated its radius is, too ({type: ball_radius, ball: centre})");
+    if (seen_) context_.note("direction of the circle from the order of the angles");
   }
 
   ImportContext& context_;
   RecordTable table_;
-  int first_ = -1, second_ = -1;
+  std::vector<int> plane_ = {-1, -1};  // its joints
   double radius_ = 0.0, feed_ = 0.0, turn_ = 0.0;
   bool seen_ = false;
-  std::vector<double> centre_;  // m
+  std::vector<double> centre_;  // readings at it
 };
 
 }  // namespace
 
-bool isBallBar(const TextFile& file) {
-  return headHas(file, {"ball bar", "ballbar", "ball-bar", "iso 230-4", "iso230-4"});
-}
+bool isBallBar(const TextFile& file) { return headHas(file, "ball bar|ballbar|ball-bar|iso 230-4|iso230-4"); }
 
 void readBallBar(ImportContext& context) { BallBarReader(context).read(); }
 

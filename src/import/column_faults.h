@@ -5,8 +5,8 @@
 
 #include "import/column_mapping.h"
 #include "import/table_layout.h"
-#include "import/text_file.h"
 #include "session/input_faults.h"
+#include "session/text_file.h"
 
 namespace mm {
 

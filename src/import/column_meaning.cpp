@@ -37,7 +37,7 @@ class TableUnderstander {
   UnderstoodTable understand() {
     table_.form.separator = layout_.separator;
     table_.form.decimalComma = layout_.decimalComma;
-    table_.form.headerLine = static_cast<std::int64_t>(layout_.lastHead());
+    table_.form.headerLine = layout_.lastHead();
     table_.form.features = mapping_.features;
     findAxis();
     checkMapping();
@@ -114,10 +114,9 @@ class TableUnderstander {
                           std::all_of(s.words.begin(), s.words.end(),
                                       [&](const std::string& word) { return jointOf(machine_, word) >= 0; });
       if (!joints || isLabels(i)) continue;
-      faults_.add(
-          i, "holds " + joined({s.words.begin(), s.words.end()}, ", ") +
-                 ": each row is one coordinate; write a row a point, with a column a coordinate (x_mm, y_mm, "
-                 "z_mm and feature, or reference_x_mm …), or a file an axis");
+      faults_.add(i, "holds " + joined({s.words.begin(), s.words.end()}, ", ") +
+                         ": each row is one coordinate; write a row a point, with a column a coordinate "
+                         "(x_mm, y_mm, z_mm and feature, or reference_x_mm …), or a file an axis");
       return true;
     }
     return false;
@@ -266,11 +265,10 @@ class TableUnderstander {
     const std::vector<std::string> own = fixedColumns(machine_);
     const std::string near = nearestName(name, own);
     if (said) {
-      faults_.add(
-          mapping_.source + ": columns: '" + faults_.key(i) + ": " + name +
-          "' is not understood; write <joint>_<unit>, deviation_<joint>_<unit>, reference_x_mm, feature, "
-          "time_s, <sensor>_degC, <name>_<unit> or ignore (joints: " +
-          joints() + ")" + didYouMean(name, own));
+      faults_.add(mapping_.source + ": columns: '" + faults_.key(i) + ": " + name +
+                  "' is not understood; write <joint>_<unit>, deviation_<joint>_<unit>, reference_x_mm, "
+                  "feature, time_s, <sensor>_degC, <name>_<unit> or ignore (joints: " +
+                  joints() + ")" + didYouMean(name, own));
       return;
     }
     if (layout_.headerLine == 0) {

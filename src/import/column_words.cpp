@@ -4,8 +4,8 @@
 #include <cctype>
 
 #include "base/text.h"
-#include "import/text_file.h"
 #include "import/unit.h"
+#include "session/text_file.h"
 
 namespace mm {
 
@@ -59,6 +59,11 @@ const std::map<std::string, WordClass>& wordClasses() {
   return kWords;
 }
 
+bool isA(const std::string& word, WordClass wanted) {
+  const auto known = wordClasses().find(word);
+  return known != wordClasses().end() && known->second == wanted;
+}
+
 namespace {
 
 /// A unit of two parts: x_velocity_mm_s.
@@ -71,10 +76,8 @@ std::size_t unitCut(const std::string& name) {
 
 bool saysTime(const std::string& name) {
   const std::vector<std::string> words = wordsOf(name);
-  return std::any_of(words.begin(), words.end(), [](const std::string& word) {
-    const auto known = wordClasses().find(word);
-    return known != wordClasses().end() && known->second == WordClass::kTime;
-  });
+  return std::any_of(words.begin(), words.end(),
+                     [](const std::string& word) { return isA(word, WordClass::kTime); });
 }
 
 }  // namespace

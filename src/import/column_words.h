@@ -34,6 +34,9 @@ enum class WordClass {
 /// Words of columns in small letters: English, German, French and some more.
 const std::map<std::string, WordClass>& wordClasses();
 
+/// Whether a word (in small letters) is of a class.
+bool isA(const std::string& word, WordClass wanted);
+
 /// A column's name without its unit, and the unit: `X [mm]`, `x_mm`, `Temp (°C)`, `enc1/um`.
 struct NameAndUnit {
   std::string stem;

@@ -15,33 +15,28 @@
 namespace mm {
 namespace {
 
-/// A table whose header is that of the package's own format, and whose rows are written so.
-bool isOwnFormat(const std::filesystem::path& file, const Machine& machine) {
-  LineReader lines(file);
-  std::string_view line;
+/// The form of a table whose header is that of the package's own format, and whose rows are written so.
+std::optional<TableForm> asOwnFormat(const TextFile& file, const Machine& machine) {
+  constexpr int kLooked = 50;  // lines
+  std::optional<TableForm> form;
   std::vector<std::string_view> cells;
-  std::vector<CsvColumn> columns;
-  constexpr int kLooked = 50;
-  for (int i = 0; i < kLooked && lines.next(line);) {
+  int looked = 0;
+  for (const std::string_view line : file.lines()) {
     if (trim(line).empty()) continue;
-    ++i;
-    std::string remark;
-    if (takeRemark(line, remark) || !splitCells(line, cells)) return false;
-    if (columns.empty()) {
-      try {
-        columns = parseCsvHeader({cells.begin(), cells.end()}, machine, "");
-      } catch (const InputError&) {
-        return false;
-      }
-      if (std::none_of(columns.begin(), columns.end(),
-                       [](const CsvColumn& c) { return c.role == CsvRole::kTime; }))
-        return false;
-      continue;
+    if (isRemark(line) || !splitCells(line, cells)) return std::nullopt;
+    try {
+      if (!form) form = ownForm(file, machine);
+    } catch (const InputError&) {
+      return std::nullopt;
     }
-    for (std::size_t k = 0; k < std::min(cells.size(), columns.size()); ++k)
-      if (columns[k].role == CsvRole::kTime && parseCalendar(cells[k])) return false;
+    for (std::size_t k = 0; looked > 0 && k < std::min(cells.size(), form->columns.size()); ++k)
+      if (form->columns[k].role == CsvRole::kTime && parseCalendar(cells[k])) return std::nullopt;
+    if (++looked == kLooked) break;
   }
-  return !columns.empty();
+  if (form && std::none_of(form->columns.begin(), form->columns.end(),
+                           [](const CsvColumn& c) { return c.role == CsvRole::kTime; }))
+    return std::nullopt;
+  return form;
 }
 
 std::string ownUnit(const CsvColumn& c) {
@@ -52,23 +47,17 @@ std::string ownUnit(const CsvColumn& c) {
   return parseUnit(splitUnit(c.header).unitText, std::nullopt).value_or(Unit{}).symbol;
 }
 
-void readOwn(const ImportRequest& request, const Machine& machine, const Artifact* artifact,
+void readOwn(const TextFile& file, const TableForm& form, const Machine& machine, const Artifact* artifact,
              Imported& imported, const ProgressCallback& progress) {
   imported.format = "table";
   imported.how = "the package's own columns";
-  std::vector<CsvColumn> columns;
-  TableReading reading = readOwnTable(request.file, machine, artifact, columns, progress);
-  for (std::size_t i = 0; i < columns.size(); ++i) {
+  TableReading reading = readTable(file, form, machine, artifact, progress);
+  for (std::size_t i = 0; i < form.columns.size(); ++i) {
+    const CsvColumn& c = form.columns[i];
     const ColumnRange& r = reading.ranges[i];
-    UnderstoodColumn seen;
-    seen.name = columns[i].header;
-    seen.meaning = meaningText(meaningOf(columns[i], machine), machine);
-    seen.unit = ownUnit(columns[i]);
-    seen.from = seen.unit.empty() ? "" : "header";
-    seen.first = r.first;
-    seen.lower = r.lower;
-    seen.upper = r.upper;
-    imported.columns.push_back(std::move(seen));
+    const std::string unit = ownUnit(c);
+    imported.columns.push_back({c.header, meaningText(meaningOf(c, machine), machine), unit, r.lower, r.upper,
+                                r.first, unit.empty() ? "" : "header"});
   }
   imported.session = std::move(reading.session);
 }
@@ -99,17 +88,31 @@ std::string padded(const std::string& text, std::size_t width) {
 
 }  // namespace
 
+const std::vector<ImportFormat>& importFormats() {
+  static const std::vector<ImportFormat> kFormats = {
+      {"tpoint", "pointing of a mount, TPoint data file", isTPoint, readTPoint},
+      {"klipper", "touches of a bed: PROBE_ACCURACY, probe at x,y, saved mesh", isKlipperLog, readKlipperLog},
+      {"marlin", "touches of a bed: G29, G30, M48", isMarlinLog, readMarlinLog},
+      {"ballbar", "circles of a ball bar, ISO 230-4", isBallBar, readBallBar},
+      {"r-test", "rotary axes about a ball, dx, dy, dz", isRTest, readRTest},
+      {"step-gauge", "step gauge or length bars along one axis, ISO 10360-2", isGaugeLengths,
+       readGaugeLengths},
+      {"iso230-2", "targets by runs, ISO 230-2", isPositioningTable, readPositioningTable},
+      {"table", "one row a measurement, columns by name", [](const TextFile&) { return true; }, readAnyTable},
+  };
+  return kFormats;
+}
+
 void importFile(const ImportRequest& request, const Machine& machine, const Artifact* artifact,
                 Imported& imported, const ProgressCallback& progress) {
   ColumnMapping mapping;
   if (!request.mapping.empty()) mapping = loadColumnMapping(request.mapping);
   const std::string wanted = !request.format.empty() ? request.format : mapping.format;
   const ImportFormat* chosen = wanted.empty() ? nullptr : &formatNamed(wanted);
-  if (mapping.source.empty() && (wanted.empty() || wanted == "table") && isOwnFormat(request.file, machine)) {
-    readOwn(request, machine, artifact, imported, progress);
-    return;
-  }
   const TextFile file(request.file);
+  if (mapping.source.empty() && (wanted.empty() || wanted == "table"))
+    if (const auto form = asOwnFormat(file, machine))
+      return readOwn(file, *form, machine, artifact, imported, progress);
   for (const ImportFormat& f : importFormats())
     if (chosen == nullptr && f.recognises(file)) chosen = &f;
   imported.format = chosen->name;
@@ -145,10 +148,7 @@ std::string understoodText(const Imported& imported) {
 }
 
 void finishImport(ImportContext& context, Session session) {
-  if (session.observations.empty()) {
-    context.faults.add(context.file.path().string() + ": no row holds a measurement");
-    return;
-  }
+  if (session.observations.empty()) return context.refuse("no row holds a measurement");
   session.prepare();
   assumeTravel(session);
   const auto assumed = [&](int j) {
@@ -175,6 +175,45 @@ void finishImport(ImportContext& context, Session session) {
     if (any) context.imported.motion.push_back(std::move(sample));
   }
   context.imported.session = std::move(session);
+}
+
+bool headHas(const TextFile& file, std::string_view words) {
+  constexpr std::size_t kHead = 15;  // lines
+  for (std::size_t i = 0; i < std::min(kHead, file.lines().size()); ++i) {
+    const std::string line = lower(file.lines()[i]);
+    for (const std::string_view word : wordsIn(words, "|"))
+      if (line.find(word) != std::string::npos) return true;
+  }
+  return false;
+}
+
+int setupIndex(Session& session, const std::string& name) {
+  for (std::size_t i = 0; i < session.setups.size(); ++i)
+    if (session.setups[i] == name) return static_cast<int>(i);
+  session.setups.push_back(name);
+  return static_cast<int>(session.setups.size()) - 1;
+}
+
+Observation blankRow(const ImportContext& context, ObservationKind kind, std::size_t line, double time) {
+  const auto joints = static_cast<std::size_t>(context.machine.jointCount());
+  Observation o;
+  o.kind = kind;
+  o.row = static_cast<std::int64_t>(line);
+  o.time = time;
+  o.position.assign(joints, 0.0);
+  o.velocity.assign(joints, kNotMeasured);
+  o.travel.assign(joints, 0.0);
+  if (kind == ObservationKind::kDeviation) {
+    o.deviation.assign(joints, kNotMeasured);
+    o.deviationStd.assign(joints, kNotMeasured);
+  }
+  for (const auto& [name, value] : context.mapping.fixed) {
+    const NameAndUnit split = splitUnit(name);
+    const int j = jointOf(context.machine, split.stem);
+    const auto unit = parseUnit(split.unitText);
+    if (j >= 0 && unit) o.position[static_cast<std::size_t>(j)] = value * unit->factor;
+  }
+  return o;
 }
 
 Session emptySession(const ImportContext& context) {

@@ -129,8 +129,7 @@ std::optional<Meaning> NameReader::byWords(const std::string& stem, const std::o
 Meaning NameReader::temperature(const std::vector<std::string>& words) const {
   std::string name;
   for (const std::string& w : words) {
-    const auto known = wordClasses().find(w);
-    if (known != wordClasses().end() && known->second == WordClass::kTemperature) continue;
+    if (isA(w, WordClass::kTemperature)) continue;
     std::string plain;
     for (const char c : w)
       if (std::isalnum(static_cast<unsigned char>(c)) != 0) plain += c;

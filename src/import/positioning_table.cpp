@@ -1,5 +1,3 @@
-#include "import/positioning_table.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -48,7 +46,7 @@ std::optional<Run> runOf(std::string_view name) {
   Run run;
   bool numbered = false;
   for (const std::string& part : partsOf(lower(trim(name)))) {
-    if (part == "run" || part == "cycle" || part == "lauf" || part == "zyklus" || part == "j") continue;
+    if (isOneOf(part, "run|cycle|lauf|zyklus|j")) continue;
     if (std::isdigit(static_cast<unsigned char>(part[0])) != 0) {
       if (numbered || part.size() > 3) return std::nullopt;
       numbered = true;
@@ -64,23 +62,18 @@ std::optional<Run> runOf(std::string_view name) {
 }
 
 bool isTarget(const std::string& name) {
-  for (const std::string& word : wordsOf(name))
-    if (word == "target" || word == "position" || word == "nominal" || word == "soll" ||
-        word == "sollposition" || word == "pi" || word == "p")
-      return true;
-  return false;
+  const auto words = wordsOf(name);
+  return std::any_of(words.begin(), words.end(), [](const std::string& word) {
+    return isOneOf(word, "target|position|nominal|soll|sollposition|pi|p");
+  });
 }
 
 /// The name of a column that a table has whose rows are single measurements.
 bool isDeviationOrDirection(const std::string& name) {
-  const auto& classes = wordClasses();
-  for (const std::string& word : wordsOf(name)) {
-    const auto known = classes.find(word);
-    if (known != classes.end() &&
-        (known->second == WordClass::kDeviation || known->second == WordClass::kDirection))
-      return true;
-  }
-  return false;
+  const auto words = wordsOf(name);
+  return std::any_of(words.begin(), words.end(), [](const std::string& word) {
+    return isA(word, WordClass::kDeviation) || isA(word, WordClass::kDirection);
+  });
 }
 
 struct Cell {
@@ -116,8 +109,7 @@ class PositioningReader {
     else if (runs > 0)
       byTargets();
     else
-      context_.faults.add(context_.file.place(std::max<std::size_t>(1, table_.layout().headerLine)) +
-                          "no column is a run; name them by number and direction: 1+, 1-, 2+, 2-");
+      table_.refuseHead("no column is a run; name them by number and direction: 1+, 1-, 2+, 2-");
     return context_.faults.empty();
   }
 
@@ -133,8 +125,8 @@ class PositioningReader {
 
   bool numberAt(const std::string& cell, std::size_t line, double& value) {
     if (parseNumber(cell, table_.layout().decimalComma, value)) return true;
-    context_.faults.add(context_.file.place(line) + "'" + cell +
-                        "' is not a finite number; leave the cell empty where nothing was measured");
+    context_.refuse(line,
+                    "'" + cell + "' is not a finite number; leave the cell empty where nothing was measured");
     return false;
   }
 
@@ -144,7 +136,7 @@ class PositioningReader {
     for (std::size_t i = 1; i < names.size(); ++i) {
       const auto run = runOf(names[i]);
       if (!run) {
-        context_.imported.notes.push_back("column '" + names[i] + "' is no run and was left out");
+        context_.note("column '" + names[i] + "' is no run and was left out");
         continue;
       }
       table_.show(static_cast<int>(i), "run " + std::to_string(run->number) + directionText(*run), "");
@@ -168,7 +160,7 @@ class PositioningReader {
           cells_.push_back({target, value, run, row.line});
       }
     }
-    context_.imported.notes.push_back("a column a target, a row a run");
+    context_.note("a column a target, a row a run");
   }
 
   static std::string directionText(const Run& run) {
@@ -196,17 +188,16 @@ class PositioningReader {
   bool units() {
     const auto targets = parseUnit(unitOfTargets(), kind_);
     if (!targets) {
-      context_.faults.add(context_.file.path().string() + ": the targets are in '" + unitOfTargets() +
-                          "', but they are " + unitsOf(kind_) + "; write the unit behind the name: Target [" +
-                          (linear_ ? "mm]" : "deg]"));
+      context_.refuse("the targets are in '" + unitOfTargets() + "', but they are " + unitsOf(kind_) +
+                      "; write the unit behind the name: Target [" + (linear_ ? "mm]" : "deg]"));
       return false;
     }
     targetUnit_ = targets->factor;
     positions_ = arePositions();
     if (positions_) {
       valueUnit_ = targetUnit_;
-      context_.imported.notes.push_back("the values follow the targets: they are measured positions, in " +
-                                        targets->symbol + "; deviation = measured minus target");
+      context_.note("the values follow the targets: they are measured positions, in " + targets->symbol +
+                    "; deviation = measured minus target");
       return true;
     }
     std::string said = table_.said({"unit", "units", "deviation", "deviations", "deviation unit",
@@ -222,13 +213,13 @@ class PositioningReader {
       }
     const auto unit = parseUnit(said, kind_);
     if (!unit) {
-      context_.faults.add(context_.file.path().string() + ": the unit of the deviations " +
-                          (said.empty() ? std::string("is not said") : "is '" + said + "'") +
-                          "; write into the mapping (--columns): unit: " + (linear_ ? "um" : "arcsec"));
+      context_.refuse("the unit of the deviations " +
+                      (said.empty() ? std::string("is not said") : "is '" + said + "'") +
+                      "; write into the mapping (--columns): unit: " + (linear_ ? "um" : "arcsec"));
       return false;
     }
     valueUnit_ = unit->factor;
-    context_.imported.notes.push_back("deviations in " + unit->symbol + ", actual minus target");
+    context_.note("deviations in " + unit->symbol + ", actual minus target");
     return true;
   }
 
@@ -251,10 +242,9 @@ class PositioningReader {
       o.setup = setupIndex(session, "iso230-2 " + context_.machine.joints()[joint].name);
       session.observations.push_back(std::move(o));
     }
-    context_.imported.notes.push_back(
+    context_.note(
         "no times: the order of ISO 230-2, run by run, upwards then downwards, a second a target; the "
-        "instrument's zero "
-        "is one unknown of the setup");
+        "instrument's zero is one unknown of the setup");
     finishImport(context_, std::move(session));
   }
 
@@ -287,7 +277,7 @@ bool isPositioningTable(const TextFile& file) {
       if (directed >= 2 && isTarget(std::string(cells[0]))) return true;
       oneRowEach = oneRowEach || (measured > 0 && runs == 0);
     }
-  return !oneRowEach && headHas(file, {"iso 230-2", "iso230-2"});
+  return !oneRowEach && headHas(file, "iso 230-2|iso230-2");
 }
 
 void readPositioningTable(ImportContext& context) { PositioningReader(context).read(); }

@@ -1,19 +1,14 @@
-#include "import/probe_log.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "base/error.h"
 #include "base/format.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
-#include "session/row_clock.h"
-#include "session/session_time.h"
 #include "session/time_stamp.h"
 
 namespace mm {
@@ -120,12 +115,7 @@ std::vector<Touch> savedMesh(const TextFile& file) {
       continue;
     }
     if (!inPoints) continue;
-    std::vector<std::string_view> cells;
-    splitCells(line, cells);
-    std::vector<double> numbers;
-    double number = 0.0;
-    for (const auto cell : cells)
-      if (parseNumber(cell, false, number)) numbers.push_back(number);
+    const std::vector<double> numbers = numbersIn(line, kListMarks);
     if (!numbers.empty()) rows.emplace_back(n, numbers);
   }
   finish();
@@ -172,18 +162,17 @@ class BedSession {
       : context_(context), touches_(std::move(touches)) {}
 
   void make() {
-    const std::string name = context_.file.path().string();
     const Machine& machine = context_.machine;
     x_ = jointOf(machine, "x");
     y_ = jointOf(machine, "y");
     z_ = jointOf(machine, "z");
     if (x_ < 0 || y_ < 0 || z_ < 0) {
-      context_.faults.add(name + ": a bed's touches need a machine with joints x, y and z; '" +
-                          machine.name() + "' has not all of them");
+      context_.refuse("a bed's touches need a machine with joints x, y and z; '" + machine.name() +
+                      "' has not all of them");
       return;
     }
     if (touches_.empty()) {
-      context_.faults.add(name + ": no touch of the bed is in it");
+      context_.refuse("no touch of the bed is in it");
       return;
     }
     const std::string surface = context_.mapping.setting("surface");
@@ -194,8 +183,7 @@ class BedSession {
       return;
     }
     const bool flat = surface == "flat";
-    if (!flat && !repeated(name)) return;
-    session(flat);
+    if (flat || repeated()) session(flat);
   }
 
  private:
@@ -204,26 +192,23 @@ class BedSession {
   }
 
   /// A bed of unknown form tells something only where one place was touched again.
-  bool repeated(const std::string& name) {
+  bool repeated() {
     std::map<std::pair<long, long>, int> counts;
     for (const Touch& t : touches_) ++counts[place(t)];
     const auto again =
         std::count_if(counts.begin(), counts.end(), [](const auto& c) { return c.second > 1; });
     if (again > 0) {
-      context_.imported.notes.push_back(
+      context_.note(
           format("%zu places of the bed, %ld of them touched again; the form of the bed is not known, so "
-                 "each place has an "
-                 "unknown height of its own: repeatability and drift are seen, not the machine's geometry "
-                 "(surface: flat, if "
-                 "the bed is a reference)",
+                 "each place has an unknown height of its own: repeatability and drift are seen, not the "
+                 "machine's geometry (surface: flat, if the bed is a reference)",
                  counts.size(), static_cast<long>(again)));
       return true;
     }
-    context_.faults.add(
-        name +
-        format(": %zu places of the bed, each touched once: what is the bed's form and what the machine's "
-               "error cannot be told apart; if the bed is a flat reference (a glass or granite plate), "
-               "write into the mapping (--columns): surface: flat; else touch places again",
+    context_.refuse(
+        format("%zu places of the bed, each touched once: what is the bed's form and what the machine's "
+               "error cannot be told apart; if the bed is a flat reference (a glass or granite plate), write "
+               "into the mapping (--columns): surface: flat; else touch places again",
                counts.size()));
     return false;
   }
@@ -262,20 +247,14 @@ class BedSession {
       o.setup = setupIndex(session, flat ? "bed" : format("bed at %.3f,%.3f", t.x, t.y));
       session.observations.push_back(std::move(o));
     }
-    UnderstoodColumn c;
-    c.name = "z at the trigger";
-    c.meaning = "with its sign changed the deviation of z from the bed";
-    c.unit = "mm";
-    c.lower = low;
-    c.upper = high;
-    c.first = format("%.6g", touches_.front().z);
-    context_.imported.columns.push_back(std::move(c));
-    auto& notes = context_.imported.notes;
+    context_.imported.columns.push_back({"z at the trigger",
+                                         "with its sign changed the deviation of z from the bed", "mm", low,
+                                         high, format("%.6g", touches_.front().z), ""});
     if (flat)
-      notes.push_back(
-          "the bed is taken as flat, its height as unknown: its tilt shows as "
-          "squareness of z to x and y, its form as straightness");
-    if (!stamped) notes.push_back("no times: the order of the touches, a second apart");
+      context_.note(
+          "the bed is taken as flat, its height as unknown: its tilt shows as squareness of z to x and y, "
+          "its form as straightness");
+    if (!stamped) context_.note("no times: the order of the touches, a second apart");
     finishImport(context_, std::move(session));
   }
 
@@ -302,9 +281,8 @@ void readKlipperLog(ImportContext& context) {
   std::vector<Touch> touches = klipperTouches(context.file);
   if (touches.empty()) touches = savedMesh(context.file);
   if (touches.empty()) {
-    context.faults.add(
-        context.file.path().string() +
-        ": the heights of a mesh are in it, but not the places where they were probed; give the log of the "
+    context.refuse(
+        "the heights of a mesh are in it, but not the places where they were probed; give the log of the "
         "calibration (`probe at x,y is z=`), or printer.cfg with the saved mesh");
     return;
   }
@@ -320,17 +298,15 @@ void readMarlinLog(ImportContext& context) {
   bool placeUnknown = false;
   std::vector<Touch> touches = marlinTouches(context.file, placeUnknown);
   if (placeUnknown) {
-    std::istringstream in(context.mapping.setting("position_mm"));
-    double x = 0.0, y = 0.0;
-    if (!(in >> x >> y)) {
-      context.faults.add(
-          context.file.path().string() +
-          ": where M48 probed is not in the log (no line `M48 … X Y`); write into the mapping (--columns): "
+    const std::vector<double> place = numbersIn(context.mapping.setting("position_mm"));
+    if (place.size() < 2) {
+      context.refuse(
+          "where M48 probed is not in the log (no line `M48 … X Y`); write into the mapping (--columns): "
           "position_mm: [100, 100]");
       return;
     }
     for (Touch& t : touches)
-      if (std::isnan(t.x) || std::isnan(t.y)) t.x = x, t.y = y;
+      if (std::isnan(t.x) || std::isnan(t.y)) t.x = place[0], t.y = place[1];
   }
   context.imported.how = std::to_string(touches.size()) + " touches of the bed by Marlin";
   BedSession(context, std::move(touches)).make();

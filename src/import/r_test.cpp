@@ -1,6 +1,5 @@
-#include "import/r_test.h"
-
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 #include "base/dense.h"
@@ -9,7 +8,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
-#include "import/unit.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -19,65 +18,53 @@ class RTestReader {
   explicit RTestReader(ImportContext& context) : context_(context), table_(context) {}
 
   void read() {
-    if (context_.artifact != nullptr) {
-      context_.faults.add(name() + ": an R-test brings its own artifact (the ball); leave --artifact out");
-      return;
-    }
+    if (!table_.bringsArtifact("an R-test", "the ball")) return;
     const auto& joints = context_.machine.joints();
-    std::vector<int> columns;
     int rotary = 0;
     for (const Joint& joint : joints) {
-      columns.push_back(table_.column({lower(joint.name)}));
-      rotary += joint.kind == JointKind::kRotary && columns.back() >= 0;
+      columns_.push_back(table_.column(lower(joint.name)));
+      rotary += joint.kind == JointKind::kRotary && columns_.back() >= 0;
     }
     if (rotary == 0) {
-      context_.faults.add(
-          name() +
-          ": no column is a rotary joint of this machine; an R-test turns one (name it as the machine "
-          "does, e.g. b [deg])");
+      context_.refuse(
+          "no column is a rotary joint of this machine; an R-test turns one (name it as the machine does, "
+          "e.g. b [deg])");
       return;
     }
-    int d[3];
-    for (int k = 0; k < 3; ++k)
-      d[k] = table_.column({std::string("d") + "xyz"[k], std::string("delta") + "xyz"[k]});
-    if (d[0] < 0 || d[1] < 0 || d[2] < 0) {
-      context_.faults.add(
-          context_.file.place(std::max<std::size_t>(1, table_.layout().headerLine)) +
+    for (const char* words : {"dx deltax", "dy deltay", "dz deltaz"}) d_.push_back(table_.column(words));
+    if (*std::min_element(d_.begin(), d_.end()) < 0) {
+      table_.refuseHead(
           "an R-test's rows need all of dx, dy and dz; name the columns so, with their unit: dx [um]");
       return;
     }
     for (std::size_t j = 0; j < joints.size(); ++j)
-      table_.show(columns[j], "reading of joint " + joints[j].name,
-                  joints[j].kind == JointKind::kRotary ? "deg" : "mm");
-    for (const int column : d) table_.show(column, "displacement of the ball in workpiece", "");
-    rows(columns, d);
+      table_.show(columns_[j], "reading of joint " + joints[j].name, readingUnit(joints[j]).symbol);
+    for (const int column : d_) table_.show(column, "displacement of the ball in workpiece", "");
+    rows();
   }
 
  private:
-  std::string name() const { return context_.file.path().string(); }
-
-  void rows(const std::vector<int>& columns, const int d[3]) {
+  void rows() {
     const auto& joints = context_.machine.joints();
-    Session session = emptySession(context_);
-    const int time = table_.column({"time", "t", "zeit"});
+    Session session = ownArtifact(context_, "r_test", {FeatureKind::kPoint, "ball"});
+    const int time = table_.column("time t zeit");
     double seconds = 0.0;
     std::vector<Eigen::Vector3d> tips;
     for (const auto& row : table_.rows()) {
       Observation o = blankRow(context_, ObservationKind::kContact, row.line, seconds);
       bool whole = true;
       for (std::size_t j = 0; j < joints.size(); ++j) {
-        if (columns[j] < 0) continue;
-        const bool linear = joints[j].kind == JointKind::kLinear;
-        o.position[j] = table_.value(row, columns[j], linear ? UnitKind::kLength : UnitKind::kAngle,
-                                     linear ? "mm" : "deg");
+        if (columns_[j] < 0) continue;
+        o.position[j] = table_.value(row, columns_[j], unitKindOf(context_.machine, static_cast<int>(j)),
+                                     readingUnit(joints[j]).symbol);
         if (std::isnan(o.position[j])) whole = missing(row.line, joints[j].name);
       }
       Eigen::Vector3d moved;
       for (int k = 0; k < 3; ++k) {
-        moved[k] = table_.value(row, d[k], UnitKind::kLength, context_.mapping.setting("unit"));
+        moved[k] = table_.value(row, d_[static_cast<std::size_t>(k)], UnitKind::kLength);
         if (std::isnan(moved[k])) whole = missing(row.line, std::string("d") + "xyz"[k]);
       }
-      const double t = table_.value(row, time, UnitKind::kTime, "s");
+      const double t = table_.value(row, time, UnitKind::kTime);
       if (!std::isnan(t)) o.time = t;
       seconds = o.time + 1.0;
       if (!whole) continue;
@@ -87,25 +74,16 @@ class RTestReader {
       session.observations.push_back(std::move(o));
     }
     if (!context_.faults.empty() || tips.empty() || !stays(tips)) return;
-    Feature ball;
-    ball.kind = FeatureKind::kPoint;
-    ball.name = "ball";
-    ball.known = false;
-    ball.position = tips.front();
-    session.artifact = Artifact();
-    session.artifact.name = "r_test";
-    session.artifact.features.push_back(ball);
-    context_.imported.notes.push_back(
+    session.artifact.features[0].position = tips.front();
+    context_.note(
         "each row says where the tip was against one ball whose place is free; the readings are those at "
-        "which it would have "
-        "been on the ball");
+        "which it would have been on the ball");
     finishImport(context_, std::move(session));
   }
 
   bool missing(std::size_t line, const std::string& column) {
-    context_.faults.add(context_.file.place(line) + "'" + column +
-                        "' is empty; an R-test reads all of its columns at once: leave "
-                        "the row out");
+    context_.refuse(
+        line, "'" + column + "' is empty; an R-test reads all of its columns at once: leave the row out");
     return false;
   }
 
@@ -125,23 +103,22 @@ class RTestReader {
     double farthest = 0.0;
     for (const auto& tip : tips) farthest = std::max(farthest, (tip - tips.front()).norm());
     if (farthest < kNear) return true;
-    context_.faults.add(
-        name() +
-        format(": the nominal machine does not hold the tip at one place: it moves %.4g mm between the "
-               "rows (at most 2 mm can be); are the linear joints (columns x, y, z) in the file, and "
-               "is the URDF that machine?",
-               farthest / kMillimetre));
+    context_.refuse(format(
+        "the nominal machine does not hold the tip at one place: it moves %.4g mm between the rows (at most "
+        "2 mm can be); are the linear joints (columns x, y, z) in the file, and is the URDF that machine?",
+        farthest / kMillimetre));
     return false;
   }
 
   ImportContext& context_;
   RecordTable table_;
+  std::vector<int> columns_, d_;  // of each joint, -1: none; of dx, dy, dz
 };
 
 }  // namespace
 
 bool isRTest(const TextFile& file) {
-  if (headHas(file, {"r-test", "rtest", "r test"})) return true;
+  if (headHas(file, "r-test|rtest|r test")) return true;
   constexpr std::size_t kLooked = 20;
   for (std::size_t i = 0; i < std::min(kLooked, file.lines().size()); ++i) {
     std::string remark;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/nearest_name.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "import/meaning.h"
@@ -26,100 +25,101 @@ RecordTable::RecordTable(ImportContext& context)
       between_[line] = {key, value};
   }
   if (layout_.firstRow == 0) throw InputError(context.file.path().string() + ": there is no row of numbers");
-  std::vector<std::string_view> cells;
-  for (std::size_t n = layout_.firstRow; n <= context.file.lines().size(); ++n) {
-    const std::string_view line = context.file.lines()[n - 1];
-    std::string remark;
-    if (trim(line).empty() || takeRemark(line, remark)) continue;
-    if (!splitCells(line, cells, layout_.separator)) {
-      context.faults.add(context.file.place(n) + "a quote is not closed, or text follows it");
-      continue;
-    }
+  eachRow(context.file, layout_, [&](std::size_t n, std::string_view line, Cells& cells) {
+    if (cells.empty()) return context.refuse(n, "a quote is not closed, or text follows it");
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
-    if (cells.empty()) continue;
-    Row row{n, {cells.begin(), cells.end()}};
-    const bool numbers = std::any_of(row.cells.begin(), row.cells.end(), [&](const std::string& c) {
-      double v = 0.0;
-      return parseNumber(c, layout_.decimalComma, v);
+    if (cells.empty()) return;
+    double number = 0.0;
+    const bool numbers = std::any_of(cells.begin(), cells.end(), [&](std::string_view c) {
+      return parseNumber(c, layout_.decimalComma, number);
     });
     std::string key, value;
-    if (row.cells.size() < layout_.names.size() && keyValue(line, key, value) &&
+    if (cells.size() < layout_.names.size() && keyValue(line, key, value) &&
         key.find_first_not_of("+-.0123456789") != std::string::npos)
       between_[n] = {key, value};
     else if (!numbers || sumsUp(cells))
-      context.imported.notes.push_back("line " + std::to_string(n) + " is no row and was left out: '" +
-                                       std::string(trim(line).substr(0, 60)) + "'");
+      context.note("line " + std::to_string(n) + " is no row and was left out: '" +
+                   std::string(trim(line).substr(0, 60)) + "'");
     else
-      rows_.push_back(std::move(row));
-  }
+      rows_.push_back({n, {cells.begin(), cells.end()}});
+  });
 }
 
-int RecordTable::column(const std::vector<std::string>& words) const {
-  for (const std::string& wanted : words)
+int RecordTable::column(std::string_view words) const {
+  for (const std::string_view wanted : wordsIn(words))
     for (std::size_t i = 0; i < layout_.names.size(); ++i)
       for (const std::string& word : wordsOf(splitUnit(layout_.names[i]).stem))
         if (word == wanted) return static_cast<int>(i);
   return -1;
 }
 
-std::string RecordTable::said(const std::vector<std::string>& keys, const std::string& mapped) const {
+RecordTable::Said RecordTable::find(const std::vector<std::string>& keys, const std::string& mapped) const {
   const std::string own = context_.mapping.setting(mapped);
-  if (!own.empty()) return own;
+  if (!own.empty()) return {mapped, own, ""};
   for (const std::string& key : keys)
-    for (const auto& [name, value] : head_)
-      if (name == key || splitUnit(name).stem == key) return value;
-  return "";
+    for (const auto& [name, value] : head_) {
+      const NameAndUnit split = splitUnit(name);
+      if (name == key || split.stem == key) return {name, value, split.unitText};
+    }
+  return {};
 }
 
 bool RecordTable::number(const std::vector<std::string>& keys, const std::string& mapped, UnitKind kind,
                          const std::string& unit, double& value) {
-  std::string text = context_.mapping.setting(mapped), unitText = unit, key = mapped;
-  if (text.empty())
-    for (const std::string& wanted : keys)
-      for (const auto& [name, said] : head_) {
-        const NameAndUnit split = splitUnit(name);
-        if (!text.empty() || (name != wanted && split.stem != wanted)) continue;
-        text = said;
-        key = name;
-        if (!split.unitText.empty()) unitText = split.unitText;
-      }
-  if (text.empty()) return false;
-  const std::size_t end = text.find_first_not_of("+-.,0123456789eE");
-  const std::string digits(trim(text.substr(0, end)));
-  const std::string behind = end == std::string::npos ? "" : std::string(trim(text.substr(end)));
-  if (!behind.empty()) unitText = behind;
-  const auto read = parseUnit(unitText, kind);
+  const Said said = find(keys, mapped);
+  if (said.text.empty()) return false;
+  const std::size_t end = std::min(said.text.size(), said.text.find_first_not_of("+-.,0123456789eE"));
+  const std::string digits(trim(said.text.substr(0, end))), behind(trim(said.text.substr(end)));
+  const auto read = parseUnit(!behind.empty() ? behind : !said.unitText.empty() ? said.unitText : unit, kind);
   if (!read || (!parseNumber(digits, false, value) && !parseNumber(digits, true, value))) {
-    context_.faults.add(context_.file.path().string() + ": '" + key + "' is '" + text + "', but must be " +
-                        unitsOf(kind) + "; write into the mapping (--columns): " + mapped + ": <number>");
+    context_.refuse("'" + said.key + "' is '" + said.text + "', but must be " + unitsOf(kind) +
+                    "; write into the mapping (--columns): " + mapped + ": <number>");
     return false;
   }
   value *= read->factor;
   return true;
 }
 
-double RecordTable::value(const Row& row, int column, UnitKind kind, const std::string& fallback) {
+bool RecordTable::place(const std::vector<std::string>& keys, const std::string& mapped,
+                        const std::vector<int>& joints, std::vector<double>& readings) const {
+  const std::vector<double> values = numbersIn(said(keys, mapped), kListMarks);
+  const bool all = values.size() == 3;
+  if (!all && values.size() != joints.size()) return false;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (const int j = all ? jointOf(context_.machine, std::string(1, "xyz"[k])) : joints[k]; j >= 0)
+      readings[static_cast<std::size_t>(j)] = values[k] * kMillimetre;
+  return true;
+}
+
+std::pair<std::string, std::string> RecordTable::nameAndUnit(int column) const {
   const auto at = static_cast<std::size_t>(column);
-  if (column < 0 || at >= row.cells.size() || row.cells[at].empty() || meansNothing(row.cells[at]))
-    return kNotMeasured;
   const std::string name = at < layout_.names.size() ? layout_.names[at] : std::to_string(column + 1);
+  const std::string unit = splitUnit(name).unitText;
+  return {name, unit.empty() && at < layout_.units.size() ? layout_.units[at] : unit};
+}
+
+double RecordTable::value(const Row& row, int column, UnitKind kind, std::string fallback) {
+  const std::string cell = text(row, column);
+  if (cell.empty() || meansNothing(cell)) return kNotMeasured;
+  auto [name, unitText] = nameAndUnit(column);
   double value = 0.0;
-  if (!parseNumber(row.cells[at], layout_.decimalComma, value)) {
-    context_.faults.add(context_.file.place(row.line) + "column '" + name + "': '" + row.cells[at] +
+  if (!parseNumber(cell, layout_.decimalComma, value)) {
+    context_.refuse(row.line,
+                    "column '" + name + "': '" + cell +
                         "' is not a finite number; leave the cell empty where nothing was measured");
     return kNotMeasured;
   }
-  std::string unitText = splitUnit(name).unitText;
-  if (unitText.empty() && at < layout_.units.size()) unitText = layout_.units[at];
+  if (fallback.empty())
+    fallback = kind == UnitKind::kLength  ? context_.mapping.setting("unit")
+               : kind == UnitKind::kAngle ? "deg"
+                                          : "s";
   if (unitText.empty()) unitText = fallback;
   const auto unit = parseUnit(unitText, kind);
   if (!unit) {
-    context_.faults.add(context_.file.place(std::max<std::size_t>(1, layout_.headerLine)) + "column '" +
-                        name + (unitText.empty() ? "' has no unit" : "' is in '" + unitText + "'") +
-                        ", but it is " + unitsOf(kind) +
-                        "; write the unit behind the name in brackets, or into the mapping "
-                        "(--columns): unit: " +
-                        (kind == UnitKind::kLength ? "um" : "deg"));
+    refuseHead("column '" + name + (unitText.empty() ? "' has no unit" : "' is in '" + unitText + "'") +
+               ", but it is " + unitsOf(kind) +
+               "; write the unit behind the name in brackets, or into the mapping (--columns): unit: " +
+               (kind == UnitKind::kLength ? "um" : "deg"));
     return kNotMeasured;
   }
   return value * unit->factor + unit->offset;
@@ -132,72 +132,45 @@ std::string RecordTable::text(const Row& row, int column) const {
 
 int RecordTable::joint(const std::string& name, const std::string& key) {
   const int j = jointOf(context_.machine, name);
-  if (j >= 0) return j;
-  context_.faults.add(
-      context_.file.path().string() + ": " + key + " " +
-      (name.empty() ? std::string("is not said") : "'" + name + "' is no joint of this machine") + " (" +
-      jointNames(context_.machine) + "); write into the mapping (--columns): " + key + ": " +
-      context_.machine.joints().front().name);
-  return -1;
+  if (j < 0)
+    context_.refuse(
+        key + " " +
+        (name.empty() ? std::string("is not said") : "'" + name + "' is no joint of this machine") + " (" +
+        jointNames(context_.machine) + "); write into the mapping (--columns): " + key + ": " +
+        context_.machine.joints().front().name);
+  return j;
 }
 
 void RecordTable::show(int column, const std::string& meaning, const std::string& unit) {
   if (column < 0) return;
-  UnderstoodColumn seen;
-  const auto at = static_cast<std::size_t>(column);
-  seen.name = at < layout_.names.size() ? layout_.names[at] : std::to_string(column + 1);
-  seen.meaning = meaning;
-  std::string own = splitUnit(seen.name).unitText;
-  if (own.empty() && at < layout_.units.size()) own = layout_.units[at];
-  seen.unit = own.empty() ? unit : own;
-  double low = INFINITY, high = -INFINITY;
+  const auto [name, own] = nameAndUnit(column);
+  ColumnRange range;
   for (const Row& row : rows_) {
     double v = 0.0;
-    if (at >= row.cells.size() || !parseNumber(row.cells[at], layout_.decimalComma, v)) continue;
-    low = std::min(low, v);
-    high = std::max(high, v);
+    const std::string cell = text(row, column);
+    if (parseNumber(cell, layout_.decimalComma, v)) range.add(cell, v);
   }
-  if (low <= high) seen.lower = low, seen.upper = high;
-  if (!rows_.empty() && at < rows_.front().cells.size()) seen.first = rows_.front().cells[at];
-  context_.imported.columns.push_back(std::move(seen));
+  context_.imported.columns.push_back({name, meaning, own.empty() ? unit : own, range.lower, range.upper,
+                                       rows_.empty() ? "" : text(rows_.front(), column), ""});
 }
 
-bool headHas(const TextFile& file, const std::vector<std::string>& words, std::size_t lines) {
-  for (std::size_t i = 0; i < std::min(lines, file.lines().size()); ++i) {
-    const std::string line = lower(file.lines()[i]);
-    for (const std::string& word : words)
-      if (line.find(word) != std::string::npos) return true;
-  }
+void RecordTable::refuseHead(const std::string& what) const {
+  context_.refuse(std::max<std::size_t>(1, layout_.headerLine), what);
+}
+
+bool RecordTable::bringsArtifact(const std::string& instrument, const std::string& of) const {
+  if (context_.artifact == nullptr) return true;
+  context_.refuse(instrument + " brings its own artifact (" + of + "); leave --artifact out");
   return false;
 }
 
-int setupIndex(Session& session, const std::string& name) {
-  for (std::size_t i = 0; i < session.setups.size(); ++i)
-    if (session.setups[i] == name) return static_cast<int>(i);
-  session.setups.push_back(name);
-  return static_cast<int>(session.setups.size()) - 1;
-}
-
-Observation blankRow(const ImportContext& context, ObservationKind kind, std::size_t line, double time) {
-  const auto joints = static_cast<std::size_t>(context.machine.jointCount());
-  Observation o;
-  o.kind = kind;
-  o.row = static_cast<std::int64_t>(line);
-  o.time = time;
-  o.position.assign(joints, 0.0);
-  o.velocity.assign(joints, kNotMeasured);
-  o.travel.assign(joints, 0.0);
-  if (kind == ObservationKind::kDeviation) {
-    o.deviation.assign(joints, kNotMeasured);
-    o.deviationStd.assign(joints, kNotMeasured);
-  }
-  for (const auto& [name, value] : context.mapping.fixed) {
-    const NameAndUnit split = splitUnit(name);
-    const int j = jointOf(context.machine, split.stem);
-    const auto unit = parseUnit(split.unitText);
-    if (j >= 0 && unit) o.position[static_cast<std::size_t>(j)] = value * unit->factor;
-  }
-  return o;
+Session ownArtifact(const ImportContext& context, const std::string& artifact, Feature feature) {
+  Session session = emptySession(context);
+  session.artifact = Artifact();
+  session.artifact.name = artifact;
+  feature.known = false;
+  session.artifact.features.push_back(std::move(feature));
+  return session;
 }
 
 }  // namespace mm

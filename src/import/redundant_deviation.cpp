@@ -82,10 +82,9 @@ void settleRedundant(const TextFile& file, const TableLayout& layout, Understood
                       target = columnOf(table, CsvRole::kPosition, j);
     if (measured == kNone || deviation == kNone || target == kNone) continue;
     Comparison comparison(layout, table, target, measured, deviation);
-    std::vector<std::string_view> cells;
-    for (std::size_t n = layout.firstRow; n > 0 && n <= file.lines().size(); ++n)
-      if (splitCells(file.lines()[n - 1], cells, layout.separator) && !sumsUp(cells))
-        comparison.look(n, cells);
+    eachRow(file, layout, [&](std::size_t n, std::string_view, const Cells& cells) {
+      if (!sumsUp(cells)) comparison.look(n, cells);
+    });
     const std::string joint = machine.joints()[j].name;
     if (comparison.same() && !comparison.opposite() && comparison.deviationIsFiner()) {
       setAside(table, measured, "target plus deviation, which is finer");

@@ -1,8 +1,7 @@
-#include "import/table_format.h"
-
 #include <optional>
 
 #include "import/column_unit.h"
+#include "import/import_format.h"
 
 namespace mm {
 namespace {
@@ -34,12 +33,11 @@ void seeMarkByTravels(ImportContext& context, TableLayout& layout) {
   layout.decimalComma = comma;
   const UnclearNumber u = layout.marks.unclear.front();
   layout.marks.unclear.clear();
-  context.imported.notes.push_back("line " + std::to_string(u.line) + ": '" + u.cell + "' is taken with " +
-                                   (comma ? "a decimal comma" : "thousands set apart by a comma") +
-                                   ", as only so the readings are within the travels; if that is wrong, "
-                                   "write into the mapping (--columns): "
-                                   "decimal: " +
-                                   (comma ? "point" : "comma"));
+  context.note("line " + std::to_string(u.line) + ": '" + u.cell + "' is taken with " +
+               (comma ? "a decimal comma" : "thousands set apart by a comma") +
+               ", as only so the readings are within the travels; if that is wrong, write into the mapping "
+               "(--columns): decimal: " +
+               (comma ? "point" : "comma"));
 }
 
 }  // namespace
@@ -57,8 +55,7 @@ void readAnyTable(ImportContext& context) {
     if (u.column < table.form.columns.size() && table.form.columns[u.column].role != CsvRole::kIgnored)
       refuseUnclear(context.file, layout, u, context.faults);
   if (!context.faults.empty()) return;
-  TextLines lines(context.file);
-  TableReading reading = readTable(lines, table.form, context.file.path(), context.machine, context.artifact);
+  TableReading reading = readTable(context.file, table.form, context.machine, context.artifact);
   imported.notes.insert(imported.notes.end(), reading.notes.begin(), reading.notes.end());
   finishImport(context, std::move(reading.session));
 }

@@ -45,8 +45,7 @@ std::size_t countOf(const std::vector<std::string_view>& cells) {
 
 /// The first cell of a line of targets, as ISO 230-2 prints it: `Target;-20;-10;0`.
 bool namesTargets(std::string_view cell) {
-  const std::string word = lower(cell.substr(0, cell.find_first_of(" [(_")));
-  return word == "target" || word == "position" || word == "soll" || word == "sollposition" || word == "pi";
+  return isOneOf(lower(cell.substr(0, cell.find_first_of(" [(_"))), "target|position|soll|sollposition|pi");
 }
 
 struct Line {
@@ -111,10 +110,9 @@ class LayoutFinder {
       }
     }
     if (best == 0.0)
-      throw InputError(
-          file_.place(lines_.front().number) +
-          "no table is seen: the lines have one cell each; separate columns with commas, semicolons, "
-          "tabs or blanks");
+      throw InputError(file_.place(lines_.front().number) +
+                       "no table is seen: the lines have one cell each; separate columns with commas, "
+                       "semicolons, tabs or blanks");
   }
 
   bool isRow(const Line& line) const {
@@ -325,16 +323,21 @@ std::string TableLayout::inWords() const {
   return text;
 }
 
+void eachRow(const TextFile& file, const TableLayout& layout,
+             const std::function<void(std::size_t, std::string_view, Cells&)>& tell) {
+  for (std::size_t n = layout.firstRow; n > 0 && n <= file.lines().size(); ++n) {
+    const std::string_view line = file.lines()[n - 1];
+    if (trim(line).empty() || isRemark(line)) continue;
+    Cells cells = cellsOf(line, layout.separator);
+    tell(n, line, cells);
+  }
+}
+
 std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout) {
   std::vector<ColumnSample> samples(layout.names.size());
   std::vector<double> last(samples.size(), -INFINITY);
-  if (layout.firstRow == 0) return samples;
-  for (std::size_t n = layout.firstRow; n <= file.lines().size(); ++n) {
-    std::string remark;
-    const std::string_view line = file.lines()[n - 1];
-    if (trim(line).empty() || takeRemark(line, remark)) continue;
-    const auto cells = cellsOf(line, layout.separator);
-    if (sumsUp(cells)) continue;
+  eachRow(file, layout, [&](std::size_t, std::string_view, const Cells& cells) {
+    if (sumsUp(cells)) return;
     for (std::size_t i = 0; i < std::min(cells.size(), samples.size()); ++i) {
       if (cells[i].empty()) continue;
       ColumnSample& s = samples[i];
@@ -368,7 +371,7 @@ std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout&
         if (s.words.size() < kFew) s.words.emplace(cells[i]);
       }
     }
-  }
+  });
   return samples;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -8,9 +9,9 @@
 
 #include "import/column_mapping.h"
 #include "import/decimal_mark.h"
-#include "import/text_file.h"
 #include "session/csv_cells.h"
 #include "session/input_faults.h"
+#include "session/text_file.h"
 
 namespace mm {
 
@@ -49,6 +50,12 @@ struct ColumnSample {
   bool monthFirst = true, dayFirst = true;  // what all of these may be
   bool midnight = true;                     // all calendars without a time of day
 };
+
+using Cells = std::vector<std::string_view>;
+/// Tells of each line from the first row on that is neither blank nor a remark: its number, itself, and its
+/// cells (none: a quote is not closed).
+void eachRow(const TextFile& file, const TableLayout& layout,
+             const std::function<void(std::size_t number, std::string_view line, Cells& cells)>& tell);
 
 std::vector<ColumnSample> columnSamples(const TextFile& file, const TableLayout& layout);  ///< as text
 

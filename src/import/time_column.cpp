@@ -15,8 +15,8 @@ void slashed(std::size_t i, const ColumnSample& s, const ColumnMapping& mapping,
                "', but must be month_first or day_first");
   else if (order.empty() && s.monthFirst == s.dayFirst)
     faults.add(i, "has dates as " + s.first +
-                      ", and whether the month or the day comes first cannot be seen; write into the "
-                      "mapping (--columns): date: month_first (or day_first)");
+                      ", and whether the month or the day comes first cannot be seen; write into the mapping "
+                      "(--columns): date: month_first (or day_first)");
   const bool month = order.empty() ? s.monthFirst : order == "month_first";
   time.form = month ? TimeForm::kMonthFirst : TimeForm::kDayFirst;
   time.unit = month ? "calendar, month first" : "calendar, day first";

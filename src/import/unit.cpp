@@ -5,7 +5,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
-#include "import/text_file.h"
+#include "session/text_file.h"
 
 namespace mm {
 namespace {

@@ -5,7 +5,7 @@
 #include "import/column_faults.h"
 #include "import/column_meaning.h"
 #include "import/table_layout.h"
-#include "import/text_file.h"
+#include "session/text_file.h"
 
 namespace mm {
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "ros_bridge/bounded_log.h"
-#include "session/session_time.h"
+#include "session/time_stamp.h"
 
 namespace mm {
 namespace {

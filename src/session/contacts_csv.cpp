@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "base/error.h"
 #include "base/nearest_name.h"
@@ -9,145 +10,222 @@
 #include "base/text.h"
 #include "session/assumed_travel.h"
 #include "session/csv_cells.h"
-#include "session/csv_row.h"
-#include "session/feature_names.h"
 #include "session/input_faults.h"
-#include "session/row_clock.h"
-#include "session/session_time.h"
-#include "session/travel.h"
+#include "session/time_stamp.h"
+#include "session/travel_tracker.h"
 
 namespace mm {
 namespace {
 
 constexpr double kLargestTime = 3e9;    // s; with the epoch it still fits a ROS stamp
 constexpr double kSmallestTime = -9e8;  // s
+const char* const kOpenQuote = "a quote is not closed, or text follows it";
 
-/// Turns the rows of one file into observations and series.
-class CsvReader {
+/// What was written in one row, beside the observation itself.
+struct RowKinds {
+  bool feature = false, reference = false, deviation = false, length = false, logged = false, setup = false;
+  bool contact() const { return feature && !length; }                          ///< the feature was touched
+  int measured() const { return contact() + length + reference + deviation; }  ///< how many kinds
+  bool logsOnly() const { return measured() == 0 && logged; }                  ///< only temperatures
+};
+
+/// Why a row holds no observation; empty: it does.
+std::string rowFault(const Observation& o, const RowKinds& kinds, const Machine& machine) {
+  if (kinds.measured() > 1)
+    return "a row holds one of feature, length_mm, reference_*_mm and deviation_*; leave the others empty";
+  if (kinds.measured() == 0)
+    return "nothing was measured: feature, length, reference and deviation are all empty or have no column";
+  if (kinds.length && !kinds.feature)
+    return "length_mm: 'feature' must name the point of the artifact file from which it was measured";
+  if (kinds.length && !kinds.setup && o.length <= 0.0)
+    return "length_mm must be above 0; lengths that count from an unknown zero need a 'setup'";
+  if (kinds.contact() && kinds.setup)
+    return "'setup' belongs to rows with a length, a reference or a deviation";
+  for (std::size_t j = 0; j < o.position.size(); ++j)
+    if (std::isnan(o.position[j])) return "the reading of joint '" + machine.joints()[j].name + "' is empty";
+  return "";
+}
+
+/// Sets the kind of an observation, and takes from it what belongs to deviations only.
+void setKind(Observation& o, const RowKinds& kinds) {
+  o.kind = kinds.deviation   ? ObservationKind::kDeviation
+           : kinds.length    ? ObservationKind::kLength
+           : kinds.reference ? ObservationKind::kPosition
+                             : ObservationKind::kContact;
+  if (o.kind == ObservationKind::kDeviation) return;
+  o.deviation.clear();
+  o.deviationStd.clear();
+}
+
+/// Finds the features of an artifact by the names that a file gives them.
+class FeatureNames {
  public:
-  /// The package's own columns.
-  CsvReader(LineSource& lines, const std::filesystem::path& file, const Machine& machine,
-            const Artifact* artifact, bool statesOnly)
-      : lines_(lines), states_(machine), hasArtifact_(artifact != nullptr), statesOnly_(statesOnly) {
-    begin(file, artifact);
-    readHeader();
+  /// In somebody else's file in any case, and perhaps under other names.
+  FeatureNames(const Artifact& artifact, const TableForm& form) : form_(form), artifact_(artifact) {
+    for (std::size_t i = 0; i < artifact.features.size(); ++i)
+      index_[artifact.features[i].name] = static_cast<int>(i);
+    for (std::size_t i = 0; !form.own && i < artifact.features.size(); ++i)
+      index_.emplace(lower(artifact.features[i].name), static_cast<int>(i));
   }
 
-  /// Somebody else's table.
-  CsvReader(LineSource& lines, const TableForm& form, const std::filesystem::path& file,
-            const Machine& machine, const Artifact* artifact)
-      : lines_(lines),
-        states_(machine),
-        hasArtifact_(artifact != nullptr),
-        statesOnly_(false),
-        foreign_(true),
-        form_(form) {
-    begin(file, artifact);
-    columns_ = form.columns;
-    std::string_view line;
-    while (lines_.number() < form.headerLine && lines_.next(line)) {
-    }
-    readColumns();
-    for (const auto& [joint, value] : form.fixed) zeroUnlessColumn_[joint] = value;
+  /// Index in the artifact, or -1.
+  int find(std::string_view name) const {
+    const std::string key = renamed(name);
+    auto found = index_.find(key);
+    if (found == index_.end() && !form_.own) found = index_.find(lower(key));
+    return found == index_.end() ? -1 : found->second;
   }
 
-  StatesCsv read(const ProgressCallback& progress) {
-    constexpr std::size_t kHopeless = 1000;  // faults
-    std::string_view line;
-    while (faults_.count() < kHopeless && lines_.next(line)) {
-      if (trim(line).empty() || (foreign_ && isRemark(line))) continue;
-      try {
-        readRow(line);
-      } catch (const InputError& e) {
-        faults_.add(e.what());
-      }
-      if (progress && lines_.number() % 8192 == 0) progress(lines_.fraction());
-    }
-    faults_.throwIfAny();
-    states_.session.setups = setups_.all();
-    states_.session.placements = placements_.all();
-    countTimeFromStart();
-    if (progress) progress(1.0);
-    return std::move(states_);
+  /// Why a name that is not found is refused, with the remedy.
+  std::string fault(std::string_view name) const {
+    const std::string key = renamed(name);
+    std::vector<std::string> names;
+    for (const Feature& f : artifact_.features) names.push_back(f.name);
+    return "feature '" + key + "' is not in artifact '" + artifact_.name + "'" + didYouMean(key, names) +
+           (form_.own ? ""
+                      : "; if it is one of them, write into the mapping: features: {" + key + ": " +
+                            (names.empty() ? "ball" : names.front()) + "}");
   }
-
-  const std::vector<CsvColumn>& columns() const { return columns_; }
-  std::vector<ColumnRange> ranges() { return std::move(ranges_); }
-  std::vector<std::string> notes() { return std::move(notes_); }
 
  private:
-  void begin(const std::filesystem::path& file, const Artifact* artifact) {
-    Session& session = states_.session;
-    session.source = file.string();
-    session.rowFile = file.filename().string();
-    if (artifact != nullptr) session.artifact = *artifact;
-    features_.take(session.artifact, foreign_, form_.features);
+  std::string renamed(std::string_view name) const {
+    const auto other = form_.features.find(std::string(name));
+    return other != form_.features.end() ? other->second : std::string(name);
   }
 
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(states_.session.source + ":" + std::to_string(lines_.number()) + ": " + what);
+  const TableForm& form_;
+  const Artifact& artifact_;
+  std::unordered_map<std::string, int> index_;
+};
+
+/// What was logged beside the rows, until the earliest time of the file is known.
+class LoggedSeries {
+ public:
+  void add(std::size_t series, std::int64_t stamp, double value) {
+    if (logged_.size() <= series) logged_.resize(series + 1);
+    logged_[series].push_back({stamp, value});
   }
 
-  void readHeader() {
-    std::string_view line;
-    do {
-      if (!lines_.next(line))
-        throw InputError(states_.session.source + ": is empty; the first line must name the columns");
-    } while (line.find_first_not_of(" \t") == std::string_view::npos);
-    states_.header = std::string(line);
-    if (!splitCells(line, cells_)) fail("a quote is not closed, or text follows it");
-    columns_ = parseCsvHeader({cells_.begin(), cells_.end()}, states_.session.machine,
-                              states_.session.source + ":" + std::to_string(lines_.number()));
-    readColumns();
-  }
-
-  void readColumns() {
-    const auto has = [&](CsvRole role) {
-      return std::any_of(columns_.begin(), columns_.end(),
-                         [&](const CsvColumn& c) { return c.role == role; });
-    };
-    hasTime_ = has(CsvRole::kTime);
-    hasDate_ = has(CsvRole::kDate);
-    hasPlacement_ = has(CsvRole::kPlacement);
-    ranges_.resize(columns_.size());
-    if (!hasTime_ && !statesOnly_ && !foreign_) fail("column 'time_s' is missing");
-    if (has(CsvRole::kFeature) && !hasArtifact_ && !statesOnly_)
-      fail("column 'feature' needs an artifact that says what the features are; give one with --artifact");
-    hasDeviation_ = has(CsvRole::kDeviation) || has(CsvRole::kDeviationStd) || has(CsvRole::kMeasured);
-    const std::size_t joints = states_.session.machine.joints().size();
-    zeroUnlessColumn_.assign(joints, 0.0);
-    for (const CsvColumn& c : columns_) {
-      if (c.role == CsvRole::kPosition) zeroUnlessColumn_[c.index] = kNotMeasured;
-      if (c.role == CsvRole::kTemperature) states_.session.temperatures.push_back({c.name, c.unit, {}, {}});
-      if (c.role == CsvRole::kCovariate) states_.session.covariates.push_back({c.name, c.unit, {}, {}});
+  /// Puts the values into their series in the order of their times, s after `zero`.
+  void fill(std::vector<Series>& series, std::int64_t zero) {
+    const auto earlier = [](const Logged& a, const Logged& b) { return a.stamp < b.stamp; };
+    for (std::size_t i = 0; i < logged_.size(); ++i) {
+      if (!std::is_sorted(logged_[i].begin(), logged_[i].end(), earlier))
+        std::stable_sort(logged_[i].begin(), logged_[i].end(), earlier);
+      for (const Logged& l : logged_[i]) {
+        series[i].time.push_back(secondsBetween(zero, l.stamp));
+        series[i].value.push_back(l.value);
+      }
+      std::vector<Logged>().swap(logged_[i]);
     }
-    temperatures_.resize(states_.session.temperatures.size());
-    covariates_.resize(states_.session.covariates.size());
+  }
+
+ private:
+  struct Logged {
+    std::int64_t stamp;  // ns, the file's own clock
+    double value;
+  };
+  std::vector<std::vector<Logged>> logged_;
+};
+
+/// Turns the rows of one file into observations and series.
+class TableReader {
+ public:
+  /// @param states gets the lines of the rows, which are states of the machine; null: they are measurements.
+  TableReader(const TextFile& file, const TableForm& form, const Machine& machine, const Artifact* artifact,
+              StatesCsv* states)
+      : file_(file),
+        form_(form),
+        states_(states),
+        line_(form.headerLine),
+        session_(machine),
+        features_(artifact != nullptr ? *artifact : session_.artifact, form) {
+    session_.source = file.path().string();
+    session_.rowFile = file.path().filename().string();
+    if (artifact != nullptr) session_.artifact = *artifact;
+    readColumns(artifact != nullptr);
+  }
+
+  TableReading read(const ProgressCallback& progress) {
+    constexpr std::size_t kHopeless = 1000;  // faults
+    const auto& lines = file_.lines();
+    while (faults_.count() < kHopeless && line_ < lines.size()) {
+      const std::string_view line = lines[line_++];
+      if (trim(line).empty() || (!form_.own && isRemark(line))) continue;
+      collect([&] { readRow(line); });
+      if (progress && line_ % 8192 == 0)
+        progress(static_cast<double>(line_) / static_cast<double>(lines.size()));
+    }
+    faults_.throwIfAny();
+    session_.setups = setups_.all();
+    session_.placements = placements_.all();
+    countTimeFromStart();
+    if (progress) progress(1.0);
+    return {std::move(session_), std::move(ranges_), std::move(notes_)};
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw InputError(file_.place(line_) + what); }
+  [[noreturn]] void fail(const CsvColumn& column, const std::string& what) const {
+    fail("column '" + column.header + "'" + what);
+  }
+
+  /// Faults of rows and cells are collected, so that they can be corrected at once.
+  template <typename Read>
+  void collect(const Read& read) {
+    try {
+      read();
+    } catch (const InputError& e) {
+      faults_.add(e.what());
+    }
+  }
+
+  void readColumns(bool hasArtifact) {
+    const auto has = [&](std::initializer_list<CsvRole> roles) {
+      return std::any_of(form_.columns.begin(), form_.columns.end(), [&](const CsvColumn& c) {
+        return std::find(roles.begin(), roles.end(), c.role) != roles.end();
+      });
+    };
+    hasDate_ = has({CsvRole::kDate});
+    hasTime_ = has({CsvRole::kTime}) || hasDate_;
+    hasPlacement_ = has({CsvRole::kPlacement});
+    hasDeviation_ = has({CsvRole::kDeviation, CsvRole::kDeviationStd, CsvRole::kMeasured});
+    if (!hasTime_ && states_ == nullptr && form_.own) fail("column 'time_s' is missing");
+    if (has({CsvRole::kFeature}) && !hasArtifact && states_ == nullptr)
+      fail("column 'feature' needs an artifact that says what the features are; give one with --artifact");
+    ranges_.resize(form_.columns.size());
+    zeroUnlessColumn_.assign(session_.machine.joints().size(), 0.0);
+    for (const CsvColumn& c : form_.columns) {
+      if (c.role == CsvRole::kPosition) zeroUnlessColumn_[c.index] = kNotMeasured;
+      if (c.role == CsvRole::kTemperature) session_.temperatures.push_back({c.name, c.unit, {}, {}});
+      if (c.role == CsvRole::kCovariate) session_.covariates.push_back({c.name, c.unit, {}, {}});
+    }
+    for (const auto& [joint, value] : form_.fixed) zeroUnlessColumn_[joint] = value;
   }
 
   /// The cell times the column's factor. @param index of the column.
   double number(std::string_view cell, std::size_t index) {
-    const CsvColumn& column = columns_[index];
+    const CsvColumn& column = form_.columns[index];
     double value = 0.0;
-    const bool read = foreign_ ? parseNumber(withoutUnit(cell, column.suffix), form_.decimalComma, value)
-                               : parsePlainNumber(cell, value);
+    const bool read = form_.own ? parsePlainNumber(cell, value)
+                                : parseNumber(withoutUnit(cell, column.suffix), form_.decimalComma, value);
     if (!read)
-      fail("column '" + column.header + "': '" + std::string(cell) + "' is not a finite number" +
-           (form_.decimalComma ? " (with a decimal comma)" : "") +
-           "; leave the cell empty where nothing was measured");
+      fail(column, ": '" + std::string(cell) + "' is not a finite number" +
+                       (form_.decimalComma ? " (with a decimal comma)" : "") +
+                       "; leave the cell empty where nothing was measured");
     ranges_[index].add(cell, value);
     return value * column.factor + column.offset;
   }
 
   /// Of a foreign table: empty cells at the end do not count; a line of words between the rows is none.
   bool fitCells(std::string_view line) {
-    while (cells_.size() > columns_.size() && cells_.back().empty()) cells_.pop_back();
+    while (cells_.size() > form_.columns.size() && cells_.back().empty()) cells_.pop_back();
     const auto first = std::find_if(cells_.begin(), cells_.end(), [](auto c) { return !c.empty(); });
     if (first == cells_.end()) return false;
-    const bool words = cells_.size() < columns_.size() && cells_.size() <= 2 &&
+    const bool words = cells_.size() < form_.columns.size() && cells_.size() <= 2 &&
                        line.find_first_of("0123456789") == std::string_view::npos;
-    if (words || (sumsUp(cells_) && !features_.has(*first))) {
-      notes_.push_back("line " + std::to_string(lines_.number()) + " is no row and was left out: '" +
+    if (words || (sumsUp(cells_) && features_.find(*first) < 0)) {
+      notes_.push_back("line " + std::to_string(line_) + " is no row and was left out: '" +
                        std::string(line.substr(0, 60)) + "'");
       return false;
     }
@@ -155,80 +233,65 @@ class CsvReader {
   }
 
   void readRow(std::string_view line) {
-    if (!splitCells(line, cells_, form_.separator)) fail("a quote is not closed, or text follows it");
-    if (foreign_ && !fitCells(line)) return;
-    if (cells_.size() != columns_.size())
-      fail(std::to_string(cells_.size()) + " cells, but the header names " + std::to_string(columns_.size()) +
-           " columns");
-    Session& session = states_.session;
-    const std::size_t joints = zeroUnlessColumn_.size();
+    if (!splitCells(line, cells_, form_.separator)) fail(kOpenQuote);
+    if (!form_.own && !fitCells(line)) return;
+    if (cells_.size() != form_.columns.size())
+      fail(std::to_string(cells_.size()) + " cells, but the header names " +
+           std::to_string(form_.columns.size()) + " columns");
     Observation o;
-    o.row = lines_.number();
+    o.row = static_cast<std::int64_t>(line_);
     if (hasPlacement_) o.placement = placements_[""];
     o.position = zeroUnlessColumn_;
-    o.velocity.assign(joints, kNotMeasured);
-    if (hasDeviation_) {
-      o.deviation.assign(joints, kNotMeasured);
-      o.deviationStd.assign(joints, kNotMeasured);
-    }
+    o.velocity.assign(o.position.size(), kNotMeasured);
+    if (hasDeviation_) o.deviation = o.deviationStd = o.velocity;
     RowKinds kinds;
     const std::size_t before = faults_.count();
     const std::int64_t stamp = timeOf();
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-      const bool direction = columns_[i].role == CsvRole::kDirection;
-      if (cells_[i].empty() || (foreign_ && !direction && meansNothing(cells_[i]))) continue;
-      try {
-        readCell(cells_[i], i, stamp, o, kinds);
-      } catch (const InputError& e) {
-        faults_.add(e.what());
-      }
+      const bool direction = form_.columns[i].role == CsvRole::kDirection;
+      if (cells_[i].empty() || (!form_.own && !direction && meansNothing(cells_[i]))) continue;
+      collect([&] { readCell(cells_[i], i, stamp, o, kinds); });
     }
     if (faults_.count() > before) return;
-    if (foreign_) finishMeasured(o);
+    for (const CsvColumn& c :
+         form_.columns)  // what was measured minus the target is the deviation (ISO 230-2)
+      if (c.role == CsvRole::kMeasured) o.deviation[c.index] -= o.position[c.index];
     if (form_.onlyFeature >= 0) o.feature = form_.onlyFeature, kinds.feature = true;
-    if (statesOnly_) {
-      states_.lines.emplace_back(line);
-    } else if (kinds.logsOnly()) {
+    if (states_ != nullptr)
+      states_->lines.emplace_back(line);
+    else if (kinds.logsOnly())
       return;
-    } else if (const std::string fault = rowFault(o, kinds, session.machine); !fault.empty()) {
+    else if (const std::string fault = rowFault(o, kinds, session_.machine); !fault.empty())
       fail(fault);
-    }
     setKind(o, kinds);
     stamps_.push_back(stamp);
-    session.observations.push_back(std::move(o));
-  }
-
-  /// What was measured minus the target is the deviation (ISO 230-2).
-  void finishMeasured(Observation& o) const {
-    for (const CsvColumn& c : columns_)
-      if (c.role == CsvRole::kMeasured) o.deviation[c.index] -= o.position[c.index];
+    session_.observations.push_back(std::move(o));
   }
 
   /// Nanoseconds on the file's own clock.
   std::int64_t timeOf() {
     std::int64_t stamp = static_cast<std::int64_t>(stamps_.size());  // keeps the order of rows without a time
-    if (foreign_ && !hasTime_ && !hasDate_) stamp = rows_ * 1000000000;  // a second apart
+    if (!form_.own) stamp = rows_ * 1000000000;                      // a second apart
+    if (hasTime_) stamp = 0;
     ++rows_;
-    if (hasTime_ || hasDate_) stamp = 0;
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      const CsvColumn& column = columns_[i];
+    for (std::size_t i = 0; i < form_.columns.size(); ++i) {
+      const CsvColumn& column = form_.columns[i];
       if (column.role != CsvRole::kTime && column.role != CsvRole::kDate) continue;
-      if (cells_[i].empty()) fail("column '" + column.header + "' is empty");
+      if (cells_[i].empty()) fail(column, " is empty");
       if (column.timeForm == TimeForm::kNumber && column.role == CsvRole::kTime) {
         const double time = number(cells_[i], i);
         if (time < kSmallestTime || time > kLargestTime)
-          fail("column '" + column.header + "': " + std::string(cells_[i]) +
-               " s is outside -9e8 … 3e9 s; is it in seconds?");
+          fail(column, ": " + std::string(cells_[i]) + " s is outside -9e8 … 3e9 s; is it in seconds?");
         stamp += std::llround(time * 1e9);
         continue;
       }
-      const auto read = RowClock::read(column.timeForm, cells_[i]);
+      const auto read = parseTime(column.timeForm, cells_[i]);
       if (!read)
-        fail("column '" + column.header + "': '" + std::string(cells_[i]) + "' is not a " +
-             (column.timeForm == TimeForm::kClock
-                  ? "time of day (10:15:03)"
-                  : "calendar time (2026-11-21T10:15:03, 21.11.2026 10:15:03)") +
-             " as in the rows before; correct it, or leave the row out");
+        fail(column, ": '" + std::string(cells_[i]) + "' is not a " +
+                         (column.timeForm == TimeForm::kClock
+                              ? "time of day (10:15:03)"
+                              : "calendar time (2026-11-21T10:15:03, 21.11.2026 10:15:03)") +
+                         " as in the rows before; correct it, or leave the row out");
       ranges_[i].add(cells_[i]);
       stamp += *read;
       if (column.timeForm == TimeForm::kClock && !hasDate_) stamp = clock_.afterMidnight(stamp);
@@ -237,90 +300,78 @@ class CsvReader {
     return stamp;
   }
 
-  void readCell(std::string_view cell, std::size_t index, std::int64_t stamp, Observation& o,
-                RowKinds& kinds) {
-    Session& session = states_.session;
-    const CsvColumn& column = columns_[index];
+  /// Where the number of a column goes; null: it holds none of the row itself.
+  static double* numberOf(const CsvColumn& column, Observation& o, RowKinds& kinds) {
     switch (column.role) {
-      case CsvRole::kTime:
-      case CsvRole::kDate:
-        break;
-      case CsvRole::kIgnored:
-        ranges_[index].add(cell);
-        break;
-      case CsvRole::kDirection: {
-        ranges_[index].add(cell);
-        const double direction = directionOf(cell);
-        if (direction == 0.0)
-          fail("column '" + column.header + "': '" + std::string(cell) +
-               "' is no direction; write + or - (up and down, forward and reverse, 1 and -1 are understood)");
-        o.travel.resize(zeroUnlessColumn_.size(), 0.0);
-        o.travel[column.index] = direction;
-        o.velocity[column.index] = 0.0;  // read at standstill
-        break;
-      }
       case CsvRole::kPosition:
-        o.position[column.index] = number(cell, index);
-        break;
+        return &o.position[column.index];
       case CsvRole::kVelocity:
-        o.velocity[column.index] = number(cell, index);
-        break;
+        return &o.velocity[column.index];
       case CsvRole::kReading:
-        o.laserReading = number(cell, index);
-        break;
-      case CsvRole::kFeature: {
-        kinds.feature = true;
-        ranges_[index].add(cell);
-        o.feature = features_.find(cell);
-        if (o.feature < 0 && !statesOnly_) fail(features_.fault(cell, session.artifact));
-        break;
-      }
+        return &o.laserReading;
       case CsvRole::kLength:
         kinds.length = true;
-        o.length = number(cell, index);
-        break;
+        return &o.length;
       case CsvRole::kReference:
         kinds.reference = true;
-        o.reference[column.index] = number(cell, index);
-        break;
-      case CsvRole::kMeasured:  // finishMeasured takes the target off
+        return &o.reference[column.index];
+      case CsvRole::kMeasured:  // readRow takes the target off
       case CsvRole::kDeviation:
         kinds.deviation = true;
-        o.deviation[column.index] = number(cell, index);
-        break;
+        return &o.deviation[column.index];
       case CsvRole::kDeviationStd:
-        o.deviationStd[column.index] = number(cell, index);
-        if (o.deviationStd[column.index] <= 0.0)
-          fail("column '" + column.header + "': " + std::string(cell) + " must be above 0");
-        break;
-      case CsvRole::kSetup:
-        kinds.setup = true;
-        ranges_[index].add(cell);
-        o.setup = setups_[cell];
-        break;
-      case CsvRole::kPlacement:
-        ranges_[index].add(cell);
-        o.placement = placements_[cell];
-        break;
-      case CsvRole::kStylus:
-        ranges_[index].add(cell);
-        o.stylus = session.artifact.findStylus(std::string(cell));
-        if (o.stylus < 0) fail(stylusFault(cell));
-        break;
-      case CsvRole::kTemperature:
-        kinds.logged = true;
-        temperatures_.add(column.index, stamp, number(cell, index));
-        break;
-      case CsvRole::kCovariate:
-        kinds.logged = true;
-        covariates_.add(column.index, stamp, number(cell, index));
-        break;
+        return &o.deviationStd[column.index];
+      default:
+        return nullptr;
+    }
+  }
+
+  void readCell(std::string_view cell, std::size_t index, std::int64_t stamp, Observation& o,
+                RowKinds& kinds) {
+    const CsvColumn& column = form_.columns[index];
+    if (column.role == CsvRole::kTime || column.role == CsvRole::kDate) return;
+    if (double* value = numberOf(column, o, kinds)) {
+      *value = number(cell, index);
+      if (column.role == CsvRole::kDeviationStd && *value <= 0.0)
+        fail(column, ": " + std::string(cell) + " must be above 0");
+    } else if (column.role == CsvRole::kTemperature || column.role == CsvRole::kCovariate) {
+      kinds.logged = true;
+      (column.role == CsvRole::kTemperature ? temperatures_ : covariates_)
+          .add(static_cast<std::size_t>(column.index), stamp, number(cell, index));
+    } else {
+      ranges_[index].add(cell);
+      readWord(column, cell, o, kinds);
+    }
+  }
+
+  void readWord(const CsvColumn& column, std::string_view cell, Observation& o, RowKinds& kinds) {
+    if (column.role == CsvRole::kDirection) {
+      const double direction = directionOf(cell);
+      if (direction == 0.0)
+        fail(column, ": '" + std::string(cell) +
+                         "' is no direction; write + or - (up and down, forward and reverse, 1 and -1 are "
+                         "understood)");
+      o.travel.resize(zeroUnlessColumn_.size(), 0.0);
+      o.travel[column.index] = direction;
+      o.velocity[column.index] = 0.0;  // read at standstill
+    } else if (column.role == CsvRole::kFeature) {
+      kinds.feature = true;
+      o.feature = features_.find(cell);
+      if (o.feature < 0 && states_ == nullptr) fail(features_.fault(cell));
+    } else if (column.role == CsvRole::kSetup) {
+      kinds.setup = true;
+      o.setup = setups_[cell];
+    } else if (column.role == CsvRole::kPlacement) {
+      o.placement = placements_[cell];
+    } else if (column.role == CsvRole::kStylus) {
+      o.stylus = session_.artifact.findStylus(std::string(cell));
+      if (o.stylus < 0) fail(stylusFault(cell));
     }
   }
 
   std::string stylusFault(std::string_view cell) const {
     std::vector<std::string> known;
-    for (const Stylus& s : states_.session.artifact.styli) known.push_back(s.name);
+    for (const Stylus& s : session_.artifact.styli) known.push_back(s.name);
     return "stylus '" + std::string(cell) + "' is not in the artifact file" +
            (known.empty()
                 ? "; name it there: probe: {styli: [{name: " + std::string(cell) + ", tip_radius_mm: …}, …]}"
@@ -328,29 +379,28 @@ class CsvReader {
   }
 
   void countTimeFromStart() {
-    Session& session = states_.session;
     const std::int64_t zero = form_.absoluteTime ? 0 : kImportEpoch;
-    session.epoch = static_cast<double>(zero) + secondsBetween(0, clock_.earliest());
+    session_.epoch = static_cast<double>(zero) + secondsBetween(0, clock_.earliest());
     for (std::size_t i = 0; i < stamps_.size(); ++i)
-      session.observations[i].time = secondsBetween(clock_.earliest(), stamps_[i]);
-    temperatures_.fill(session.temperatures, clock_.earliest());
-    covariates_.fill(session.covariates, clock_.earliest());
+      session_.observations[i].time = secondsBetween(clock_.earliest(), stamps_[i]);
+    temperatures_.fill(session_.temperatures, clock_.earliest());
+    covariates_.fill(session_.covariates, clock_.earliest());
   }
 
-  LineSource& lines_;
-  StatesCsv states_;
-  bool hasArtifact_, statesOnly_, foreign_ = false;
-  TableForm form_;
+  const TextFile& file_;
+  const TableForm& form_;
+  StatesCsv* states_;
+  std::size_t line_;  // that is read, from 1
+  Session session_;
+  FeatureNames features_;
   FaultList faults_;
   std::vector<ColumnRange> ranges_;
   std::vector<std::string> notes_;
   std::int64_t rows_ = 0;
   bool hasDate_ = false, hasTime_ = false, hasDeviation_ = false, hasPlacement_ = false;
-  std::vector<CsvColumn> columns_;
   std::vector<std::string_view> cells_;
-  std::vector<double>
-      zeroUnlessColumn_;  // readings of a row before its cells: a joint without a column stays at 0
-  FeatureNames features_;
+  // readings of a row before its cells: a joint without a column stays at 0
+  std::vector<double> zeroUnlessColumn_;
   NumberedNames setups_, placements_;
   std::vector<std::int64_t> stamps_;  // of the observations, ns on the file's own clock
   RowClock clock_;
@@ -358,16 +408,16 @@ class CsvReader {
 };
 
 /// Whatever it was written in: a session must hold a measurement, and each laser contact its reading.
-void finish(Session& session, const std::filesystem::path& file, const Artifact* artifact) {
+void finish(Session& session, const Artifact* artifact) {
   if (session.observations.empty())
-    throw InputError(file.string() + ": no row holds a measurement (feature, reference or deviation)");
+    throw InputError(session.source + ": no row holds a measurement (feature, reference or deviation)");
   if (artifact != nullptr && artifact->tipRadius == 0.0 && artifact->styli.empty() && session.hasLaser())
     for (const Observation& o : session.observations)
       if (o.kind == ObservationKind::kContact && std::isnan(o.laserReading))
         throw InputError(
-            file.string() + ": line " + std::to_string(o.row) +
-            ": reading_mm is empty: the beam missed, or was out of the laser's range; leave the row "
-            "out (or state the artifact's tip_radius_mm, if a touch probe was used there)");
+            session.source + ": line " + std::to_string(o.row) +
+            ": reading_mm is empty: the beam missed, or was out of the laser's range; leave the row out (or "
+            "state the artifact's tip_radius_mm, if a touch probe was used there)");
   session.prepare();
   assumeTravel(session);
 }
@@ -384,34 +434,42 @@ void ColumnRange::add(std::string_view cell, double value) {
   add(cell);
 }
 
+TableForm ownForm(const TextFile& file, const Machine& machine) {
+  TableForm form;
+  form.own = true;
+  const auto& lines = file.lines();
+  const auto header = std::find_if(lines.begin(), lines.end(), [](std::string_view line) {
+    return line.find_first_not_of(" \t") != std::string_view::npos;
+  });
+  if (header == lines.end())
+    throw InputError(file.path().string() + ": is empty; the first line must name the columns");
+  form.headerLine = static_cast<std::size_t>(header - lines.begin()) + 1;
+  std::vector<std::string_view> names;
+  if (!splitCells(*header, names)) throw InputError(file.place(form.headerLine) + kOpenQuote);
+  form.columns = parseCsvHeader({names.begin(), names.end()}, machine,
+                                file.path().string() + ":" + std::to_string(form.headerLine));
+  return form;
+}
+
+TableReading readTable(const TextFile& file, const TableForm& form, const Machine& machine,
+                       const Artifact* artifact, const ProgressCallback& progress) {
+  TableReading reading = TableReader(file, form, machine, artifact, nullptr).read(progress);
+  finish(reading.session, artifact);
+  return reading;
+}
+
 Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
                         const ProgressCallback& progress) {
-  std::vector<CsvColumn> columns;
-  return readOwnTable(file, machine, artifact, columns, progress).session;
-}
-
-TableReading readOwnTable(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
-                          std::vector<CsvColumn>& columns, const ProgressCallback& progress) {
-  LineReader lines(file);
-  CsvReader reader(lines, file, machine, artifact, false);
-  columns = reader.columns();
-  Session session = reader.read(progress).session;
-  finish(session, file, artifact);
-  return {std::move(session), reader.ranges(), reader.notes()};
-}
-
-TableReading readTable(LineSource& lines, const TableForm& form, const std::filesystem::path& file,
-                       const Machine& machine, const Artifact* artifact, const ProgressCallback& progress) {
-  CsvReader reader(lines, form, file, machine, artifact);
-  Session session = reader.read(progress).session;
-  finish(session, file, artifact);
-  return {std::move(session), reader.ranges(), reader.notes()};
+  const TextFile text(file);
+  return readTable(text, ownForm(text, machine), machine, artifact, progress).session;
 }
 
 StatesCsv readStatesCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
                         const ProgressCallback& progress) {
-  LineReader lines(file);
-  StatesCsv states = CsvReader(lines, file, machine, artifact, true).read(progress);
+  const TextFile text(file);
+  const TableForm form = ownForm(text, machine);
+  StatesCsv states{Session(machine), std::string(text.lines()[form.headerLine - 1]), {}};
+  states.session = TableReader(text, form, machine, artifact, &states).read(progress).session;
   if (states.lines.empty()) throw InputError(file.string() + ": no row below the header");
   deriveTravel(states.session.observations, machine.jointCount());
   return states;

@@ -7,35 +7,33 @@
 #include <vector>
 
 #include "session/csv_columns.h"
-#include "session/line_reader.h"
 #include "session/progress.h"
 #include "session/session.h"
+#include "session/text_file.h"
 
 namespace mm {
 
 /// What import adds to `time_s`, in s: a bag knows no time zero. 2001-09-09 01:46:40 UTC.
 inline constexpr std::int64_t kImportEpoch = 1000000000;
 
-/// Reads a session from a CSV: one row a contact or a measurement by an independent instrument, columns by
-/// name in any order with the unit in the name (mm, deg, um, arcsec, degC), empty cells not measured. Time
-/// counts from the earliest row, in whole nanoseconds. A row without a measurement adds its temperatures and
-/// covariates only.
-/// @param artifact null: sessions of an independent instrument only. The session returned is prepared.
-/// @throw InputError naming file, line, column and remedy; InputFaults where there are several.
-Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
-                        const ProgressCallback& progress = {});
-
-/// How somebody else's table is written, and what its columns hold.
+/// How a table is written, and what its columns hold.
 struct TableForm {
+  bool own = false;  // the package's own: cells exactly as the format has them, no line that is no row
   char separator = ',';
   bool decimalComma = false;
-  std::int64_t headerLine = 0;  // rows begin below it
+  std::size_t headerLine = 0;  // rows begin below it
   std::vector<CsvColumn> columns;
   std::map<std::string, std::string> features;  // names in the file -> names in the artifact
   std::vector<std::pair<int, double>> fixed;    // joints without a column that did not stand at 0: m or rad
   int onlyFeature = -1;                         // touched in each row, where no column says so
   bool absoluteTime = false;                    // times count from 1970-01-01 UTC
 };
+
+/// Of a table in the package's own columns: one row a contact or a measurement by an independent instrument,
+/// columns by name in any order with the unit in the name (mm, deg, um, arcsec, degC), empty cells not
+/// measured. Time counts from the earliest row, in whole nanoseconds. A row without a measurement adds its
+/// temperatures and covariates only. @throw InputError naming file, line, column and remedy.
+TableForm ownForm(const TextFile& file, const Machine& machine);
 
 /// What was read of one column, in the unit of the file.
 struct ColumnRange {
@@ -53,25 +51,23 @@ struct TableReading {
   std::vector<std::string> notes;   // lines that were left out
 };
 
-/// Reads the rows of a table into a session that is prepared. Without a column of times the rows are a second
-/// apart, in their order. Cells `nan`, `n/a`, `-` and the like are not measured.
-/// @param source what messages call the file. @throw InputError, InputFaults as above.
-TableReading readTable(LineSource& lines, const TableForm& form, const std::filesystem::path& file,
-                       const Machine& machine, const Artifact* artifact,
-                       const ProgressCallback& progress = {});
+/// Reads the rows of a table into a session that is prepared. Of a table that is not the package's own, rows
+/// without a column of times are a second apart, in their order, and cells `nan`, `n/a`, `-` and the like are
+/// not measured.
+/// @param artifact null: sessions of an independent instrument only.
+/// @throw InputError naming file, line, column and remedy; InputFaults where there are several.
+TableReading readTable(const TextFile& file, const TableForm& form, const Machine& machine,
+                       const Artifact* artifact, const ProgressCallback& progress = {});
 
-/// A table in the package's own columns, as readContactsCsv, with what was read of each column.
-/// @param columns gets its columns.
-TableReading readOwnTable(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
-                          std::vector<CsvColumn>& columns, const ProgressCallback& progress = {});
+/// The same of a CSV in the package's own columns.
+Session readContactsCsv(const std::filesystem::path& file, const Machine& machine, const Artifact* artifact,
+                        const ProgressCallback& progress = {});
 
 /// The rows of a CSV in the import format taken as states of the machine, whatever was measured there.
 struct StatesCsv {
   Session session;  // observations in the order of the file, `feature` -1 where it is not in the artifact
   std::string header;
   std::vector<std::string> lines;  // as written, one an observation
-
-  explicit StatesCsv(Machine machine) : session(std::move(machine)) {}  ///< of which the rows are states
 };
 
 /// A reading that was not measured is NaN; without a column `time_s` all rows are at the session's start.

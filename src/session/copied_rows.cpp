@@ -146,10 +146,9 @@ std::vector<CopiedRow> copiedRows(const Session& session) {
   for (const RepeatedStretch& stretch : repeatedStretches(session, kPasted, true))
     for (std::size_t i = stretch.begin; i < stretch.begin + stretch.length; ++i)
       copies.push_back(
-          {i, is(i - stretch.distance) +
-                  format(" once more, to the last digit, and so are %zu rows in a row: a run that was "
-                         "pasted or read twice; it counts once",
-                         stretch.length)});
+          {i, is(i - stretch.distance) + format(" once more, to the last digit, and so are %zu rows in a "
+                                                "row: a run that was pasted or read twice; it counts once",
+                                                stretch.length)});
   return copies;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <set>
 
 #include "base/text.h"
 
@@ -57,13 +56,79 @@ std::string takeSign(std::string_view& text) {
 
 bool allDigits(std::string_view text) { return std::all_of(text.begin(), text.end(), isDigit); }
 
+bool splitAtBlanks(std::string_view line, std::vector<std::string_view>& cells) {
+  for (line = trim(line); !line.empty(); line = trim(line)) {
+    const bool quoted = line.front() == '"';
+    const std::size_t end = quoted ? line.find('"', 1) : line.find_first_of(" \t");
+    if (quoted && end == std::string_view::npos) return false;
+    cells.push_back(line.substr(quoted ? 1 : 0, quoted ? end - 1 : end));
+    line.remove_prefix(end == std::string_view::npos ? line.size() : end + 1);
+  }
+  return true;
+}
+
 }  // namespace
 
+bool splitCells(std::string_view line, std::vector<std::string_view>& cells, char separator) {
+  cells.clear();
+  if (separator == ' ') return splitAtBlanks(line, cells);
+  std::size_t begin = 0;
+  for (;;) {
+    std::size_t start = begin;
+    while (start < line.size() && line[start] == ' ') ++start;
+    if (start < line.size() && line[start] == '"') {
+      const std::size_t close = line.find('"', start + 1);
+      if (close == std::string_view::npos) return false;
+      const std::size_t next = line.find(separator, close);
+      if (!trim(line.substr(close + 1, next == std::string_view::npos ? next : next - close - 1)).empty())
+        return false;
+      cells.push_back(line.substr(start + 1, close - start - 1));
+      if (next == std::string_view::npos) return true;
+      begin = next + 1;
+      continue;
+    }
+    const std::size_t next = line.find(separator, begin);
+    if (next == std::string_view::npos) {
+      cells.push_back(trim(line.substr(begin)));
+      return true;
+    }
+    cells.push_back(trim(line.substr(begin, next - begin)));
+    begin = next + 1;
+  }
+}
+
+std::vector<std::string_view> wordsIn(std::string_view text, std::string_view between) {
+  std::vector<std::string_view> words;
+  for (std::size_t begin = 0; (begin = text.find_first_not_of(between, begin)) < text.size();) {
+    const std::size_t end = std::min(text.size(), text.find_first_of(between, begin));
+    words.push_back(text.substr(begin, end - begin));
+    begin = end;
+  }
+  return words;
+}
+
+std::vector<double> numbersIn(std::string_view text, std::string_view between) {
+  std::vector<double> numbers;
+  double value = 0.0;
+  for (const std::string_view word : wordsIn(text, between))
+    if (parseNumber(word, false, value)) numbers.push_back(value);
+  return numbers;
+}
+
+bool isOneOf(std::string_view word, std::string_view list) {
+  if (word.empty() || word.find('|') != std::string_view::npos) return false;
+  for (std::size_t at = list.find(word); at < list.size(); at = list.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || list[at - 1] == '|') && (end == list.size() || list[end] == '|')) return true;
+  }
+  return false;
+}
+
 bool meansNothing(std::string_view cell) {
-  static const std::set<std::string> kWords = {
-      "nan",    "n/a",  "na",       "#n/a",      "<na>",    "n.a.",   "n.d.",    "n. a.",   "n. d.", "k.a.",
-      "k. a.",  "nd",   "null",     "none",      "nil",     "#nv",    "#value!", "#div/0!", "#num!", "#ref!",
-      "#wert!", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "1.#ind", "-1.#ind", "missing", "?"};
+  static constexpr std::string_view kWords =
+      "nan|n/a|na|#n/a|<na>|n.a.|n.d.|n. a.|n. d.|k.a.|k. "
+      "a.|nd|null|none|nil|#nv|#value!|#div/"
+      "0!|#num!|#ref!|#wert!|-nan|nan(ind)|-nan(ind)|1.#qnan|1.#ind|-1.#ind|missing|?";
   constexpr std::size_t kLongest = 9;
   if (cell.size() > kLongest) return false;
   const auto dashes = [](std::string_view text) {
@@ -71,7 +136,7 @@ bool meansNothing(std::string_view cell) {
       while (startsWith(text, dash)) text.remove_prefix(dash.size());
     return text.empty();
   };
-  return !cell.empty() && (dashes(cell) || kWords.count(lower(cell)) > 0);
+  return !cell.empty() && (dashes(cell) || isOneOf(lower(cell), kWords));
 }
 
 bool isRemark(std::string_view line) {
@@ -80,62 +145,24 @@ bool isRemark(std::string_view line) {
 }
 
 bool sumsUp(const std::vector<std::string_view>& cells) {
-  static const std::set<std::string> kWords = {"average",
-                                               "avg",
-                                               "mean",
-                                               "mean value",
-                                               "mittelwert",
-                                               "mittel",
-                                               "moyenne",
-                                               "media",
-                                               "std",
-                                               "std dev",
-                                               "std. dev.",
-                                               "stdev",
-                                               "stddev",
-                                               "std.dev.",
-                                               "standard deviation",
-                                               "standardabweichung",
-                                               "stdabw",
-                                               "sigma",
-                                               "écart type",
-                                               "écart-type",
-                                               "min",
-                                               "minimum",
-                                               "max",
-                                               "maximum",
-                                               "range",
-                                               "spannweite",
-                                               "span",
-                                               "sum",
-                                               "summe",
-                                               "somme",
-                                               "total",
-                                               "gesamt",
-                                               "median",
-                                               "médiane",
-                                               "count",
-                                               "anzahl",
-                                               "rms",
-                                               "minimum value",
-                                               "maximum value"};
+  static constexpr std::string_view kWords =
+      "average|avg|mean|mean value|mittelwert|mittel|moyenne|media|std|std dev|std. "
+      "dev.|stdev|stddev|std.dev.|standard deviation|standardabweichung|stdabw|sigma|écart "
+      "type|écart-type|min|minimum|max|maximum|range|spannweite|span|sum|summe|somme|total|gesamt|median|"
+      "médiane|count|anzahl|rms|minimum value|maximum value";
   const auto first = std::find_if(cells.begin(), cells.end(), [](std::string_view c) { return !c.empty(); });
-  return first != cells.end() && kWords.count(lower(trim(*first, " :=\t"))) > 0;
+  return first != cells.end() && isOneOf(lower(trim(*first, " :=\t")), kWords);
 }
 
 double directionOf(std::string_view cell) {
-  static const std::set<std::string> kUp = {
-      "+",         "+1",       "1",          "up",     "fwd",      "forward",    "forwards",
-      "pos",       "positive", "→",          "↑",      "vor",      "vorwärts",   "hin",
-      "aller",     "avant",    "+ve",        "auf",    "aufwärts", "ansteigend", "steigend",
-      "ascending", "upwards",  "increasing", "montée", "andata"};
-  static const std::set<std::string> kDown = {
-      "-",         "-1",         "down",      "bwd",        "back",     "backward", "backwards", "rev",
-      "reverse",   "neg",        "negative",  "←",          "↓",        "−",        "zurück",    "rück",
-      "rückwärts", "her",        "retour",    "arrière",    "-ve",      "ab",       "abwärts",   "absteigend",
-      "fallend",   "descending", "downwards", "decreasing", "descente", "ritorno"};
+  static constexpr std::string_view kUp =
+      "+|+1|1|up|fwd|forward|forwards|pos|positive|→|↑|vor|vorwärts|hin|aller|avant|+ve|auf|aufwärts|"
+      "ansteigend|steigend|ascending|upwards|increasing|montée|andata";
+  static constexpr std::string_view kDown =
+      "-|-1|down|bwd|back|backward|backwards|rev|reverse|neg|negative|←|↓|−|zurück|rück|rückwärts|her|retour|"
+      "arrière|-ve|ab|abwärts|absteigend|fallend|descending|downwards|decreasing|descente|ritorno";
   const std::string word = lower(cell);
-  return kUp.count(word) > 0 ? 1.0 : kDown.count(word) > 0 ? -1.0 : 0.0;
+  return isOneOf(word, kUp) ? 1.0 : isOneOf(word, kDown) ? -1.0 : 0.0;
 }
 
 bool parsePlainNumber(std::string_view cell, double& value) {

@@ -3,7 +3,26 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.h"
+
 namespace mm {
+
+/// Splits a line at its separators; blanks around a cell and quotes around it are taken off. A blank as
+/// separator stands for any number of blanks and tabs. The cells point into `line`.
+/// @return false when a quote is not closed.
+bool splitCells(std::string_view line, std::vector<std::string_view>& cells, char separator = ',');
+
+/// What stands between the values of a list: `[0, 5; 10]`.
+inline constexpr std::string_view kListMarks = " \t\r\n,;[]()";
+
+/// The words of a text, cut at blanks (or at what is in `between`), without empty ones.
+std::vector<std::string_view> wordsIn(std::string_view text, std::string_view between = kBlanks);
+
+/// Those that are numbers with a decimal point.
+std::vector<double> numbersIn(std::string_view text, std::string_view between = kBlanks);
+
+/// Whether a word is one of those in a list: `mean|std dev|max`.
+bool isOneOf(std::string_view word, std::string_view list);
 
 /// How loggers and spreadsheets write that there is no value: nan, n/a, #N/A, ---, ….
 bool meansNothing(std::string_view cell);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "machine/machine.h"
+#include "session/time_stamp.h"
 
 namespace mm {
 
@@ -27,15 +28,6 @@ enum class CsvRole {
   kMeasured,   // indicated by an independent instrument where kPosition was the target
   kDirection,  // of the motion to the target
   kIgnored
-};
-
-/// How a cell of a column of times is written.
-enum class TimeForm {
-  kNumber,      // a number, times `factor` seconds
-  kCalendar,    // a date and a time of day (ISO 8601, 21.11.2026 10:15:03,5)
-  kMonthFirst,  // 11/21/2026 10:15:03
-  kDayFirst,    // 21/11/2026 10:15:03
-  kClock        // a time of day alone; after midnight it begins again
 };
 
 /// One column: its role, and which joint, component, sensor or covariate (`index`) it belongs to.

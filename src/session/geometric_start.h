@@ -23,6 +23,10 @@ struct GeometricStart {
 /// From the contacts and reference positions alone, at the nominal machine.
 GeometricStart geometricStart(const Session& session);
 
+/// Gives every free feature of the artifact without a start value (NaN) one from its contacts: the centre of
+/// the sphere through the nominal tips, or their mean where they do not determine a sphere.
+void startFreeFeatures(Session& session);
+
 /// The rigid motion that brings `from` closest to `to` (columns, m): translation alone of one point, the
 /// shortest rotation of points on one line. Otherwise that of Umeyama (IEEE Trans. PAMI 13 (1991) 376), a
 /// rotation also where a reflection fits better.

@@ -321,8 +321,7 @@ class GrossRows {
       aside.field = (temperature ? "temperature " : "") + series.name;
       aside.value = format("%.6g %s", series.value[i], series.unit.c_str());
       aside.why = format(
-          "at %.6g s; all others are within %.6g … %.6g %s; what is logged before and after is "
-          "taken there",
+          "at %.6g s; all others are within %.6g … %.6g %s; what is logged before and after is taken there",
           series.time[i], c.lower, c.upper, series.unit.c_str());
       aside.logged = SetAside::LoggedValue{series.name, temperature, series.time[i], series.value[i]};
       session_.setAside.push_back(std::move(aside));

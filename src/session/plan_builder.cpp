@@ -40,8 +40,8 @@ Eigen::Vector3d PlanBuilder::offset() const {
   const Stylus& stylus = plan_.artifact.styli[static_cast<std::size_t>(stylus_)];
   if (!stylus.offset.allFinite())
     fail("stylus '" + stylus.name +
-         "' has no offset, and cannot be brought to a ball: give 'offset_mm' as good "
-         "as it is known; with 'offset: free' it is estimated");
+         "' has no offset, and cannot be brought to a ball: give 'offset_mm' as good as it is known; with "
+         "'offset: free' it is estimated");
   return stylus.offset;
 }
 

@@ -119,8 +119,7 @@ void touchOne(const TouchPlan& t, std::size_t ball, int k, int index, PlanBuilde
   if (approach.dot(normal) > -0.15)
     builder.fail(
         "with this 'approach' the probe would not push on the ball at every point; make 'cone_deg' smaller, "
-        "or "
-        "let 'pole' point against 'approach'");
+        "or let 'pole' point against 'approach'");
   const double speed = t.speeds[index % t.speeds.size()];
   builder.touchAt(feature, builder.centre(feature) + distance * normal, approach, speed, t.rotary, {},
                   t.wait);

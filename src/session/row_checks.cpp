@@ -86,8 +86,7 @@ class RowAsker {
             !within(k, positions_[j], 1.0, 0.0))
           continue;
         doubt(beyondText(j) + name(j) + " and " + name(k) +
-              " are both beyond, and both within when they are "
-              "exchanged; are the two mixed up?");
+              " are both beyond, and both within when they are exchanged; are the two mixed up?");
         return true;
       }
     return false;

@@ -260,11 +260,10 @@ class Asker {
     constexpr double kAway = -0.8, kBeside = 0.8, kAt = 0.95;
     if (!(base_.aligned < kBeside)) return;
     if (base_.aligned < kAway) {
-      doubts_.push_back(
-          {format("the recorded approaches point away from the balls (mean cosine %.2f): is the "
-                  "approach reversed? (the motion of the tip into the surface is expected)",
-                  base_.aligned),
-           kNotMeasured, kNotMeasured, true});
+      doubts_.push_back({format("the recorded approaches point away from the balls (mean cosine %.2f): is "
+                                "the approach reversed? (the motion of the tip into the surface is expected)",
+                                base_.aligned),
+                         kNotMeasured, kNotMeasured, true});
       return;
     }
     for (std::size_t j = 0; j < session_.machine.joints().size(); ++j) {

@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "base/error.h"
-#include "session/free_centres.h"
+#include "session/geometric_start.h"
 #include "session/gross_rows.h"
-#include "session/travel.h"
+#include "session/travel_tracker.h"
 
 namespace mm {
 namespace {

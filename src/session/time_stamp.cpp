@@ -1,5 +1,6 @@
 #include "session/time_stamp.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <string>
@@ -142,6 +143,23 @@ std::optional<std::int64_t> parseClock(std::string_view text) {
   s.blanks();
   if (!s.end()) return std::nullopt;
   return ns;
+}
+
+std::optional<std::int64_t> parseTime(TimeForm form, std::string_view text) {
+  if (form == TimeForm::kClock) return parseClock(text);
+  if (form == TimeForm::kCalendar) return parseCalendar(text);
+  return parseSlashed(text, form == TimeForm::kMonthFirst);
+}
+
+std::int64_t RowClock::afterMidnight(std::int64_t clock) {
+  constexpr std::int64_t kDay = 86400 * kNanoseconds;
+  if (any_ && clock + midnights_ * kDay < last_ - kDay / 2) ++midnights_;
+  return last_ = clock + midnights_ * kDay;
+}
+
+void RowClock::saw(std::int64_t stamp) {
+  earliest_ = any_ ? std::min(earliest_, stamp) : stamp;
+  any_ = true;
 }
 
 }  // namespace mm

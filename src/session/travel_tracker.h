@@ -1,7 +1,9 @@
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "machine/machine.h"
+#include "session/session.h"
 
 namespace mm {
 
@@ -13,6 +15,11 @@ double directionOf(double velocity);
 
 /// By how much a joint must come back before its direction of travel has changed: 1 um, or 10 urad.
 double travelDeadband(JointKind kind);
+
+/// Fills `travel` of each observation in the order of time: the sign of the velocity; at standstill what the
+/// reader already put there, else the direction of that joint's last motion in earlier rows; 0 where never
+/// known.
+void deriveTravel(std::vector<Observation>& observations, int joints);
 
 /// Direction of travel of one joint, from its readings as they come. It is that of the motion, never of the
 /// sign of a velocity alone: a reversal counts when the joint has come back from its farthest reading by more

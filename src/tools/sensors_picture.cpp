@@ -8,7 +8,8 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "session/line_reader.h"
+#include "session/csv_cells.h"
+#include "session/text_file.h"
 
 namespace mm {
 namespace {
@@ -217,15 +218,15 @@ std::string againstSize(const SensorSelection& selection, double micrometres) {
 }  // namespace
 
 Eigen::MatrixXd readSensorPositions(const std::string& file, const std::vector<std::string>& sensors) {
-  LineReader lines(file);
-  std::string_view current;
+  const TextFile written(file);
   std::vector<std::string_view> cells;
   Eigen::MatrixXd positions =
       Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(sensors.size()), 3, std::nan(""));
   bool header = false;
-  while (lines.next(current)) {
+  for (std::size_t n = 1; n <= written.lines().size(); ++n) {
+    const std::string_view current = written.lines()[n - 1];
     if (current.empty() || current[0] == '#') continue;
-    const std::string where = file + ":" + std::to_string(lines.number()) + ": ";
+    const std::string where = written.place(n);
     if (!splitCells(current, cells) || cells.size() != 4)
       throw InputError(where + "a row needs four cells: sensor,x_mm,y_mm,z_mm");
     if (!header) {

@@ -4,8 +4,6 @@
 #include <string_view>
 #include <vector>
 
-#include "session/line_reader.h"
-
 namespace mm {
 
 /// A text file of somebody else as UTF-8 lines: UTF-8 or UTF-16 with or without its mark, else Latin-1
@@ -29,19 +27,6 @@ class TextFile {
   std::filesystem::path path_;
   std::string text_, encoding_;
   std::vector<std::string_view> lines_;
-};
-
-/// The lines of a text file from its first on.
-class TextLines : public LineSource {
- public:
-  explicit TextLines(const TextFile& file) : file_(file) {}  ///< from its first line
-  bool next(std::string_view& line) override;
-  std::int64_t number() const override { return static_cast<std::int64_t>(next_); }
-  double fraction() const override;
-
- private:
-  const TextFile& file_;
-  std::size_t next_ = 0;
 };
 
 }  // namespace mm

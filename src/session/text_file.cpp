@@ -1,4 +1,4 @@
-#include "import/text_file.h"
+#include "session/text_file.h"
 
 #include <algorithm>
 #include <cctype>
@@ -129,16 +129,6 @@ void TextFile::split() {
 
 std::string TextFile::place(std::size_t line) const {
   return path_.string() + ":" + std::to_string(line) + ": ";
-}
-
-bool TextLines::next(std::string_view& line) {
-  if (next_ >= file_.lines().size()) return false;
-  line = file_.lines()[next_++];
-  return true;
-}
-
-double TextLines::fraction() const {
-  return file_.lines().empty() ? 1.0 : static_cast<double>(next_) / static_cast<double>(file_.lines().size());
 }
 
 }  // namespace mm
