@@ -21,6 +21,9 @@ class LawEffect final : public CatalogueEffect {
   void evaluate(const State& state, const double* p, ErrorSink& sink) const override {
     law_.add(state, p, sink);
   }
+  double coefficient(int parameter, double value) const override {
+    return law_.coefficient ? law_.coefficient(parameter, value) : value;
+  }
   bool mayBeClaimed(const std::vector<double>& nonlinear) const override {
     return nonlinear.empty() || (nonlinear.front() >= law_.shortest && nonlinear.front() <= law_.longest);
   }
@@ -48,6 +51,10 @@ EffectType lawType(LawRow row) {
     effect->adopt(read.canonical());
     return effect;
   };
+  type.examples = row.examples;
+  type.composite = !row.examples.empty();
+  type.candidates = [](const Domain&) { return std::vector<EffectSpec>(); };
+  if (type.composite) return type;
   type.members = [name = row.type, values = row.values](const Domain& domain) {
     std::vector<EffectSpec> members = {EffectSpec(name)};
     for (const Values& key : values) {
@@ -69,6 +76,12 @@ EffectType lawType(LawRow row) {
     return sensible;
   };
   return type;
+}
+
+LawRow compositeRow(std::vector<std::string> keys, std::function<Law(SpecReader&)> law,
+                    std::vector<EffectSpec> examples) {
+  const std::string type = examples.front().type;
+  return {type, std::move(keys), {}, {}, std::move(law), std::move(examples)};
 }
 
 Values named(const std::string& key, std::function<std::vector<std::string>(const Domain&)> of) {

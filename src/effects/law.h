@@ -15,6 +15,7 @@ struct Law {
   Nature nature;
   std::vector<Parameter> parameters;
   std::function<void(const State&, const double* p, ErrorSink&)> add;  // see Effect::evaluate
+  std::function<double(int parameter, double value)> coefficient;  // see Nature::separable; empty: the value
   /// Start values of the last parameter, which then is not linear (a time constant); empty: all are linear.
   std::vector<double> starts;
   double shortest = 0.0, longest = kUnbounded;    // of that parameter, to be told from a smooth profile
@@ -41,7 +42,12 @@ struct LawRow {
   std::vector<Values> values;
   std::function<bool(const EffectSpec&, const Domain&)> where;  // … for which this holds; empty: all
   std::function<Law(SpecReader&)> law;
+  std::vector<EffectSpec> examples = {};  ///< of a composite, for the catalogue; empty: a diagnosis tries it
 };
+
+/// The row of what no diagnosis tries. @param examples at least one.
+LawRow compositeRow(std::vector<std::string> keys, std::function<Law(SpecReader&)> law,
+                    std::vector<EffectSpec> examples);
 
 /// The type of effect that a row describes.
 EffectType lawType(LawRow row);
@@ -77,5 +83,7 @@ std::vector<LawRow> lawsOfTemperature();
 std::vector<LawRow> lawsOfTime();
 std::vector<LawRow> lawsOfContact();
 std::vector<LawRow> lawsOfRotaryAxes();
+std::vector<LawRow> lawsOfTables();
+std::vector<LawRow> lawsOfPapers();
 
 }  // namespace mm

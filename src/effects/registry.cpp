@@ -15,11 +15,10 @@ namespace {
 
 /// In the order of words.yaml.
 std::vector<EffectType> catalogue() {
-  std::vector<EffectType> types = {mmtDeviationType(),      leadScrewPeriodicType(), positionTableType(),
-                                   straightnessTableType(), laserMountType(),        formulaType(),
-                                   profileType(),           thermalNetworkType()};
-  for (const auto& rows :
-       {lawsOfAxes(), lawsOfTemperature(), lawsOfTime(), lawsOfContact(), lawsOfRotaryAxes()})
+  std::vector<EffectType> types = {leadScrewPeriodicType(), formulaType(), profileType(),
+                                   thermalNetworkType()};
+  for (const auto& rows : {lawsOfAxes(), lawsOfTemperature(), lawsOfTime(), lawsOfContact(),
+                           lawsOfRotaryAxes(), lawsOfTables(), lawsOfPapers()})
     for (const LawRow& row : rows) types.push_back(lawType(row));
   const std::vector<std::string> order = typesInWords();
   const auto placeOf = [&](const EffectType& type) {
