@@ -1,5 +1,3 @@
-#include "thermal/dfnn.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,9 +6,8 @@
 #include "base/dense.h"
 #include "base/error.h"
 #include "thermal/blocked_folds.h"
-#include "thermal/dfnn_consequents.h"
-#include "thermal/numbers.h"
 #include "thermal/ridge.h"
+#include "thermal/thermal_network.h"
 
 namespace mm {
 namespace {
@@ -134,9 +131,36 @@ double refinedSquares(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const 
   return squares;
 }
 
-}  // namespace
+/// See newDfnn().
+class Dfnn : public ThermalNetwork {
+ public:
+  explicit Dfnn(const NetworkSettings& settings) : ThermalNetwork(settings) { settings.dfnn.validate(); }
 
-Dfnn::Dfnn(const NetworkSettings& settings) : ThermalNetwork(settings) { settings.dfnn.validate(); }
+  NetworkKind kind() const override { return NetworkKind::kDfnn; }
+  int rules() const override { return rules_.count(); }
+  void evaluate(const double* x, double* y) const override;
+  std::string describe() const override;
+
+ protected:
+  void learn(int from) override;
+  void store(NetworkNumbers& numbers) override;
+
+ private:
+  void standardise();
+  Eigen::MatrixXd scaledInputs() const { return (x_.rowwise() - meanX_) * scaleX_.asDiagonal(); }
+  Eigen::MatrixXd scaledOutputs() const { return (y_.rowwise() - meanY_) / scaleY_; }
+  void choose();
+  void solve();
+
+  Eigen::RowVectorXd meanX_, scaleX_, meanY_;  // scaled x = (x - mean) * scale
+  double scaleY_ = 1.0;                        // scaled y = (y - mean) / scale
+  DfnnRules rules_;
+  double ridge_ = 0.0, departureRidge_ = 0.0;  // relative; 0 in a published network
+  double heldOut_ = 0.0;                       // unit of y; 0 in a published network
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  RowMajor common_;   // (inputs + 1) x outputs, scaled: the line; zero in a published network
+  RowMajor weights_;  // rules (inputs + 1) x outputs, scaled: the rules' consequents, or their departures
+};
 
 void Dfnn::standardise() {
   const Eigen::Index r = x_.cols();
@@ -171,9 +195,6 @@ void Dfnn::learn(int from) {
   }
   solve();
 }
-
-Eigen::MatrixXd Dfnn::scaledInputs() const { return (x_.rowwise() - meanX_) * scaleX_.asDiagonal(); }
-Eigen::MatrixXd Dfnn::scaledOutputs() const { return (y_.rowwise() - meanY_) / scaleY_; }
 
 void Dfnn::choose() {
   const Eigen::MatrixXd x = scaledInputs(), y = scaledOutputs();
@@ -235,17 +256,7 @@ void Dfnn::evaluate(const double* x, double* y) const {
   const auto inside = [&](int i) {
     return limited ? std::min(std::max(scaled(i), rules_.low(i)), rules_.high(i)) : scaled(i);
   };
-  double nearest = std::numeric_limits<double>::infinity(), sum = 0.0;
-  for (int j = 0; j < rules; ++j) {
-    double square = 0.0;
-    for (int i = 0; i < r; ++i) {
-      const double d = inside(i) - rules_.centres(j, i);
-      square += d * d;
-    }
-    psi[j] = square / (rules_.widths(j) * rules_.widths(j));
-    nearest = std::min(nearest, psi[j]);
-  }
-  for (int j = 0; j < rules; ++j) sum += psi[j] = std::exp(nearest - psi[j]);
+  const double sum = rules_.memberships(inside, psi);
   for (int o = 0; o < p; ++o) y[o] = meanY_(o);
   const auto add = [&](const double* w, double h) {
     for (int o = 0; o < p; ++o) y[o] += h * w[o];
@@ -267,45 +278,34 @@ std::string Dfnn::describe() const {
   return text.str();
 }
 
-void Dfnn::write(std::vector<double>& numbers) const {
-  const DfnnSettings& s = settings_.dfnn;
-  for (double value :
-       {static_cast<double>(s.published), static_cast<double>(s.standardise), s.distanceMax, s.distanceMin,
-        s.distanceDecay, s.errorMax, s.errorMin, s.errorDecay, s.firstWidth, s.overlap, s.widening, s.pruning,
-        static_cast<double>(s.largestRules), scaleY_, ridge_, departureRidge_, heldOut_})
-    numbers.push_back(value);
-  writeMatrix(numbers, meanX_);
-  writeMatrix(numbers, scaleX_);
-  writeMatrix(numbers, meanY_);
-  writeMatrix(numbers, rules_.centres);
-  writeMatrix(numbers, rules_.widths);
-  writeMatrix(numbers, rules_.low);
-  writeMatrix(numbers, rules_.high);
-  writeMatrix(numbers, common_);
-  writeMatrix(numbers, weights_);
-}
-
-void Dfnn::read(const double*& next, const double* end) {
+void Dfnn::store(NetworkNumbers& numbers) {
   DfnnSettings& s = settings_.dfnn;
-  s.published = readNumber(next, end) != 0.0;
-  s.standardise = readNumber(next, end) != 0.0;
+  numbers(s.published);
+  numbers(s.standardise);
   for (double* value : {&s.distanceMax, &s.distanceMin, &s.distanceDecay, &s.errorMax, &s.errorMin,
                         &s.errorDecay, &s.firstWidth, &s.overlap, &s.widening, &s.pruning})
-    *value = readNumber(next, end);
-  s.largestRules = static_cast<int>(readNumber(next, end));
-  for (double* value : {&scaleY_, &ridge_, &departureRidge_, &heldOut_}) *value = readNumber(next, end);
-  meanX_ = readMatrix(next, end, 1, inputs());
-  scaleX_ = readMatrix(next, end, 1, inputs());
-  meanY_ = readMatrix(next, end, 1, outputs());
-  rules_.centres = readMatrix(next, end, -1, inputs());
-  rules_.widths = readMatrix(next, end, rules_.centres.rows(), 1);
-  rules_.low = readMatrix(next, end, -1, s.published ? -1 : inputs());
-  rules_.high = readMatrix(next, end, rules_.low.rows(), rules_.low.cols());
-  common_ = readMatrix(next, end, inputs() + 1, outputs());
-  weights_ = readMatrix(next, end, rules_.centres.rows() * (inputs() + 1), outputs());
+    numbers(*value);
+  numbers(s.largestRules);
+  for (double* value : {&scaleY_, &ridge_, &departureRidge_, &heldOut_}) numbers(*value);
+  numbers(meanX_, 1, inputs());
+  numbers(scaleX_, 1, inputs());
+  numbers(meanY_, 1, outputs());
+  numbers(rules_.centres, -1, inputs());
+  numbers(rules_.widths, rules_.centres.rows(), 1);
+  numbers(rules_.low, -1, s.published ? -1 : inputs());
+  numbers(rules_.high, rules_.low.rows(), rules_.low.cols());
+  numbers(common_, inputs() + 1, outputs());
+  numbers(weights_, rules_.centres.rows() * (inputs() + 1), outputs());
+  if (!numbers.reads()) return;
   s.validate();
   if (rules_.count() < 1 || rules_.count() > kMostRules)
     throw InputError("dfnn: the stored network has no valid rules");
+}
+
+}  // namespace
+
+std::unique_ptr<ThermalNetwork> newDfnn(const NetworkSettings& settings) {
+  return std::make_unique<Dfnn>(settings);
 }
 
 }  // namespace mm

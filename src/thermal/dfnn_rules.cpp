@@ -3,7 +3,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "base/dense.h"
@@ -60,6 +59,25 @@ class Consequents {
   int samples_ = 0;
 };
 
+/// eta_j of each rule: root mean square, over its columns and the outputs, of the error reduction ratios of
+/// the orthogonalised design. Needs no fewer samples than columns.
+Eigen::VectorXd errorReduction(const Eigen::MatrixXd& design, const Eigen::MatrixXd& y, int rules) {
+  const Eigen::Index columns = design.cols() / rules;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(design);
+  // Rows of Q^T Y are q_c . t_p with q_c of unit length; their squares over t_p . t_p are the ratios.
+  Eigen::MatrixXd ratio = (qr.householderQ().transpose() * y).topRows(design.cols());
+  for (Eigen::Index p = 0; p < y.cols(); ++p) {
+    const double total = y.col(p).squaredNorm();
+    ratio.col(p) = total > 0.0 ? Eigen::VectorXd(ratio.col(p).array().square() / total)
+                               : Eigen::VectorXd(Eigen::VectorXd::Zero(ratio.rows()));
+  }
+  Eigen::VectorXd eta(rules);
+  for (int j = 0; j < rules; ++j)
+    eta(j) = std::sqrt(ratio.middleRows(j * columns, columns).squaredNorm() /
+                       static_cast<double>(columns * y.cols()));
+  return eta;
+}
+
 void prune(DfnnRules& rules, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, double threshold) {
   const Eigen::MatrixXd design = rules.design(x);
   if (rules.count() < 2 || design.rows() < design.cols()) return;
@@ -68,6 +86,33 @@ void prune(DfnnRules& rules, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
   for (int j = 0; j < rules.count(); ++j)
     if (eta(j) >= threshold) kept.push_back(j);
   if (!kept.empty() && static_cast<int>(kept.size()) < rules.count()) rules.keep(kept);
+}
+
+/// Centres, then logarithms of widths.
+Eigen::VectorXd packed(const DfnnRules& rules) {
+  Eigen::VectorXd p(rules.centres.size() + rules.count());
+  p << Eigen::Map<const Eigen::VectorXd>(rules.centres.data(), rules.centres.size()),
+      rules.widths.array().log().matrix();
+  return p;
+}
+
+DfnnRules unpacked(const Eigen::VectorXd& p, const DfnnRules& start) {
+  DfnnRules rules = start;
+  rules.centres = Eigen::Map<const Eigen::MatrixXd>(p.data(), start.centres.rows(), start.centres.cols());
+  rules.widths =
+      p.tail(start.count()).array().exp().max(start.widths.array() * 0.1).min(start.widths.array() * 10.0);
+  return rules;
+}
+
+/// Residuals of the samples and of the penalties, all outputs one below the other.
+Eigen::VectorXd residuals(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& rules,
+                          double ridge, double departureRidge) {
+  const Eigen::MatrixXd z = RidgeConsequents::design(x, rules);
+  const Eigen::MatrixXd w = RidgeConsequents(z, y, x.cols()).solve(ridge, departureRidge);
+  const Eigen::Index departures = z.cols() - 1 - x.cols();
+  Eigen::MatrixXd all(z.rows() + departures, y.cols());
+  all << y - z * w, std::sqrt(departureRidge * static_cast<double>(z.rows())) * w.bottomRows(departures);
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
 }
 
 }  // namespace
@@ -87,27 +132,13 @@ void DfnnSettings::validate() const {
   require(largestRules >= 0 && largestRules <= kMostRules, "largestRules", largestRules, "from 0 to 64");
 }
 
-void DfnnRules::strengths(const double* x, double* psi) const {
-  const int rules = count(), r = inputs();
-  double nearest = std::numeric_limits<double>::infinity();
-  for (int j = 0; j < rules; ++j) {
-    double square = 0.0;
-    for (int i = 0; i < r; ++i) square += (x[i] - centres(j, i)) * (x[i] - centres(j, i));
-    psi[j] = square / (widths(j) * widths(j));
-    nearest = std::min(nearest, psi[j]);
-  }
-  double sum = 0.0;
-  for (int j = 0; j < rules; ++j) sum += psi[j] = std::exp(nearest - psi[j]);
-  for (int j = 0; j < rules; ++j) psi[j] /= sum;
-}
-
 Eigen::MatrixXd DfnnRules::design(const Eigen::MatrixXd& x) const {
   const Eigen::Index r = x.cols();
   Eigen::MatrixXd h(x.rows(), count() * (r + 1));
-  Eigen::VectorXd point(r), psi(count());
+  Eigen::VectorXd psi(count());
   for (Eigen::Index k = 0; k < x.rows(); ++k) {
-    point = x.row(k).transpose();
-    strengths(point.data(), psi.data());
+    const double sum = memberships([&](int i) { return x(k, i); }, psi.data());
+    for (int j = 0; j < count(); ++j) psi(j) /= sum;
     for (int j = 0; j < count(); ++j) {
       h(k, j * (r + 1)) = psi(j);
       h.block(k, j * (r + 1) + 1, 1, r) = psi(j) * x.row(k);
@@ -141,23 +172,6 @@ void DfnnRules::keep(const std::vector<int>& rules) {
   DfnnRules kept;
   for (int j : rules) kept.add(centres.row(j), widths(j));
   *this = kept;
-}
-
-Eigen::VectorXd errorReduction(const Eigen::MatrixXd& design, const Eigen::MatrixXd& y, int rules) {
-  const Eigen::Index columns = design.cols() / rules;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(design);
-  // Rows of Q^T Y are q_c . t_p with q_c of unit length; their squares over t_p . t_p are the ratios.
-  Eigen::MatrixXd ratio = (qr.householderQ().transpose() * y).topRows(design.cols());
-  for (Eigen::Index p = 0; p < y.cols(); ++p) {
-    const double total = y.col(p).squaredNorm();
-    ratio.col(p) = total > 0.0 ? Eigen::VectorXd(ratio.col(p).array().square() / total)
-                               : Eigen::VectorXd(Eigen::VectorXd::Zero(ratio.rows()));
-  }
-  Eigen::VectorXd eta(rules);
-  for (int j = 0; j < rules; ++j)
-    eta(j) = std::sqrt(ratio.middleRows(j * columns, columns).squaredNorm() /
-                       static_cast<double>(columns * y.cols()));
-  return eta;
 }
 
 DfnnRules growRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnSettings& settings,
@@ -198,6 +212,88 @@ DfnnRules growRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const Df
     }
   }
   return rules;
+}
+
+Eigen::MatrixXd RidgeConsequents::design(const Eigen::MatrixXd& x, const DfnnRules& rules) {
+  const Eigen::Index r = x.cols();
+  const Eigen::Index departures = rules.count() > 1 ? rules.count() * (r + 1) : 0;
+  Eigen::MatrixXd z(x.rows(), 1 + r + departures);
+  z.col(0).setOnes();
+  z.middleCols(1, r) = x;
+  if (departures > 0) z.rightCols(departures) = rules.design(rules.limited(x));
+  return z;
+}
+
+RidgeConsequents::RidgeConsequents(const Eigen::MatrixXd& z, const Eigen::MatrixXd& y, Eigen::Index inputs)
+    : gram_(z.transpose() * z),
+      right_(z.transpose() * y),
+      samples_(static_cast<double>(z.rows())),
+      line_(1 + inputs) {}
+
+std::vector<Eigen::MatrixXd> RidgeConsequents::solve(const std::vector<double>& ridges,
+                                                     double departureRidge) const {
+  constexpr double kLeast = 1e-13;  // keeps inputs that do not vary, and rules that never fire, regular
+  const Eigen::Index departures = gram_.rows() - line_;
+  Eigen::MatrixXd own = gram_.bottomRightCorner(departures, departures);
+  own.diagonal().array() += std::max(departureRidge, kLeast) * samples_;
+  Eigen::MatrixXd sides(departures, right_.cols() + line_);
+  sides << right_.bottomRows(departures), gram_.bottomLeftCorner(departures, line_);
+  const Eigen::MatrixXd solved = solveSymmetric(own, sides);
+  std::vector<Eigen::MatrixXd> solutions;
+  for (double ridge : ridges) {
+    Eigen::MatrixXd matrix = gram_.topLeftCorner(line_, line_);
+    matrix.diagonal().tail(line_ - 1).array() += std::max(ridge, kLeast) * samples_;
+    Eigen::MatrixXd w(gram_.rows(), right_.cols());
+    w.topRows(line_) = solveSymmetric(matrix, right_.topRows(line_));
+    if (departures > 0)
+      w.bottomRows(departures) = solved.leftCols(right_.cols()) - solved.rightCols(line_) * w.topRows(line_);
+    solutions.push_back(std::move(w));
+  }
+  return solutions;
+}
+
+DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& start,
+                      double ridge, double departureRidge, int iterations) {
+  if (start.count() < 2) return start;
+  Eigen::VectorXd p = packed(start);
+  const auto at = [&](const Eigen::VectorXd& q) {
+    return residuals(x, y, unpacked(q, start), ridge, departureRidge);
+  };
+  Eigen::VectorXd r = at(p);
+  constexpr double kUnseen = 1e-9, kZero = 1e-300;  // a width that no sample feels stays where it is
+  constexpr double kLeastDamping = 1e-9;            // Gauss-Newton
+  constexpr double kWorthwhile = 1e-4;  // of the squared error: a step that gains less is the last
+  double damping = 1e-2;
+  for (int i = 0; i < iterations; ++i) {
+    Eigen::MatrixXd jacobian(r.size(), p.size());
+    constexpr double kStep = 1e-5;
+    for (Eigen::Index c = 0; c < p.size(); ++c) {
+      Eigen::VectorXd moved = p;
+      moved(c) += kStep;
+      jacobian.col(c) = (at(moved) - r) / kStep;
+    }
+    const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
+    const Eigen::VectorXd gradient = jacobian.transpose() * r;
+    bool better = false;
+    double gain = 0.0;
+    for (int tries = 0; tries < 8 && !better; ++tries) {
+      Eigen::MatrixXd matrix = normal;
+      matrix.diagonal().array() += damping * (normal.diagonal().array() + kUnseen * normal.trace() + kZero);
+      const Eigen::VectorXd q = p - solveSymmetric(matrix, gradient);
+      if (q.allFinite()) {
+        const Eigen::VectorXd s = at(q);
+        if (s.squaredNorm() < r.squaredNorm()) {
+          gain = 1.0 - s.squaredNorm() / r.squaredNorm();
+          p = q;
+          r = s;
+          better = true;
+        }
+      }
+      damping = better ? std::max(kLeastDamping, damping * 0.3) : damping * 4.0;
+    }
+    if (!better || gain < kWorthwhile) break;
+  }
+  return unpacked(p, start);
 }
 
 }  // namespace mm

@@ -1,5 +1,8 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 namespace mm {
@@ -39,9 +42,23 @@ struct DfnnRules {
 
   int count() const { return static_cast<int>(widths.size()); }    ///< rules
   int inputs() const { return static_cast<int>(centres.cols()); }  ///< temperatures
-  /// psi_j = phi_j / sum phi, with phi_j = exp(-|x - C_j|^2 / sigma_j^2); finite however far x is from all
-  /// centres.
-  void strengths(const double* x, double* psi) const;
+  /// phi_j = exp(-|x - C_j|^2 / sigma_j^2), all times one factor that keeps them finite however far x is from
+  /// all centres; psi_j is phi_j / sum phi. @param x(i): coordinate i. @return the sum.
+  template <typename Coordinate>
+  double memberships(Coordinate x, double* phi) const {
+    double nearest = std::numeric_limits<double>::infinity(), sum = 0.0;
+    for (int j = 0; j < count(); ++j) {
+      double square = 0.0;
+      for (int i = 0; i < inputs(); ++i) {
+        const double d = x(i) - centres(j, i);
+        square += d * d;
+      }
+      phi[j] = square / (widths(j) * widths(j));
+      nearest = std::min(nearest, phi[j]);
+    }
+    for (int j = 0; j < count(); ++j) sum += phi[j] = std::exp(nearest - phi[j]);
+    return sum;
+  }
   /// Columns psi_j, psi_j x_1 … psi_j x_r of every rule: samples x rules (r + 1).
   Eigen::MatrixXd design(const Eigen::MatrixXd& x) const;
   /// Sets the range from the samples.
@@ -60,8 +77,34 @@ struct DfnnRules {
 DfnnRules growRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnSettings& settings,
                     double ridge, const DfnnRules& start = {}, int known = 0);
 
-/// eta_j of each rule: root mean square, over its columns and the outputs, of the error reduction ratios of
-/// the orthogonalised design. Needs no fewer samples than columns.
-Eigen::VectorXd errorReduction(const Eigen::MatrixXd& design, const Eigen::MatrixXd& y, int rules);
+/// Consequents of a fuzzy network with a ridge, in two steps: the ridge-linear fit, common to all rules, and
+/// the departure of each rule from it, fitted to what the line leaves. So the network goes over into
+/// ridge-linear regression as the ridge on the departures grows, and beyond the samples it goes on as that
+/// does. Penalties are relative to the number of samples; the common offset is not penalised.
+class RidgeConsequents {
+ public:
+  /// Columns 1, x and, where there are several rules, those of DfnnRules::design() for x within the rules'
+  /// range.
+  static Eigen::MatrixXd design(const Eigen::MatrixXd& x, const DfnnRules& rules);
+
+  /// @param z design() of the samples, y samples x outputs, inputs: how many.
+  RidgeConsequents(const Eigen::MatrixXd& z, const Eigen::MatrixXd& y, Eigen::Index inputs);
+  /// Coefficients of the design's columns, columns x outputs, for each of the ridges on the line.
+  std::vector<Eigen::MatrixXd> solve(const std::vector<double>& ridges, double departureRidge) const;
+  Eigen::MatrixXd solve(double ridge, double departureRidge) const {
+    return solve(std::vector<double>{ridge}, departureRidge).front();
+  }
+
+ private:
+  Eigen::MatrixXd gram_, right_;  // of all columns
+  double samples_;
+  Eigen::Index line_;  // columns of the line
+};
+
+/// Moves centres and widths of the rules to the nearest minimum of the penalised squared error, the
+/// consequents being those of each step (variable projection; Levenberg-Marquardt). Widths stay within a
+/// factor of 10 of the start.
+DfnnRules refineRules(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const DfnnRules& start,
+                      double ridge, double departureRidge, int iterations = 40);
 
 }  // namespace mm

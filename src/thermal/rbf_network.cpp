@@ -1,13 +1,11 @@
-#include "thermal/rbf_network.h"
-
 #include <cmath>
 #include <limits>
 #include <sstream>
 
 #include "base/dense.h"
 #include "thermal/blocked_folds.h"
-#include "thermal/numbers.h"
 #include "thermal/ridge.h"
+#include "thermal/thermal_network.h"
 
 namespace mm {
 namespace {
@@ -27,7 +25,36 @@ Eigen::MatrixXd exactWeights(const Eigen::MatrixXd& x, const Eigen::MatrixXd& ce
   return shortestLeastSquares(strengths(x, x, spread), centred);
 }
 
-}  // namespace
+/// See newRbfNetwork().
+class RbfNetwork : public ThermalNetwork {
+ public:
+  explicit RbfNetwork(const NetworkSettings& settings) : ThermalNetwork(settings) {}
+
+  NetworkKind kind() const override { return NetworkKind::kRbf; }
+  int rules() const override { return static_cast<int>(centres_.rows()); }
+  void evaluate(const double* x, double* y) const override;
+  std::string describe() const override;
+
+ protected:
+  void learn(int from) override;
+  void store(NetworkNumbers& numbers) override {
+    numbers(spread_);
+    numbers(mean_, 1, inputs());
+    numbers(scale_, 1, inputs());
+    numbers(centres_, -1, inputs());
+    numbers(weights_, centres_.rows(), outputs());
+    numbers(offset_, 1, outputs());
+  }
+
+ private:
+  static constexpr int kMostCentres = 300;
+  Eigen::RowVectorXd mean_, scale_;  // standardised x = (x - mean) * scale
+  Eigen::MatrixXd centres_;          // centres x inputs, standardised
+  double spread_ = 1.0;              // distance at which a centre's strength is one half, standardised
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  RowMajor weights_;  // centres x outputs
+  Eigen::RowVectorXd offset_;
+};
 
 void RbfNetwork::learn(int /*from*/) {
   const Eigen::Index n = x_.rows();
@@ -79,22 +106,10 @@ std::string RbfNetwork::describe() const {
   return text.str();
 }
 
-void RbfNetwork::write(std::vector<double>& numbers) const {
-  numbers.push_back(spread_);
-  writeMatrix(numbers, mean_);
-  writeMatrix(numbers, scale_);
-  writeMatrix(numbers, centres_);
-  writeMatrix(numbers, weights_);
-  writeMatrix(numbers, offset_);
-}
+}  // namespace
 
-void RbfNetwork::read(const double*& next, const double* end) {
-  spread_ = readNumber(next, end);
-  mean_ = readMatrix(next, end, 1, inputs());
-  scale_ = readMatrix(next, end, 1, inputs());
-  centres_ = readMatrix(next, end, -1, inputs());
-  weights_ = readMatrix(next, end, centres_.rows(), outputs());
-  offset_ = readMatrix(next, end, 1, outputs());
+std::unique_ptr<ThermalNetwork> newRbfNetwork(const NetworkSettings& settings) {
+  return std::make_unique<RbfNetwork>(settings);
 }
 
 }  // namespace mm

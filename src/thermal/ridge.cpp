@@ -1,9 +1,10 @@
 #include "thermal/ridge.h"
 
 #include <cmath>
-#include <limits>
+#include <sstream>
 
 #include "base/dense.h"
+#include "thermal/thermal_network.h"
 
 namespace mm {
 namespace {
@@ -45,7 +46,49 @@ struct Decomposition {
   }
 };
 
+/// See newRidgeNetwork().
+class RidgeNetwork : public ThermalNetwork {
+ public:
+  explicit RidgeNetwork(const NetworkSettings& settings) : ThermalNetwork(settings) {}
+
+  NetworkKind kind() const override { return NetworkKind::kRidge; }
+  void evaluate(const double* x, double* y) const override {
+    for (int o = 0; o < outputs(); ++o) {
+      y[o] = model_.offset(o);
+      for (int i = 0; i < inputs(); ++i) y[o] += model_.slopes(i, o) * x[i];
+    }
+  }
+  std::string describe() const override {
+    std::ostringstream text;
+    text << "ridge: linear, " << samples() << " samples, ridge " << model_.lambda << ", held-out error "
+         << heldOut_;
+    return text.str();
+  }
+
+ protected:
+  void learn(int /*from*/) override {
+    const RidgeValidation validation =
+        validateRidge(x_, y_, blockedFolds(samples(), blocks()), ridgeLadder());
+    heldOut_ = validation.rms;
+    model_ = fitRidge(x_, y_, validation.lambda);
+  }
+  void store(NetworkNumbers& numbers) override {
+    numbers(model_.lambda);
+    numbers(heldOut_);
+    numbers(model_.offset, outputs(), 1);
+    numbers(model_.slopes, inputs(), outputs());
+  }
+
+ private:
+  RidgeModel model_;
+  double heldOut_ = 0.0;  // unit of y
+};
+
 }  // namespace
+
+std::unique_ptr<ThermalNetwork> newRidgeNetwork(const NetworkSettings& settings) {
+  return std::make_unique<RidgeNetwork>(settings);
+}
 
 Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& matrix, const std::vector<int>& rows) {
   Eigen::MatrixXd result(static_cast<Eigen::Index>(rows.size()), matrix.cols());

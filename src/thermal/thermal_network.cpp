@@ -2,19 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/error.h"
 #include "thermal/blocked_folds.h"
-#include "thermal/dfnn.h"
-#include "thermal/numbers.h"
-#include "thermal/rbf_network.h"
 #include "thermal/ridge.h"
-#include "thermal/ridge_network.h"
 
 namespace mm {
 namespace {
 
 constexpr double kVersion = 1.0;
+
+/// By NetworkKind.
+struct Kind {
+  const char* name;
+  std::unique_ptr<ThermalNetwork> (*make)(const NetworkSettings& settings);
+};
+constexpr Kind kKinds[] = {{"dfnn", newDfnn}, {"rbf", newRbfNetwork}, {"ridge", newRidgeNetwork}};
 
 void check(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
   if (x.rows() != y.rows())
@@ -33,21 +37,11 @@ std::vector<Fold> foldsOf(Eigen::Index samples, const NetworkSettings& settings)
 
 }  // namespace
 
-std::string nameOf(NetworkKind kind) {
-  switch (kind) {
-    case NetworkKind::kDfnn:
-      return "dfnn";
-    case NetworkKind::kRbf:
-      return "rbf";
-    case NetworkKind::kRidge:
-      return "ridge";
-  }
-  return "";
-}
+std::string nameOf(NetworkKind kind) { return kKinds[static_cast<std::size_t>(kind)].name; }
 
 NetworkKind networkKind(const std::string& name) {
-  for (NetworkKind kind : {NetworkKind::kDfnn, NetworkKind::kRbf, NetworkKind::kRidge})
-    if (nameOf(kind) == name) return kind;
+  for (std::size_t k = 0; k < std::size(kKinds); ++k)
+    if (name == kKinds[k].name) return static_cast<NetworkKind>(k);
   throw InputError("thermal network '" + name + "' is not known; it is dfnn, rbf or ridge");
 }
 
@@ -96,32 +90,30 @@ Eigen::MatrixXd ThermalNetwork::evaluateAll(const Eigen::MatrixXd& x) const {
 }
 
 std::vector<double> ThermalNetwork::toNumbers() const {
-  std::vector<double> numbers{kVersion, static_cast<double>(kind()), static_cast<double>(settings_.blocks)};
-  writeMatrix(numbers, x_);
-  writeMatrix(numbers, y_);
-  write(numbers);
-  return numbers;
+  auto& self = const_cast<ThermalNetwork&>(*this);  // what writes changes nothing
+  NetworkNumbers numbers;
+  double version = kVersion;
+  int which = static_cast<int>(kind());
+  numbers(version);
+  numbers(which);
+  numbers(self.settings_.blocks);
+  numbers(self.x_, -1, -1);
+  numbers(self.y_, -1, -1);
+  self.store(numbers);
+  return numbers.written();
 }
 
 std::unique_ptr<ThermalNetwork> makeNetwork(NetworkKind kind, const NetworkSettings& settings) {
   if (settings.blocks < 2)
     throw InputError("thermal network: " + std::to_string(settings.blocks) +
                      " blocks for the cross-validation; at least 2 are needed");
-  switch (kind) {
-    case NetworkKind::kDfnn:
-      return std::make_unique<Dfnn>(settings);
-    case NetworkKind::kRbf:
-      return std::make_unique<RbfNetwork>(settings);
-    case NetworkKind::kRidge:
-      return std::make_unique<RidgeNetwork>(settings);
-  }
-  throw InputError("thermal network: unknown kind");
+  return kKinds[static_cast<std::size_t>(kind)].make(settings);
 }
 
-std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers) {
-  const double* next = numbers.data();
-  const double* end = next + numbers.size();
-  const double version = readNumber(next, end), kind = readNumber(next, end), blocks = readNumber(next, end);
+std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& stored) {
+  NetworkNumbers numbers(stored);
+  double version = 0.0, kind = 0.0, blocks = 0.0;
+  for (double* value : {&version, &kind, &blocks}) numbers(*value);
   if (version != kVersion || !(kind == 0.0 || kind == 1.0 || kind == 2.0) || !(blocks >= 2.0 && blocks < 1e6))
     throw InputError(
         "stored thermal network: its numbers are not those of a network of version 1; calibrate again");
@@ -129,10 +121,10 @@ std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& nu
   settings.blocks = static_cast<int>(blocks);
   std::unique_ptr<ThermalNetwork> network =
       makeNetwork(static_cast<NetworkKind>(static_cast<int>(kind)), settings);
-  network->x_ = readMatrix(next, end, -1, -1);
-  network->y_ = readMatrix(next, end, network->x_.rows(), -1);
-  network->read(next, end);
-  if (next != end) throw InputError("stored thermal network: there are numbers too many; calibrate again");
+  numbers(network->x_, -1, -1);
+  numbers(network->y_, network->x_.rows(), -1);
+  network->store(numbers);
+  numbers.finish();
   return network;
 }
 

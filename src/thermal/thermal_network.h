@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "thermal/dfnn_rules.h"
+#include "thermal/numbers.h"
 
 namespace mm {
 
@@ -60,8 +61,8 @@ class ThermalNetwork {
   explicit ThermalNetwork(NetworkSettings settings) : settings_(settings) {}
   /// Learns from x_ and y_. `from` is 0 for a fit, else the number of samples learned before.
   virtual void learn(int from) = 0;
-  virtual void write(std::vector<double>& numbers) const = 0;
-  virtual void read(const double*& next, const double* end) = 0;
+  /// What it consists of beside the samples, in the order in which it is stored.
+  virtual void store(NetworkNumbers& numbers) = 0;
   friend std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers);
 
   int blocks() const { return std::min(settings_.blocks, samples()); }
@@ -70,7 +71,24 @@ class ThermalNetwork {
   Eigen::MatrixXd x_, y_;  // the samples
 };
 
-/// A network that has learned nothing yet. Throws InputError for settings out of range.
+/// Dynamic fuzzy neural network of DFNN: y_p = sum_k w_pk psi_k with linear consequents w_pk = a_pk0 + a_pk .
+/// x.
+///
+/// As published, the consequents come from least squares. By default they are a line common to all rules plus
+/// one departure from it a rule, both held back by a ridge of its own: with a strong ridge on the departures,
+/// or with one rule, the network is ridge-linear regression exactly. Number of rules, their overlap and both
+/// ridges are chosen by cross-validation over blocks of time, and more than one rule only where that lowers
+/// the held-out error clearly. Throws InputError for settings out of range.
+std::unique_ptr<ThermalNetwork> newDfnn(const NetworkSettings& settings);
+/// Exact radial-basis network, the rival in DFNN: one Gaussian centre a sample and an offset, so that every
+/// sample is met; one spread for all, chosen by cross-validation over blocks of time. Longer series than 300
+/// samples are thinned evenly to so many.
+std::unique_ptr<ThermalNetwork> newRbfNetwork(const NetworkSettings& settings);
+/// Linear in the temperatures, with a ridge chosen by cross-validation over blocks of time: what every other
+/// network has to beat.
+std::unique_ptr<ThermalNetwork> newRidgeNetwork(const NetworkSettings& settings);
+
+/// One of these, which has learned nothing yet. Throws InputError for settings out of range.
 std::unique_ptr<ThermalNetwork> makeNetwork(NetworkKind kind, const NetworkSettings& settings = {});
 /// The network that toNumbers() wrote. Throws InputError when the numbers are not those of a network.
 std::unique_ptr<ThermalNetwork> networkFromNumbers(const std::vector<double>& numbers);
