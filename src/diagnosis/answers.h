@@ -27,9 +27,9 @@ struct Tails {
 };
 /// Degrees of freedom of Student's t that the residuals bear out, and the weights that follow.
 Tails tailsOf(const Search& search, const Explanation& found);
-/// Readings of which most agree, as their resolution is coarser than their noise, say that there is none: any
-/// curve through them would be certain. Each gets a value that it may have had (uniform over a quarter of the
-/// instrument's step, the same for every look). Where less than half agree it does nothing.
+/// If the resolution is coarser than the noise, most readings are identical and the noise looks like zero.
+/// Each gets a value that it may have had (uniform over a quarter of the instrument's step, the same for
+/// every look). Where less than half agree it does nothing.
 void spreadOverResolution(Questions& q);
 
 /// m or rad of a residual of one unit of the stated noise.

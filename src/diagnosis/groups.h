@@ -10,9 +10,13 @@
 #include "estimation/drift.h"
 #include "model/model.h"
 
+// A cause is what engineers call one: backlash of x. It is asked as a group of shapes, the effects and values
+// that it may have (a degree, a period); a shape has members where several effects make it together. What the
+// sample says of causes is told by slots (posterior/slots.h): a cause, or a set of rivals of which one acts.
+
 namespace mm {
 
-/// Nats that a sign costs which is seldom met (10 to 1): of causes that act alike it is not the first, and
+/// Log-prior penalty of a sign that is seldom met, ln 10: of causes that act alike it is not the first, and
 /// still among them.
 constexpr double kSeldomSign = 2.3;
 
@@ -46,7 +50,7 @@ struct Shape {
 struct Group {
   std::string key;  // type and what says where it acts, without what says its shape only
   std::vector<Shape> shapes;
-  double met = 1.0;  // Effect::met(); of a profile less
+  double met = 1.0;  // Nature::met; of a profile less
   /// Keys of other causes that are a part of this one as real parts are made (Effect::freedom), with their
   /// usual share of its size.
   std::map<std::string, double> parts;

@@ -14,9 +14,9 @@ class LikelyShapes {
   /// @param space, questions: must outlive it; the questions get what is likely, in the order of the lists.
   LikelyShapes(const ResidualSpace& space, Questions& questions, double statedFreedoms);
 
-  /// From each end of the noise, none but the white and what explains most alone, takes up the likeliest
-  /// cause beside those before it, until none is likelier than not. @param variance of the white noise, a
-  /// data row.
+  /// Two greedy searches, one from white noise only and one from the noise that alone explains most: each
+  /// takes up the likeliest cause beside those before it, until none is likelier than not. @param variance of
+  /// the white noise, a data row.
   void walk(const Eigen::VectorXd& variance);
   /// Where the likeliest walk ended.
   Explanation found() const;

@@ -214,7 +214,7 @@ bool hasVertical(const EffectSpec&, const Domain& domain) {
   return z < 0 || domain.joints[z].kind == JointKind::kLinear;
 }
 
-/// Neither does a covariate act evenly along the scale: a load bends where it stands.
+/// A covariate rarely acts evenly along an axis: a load bends it where it stands.
 Law covariateScale(SpecReader& read) {
   const int axis = read.joint("axis"), covariate = read.covariate("covariate");
   const Joint& joint = read.jointAt(axis);

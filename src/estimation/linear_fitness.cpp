@@ -78,8 +78,7 @@ class LinearParts {
     for (std::size_t s = 0; s < sphere.size(); ++s) {
       const int o = problem_.rows()[sphere[s]].observation;
       const Observation& at = problem_.session().observations[o];
-      Eigen::Matrix<double, 6, Eigen::Dynamic> unused;
-      const ProbePose pose = problem_.model().corrected(problem_.state(o), x_.data(), work, &unused);
+      const ProbePose pose = problem_.model().differentiated(problem_.state(o), x_.data(), work);
       // at the start the genes have values: take their part out, so that the contact is P0 + B c
       const Eigen::Vector3d reach = pose.orientation * problem_.reach(at.stylus, x_);
       Eigen::Vector3d p0 = pose.position + reach;

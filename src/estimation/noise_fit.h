@@ -16,8 +16,8 @@ struct NoiseRows {
   RowMatrix factors;         // data rows x directions of drift
   Eigen::VectorXd target;    // data rows, then priors: what is to be explained
   RowMatrix base;            // orthonormal columns of what is free without a prior; data rows, then priors
-  /// Drift is what has changed since the first row: a constant is a radius, a zero or a displacement, and
-  /// none of its business. Else it is at rest about an unknown mean.
+  /// Drift is zero at the first row: constants belong to other unknowns (radius, zero, displacement). Else it
+  /// is at rest about an unknown mean.
   bool sinceFirst = false;
   int rows() const { return static_cast<int>(time.size()); }      ///< data rows
   int length() const { return static_cast<int>(target.size()); }  ///< data rows and priors

@@ -227,7 +227,8 @@ int Problem::residualsOf(int observation, const Eigen::VectorXd& x, double* r, D
     clear();
     return rows;
   }
-  ProbePose pose = model_.corrected(state(observation), x.data(), work, d != nullptr ? &d->unused : nullptr);
+  ProbePose pose = d != nullptr ? model_.differentiated(state(observation), x.data(), work)
+                                : model_.corrected(state(observation), x.data(), work);
   clear();
   const Eigen::Vector3d reached = pose.orientation * reach(o.stylus, x);
   pose.position += reached;

@@ -65,21 +65,19 @@ struct ResidualRow {
 ///
 /// Residual of a contact on a ball: distance of the corrected probe from the ball's centre minus what it
 /// should be, MMT eq. (16); of a point: three components; of a reference (position, deviation, length):
-/// measured minus model. Whitened by `sigma`. Immutable; how it changes with the unknowns says `linearise`
-/// (linearisation.h).
+/// measured minus model. In m and rad; a fit divides them by `sigmas`. Immutable; how it changes with the
+/// unknowns says `linearise` (linearisation.h).
 class Problem {
  public:
   /// The derivative of one observation's residuals, by groups of unknowns. Rows: its residuals (at most
   /// kMaxRows).
   struct Derivative {
-    Eigen::MatrixXd effects;  // rows x parameterCount
-    Eigen::MatrixXd pose;     // rows x 6
-    Eigen::MatrixXd feature;  // rows x 3
-    Eigen::MatrixXd stylus;   // rows x 3: by its offset
-    Eigen::MatrixXd slots;    // rows x ErrorLayout::size(): by each small error
-    Eigen::VectorXd radius;   // rows
-    Eigen::Matrix<double, 6, Eigen::Dynamic>
-        unused;  // of the pose by parameter: the slots carry all derivatives
+    Eigen::MatrixXd effects;                              // rows x parameterCount
+    Eigen::MatrixXd pose;                                 // rows x 6
+    Eigen::MatrixXd feature;                              // rows x 3
+    Eigen::MatrixXd stylus;                               // rows x 3: by its offset
+    Eigen::MatrixXd slots;                                // rows x ErrorLayout::size(): by each small error
+    Eigen::VectorXd radius;                               // rows
     void clear(int rows, int parameters, int slotCount);  ///< all zero, of this size
   };
 

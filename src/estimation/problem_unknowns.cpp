@@ -93,22 +93,28 @@ void Problem::addRows() {
     firstRow_.push_back(static_cast<int>(rows_.size()));
     ResidualRow row;
     row.observation = static_cast<int>(o);
-    if (at.feature >= 0) {
-      const int count = session_->isDistance(at) ? 1 : 3;
-      for (row.component = 0; row.component < count; ++row.component) rows_.push_back(row);
-    } else if (at.kind == ObservationKind::kPosition) {
-      for (row.component = 0; row.component < 3; ++row.component)
-        if (std::isfinite(at.reference[row.component])) rows_.push_back(row);
-    } else {
-      for (row.component = 0; row.component < static_cast<int>(at.deviation.size()); ++row.component)
-        if (std::isfinite(at.deviation[row.component])) {
-          ResidualRow r = row;
-          r.angular = model_.machine().joints()[row.component].kind == JointKind::kRotary;
-          if (row.component < static_cast<int>(at.deviationStd.size()) &&
-              std::isfinite(at.deviationStd[row.component]))
-            r.statedSigma = at.deviationStd[row.component];
-          rows_.push_back(r);
-        }
+    switch (at.kind) {
+      case ObservationKind::kContact:
+      case ObservationKind::kLength: {
+        const int count = session_->outward(at) != 0 ? 1 : 3;
+        for (row.component = 0; row.component < count; ++row.component) rows_.push_back(row);
+        break;
+      }
+      case ObservationKind::kPosition:
+        for (row.component = 0; row.component < 3; ++row.component)
+          if (std::isfinite(at.reference[row.component])) rows_.push_back(row);
+        break;
+      case ObservationKind::kDeviation:
+        for (row.component = 0; row.component < static_cast<int>(at.deviation.size()); ++row.component)
+          if (std::isfinite(at.deviation[row.component])) {
+            ResidualRow r = row;
+            r.angular = model_.machine().joints()[row.component].kind == JointKind::kRotary;
+            if (row.component < static_cast<int>(at.deviationStd.size()) &&
+                std::isfinite(at.deviationStd[row.component]))
+              r.statedSigma = at.deviationStd[row.component];
+            rows_.push_back(r);
+          }
+        break;
     }
   }
   firstRow_.push_back(static_cast<int>(rows_.size()));

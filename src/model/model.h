@@ -63,6 +63,10 @@ class Model {
   ProbePose corrected(const State& state, const double* parameters, Workspace& work,
                       Eigen::Matrix<double, 6, Eigen::Dynamic>* byParameter = nullptr) const;
 
+  /// The same, with the derivatives of the errors and of the pose by slot in the workspace.
+  ProbePose differentiated(const State& state, const double* parameters, Workspace& work) const {
+    return pose(state, parameters, work, true);
+  }
   /// The same, with the covariance of the position (m^2) that the parameters' leaves: from the parameters to
   /// the few errors that they move, from these to the tip. @param covariance parameterCount() squared, SI.
   ProbePose correctedWithCovariance(const State& state, const double* parameters,

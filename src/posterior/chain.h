@@ -20,10 +20,10 @@ struct Visit {
   std::vector<int> acting;  // causes of the set, those that are more than a part of another
 };
 
-/// Tempered Gibbs sampling over sets of causes (Zanella & Roberts, J. R. Stat. Soc. B 81 (2019)): a cause is
-/// chosen the likelier the less its state fits all others, and changes it; where the chain went too often is
-/// weighted down by what is known, so that its samples are those of the posterior. The state of the noise is
-/// drawn from a pool by Metropolis's rule under the same tempered density.
+/// Tempered Gibbs sampling over sets of causes (Zanella & Roberts, J. R. Stat. Soc. B 81 (2019)): causes
+/// whose state fits the rest badly are proposed more often, and then flipped; where the chain went too often
+/// is weighted down by what is known, so that its samples are those of the posterior. The state of the noise
+/// is drawn from a pool by Metropolis's rule under the same tempered density.
 class PosteriorChain {
  public:
   /// @param pool may grow between runs; problem and pool must outlive it. @param firstFitted of the pool:

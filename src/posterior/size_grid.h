@@ -4,7 +4,7 @@
 namespace mm {
 
 /// Sizes over which a cause is integrated: RMS of its main column after the projection, in units of the white
-/// noise, log-uniform from what nobody sees to sixty times the noise. Thirteen are close enough for the
+/// noise, log-uniform from far below the noise to sixty times it. Thirteen are close enough for the
 /// evidence between two of them not to be missed (a factor of 1.65).
 constexpr int kSizes = 13;
 using Sizes = Eigen::Array<double, kSizes, 1>;

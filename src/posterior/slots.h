@@ -15,21 +15,22 @@ struct Slot {
 
 constexpr double kNamed = 0.99;  // probability at which a cause, or a set of rivals, is named
 
-/// How often what the model is sure of is so: no catalogue has every law. Of 834 causes that were named at
+/// Share of named causes that were right: no catalogue has every law. Of 834 causes that were named at
 /// the then bound in 800 sessions by other physics 794 were hidden (scripts/judge; 0.952, 95 % interval 0.935
 /// to 0.966).
 constexpr double kOfThisWorld = 0.95;
 
-/// The one decision of a diagnosis. The likeliest cause that is not used gets rivals, each the one that acts
-/// in most of what is left, until one of them is sure to act; where that is not reached its causes may act.
+/// Which causes are named (the verdict that follows is diagnosis/verdict.h). The likeliest cause that is not
+/// used gets rivals, each the one that acts in most of what is left, until one of them is sure to act; where
+/// that is not reached its causes may act.
 std::vector<Slot> slotsOf(const PosteriorSample& sample);
 
 /// The shape of a cause that has most of its probability, and its size there. @return shape -1: it was never
 /// visited.
 Acting shapeOf(const PosteriorSample& sample, const PosteriorProblem& problem, int cause);
 
-/// A probability from the sample as it may be said: no sample of this length knows more than its length, and
-/// no model more than how often it has been right.
+/// A probability of the sample as it is printed: bounded by the number of samples, and times the share of
+/// named causes that were right.
 double odds(const PosteriorSample& sample, double probability);
 
 }  // namespace mm

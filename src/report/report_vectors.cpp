@@ -13,11 +13,10 @@ constexpr std::size_t kPlaces = 3000;
 
 /// From where the target should be to where the machine found it (m, workpiece).
 Eigen::Vector3d vectorOf(const CalibrationResult& fit, int observation, const Eigen::Vector3d& normal,
-                         bool distance) {
+                         int outward) {
   const int first = fit.problem->firstRow(observation), last = fit.problem->firstRow(observation + 1);
   const Observation& o = fit.problem->session().observations[static_cast<std::size_t>(observation)];
-  // of a length it is measured minus model
-  if (distance) return normal * fit.residuals[first] * (o.kind == ObservationKind::kLength ? -1.0 : 1.0);
+  if (outward != 0) return outward * normal * fit.residuals[first];
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();
   for (int row = first; row < last; ++row)
     vector[fit.problem->rows()[static_cast<std::size_t>(row)].component] = fit.residuals[row];
@@ -57,7 +56,8 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     const int observation = used[n * used.size() / shown];
     const Observation& o = session.observations[static_cast<std::size_t>(observation)];
     const State& state = problem.state(observation);
-    const bool distance = session.isDistance(o), ball = distance && o.kind == ObservationKind::kContact;
+    const int outward = session.outward(o);
+    const bool distance = outward != 0, ball = distance && o.kind == ObservationKind::kContact;
     const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
     const Eigen::Vector3d tip = problem.model().machine().nominal(o.position.data(), reading).position;
     Eigen::Vector3d normal = -state.approach;
@@ -77,7 +77,7 @@ ResidualVectors residualVectors(const std::vector<NamedFit>& fits) {
     std::size_t s = 0;
     for (const NamedFit& f : fits) {
       if (f.fit->problem->rowCount() != problem.rowCount()) continue;
-      const Eigen::Vector3d vector = vectorOf(*f.fit, observation, normal, distance) / kMicrometre;
+      const Eigen::Vector3d vector = vectorOf(*f.fit, observation, normal, outward) / kMicrometre;
       out.states[s].vectors.push_back(vector);
       out.states[s].values.push_back(distance ? vector.dot(normal) : vector.norm());
       ++s;

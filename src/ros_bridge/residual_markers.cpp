@@ -29,8 +29,8 @@ Eigen::Vector3d residualVector(const CalibrationResult& result, int observation,
   if (std::isfinite(o.laserReading)) at += problem.state(observation).orientation.col(2) * o.laserReading;
   Eigen::Vector3d residual = Eigen::Vector3d::Zero();
   Eigen::Vector3d outward = Eigen::Vector3d::Zero();
-  const bool distance = problem.session().isDistance(o);
-  if (distance) outward = (at - problem.featureInWorkpiece(o.feature, o.placement, result.x)).normalized();
+  const int sign = problem.session().outward(o);
+  if (sign != 0) outward = (at - problem.featureInWorkpiece(o.feature, o.placement, result.x)).normalized();
   const int end = observation + 1 < static_cast<int>(problem.session().observations.size())
                       ? problem.firstRow(observation + 1)
                       : problem.rowCount();
@@ -39,8 +39,8 @@ Eigen::Vector3d residualVector(const CalibrationResult& result, int observation,
     const ResidualRow& r = problem.rows()[static_cast<std::size_t>(row)];
     counts = counts && result.weight[row] > 0.0;
     if (r.angular) continue;
-    if (distance)
-      residual = result.residuals[row] * outward * (o.kind == ObservationKind::kLength ? -1.0 : 1.0);
+    if (sign != 0)
+      residual = sign * result.residuals[row] * outward;
     else if (o.kind == ObservationKind::kDeviation)
       residual +=
           result.residuals[row] *

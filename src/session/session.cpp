@@ -180,10 +180,10 @@ int Session::placementOf(int feature) const {
   return 0;
 }
 
-bool Session::isDistance(const Observation& o) const {
-  return o.kind == ObservationKind::kLength ||
-         (o.kind == ObservationKind::kContact &&
-          artifact.features[static_cast<std::size_t>(o.feature)].kind == FeatureKind::kBall);
+int Session::outward(const Observation& o) const {
+  if (o.kind == ObservationKind::kLength) return -1;
+  const bool contact = o.kind == ObservationKind::kContact;
+  return contact && artifact.features[static_cast<std::size_t>(o.feature)].kind == FeatureKind::kBall ? 1 : 0;
 }
 
 double Session::ownTime(const Observation& o) const {

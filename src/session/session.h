@@ -64,6 +64,9 @@ struct Series {
   double at(double time) const;
 };
 
+/// What one row measured. A position is told by a tracker or a CMM; the deviation of one joint by an
+/// interferometer, a step gauge or an autocollimator; the length from a place to the tip by a tracking
+/// interferometer or a ball bar.
 enum class ObservationKind { kContact, kPosition, kDeviation, kLength };
 
 /// One contact of the probe, or one measurement by an independent instrument. SI units.
@@ -97,18 +100,20 @@ struct AssumedInput {
 };
 
 /// A row, or one logged value, that cannot be what was meant. It is kept (a bag that is written holds it),
-/// but nothing is computed from it.
+/// but nothing is computed from it. Rows that are kept and have no weight in a fit: outliers
+/// (estimation/robust.h), those that lack an input of the model (Problem::leftOut); in a diagnosis, those
+/// before an axis first moved (Diagnosis::notJudged).
 struct SetAside {
   struct LoggedValue {
     std::string series;
     bool temperature = false;
     double time = 0.0, value = 0.0;
   };
-  std::int64_t row = 0;                    // as Observation::row; 0: a value that was logged between the rows
-  int recording = 0;                       // as Observation::recording
-  std::string field;                       // "x", "x velocity", "time", "feature", "temperature bed"
-  std::string value;                       // with its unit
-  std::string why;                         // with the figures, and what to do
+  std::int64_t row = 0;  // as Observation::row; 0: a value that was logged between the rows
+  int recording = 0;     // as Observation::recording
+  std::string field;     // "x", "x velocity", "time", "feature", "temperature bed"; kCopiedRow: all of it
+  std::string value;     // with its unit
+  std::string why;       // with the figures, and what to do
   std::optional<Observation> observation;  // the whole row
   std::optional<LoggedValue> logged;       // one value of a series
 };
@@ -138,7 +143,8 @@ struct Session {
   ControllerCompensation compensation;  // that was active; errors are what remained beside it
   std::string rowFile;  // name of the file whose lines `Observation::row` counts; empty: messages
   std::vector<AssumedInput> assumed;  // made by assumeTravel
-  std::vector<SetAside> setAside;     // made by `prepare`: not in `observations`, not in the series
+  std::vector<SetAside>
+      setAside;  // by `prepare` and by who reads a bag: not in `observations`, not in the series
 
   explicit Session(Machine m) : machine(std::move(m)) {}  ///< nothing measured yet
 
@@ -154,8 +160,9 @@ struct Session {
   /// The first in which a feature was touched; 0: in none.
   int placementOf(int feature) const;
   int recordingCount() const { return recordings.empty() ? 1 : static_cast<int>(recordings.size()); }
-  /// One residual along the line from a feature to the tip: a contact with a ball, a length.
-  bool isDistance(const Observation& o) const;
+  /// Whether one residual tells of the distance from a feature to the tip: +1: it grows with it (a contact
+  /// with a ball), -1: it shrinks (a length: measured minus model), 0: it is none (all others).
+  int outward(const Observation& o) const;
   /// s from the start of the recording that an observation belongs to.
   double ownTime(const Observation& o) const;
   /// Where the readings say that the probe is, with the stylus that was used (without an offset: probe_tip).

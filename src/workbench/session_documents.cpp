@@ -139,7 +139,7 @@ void addTouch(Columns& columns, const Rows& rows) {
   const auto component = [&](std::size_t r) {
     const Observation& o = *rows.observation[r];
     const int c = rows.fit.problem->rows()[r].component;
-    return rows.session().isDistance(o) || c < 0 ? -1 : c;
+    return rows.session().outward(o) != 0 || c < 0 ? -1 : c;
   };
   const bool deviations =
       std::any_of(rows.observation.begin(), rows.observation.end(),
