@@ -14,7 +14,6 @@
 #include "import/meaning.h"
 #include "import/name_reader.h"
 #include "import/table_remarks.h"
-#include "import/time_column.h"
 #include "import/whole_table.h"
 
 namespace mm {

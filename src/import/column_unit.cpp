@@ -7,6 +7,15 @@
 #include "base/format.h"
 
 namespace mm {
+bool fitsTravel(const ColumnSample& s, double factor, const Joint& joint) {
+  constexpr double kBeyond = 0.05, kLeast = 0.02;  // of the travel
+  const double travel = joint.upper - joint.lower;
+  if (!std::isfinite(travel) || travel <= 0.0) return false;
+  const double low = s.lower * factor, high = s.upper * factor;
+  if (low < joint.lower - kBeyond * travel || high > joint.upper + kBeyond * travel) return false;
+  return std::max(high - low, std::max(std::abs(low), std::abs(high))) >= kLeast * travel;
+}
+
 namespace {
 
 std::optional<Unit> temperatureByRange(const ColumnSample& s) {
@@ -17,17 +26,8 @@ std::optional<Unit> temperatureByRange(const ColumnSample& s) {
   return std::nullopt;
 }
 
-}  // namespace
-
-bool fitsTravel(const ColumnSample& s, double factor, const Joint& joint) {
-  constexpr double kBeyond = 0.05, kLeast = 0.02;  // of the travel
-  const double travel = joint.upper - joint.lower;
-  if (!std::isfinite(travel) || travel <= 0.0) return false;
-  const double low = s.lower * factor, high = s.upper * factor;
-  if (low < joint.lower - kBeyond * travel || high > joint.upper + kBeyond * travel) return false;
-  return std::max(high - low, std::max(std::abs(low), std::abs(high))) >= kLeast * travel;
-}
-
+/// Where only one unit is possible: a machine's joint can go so far and no farther, and is not measured
+/// within a fiftieth of its travel; a workshop has 5 to 45 degC, or a kelvin scale begins above 200.
 std::optional<Unit> unitByRange(const ColumnSample& sample, const Meaning& m, const Machine& machine) {
   if (sample.numbers == 0) return std::nullopt;
   if (m.role == CsvRole::kTemperature) return temperatureByRange(sample);
@@ -44,6 +44,71 @@ std::optional<Unit> unitByRange(const ColumnSample& sample, const Meaning& m, co
   }
   return only;
 }
+
+/// How the times of a column are counted.
+struct TimeUnit {
+  Unit unit;
+  bool since1970 = false;
+};
+
+/// Of a column of numbers: by the unit that is said (empty: none), else by its range where the numbers count
+/// from 1970. Nothing where the text is no unit of time, or where there is none and the range does not tell.
+std::optional<TimeUnit> timeUnit(const ColumnSample& sample, const std::string& said) {
+  constexpr double kEarliest = 1e9, kLatest = 4e9;  // s since 1970: from 2001 to 2096
+  const auto unit = parseUnit(said, UnitKind::kTime);
+  if (!said.empty() && !unit) return std::nullopt;
+  std::optional<TimeUnit> found;
+  if (unit) found = TimeUnit{*unit, false};
+  for (const char* part : {"s", "ms", "us", "ns"}) {
+    const auto counted = parseUnit(part, UnitKind::kTime);
+    const double first = sample.lower * counted->factor, last = sample.upper * counted->factor;
+    if (first < kEarliest || last > kLatest || (unit && unit->symbol != part)) continue;
+    found = TimeUnit{*counted, true};
+  }
+  return found;
+}
+
+/// 11/21/2026: which comes first is seen where a day is above 12, else it is asked for.
+void slashed(std::size_t i, const ColumnSample& s, const ColumnMapping& mapping, ColumnFaults& faults,
+             TimeColumn& time) {
+  const std::string order = mapping.setting("date");
+  if (!order.empty() && order != "month_first" && order != "day_first")
+    faults.add(mapping.source + ":" + std::to_string(mapping.lines.at("date")) + ": date: is '" + order +
+               "', but must be month_first or day_first");
+  else if (order.empty() && s.monthFirst == s.dayFirst)
+    faults.add(i, "has dates as " + s.first +
+                      ", and whether the month or the day comes first cannot be seen; write into the mapping "
+                      "(--columns): date: month_first (or day_first)");
+  const bool month = order.empty() ? s.monthFirst : order == "month_first";
+  time.form = month ? TimeForm::kMonthFirst : TimeForm::kDayFirst;
+  time.unit = month ? "calendar, month first" : "calendar, day first";
+  time.since1970 = true;
+}
+
+void numbers(std::size_t i, const ColumnSample& s, const TableLayout& layout, const std::string& said,
+             ColumnFaults& faults, TimeColumn& time) {
+  const std::string text = !said.empty() ? said : !layout.units[i].empty() ? layout.units[i] : s.suffix;
+  if (!said.empty()) time.from = "header";
+  if (said.empty() && layout.unitsLine > 0) time.from = "line " + std::to_string(layout.unitsLine);
+  const auto unit = timeUnit(s, text);
+  if (unit) {
+    if (text.empty()) time.from = "its range: since 1970";
+    time.factor = unit->unit.factor;
+    time.unit = unit->unit.symbol;
+    time.since1970 = unit->since1970;
+  } else if (!text.empty()) {
+    faults.add(i, "is in '" + text + "', but time is " + unitsOf(UnitKind::kTime) + "; " +
+                      faults.remedy(i, "time_s"));
+  } else {
+    time.unit = "s";
+    time.from = "assumed";
+    time.notes.push_back("column " + faults.called(i) +
+                         ": times without a unit are taken as seconds; if they are not, " +
+                         faults.remedy(i, "time_ms"));
+  }
+}
+
+}  // namespace
 
 std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, const NamedUnit& named,
                                  ColumnFaults& faults, std::string& from) {
@@ -83,19 +148,22 @@ std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& m, con
   return std::nullopt;
 }
 
-std::optional<TimeUnit> timeUnit(const ColumnSample& sample, const std::string& said) {
-  constexpr double kEarliest = 1e9, kLatest = 4e9;  // s since 1970: from 2001 to 2096
-  const auto unit = parseUnit(said, UnitKind::kTime);
-  if (!said.empty() && !unit) return std::nullopt;
-  std::optional<TimeUnit> found;
-  if (unit) found = TimeUnit{*unit, false};
-  for (const char* part : {"s", "ms", "us", "ns"}) {
-    const auto counted = parseUnit(part, UnitKind::kTime);
-    const double first = sample.lower * counted->factor, last = sample.upper * counted->factor;
-    if (first < kEarliest || last > kLatest || (unit && unit->symbol != part)) continue;
-    found = TimeUnit{*counted, true};
+TimeColumn timeColumn(std::size_t i, const ColumnSample& s, const TableLayout& layout,
+                      const ColumnMapping& mapping, const std::string& said, ColumnFaults& faults) {
+  TimeColumn time;
+  if (s.calendars > 0) {
+    time.form = TimeForm::kCalendar;
+    time.unit = "calendar";
+    time.since1970 = true;
+  } else if (s.slashed > 0) {
+    slashed(i, s, mapping, faults, time);
+  } else if (s.clocks > 0) {
+    time.form = TimeForm::kClock;
+    time.unit = "time of day";
+  } else {
+    numbers(i, s, layout, said, faults, time);
   }
-  return found;
+  return time;
 }
 
 }  // namespace mm

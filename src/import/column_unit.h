@@ -1,17 +1,16 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "import/column_faults.h"
+#include "import/column_mapping.h"
 #include "import/meaning.h"
 #include "import/table_layout.h"
 #include "import/table_remarks.h"
+#include "session/csv_columns.h"
 
 namespace mm {
-
-/// Where only one unit is possible: a machine's joint can go so far and no farther, and is not measured
-/// within a fiftieth of its travel; a workshop has 5 to 45 degC, or a kelvin scale begins above 200.
-std::optional<Unit> unitByRange(const ColumnSample& sample, const Meaning& meaning, const Machine& machine);
 
 /// A column of a table, and what the table says beside it.
 struct ColumnPlace {
@@ -34,13 +33,18 @@ std::optional<Unit> unitOfColumn(const ColumnPlace& place, const Meaning& meanin
 /// Whether readings are within a joint's travel, and fill a part of it. @param factor to SI.
 bool fitsTravel(const ColumnSample& sample, double factor, const Joint& joint);
 
-/// How the times of a column are counted.
-struct TimeUnit {
-  Unit unit;
-  bool since1970 = false;
+/// How the times of a column are written, as it was understood.
+struct TimeColumn {
+  TimeForm form = TimeForm::kNumber;
+  double factor = 1.0;     // s a number
+  bool since1970 = false;  // else from a zero of its own
+  std::string unit, from;  // for people: "s", "calendar, month first"; where it is known from
+  std::vector<std::string> notes;
 };
-/// Of a column of numbers: by the unit that is said (empty: none), else by its range where the numbers count
-/// from 1970. Nothing where the text is no unit of time, or where there is none and the range does not tell.
-std::optional<TimeUnit> timeUnit(const ColumnSample& sample, const std::string& said);
+
+/// Looks at stamps, clocks, or numbers by their unit and range; what cannot be known goes to `faults`.
+/// @param said unit in the column's name, empty without.
+TimeColumn timeColumn(std::size_t column, const ColumnSample& sample, const TableLayout& layout,
+                      const ColumnMapping& mapping, const std::string& said, ColumnFaults& faults);
 
 }  // namespace mm

@@ -5,63 +5,58 @@
 
 #include "base/text.h"
 #include "import/unit.h"
-#include "session/text_file.h"
+#include "session/csv_cells.h"
 
 namespace mm {
 
-const std::map<std::string, WordClass>& wordClasses() {
-  using W = WordClass;
-  static const std::map<std::string, WordClass> kWords = [] {
-    std::map<std::string, WordClass> all;
-    const auto add = [&](WordClass c, std::initializer_list<const char*> words) {
-      for (const char* w : words) all[w] = c;
-    };
-    add(W::kTime, {"time", "timestamp", "t", "zeit", "uhrzeit", "zeitstempel", "epoch", "elapsed", "datetime",
-                   "clock", "stamp", "unixtime", "temps", "heure", "horodatage", "tempo", "tiempo", "hora"});
-    add(W::kDate, {"date", "datum", "day", "fecha"});
-    add(W::kFeature, {"feature", "ball", "balls", "sphere", "kugel", "merkmal", "artefact", "artifact",
-                      "bille", "sfera", "esfera"});
-    add(W::kDeviation, {"deviation", "dev", "abweichung", "abw", "deviations", "écart", "ecart", "scarto",
-                        "scostamento", "desviación", "desviacion"});
-    add(W::kError, {"error", "err", "fehler", "messabweichung", "erreur", "errore", "difference", "diff",
-                    "differenz", "delta", "δ", "messuhr", "feinzeiger", "comparateur"});
-    add(W::kReference, {"reference", "ref", "true", "referenz", "tracker"});
-    add(W::kStd, {"std", "sigma", "stddev", "stdev", "sd"});
-    add(W::kVelocity, {"velocity", "vel", "speed", "geschwindigkeit", "feedrate", "vorschub", "vitesse",
-                       "velocità", "velocidad"});
-    add(W::kTemperature,
-        {"temp", "temperature", "temperatur", "thermocouple", "pt100", "température", "temperatura"});
-    add(W::kSetup, {"setup", "aufstellung", "fixturing"});
-    add(W::kPlacement, {"placement", "aufspannung", "lage", "placering", "posage"});
-    add(W::kStylus, {"stylus", "styli", "taster", "tasteinsatz", "palpeur", "stilo"});
-    add(W::kRun, {"run", "cycle", "lauf", "zyklus", "pass", "durchlauf", "durchgang", "messlauf", "messreihe",
-                  "passe", "passage", "essai"});
-    add(W::kDirection,
-        {"direction", "dir", "richtung", "fahrtrichtung", "anfahrrichtung", "verfahrrichtung", "sens"});
-    add(W::kDisplay, {"anzeige", "ablesung", "affichage", "lecture", "readout", "indication"});
-    add(W::kReading, {"reading", "laser"});
-    add(W::kTarget,
-        {"target", "nominal", "soll", "sollwert", "commanded", "command", "cmd", "set", "setpoint",
-         "sollposition", "zielposition", "cible", "consigne", "théorique", "nominale", "objetivo"});
-    add(W::kMeasured, {"measured", "meas", "ist", "istwert", "istposition", "actual", "act", "indicated",
-                       "gemessen", "messwert", "mesure", "mesuré", "réel", "réelle", "mesurée", "misurato",
-                       "misurata", "medido", "medida"});
-    add(W::kIndex, {"n", "no", "nr", "index", "idx", "number", "id", "row", "pt", "point", "punkt", "seq",
-                    "i", "num", "lfd", "sample", "unnamed", "zeile", "ligne"});
-    add(W::kNote, {"note", "notes", "comment", "comments", "remark", "remarks", "operator", "bemerkung",
-                   "kommentar", "status", "prüfer", "bediener", "anmerkung", "commentaire", "remarque",
-                   "remarques", "opérateur", "operatore", "operador"});
-    add(W::kFiller, {"pos",   "position",   "axis",    "achse", "axe",   "stellung", "achsposition",
-                     "coord", "coordinate", "machine", "mcs",   "joint", "value",    "encoder",
-                     "scale", "in",         "of",      "the",   "is",    "at"});
-    return all;
-  }();
-  return kWords;
-}
+namespace {
 
-bool isA(const std::string& word, WordClass wanted) {
-  const auto known = wordClasses().find(word);
-  return known != wordClasses().end() && known->second == wanted;
+using W = WordClass;
+
+/// Words of columns in small letters: English, German, French and some more.
+constexpr std::pair<WordClass, std::string_view> kClasses[] = {
+    {W::kTime,
+     "time|timestamp|t|zeit|uhrzeit|zeitstempel|epoch|elapsed|datetime|clock|stamp|unixtime|temps|heure|"
+     "horodatage|tempo|tiempo|hora"},
+    {W::kDate, "date|datum|day|fecha"},
+    {W::kFeature, "feature|ball|balls|sphere|kugel|merkmal|artefact|artifact|bille|sfera|esfera"},
+    {W::kDeviation,
+     "deviation|dev|abweichung|abw|deviations|écart|ecart|scarto|scostamento|desviación|desviacion"},
+    {W::kError,
+     "error|err|fehler|messabweichung|erreur|errore|difference|diff|differenz|delta|δ|messuhr|feinzeiger|"
+     "comparateur"},
+    {W::kReference, "reference|ref|true|referenz|tracker"},
+    {W::kStd, "std|sigma|stddev|stdev|sd"},
+    {W::kVelocity, "velocity|vel|speed|geschwindigkeit|feedrate|vorschub|vitesse|velocità|velocidad"},
+    {W::kTemperature, "temp|temperature|temperatur|thermocouple|pt100|température|temperatura"},
+    {W::kSetup, "setup|aufstellung|fixturing"},
+    {W::kPlacement, "placement|aufspannung|lage|placering|posage"},
+    {W::kStylus, "stylus|styli|taster|tasteinsatz|palpeur|stilo"},
+    {W::kRun, "run|cycle|lauf|zyklus|pass|durchlauf|durchgang|messlauf|messreihe|passe|passage|essai"},
+    {W::kDirection, "direction|dir|richtung|fahrtrichtung|anfahrrichtung|verfahrrichtung|sens"},
+    {W::kDisplay, "anzeige|ablesung|affichage|lecture|readout|indication"},
+    {W::kReading, "reading|laser"},
+    {W::kTarget,
+     "target|nominal|soll|sollwert|commanded|command|cmd|set|setpoint|sollposition|zielposition|cible|"
+     "consigne|théorique|nominale|objetivo"},
+    {W::kMeasured,
+     "measured|meas|ist|istwert|istposition|actual|act|indicated|gemessen|messwert|mesure|mesuré|réel|réelle|"
+     "mesurée|misurato|misurata|medido|medida"},
+    {W::kIndex, "n|no|nr|index|idx|number|id|row|pt|point|punkt|seq|i|num|lfd|sample|unnamed|zeile|ligne"},
+    {W::kNote,
+     "note|notes|comment|comments|remark|remarks|operator|bemerkung|kommentar|status|prüfer|bediener|"
+     "anmerkung|commentaire|remarque|remarques|opérateur|operatore|operador"},
+    {W::kFiller,
+     "pos|position|axis|achse|axe|stellung|achsposition|coord|coordinate|machine|mcs|joint|value|encoder|"
+     "scale|in|of|the|is|at"},
+};
+
+}  // namespace
+
+std::optional<WordClass> classOf(std::string_view word) {
+  for (const auto& [known, words] : kClasses)
+    if (isOneOf(word, words)) return known;
+  return std::nullopt;
 }
 
 namespace {
@@ -77,7 +72,7 @@ std::size_t unitCut(const std::string& name) {
 bool saysTime(const std::string& name) {
   const std::vector<std::string> words = wordsOf(name);
   return std::any_of(words.begin(), words.end(),
-                     [](const std::string& word) { return isA(word, WordClass::kTime); });
+                     [](const std::string& word) { return classOf(word) == WordClass::kTime; });
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,11 +31,8 @@ enum class WordClass {
   kFiller
 };
 
-/// Words of columns in small letters: English, German, French and some more.
-const std::map<std::string, WordClass>& wordClasses();
-
-/// Whether a word (in small letters) is of a class.
-bool isA(const std::string& word, WordClass wanted);
+/// The class of a word in small letters: English, German, French and some more. Nothing: it is in none.
+std::optional<WordClass> classOf(std::string_view word);
 
 /// A column's name without its unit, and the unit: `X [mm]`, `x_mm`, `Temp (°C)`, `enc1/um`.
 struct NameAndUnit {

@@ -23,9 +23,8 @@ std::pair<std::set<WordClass>, int> NameReader::classesOf(const std::vector<std:
   const std::vector<std::string> own = wordsOf(taken);
   for (const std::string& word : words) {
     if (std::find(own.begin(), own.end(), word) != own.end()) continue;
-    const auto known = wordClasses().find(word);
-    if (known != wordClasses().end()) {
-      classes.insert(known->second);
+    if (const auto known = classOf(word)) {
+      classes.insert(*known);
     } else if (!splitWord(word, classes, joint) && rest != nullptr) {
       rest->push_back(word);
     }
@@ -41,12 +40,12 @@ bool NameReader::splitWord(const std::string& word, std::set<WordClass>& classes
       if (word.size() <= name.size()) continue;
       const std::string other = before ? word.substr(name.size()) : word.substr(0, word.size() - name.size());
       if ((before ? word.substr(0, name.size()) : word.substr(other.size())) != name) continue;
-      const auto known = wordClasses().find(other);
+      const auto known = classOf(other);
       const bool v = !before && other == "v", d = !before && (other == "d" || other == "δ");
-      if (!v && !d && (known == wordClasses().end() || other.size() < 3)) continue;
+      if (!v && !d && (!known || other.size() < 3)) continue;
       if (joint >= 0 && joint != j) continue;
       joint = j;
-      classes.insert(v ? WordClass::kVelocity : d ? WordClass::kError : known->second);
+      classes.insert(v ? WordClass::kVelocity : d ? WordClass::kError : *known);
       return true;
     }
   }
@@ -129,7 +128,7 @@ std::optional<Meaning> NameReader::byWords(const std::string& stem, const std::o
 Meaning NameReader::temperature(const std::vector<std::string>& words) const {
   std::string name;
   for (const std::string& w : words) {
-    if (isA(w, WordClass::kTemperature)) continue;
+    if (classOf(w) == WordClass::kTemperature) continue;
     std::string plain;
     for (const char c : w)
       if (std::isalnum(static_cast<unsigned char>(c)) != 0) plain += c;
@@ -144,8 +143,7 @@ std::optional<Meaning> NameReader::covariate(const std::string& name, NameAndUni
   if (unit || sample.texts > 0) return std::nullopt;
   if (split.unitText.empty()) {  // any last word may be a unit, as in the package's own format
     const std::size_t cut = name.rfind('_');
-    if (cut == std::string::npos || cut == 0 || wordClasses().count(lower(name.substr(cut + 1))) > 0)
-      return std::nullopt;
+    if (cut == std::string::npos || cut == 0 || classOf(lower(name.substr(cut + 1)))) return std::nullopt;
     split = {name.substr(0, cut), name.substr(cut + 1)};
   }
   try {

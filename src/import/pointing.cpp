@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/range.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
@@ -101,8 +102,7 @@ class TPointReader {
     for (int k = 0; k < 2; ++k) {
       o.position[k] = sign_[k] * (k == 0 ? wrapped(telescope[k]) : telescope[k]);
       o.deviation[k] = sign_[k] * wrapped(star[k] - telescope[k]);
-      range_[k].first = std::min(range_[k].first, telescope[k] / kDegree);
-      range_[k].second = std::max(range_[k].second, telescope[k] / kDegree);
+      range_[k].add(telescope[k] / kDegree);
     }
     session.observations.push_back(std::move(o));
   }
@@ -155,14 +155,14 @@ class TPointReader {
       context_.imported.columns.push_back(
           {std::string("telescope's ") + names[k],
            "reading of joint " + context_.machine.joints()[k].name + (sign_[k] < 0.0 ? ", sign changed" : ""),
-           "deg", range_[k].first, range_[k].second, "", ""});
+           "deg", range_[k].lower, range_[k].upper, "", ""});
     }
     context_.note("deviation = star minus telescope (true minus indicated); no times: the order of the rows");
   }
 
   ImportContext& context_;
   double sign_[2] = {1.0, 1.0};
-  std::pair<double, double> range_[2] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
+  Range range_[2];  // deg
   bool equatorial_ = false;
 };
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/format.h"
+#include "base/range.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "import/column_words.h"
@@ -72,7 +72,7 @@ bool isTarget(const std::string& name) {
 bool isDeviationOrDirection(const std::string& name) {
   const auto words = wordsOf(name);
   return std::any_of(words.begin(), words.end(), [](const std::string& word) {
-    return isA(word, WordClass::kDeviation) || isA(word, WordClass::kDirection);
+    return classOf(word) == WordClass::kDeviation || classOf(word) == WordClass::kDirection;
   });
 }
 
@@ -176,13 +176,13 @@ class PositioningReader {
 
   /// Positions follow their targets; deviations do not.
   bool arePositions() const {
-    double low = INFINITY, high = -INFINITY, off = 0.0;
+    Range targets;
+    double off = 0.0;
     for (const Cell& c : cells_) {
-      low = std::min(low, c.target);
-      high = std::max(high, c.target);
+      targets.add(c.target);
       off = std::max(off, std::abs(c.value - c.target));
     }
-    return high > low && off < 0.02 * (high - low);
+    return targets.size() > 0.0 && off < 0.02 * targets.size();
   }
 
   bool units() {

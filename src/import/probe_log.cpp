@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/range.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "import/record_table.h"
@@ -228,9 +229,8 @@ class BedSession {
     Session session = emptySession(context_);
     const bool stamped = clocked();
     if (stamped && touches_.front().calendar) session.epoch = secondsBetween(0, *touches_.front().stamp);
-    const auto [lowest, highest] = std::minmax_element(
-        touches_.begin(), touches_.end(), [](const Touch& a, const Touch& b) { return a.z < b.z; });
-    const double low = lowest->z, high = highest->z;
+    Range heights;
+    for (const Touch& t : touches_) heights.add(t.z);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
       const Touch& t = touches_[i];
       Observation o =
@@ -240,16 +240,16 @@ class BedSession {
       o.position[y_] = t.y * kMillimetre;
       // the surface is at one height, and z stands there at every touch: what it reads, with the sign
       // changed, is true minus indicated, and not a way that it went
-      o.position[z_] = 0.5 * (low + high) * kMillimetre;
+      o.position[z_] = 0.5 * (heights.lower + heights.upper) * kMillimetre;
       o.deviation[z_] = -t.z * kMillimetre;
       if (!std::isnan(t.speed)) o.velocity[z_] = -t.speed * kMillimetre;
       o.travel[z_] = -1.0;  // a probe touches on its way down
       o.setup = setupIndex(session, flat ? "bed" : format("bed at %.3f,%.3f", t.x, t.y));
       session.observations.push_back(std::move(o));
     }
-    context_.imported.columns.push_back({"z at the trigger",
-                                         "with its sign changed the deviation of z from the bed", "mm", low,
-                                         high, format("%.6g", touches_.front().z), ""});
+    context_.imported.columns.push_back(
+        {"z at the trigger", "with its sign changed the deviation of z from the bed", "mm", heights.lower,
+         heights.upper, format("%.6g", touches_.front().z), ""});
     if (flat)
       context_.note(
           "the bed is taken as flat, its height as unknown: its tilt shows as squareness of z to x and y, "

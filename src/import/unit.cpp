@@ -1,67 +1,61 @@
 #include "import/unit.h"
 
 #include <cctype>
-#include <vector>
 
 #include "base/text.h"
 #include "base/units.h"
-#include "session/text_file.h"
+#include "session/csv_cells.h"
 
 namespace mm {
 namespace {
 
 constexpr double kInch = 25.4e-3;
 
+using K = UnitKind;
+
 struct Named {
-  Unit unit;
-  std::vector<const char*> names;  // normalised
+  UnitKind kind;
+  double factor, offset;
+  const char* symbol;
+  std::string_view names;  // normalised
 };
 
-const std::vector<Named>& units() {
-  const auto u = [](UnitKind kind, double factor, const char* symbol, double offset = 0.0) {
-    return Unit{kind, factor, offset, symbol};
-  };
-  static const std::vector<Named> kAll = {
-      {u(UnitKind::kLength, kMillimetre, "mm"),
-       {"mm", "millimetre", "millimetres", "millimeter", "millimeters"}},
-      {u(UnitKind::kLength, kMicrometre, "um"),
-       {"um", "micron", "microns", "micrometre", "micrometres", "micrometer", "micrometers", "mikrometer"}},
-      {u(UnitKind::kLength, 1e-9, "nm"), {"nm", "nanometre", "nanometres", "nanometer", "nanometers"}},
-      {u(UnitKind::kLength, 1e-2, "cm"), {"cm"}},
-      {u(UnitKind::kLength, 1.0, "m"), {"m", "metre", "metres", "meter", "meters"}},
-      {u(UnitKind::kLength, kInch, "inch"), {"inch", "in", "inches", "zoll", "\""}},
-      {u(UnitKind::kLength, kInch * 1e-6, "uin"), {"uin", "uinch", "microinch", "microinches", "mikrozoll"}},
-      {u(UnitKind::kLength, kInch * 1e-3, "mil"), {"mil", "mils", "thou"}},
-      {u(UnitKind::kAngle, kDegree, "deg"), {"deg", "degs", "degree", "degrees"}},
-      {u(UnitKind::kAngle, 1.0, "rad"), {"rad", "radian", "radians"}},
-      {u(UnitKind::kAngle, 1e-3, "mrad"), {"mrad", "milliradian", "milliradians"}},
-      {u(UnitKind::kAngle, 1e-6, "urad"), {"urad", "microradian", "microradians"}},
-      {u(UnitKind::kAngle, kArcsecond, "arcsec"),
-       {"arcsec", "arcsecs", "arcsecond", "arcseconds", "asec", "\""}},
-      {u(UnitKind::kAngle, 60.0 * kArcsecond, "arcmin"),
-       {"arcmin", "arcmins", "arcminute", "arcminutes", "amin", "'"}},
-      {u(UnitKind::kTime, 1.0, "s"), {"s", "sec", "secs", "second", "seconds", "sek", "sekunden"}},
-      {u(UnitKind::kTime, 1e-3, "ms"), {"ms", "msec", "millisecond", "milliseconds"}},
-      {u(UnitKind::kTime, 1e-6, "us"), {"us", "usec", "microsecond", "microseconds"}},
-      {u(UnitKind::kTime, 1e-9, "ns"), {"ns", "nsec", "nanosecond", "nanoseconds"}},
-      {u(UnitKind::kTime, 60.0, "min"), {"min", "mins", "minute", "minutes", "m"}},
-      {u(UnitKind::kTime, 3600.0, "h"), {"h", "hr", "hrs", "hour", "hours", "std"}},
-      {u(UnitKind::kTemperature, 1.0, "degC"), {"degc", "c", "celsius"}},
-      {u(UnitKind::kTemperature, 1.0, "K", -273.15), {"k", "degk", "kelvin"}},
-      {u(UnitKind::kTemperature, 1.0 / 1.8, "degF", -32.0 / 1.8), {"degf", "f", "fahrenheit"}},
-      {u(UnitKind::kSpeed, kMillimetre, "mm/s"), {"mm/s", "mm_s", "mm/sec"}},
-      {u(UnitKind::kSpeed, kMillimetre / 60.0, "mm/min"), {"mm/min", "mm_min"}},
-      {u(UnitKind::kSpeed, 1.0, "m/s"), {"m/s", "m_s"}},
-      {u(UnitKind::kSpeed, 1.0 / 60.0, "m/min"), {"m/min", "m_min"}},
-      {u(UnitKind::kSpeed, kMicrometre, "um/s"), {"um/s", "um_s"}},
-      {u(UnitKind::kSpeed, kInch, "inch/s"), {"in/s", "inch/s", "in_s", "inch_s", "ips"}},
-      {u(UnitKind::kSpeed, kInch / 60.0, "inch/min"), {"in/min", "inch/min", "in_min", "inch_min", "ipm"}},
-      {u(UnitKind::kTurning, kDegree, "deg/s"), {"deg/s", "deg_s"}},
-      {u(UnitKind::kTurning, 1.0, "rad/s"), {"rad/s", "rad_s"}},
-      {u(UnitKind::kTurning, 2.0 * kPi / 60.0, "rpm"), {"rpm", "1/min", "rev/min"}},
-  };
-  return kAll;
-}
+constexpr Named kUnits[] = {
+    {K::kLength, kMillimetre, 0.0, "mm", "mm|millimetre|millimetres|millimeter|millimeters"},
+    {K::kLength, kMicrometre, 0.0, "um",
+     "um|micron|microns|micrometre|micrometres|micrometer|micrometers|mikrometer"},
+    {K::kLength, 1e-9, 0.0, "nm", "nm|nanometre|nanometres|nanometer|nanometers"},
+    {K::kLength, 1e-2, 0.0, "cm", "cm"},
+    {K::kLength, 1.0, 0.0, "m", "m|metre|metres|meter|meters"},
+    {K::kLength, kInch, 0.0, "inch", "inch|in|inches|zoll|\""},
+    {K::kLength, kInch * 1e-6, 0.0, "uin", "uin|uinch|microinch|microinches|mikrozoll"},
+    {K::kLength, kInch * 1e-3, 0.0, "mil", "mil|mils|thou"},
+    {K::kAngle, kDegree, 0.0, "deg", "deg|degs|degree|degrees"},
+    {K::kAngle, 1.0, 0.0, "rad", "rad|radian|radians"},
+    {K::kAngle, 1e-3, 0.0, "mrad", "mrad|milliradian|milliradians"},
+    {K::kAngle, 1e-6, 0.0, "urad", "urad|microradian|microradians"},
+    {K::kAngle, kArcsecond, 0.0, "arcsec", "arcsec|arcsecs|arcsecond|arcseconds|asec|\""},
+    {K::kAngle, 60.0 * kArcsecond, 0.0, "arcmin", "arcmin|arcmins|arcminute|arcminutes|amin|'"},
+    {K::kTime, 1.0, 0.0, "s", "s|sec|secs|second|seconds|sek|sekunden"},
+    {K::kTime, 1e-3, 0.0, "ms", "ms|msec|millisecond|milliseconds"},
+    {K::kTime, 1e-6, 0.0, "us", "us|usec|microsecond|microseconds"},
+    {K::kTime, 1e-9, 0.0, "ns", "ns|nsec|nanosecond|nanoseconds"},
+    {K::kTime, 60.0, 0.0, "min", "min|mins|minute|minutes|m"},
+    {K::kTime, 3600.0, 0.0, "h", "h|hr|hrs|hour|hours|std"},
+    {K::kTemperature, 1.0, 0.0, "degC", "degc|c|celsius"},
+    {K::kTemperature, 1.0, -273.15, "K", "k|degk|kelvin"},
+    {K::kTemperature, 1.0 / 1.8, -32.0 / 1.8, "degF", "degf|f|fahrenheit"},
+    {K::kSpeed, kMillimetre, 0.0, "mm/s", "mm/s|mm_s|mm/sec"},
+    {K::kSpeed, kMillimetre / 60.0, 0.0, "mm/min", "mm/min|mm_min"},
+    {K::kSpeed, 1.0, 0.0, "m/s", "m/s|m_s"},
+    {K::kSpeed, 1.0 / 60.0, 0.0, "m/min", "m/min|m_min"},
+    {K::kSpeed, kMicrometre, 0.0, "um/s", "um/s|um_s"},
+    {K::kSpeed, kInch, 0.0, "inch/s", "in/s|inch/s|in_s|inch_s|ips"},
+    {K::kSpeed, kInch / 60.0, 0.0, "inch/min", "in/min|inch/min|in_min|inch_min|ipm"},
+    {K::kTurning, kDegree, 0.0, "deg/s", "deg/s|deg_s"},
+    {K::kTurning, 1.0, 0.0, "rad/s", "rad/s|rad_s"},
+    {K::kTurning, 2.0 * kPi / 60.0, 0.0, "rpm", "rpm|1/min|rev/min"},
+};
 
 void replaceAll(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
@@ -88,12 +82,9 @@ std::string normalised(std::string_view text) {
 
 std::optional<Unit> parseUnit(std::string_view text, std::optional<UnitKind> kind) {
   const std::string name = normalised(text);
-  if (name.empty()) return std::nullopt;
-  for (const Named& n : units()) {
-    if (kind && n.unit.kind != *kind) continue;
-    for (const char* known : n.names)
-      if (name == known) return n.unit;
-  }
+  for (const Named& n : kUnits)
+    if ((!kind || n.kind == *kind) && isOneOf(name, n.names))
+      return Unit{n.kind, n.factor, n.offset, n.symbol};
   return std::nullopt;
 }
 

@@ -22,6 +22,16 @@ double trimmed(std::vector<double> values) {
   return std::sqrt(sum / static_cast<double>(kept));
 }
 
+/// What is left between points (columns, m), where `from` may be moved if it is free. @param turn gets by how
+/// much it was turned, rad.
+Eigen::Matrix3Xd misfit(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, bool free, double& turn) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  if (free) rigidMotion(from, to, rotation, translation);
+  turn = Eigen::AngleAxisd(rotation).angle();
+  return to - ((rotation * from).colwise() + translation);
+}
+
 }  // namespace
 
 Geometry::Geometry(const Session& session) : session_(session), of_(session.artifact.features.size()) {
@@ -105,11 +115,7 @@ double Geometry::layout(const std::vector<Eigen::Vector3d>& centres, const std::
   constexpr Eigen::Index kLayout = 3;
   if (from.cols() < (free ? kLayout : 1)) return 0.0;
   turned.cap = INFINITY;  // the layout says how large everything is
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-  if (free) rigidMotion(from, to, rotation, translation);
-  turned.turn = Eigen::AngleAxisd(rotation).angle();
-  const Eigen::Matrix3Xd off = to - ((rotation * from).colwise() + translation);
+  const Eigen::Matrix3Xd off = misfit(from, to, free, turned.turn);
   return std::sqrt(off.squaredNorm() / static_cast<double>(off.size()));
 }
 
@@ -141,10 +147,8 @@ double Geometry::positions(const Readings& change) const {
     from.col(static_cast<Eigen::Index>(i)) = positions_[i]->reference;
     to.col(static_cast<Eigen::Index>(i)) = tipOf(*positions_[i], change);
   }
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-  if (session_.poseFree(placement_)) rigidMotion(from, to, rotation, translation);
-  const Eigen::Matrix3Xd off = to - ((rotation * from).colwise() + translation);
+  double turn = 0.0;
+  const Eigen::Matrix3Xd off = misfit(from, to, session_.poseFree(placement_), turn);
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < off.cols(); ++i) distances.push_back(off.col(i).norm());
   return trimmed(std::move(distances)) / std::sqrt(3.0);

@@ -24,33 +24,21 @@ bool known(const YamlMapping& m, const std::string& key) {
   return value == "known";
 }
 
-Feature readBall(const YamlMapping& m) {
-  Feature ball;
-  ball.kind = FeatureKind::kBall;
-  ball.name = m.text("name");
-  ball.known = known(m, "centre");
-  // A free centre without a start value gets one from its contacts (Session::prepare).
-  if (ball.known || m.has("centre_mm"))
-    ball.position = m.vector("centre_mm", kMillimetre);
+/// A ball or a point, whose place is called `centre` or `position`. Free without a start value it gets one
+/// from its contacts (Session::prepare).
+Feature readFeature(const YamlMapping& m, FeatureKind kind, const std::string& place) {
+  Feature feature;
+  feature.kind = kind;
+  feature.name = m.text("name");
+  feature.known = known(m, place);
+  if (feature.known || m.has(place + "_mm"))
+    feature.position = m.vector(place + "_mm", kMillimetre);
   else
-    ball.position.setConstant(kNotMeasured);
-  ball.radius = size(m, "radius_mm", kMillimetre, true);
-  if (m.has("radius_std_um")) ball.radiusStd = size(m, "radius_std_um", kMicrometre, false);
-  if (m.has("centre_std_um")) ball.positionStd = size(m, "centre_std_um", kMicrometre, false);
-  return ball;
-}
-
-Feature readPoint(const YamlMapping& m) {
-  Feature point;
-  point.kind = FeatureKind::kPoint;
-  point.name = m.text("name");
-  point.known = known(m, "position");
-  if (point.known || m.has("position_mm"))
-    point.position = m.vector("position_mm", kMillimetre);
-  else
-    point.position.setConstant(kNotMeasured);
-  if (m.has("position_std_um")) point.positionStd = size(m, "position_std_um", kMicrometre, false);
-  return point;
+    feature.position.setConstant(kNotMeasured);
+  if (kind == FeatureKind::kBall) feature.radius = size(m, "radius_mm", kMillimetre, true);
+  if (m.has("radius_std_um")) feature.radiusStd = size(m, "radius_std_um", kMicrometre, false);
+  if (m.has(place + "_std_um")) feature.positionStd = size(m, place + "_std_um", kMicrometre, false);
+  return feature;
 }
 
 void readFeatures(const YamlMapping& file, const std::string& source, FeatureKind kind, Artifact& artifact) {
@@ -59,13 +47,12 @@ void readFeatures(const YamlMapping& file, const std::string& source, FeatureKin
   if (!file.has(key)) return;
   const YAML::Node list = file.node(key);
   if (!list.IsSequence()) file.fail(key, "must be a list");
-  const std::vector<std::string> known =
-      ball ? std::vector<std::string>{"name",      "centre_mm",     "centre",
-                                      "radius_mm", "radius_std_um", "centre_std_um"}
-           : std::vector<std::string>{"name", "position_mm", "position", "position_std_um"};
+  const std::string place = ball ? "centre" : "position";
+  std::vector<std::string> known = {"name", place + "_mm", place, place + "_std_um"};
+  if (ball) known = {"name", "centre_mm", "centre", "radius_mm", "radius_std_um", "centre_std_um"};
   for (const YAML::Node& node : list) {
     const YamlMapping m(node, source, ball ? "a ball" : "a point", known);
-    Feature feature = ball ? readBall(m) : readPoint(m);
+    Feature feature = readFeature(m, kind, place);
     if (artifact.findFeature(feature.name) >= 0)
       m.fail("name",
              "'" + feature.name + "' is taken by another ball or point; each needs a name of its own");

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/dense.h"
+#include "base/range.h"
 #include "machine/linear_inverse.h"
 #include "session/geometric_start.h"
 
@@ -36,17 +37,16 @@ class TravelMaker {
     missing_.assign(joints_, 1);
     tolerance_.assign(joints_, 0.0);
     for (int j = 0; j < joints_; ++j) {
-      double low = INFINITY, high = -INFINITY;
-      bool known = false,
-           stoodAlways = true;  // a velocity of zero at each reading says nothing of its travel
+      Range range;
+      // a velocity of zero at each reading says nothing of its travel
+      bool known = false, stoodAlways = true;
       for (const Observation& o : session.observations) {
         known |= o.travel[j] != 0.0 || !std::isnan(o.velocity[j]);
         stoodAlways &= o.travel[j] == 0.0 && o.velocity[j] == 0.0;
-        low = std::min(low, o.position[j]);
-        high = std::max(high, o.position[j]);
+        range.add(o.position[j]);
       }
-      tolerance_[j] = std::min(kSameTarget, kOfRange * (high - low));
-      if (known && !(stoodAlways && high > low)) missing_[j] = 0;
+      tolerance_[j] = std::min(kSameTarget, kOfRange * range.size());
+      if (known && !(stoodAlways && range.size() > 0.0)) missing_[j] = 0;
     }
   }
 

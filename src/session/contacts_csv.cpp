@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/numbered_names.h"
 #include "base/text.h"
@@ -79,8 +80,7 @@ class FeatureNames {
   /// Why a name that is not found is refused, with the remedy.
   std::string fault(std::string_view name) const {
     const std::string key = renamed(name);
-    std::vector<std::string> names;
-    for (const Feature& f : artifact_.features) names.push_back(f.name);
+    const std::vector<std::string> names = allNames(artifact_.features);
     return "feature '" + key + "' is not in artifact '" + artifact_.name + "'" + didYouMean(key, names) +
            (form_.own ? ""
                       : "; if it is one of them, write into the mapping: features: {" + key + ": " +
@@ -370,8 +370,7 @@ class TableReader {
   }
 
   std::string stylusFault(std::string_view cell) const {
-    std::vector<std::string> known;
-    for (const Stylus& s : session_.artifact.styli) known.push_back(s.name);
+    const std::vector<std::string> known = allNames(session_.artifact.styli);
     return "stylus '" + std::string(cell) + "' is not in the artifact file" +
            (known.empty()
                 ? "; name it there: probe: {styli: [{name: " + std::string(cell) + ", tip_radius_mm: …}, …]}"

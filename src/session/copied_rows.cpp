@@ -11,40 +11,33 @@
 namespace mm {
 namespace {
 
-bool sameNumber(double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }
+/// How much of a row is compared.
+enum class Content {
+  kMeasured,  // readings and what was measured there
+  kWritten,   // with velocities, the setup, stated uncertainties
+  kWhole      // with the approach and what was logged beside
+};
 
-bool sameNumbers(const std::vector<double>& x, const std::vector<double>& y) {
-  return std::equal(x.begin(), x.end(), y.begin(), y.end(), sameNumber);
-}
-
-bool sameRow(const Observation& a, const Observation& b) {
-  bool reference = true;
-  for (int k = 0; k < 3; ++k) reference = reference && sameNumber(a.reference[k], b.reference[k]);
-  return a.kind == b.kind && a.feature == b.feature && a.setup == b.setup && a.placement == b.placement &&
-         a.stylus == b.stylus && a.time == b.time && reference && sameNumber(a.length, b.length) &&
-         sameNumber(a.laserReading, b.laserReading) && sameNumbers(a.position, b.position) &&
-         sameNumbers(a.velocity, b.velocity) && sameNumbers(a.deviation, b.deviation) &&
-         sameNumbers(a.deviationStd, b.deviationStd);
-}
-
-/// All that was measured in a row, to the bit, but its time.
-std::vector<double> contentOf(const Session& session, const Observation& o, bool whole) {
+/// What is in a row, to the bit, but its time.
+std::vector<double> contentOf(const Session& session, const Observation& o, Content much) {
   std::vector<double> content;
   const auto add = [&](double v) { content.push_back(std::isnan(v) ? INFINITY : v); };
-  for (const auto* values : {&o.position, &o.deviation})
-    for (const double v : *values) add(v);
+  const auto addAll = [&](const auto& values) {
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(values.size()); ++i) add(values[i]);
+  };
+  addAll(o.position);
+  addAll(o.deviation);
   add(static_cast<double>(o.kind));
-  add(o.feature);
-  add(o.placement);
-  add(o.stylus);
+  for (const int index : {o.feature, o.placement, o.stylus}) add(index);
   add(o.laserReading);
   add(o.length);
-  for (int k = 0; k < 3; ++k) add(o.reference[k]);
-  if (!whole) return content;
+  addAll(o.reference);
+  if (much == Content::kMeasured) return content;
   add(o.setup);
-  for (const auto* values : {&o.velocity, &o.deviationStd})
-    for (const double v : *values) add(v);
-  for (int k = 0; k < 3; ++k) add(o.approach[k]);
+  addAll(o.velocity);
+  addAll(o.deviationStd);
+  if (much == Content::kWritten) return content;
+  addAll(o.approach);
   for (const auto* all : {&session.temperatures, &session.covariates})
     for (const Series& series : *all) add(series.at(o.time));
   return content;
@@ -114,7 +107,8 @@ std::vector<RepeatedStretch> repeatedStretches(const Session& session, std::size
     if (now.length >= least && now.distance >= least) stretches.push_back(now);
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto [found, isNew] = last.emplace(contentOf(session, all[i], whole), i);
+    const auto [found, isNew] =
+        last.emplace(contentOf(session, all[i], whole ? Content::kWhole : Content::kMeasured), i);
     const std::size_t distance = isNew ? 0 : i - found->second;
     found->second = i;
     if (distance == 0 || distance != now.distance) {
@@ -131,15 +125,15 @@ std::vector<CopiedRow> copiedRows(const Session& session) {
   const auto& all = session.observations;
   std::vector<CopiedRow> copies;
   const auto is = [&](std::size_t i) { return "is " + session.rowText(all[i].row, all[i].recording); };
-  std::vector<std::size_t> kept;  // of the time of the row at hand
+  const auto together = [&](std::size_t i) { return all[i].time == all[i - 1].time; };
+  std::map<std::vector<double>, std::size_t> kept;  // rows of the time at hand, by what is in them
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!kept.empty() && all[kept.front()].time != all[i].time) kept.clear();
-    const auto same =
-        std::find_if(kept.begin(), kept.end(), [&](std::size_t k) { return sameRow(all[k], all[i]); });
-    if (same == kept.end())
-      kept.push_back(i);
-    else
-      copies.push_back({i, is(*same) + " once more, to the same time and the last digit; it counts once"});
+    if (i > 0 && !together(i)) kept.clear();
+    if (kept.empty() && (i + 1 == all.size() || !together(i + 1))) continue;
+    const auto [same, isNew] = kept.emplace(contentOf(session, all[i], Content::kWritten), i);
+    if (!isNew)
+      copies.push_back(
+          {i, is(same->second) + " once more, to the same time and the last digit; it counts once"});
   }
   // Nothing that is measured repeats itself so.
   constexpr std::size_t kPasted = 10;

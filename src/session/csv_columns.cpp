@@ -9,44 +9,77 @@
 #include "base/nearest_name.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
 
 using Known = std::map<std::string, CsvColumn>;
+using Q = RoleQuantity;
+
+constexpr RoleFacts kRoles[] = {
+    {CsvRole::kTime, Q::kTime, "time_s", "time"},
+    {CsvRole::kPosition, Q::kReadingOfJoint, "%_mm", "reading of joint %"},
+    {CsvRole::kVelocity, Q::kSpeedOfJoint, "%_velocity_mm_s", "velocity of joint %"},
+    {CsvRole::kReading, Q::kLength, "reading_mm", "laser's reading"},
+    {CsvRole::kFeature, Q::kNone, "feature", "ball or point touched"},
+    {CsvRole::kReference, Q::kLength, "reference_%_mm", "true position %"},
+    {CsvRole::kLength, Q::kLength, "length_mm", "length from a feature to the tip"},
+    {CsvRole::kDeviation, Q::kErrorOfJoint, "deviation_%_um", "deviation of %"},
+    {CsvRole::kDeviationStd, Q::kErrorOfJoint, "deviation_%_std_um", "std of the deviation of %"},
+    {CsvRole::kSetup, Q::kNone, "setup", "setup"},
+    {CsvRole::kPlacement, Q::kNone, "placement", "placement"},
+    {CsvRole::kStylus, Q::kNone, "stylus", "stylus"},
+    {CsvRole::kTemperature, Q::kTemperature, "%_degC", "temperature %"},
+    {CsvRole::kCovariate, Q::kNone, "%", "covariate %"},
+    {CsvRole::kDate, Q::kNone, "date", "day of the time"},
+    {CsvRole::kMeasured, Q::kReadingOfJoint, "measured_%_mm", "position of % by an instrument"},
+    {CsvRole::kDirection, Q::kNone, "direction_%", "direction of travel of %"},
+    {CsvRole::kIgnored, Q::kNone, "ignore", "left out: %"},
+};
+
+bool ofJoint(CsvRole role) {
+  const Q q = factsOf(role).quantity;
+  return q == Q::kReadingOfJoint || q == Q::kErrorOfJoint || q == Q::kSpeedOfJoint ||
+         role == CsvRole::kDirection;
+}
+
+std::string replaced(std::string text, std::string_view what, std::string_view with) {
+  const std::size_t at = text.find(what);
+  return at == std::string::npos ? text : text.replace(at, what.size(), with);
+}
+
+/// A text of a role with the name of its joint, of its component, or the one given.
+std::string named(const char* text, CsvRole role, int index, const std::string& name,
+                  const Machine& machine) {
+  const bool joint = ofJoint(role);
+  return replaced(text, "%",
+                  joint                         ? machine.joints()[index].name
+                  : role == CsvRole::kReference ? std::string(1, "xyz"[index])
+                                                : name);
+}
+
+double factorOf(CsvRole role, int index, const Machine& machine) {
+  const Q quantity = factsOf(role).quantity;
+  if (quantity == Q::kErrorOfJoint) return errorUnit(machine.joints()[index]).factor;
+  if (ofJoint(role)) return readingUnit(machine.joints()[index]).factor;
+  return quantity == Q::kLength ? kMillimetre : 1.0;
+}
 
 /// Every column whose name is fixed by the machine.
 Known knownColumns(const Machine& machine) {
   Known known;
-  const auto add = [&](const std::string& header, CsvRole role, int index, double factor) {
-    CsvColumn column;
-    column.role = role;
-    column.index = index;
-    column.factor = factor;
-    column.header = header;
-    known[header] = column;
-  };
-  add("time_s", CsvRole::kTime, 0, 1.0);
-  add("reading_mm", CsvRole::kReading, 0, kMillimetre);
-  add("feature", CsvRole::kFeature, 0, 1.0);
-  add("setup", CsvRole::kSetup, 0, 1.0);
-  add("placement", CsvRole::kPlacement, 0, 1.0);
-  add("stylus", CsvRole::kStylus, 0, 1.0);
-  add("length_mm", CsvRole::kLength, 0, kMillimetre);
-  add("reference_x_mm", CsvRole::kReference, 0, kMillimetre);
-  add("reference_y_mm", CsvRole::kReference, 1, kMillimetre);
-  add("reference_z_mm", CsvRole::kReference, 2, kMillimetre);
-  for (int j = 0; j < machine.jointCount(); ++j) {
-    const Joint& joint = machine.joints()[j];
-    const bool linear = joint.kind == JointKind::kLinear;
-    const std::string unit = linear ? "mm" : "deg";
-    const double factor = linear ? kMillimetre : kDegree;
-    const std::string small = linear ? "um" : "arcsec";
-    const double smallFactor = linear ? kMicrometre : kArcsecond;
-    add(joint.name + "_" + unit, CsvRole::kPosition, j, factor);
-    add(joint.name + "_velocity_" + unit + "_s", CsvRole::kVelocity, j, factor);
-    add("deviation_" + joint.name + "_" + small, CsvRole::kDeviation, j, smallFactor);
-    add("deviation_" + joint.name + "_std_" + small, CsvRole::kDeviationStd, j, smallFactor);
+  for (const RoleFacts& facts : kRoles) {
+    if (facts.role == CsvRole::kTemperature) break;  // from there on names are free, or not of the format
+    const int count = ofJoint(facts.role) ? machine.jointCount() : facts.role == CsvRole::kReference ? 3 : 1;
+    for (int k = 0; k < count; ++k) {
+      CsvColumn column;
+      column.role = facts.role;
+      column.index = k;
+      column.factor = factorOf(facts.role, k, machine);
+      column.header = columnName(facts.role, k, "", machine);
+      known[column.header] = column;
+    }
   }
   return known;
 }
@@ -126,6 +159,22 @@ CsvColumn openColumn(const std::string& header, const Known& known, const std::s
 }
 
 }  // namespace
+
+const RoleFacts& factsOf(CsvRole role) {
+  return *std::find_if(std::begin(kRoles), std::end(kRoles),
+                       [&](const RoleFacts& f) { return f.role == role; });
+}
+
+std::string columnName(CsvRole role, int index, const std::string& name, const Machine& machine) {
+  std::string column = factsOf(role).column;
+  if (ofJoint(role) && machine.joints()[index].kind == JointKind::kRotary)
+    column = replaced(replaced(column, "_mm", "_deg"), "_um", "_arcsec");
+  return named(column.c_str(), role, index, name, machine);
+}
+
+std::string roleText(CsvRole role, int index, const std::string& name, const Machine& machine) {
+  return named(factsOf(role).meaning, role, index, name, machine);
+}
 
 std::vector<std::string> fixedColumns(const Machine& machine) { return namesOf(knownColumns(machine)); }
 

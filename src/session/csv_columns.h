@@ -7,7 +7,7 @@
 
 namespace mm {
 
-/// What a column of the import format holds.
+/// What a column of a table holds.
 enum class CsvRole {
   kTime,
   kPosition,
@@ -42,6 +42,31 @@ struct CsvColumn {
   TimeForm timeForm = TimeForm::kNumber;
   std::string suffix;  // behind the number in each cell: "mm"
 };
+
+/// What the number in a column is.
+enum class RoleQuantity {
+  kNone,
+  kTime,
+  kLength,
+  kTemperature,
+  kReadingOfJoint,
+  kErrorOfJoint,
+  kSpeedOfJoint
+};
+
+/// What is known of a role, whatever a file calls its columns. In both texts % stands for the joint, for x, y
+/// or z, or for the name of what was logged; in the column's name a rotary joint has deg for mm, arcsec for
+/// um.
+struct RoleFacts {
+  CsvRole role;
+  RoleQuantity quantity;
+  const char* column;   // in the package's own format, or in a mapping
+  const char* meaning;  // for people
+};
+const RoleFacts& factsOf(CsvRole role);  ///< every role has its own
+/// One of the texts with the name in it. @param index of the joint or component.
+std::string columnName(CsvRole role, int index, const std::string& name, const Machine& machine);
+std::string roleText(CsvRole role, int index, const std::string& name, const Machine& machine);
 
 /// The columns whose names are fixed by the machine: `time_s`, `x_mm`, `deviation_x_um`, ….
 std::vector<std::string> fixedColumns(const Machine& machine);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <tuple>
 
 #include "base/format.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "session/copied_rows.h"
 #include "session/sphere_centre.h"
 
@@ -101,7 +101,8 @@ class GrossRows {
     for (const CopiedRow& copy : copiedRows(session_)) name(copy.row, kCopiedRow, "", copy.why);
   }
 
-  void column(Column column, const std::string& field, const char* unit, double toUnit) {
+  void column(Column column, const std::string& field, const std::string& symbol, double toUnit) {
+    const char* unit = symbol.c_str();
     for (const std::size_t i : standAlone(column))
       name(
           i, field, format("%.6g %s", column.values[i] / toUnit, unit),
@@ -125,8 +126,7 @@ class GrossRows {
   void joints() {
     const auto& joints = session_.machine.joints();
     for (std::size_t j = 0; j < joints.size(); ++j) {
-      const bool linear = joints[j].kind == JointKind::kLinear;
-      const double unit = linear ? kMillimetre : kDegree;
+      const auto [unit, symbol] = readingUnit(joints[j]);
       Column c;
       for (const Observation& o : session_.observations) c.values.push_back(o.position[j]);
       // Where a machine can go, it may have gone once: its travel is the least that counts as a range.
@@ -134,13 +134,13 @@ class GrossRows {
       c.leastRange = std::isfinite(travel) && travel > 0.0 ? travel : 0.0;
       constexpr double kSamePlace = 20e-6;  // m or rad: a target is reached up to its deviation
       c.samePlace = kSamePlace;
-      column(c, joints[j].name, linear ? "mm" : "deg", unit);
+      column(c, joints[j].name, symbol, unit);
       if (!(joints[j].maxVelocity > 0.0)) continue;
       Column v;
       for (const Observation& o : session_.observations) v.values.push_back(o.velocity[j]);
       v.leastRange = joints[j].maxVelocity;
       v.samePlace = 0.01 * joints[j].maxVelocity;
-      column(std::move(v), joints[j].name + " velocity", linear ? "mm/s" : "deg/s", unit);
+      column(std::move(v), joints[j].name + " velocity", symbol + std::string("/s"), unit);
     }
   }
 
@@ -277,16 +277,13 @@ class GrossRows {
         if (i != row) others.push_back(session_.observations[i].position[j]);
       const double middle = median(others);
       for (const double q : others) away.push_back(std::abs(q - middle));
-      const double unit = joints[j].kind == JointKind::kLinear ? kMillimetre : kDegree;
       constexpr double kWritten = 1e-3;  // mm or deg: the last digit that a file has
-      const double far =
-          std::abs(session_.observations[row].position[j] - middle) / std::max(median(away), kWritten * unit);
+      const double far = std::abs(session_.observations[row].position[j] - middle) /
+                         std::max(median(away), kWritten * readingUnit(joints[j]).factor);
       if (far > worst) worst = far, at = j;
     }
-    const bool linear = joints[at].kind == JointKind::kLinear;
-    return {joints[at].name,
-            format("%.6g %s", session_.observations[row].position[at] / (linear ? kMillimetre : kDegree),
-                   linear ? "mm" : "deg")};
+    const auto [unit, symbol] = readingUnit(joints[at]);
+    return {joints[at].name, format("%.6g %s", session_.observations[row].position[at] / unit, symbol)};
   }
 
   void move() {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/names_of.h"
 #include "base/nearest_name.h"
 #include "base/read_file.h"
 #include "base/units.h"
@@ -36,27 +37,33 @@ void readArtifact(const YamlMapping& root, const std::filesystem::path& folder, 
   plan.artifact = loadArtifact(file.is_absolute() ? file : folder / file);
 }
 
+/// A number that a section of a plan may give.
+struct Setting {
+  const char* key;
+  double factor, lower, upper;  // bounds as written
+  double& value;                // SI
+};
+
+void readNumbers(const YamlMapping& root, const std::string& section, const std::vector<Setting>& settings) {
+  if (!root.has(section)) return;
+  std::vector<std::string> keys;
+  for (const Setting& s : settings) keys.emplace_back(s.key);
+  const YamlMapping map(root.node(section), root.source(), section, keys);
+  for (const Setting& s : settings)
+    if (map.has(s.key)) s.value = map.number(s.key, s.factor, s.lower, s.upper);
+}
+
 void readSettings(const YamlMapping& root, Plan& plan, PlanBuilder& builder) {
   const Machine& machine = builder.machine();
-  if (root.has("speeds")) {
-    const YamlMapping speeds(root.node("speeds"), plan.source, "speeds",
-                             {"rapid_mm_s", "rapid_deg_s", "approach_mm_s"});
-    if (speeds.has("rapid_mm_s")) plan.rapid = speeds.number("rapid_mm_s", kMillimetre, 1e-3, 1e4);
-    if (speeds.has("rapid_deg_s")) plan.rapidRotary = speeds.number("rapid_deg_s", kDegree, 1e-3, 1e4);
-    if (speeds.has("approach_mm_s"))
-      builder.approachSpeed = speeds.number("approach_mm_s", kMillimetre, 1e-3, 1e4);
-  }
-  if (root.has("approach")) {
-    const YamlMapping approach(root.node("approach"), plan.source, "approach",
-                               {"distance_mm", "overtravel_mm", "overrun_mm", "overrun_deg"});
-    if (approach.has("distance_mm"))
-      builder.approachDistance = approach.number("distance_mm", kMillimetre, 0.01, 1e3);
-    if (approach.has("overtravel_mm"))
-      builder.overtravel = approach.number("overtravel_mm", kMillimetre, 0.01, 1e3);
-    if (approach.has("overrun_mm")) builder.overrun = approach.number("overrun_mm", kMillimetre, 0.0, 1e3);
-    if (approach.has("overrun_deg"))
-      builder.overrunRotary = approach.number("overrun_deg", kDegree, 0.0, 90.0);
-  }
+  readNumbers(root, "speeds",
+              {{"rapid_mm_s", kMillimetre, 1e-3, 1e4, plan.rapid},
+               {"rapid_deg_s", kDegree, 1e-3, 1e4, plan.rapidRotary},
+               {"approach_mm_s", kMillimetre, 1e-3, 1e4, builder.approachSpeed}});
+  readNumbers(root, "approach",
+              {{"distance_mm", kMillimetre, 0.01, 1e3, builder.approachDistance},
+               {"overtravel_mm", kMillimetre, 0.01, 1e3, builder.overtravel},
+               {"overrun_mm", kMillimetre, 0.0, 1e3, builder.overrun},
+               {"overrun_deg", kDegree, 0.0, 90.0, builder.overrunRotary}});
   if (root.has("clearance")) {
     const YamlMapping clearance(root.node("clearance"), plan.source, "clearance", jointKeys(machine));
     const std::vector<double> readings =
@@ -90,22 +97,10 @@ void readPlacements(const YamlMapping& root, Plan& plan) {
   }
 }
 
-std::vector<std::string> placementNames(const Plan& plan) {
-  std::vector<std::string> names;
-  for (const PlanPlacement& p : plan.placements) names.push_back(p.name);
-  return names;
-}
-
-std::vector<std::string> stylusNames(const Plan& plan) {
-  std::vector<std::string> names;
-  for (const Stylus& s : plan.artifact.styli) names.push_back(s.name);
-  return names;
-}
-
 /// The styli of the plan's key `styli`: `all`, or names in the artifact's file; without it the first.
 std::vector<int> readStyli(const YamlMapping& root, const Plan& plan) {
   if (!root.has("styli")) return {0};
-  const std::vector<std::string> known = stylusNames(plan);
+  const std::vector<std::string> known = allNames(plan.artifact.styli);
   std::vector<int> styli;
   for (const std::string& name : root.texts("styli")) {
     const int at = plan.artifact.findStylus(name);
@@ -131,15 +126,14 @@ int indexIn(const YamlMapping& entry, const std::string& key, const std::vector<
 template <typename Expand>
 void everywhere(const YAML::Node& section, const Plan& plan, const std::vector<int>& styli,
                 PlanBuilder& builder, const Expand& expand) {
-  std::vector<YAML::Node> entries = {section};
-  if (section.IsSequence()) entries = std::vector<YAML::Node>(section.begin(), section.end());
+  const std::vector<YAML::Node> entries = entriesOf(section);
   for (int p = 0; p < std::max(1, static_cast<int>(plan.placements.size())); ++p)
     for (const int s : styli)
       for (const YAML::Node& entry : entries) {
         if (entry.IsMap()) {
           const YamlMapping m = YamlMapping::written(entry, plan.source, "an entry", "");
-          const int placement = indexIn(m, "placement", placementNames(plan));
-          const int stylus = indexIn(m, "stylus", stylusNames(plan));
+          const int placement = indexIn(m, "placement", allNames(plan.placements));
+          const int stylus = indexIn(m, "stylus", allNames(plan.artifact.styli));
           if ((placement >= 0 && placement != p) || (stylus >= 0 && stylus != s)) continue;
         }
         builder.stand(p, s);
@@ -165,8 +159,7 @@ void checkUsed(const YamlMapping& root, const Plan& plan, const std::vector<int>
 std::vector<int> sidesOf(const YamlMapping& move, const Machine& machine) {
   std::vector<int> sides(machine.joints().size(), 0);
   if (!move.has("from")) return sides;
-  std::vector<std::string> names;
-  for (const Joint& joint : machine.joints()) names.push_back(joint.name);
+  const std::vector<std::string> names = allNames(machine.joints());
   const YamlMapping from(move.node("from"), move.source(), "from", names);
   for (std::size_t j = 0; j < names.size(); ++j) {
     if (!from.has(names[j])) continue;
@@ -185,8 +178,8 @@ void readMove(const YAML::Node& node, const Plan& plan, PlanBuilder& builder) {
     known.push_back(key);
   const YamlMapping move(node, plan.source, "a move", known);
   builder.at(move.line(), "a move");
-  builder.stand(std::max(0, indexIn(move, "placement", placementNames(plan))),
-                std::max(0, indexIn(move, "stylus", stylusNames(plan))));
+  builder.stand(std::max(0, indexIn(move, "placement", allNames(plan.placements))),
+                std::max(0, indexIn(move, "stylus", allNames(plan.artifact.styli))));
   const std::vector<double> position = readingsOf(move, machine, builder.current());
   const std::vector<int> sides = sidesOf(move, machine);
   const double wait = move.has("wait_s") ? move.number("wait_s", 1.0, 0.0, 1e6) : 0.0;
@@ -267,6 +260,12 @@ Eigen::Vector3d PlanPlacement::operator()(const Eigen::Vector3d& place) const {
 Eigen::Vector3d Plan::placeOf(int feature, int placement) const {
   const Eigen::Vector3d& place = artifact.features[static_cast<std::size_t>(feature)].position;
   return placements.empty() ? place : placements[static_cast<std::size_t>(placement)](place);
+}
+
+Eigen::Vector3d Plan::tipOf(const Machine& machine, const std::vector<double>& readings, int stylus) const {
+  const ProbePose pose = machine.nominal(readings.data(), kNotMeasured);
+  if (artifact.styli.empty()) return pose.position;
+  return pose.position + pose.orientation * artifact.styli[static_cast<std::size_t>(stylus)].offset;
 }
 
 std::string Plan::standText(const PlanMove& move) const {

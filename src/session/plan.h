@@ -61,6 +61,8 @@ struct Plan {
                     const Machine& machine);
   /// Where a feature stands in a placement, by the artifact's file: workpiece, m.
   Eigen::Vector3d placeOf(int feature, int placement) const;
+  /// Where the tip of a stylus is at those readings (m or rad) of the nominal machine: workpiece, m.
+  Eigen::Vector3d tipOf(const Machine& machine, const std::vector<double>& readings, int stylus) const;
   /// "placement turned, stylus B", what an operator is asked for before a move; empty: nothing but one of
   /// each.
   std::string standText(const PlanMove& move) const;

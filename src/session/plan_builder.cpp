@@ -8,7 +8,9 @@
 #include "base/error.h"
 #include "base/rotation.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "machine/linear_inverse.h"
+#include "session/plan_ways.h"
 
 namespace mm {
 namespace {
@@ -31,8 +33,8 @@ void PlanBuilder::fail(const std::string& message) const {
 }
 
 Eigen::Vector3d PlanBuilder::tip(const std::vector<double>& readings) const {
-  const ProbePose pose = machine_.nominal(readings.data(), kNotMeasured);
-  return pose.position + pose.orientation * offset();
+  offset();  // refuses a stylus without one
+  return plan_.tipOf(machine_, readings, stylus_);
 }
 
 Eigen::Vector3d PlanBuilder::offset() const {
@@ -68,11 +70,10 @@ void PlanBuilder::checkLimits(const std::vector<double>& readings) const {
     std::vector<double> one = current_;
     one[j] = readings[j];
     if (withinLimits(one)) continue;
-    const bool linear = joint.kind == JointKind::kLinear;
-    const double unit = linear ? kMillimetre : kDegree;
+    const auto [unit, symbol] = readingUnit(joint);
     std::ostringstream text;
     text << "joint '" << joint.name << "' would go to " << readings[j] / unit << ", but its limits are "
-         << joint.lower / unit << " to " << joint.upper / unit << (linear ? " mm" : " deg");
+         << joint.lower / unit << " to " << joint.upper / unit << " " << symbol;
     fail(text.str());
   }
 }
@@ -103,11 +104,7 @@ void PlanBuilder::append(PlanMove move) {
 }
 
 void PlanBuilder::go(const std::vector<double>& position, double speed, double wait) {
-  PlanMove move;
-  move.position = position;
-  move.speed = speed;
-  move.wait = wait;
-  append(std::move(move));
+  append({MoveKind::kGo, position, {}, -1, speed, wait, -1, ""});
 }
 
 void PlanBuilder::comeFrom(const std::vector<int>& sides, std::vector<double> position) {
@@ -123,14 +120,12 @@ void PlanBuilder::comeFrom(const std::vector<int>& sides, std::vector<double> po
 }
 
 bool PlanBuilder::blocked(const std::vector<double>& from, const std::vector<double>& to) const {
-  const Eigen::Vector3d a = tip(from), way = tip(to) - a;
+  const std::vector<Eigen::Vector3d> way = {tip(from), tip(to)};
   for (std::size_t i = 0; i < plan_.artifact.features.size(); ++i) {
     const Feature& f = plan_.artifact.features[i];
     if (f.kind != FeatureKind::kBall || !f.position.allFinite()) continue;
-    const Eigen::Vector3d place = plan_.placeOf(static_cast<int>(i), placement_);
-    const double along =
-        way.squaredNorm() > 0.0 ? std::clamp((place - a).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-    if ((a + along * way - place).norm() < f.radius + plan_.artifact.tipRadiusOf(stylus_) + kClose)
+    if (distanceToWay(plan_.placeOf(static_cast<int>(i), placement_), way) <
+        f.radius + plan_.artifact.tipRadiusOf(stylus_) + kClose)
       return true;
   }
   return false;
@@ -149,14 +144,15 @@ void PlanBuilder::goAround(const std::vector<double>& position) {
 void PlanBuilder::touchAt(int feature, const Eigen::Vector3d& contact, const Eigen::Vector3d& approach,
                           double speed, std::vector<double> rotary, const std::vector<int>& sides,
                           double wait) {
-  PlanMove move;
-  move.kind = MoveKind::kTouch;
-  move.feature = feature;
-  move.speed = speed;
-  move.wait = wait;
   double distance = approachDistance, beyond = overtravel;
-  move.position = reach(contact - distance * approach, rotary);
-  move.target = reach(contact + beyond * approach, rotary);
+  PlanMove move{MoveKind::kTouch,
+                reach(contact - distance * approach, rotary),
+                reach(contact + beyond * approach, rotary),
+                feature,
+                speed,
+                wait,
+                -1,
+                ""};
   while (!withinLimits(move.position) && distance > kShortestApproach)
     move.position = reach(contact - (distance *= 0.8) * approach, rotary);
   while (!withinLimits(move.target) && beyond > kShortestApproach)
@@ -189,24 +185,12 @@ void PlanBuilder::touchFrom(int feature, const std::vector<double>& start, Eigen
 }
 
 void PlanBuilder::readLaser(int feature, const std::vector<double>& position, double wait) {
-  PlanMove move;
-  move.kind = MoveKind::kLaser;
-  move.feature = feature;
-  move.position = position;
-  move.wait = wait;
-  append(std::move(move));
+  append({MoveKind::kLaser, position, {}, feature, 0.0, wait, -1, ""});
 }
 
 void PlanBuilder::reference(MoveKind kind, int joint, const std::vector<double>& position, double speed,
                             double wait, const std::string& setup) {
-  PlanMove move;
-  move.kind = kind;
-  move.joint = joint;
-  move.position = position;
-  move.speed = speed;
-  move.wait = wait;
-  move.setup = setup;
-  append(std::move(move));
+  append({kind, position, {}, -1, speed, wait, joint, setup});
 }
 
 }  // namespace mm

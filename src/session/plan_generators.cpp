@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/rotation.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 
 namespace mm {
 namespace {
@@ -30,10 +31,15 @@ Eigen::Vector3d onCap(const Eigen::Vector3d& pole, double cone, int k, int n, do
   return height * pole + across * (std::cos(azimuth) * first + std::sin(azimuth) * second);
 }
 
-/// The nodes of a list, or the one node itself.
-std::vector<YAML::Node> listOf(const YAML::Node& node) {
-  if (!node.IsSequence()) return {node};
-  return std::vector<YAML::Node>(node.begin(), node.end());
+/// A number in SI, within bounds as written; `otherwise` where it is not given.
+double numberOr(const YamlMapping& map, const char* key, double factor, double lower, double upper,
+                double otherwise) {
+  return map.has(key) ? map.number(key, factor, lower, upper) : otherwise;
+}
+
+/// How many, at least one.
+int countOr(const YamlMapping& map, const char* key, int otherwise) {
+  return map.has(key) ? map.count(key, 1) : otherwise;
 }
 
 struct TouchPlan {
@@ -55,9 +61,9 @@ TouchPlan readTouch(const YAML::Node& node, PlanBuilder& builder) {
   builder.at(map.line(), "touch");
   TouchPlan t;
   t.features = featuresOf(map, "features", builder.plan());
-  if (map.has("points")) t.points = map.count("points", 1);
-  if (map.has("cone_deg")) t.cone = map.number("cone_deg", kDegree, 1.0, 120.0);
-  if (map.has("tilt_deg")) t.tilt = map.number("tilt_deg", kDegree, 0.0, 70.0);
+  t.points = countOr(map, "points", t.points);
+  t.cone = numberOr(map, "cone_deg", kDegree, 1.0, 120.0, t.cone);
+  t.tilt = numberOr(map, "tilt_deg", kDegree, 0.0, 70.0, t.tilt);
   if (map.has("pole")) t.pole = map.vector("pole", 1.0);
   if (t.pole.norm() < kNoDirection) map.fail("pole", "must not be zero");
   t.pole.normalize();
@@ -83,8 +89,8 @@ TouchPlan readTouch(const YAML::Node& node, PlanBuilder& builder) {
                                     : std::vector<double>{builder.approachSpeed};
   for (const double speed : t.speeds)
     if (speed <= 0.0) map.fail("speeds_mm_s", "must be above 0");
-  if (map.has("repeats")) t.repeats = map.count("repeats", 1);
-  if (map.has("wait_s")) t.wait = map.number("wait_s", 1.0, 0.0, 1e6);
+  t.repeats = countOr(map, "repeats", t.repeats);
+  t.wait = numberOr(map, "wait_s", 1.0, 0.0, 1e6, t.wait);
   if (map.has("pause")) {
     const YamlMapping pause(map.node("pause"), map.source(), "pause", {"every", "wait_s"});
     t.pauseEvery = pause.count("every", 1);
@@ -128,19 +134,21 @@ void touchOne(const TouchPlan& t, std::size_t ball, int k, int index, PlanBuilde
 
 }  // namespace
 
+std::vector<YAML::Node> entriesOf(const YAML::Node& node) {
+  if (!node.IsSequence()) return {node};
+  return std::vector<YAML::Node>(node.begin(), node.end());
+}
+
 std::vector<std::string> jointKeys(const Machine& machine) {
   std::vector<std::string> keys;
-  for (const Joint& joint : machine.joints())
-    keys.push_back(joint.name + (joint.kind == JointKind::kLinear ? "_mm" : "_deg"));
+  for (const Joint& joint : machine.joints()) keys.push_back(joint.name + "_" + readingUnit(joint).symbol);
   return keys;
 }
 
 std::vector<double> readingsOf(const YamlMapping& map, const Machine& machine, std::vector<double> readings) {
   const std::vector<std::string> keys = jointKeys(machine);
   for (std::size_t j = 0; j < keys.size(); ++j)
-    if (map.has(keys[j]))
-      readings[j] =
-          map.number(keys[j], machine.joints()[j].kind == JointKind::kLinear ? kMillimetre : kDegree);
+    if (map.has(keys[j])) readings[j] = map.number(keys[j], readingUnit(machine.joints()[j]).factor);
   return readings;
 }
 
@@ -161,17 +169,15 @@ std::vector<int> featuresOf(const YamlMapping& map, const std::string& key, cons
 }
 
 void expandTouch(const YAML::Node& list, PlanBuilder& builder) {
-  for (const YAML::Node& node : listOf(list)) {
+  for (const YAML::Node& node : entriesOf(list)) {
     const TouchPlan t = readTouch(node, builder);
     int index = 0;
     for (int repeat = 0; repeat < t.repeats; ++repeat) {
-      if (t.interleaved) {
-        for (int k = 0; k < t.points; ++k)
-          for (std::size_t ball = 0; ball < t.features.size(); ++ball)
-            touchOne(t, ball, shuffled(k, t.points), index++, builder);
-      } else {
-        for (std::size_t ball = 0; ball < t.features.size(); ++ball)
-          for (int k = 0; k < t.points; ++k) touchOne(t, ball, shuffled(k, t.points), index++, builder);
+      const std::size_t balls = t.features.size(), points = static_cast<std::size_t>(t.points);
+      for (std::size_t i = 0; i < balls * points; ++i) {
+        const std::size_t ball = t.interleaved ? i % balls : i / points;
+        const std::size_t k = t.interleaved ? i / balls : i % points;
+        touchOne(t, ball, shuffled(static_cast<int>(k), t.points), index++, builder);
       }
     }
   }
@@ -179,18 +185,18 @@ void expandTouch(const YAML::Node& list, PlanBuilder& builder) {
 
 void expandPostures(const YAML::Node& list, PlanBuilder& builder) {
   const std::vector<std::string> joints = jointKeys(builder.machine());
-  for (const YAML::Node& node : listOf(list)) {
+  for (const YAML::Node& node : entriesOf(list)) {
     const YamlMapping map(node, builder.plan().source, "postures",
                           {"feature", "points", "cone_deg", "readings_mm", "wait_s", "repeats", "at"});
     builder.at(map.line(), "postures");
     const std::vector<int> features = featuresOf(map, "feature", builder.plan());
-    const int points = map.has("points") ? map.count("points", 1) : 30;
-    const double cone = map.has("cone_deg") ? map.number("cone_deg", kDegree, 1.0, 85.0) : 45.0 * kDegree;
+    const int points = countOr(map, "points", 30);
+    const double cone = numberOr(map, "cone_deg", kDegree, 1.0, 85.0, 45.0 * kDegree);
     std::vector<double> readings =
         map.has("readings_mm") ? map.numbers("readings_mm", kMillimetre) : std::vector<double>{0.0};
     if (readings.size() > 2) map.fail("readings_mm", "must be one reading, or two, [from, to]");
-    const double wait = map.has("wait_s") ? map.number("wait_s", 1.0, 0.0, 1e6) : 0.5;
-    const int repeats = map.has("repeats") ? map.count("repeats", 1) : 1;
+    const double wait = numberOr(map, "wait_s", 1.0, 0.0, 1e6, 0.5);
+    const int repeats = countOr(map, "repeats", 1);
     if (!map.node("at").IsSequence())
       map.fail("at", "must be a list of postures such as {b_deg: 0, a_deg: 90}");
     for (int repeat = 0; repeat < repeats; ++repeat)
@@ -215,7 +221,7 @@ void expandPostures(const YAML::Node& list, PlanBuilder& builder) {
 
 void expandReference(const YAML::Node& list, PlanBuilder& builder) {
   const std::vector<std::string> joints = jointKeys(builder.machine());
-  for (const YAML::Node& node : listOf(list)) {
+  for (const YAML::Node& node : entriesOf(list)) {
     const YamlMapping map(node, builder.plan().source, "reference",
                           {"joint", "positions_mm", "positions_deg", "from_mm", "to_mm", "from_deg", "to_deg",
                            "points", "runs", "directions", "dwell_s", "speed_mm_s", "setup", "at"});
@@ -225,12 +231,11 @@ void expandReference(const YAML::Node& list, PlanBuilder& builder) {
       map.fail("joint",
                "'" + map.text("joint") + "' is not a joint of machine '" + builder.machine().name() + "'");
     const bool linear = builder.machine().joints()[joint].kind == JointKind::kLinear;
-    const std::string suffix = linear ? "_mm" : "_deg";
+    const auto [unit, symbol] = readingUnit(builder.machine().joints()[joint]);
+    const std::string suffix = std::string("_") + symbol, others = linear ? "_deg" : "_mm";
     for (const char* key : {"positions", "from", "to"})
-      if (map.has(key + std::string(linear ? "_deg" : "_mm")))
-        map.fail(key + std::string(linear ? "_deg" : "_mm"),
-                 std::string("is for a ") + (linear ? "rotary" : "linear") + " joint");
-    const double unit = linear ? kMillimetre : kDegree;
+      if (map.has(key + others))
+        map.fail(key + others, std::string("is for a ") + (linear ? "rotary" : "linear") + " joint");
     std::vector<double> positions;
     if (map.has("positions" + suffix)) {
       positions = map.numbers("positions" + suffix, unit);
@@ -240,9 +245,9 @@ void expandReference(const YAML::Node& list, PlanBuilder& builder) {
       for (int i = 0; i < points; ++i) positions.push_back(from + (to - from) * i / (points - 1.0));
     }
     std::sort(positions.begin(), positions.end());
-    const int runs = map.has("runs") ? map.count("runs", 1) : 5;
-    const double dwell = map.has("dwell_s") ? map.number("dwell_s", 1.0, 0.0, 1e6) : 3.0;
-    const double speed = map.has("speed_mm_s") ? map.number("speed_mm_s", kMillimetre, 1e-3, 1e4) : 0.0;
+    const int runs = countOr(map, "runs", 5);
+    const double dwell = numberOr(map, "dwell_s", 1.0, 0.0, 1e6, 3.0);
+    const double speed = numberOr(map, "speed_mm_s", kMillimetre, 1e-3, 1e4, 0.0);
     const std::string directions = map.has("directions") ? map.text("directions") : "both";
     if (directions != "both" && directions != "up" && directions != "down")
       map.fail("directions", "must be both, up or down");

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.h"
+#include "base/names_of.h"
+#include "base/numbered_names.h"
 #include "session/plan_writer.h"
 
 namespace mm {
@@ -25,14 +26,8 @@ double shareOfWay(const Plan& plan, const PlanMove& move, const Eigen::Vector3d&
 }
 
 void touched(const Plan& plan, const Machine& machine, const PlanMove& move, Observation& o) {
-  const std::vector<Stylus>& styli = plan.artifact.styli;
-  const Eigen::Vector3d offset =
-      styli.empty() ? Eigen::Vector3d(0, 0, 0) : styli[static_cast<std::size_t>(move.stylus)].offset;
-  const auto tip = [&](const std::vector<double>& q) {
-    const ProbePose pose = machine.nominal(q.data(), kNotMeasured);
-    return Eigen::Vector3d(pose.position + pose.orientation * offset);
-  };
-  const Eigen::Vector3d from = tip(move.position), to = tip(move.target);
+  const Eigen::Vector3d from = plan.tipOf(machine, move.position, move.stylus),
+                        to = plan.tipOf(machine, move.target, move.stylus);
   const double share = shareOfWay(plan, move, from, to);
   const double seconds = (to - from).norm() / std::max(kSlowest, move.speed);
   o.approach = (to - from).normalized();
@@ -73,7 +68,8 @@ Session plannedSession(const Plan& plan, const Machine& machine, std::vector<std
   Session session(machine);
   session.artifact = plan.artifact;
   session.source = plan.source;
-  for (const PlanPlacement& placement : plan.placements) session.placements.push_back(placement.name);
+  session.placements = allNames(plan.placements);
+  NumberedNames setups;
   const std::size_t joints = machine.joints().size();
   std::vector<double> before, travel(joints, 0.0);
   double time = 0.0;
@@ -106,15 +102,12 @@ Session plannedSession(const Plan& plan, const Machine& machine, std::vector<std
       o.kind = ObservationKind::kDeviation;
       o.deviation.assign(joints, kNotMeasured);
       o.deviation[static_cast<std::size_t>(move.joint)] = 0.0;
-      if (!move.setup.empty()) {
-        const auto found = std::find(session.setups.begin(), session.setups.end(), move.setup);
-        o.setup = static_cast<int>(found - session.setups.begin());
-        if (found == session.setups.end()) session.setups.push_back(move.setup);
-      }
+      if (!move.setup.empty()) o.setup = setups[move.setup];
     }
     session.observations.push_back(std::move(o));
     if (moves != nullptr) moves->push_back(i);
   }
+  session.setups = setups.all();
   return session;
 }
 

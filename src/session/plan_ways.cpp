@@ -14,8 +14,9 @@ constexpr double kTurn = 2.0 * kDegree;   // of a rotary joint, between two plac
 constexpr std::size_t kMostPlaces = 200;  // of one way
 
 /// The nominal tip (workpiece, m) along a straight way of the joints.
-std::vector<Eigen::Vector3d> wayOfTip(const Machine& machine, const std::vector<double>& from,
-                                      const std::vector<double>& to, const Eigen::Vector3d& offset) {
+std::vector<Eigen::Vector3d> wayOfTip(const Plan& plan, const Machine& machine,
+                                      const std::vector<double>& from, const PlanMove& move) {
+  const std::vector<double>& to = move.position;
   double turn = 0.0;
   for (int j = 0; j < machine.jointCount(); ++j)
     if (machine.joints()[j].kind == JointKind::kRotary) turn = std::max(turn, std::abs(to[j] - from[j]));
@@ -25,21 +26,9 @@ std::vector<Eigen::Vector3d> wayOfTip(const Machine& machine, const std::vector<
   for (std::size_t i = 0; i <= pieces; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(pieces);
     for (std::size_t j = 0; j < at.size(); ++j) at[j] = from[j] + part * (to[j] - from[j]);
-    const ProbePose pose = machine.nominal(at.data(), kNotMeasured);
-    way.push_back(pose.position + pose.orientation * offset);
+    way.push_back(plan.tipOf(machine, at, move.stylus));
   }
   return way;
-}
-
-double distanceTo(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& way) {
-  double nearest = INFINITY;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const Eigen::Vector3d piece = way[i] - way[i - 1];
-    const double length = piece.squaredNorm();
-    const double along = length > 0.0 ? std::clamp((point - way[i - 1]).dot(piece) / length, 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (way[i - 1] + along * piece - point).norm());
-  }
-  return nearest;
 }
 
 bool isBall(const Feature& feature) {
@@ -53,6 +42,17 @@ bool together(const Feature& a, const Feature& b) {
 
 }  // namespace
 
+double distanceToWay(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& way) {
+  double nearest = INFINITY;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const Eigen::Vector3d piece = way[i] - way[i - 1];
+    const double length = piece.squaredNorm();
+    const double along = length > 0.0 ? std::clamp((point - way[i - 1]).dot(piece) / length, 0.0, 1.0) : 0.0;
+    nearest = std::min(nearest, (way[i - 1] + along * piece - point).norm());
+  }
+  return nearest;
+}
+
 std::vector<BlockedWay> blockedWays(const Plan& plan, const Machine& machine) {
   std::vector<BlockedWay> blocked;
   if (plan.laser) return blocked;
@@ -62,11 +62,7 @@ std::vector<BlockedWay> blockedWays(const Plan& plan, const Machine& machine) {
     const PlanMove& move = plan.moves[m];
     if (move.feature >= 0) touched = move.feature;
     if (m == 0 || plan.standText(plan.moves[m - 1]) != plan.standText(move)) continue;
-    const std::vector<Stylus>& styli = plan.artifact.styli;
-    const Eigen::Vector3d offset =
-        styli.empty() ? Eigen::Vector3d(0, 0, 0) : styli[static_cast<std::size_t>(move.stylus)].offset;
-    const std::vector<Eigen::Vector3d> way =
-        wayOfTip(machine, plan.moves[m - 1].position, move.position, offset);
+    const std::vector<Eigen::Vector3d> way = wayOfTip(plan, machine, plan.moves[m - 1].position, move);
     BlockedWay worst{m, -1, kShallow};
     for (int f = 0; f < static_cast<int>(features.size()); ++f) {
       if (!isBall(features[f])) continue;
@@ -74,7 +70,7 @@ std::vector<BlockedWay> blockedWays(const Plan& plan, const Machine& machine) {
           !together(features[f], features[touched]))
         continue;
       const double depth = features[f].radius + plan.artifact.tipRadiusOf(move.stylus) -
-                           distanceTo(plan.placeOf(f, move.placement), way);
+                           distanceToWay(plan.placeOf(f, move.placement), way);
       if (depth > worst.depth) worst = {m, f, depth};
     }
     if (worst.ball >= 0) blocked.push_back(worst);

@@ -14,6 +14,9 @@ struct BlockedWay {
   double depth = 0.0;    // m by which tip and ball would overlap
 };
 
+/// The least distance of a point from a way of straight pieces, m.
+double distanceToWay(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& way);
+
 /// The ways between the moves of a plan that lead through a ball, in their order. Of the way to the first
 /// move nobody knows where it begins; a laser has no tip. Balls that overlap the one that is touched cannot
 /// be there with it (one ball at many angles of a spindle is written so) and are left out.

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "session/plan_generators.h"
 
 namespace mm {
@@ -58,10 +59,9 @@ std::string moveYaml(const PlanMove& move, const Plan& plan, const Machine& mach
   out.precision(12);
   const std::vector<std::string> keys = jointKeys(machine);
   out << "{";
-  for (std::size_t j = 0; j < keys.size(); ++j) {
-    const bool linear = machine.joints()[j].kind == JointKind::kLinear;
-    out << (j > 0 ? ", " : "") << keys[j] << ": " << move.position[j] / (linear ? kMillimetre : kDegree);
-  }
+  for (std::size_t j = 0; j < keys.size(); ++j)
+    out << (j > 0 ? ", " : "") << keys[j] << ": "
+        << move.position[j] / readingUnit(machine.joints()[j]).factor;
   if (move.feature >= 0) out << ", feature: " << quoted(plan.artifact.features[move.feature].name);
   if (move.kind == MoveKind::kTouch) {
     const auto tip = [&](const std::vector<double>& q) {

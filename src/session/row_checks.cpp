@@ -6,23 +6,13 @@
 #include <string>
 
 #include "base/format.h"
+#include "base/range.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "session/copied_rows.h"
 
 namespace mm {
 namespace {
-
-struct Extent {
-  double lower = INFINITY, upper = -INFINITY;
-  void add(double v) {
-    if (std::isnan(v)) return;
-    lower = std::min(lower, v);
-    upper = std::max(upper, v);
-  }
-  bool any() const { return lower <= upper; }
-  double size() const { return upper - lower; }
-  double largest() const { return std::max(std::abs(lower), std::abs(upper)); }
-};
 
 class RowAsker {
  public:
@@ -48,7 +38,7 @@ class RowAsker {
   const std::string& name(std::size_t j) const { return session_.machine.joints()[j].name; }
 
   /// Whether a range, times `factor`, is within the travel and so much beyond (in travels).
-  bool within(std::size_t j, const Extent& range, double factor, double beyond) const {
+  bool within(std::size_t j, const Range& range, double factor, double beyond) const {
     const Joint& joint = session_.machine.joints()[j];
     const double more = beyond * travel(j);
     return range.lower * factor >= joint.lower - more && range.upper * factor <= joint.upper + more;
@@ -63,8 +53,7 @@ class RowAsker {
   /// "x is -16000 … 16000 mm, but the machine goes from -20 to 20 mm (16 of 18 rows are beyond): ".
   std::string beyondText(std::size_t j) const {
     const Joint& joint = session_.machine.joints()[j];
-    const double unit = linear(j) ? kMillimetre : kDegree;
-    const char* symbol = linear(j) ? "mm" : "deg";
+    const auto [unit, symbol] = readingUnit(joint);
     std::size_t beyond = 0;
     for (const Observation& o : session_.observations)
       beyond += o.position[j] < joint.lower || o.position[j] > joint.upper;
@@ -126,7 +115,7 @@ class RowAsker {
   void deviations() {
     constexpr double kRounding = 1e-12;  // m or rad: what is left of sums is no measurement
     for (std::size_t j = 0; j < positions_.size(); ++j) {
-      Extent range, sum;
+      Range range, sum;
       for (const Observation& o : session_.observations)
         if (o.kind == ObservationKind::kDeviation) {
           range.add(o.deviation[j]);
@@ -135,8 +124,8 @@ class RowAsker {
       if (!range.any() || range.largest() == 0.0) continue;
       // a surface of one height that was touched: the deviation is the reading with its sign changed
       if (sum.size() < kRounding) continue;
-      const double unit = linear(j) ? kMicrometre : kArcsecond;
-      const char* symbol = linear(j) ? "um" : "arcsec";
+      const auto [unit, symbol] = errorUnit(session_.machine.joints()[j]);
+      const auto [way, waySymbol] = readingUnit(session_.machine.joints()[j]);
       // a joint that hardly moves (a bed that is touched) says nothing
       constexpr double kHardly = 0.05, kLittle = 1e-3;  // of the travel; m or rad
       double moved = positions_[j].any() ? positions_[j].size() : 0.0;
@@ -145,8 +134,7 @@ class RowAsker {
       constexpr double kTooMuch = 0.02, kTooLittle = 1e-7;  // of the motion; a nanometre in a centimetre
       const std::string text =
           format("deviations of %s are %.4g … %.4g %s, while %s moves over %.4g %s: ", name(j).c_str(),
-                 range.lower / unit, range.upper / unit, symbol, name(j).c_str(),
-                 moved / (linear(j) ? kMillimetre : kDegree), linear(j) ? "mm" : "deg");
+                 range.lower / unit, range.upper / unit, symbol, name(j).c_str(), moved / way, waySymbol);
       // an unknown zero is no deviation: their spread counts
       if (range.largest() < kRounding) continue;
       if (moved > 0.0 && range.size() > kTooMuch * moved)
@@ -218,7 +206,7 @@ class RowAsker {
   }
 
   const Session& session_;
-  std::vector<Extent> positions_;
+  std::vector<Range> positions_;
   std::vector<Doubt> doubts_;
 };
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/format.h"
+#include "base/range.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "session/agreement.h"
 #include "session/row_checks.h"
 
@@ -60,23 +61,21 @@ class Asker {
   /// A joint as the file calls it.
   std::string column(std::size_t j) const {
     const std::string& name = session_.machine.joints()[j].name;
-    return imported() ? name + (linear(j) ? "_mm" : "_deg") : name;
+    return imported() ? name + "_" + readingUnit(session_.machine.joints()[j]).symbol : name;
   }
 
   void temperatures() {
     constexpr double kKelvin = 200.0;                           // degC: no sensor of a machine reads above
     constexpr double kWarm = 55.0, kHot = 110.0, kRoom = 15.0;  // degF of a room, and how far it may change
-    std::vector<std::pair<double, double>> ranges;
-    for (const Series& s : session_.temperatures) {
-      const auto range = std::minmax_element(s.value.begin(), s.value.end());
-      ranges.emplace_back(s.value.empty() ? kNotMeasured : *range.first,
-                          s.value.empty() ? kNotMeasured : *range.second);
-    }
+    std::vector<Range> ranges(session_.temperatures.size());
+    for (std::size_t i = 0; i < ranges.size(); ++i)
+      for (const double v : session_.temperatures[i].value) ranges[i].add(v);
     // one warm sensor is a heated bed; all of them are a unit
     const bool fahrenheit = std::all_of(ranges.begin(), ranges.end(), [&](const auto& r) {
-      return r.first >= kWarm && r.second <= kHot && r.second - r.first <= kRoom;
+      return r.any() && r.lower >= kWarm && r.upper <= kHot && r.size() <= kRoom;
     });
     for (std::size_t i = 0; i < ranges.size(); ++i) {
+      if (!ranges[i].any()) continue;
       const auto& [low, high] = ranges[i];
       const std::string is =
           format("temperature %s is %.4g to %.4g: is it ", session_.temperatures[i].name.c_str(), low, high);
@@ -96,17 +95,16 @@ class Asker {
     constexpr double kTheSame = 1e-3;  // of the range of the readings: no machine errs by its whole way
     constexpr int kFewest = 5;
     for (std::size_t j = 0; j < session_.machine.joints().size(); ++j) {
-      double low = INFINITY, high = -INFINITY, lowest = INFINITY, highest = -INFINITY;
+      Range readings, sums;
       int count = 0;
       for (const Observation& o : session_.observations) {
         if (o.kind != ObservationKind::kDeviation || !std::isfinite(o.deviation[j])) continue;
-        low = std::min(low, o.position[j]);
-        high = std::max(high, o.position[j]);
-        lowest = std::min(lowest, o.position[j] + o.deviation[j]);
-        highest = std::max(highest, o.position[j] + o.deviation[j]);
+        readings.add(o.position[j]);
+        sums.add(o.position[j] + o.deviation[j]);
         ++count;
       }
-      if (count < kFewest || !(high > low) || !(highest - lowest < kTheSame * (high - low))) continue;
+      if (count < kFewest || !(readings.size() > 0.0) || !(sums.size() < kTheSame * readings.size()))
+        continue;
       const std::string name = session_.machine.joints()[j].name;
       doubts_.push_back(
           {"the deviations of " + name + " are its readings with the other sign: what they were " +

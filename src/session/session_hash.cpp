@@ -15,19 +15,24 @@ class Hash {
     a_ = mix(a_ ^ w, 0xff51afd7ed558ccdULL);
     b_ = mix(b_ + w, 0xc4ceb9fe1a85ec53ULL);
   }
-  void number(double value) {
+  /// Whole numbers, kinds and flags.
+  template <typename T>
+  void add(const T& value) {
+    word(static_cast<std::uint64_t>(value));
+  }
+  void add(double value) {
     std::uint64_t bits = 0x7ff8000000000000ULL;  // one NaN stands for all: they mean "not measured"
     if (!std::isnan(value)) std::memcpy(&bits, &value, sizeof bits);
     word(bits);
   }
-  void numbers(const std::vector<double>& values) {
+  void add(const std::vector<double>& values) {
     word(values.size());
-    for (const double v : values) number(v);
+    for (const double v : values) add(v);
   }
-  void vector(const Eigen::Vector3d& v) {
-    for (int i = 0; i < 3; ++i) number(v[i]);
+  void add(const Eigen::Vector3d& v) {
+    for (int i = 0; i < 3; ++i) add(v[i]);
   }
-  void text(const std::string& t) {
+  void add(const std::string& t) {
     word(t.size());
     for (std::size_t i = 0; i < t.size(); i += sizeof(std::uint64_t)) {
       std::uint64_t w = 0;
@@ -35,6 +40,11 @@ class Hash {
         w = w << 8 | static_cast<unsigned char>(t[k]);
       word(w);
     }
+  }
+  /// One after the other.
+  template <typename... Values>
+  void all(const Values&... values) {
+    (add(values), ...);
   }
   std::string digits() const {
     char buffer[33];
@@ -53,76 +63,44 @@ class Hash {
   std::uint64_t a_ = 0x243f6a8885a308d3ULL, b_ = 0x13198a2e03707344ULL;  // digits of pi
 };
 
-void addArtifact(Hash& hash, const Artifact& artifact) {
-  hash.text(artifact.name);
-  hash.word(artifact.poseKnown);
-  hash.number(artifact.tipRadius);
-  hash.number(artifact.repeatability);
-  hash.number(artifact.expansion);
-  hash.text(artifact.temperatureSensor);
-  if (!artifact.serial.empty()) hash.text(artifact.serial);
-  for (const Stylus& s : artifact.styli) {
-    hash.text(s.name);
-    hash.number(s.tipRadius);
-    hash.vector(s.offset);
-    hash.word(s.known);
-  }
-  hash.word(artifact.features.size());
-  for (const Feature& f : artifact.features) {
-    hash.word(static_cast<std::uint64_t>(f.kind));
-    hash.text(f.name);
-    hash.vector(f.position);
-    hash.word(f.known);
-    hash.number(f.positionStd);
-    hash.number(f.radius);
-    hash.number(f.radiusStd);
-  }
+void addArtifact(Hash& hash, const Artifact& a) {
+  hash.all(a.name, a.poseKnown, a.tipRadius, a.repeatability, a.expansion, a.temperatureSensor);
+  if (!a.serial.empty()) hash.add(a.serial);
+  for (const Stylus& s : a.styli) hash.all(s.name, s.tipRadius, s.offset, s.known);
+  hash.add(a.features.size());
+  for (const Feature& f : a.features)
+    hash.all(f.kind, f.name, f.position, f.known, f.positionStd, f.radius, f.radiusStd);
 }
 
 void addObservation(Hash& hash, const Observation& o) {
-  hash.word(static_cast<std::uint64_t>(o.kind));
-  hash.number(o.time);
-  hash.numbers(o.position);
-  hash.numbers(o.velocity);
-  hash.numbers(o.travel);
-  hash.vector(o.approach);
-  hash.number(o.laserReading);
-  hash.word(static_cast<std::uint64_t>(o.feature));
-  hash.vector(o.reference);
-  hash.numbers(o.deviation);
-  hash.numbers(o.deviationStd);
-  hash.word(static_cast<std::uint64_t>(o.setup));
-  if (o.kind == ObservationKind::kLength) hash.number(o.length);
+  hash.all(o.kind, o.time, o.position, o.velocity, o.travel, o.approach, o.laserReading, o.feature,
+           o.reference, o.deviation, o.deviationStd, o.setup);
+  if (o.kind == ObservationKind::kLength) hash.all(o.length);
   if (o.placement == 0 && o.stylus == 0 && o.recording == 0) return;  // as of older files, which have none
-  for (const int index : {o.placement, o.stylus, o.recording}) hash.word(static_cast<std::uint64_t>(index));
+  hash.all(o.placement, o.stylus, o.recording);
 }
 
 void addSeries(Hash& hash, const std::vector<Series>& all) {
-  hash.word(all.size());
-  for (const Series& s : all) {
-    hash.text(s.name);
-    hash.text(s.unit);
-    hash.numbers(s.time);
-    hash.numbers(s.value);
-  }
+  hash.add(all.size());
+  for (const Series& s : all) hash.all(s.name, s.unit, s.time, s.value);
 }
 
 }  // namespace
 
 std::string sessionHash(const Session& session) {
   Hash hash;
-  hash.text(session.machine.urdf());
+  hash.add(session.machine.urdf());
   addArtifact(hash, session.artifact);
-  hash.word(session.observations.size());
+  hash.add(session.observations.size());
   for (const Observation& o : session.observations) addObservation(hash, o);
   addSeries(hash, session.temperatures);
   addSeries(hash, session.covariates);
-  hash.word(session.setups.size());
-  for (const std::string& s : session.setups) hash.text(s);
-  for (const std::string& s : session.placements) hash.text(s);
-  for (const Recording& r : session.recordings) hash.text(r.hash);
+  hash.add(session.setups.size());
+  for (const std::string& s : session.setups) hash.add(s);
+  for (const std::string& s : session.placements) hash.add(s);
+  for (const Recording& r : session.recordings) hash.add(r.hash);
   if (session.compensation.stated != ControllerCompensation::Stated::kNot)
-    hash.text(session.compensation.inWords());
+    hash.add(session.compensation.inWords());
   return hash.digits();
 }
 

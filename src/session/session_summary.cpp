@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/format.h"
-#include "base/units.h"
+#include "base/range.h"
+#include "machine/joint_units.h"
 #include "session/copied_rows.h"
 
 namespace mm {
@@ -13,15 +13,10 @@ namespace {
 
 std::string number(double value) { return format("%.6g", value); }
 
-struct Range {
-  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
-  void add(double v) {
-    if (std::isnan(v)) return;
-    lower = std::min(lower, v);
-    upper = std::max(upper, v);
-  }
-  std::string text(double factor) const { return number(lower * factor) + " … " + number(upper * factor); }
-};
+std::string rangeText(const Range& range, double unit) {
+  const double factor = 1.0 / unit;
+  return number(range.lower * factor) + " … " + number(range.upper * factor);
+}
 
 std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
@@ -80,7 +75,8 @@ std::string seriesLines(const std::vector<Series>& all) {
   for (const Series& s : all) {
     Range range;
     for (const double v : s.value) range.add(v);
-    text += column(s.name) + range.text(1.0) + " " + s.unit + " (" + counted(s.value.size(), "value") + ")\n";
+    text += column(s.name) + rangeText(range, 1.0) + " " + s.unit + " (" + counted(s.value.size(), "value") +
+            ")\n";
   }
   return text;
 }
@@ -99,13 +95,11 @@ std::string summarize(const Session& session) {
       range.add(o.position[j]);
       directed = directed || o.travel[j] != 0.0;
     }
-    const bool linear = joint.kind == JointKind::kLinear;
-    const double factor = 1.0 / (linear ? kMillimetre : kDegree);
-    const std::string unit = linear ? " mm" : " deg";
+    const auto [unit, symbol] = readingUnit(joint);
     if (range.lower == range.upper)
-      text += column(joint.name) + "stays at " + number(range.lower * factor) + unit + "\n";
+      text += column(joint.name) + "stays at " + number(range.lower * (1.0 / unit)) + " " + symbol + "\n";
     else
-      text += column(joint.name) + range.text(factor) + unit +
+      text += column(joint.name) + rangeText(range, unit) + " " + symbol +
               (directed ? "" : ", direction of travel not known") + "\n";
   }
   text += seriesLines(session.temperatures) + seriesLines(session.covariates);
