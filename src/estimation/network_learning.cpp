@@ -9,8 +9,6 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "estimation/network_samples.h"
-#include "thermal/blocked_folds.h"
-#include "thermal/grey_relation.h"
 #include "thermal/network_choice.h"
 #include "thermal/ridge.h"
 #include "thermal/sensor_selection.h"

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/format.h"
+#include "base/median.h"
 #include "fleet/fleet.h"
 #include "fleet/recurrence.h"
 #include "fleet/robust_numbers.h"
@@ -86,7 +87,7 @@ bool slopeIsKnown(const FleetSeries& s) {
 void knownNoBetterThanSisters(std::vector<Sister>& sisters, const std::vector<double>& amount) {
   std::vector<double> ofOne;
   for (std::size_t i = 0; i < sisters.size(); ++i) ofOne.push_back(sisters[i].std * std::sqrt(amount[i]));
-  const double usual = middleOf(ofOne);
+  const double usual = median(ofOne);
   for (std::size_t i = 0; i < sisters.size(); ++i)
     sisters[i].std = std::max(sisters[i].std, usual / std::sqrt(amount[i]));
 }

@@ -7,22 +7,16 @@
 #include <cmath>
 #include <limits>
 
+#include "base/median.h"
+
 namespace mm {
 
-double middleOf(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
 double robustSpread(const std::vector<double>& values) {
-  const double middle = middleOf(values);
+  const double middle = median(values);
   std::vector<double> away;
   for (const double v : values) away.push_back(std::abs(v - middle));
   constexpr double kOfNormal = 1.482602218505602;  // 1 / quantile of 3/4
-  return kOfNormal * middleOf(away);
+  return kOfNormal * median(away);
 }
 
 double pairSpread(const std::vector<double>& values) {

@@ -3,8 +3,6 @@
 
 namespace mm {
 
-/// The median; NaN of none.
-double middleOf(std::vector<double> values);
 /// Standard deviation of normal numbers from the median of their deviations from the median (MAD times
 /// 1.4826). NaN of none.
 double robustSpread(const std::vector<double>& values);

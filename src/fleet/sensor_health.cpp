@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/median.h"
 #include "fleet/robust_numbers.h"
 
 namespace mm {
@@ -58,7 +59,7 @@ std::vector<SensorHealth> sensorHealth(const Session& session) {
     std::vector<double> others;
     for (const SensorHealth& o : all)
       if (&o != &h && std::isfinite(o.mean)) others.push_back(o.mean);
-    h.offset = others.empty() ? kNotMeasured : h.mean - middleOf(others);
+    h.offset = others.empty() ? kNotMeasured : h.mean - median(others);
   }
   return all;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.h"
 #include "base/tiny.h"
 #include "fleet/robust_numbers.h"
 #include "fleet/trend.h"
@@ -54,7 +55,7 @@ Sisterhood sistersOf(const std::vector<Sister>& sisters) {
   if (sisters.empty()) return all;
   std::vector<double> value, away, variance, total;
   for (const Sister& s : sisters) value.push_back(s.value);
-  all.centre = middleOf(value);
+  all.centre = median(value);
   for (const Sister& s : sisters) {
     away.push_back(s.value - all.centre);
     variance.push_back(s.std * s.std);
@@ -62,7 +63,7 @@ Sisterhood sistersOf(const std::vector<Sister>& sisters) {
   all.spread = sisters.size() <= kMostForPairs ? excessSpread(away, variance) : excessScatter(away, variance);
   for (const double v : variance) total.push_back(v + all.spread * all.spread);
   const auto count = static_cast<double>(sisters.size());
-  const double ofCentre = kOfMedian * middleOf(total) / count;
+  const double ofCentre = kOfMedian * median(total) / count;
   all.centreStd = std::sqrt(ofCentre);
   if (sisters.size() < kFewest) return all;
   for (std::size_t i = 0; i < sisters.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/median.h"
 #include "base/tiny.h"
 #include "fleet/robust_numbers.h"
 
@@ -225,7 +226,7 @@ double excessScatter(const std::vector<double>& value, const std::vector<double>
     std::vector<double> size;
     for (std::size_t i = 0; i < value.size(); ++i)
       size.push_back(std::abs(value[i]) / std::sqrt(variance[i] + scatter * scatter + kTiny));
-    return middleOf(std::move(size)) > kNormalMedian;
+    return median(std::move(size)) > kNormalMedian;
   };
   if (!tooLarge(0.0)) return 0.0;
   double low = 0.0, high = 0.0;

@@ -6,7 +6,6 @@
 #include "report/verify_json.h"
 #include "ros_bridge/node_support.h"
 #include "session/session_summary.h"
-#include "verification/kept_answer.h"
 #include "verification/verify.h"
 #include "verification/verify_words.h"
 

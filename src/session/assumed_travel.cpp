@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/dense.h"
+#include "base/median.h"
 #include "base/range.h"
 #include "machine/linear_inverse.h"
 #include "session/geometric_start.h"
@@ -168,8 +169,7 @@ class TravelMaker {
       if (s.before != 0.0 && s.before == s.after) passing.push_back(s.count());
     }
     if (passing.empty()) return *std::min_element(any.begin(), any.end());
-    std::nth_element(passing.begin(), passing.begin() + static_cast<long>(passing.size() / 2), passing.end());
-    return passing[passing.size() / 2];
+    return upperMedian(passing);
   }
 
   /// Whether all returns jump back over several targets to where the run began: each target is then

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/format.h"
+#include "base/median.h"
 #include "base/units.h"
 #include "machine/joint_units.h"
 #include "session/copied_rows.h"
@@ -153,17 +154,12 @@ class GrossRows {
     bool known = false;     // the contacts determine it
   };
 
-  static double median(std::vector<double> v) {
-    std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
-    return v[v.size() / 2];
-  }
-
   static Eigen::Vector3d medianOf(const std::vector<Eigen::Vector3d>& tips) {
     Eigen::Vector3d middle;
     for (int k = 0; k < 3; ++k) {
       std::vector<double> values;
       for (const auto& t : tips) values.push_back(t[k]);
-      middle[k] = median(std::move(values));
+      middle[k] = upperMedian(std::move(values));
     }
     return middle;
   }
@@ -184,7 +180,7 @@ class GrossRows {
       if (near.size() < kDetermining || !sphereCentre(near, place.distance, centre)) return place;
       std::vector<double> off;
       for (const auto& t : tips) off.push_back(std::abs((t - centre).norm() - place.distance));
-      place.off = median(off);
+      place.off = upperMedian(off);
       place.centre = centre;
       near.clear();
       for (std::size_t i = 0; i < tips.size(); ++i)
@@ -233,7 +229,7 @@ class GrossRows {
     std::vector<double> away;
     for (const auto& t : tips) away.push_back((t - middle).norm());
     // Far from the rest whatever the machine's errors are: many times farther than half of the others.
-    const double far = std::max(5.0 * place.distance, 30.0 * std::max(median(away), kMillimetre));
+    const double far = std::max(5.0 * place.distance, 30.0 * std::max(upperMedian(away), kMillimetre));
     std::vector<std::pair<std::size_t, std::string>> wrong;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double from = (tips[i] - place.centre).norm();
@@ -275,11 +271,11 @@ class GrossRows {
       std::vector<double> others, away;
       for (const std::size_t i : rows)
         if (i != row) others.push_back(session_.observations[i].position[j]);
-      const double middle = median(others);
+      const double middle = upperMedian(others);
       for (const double q : others) away.push_back(std::abs(q - middle));
       constexpr double kWritten = 1e-3;  // mm or deg: the last digit that a file has
       const double far = std::abs(session_.observations[row].position[j] - middle) /
-                         std::max(median(away), kWritten * readingUnit(joints[j]).factor);
+                         std::max(upperMedian(away), kWritten * readingUnit(joints[j]).factor);
       if (far > worst) worst = far, at = j;
     }
     const auto [unit, symbol] = readingUnit(joints[at]);

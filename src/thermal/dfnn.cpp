@@ -5,7 +5,6 @@
 
 #include "base/dense.h"
 #include "base/error.h"
-#include "thermal/blocked_folds.h"
 #include "thermal/ridge.h"
 #include "thermal/thermal_network.h"
 
@@ -92,41 +91,25 @@ std::vector<Placement> placements(DfnnSettings base, int samples) {
   return result;
 }
 
-/// Sums of squares of the held-out errors for every pair of penalties.
+/// Sums of squares of the held-out errors for every pair of penalties. @param rulesOf(x, y) of the samples
+/// that are not held out.
+template <typename RulesOf>
 Eigen::MatrixXd heldOutSquares(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
-                               const std::vector<Fold>& folds, const Placement& placement,
-                               const Ridges& ridges) {
-  const std::size_t departures = placement.growth.largestRules == 1 ? 1 : ridges.departures.size();
-  Eigen::MatrixXd squares =
-      Eigen::MatrixXd::Zero(static_cast<long>(ridges.common.size()), static_cast<long>(departures));
+                               const std::vector<Fold>& folds, const Ridges& ridges, RulesOf rulesOf) {
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(static_cast<long>(ridges.common.size()),
+                                                  static_cast<long>(ridges.departures.size()));
   for (const Fold& fold : folds) {
     const Eigen::MatrixXd trainX = rowsOf(x, fold.train), trainY = rowsOf(y, fold.train);
-    const DfnnRules rules = placement.rules(trainX, trainY);
+    const DfnnRules rules = rulesOf(trainX, trainY);
     const RidgeConsequents equations(RidgeConsequents::design(trainX, rules), trainY, x.cols());
     const Eigen::MatrixXd z = RidgeConsequents::design(rowsOf(x, fold.test), rules),
                           testY = rowsOf(y, fold.test);
-    for (std::size_t b = 0; b < departures; ++b) {
-      const std::vector<Eigen::MatrixXd> solutions = equations.solve(ridges.common, ridges.departures[b]);
+    for (Eigen::Index b = 0; b < squares.cols(); ++b) {
+      const std::vector<Eigen::MatrixXd> solutions =
+          equations.solve(ridges.common, ridges.departures[static_cast<std::size_t>(b)]);
       for (std::size_t a = 0; a < solutions.size(); ++a)
-        squares(static_cast<long>(a), static_cast<long>(b)) += (z * solutions[a] - testY).squaredNorm();
+        squares(static_cast<long>(a), b) += (z * solutions[a] - testY).squaredNorm();
     }
-  }
-  return squares;
-}
-
-/// The same for one choice, with refined rules.
-double refinedSquares(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const std::vector<Fold>& folds,
-                      const Chosen& chosen) {
-  double squares = 0.0;
-  for (const Fold& fold : folds) {
-    const Eigen::MatrixXd trainX = rowsOf(x, fold.train), trainY = rowsOf(y, fold.train);
-    const DfnnRules rules = refineRules(trainX, trainY, chosen.placement.rules(trainX, trainY), chosen.ridge,
-                                        chosen.departureRidge);
-    const RidgeConsequents equations(RidgeConsequents::design(trainX, rules), trainY, x.cols());
-    squares += (RidgeConsequents::design(rowsOf(x, fold.test), rules) *
-                    equations.solve(chosen.ridge, chosen.departureRidge) -
-                rowsOf(y, fold.test))
-                   .squaredNorm();
   }
   return squares;
 }
@@ -205,8 +188,11 @@ void Dfnn::choose() {
   double linear = std::numeric_limits<double>::infinity(), several = linear;
   Chosen one, best;
   for (const Placement& placement : placements(settings_.dfnn, samples())) {
+    Ridges tried = ridges;
+    if (placement.growth.largestRules == 1) tried.departures.resize(1);  // nothing departs
+    const auto rulesOf = [&](const auto& someX, const auto& someY) { return placement.rules(someX, someY); };
     Eigen::Index a = 0, b = 0;
-    const double rms = unit * std::sqrt(heldOutSquares(x, y, folds, placement, ridges).minCoeff(&a, &b));
+    const double rms = unit * std::sqrt(heldOutSquares(x, y, folds, tried, rulesOf).minCoeff(&a, &b));
     const Chosen chosen{placement, ridges.common[static_cast<std::size_t>(a)],
                         ridges.departures[static_cast<std::size_t>(b)], rms};
     if (placement.growth.largestRules == 1) {
@@ -219,7 +205,11 @@ void Dfnn::choose() {
   }
   if (best.placement.growth.largestRules * (x.cols() + 1) * kSamplesAnUnknown <= samples() &&
       several < std::numeric_limits<double>::infinity()) {
-    const double refined = unit * std::sqrt(refinedSquares(x, y, folds, best));
+    const auto rulesOf = [&](const auto& someX, const auto& someY) {
+      return refineRules(someX, someY, best.placement.rules(someX, someY), best.ridge, best.departureRidge);
+    };
+    const Ridges chosen{{best.ridge}, {best.departureRidge}};
+    const double refined = unit * std::sqrt(heldOutSquares(x, y, folds, chosen, rulesOf)(0, 0));
     if (refined < best.heldOut) {
       best.heldOut = refined;
       best.refined = true;

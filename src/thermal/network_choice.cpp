@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "thermal/blocked_folds.h"
+#include "thermal/ridge.h"
 
 namespace mm {
 namespace {

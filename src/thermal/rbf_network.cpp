@@ -3,7 +3,6 @@
 #include <sstream>
 
 #include "base/dense.h"
-#include "thermal/blocked_folds.h"
 #include "thermal/ridge.h"
 #include "thermal/thermal_network.h"
 

@@ -2,9 +2,18 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "thermal/blocked_folds.h"
-
 namespace mm {
+
+/// One division of a series in time: fitted on `train`, judged on `test` (indices of samples).
+struct Fold {
+  std::vector<int> train;
+  std::vector<int> test;
+};
+
+/// Divides `samples` in the order of time into `blocks` contiguous blocks, each held out once. `gap` samples
+/// on both sides of the block are used for neither, so that neighbours in time do not give the answer away.
+/// Throws InputError when there are fewer than 2 blocks or a fold would be empty.
+std::vector<Fold> blockedFolds(int samples, int blocks, int gap = 0);
 
 /// Linear model y = offset + slopes^T x, its slopes held back by a ridge: minimises
 /// |Y - model|^2 + lambda * n * |slopes of the standardised inputs|^2. The offset is not penalised.

@@ -5,7 +5,6 @@
 #include <iterator>
 
 #include "base/error.h"
-#include "thermal/blocked_folds.h"
 #include "thermal/ridge.h"
 
 namespace mm {

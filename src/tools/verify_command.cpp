@@ -11,7 +11,6 @@
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
 #include "tools/store_options.h"
-#include "verification/kept_answer.h"
 #include "verification/verify.h"
 #include "verification/verify_words.h"
 

@@ -44,99 +44,41 @@ std::vector<TestLine> linesOf(const Domain& domain) {
   return lines;
 }
 
-/// ISO 10360-2: bidirectional lengths; with it a ball, for the probing error (ISO 10360-5).
-class LengthTest : public MeasurementTask {
- public:
-  /// @param radius m, of the ball; 0: none, as the volume has no room for one.
-  LengthTest(const std::vector<TestLine>& lines, const Eigen::Vector3d& middle, double radius,
-             std::optional<PermissibleError> permissible)
-      : permissible_(std::move(permissible)) {
-    quantities_ = {{"largest |E|", 0.0, true, 0.0}};
-    if (radius > 0.0) quantities_.push_back({kProbingForm, 0.0, true, 0.0});
-    first_ = quantities_.size();
-    for (const TestLine& line : lines) {
-      const Eigen::Vector3d way = (line.to - line.from).normalized();
-      for (int i = 1; i <= kLengths; ++i) {
-        const Eigen::Vector3d end = line.from + (line.to - line.from) * (static_cast<double>(i) / kLengths);
-        const double length = (end - line.from).norm();
-        quantities_.push_back({format("%.4g mm, ", length / kMillimetre) + line.name, length, false, length});
-        along_.push_back(way);
-        for (int r = 0; r < kRepeats; ++r) {
-          points_.push_back({line.from, -way, -1, 0.0});
-          points_.push_back({end, way, -1, 0.0});
-        }
-      }
-    }
-    firstOfBall_ = points_.size();
-    if (!(radius > 0.0)) return;
-    const std::vector<TaskPoint> ball = ballPoints(middle, radius, kProbingContacts);
-    ball_.emplace(FittedFeature::Kind::kSphere, middle, Eigen::Vector3d::UnitZ(), radius, placesOf(ball));
-    points_.insert(points_.end(), ball.begin(), ball.end());
+/// What ISO 10360-2 measures: bidirectional lengths; with them a ball, for the probing error (ISO 10360-5).
+struct LengthTest {
+  using Places = MeasurementTask::Places;
+
+  /// m, of one of the repeats of a length.
+  double errorOf(const Places& measured, std::size_t length, std::size_t repeat) const {
+    const std::size_t at = 2 * (length * kRepeats + repeat);
+    return (measured[at + 1] - measured[at]).dot(along[length]) - nominal[length];
   }
-  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
-    double largest = 0.0;
-    for (std::size_t l = 0; l < along_.size(); ++l)
+  /// The largest error, that of the ball, the first of the repeats of every length.
+  void figures(const Places& measured, double* values) const {
+    double& largest = *values++ = 0.0;
+    if (ball) *values++ = ball->fit(measured, firstOfBall).form;
+    for (std::size_t l = 0; l < along.size(); ++l)
       for (std::size_t r = 0; r < kRepeats; ++r) {
         const double error = errorOf(measured, l, r);
-        if (r == 0) values[first_ + l] = quantities_[first_ + l].nominal + error;
+        if (r == 0) *values++ = nominal[l] + error;
         largest = std::max(largest, std::abs(error));
       }
-    values[0] = largest;
-    if (ball_) values[1] = ball_->fit(measured, firstOfBall_).form;
   }
   /// The test asks it of every length, each time that it is measured (ISO 10360-2, 8.1). Here without the
   /// repetitions that the standard allows where single values are beyond: what passes here passes there.
-  std::optional<bool> passes(const std::vector<Eigen::Vector3d>& measured) const override {
-    if (!permissible_) return std::nullopt;
-    for (std::size_t l = 0; l < along_.size(); ++l) {
-      const double most = permissible_->at(quantities_[first_ + l].length / kMillimetre) * kMicrometre;
+  bool passes(const Places& measured, const PermissibleError& permissible) const {
+    for (std::size_t l = 0; l < along.size(); ++l) {
+      const double most = permissible.at(nominal[l] / kMillimetre) * kMicrometre;
       for (std::size_t r = 0; r < kRepeats; ++r)
         if (std::abs(errorOf(measured, l, r)) > most) return false;
     }
     return true;
   }
 
- private:
-  /// m, of one of the repeats of a length.
-  double errorOf(const std::vector<Eigen::Vector3d>& measured, std::size_t length, std::size_t repeat) const {
-    const std::size_t first = 2 * (length * kRepeats + repeat);
-    return (measured[first + 1] - measured[first]).dot(along_[length]) - quantities_[first_ + length].nominal;
-  }
-
-  std::optional<PermissibleError> permissible_;
-  std::vector<Eigen::Vector3d> along_;
-  std::size_t first_ = 1, firstOfBall_ = 0;  // of the lengths among the figures; of the ball's points
-  std::optional<FittedFeature> ball_;
-};
-
-class PositioningOfAxis : public MeasurementTask {
- public:
-  PositioningOfAxis(int joint, const Eigen::Vector3d& middle, const Eigen::Vector3d& way,
-                    const std::vector<double>& targets)
-      : way_(way) {
-    // The figures of ISO 230-2, section 3.
-    for (const char* name : {"accuracy A", "repeatability R", "systematic E", "reversal B", "mean range M"})
-      quantities_.push_back({name, 0.0, true, 0.0});
-    for (int run = 0; run < kRuns; ++run)
-      for (const bool up : {true, false})
-        for (std::size_t i = 0; i < targets.size(); ++i) {
-          const double at = up ? targets[i] : targets[targets.size() - 1 - i];
-          points_.push_back({middle + at * way, {0, 0, 0}, joint, up ? 1.0 : -1.0});
-          at_.push_back(at / kMillimetre);
-        }
-  }
-  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
-    std::vector<PositioningRun> runs(points_.size());
-    for (std::size_t i = 0; i < points_.size(); ++i)  // it stops where it is measured to be at the target
-      runs[i] = {at_[i], (points_[i].place - measured[i]).dot(way_) / kMicrometre, points_[i].side > 0.0};
-    const PositioningFigures f = positioningTest(std::move(runs)).figures;
-    const double figures[] = {f.accuracy, f.repeatability, f.systematic, f.reversal, f.meanRange};
-    for (int k = 0; k < 5; ++k) values[k] = figures[k] * kMicrometre;
-  }
-
- private:
-  Eigen::Vector3d way_;
-  std::vector<double> at_;
+  std::vector<Eigen::Vector3d> along;
+  std::vector<double> nominal;  // m
+  std::optional<FittedFeature> ball;
+  std::size_t firstOfBall = 0;  // among the points
 };
 
 /// Targets over a span about zero, each a part of an interval beside equal spacing, lest the period of a
@@ -153,8 +95,7 @@ std::vector<double> shiftedTargets(int count, double span) {
 
 }  // namespace
 
-std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model,
-                                                const std::optional<PermissibleError>& permissible) {
+MeasurementTask lengthTestTask(const Model& model, const std::optional<PermissibleError>& permissible) {
   const Domain& domain = model.domain();
   const std::vector<TestLine> lines = linesOf(domain);
   if (lines.empty())
@@ -168,11 +109,39 @@ std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model,
   const double radius = usualBallRadius(domain);
   const bool room =
       !domain.features.empty() && (domain.tipUpper - domain.tipLower).minCoeff() >= 2.0 * radius;
-  return std::make_unique<LengthTest>(lines, 0.5 * (domain.tipLower + domain.tipUpper), room ? radius : 0.0,
-                                      permissible);
+  LengthTest test;
+  std::vector<TaskPoint> points;
+  std::vector<TaskQuantity> quantities = {{"largest |E|", 0.0, true, 0.0}};
+  if (room) quantities.push_back({kProbingForm, 0.0, true, 0.0});
+  for (const TestLine& line : lines) {
+    const Eigen::Vector3d way = (line.to - line.from).normalized();
+    for (int i = 1; i <= kLengths; ++i) {
+      const Eigen::Vector3d end = line.from + (line.to - line.from) * (static_cast<double>(i) / kLengths);
+      const double length = (end - line.from).norm();
+      quantities.push_back({format("%.4g mm, ", length / kMillimetre) + line.name, length, false, length});
+      test.along.push_back(way);
+      test.nominal.push_back(length);
+      for (int r = 0; r < kRepeats; ++r) {
+        points.push_back({line.from, -way, -1, 0.0});
+        points.push_back({end, way, -1, 0.0});
+      }
+    }
+  }
+  test.firstOfBall = points.size();
+  if (room) {
+    const Eigen::Vector3d middle = 0.5 * (domain.tipLower + domain.tipUpper);
+    const std::vector<TaskPoint> ball = ballPoints(middle, radius, kProbingContacts);
+    test.ball.emplace(FittedFeature::Kind::kSphere, middle, Eigen::Vector3d::UnitZ(), radius, placesOf(ball));
+    points.insert(points.end(), ball.begin(), ball.end());
+  }
+  MeasurementTask::Test passes;
+  if (permissible)
+    passes = [test, permissible](const auto& measured) { return test.passes(measured, *permissible); };
+  return {std::move(points), std::move(quantities),
+          [test](const auto& measured, double* values) { test.figures(measured, values); }, passes};
 }
 
-std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int targets, const Model& model) {
+MeasurementTask positioningTask(const std::string& axis, int targets, const Model& model) {
   const Domain& domain = model.domain();
   const int joint = domain.findJoint(axis);
   std::vector<std::string> names;
@@ -194,11 +163,32 @@ std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int ta
   if (targets != 0 && targets < least)
     throw InputError(
         task + format("--points %d is fewer than the five targets a metre of ISO 230-2: %d", targets, least));
-  const std::vector<double> at = shiftedTargets(targets == 0 ? least : targets, (1.0 - 2.0 * kInset) * range);
+  const std::vector<double> targetsAt =
+      shiftedTargets(targets == 0 ? least : targets, (1.0 - 2.0 * kInset) * range);
   const double beam = domain.laser ? 0.5 * (domain.readingLower + domain.readingUpper) : kNotMeasured;
-  return std::make_unique<PositioningOfAxis>(joint, model.machine().nominal(q.data(), beam).position,
-                                             model.machine().jacobian(q.data(), beam).block<3, 1>(0, joint),
-                                             at);
+  const Eigen::Vector3d middle = model.machine().nominal(q.data(), beam).position,
+                        way = model.machine().jacobian(q.data(), beam).block<3, 1>(0, joint);
+  std::vector<TaskPoint> points;
+  std::vector<double> at;  // mm
+  for (int run = 0; run < kRuns; ++run)
+    for (const bool up : {true, false})
+      for (std::size_t i = 0; i < targetsAt.size(); ++i) {
+        const double target = up ? targetsAt[i] : targetsAt[targetsAt.size() - 1 - i];
+        points.push_back({middle + target * way, {0, 0, 0}, joint, up ? 1.0 : -1.0});
+        at.push_back(target / kMillimetre);
+      }
+  std::vector<TaskQuantity> quantities;  // the figures of ISO 230-2, section 3
+  for (const char* name : {"accuracy A", "repeatability R", "systematic E", "reversal B", "mean range M"})
+    quantities.push_back({name, 0.0, true, 0.0});
+  const auto figures = [points, at, way](const MeasurementTask::Places& measured, double* values) {
+    std::vector<PositioningRun> runs(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)  // it stops where it is measured to be at the target
+      runs[i] = {at[i], (points[i].place - measured[i]).dot(way) / kMicrometre, points[i].side > 0.0};
+    const PositioningFigures f = positioningTest(std::move(runs)).figures;
+    for (const double figure : {f.accuracy, f.repeatability, f.systematic, f.reversal, f.meanRange})
+      *values++ = figure * kMicrometre;
+  };
+  return {points, std::move(quantities), figures};
 }
 
 }  // namespace mm

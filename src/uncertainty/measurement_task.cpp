@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <functional>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -22,84 +23,59 @@ constexpr int kBallContacts = 25, kRingContacts = 24, kSquareContacts = 25, kLin
 constexpr const char* kTaskWords[] = {"distance", "position", "ball",         "circle",     "roundness",
                                       "plane",    "flatness", "straightness", "iso10360-2", "iso230-2"};
 
-class DistanceTask : public MeasurementTask {
- public:
-  DistanceTask(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    points_ = {{a, {0, 0, 0}, -1, 0.0}, {b, {0, 0, 0}, -1, 0.0}};
-    quantities_ = {{"distance", (b - a).norm(), false, (b - a).norm()}};
-  }
-  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
-    values[0] = (measured[1] - measured[0]).norm();
-  }
-};
+MeasurementTask distanceTask(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const double length = (b - a).norm();
+  return {{{a, {0, 0, 0}, -1, 0.0}, {b, {0, 0, 0}, -1, 0.0}},
+          {{"distance", length, false, length}},
+          [](const MeasurementTask::Places& measured, double* values) {
+            values[0] = (measured[1] - measured[0]).norm();
+          }};
+}
 
-class PositionTask : public MeasurementTask {
- public:
-  explicit PositionTask(const Eigen::Vector3d& at) {
-    points_ = {{at, {0, 0, 0}, -1, 0.0}};
-    for (int k = 0; k < 3; ++k) quantities_.push_back({std::string(1, "xyz"[k]), at[k], false, 0.0});
-  }
-  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
-    for (int k = 0; k < 3; ++k) values[k] = measured[0][k];
-  }
-};
+TaskQuantity coordinateOf(const Eigen::Vector3d& at, int k) {
+  return {std::string(1, "xyz"[k]), at[k], false, 0.0};
+}
 
-/// A ball or a ring: diameter, centre, form.
-class RoundTask : public MeasurementTask {
- public:
-  RoundTask(FittedFeature::Kind kind, const Eigen::Vector3d& centre, const Eigen::Vector3d& normal,
-            double radius, std::vector<TaskPoint> points)
-      : centre_(centre), radius_(radius), fit_(kind, centre, normal, radius, placesOf(points)) {
-    points_ = std::move(points);
-    quantities_ = {{"diameter", 2.0 * radius, false, 2.0 * radius}};
-    for (int k = 0; k < 3; ++k) quantities_.push_back({std::string(1, "xyz"[k]), centre[k], false, 0.0});
-    quantities_.push_back({kind == FittedFeature::Kind::kSphere ? "form" : "roundness", 0.0, true, 0.0});
-    // The measured circle lies in its own plane: along the normal nothing is found.
-    for (int k = 0; k < 3; ++k)
-      found_.push_back(kind == FittedFeature::Kind::kSphere || std::abs(normal[k]) < 1.0 - kOfAWhole);
-    for (int k = 2; k >= 0; --k)
-      if (!found_[static_cast<std::size_t>(k)]) quantities_.erase(quantities_.begin() + 1 + k);
-  }
-  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
-    const FittedFeature::Found found = fit_.fit(measured);
-    *values++ = 2.0 * (radius_ + found.radius);
-    for (int k = 0; k < 3; ++k)
-      if (found_[static_cast<std::size_t>(k)]) *values++ = centre_[k] + found.centre[k];
-    *values = found.form;
-  }
+MeasurementTask positionTask(const Eigen::Vector3d& at) {
+  return {{{at, {0, 0, 0}, -1, 0.0}},
+          {coordinateOf(at, 0), coordinateOf(at, 1), coordinateOf(at, 2)},
+          [](const MeasurementTask::Places& measured, double* values) {
+            for (int k = 0; k < 3; ++k) values[k] = measured[0][k];
+          }};
+}
 
- private:
-  Eigen::Vector3d centre_;
-  double radius_;
-  FittedFeature fit_;
-  std::vector<bool> found_;
-};
-
-/// A circle, plane or line of which the form is asked first, or alone.
-class FormTask : public MeasurementTask {
- public:
-  /// @param alone only the form is a figure of the task; else its place along the normal comes first.
-  FormTask(FittedFeature::Kind kind, const char* name, const Eigen::Vector3d& centre,
-           const Eigen::Vector3d& normal, double radius, std::vector<TaskPoint> points, bool alone)
-      : centre_(centre),
-        normal_(normal),
-        alone_(alone),
-        fit_(kind, centre, normal, radius, placesOf(points)) {
-    points_ = std::move(points);
-    if (!alone) quantities_.push_back({"place", centre.dot(normal), false, 0.0});
-    quantities_.push_back({name, 0.0, true, 0.0});
+/// A feature that is associated with the points: diameter and centre of a ball or ring, or the place of a
+/// plane along its normal; behind these, or alone, its form.
+/// @param form name of that figure. @param alone it is the only one.
+MeasurementTask featureTask(FittedFeature::Kind kind, const Eigen::Vector3d& centre,
+                            const Eigen::Vector3d& normal, double radius, std::vector<TaskPoint> points,
+                            const char* form, bool alone) {
+  using Found = FittedFeature::Found;
+  std::vector<TaskQuantity> quantities;
+  std::vector<std::function<double(const Found&)>> figures;
+  const auto add = [&](TaskQuantity quantity, std::function<double(const Found&)> figure) {
+    quantities.push_back(std::move(quantity));
+    figures.push_back(std::move(figure));
+  };
+  if (!alone && radius > 0.0) {
+    add({"diameter", 2.0 * radius, false, 2.0 * radius},
+        [=](const Found& found) { return 2.0 * (radius + found.radius); });
+    for (int k = 0; k < 3;
+         ++k)  // the measured circle lies in its own plane: along the normal nothing is found
+      if (kind == FittedFeature::Kind::kSphere || std::abs(normal[k]) < 1.0 - kOfAWhole)
+        add(coordinateOf(centre, k), [=](const Found& found) { return centre[k] + found.centre[k]; });
+  } else if (!alone) {
+    add({"place", centre.dot(normal), false, 0.0},
+        [=](const Found& found) { return (centre + found.centre).dot(normal); });
   }
-  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
-    const FittedFeature::Found found = fit_.fit(measured);
-    if (!alone_) *values++ = (centre_ + found.centre).dot(normal_);
-    *values = found.form;
-  }
-
- private:
-  Eigen::Vector3d centre_, normal_;
-  bool alone_;
-  FittedFeature fit_;
-};
+  add({form, 0.0, true, 0.0}, [](const Found& found) { return found.form; });
+  const FittedFeature fit(kind, centre, normal, radius, placesOf(points));
+  return {std::move(points), std::move(quantities),
+          [fit, figures](const MeasurementTask::Places& measured, double* values) {
+            const Found found = fit.fit(measured);
+            for (const auto& figure : figures) *values++ = figure(found);
+          }};
+}
 
 /// The text of a task, taken apart.
 class TaskReader {
@@ -184,27 +160,24 @@ class TaskReader {
   std::vector<std::string> parts_;
 };
 
-std::unique_ptr<MeasurementTask> roundTask(const TaskReader& read, const Model& model) {
+MeasurementTask roundTask(const TaskReader& read, const Model& model) {
   if (read.word() == "ball") {
     read.expect(1);
     const std::vector<double> v = read.numbers(1, 3, 4);
     const Eigen::Vector3d centre = Eigen::Vector3d(v[0], v[1], v[2]) * kMillimetre;
     const double radius = v.size() == 4 ? read.length(v[3], "radius") : usualBallRadius(model.domain());
-    return std::make_unique<RoundTask>(FittedFeature::Kind::kSphere, centre, Eigen::Vector3d::UnitZ(), radius,
-                                       ballPoints(centre, radius, read.points(kBallContacts, 5)));
+    return featureTask(FittedFeature::Kind::kSphere, centre, Eigen::Vector3d::UnitZ(), radius,
+                       ballPoints(centre, radius, read.points(kBallContacts, 5)), "form", false);
   }
   read.expect(3);
   const Eigen::Vector3d centre = read.place(1), normal = read.direction(2);
   const double radius = read.lengthOf(3, "radius");
-  std::vector<TaskPoint> points = ringPoints(centre, normal, radius, read.points(kRingContacts, 4));
-  if (read.word() == "circle")
-    return std::make_unique<RoundTask>(FittedFeature::Kind::kCircle, centre, normal, radius,
-                                       std::move(points));
-  return std::make_unique<FormTask>(FittedFeature::Kind::kCircle, "roundness", centre, normal, radius,
-                                    std::move(points), true);
+  return featureTask(FittedFeature::Kind::kCircle, centre, normal, radius,
+                     ringPoints(centre, normal, radius, read.points(kRingContacts, 4)), "roundness",
+                     read.word() != "circle");
 }
 
-std::unique_ptr<MeasurementTask> flatTask(const TaskReader& read) {
+MeasurementTask flatTask(const TaskReader& read) {
   read.expect(3);
   const Eigen::Vector3d centre = read.place(1);
   if (read.word() == "straightness") {
@@ -212,48 +185,27 @@ std::unique_ptr<MeasurementTask> flatTask(const TaskReader& read) {
     read.expectApart(centre, end);
     if (std::abs(normal.dot((end - centre).normalized())) > 0.99)
       read.refuse("the normal '" + read.part(3) + "' lies along the line");
-    return std::make_unique<FormTask>(FittedFeature::Kind::kLine, "straightness", 0.5 * (centre + end),
-                                      normal, 0.0,
-                                      linePoints(centre, end, normal, read.points(kLineContacts, 3)), true);
+    return featureTask(FittedFeature::Kind::kLine, 0.5 * (centre + end), normal, 0.0,
+                       linePoints(centre, end, normal, read.points(kLineContacts, 3)), "straightness", true);
   }
   const Eigen::Vector3d normal = read.direction(2);
   const double side = read.lengthOf(3, "side");
-  return std::make_unique<FormTask>(FittedFeature::Kind::kPlane, "flatness", centre, normal, 0.0,
-                                    squarePoints(centre, normal, side, read.points(kSquareContacts, 4)),
-                                    read.word() == "flatness");
+  return featureTask(FittedFeature::Kind::kPlane, centre, normal, 0.0,
+                     squarePoints(centre, normal, side, read.points(kSquareContacts, 4)), "flatness",
+                     read.word() == "flatness");
 }
 
-/// A task under the text by which it was asked.
-class NamedTask : public MeasurementTask {
- public:
-  NamedTask(std::unique_ptr<MeasurementTask> task, const std::string& text) : task_(std::move(task)) {
-    text_ = text;
-    points_ = task_->points();
-    quantities_ = task_->quantities();
-  }
-  void evaluate(const std::vector<Eigen::Vector3d>& measured, double* values) const override {
-    task_->evaluate(measured, values);
-  }
-  std::optional<bool> passes(const std::vector<Eigen::Vector3d>& measured) const override {
-    return task_->passes(measured);
-  }
-
- private:
-  std::unique_ptr<MeasurementTask> task_;
-};
-
-std::unique_ptr<MeasurementTask> unnamedTask(const TaskReader& read, const TaskOptions& options,
-                                             const Model& model) {
+MeasurementTask taskOf(const TaskReader& read, const TaskOptions& options, const Model& model) {
   const std::string& word = read.word();
   if (word == "distance") {
     read.expect(2);
     const Eigen::Vector3d a = read.place(1), b = read.place(2);
     read.expectApart(a, b);
-    return std::make_unique<DistanceTask>(a, b);
+    return distanceTask(a, b);
   }
   if (word == "position") {
     read.expect(1);
-    return std::make_unique<PositionTask>(read.place(1));
+    return positionTask(read.place(1));
   }
   if (word == "ball" || word == "circle" || word == "roundness") return roundTask(read, model);
   if (word == "plane" || word == "flatness" || word == "straightness") return flatTask(read);
@@ -273,8 +225,9 @@ std::unique_ptr<MeasurementTask> unnamedTask(const TaskReader& read, const TaskO
 
 std::unique_ptr<MeasurementTask> makeTask(const std::string& text, const TaskOptions& options,
                                           const Model& model) {
-  const TaskReader read(text, options);
-  return std::make_unique<NamedTask>(unnamedTask(read, options, model), text);
+  auto task = std::make_unique<MeasurementTask>(taskOf(TaskReader(text, options), options, model));
+  task->text_ = text;
+  return task;
 }
 
 std::string taskHelp() {

@@ -30,18 +30,20 @@ struct FigureRange {
   double width() const { return high - low; }
 };
 
-/// The same three figures for one direction of approach.
-PositioningFigures::OneWay oneWay(const std::vector<PositioningTarget>& targets, bool forward) {
-  FigureRange means, edges, spread;
+/// A, R and E of the directions of approach that are asked. @param spread what else belongs to R.
+PositioningFigures::OneWay figuresOf(const std::vector<PositioningTarget>& targets,
+                                     std::initializer_list<bool> directions, FigureRange spread) {
+  FigureRange means, edges;
   bool repeated = true;
-  for (const PositioningTarget& t : targets) {
-    const double mean = forward ? t.meanForward : t.meanBackward, s = forward ? t.sForward : t.sBackward;
-    means.add(mean);
-    edges.add(mean + 2.0 * s);
-    edges.add(mean - 2.0 * s);
-    spread.add(4.0 * s);
-    repeated = repeated && (forward ? t.forward : t.backward) != 1;
-  }
+  for (const PositioningTarget& t : targets)
+    for (const bool forward : directions) {
+      const double mean = forward ? t.meanForward : t.meanBackward, s = forward ? t.sForward : t.sBackward;
+      means.add(mean);
+      edges.add(mean + 2.0 * s);
+      edges.add(mean - 2.0 * s);
+      spread.add(4.0 * s);
+      repeated = repeated && (forward ? t.forward : t.backward) != 1;
+    }
   PositioningFigures::OneWay out;
   out.systematic = means.width();
   if (!repeated) return out;  // a single run has no standard deviation
@@ -52,22 +54,12 @@ PositioningFigures::OneWay oneWay(const std::vector<PositioningTarget>& targets,
 
 PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
   PositioningFigures f;
-  f.forward = oneWay(targets, true);
-  f.backward = oneWay(targets, false);
-  FigureRange systematic, accuracy, middle, spread;
+  f.forward = figuresOf(targets, {true}, {});
+  f.backward = figuresOf(targets, {false}, {});
+  FigureRange middle, spread;
   double reversal = 0.0, reversals = 0.0;
   int bidirectional = 0;
-  bool repeated = true;
   for (const PositioningTarget& t : targets) {
-    systematic.add(t.meanForward);
-    systematic.add(t.meanBackward);
-    for (const double k : {2.0, -2.0}) {
-      accuracy.add(t.meanForward + k * t.sForward);
-      accuracy.add(t.meanBackward + k * t.sBackward);
-    }
-    spread.add(4.0 * t.sForward);
-    spread.add(4.0 * t.sBackward);
-    repeated = repeated && t.forward != 1 && t.backward != 1;
     if (t.forward == 0 || t.backward == 0) continue;
     const double b = t.meanForward - t.meanBackward;
     middle.add(0.5 * (t.meanForward + t.meanBackward));
@@ -76,15 +68,15 @@ PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
     reversals += b;
     ++bidirectional;
   }
-  f.systematic = systematic.width();
   if (bidirectional > 0) {
     f.meanRange = middle.width();
     f.reversal = reversal;
     f.meanReversal = reversals / bidirectional;
   }
-  if (!repeated) return f;
-  f.accuracy = accuracy.width();
-  f.repeatability = spread.high;
+  const PositioningFigures::OneWay both = figuresOf(targets, {true, false}, spread);
+  f.accuracy = both.accuracy;
+  f.repeatability = both.repeatability;
+  f.systematic = both.systematic;
   return f;
 }
 

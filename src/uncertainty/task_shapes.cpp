@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.h"
 #include "base/units.h"
 
 namespace mm {
@@ -93,10 +94,7 @@ double usualBallRadius(const Domain& domain) {
   std::vector<double> radii;
   for (const double r : domain.featureRadius)
     if (r > 0.0) radii.push_back(r);
-  if (!radii.empty()) {
-    std::sort(radii.begin(), radii.end());
-    return radii[radii.size() / 2];
-  }
+  if (!radii.empty()) return upperMedian(radii);
   double radius = kUsualRadius;
   for (const double side : Eigen::Vector3d(domain.tipUpper - domain.tipLower))
     if (side > kStoodStill) radius = std::min(radius, 0.25 * side);

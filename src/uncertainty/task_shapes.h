@@ -1,6 +1,6 @@
 #pragma once
 #include <Eigen/Core>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,10 +30,9 @@ std::vector<TaskPoint> linePoints(const Eigen::Vector3d& from, const Eigen::Vect
 std::vector<Eigen::Vector3d> placesOf(const std::vector<TaskPoint>& points);
 
 /// The tasks of the standards. @throw InputError: the calibrated volume is too small, or has no such axis.
-std::unique_ptr<MeasurementTask> lengthTestTask(const Model& model,
-                                                const std::optional<PermissibleError>& permissible);
+MeasurementTask lengthTestTask(const Model& model, const std::optional<PermissibleError>& permissible);
 /// @param targets 0: five.
-std::unique_ptr<MeasurementTask> positioningTask(const std::string& axis, int targets, const Model& model);
+MeasurementTask positioningTask(const std::string& axis, int targets, const Model& model);
 
 /// Radius of the balls that were calibrated with, m; without any 10 mm, at most a quarter of the smallest
 /// side of the calibrated volume that has one.

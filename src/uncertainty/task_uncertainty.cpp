@@ -19,10 +19,9 @@ constexpr std::size_t kPart = 1000;        // trials computed in one piece
 constexpr double kTail = 0.025;            // on either side of a 95 % interval
 constexpr double kNothing = 1e-15;         // m: below it a figure is certain
 
-/// One figure over the trials of a batch.
-struct BatchFigure {
-  double mean = 0.0, variance = 0.0, lower = 0.0, upper = 0.0;
-};
+/// One figure over the trials of a batch: what is averaged over the batches.
+using BatchFigure = Eigen::Array4d;
+enum { kMean, kVariance, kLower, kUpper };  // its elements
 struct Batch {
   std::vector<BatchFigure> figures;  // a quantity each
   double passes = 0.0;               // share of the trials; NaN: the task has no limits of its own
@@ -37,17 +36,13 @@ double quantileOf(const std::vector<double>& sorted, double share) {
 }
 
 BatchFigure figureOf(std::vector<double> values, double nominal) {
-  BatchFigure f;
   double sum = 0.0, squares = 0.0;  // about the nominal value, lest a length in m eats the digits of nm
   for (const double v : values) sum += v - nominal;
   const double mean = sum / static_cast<double>(values.size());
   for (const double v : values) squares += (v - nominal - mean) * (v - nominal - mean);
-  f.mean = nominal + mean;
-  f.variance = values.size() > 1 ? squares / static_cast<double>(values.size() - 1) : 0.0;
   std::sort(values.begin(), values.end());
-  f.lower = quantileOf(values, kTail);
-  f.upper = quantileOf(values, 1.0 - kTail);
-  return f;
+  return {nominal + mean, values.size() > 1 ? squares / static_cast<double>(values.size() - 1) : 0.0,
+          quantileOf(values, kTail), quantileOf(values, 1.0 - kTail)};
 }
 
 /// Runs trials of one stream of random numbers. @param only as VirtualMachine::draw.
@@ -93,20 +88,18 @@ bool settled(const std::vector<Batch>& batches, std::size_t headline, int digits
   const auto h = static_cast<double>(batches.size());
   if (batches.size() < kFewestBatches) return false;
   double variance = 0.0;
-  for (const Batch& b : batches) variance += b.figures[headline].variance / h;
+  for (const Batch& b : batches) variance += b.figures[headline][kVariance] / h;
   if (std::sqrt(variance) < kNothing) return true;
   const double tolerance = toleranceOf(std::sqrt(variance), digits);
-  const auto scatter = [&](auto of) {
-    double mean = 0.0, squares = 0.0;
-    for (const Batch& b : batches) mean += of(b.figures[headline]) / h;
-    for (const Batch& b : batches) squares += std::pow(of(b.figures[headline]) - mean, 2);
-    return std::sqrt(squares / (h * (h - 1.0)));
+  const auto judged = [&](const Batch& b) {
+    BatchFigure figure = b.figures[headline];
+    figure[kVariance] = std::sqrt(figure[kVariance]);  // it is the standard uncertainty that settles
+    return figure;
   };
-  const double worst = std::max({scatter([](const BatchFigure& f) { return f.mean; }),
-                                 scatter([](const BatchFigure& f) { return std::sqrt(f.variance); }),
-                                 scatter([](const BatchFigure& f) { return f.lower; }),
-                                 scatter([](const BatchFigure& f) { return f.upper; })});
-  return 2.0 * worst < tolerance;
+  BatchFigure mean = BatchFigure::Zero(), squares = mean;
+  for (const Batch& b : batches) mean += judged(b) / h;
+  for (const Batch& b : batches) squares += (judged(b) - mean).square();
+  return 2.0 * (squares / (h * (h - 1.0))).sqrt().maxCoeff() < tolerance;
 }
 
 /// Of a position, the coordinate that is known worst; of another task its first figure.
@@ -114,7 +107,7 @@ std::size_t worstCoordinate(const MeasurementTask& task, const std::vector<Batch
   if (task.quantities().front().name != "x") return 0;
   const auto variance = [&](std::size_t q) {
     double sum = 0.0;
-    for (const Batch& b : batches) sum += b.figures[q].variance;
+    for (const Batch& b : batches) sum += b.figures[q][kVariance];
     return sum;
   };
   std::size_t worst = 0;
@@ -141,7 +134,7 @@ void addBudgets(const MeasurementTask& task, const VirtualMachine& machine, std:
         runBatch(task, machine, seed, "alone " + std::to_string(s), static_cast<int>(s), trials);
     for (std::size_t q = 0; q < alone.figures.size(); ++q)
       result.quantities[q].budget.push_back(
-          {machine.sources()[s], 0.0, std::sqrt(alone.figures[q].variance)});
+          {machine.sources()[s], 0.0, std::sqrt(alone.figures[q][kVariance])});
   }
   for (QuantityUncertainty& q : result.quantities) {
     double sum = 0.0;
@@ -190,17 +183,13 @@ TaskUncertainty taskUncertainty(const MeasurementTask& task, const VirtualMachin
     QuantityUncertainty one;
     one.quantity = task.quantities()[q];
     const double share = 1.0 / static_cast<double>(batches.size()), nominal = one.quantity.nominal;
-    double variance = 0.0, mean = 0.0, lower = 0.0, upper = 0.0;
-    for (const Batch& b : batches) {
-      mean += share * (b.figures[q].mean - nominal);
-      variance += share * b.figures[q].variance;
-      lower += share * (b.figures[q].lower - nominal);
-      upper += share * (b.figures[q].upper - nominal);
-    }
-    one.mean = nominal + mean;
-    one.std = std::sqrt(variance);
-    one.lower = nominal + lower;
-    one.upper = nominal + upper;
+    const BatchFigure offset(nominal, 0.0, nominal, nominal);
+    BatchFigure figure = BatchFigure::Zero();
+    for (const Batch& b : batches) figure += share * (b.figures[q] - offset);
+    one.mean = nominal + figure[kMean];
+    one.std = std::sqrt(figure[kVariance]);
+    one.lower = nominal + figure[kLower];
+    one.upper = nominal + figure[kUpper];
     result.quantities.push_back(std::move(one));
   }
   if (options.trials > 0 && options.quantity.empty()) result.headline = worstCoordinate(task, batches);

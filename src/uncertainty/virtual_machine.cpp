@@ -100,16 +100,10 @@ void VirtualMachine::draw(Random& random, int only, Workspace& work,
         for (Eigen::Vector3d& e : errors)
           for (int k = 0; k < 3; ++k) e[k] += source.std * random.normal();
         break;
-      case Cause::kScale:
-      case Cause::kTemperature: {
+      case Cause::kCommon: {
         const double size = source.std * random.normal();
         for (std::size_t i = 0; i < points_.size(); ++i)
           errors[i] += size * source.along.col(static_cast<Eigen::Index>(i));
-        break;
-      }
-      case Cause::kRadius: {
-        const double size = source.std * random.normal();
-        for (std::size_t i = 0; i < points_.size(); ++i) errors[i] += size * points_[i].normal;
         break;
       }
     }

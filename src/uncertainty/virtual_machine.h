@@ -80,13 +80,14 @@ class VirtualMachine {
   void draw(Random& random, int only, Workspace& work, std::vector<Eigen::Vector3d>& errors) const;
 
  private:
-  enum class Cause { kParameters, kDrift, kRemainder, kProbe, kScale, kRadius, kTemperature };
+  /// kCommon: one number for all points, as the scale of the artifact or a temperature.
+  enum class Cause { kParameters, kDrift, kRemainder, kProbe, kCommon };
   struct Source {
     Cause cause;
     std::vector<int> parameters;  // of the effect
     double std = 0.0;             // m, 1 or K, by the cause
     double tau = 0.0;             // s, of a drift
-    Eigen::Matrix3Xd along;       // by point: of a drift (1 or m/rad), of a temperature (m/K)
+    Eigen::Matrix3Xd along;       // by point: of a drift (1 or m/rad), of what is common to all (m/K, …)
     bool smooth = false;          // of a drift: Matern 3/2, else an Ornstein-Uhlenbeck process
   };
   struct Point {
@@ -102,6 +103,13 @@ class VirtualMachine {
   void addTemperatures(const TaskConditions& conditions);
   State blank(const TaskConditions& conditions);
   void add(std::string name, Source source);
+  /// A column of Source::along a point.
+  template <typename Of>
+  Eigen::Matrix3Xd byPoint(Of of) const {
+    Eigen::Matrix3Xd along(3, static_cast<Eigen::Index>(points_.size()));
+    for (std::size_t i = 0; i < points_.size(); ++i) along.col(static_cast<Eigen::Index>(i)) = of(points_[i]);
+    return along;
+  }
   /// Where the tip, or the surface that it touches, is taken to be: corrected position less the effective
   /// radius's error along the normal.
   Eigen::Vector3d seen(const Point& point, const double* parameters, Model::Workspace& work) const;

@@ -8,6 +8,7 @@
 #include "base/format.h"
 #include "base/nearest_name.h"
 #include "base/units.h"
+#include "compensation/middle_state.h"
 #include "effects/effect_words.h"
 #include "uncertainty/virtual_machine.h"
 
@@ -79,25 +80,24 @@ VirtualMachine::VirtualMachine(const Calibration& calibration, const Measurement
   addRemainder(calibration, conditions);
   if (conditions.artifactScale > 0.0) {
     const Domain& d = compensator_.model().domain();
-    Source scale{Cause::kScale, {}, conditions.artifactScale, 0.0, {}};
-    scale.along.resize(3, static_cast<Eigen::Index>(points_.size()));
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      scale.along.col(static_cast<Eigen::Index>(i)) = points_[i].place - 0.5 * (d.tipLower + d.tipUpper);
-    add("scale of the artifact", std::move(scale));
+    const Eigen::Vector3d middle = 0.5 * (d.tipLower + d.tipUpper);
+    add("scale of the artifact",
+        {Cause::kCommon, {}, conditions.artifactScale, 0.0, byPoint([&](const Point& point) {
+           return Eigen::Vector3d(point.place - middle);
+         })});
   }
   if (conditions.artifactRadius > 0.0)
-    add("radius of the reference ball", {Cause::kRadius, {}, conditions.artifactRadius, 0.0, {}});
+    add("radius of the reference ball",
+        {Cause::kCommon, {}, conditions.artifactRadius, 0.0, byPoint([](const Point& point) {
+           return point.normal;
+         })});
   addTemperatures(conditions);
 }
 
 State VirtualMachine::blank(const TaskConditions& conditions) {
   const Domain& d = compensator_.model().domain();
-  State state = compensator_.blankState();
+  State state = middleState(compensator_);
   state.time = std::isnan(conditions.time) ? d.duration : conditions.time;
-  for (std::size_t s = 0; s < d.sensors.size(); ++s)
-    state.temperature[s] = 0.5 * (d.sensorLower[s] + d.sensorUpper[s]);
-  for (std::size_t c = 0; c < d.covariates.size(); ++c)
-    state.covariate[c] = 0.5 * (d.covariateLower[c] + d.covariateUpper[c]);
   for (const TaskConditions::Temperature& t : conditions.temperatures) {
     const int s = d.findSensor(t.sensor);
     if (s < 0)
@@ -109,17 +109,14 @@ State VirtualMachine::blank(const TaskConditions& conditions) {
   history_ = std::make_unique<SettledTemperatures>(temperature_);
   state.history = history_.get();
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
-    state.position[j] = 0.5 * (d.lower[j] + d.upper[j]);
     if (d.joints[j].kind == JointKind::kRotary && d.lower[j] <= 0.0 && d.upper[j] >= 0.0)
       state.position[j] = 0.0;
-    state.velocity[j] = 0.0;
     state.travel[j] = 1.0;
   }
   for (const auto& p : conditions.positions)
     state.position[static_cast<std::size_t>(jointNamed(p.joint, d, "--joint"))] = p.value;
   for (const auto& t : conditions.travel)
     state.travel[static_cast<std::size_t>(jointNamed(t.joint, d, "--direction"))] = t.value;
-  if (d.laser) state.laserReading = 0.5 * (d.readingLower + d.readingUpper);
   return state;
 }
 
@@ -228,12 +225,11 @@ void VirtualMachine::addParameters(const Calibration& calibration) {
 
 void VirtualMachine::addDrift(const Calibration& calibration) {
   for (const Wandering& w : calibration.drift) {
-    Source source{Cause::kDrift, {}, w.std, w.timeConstant, {}, w.smooth};
-    source.along.resize(3, static_cast<Eigen::Index>(points_.size()));
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      source.along.col(static_cast<Eigen::Index>(i)) =
-          motionAlong(w.direction, compensator_.model(), points_[i].state);
-    if (w.std > 0.0) add("drift of " + w.direction, std::move(source));
+    const auto along = [&](const Point& point) {
+      return motionAlong(w.direction, compensator_.model(), point.state);
+    };
+    if (w.std > 0.0)
+      add("drift of " + w.direction, {Cause::kDrift, {}, w.std, w.timeConstant, byPoint(along), w.smooth});
   }
 }
 
@@ -299,19 +295,17 @@ void VirtualMachine::addTemperatures(const TaskConditions& conditions) {
   for (const TaskConditions::Temperature& t : conditions.temperatures) {
     if (!(t.std > 0.0)) continue;
     const auto s = static_cast<std::size_t>(model.domain().findSensor(t.sensor));
-    Source source{Cause::kTemperature, {}, t.std, 0.0, {}};
-    source.along.resize(3, static_cast<Eigen::Index>(points_.size()));
     const double step = std::max(t.std, kTemperatureStep), was = temperature_[s];
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      Point moved = points_[i];
+    const auto perKelvin = [&](Point point) {
       Eigen::Vector3d sides[2];
       for (const int side : {0, 1}) {
-        temperature_[s] = moved.state.temperature[s] = was + (side == 0 ? -step : step);
-        sides[side] = seen(moved, values_.data(), work);
+        temperature_[s] = point.state.temperature[s] = was + (side == 0 ? -step : step);
+        sides[side] = seen(point, values_.data(), work);
       }
       temperature_[s] = was;
-      source.along.col(static_cast<Eigen::Index>(i)) = (sides[1] - sides[0]) / (2.0 * step);
-    }
+      return Eigen::Vector3d((sides[1] - sides[0]) / (2.0 * step));
+    };
+    Source source{Cause::kCommon, {}, t.std, 0.0, byPoint(perKelvin)};
     if (!source.along.isZero(0.0)) add("temperature " + t.sensor, std::move(source));
   }
 }

@@ -12,7 +12,6 @@
 #include "diagnosis/wording.h"
 #include "effects/effect_words.h"
 #include "machine/machine_fit.h"
-#include "verification/parameter_meaning.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
@@ -46,21 +45,6 @@ ParameterChange changeOf(const Calibration& a, const Calibration::Value& before,
   change.comparable = meansTheSame(change.effect, a, b);
   change.pValue = change.std > 0.0 ? std::erfc(std::abs(change.change) / (change.std * std::sqrt(2.0))) : 1.0;
   return change;
-}
-
-/// Holm's step-down correction: the smallest p-value times the number asked, the next times one less …
-void correctForMany(std::vector<ParameterChange>& parameters) {
-  std::sort(parameters.begin(), parameters.end(),
-            [](const ParameterChange& a, const ParameterChange& b) { return a.pValue < b.pValue; });
-  const auto asked = static_cast<double>(std::count_if(
-      parameters.begin(), parameters.end(), [](const ParameterChange& p) { return p.comparable; }));
-  double before = 0.0, left = asked;
-  for (ParameterChange& p : parameters) {
-    if (!p.comparable) continue;
-    before = p.pValue = std::min(1.0, std::max(before, left * p.pValue));
-    left -= 1.0;
-    p.significant = p.pValue < kSignificant;
-  }
 }
 
 std::string sentenceOf(const CalibrationChanges& c) {
@@ -108,10 +92,16 @@ CalibrationChanges changesBetween(const Calibration& before, const Calibration& 
     changes.parameters.push_back(changeOf(before, v, after, *other));
   }
   changes.sameSession = !before.sessionHash.empty() && before.sessionHash == after.sessionHash;
-  if (changes.sameSession)
+  if (changes.sameSession) {
     for (ParameterChange& p : changes.parameters) p.std = p.pValue = std::nan("");
-  else
-    correctForMany(changes.parameters);
+  } else {
+    std::sort(changes.parameters.begin(), changes.parameters.end(),
+              [](const ParameterChange& a, const ParameterChange& b) { return a.pValue < b.pValue; });
+    std::vector<ParameterChange*> asked;
+    for (ParameterChange& p : changes.parameters)
+      if (p.comparable) asked.push_back(&p);
+    correctForMany(asked);
+  }
   for (const EffectSpec& effect : before.effects)
     if (sameIn(after, effect) == nullptr) changes.onlyBefore.push_back(effect);
   for (const EffectSpec& effect : after.effects)

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,19 @@
 namespace mm {
 
 constexpr double kSignificant = 0.01;  ///< p below which a change of a parameter counts as one
+
+/// Holm's step-down correction (1979) of p-values that were asked together: the smallest times the number
+/// asked, the next times one less … Sets their pValue and significant.
+template <typename T>
+void correctForMany(std::vector<T*> asked) {
+  std::sort(asked.begin(), asked.end(), [](const T* a, const T* b) { return a->pValue < b->pValue; });
+  double before = 0.0, left = static_cast<double>(asked.size());
+  for (T* one : asked) {
+    before = one->pValue = std::min(1.0, std::max(before, left * one->pValue));
+    left -= 1.0;
+    one->significant = one->pValue < kSignificant;
+  }
+}
 
 /// One parameter in two calibrations. In its unit for people.
 struct ParameterChange {
@@ -38,6 +52,20 @@ struct CalibrationChanges {
   double rms = 0.0, largest = 0.0, byChance = 0.0;
   std::string inWords;
 };
+
+/// Whether the parameters of an effect mean the same error in both calibrations: one that counts from the
+/// observed range (Legendre polynomials) does not where the ranges differ. Found by trial at states within
+/// both ranges; to a thousandth of the error.
+bool meansTheSame(const EffectSpec& effect, const Calibration& a, const Calibration& b);
+
+/// How far two calibrations differ in what they say of the tip.
+struct TipChange {
+  double rms = 0.0, largest = 0.0;  // m, less a displacement and a rotation of the whole workpiece
+  double byChance = 0.0;            // m: RMS that the uncertainties of both alone would make
+};
+/// Over a grid of the volume that both calibrations hold for, both directions of travel; everything else in
+/// the middle of the range of `a`. Zero where the ranges have nothing in common.
+TipChange tipChange(const Calibration& a, const Calibration& b);
 
 /// Compares parameter by parameter (of two sessions they are independent estimates: the variances add), and
 /// at the tip.

@@ -66,8 +66,8 @@ class Rows {
 
 }  // namespace
 
-BeforeAndAfter beforeAndAfter(const FreshPoints& points, const PointSystem& system,
-                              const LoadedHow& hypothesis, bool loaded) {
+ComparedFigures beforeAndAfter(const FreshPoints& points, const PointSystem& system,
+                               const LoadedHow& hypothesis, bool loaded) {
   const Rows rows(points);
   const double n = rows.count();
   const Eigen::VectorXd raw = rows.sized(points.raw());
@@ -86,7 +86,7 @@ BeforeAndAfter beforeAndAfter(const FreshPoints& points, const PointSystem& syst
     f.std = f.rms > 0.0 ? std::sqrt(variance(share * measured)) / (2.0 * n * f.rms) : 0.0;
     return f;
   };
-  BeforeAndAfter found;
+  ComparedFigures found;
   found.angular = rows.angular();
   found.residuals = rows.count();
   found.noise = std::sqrt(trace / n);

@@ -6,14 +6,9 @@
 namespace mm {
 
 /// RMS before and after the correction, and whether they differ.
-struct BeforeAndAfter {
-  Figure before, after;
-  bool angular = false;      // in rad: there are no residuals in m
-  int residuals = 0;         // of that kind
-  double noise = 0.0;        // m or rad
+struct ComparedFigures : BeforeAndAfter {
   double freedoms = 0.0;     // of the sum of squares after, its noise correlated as these points show it
   double improvement = 0.0;  // difference of the squares over its standard deviation
-  double unforeseen = 0.0;   // m or rad: RMS of what the hypothesis leaves
 };
 
 /// What was measured stands on one side; on the other the same points with the correction taken back (loaded:
@@ -21,8 +16,8 @@ struct BeforeAndAfter {
 /// the calibration does not explain are in both.
 /// @param hypothesis of what was loaded how, for what the controller added. @param loaded: after is what was
 /// measured; else before is.
-BeforeAndAfter beforeAndAfter(const FreshPoints& points, const PointSystem& system,
-                              const LoadedHow& hypothesis, bool loaded);
+ComparedFigures beforeAndAfter(const FreshPoints& points, const PointSystem& system,
+                               const LoadedHow& hypothesis, bool loaded);
 
 /// RMS of whitened columns (length x k) over the rows that the figures tell: m, or rad where there are none
 /// in m.

@@ -135,6 +135,12 @@ void FreshPoints::fit(const Session& session, const Calibration& calibration, Ca
   space_ = std::make_unique<ResidualSpace>(*fitted_);
 }
 
+Eigen::MatrixXd FreshPoints::entered(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd whitened = space_->whiten(columns);
+  space_->project(whitened);
+  return whitened;
+}
+
 void FreshPoints::fillColumns(const Calibration& calibration) {
   const Linearisation& at = space_->linearisation();
   const Problem& problem = at.problem();
@@ -159,8 +165,7 @@ void FreshPoints::fillColumns(const Calibration& calibration) {
     }
     change.row(o) = takenAway(problem.state(o), all);
   }
-  byEffect_ = space_->whiten(byEffect);
-  space_->project(byEffect_);
+  byEffect_ = entered(byEffect);
   fillAxes(change);
   fillMisplaced(values);
 
@@ -171,8 +176,7 @@ void FreshPoints::fillColumns(const Calibration& calibration) {
     byParameter.middleCols(column, columns.cols()) = columns;
     column += columns.cols();
   }
-  byParameter_ = space_->whiten(byParameter);
-  space_->project(byParameter_);
+  byParameter_ = entered(byParameter);
 
   Eigen::MatrixXd measuring = Eigen::MatrixXd::Zero(problem.rowCount(), 1);
   if (!problem.model().domain().laser)  // where a beam points is no correction that could be left out
@@ -184,9 +188,7 @@ void FreshPoints::fillColumns(const Calibration& calibration) {
         for (int row = problem.firstRow(o); row < problem.firstRow(o + 1); ++row)
           measuring(row, 0) += at.slotGradients().row(row).dot(slots);
       }
-  Eigen::MatrixXd whitened = space_->whiten(measuring);
-  space_->project(whitened);
-  measuring_ = whitened.col(0);
+  measuring_ = entered(measuring).col(0);
 }
 
 Eigen::VectorXd FreshPoints::takenAway(const State& state, Eigen::VectorXd slots) const {
@@ -220,8 +222,7 @@ void FreshPoints::fillAxes(const Eigen::MatrixXd& change) {
             at.slotGradients()(i, layout.axis(axisJoints_[static_cast<std::size_t>(a)])) *
             change(problem.rows()[static_cast<std::size_t>(i)].observation,
                    axisJoints_[static_cast<std::size_t>(b)]);
-  crossed_ = space_->whiten(crossed);
-  space_->project(crossed_);
+  crossed_ = entered(crossed);
 }
 
 bool FreshPoints::fillOffsets() {
@@ -236,9 +237,7 @@ bool FreshPoints::fillOffsets() {
         for (Eigen::Index j = 0; j < added.size(); ++j)
           column(row, 0) -= at.slotGradients()(row, layout.axis(static_cast<int>(j))) * added[j];
     }
-  Eigen::MatrixXd whitened = space_->whiten(column);
-  space_->project(whitened);
-  offsets_ = whitened.col(0);
+  offsets_ = entered(column).col(0);
   return offsets_.norm() > 0.0;
 }
 
@@ -276,8 +275,7 @@ void FreshPoints::fillMisplaced(const std::vector<std::vector<double>>& values) 
           columns(row, 1) = at.slotGradients()(row, layout.axis(second)) * change[first];
         }
       }
-      Eigen::MatrixXd whitened = space_->whiten(columns);
-      space_->project(whitened);
+      const Eigen::MatrixXd whitened = entered(columns);
       misplaced_.push_back({static_cast<int>(b), static_cast<int>(a), whitened.col(0)});
       misplaced_.push_back({static_cast<int>(a), static_cast<int>(b), whitened.col(1)});
     }
@@ -318,8 +316,7 @@ void FreshPoints::fillShapes() {
       shapes(i, column++) = std::isfinite(travel) ? gradient * travel : 0.0;
     }
   }
-  shapes_ = space_->whiten(shapes);
-  space_->project(shapes_);
+  shapes_ = entered(shapes);
   const double size = kShare * whole().norm();
   for (Eigen::Index k = 0; k < shapes_.cols(); ++k) {
     const double norm = shapes_.col(k).norm();

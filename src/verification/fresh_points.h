@@ -73,6 +73,8 @@ class FreshPoints {
   void fit(const Session& session, const Calibration& calibration, CalibrateOptions options, int factor,
            const Eigen::VectorXd& weights);
   void fillColumns(const Calibration& calibration);
+  /// Columns of the data rows as they enter: whitened, with nothing where the session's unknowns take them.
+  Eigen::MatrixXd entered(const Eigen::MatrixXd& columns) const;
   void fillAxes(const Eigen::MatrixXd& change);
   /// The error of each joint that the correction takes away at a state. @param slots what the effects say.
   Eigen::VectorXd takenAway(const State& state, Eigen::VectorXd slots) const;

@@ -15,8 +15,11 @@ constexpr double kUniform = -1.0, kOneAxis = -4.0, kExchange = -3.0;
 // External offsets are loaded by themselves: not to have started them is one thing forgotten.
 constexpr double kOffsetsForgotten = -1.0, kOffsetsOtherwise = -4.0;
 
-/// How much of an error the raw readings show. @param remains share that remains after the correction.
-double shown(double remains, bool loaded) { return loaded ? remains : 1.0 - remains; }
+/// How much of an error the raw readings show.
+double shown(AxisState state, bool loaded) {
+  const double remains = factsOf(state).remaining;
+  return loaded ? remains : 1.0 - remains;
+}
 
 class Maker {
  public:
@@ -27,11 +30,11 @@ class Maker {
   /// @param rest state of what no axis can show.
   LoadedHow of(std::vector<AxisState> axes, double logPrior, AxisState rest) const {
     LoadedHow h;
-    h.field = (points_.tabled() ? 1.0 : shown(remainingOf(rest), loaded_)) * rest_;  // no table has it
+    h.field = (points_.tabled() ? 1.0 : shown(rest, loaded_)) * rest_;  // no table has it
     for (int a = 0; a < count(); ++a)
-      h.field += shown(remainingOf(axes[static_cast<std::size_t>(a)]), loaded_) * points_.own(a);
+      h.field += shown(axes[static_cast<std::size_t>(a)], loaded_) * points_.own(a);
     if (points_.hasOffsets()) {
-      h.field += shown(remainingOf(rest), loaded_) * points_.offsets();
+      h.field += shown(rest, loaded_) * points_.offsets();
       h.offsets = rest;
     }
     h.axes = std::move(axes);
@@ -66,18 +69,12 @@ class Maker {
 
 }  // namespace
 
-double remainingOf(AxisState state) {
-  switch (state) {
-    case AxisState::kNotCorrected:
-      return 1.0;
-    case AxisState::kWrongSign:
-      return 2.0;
-    case AxisState::kTwice:
-      return -1.0;
-    case AxisState::kCorrected:
-      break;
-  }
-  return 0.0;
+const StateFacts& factsOf(AxisState state) {
+  static constexpr StateFacts kFacts[] = {{0.0, "corrected", "are loaded"},
+                                          {1.0, "not_corrected", "are not"},
+                                          {2.0, "wrong_sign", "have the wrong sign"},
+                                          {-1.0, "corrected_twice", "are loaded twice"}};
+  return kFacts[static_cast<std::size_t>(state)];
 }
 
 bool LoadedHow::alike() const {
@@ -107,8 +104,7 @@ std::vector<LoadedHow> withOffsets(const std::vector<LoadedHow>& tables, const F
     for (const AxisState state : states) {
       LoadedHow with = how;
       with.offsets = state;
-      with.field +=
-          (shown(remainingOf(state), loaded) - shown(remainingOf(along), loaded)) * points.offsets();
+      with.field += (shown(state, loaded) - shown(along, loaded)) * points.offsets();
       if (state != along)
         with.logPrior += state == AxisState::kNotCorrected ? kOffsetsForgotten : kOffsetsOtherwise;
       all.push_back(std::move(with));

@@ -40,7 +40,13 @@ struct LoadedHow {
 std::vector<LoadedHow> hypothesesOf(const FreshPoints& points, bool loaded, const std::vector<char>& seen,
                                     bool offsetsSeen);
 
-/// The share of the machine's error that remains: 0, 1, 2 or -1.
-double remainingOf(AxisState state);
+/// What is said of a state.
+struct StateFacts {
+  double remaining;     // share of the machine's error: 0, 1, 2 or -1
+  const char* finding;  // see Verification::finding
+  const char* loaded;   // of tables or of external offsets: "are loaded"
+};
+/// By the order of AxisState.
+const StateFacts& factsOf(AxisState state);
 
 }  // namespace mm

@@ -3,11 +3,14 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 #include "base/dense.h"
 #include "estimation/noise_rows.h"
 #include "estimation/thin_qr.h"
-#include "verification/decision.h"
+#include "verification/figures.h"
+#include "verification/verify_words.h"
 
 namespace mm {
 namespace {
@@ -17,6 +20,32 @@ constexpr double kLeast = 1e-12;  // in the unit of a parameter: none is smaller
 const double kChanged = std::log(1e-4);  // chance to say in vain that an effect changed, all effects together
 constexpr double kDrifts = 0.5;          // usual change of a parameter, of itself
 constexpr double kShareStd = 10.0;       // of a share, before any data: anything is possible
+
+constexpr double kSeen = 5.0;           // standard deviations of noise that a correction must be large
+const double kMisfit = std::log(1e-5);  // chance to say in vain that something changed
+const double kNotExcluded = std::log(20.0);
+
+/// Shares of columns in another one.
+struct Shares {
+  Eigen::VectorXd value, std;
+};
+
+/// Least squares of one column on others that a projection has left, with unit noise and a wide prior.
+Shares sharesOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y) {
+  Eigen::MatrixXd normal = columns.transpose() * columns;
+  normal.diagonal().array() += 1.0 / (kShareStd * kShareStd);
+  const Eigen::MatrixXd covariance = inverseOfSymmetric(normal);
+  return {covariance * (columns.transpose() * y), covariance.diagonal().cwiseMax(0.0).cwiseSqrt()};
+}
+
+/// Indices of the hypotheses, the best first.
+std::vector<std::size_t> orderOf(const std::vector<double>& scores) {
+  std::vector<std::size_t> order(scores.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return scores[a] > scores[b]; });
+  return order;
+}
 
 /// Root of a covariance, also of a singular one.
 Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance) {
@@ -36,36 +65,37 @@ double scaleOf(const Calibration::Value& v) {
   return std::max({std::abs(v.value), v.std, kLeast / std::max(kLeast, std::abs(v.toUnit))});
 }
 
-/// What a drift of size 1 along a direction adds to the mean square of the residuals of one kind: the mean
-/// square of its cosines, or of its levers.
-double seenOf(const std::string& direction, const FreshPoints& points, bool angular) {
+/// Mean over the residuals of one kind of what of(i) says of the i-th row in use; 0 without any.
+template <typename Of>
+double meanOf(const FreshPoints& points, bool angular, Of of) {
   const std::vector<int>& used = points.space().used();
-  const Directions directions = directionsOf(points.space().linearisation(), used);
-  const auto found = std::find(directions.names.begin(), directions.names.end(), direction);
-  if (found == directions.names.end()) return 0.0;
-  const auto column = static_cast<Eigen::Index>(found - directions.names.begin());
-  double square = 0.0;
-  int rows = 0;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (points.fitted().problem->rows()[static_cast<std::size_t>(used[i])].angular != angular) continue;
-    square += std::pow(directions.factors(static_cast<Eigen::Index>(i), column), 2);
-    ++rows;
-  }
-  return rows > 0 ? square / rows : 0.0;
-}
-
-/// Variance of the noise of these points, m^2 or rad^2, on average of the residuals of one kind.
-double scatterOf(const FreshPoints& points, const PointSystem& system, bool angular) {
-  const std::vector<int>& used = points.space().used();
-  const Eigen::VectorXd variance = system.variances();
   double sum = 0.0;
   int rows = 0;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (points.fitted().problem->rows()[static_cast<std::size_t>(used[i])].angular != angular) continue;
-    sum += std::pow(points.fitted().sigma[used[i]], 2) * variance[static_cast<Eigen::Index>(i)];
+    sum += of(static_cast<Eigen::Index>(i));
     ++rows;
   }
   return rows > 0 ? sum / rows : 0.0;
+}
+
+/// What a drift of size 1 along a direction adds to the mean square of the residuals of one kind: the mean
+/// square of its cosines, or of its levers.
+double seenOf(const std::string& direction, const FreshPoints& points, bool angular) {
+  const Directions directions = directionsOf(points.space().linearisation(), points.space().used());
+  const auto found = std::find(directions.names.begin(), directions.names.end(), direction);
+  if (found == directions.names.end()) return 0.0;
+  const auto column = static_cast<Eigen::Index>(found - directions.names.begin());
+  return meanOf(points, angular, [&](Eigen::Index i) { return std::pow(directions.factors(i, column), 2); });
+}
+
+/// Variance of the noise of these points, m^2 or rad^2, on average of the residuals of one kind.
+double scatterOf(const FreshPoints& points, const PointSystem& system, bool angular) {
+  const Eigen::VectorXd variance = system.variances();
+  return meanOf(points, angular, [&](Eigen::Index i) {
+    const int row = points.space().used()[static_cast<std::size_t>(i)];
+    return std::pow(points.fitted().sigma[row], 2) * variance[i];
+  });
 }
 
 }  // namespace
@@ -79,13 +109,6 @@ double leftUnexplained(const FreshPoints& points, const PointSystem& system, con
   noise = std::max(noise, scatterOf(points, system, !linear));
   const double square = left * left - noise;
   return square > 0.0 ? std::sqrt(square) : 0.0;
-}
-
-Shares sharesOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y) {
-  Eigen::MatrixXd normal = columns.transpose() * columns;
-  normal.diagonal().array() += 1.0 / (kShareStd * kShareStd);
-  const Eigen::MatrixXd covariance = inverseOfSymmetric(normal);
-  return {covariance * (columns.transpose() * y), covariance.diagonal().cwiseMax(0.0).cwiseSqrt()};
 }
 
 LoadingEvidence::LoadingEvidence(const FreshPoints& points, const PointSystem& system,
@@ -225,6 +248,119 @@ Changes LoadingEvidence::changes(const LoadedHow& h) const {
     found.effects.push_back(std::move(changed));
   }
   return found;
+}
+
+Eigen::MatrixXd covarianceOf(const FreshPoints& points, const Calibration& calibration) {
+  const auto count = static_cast<Eigen::Index>(points.parameters().size());
+  Eigen::MatrixXd covariance(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j)
+      covariance(i, j) = calibration.covariance(points.parameters()[static_cast<std::size_t>(i)],
+                                                points.parameters()[static_cast<std::size_t>(j)]);
+  return covariance;
+}
+
+Decision decide(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
+                bool loaded, Rivals& rivals) {
+  const LoadingEvidence evidence(points, system, calibration);
+  std::vector<char> seen;
+  for (int a = 0; a < static_cast<int>(points.axes().size()); ++a)
+    seen.push_back(evidence.asCalibrated().left(system.whiten(points.own(a))).norm() > kSeen);
+  Decision decision;
+  decision.tablesSeen = std::any_of(seen.begin(), seen.end(), [](char s) { return s != 0; });
+  decision.offsetsSeen =
+      points.hasOffsets() && evidence.asCalibrated().left(system.whiten(points.offsets())).norm() > kSeen;
+  const bool anySeen = decision.tablesSeen || decision.offsetsSeen;
+  const std::vector<LoadedHow> all = hypothesesOf(points, loaded, seen, decision.offsetsSeen);
+  std::vector<std::optional<Changes>> asked(all.size());  // what changed since, as far as it was asked
+  const auto changesOf = [&](std::size_t h) -> const Changes& {
+    if (!asked[h]) asked[h] = evidence.changes(all[h]);
+    return *asked[h];
+  };
+  std::vector<double> scores = evidence.scores(evidence.asCalibrated(), all);
+  std::size_t best = anySeen ? orderOf(scores).front() : 0;
+  // Something changed where one effect is not what it was, or where the whole does not fit; or where that is
+  // likelier than tables at the wrong place, which can look like it.
+  const auto changedUnder = [&](std::size_t h) {
+    return !changesOf(h).effects.empty() || std::log(changesOf(h).unexplainedPValue) < kMisfit;
+  };
+  decision.drifted = changedUnder(best) || (best != 0 && changesOf(0).score > scores[best]);
+  if (decision.drifted && anySeen) {
+    scores = evidence.scores(evidence.changedSince(), all);
+    best = orderOf(scores).front();
+  }
+  decision.changed = changesOf(best).effects;
+  decision.unexplainedPValue = changesOf(best).unexplainedPValue;
+  decision.hypothesis = all[best];
+  for (const std::size_t h : orderOf(scores))
+    if (anySeen && h != best && scores[best] - scores[h] < kNotExcluded) {
+      rivals.rivals.push_back(all[h]);
+      rivals.odds.push_back(std::exp(scores[h] - scores[best]));
+    }
+  return decision;
+}
+
+void fillShares(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
+                bool loaded, Verification& found) {
+  const LoadingEvidence evidence(points, system, calibration);
+  const Projection& projection = evidence.asCalibrated();
+  const int count = static_cast<int>(points.axes().size());
+  Eigen::MatrixXd own(points.length(), count + (points.hasOffsets() ? 1 : 0));
+  for (int a = 0; a < count; ++a) own.col(a) = points.own(a);
+  if (points.hasOffsets()) own.col(count) = points.offsets();
+  const bool restIsThere = !loaded || points.tabled();  // no table has it
+  const Eigen::VectorXd raw = points.raw() - (restIsThere ? 1.0 : 0.0) * points.rest();
+  const Eigen::VectorXd y = projection.left(system.whiten(raw));
+  const auto remaining = [&](double share) { return loaded ? share : 1.0 - share; };
+  const Eigen::VectorXd ownSizes = rmsOf(points, own), effectSizes = rmsOf(points, points.byEffect());
+  const Shares axes = sharesOf(projection.left(system.whiten(own)), y);
+  for (int a = 0; a < count; ++a) {
+    RemainingOfAxis axis;
+    axis.axis = points.axes()[static_cast<std::size_t>(a)];
+    axis.size = ownSizes[a];
+    axis.remaining = remaining(axes.value[a]);
+    axis.std = axes.std[a];
+    axis.inWords = inWords(axis);
+    found.axes.push_back(axis);
+  }
+  if (points.hasOffsets()) {
+    RemainingShare offsets;
+    offsets.size = ownSizes[count];
+    offsets.remaining = remaining(axes.value[count]);
+    offsets.std = axes.std[count];
+    offsets.inWords = inWords(offsets);
+    found.offsets = offsets;
+  }
+  const Eigen::VectorXd all = projection.left(system.whiten(points.raw()));
+  const Eigen::MatrixXd columns = projection.left(system.whiten(points.byEffect()));
+  const Shares effects = sharesOf(columns, all);
+  const Eigen::VectorXd notCarried =
+      points.tabled() ? sharesOf(columns, projection.left(system.whiten(points.rest()))).value
+                      : Eigen::VectorXd::Zero(columns.cols());
+  for (std::size_t e = 0; e < points.effects().size(); ++e) {
+    const auto k = static_cast<Eigen::Index>(e);
+    RemainingOfEffect effect;
+    effect.effect = calibration.effects[static_cast<std::size_t>(points.indices()[e])];
+    effect.size = effectSizes[k];
+    effect.remaining = remaining(effects.value[k]);
+    effect.std = effects.std[k];
+    effect.notCarried = notCarried[k];
+    effect.inWords = inWords(effect);
+    found.effects.push_back(effect);
+  }
+  // What the offsets leave is no other axis's correction.
+  const Shares crossed = sharesOf(
+      projection.left(system.whiten(beside({points.crossed(), own.rightCols(own.cols() - count)}))), y);
+  constexpr double kThere = 4.0, kTold = 0.25;
+  for (int on = 0; on < count; ++on)
+    for (int of = 0; of < count; ++of) {
+      const int k = on * count + of;
+      if (on == of || !(crossed.std[k] < kTold) || std::abs(crossed.value[k]) < kThere * crossed.std[k])
+        continue;
+      found.crossed.push_back({points.axes()[static_cast<std::size_t>(of)],
+                               points.axes()[static_cast<std::size_t>(on)],
+                               loaded ? -crossed.value[k] : crossed.value[k], crossed.std[k]});
+    }
 }
 
 }  // namespace mm

@@ -52,11 +52,23 @@ class LoadingEvidence {
 /// noise of these points where that is larger: RMS, m (rad where it has no residuals in m).
 double leftUnexplained(const FreshPoints& points, const PointSystem& system, const Calibration& calibration);
 
-/// Shares of columns in another one.
-struct Shares {
-  Eigen::VectorXd value, std;
+/// Explanations that the points do not exclude, beside the one that they speak for.
+struct Rivals {
+  std::vector<LoadedHow> rivals;  // best first
+  std::vector<double> odds;       // of these, against the best
 };
-/// Least squares of one column on others that a projection has left, with unit noise and a wide prior.
-Shares sharesOf(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+
+/// Which hypothesis the points speak for. @param calibration whose correction it is. @param loaded see
+/// VerifyOptions. @param rivals is filled.
+Decision decide(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
+                bool loaded, Rivals& rivals);
+
+/// The shares that remain, by the axes, by the effects, and across the axes, under the hypothesis's freedom:
+/// least squares of the raw readings on the columns. Fills axes, effects and crossed of `found`.
+void fillShares(const FreshPoints& points, const PointSystem& system, const Calibration& calibration,
+                bool loaded, Verification& found);
+
+/// Covariance of the parameters of the machine's effects, SI.
+Eigen::MatrixXd covarianceOf(const FreshPoints& points, const Calibration& calibration);
 
 }  // namespace mm

@@ -1,5 +1,3 @@
-#include "verification/parameter_meaning.h"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -7,7 +5,9 @@
 #include "base/dense.h"
 #include "base/error.h"
 #include "base/random.h"
+#include "base/rotation.h"
 #include "model/model.h"
+#include "verification/calibration_changes.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
@@ -132,7 +132,7 @@ TipChange tipChange(const Calibration& a, const Calibration& b) {
     difference.segment<3>(row) = after - before;
     const Eigen::Vector3d at = here.tip;
     rigid.block<3, 3>(row, 0).setIdentity();
-    rigid.block<3, 3>(row, 3) << 0.0, at.z(), -at.y(), -at.z(), 0.0, at.x(), at.y(), -at.x(), 0.0;
+    rigid.block<3, 3>(row, 3) = skew(at).transpose();
   }
   if (!difference.allFinite()) {  // an input that neither range tells (a lag, a contact): left out
     for (Eigen::Index i = 0; i < difference.size(); ++i)

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/median.h"
 #include "estimation/thin_qr.h"
 
 namespace mm {
@@ -17,12 +18,6 @@ constexpr double kMostApart = 0.1;     // of the rows; more than these are no ou
 constexpr double kDriftPrice = 3.0;    // as a calibration's: log evidence that a memory must earn
 constexpr double kKnown = 2.0;  // log evidence by which another memory must be better than the known one
 constexpr int kMostRows = 1500;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -38,7 +33,7 @@ Eigen::MatrixXd beside(const std::vector<Eigen::MatrixXd>& parts) {
   return all;
 }
 
-Eigen::MatrixXd spanOf(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more) {
+Eigen::MatrixXd spanWith(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more) {
   constexpr double kNew = 1e-7;  // of a column's own length
   Eigen::MatrixXd all(basis.rows(), std::min(basis.rows(), basis.cols() + more.cols()));
   all.leftCols(basis.cols()) = basis;
@@ -75,7 +70,7 @@ PointSystem::PointSystem(const FreshPoints& points, const Calibration& calibrati
   int parts = 0;
   for (const Eigen::MatrixXd& more :
        {points.byEffect(), points.crossed(), points.byParameter(), beside(misplaced), points.shapes()}) {
-    Eigen::MatrixXd with = spanOf(all, more);
+    Eigen::MatrixXd with = spanWith(all, more);
     if (static_cast<double>(length - with.cols()) < kFewestFreedoms) break;
     all = std::move(with);
     ++parts;
@@ -120,7 +115,7 @@ void PointSystem::findOutliers(const Eigen::MatrixXd& all) {
     sizes.push_back(share > 0.05 ? std::abs(left[i]) / std::sqrt(share) : 0.0);
   }
   constexpr double kOfMedian = 1.4826;  // standard deviation of a normal distribution over its median size
-  const double scale = kOfMedian * median(sizes);
+  const double scale = kOfMedian * upperMedian(sizes);
   for (int i = 0; i < points_.rows(); ++i)
     if (scale > 0.0 && sizes[static_cast<std::size_t>(i)] > kApart * scale) outliers_.push_back(i);
   if (static_cast<double>(outliers_.size()) > kMostApart * points_.rows()) outliers_.clear();

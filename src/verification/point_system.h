@@ -62,7 +62,7 @@ class Projection {
 };
 
 /// Orthonormal columns of what orthonormal ones and others span; of dependent columns the first.
-Eigen::MatrixXd spanOf(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more);
+Eigen::MatrixXd spanWith(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& more);
 
 /// Matrices side by side.
 Eigen::MatrixXd beside(const std::vector<Eigen::MatrixXd>& parts);

@@ -11,7 +11,6 @@
 #include "estimation/residual_space.h"
 #include "machine/machine_fit.h"
 #include "verification/calibration_changes.h"
-#include "verification/parameter_meaning.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
@@ -88,19 +87,6 @@ void fitLine(ParameterTrend& t) {
   const double z = std::abs(t.slope) / t.slopeStd;
   // A scale that the points themselves gave is as uncertain as they are few: Student's t, squared it is F.
   t.pValue = birge > 1.0 ? std::exp(logPValueF(z * z, 1.0, freedoms)) : std::erfc(z / std::sqrt(2.0));
-}
-
-void correctForMany(std::vector<ParameterTrend>& trends) {
-  std::vector<ParameterTrend*> asked;
-  for (ParameterTrend& t : trends)
-    if (std::isfinite(t.slope)) asked.push_back(&t);
-  std::sort(asked.begin(), asked.end(), [](auto* a, auto* b) { return a->pValue < b->pValue; });
-  double before = 0.0, left = static_cast<double>(asked.size());
-  for (ParameterTrend* t : asked) {
-    before = t->pValue = std::min(1.0, std::max(before, left * t->pValue));
-    left -= 1.0;
-    t->significant = t->pValue < kSignificant;
-  }
 }
 
 void say(ParameterTrend& t) {
@@ -187,7 +173,10 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
     t.change = t.points.back().value - begin->value;
     t.changeStd = std::hypot(t.points.back().std, begin->std);
   }
-  correctForMany(trends);
+  std::vector<ParameterTrend*> asked;
+  for (ParameterTrend& t : trends)
+    if (std::isfinite(t.slope)) asked.push_back(&t);
+  correctForMany(asked);
   for (ParameterTrend& t : trends) say(t);
   return trends;
 }

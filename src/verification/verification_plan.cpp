@@ -11,8 +11,7 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "session/plan_selection.h"
-#include "verification/decision.h"
-#include "verification/fresh_points.h"
+#include "verification/loading_evidence.h"
 
 namespace mm {
 namespace {

@@ -8,8 +8,8 @@
 #include "base/error.h"
 #include "estimation/residual_space.h"
 #include "session/session_hash.h"
-#include "verification/decision.h"
 #include "verification/figures.h"
+#include "verification/loading_evidence.h"
 #include "verification/verify_words.h"
 #include "workflow/recalibration.h"
 
@@ -49,27 +49,16 @@ std::unique_ptr<FreshPoints> nearestPoints(const Session& session, const Calibra
 }
 
 std::string findingOf(const Decision& decision) {
-  if (!decision.seen) return "too_small";
+  if (!decision.tablesSeen && !decision.offsetsSeen) return "too_small";
   if (!decision.hypothesis.exchanges.empty()) return "exchanged";
   if (!decision.hypothesis.uniform()) return "partly";
-  switch (decision.hypothesis.state()) {
-    case AxisState::kNotCorrected:
-      return "not_corrected";
-    case AxisState::kWrongSign:
-      return "wrong_sign";
-    case AxisState::kTwice:
-      return "corrected_twice";
-    case AxisState::kCorrected:
-      break;
-  }
-  return "corrected";
+  return factsOf(decision.hypothesis.state()).finding;
 }
 
 /// Whether more is left than the calibration left of its own session.
-void compareWithCalibrated(const Calibration& calibration, const BeforeAndAfter& figures,
+void compareWithCalibrated(const Calibration& calibration, const ComparedFigures& figures,
                            Verification& found) {
   constexpr double kMore = 1e-3;  // chance
-  found.unforeseen = figures.unforeseen;
   found.calibratedRms = figures.angular ? calibration.heldOutRmsAngular : calibration.heldOutRms;
   if (!(found.calibratedRms > 0.0) || !(figures.unforeseen > 0.0) || !(calibration.degreesOfFreedom > 0.0))
     return;
@@ -129,20 +118,12 @@ Verification verify(const Session& session, const Calibration& calibration, cons
     points = nearestPoints(session, calibration, options, weights);
     system = std::make_unique<PointSystem>(*points, calibration);
   }
-  const Decision decision = decide(*points, *system, calibration, options.loaded);
-  const BeforeAndAfter figures = beforeAndAfter(*points, *system, decision.hypothesis, options.loaded);
+  Rivals rivals;
+  static_cast<Decision&>(found) = decide(*points, *system, calibration, options.loaded, rivals);
+  const ComparedFigures figures = beforeAndAfter(*points, *system, found.hypothesis, options.loaded);
+  static_cast<BeforeAndAfter&>(found) = figures;
   found.loaded = options.loaded;
-  found.finding = findingOf(decision);
-  found.drifted = decision.drifted;
-  found.tablesSeen = decision.tablesSeen;
-  found.hypothesis = decision.hypothesis;
-  found.changed = decision.changed;
-  found.unexplainedPValue = decision.unexplainedPValue;
-  found.before = figures.before;
-  found.after = figures.after;
-  found.angular = figures.angular;
-  found.residuals = figures.residuals;
-  found.noise = figures.noise;
+  found.finding = findingOf(found);
   std::set<int> observations;
   for (const int row : points->space().used())
     observations.insert(points->fitted().problem->rows()[static_cast<std::size_t>(row)].observation);
@@ -155,10 +136,31 @@ Verification verify(const Session& session, const Calibration& calibration, cons
     found.notCarried = rmsOf(*points, points->rest())[0];
   }
   found.verdict = verdictOf(found, figures.improvement);
-  for (std::size_t r = 0; r < decision.rivals.size() && r < 4; ++r)
-    found.rivals.push_back({inWords(decision.rivals[r], points->axes(), options.loaded), decision.odds[r]});
+  for (std::size_t r = 0; r < rivals.rivals.size() && r < 4; ++r)
+    found.rivals.push_back({inWords(rivals.rivals[r], points->axes(), options.loaded), rivals.odds[r]});
   found.inWords = sentenceOf(found);
   return found;
+}
+
+std::string keepAnswer(const CalibrationStore& store, const Calibration& calibration, const Session& session,
+                       const Verification& found) {
+  try {
+    if (calibration.id.empty() || !store.keeps(calibration.id)) return {};
+    CalibrationStore::Verified answer;
+    answer.id = calibration.id;
+    answer.verdict = nameOf(found.verdict);
+    answer.before = found.before.rms;
+    answer.after = found.after.rms;
+    answer.beforeStd = found.before.std;
+    answer.afterStd = found.after.std;
+    answer.angular = found.angular;
+    answer.points = found.observations;
+    answer.session = session.source;
+    store.note(answer);
+    return {};
+  } catch (const InputError& e) {
+    return std::string("the answer is not kept with the calibration: ") + e.what();
+  }
 }
 
 }  // namespace mm

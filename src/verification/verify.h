@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration_file/calibration.h"
+#include "calibration_file/calibration_store.h"
 #include "estimation/calibrate.h"
 #include "session/session.h"
 #include "verification/hypotheses.h"
@@ -70,19 +70,34 @@ struct Figure {
 /// Why no point of this session is fresh for a calibration, with what to do; empty: nothing says so.
 std::string whyNotFresh(const Calibration& calibration, const Session& session);
 
+/// Which hypothesis the points speak for, and what none of them explains.
+struct Decision {
+  LoadedHow hypothesis;
+  bool tablesSeen = true, offsetsSeen = false;  // false: these points cannot show the tables, the offsets
+  bool drifted = false;                         // more is wrong than any way of loading explains
+  std::vector<ChangedEffect> changed;           // since the calibration, most certain first
+  double unexplainedPValue = 1.0;               // of what is left after all this: chance
+};
+
+/// RMS before and after the correction.
+struct BeforeAndAfter {
+  Figure before, after;
+  bool angular = false;     // in rad: there are no residuals in m
+  int residuals = 0;        // of that kind
+  double noise = 0.0;       // m (rad): of one residual, as these points show it
+  double unforeseen = 0.0;  // m (rad): RMS of what the hypothesis leaves of the points
+};
+
 /// What the points of a fresh session say of a calibration.
-struct Verification {
+struct Verification : Decision, BeforeAndAfter {
   VerifyVerdict verdict = VerifyVerdict::kMixed;
   std::string finding;  // "corrected", "not_corrected", "wrong_sign", "corrected_twice", "exchanged",
                         // "partly", "too_small"
   std::string inWords;  // one to three sentences
-  bool loaded = false, drifted = false, angular = false;
-  Figure before, after;
-  double unforeseen = 0.0;  // m (rad): RMS of what the finding leaves of the points
+  bool loaded = false;
   bool better = false;      // after is significantly below before
   std::string target;       // of the export that was named; empty: none
   double notCarried = 0.0;  // m (rad): RMS of what neither its tables nor its offsets correct at these points
-  bool tablesSeen = true;   // false: these points cannot show the tables
   std::optional<RemainingShare> offsets;  // of the export; empty: it has none
   /// m (rad): what the calibration left of its own session, held out; NaN: not known.
   double calibratedRms = 0.0;
@@ -90,15 +105,11 @@ struct Verification {
   /// against calibratedRms); NaN: not known.
   double moreLeftPValue = std::numeric_limits<double>::quiet_NaN();
   bool moreLeft = false;  // that chance is below 0.001
-  int residuals = 0, observations = 0;
-  LoadedHow hypothesis;
+  int observations = 0;
   std::vector<RemainingOfAxis> axes;
   std::vector<RemainingOfEffect> effects;
-  std::vector<CrossedShare> crossed;   // those that are there, significantly
-  std::vector<ChangedEffect> changed;  // since the calibration, most certain first
-  double unexplainedPValue = 1.0;      // of what is left after all this: chance
+  std::vector<CrossedShare> crossed;  // those that are there, significantly
   std::vector<VerifyRival> rivals;
-  double noise = 0.0;             // m (rad): of one residual, as these points show it
   std::vector<Outlier> outliers;  // left out
 };
 
@@ -111,5 +122,11 @@ struct Verification {
 /// the model was not recorded, the session states another compensation than was loaded. @throw
 /// NumericalError: too few points. @throw Cancelled.
 Verification verify(const Session& session, const Calibration& calibration, const VerifyOptions& options);
+
+/// Keeps an answer where the calibration is kept, for its history and its certificate. The answer stands
+/// whether or not it could be kept. @return why it could not; empty: it was, or the store has no such
+/// calibration.
+std::string keepAnswer(const CalibrationStore& store, const Calibration& calibration, const Session& session,
+                       const Verification& found);
 
 }  // namespace mm

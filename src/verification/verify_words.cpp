@@ -20,20 +20,22 @@ std::string list(const std::vector<std::string>& words) {
   return joined({words.begin(), words.end() - 1}, ", ") + " and " + words.back();
 }
 
+/// Of one or several axes, by the order of AxisState.
 std::string stateInWords(AxisState state, bool loaded, bool several) {
-  const std::string is = several ? "are " : "is ";
-  switch (state) {
-    case AxisState::kNotCorrected:
-      return loaded ? is + "not corrected"
-                    : (several ? "do" : "does") + std::string(" not have the error that was calibrated");
-    case AxisState::kWrongSign:
-      return several ? "have the wrong sign" : "has the wrong sign";
-    case AxisState::kTwice:
-      return is + (loaded ? "corrected twice" : "twice as far off as calibrated");
-    case AxisState::kCorrected:
-      break;
-  }
-  return is + (loaded ? "corrected" : "as calibrated");
+  struct Words {
+    const char *one, *several;
+  };
+  static constexpr Words kLoaded[] = {{"is corrected", "are corrected"},
+                                      {"is not corrected", "are not corrected"},
+                                      {"has the wrong sign", "have the wrong sign"},
+                                      {"is corrected twice", "are corrected twice"}};
+  static constexpr Words kRaw[] = {
+      {"is as calibrated", "are as calibrated"},
+      {"does not have the error that was calibrated", "do not have the error that was calibrated"},
+      {"has the wrong sign", "have the wrong sign"},
+      {"is twice as far off as calibrated", "are twice as far off as calibrated"}};
+  const Words& words = (loaded ? kLoaded : kRaw)[static_cast<std::size_t>(state)];
+  return several ? words.several : words.one;
 }
 
 /// "9.81 -> 0.42 um at 50 fresh points (k = 2: ±0.31, ±0.06)"
@@ -83,34 +85,19 @@ std::string noChangeInWords(const Verification& v, const std::string& figures) {
          ", but the correction is too small to show in the figure, " + figures;
 }
 
-/// Of tables or of external offsets: "are loaded".
-std::string loadedInWords(AxisState state) {
-  switch (state) {
-    case AxisState::kNotCorrected:
-      return "are not";
-    case AxisState::kWrongSign:
-      return "have the wrong sign";
-    case AxisState::kTwice:
-      return "are loaded twice";
-    case AxisState::kCorrected:
-      break;
-  }
-  return "are loaded";
-}
-
 /// Of tables that are alike and the external offsets beside them.
 std::string besideInWords(const LoadedHow& how) {
   const AxisState tables = how.state(), offsets = *how.offsets;
   if (tables == AxisState::kNotCorrected && offsets == tables)
     return "neither the tables nor the external offsets are loaded";
-  if (tables == offsets) return "the tables and the external offsets " + loadedInWords(tables);
+  if (tables == offsets) return std::string("the tables and the external offsets ") + factsOf(tables).loaded;
   // "are not" needs what they are not.
   if (tables == AxisState::kNotCorrected && offsets != AxisState::kCorrected)
-    return "the tables are not loaded, the external offsets " + loadedInWords(offsets);
+    return std::string("the tables are not loaded, the external offsets ") + factsOf(offsets).loaded;
   if (tables == AxisState::kNotCorrected) return "the external offsets are loaded, the tables are not";
-  return "the tables " + loadedInWords(tables) + ", the external offsets " +
+  return std::string("the tables ") + factsOf(tables).loaded + ", the external offsets " +
          (offsets == AxisState::kNotCorrected && tables != AxisState::kCorrected ? "are not loaded"
-                                                                                 : loadedInWords(offsets));
+                                                                                 : factsOf(offsets).loaded);
 }
 
 /// What these points tell of the external offsets, where the verdict has not said so.
@@ -194,17 +181,8 @@ std::string notCarriedInWords(const Verification& v) {
 }  // namespace
 
 std::string nameOf(VerifyVerdict verdict) {
-  switch (verdict) {
-    case VerifyVerdict::kHelped:
-      return "helped";
-    case VerifyVerdict::kNoChange:
-      return "no_change";
-    case VerifyVerdict::kWorse:
-      return "worse";
-    case VerifyVerdict::kMixed:
-      break;
-  }
-  return "mixed";
+  static constexpr const char* kNames[] = {"helped", "no_change", "worse", "mixed"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 VerifyVerdict verdictOf(const Verification& v, double improvement) {
@@ -231,7 +209,7 @@ std::string inWords(const LoadedHow& hypothesis, const std::vector<std::string>&
     tables.offsets.reset();
     return inWords(tables, axes, loaded) + ", the external offsets " +
            (hypothesis.offsets == AxisState::kNotCorrected ? "are not loaded"
-                                                           : loadedInWords(*hypothesis.offsets));
+                                                           : factsOf(*hypothesis.offsets).loaded);
   }
   if (hypothesis.exchanges.size() == 2) {
     const Exchange& e = hypothesis.exchanges.front();

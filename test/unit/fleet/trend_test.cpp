@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/median.h"
 #include "fleet/recurrence.h"
 #include "fleet/robust_numbers.h"
 #include "fleet/sisters.h"
@@ -27,7 +28,7 @@ TEST(RobustNumbers, tailsAreThoseOfTheTables) {
   EXPECT_NEAR(twoSidedT(1.959964, 1e9), 0.05, 1e-6);
   EXPECT_NEAR(chiSquaredTail(18.307, 10), 0.05, 1e-5);
   EXPECT_GT(twoSidedT(30.0, 1e9), 0.0);
-  EXPECT_DOUBLE_EQ(middleOf({3.0, 1.0, 2.0, 10.0}), 2.5);
+  EXPECT_DOUBLE_EQ(median({3.0, 1.0, 2.0, 10.0}), 2.5);
 }
 
 TEST(Trend, quietSeriesRaiseNoMoreAlarmsThanIsAccepted) {

@@ -13,7 +13,7 @@
 #include "motor_spindle.h"
 #include "random_numbers.h"
 #include "spindle_simulation.h"
-#include "thermal/blocked_folds.h"
+#include "thermal/ridge.h"
 #include "thermal/series.h"
 
 namespace mm {

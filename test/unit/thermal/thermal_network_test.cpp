@@ -11,7 +11,7 @@
 #include "long_tests.h"
 #include "random_numbers.h"
 #include "simulation/heated_mill.h"
-#include "thermal/grey_relation.h"
+#include "thermal/sensor_selection.h"
 
 namespace mm {
 namespace {

@@ -1,11 +1,10 @@
-#include "verification/kept_answer.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "example_calibration.h"
 #include "session_files.h"
+#include "verification/verify.h"
 
 namespace mm {
 namespace {

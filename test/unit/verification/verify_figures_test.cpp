@@ -7,7 +7,6 @@
 #include "loaded_controller.h"
 #include "session/contacts_csv.h"
 #include "session_files.h"
-#include "verification/decision.h"
 #include "verification/figures.h"
 #include "verification/loading_evidence.h"
 
