@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "base/random.h"
-#include "thermal/grey_relation.h"
+#include "thermal/sensor_selection.h"
 
 namespace mm {
 namespace {

@@ -47,8 +47,11 @@ std::string featuresLine(const Session& session) {
   std::vector<std::size_t> touched(session.artifact.features.size(), 0);
   for (const Observation& o : session.observations)
     if (o.feature >= 0) ++touched[o.feature];
-  const bool lengths = std::all_of(session.observations.begin(), session.observations.end(),
-                                   [](const auto& o) { return o.kind != ObservationKind::kContact; });
+  const auto has = [&](ObservationKind kind) {
+    return std::any_of(session.observations.begin(), session.observations.end(),
+                       [&](const Observation& o) { return o.kind == kind; });
+  };
+  const bool lengths = has(ObservationKind::kLength) && !has(ObservationKind::kContact);
   const std::string measured = lengths ? "length" : "contact";
   std::size_t balls = 0, unused = 0;
   for (std::size_t i = 0; i < touched.size(); ++i) {
