@@ -47,12 +47,14 @@ void CalibratedLimits::findUsed(const Model& model) {
   usesVelocity_.assign(d.joints.size(), false);
   for (const EffectPtr& effect : model.effects()) {
     const Inputs inputs = inputsOf(*effect, d);
+    // What acts on a touch alone says nothing of where the probe is; of a touch its direction must be known.
+    usesApproach_ = usesApproach_ || inputs.approach;
+    if (inputs.approach || effect->nature().stage == Stage::kArtifact) continue;
     for (const int s : inputs.temperatures) sensors_[static_cast<std::size_t>(s)].used = true;
     for (const int c : inputs.covariates) covariates_[static_cast<std::size_t>(c)].used = true;
     for (const int j : inputs.travels) usesTravel_[static_cast<std::size_t>(j)] = true;
     for (const int j : inputs.velocities)  // a joint that never moved stands still
       if (d.upper[j] - d.lower[j] > kStoodStill) usesVelocity_[static_cast<std::size_t>(j)] = true;
-    usesApproach_ = usesApproach_ || inputs.approach;
     usesTime_ = usesTime_ || inputs.time;
     usesHistory_ = usesHistory_ || inputs.history;
   }
@@ -129,7 +131,8 @@ std::string CalibratedLimits::missing(const State& state) const {
     if (usesVelocity_[j] && !std::isfinite(state.velocity[j]))
       return "velocity of " + readings_[j].name + " is not known";
   if (usesTime_ && !std::isfinite(state.time)) return "time is not known";
-  if (usesApproach_ && !(state.approach.squaredNorm() > 0.0)) return "direction of approach is not known";
+  if (usesApproach_ && state.feature >= 0 && !(state.approach.squaredNorm() > 0.0))
+    return "direction of approach is not known";
   if (usesHistory_ && state.history == nullptr) return "history of the temperatures is not known";
   return {};
 }

@@ -29,7 +29,7 @@ std::vector<int> stretchEnds(const Problem& problem, int size) {
   std::vector<int> ends(observations.size());
   for (int o = 0; o < static_cast<int>(observations.size()); ++o) {
     ends[o] = o + 1;
-    if (observations[o].kind != ObservationKind::kContact) continue;
+    if (observations[o].feature < 0) continue;
     Run& run = runs[observations[o].feature];
     if (run.count == 0) run.first = o;
     run.last = o;

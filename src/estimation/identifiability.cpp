@@ -75,7 +75,11 @@ std::string wouldShowOf(const Problem& problem, int unknown, bool byConvention) 
   const bool point =
       u.kind == UnknownKind::kFeature &&
       problem.session().artifact.features[static_cast<std::size_t>(u.owner)].kind == FeatureKind::kPoint;
-  if (point && !measured(problem, ObservationKind::kContact))
+  const auto& all = problem.session().observations;
+  const auto touches = [&](const Observation& o) {
+    return o.kind == ObservationKind::kContact && o.feature == u.owner;
+  };
+  if (point && std::none_of(all.begin(), all.end(), touches))
     return "lengths to tips that are not on one plane, and farther apart";
   if (point) return "the point reached from more directions, or with other readings of the joints";
   if (u.kind == UnknownKind::kPose && !measured(problem, ObservationKind::kContact))

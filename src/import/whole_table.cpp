@@ -57,8 +57,8 @@ void onlyFeature(const TableLayout& layout, const std::vector<ColumnSample>& sam
     return;
   }
   faults.add(faults.place() +
-             "no column says what was measured: a ball (feature), a true position (reference_x_mm) or a "
-             "deviation (deviation_x_um); " +
+             "no column says what was measured: a ball (feature), a true position (reference_x_mm), a length "
+             "(length_mm) or a deviation (deviation_x_um); " +
              guessed(layout, samples, machine, table, faults) +
              (artifact == nullptr ? ", or give an --artifact of one ball" : ""));
 }

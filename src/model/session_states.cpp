@@ -160,7 +160,7 @@ SessionStates::SessionStates(const Session& session, const Domain& domain, Tempe
     state.covariate = valuesAt(courses[recording].covariates, state.time);
     state.laserReading = o.laserReading;
     state.history = histories_[recording].get();
-    if (o.feature >= 0) {
+    if (o.kind == ObservationKind::kContact && o.feature >= 0) {  // a length touches nothing
       const Feature& feature = session.artifact.features[o.feature];
       state.feature = featureOf[o.feature];
       state.featurePosition = feature.position;

@@ -409,7 +409,8 @@ class TableReader {
 /// Whatever it was written in: a session must hold a measurement, and each laser contact its reading.
 void finish(Session& session, const Artifact* artifact) {
   if (session.observations.empty())
-    throw InputError(session.source + ": no row holds a measurement (feature, reference or deviation)");
+    throw InputError(session.source +
+                     ": no row holds a measurement (feature, length, reference or deviation)");
   if (artifact != nullptr && artifact->tipRadius == 0.0 && artifact->styli.empty() && session.hasLaser())
     for (const Observation& o : session.observations)
       if (o.kind == ObservationKind::kContact && std::isnan(o.laserReading))

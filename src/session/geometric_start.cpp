@@ -248,6 +248,7 @@ void startFreeFeatures(Session& session) {
       if (first == nullptr) first = &o;
       if (o.placement != first->placement || o.stylus != first->stylus) continue;
       Lengths& mine = o.kind == ObservationKind::kLength ? measured : touched;
+      if (o.kind == ObservationKind::kLength && o.setup != first->setup) continue;  // of another zero
       mine.tips.push_back(session.nominalProbe(o).position);
       mine.lengths.push_back(o.length);
       mine.fromZero = o.setup >= 0;

@@ -23,8 +23,8 @@ struct GeometricStart {
 /// From the contacts and reference positions alone, at the nominal machine.
 GeometricStart geometricStart(const Session& session);
 
-/// Gives every free feature of the artifact without a start value (NaN) one from its contacts: the centre of
-/// the sphere through the nominal tips, or their mean where they do not determine a sphere.
+/// Gives every free feature without a start value (NaN) one: the centre of the sphere through its tips (their
+/// mean where there is none), or where its lengths begin. @throw InputError: these do not determine it.
 void startFreeFeatures(Session& session);
 
 /// The rigid motion that brings `from` closest to `to` (columns, m): translation alone of one point, the

@@ -76,6 +76,7 @@ Json fieldJson(const Calibration& calibration) {
       state.position[j] = domain.lower[j] + share * (domain.upper[j] - domain.lower[j]);
       rest /= kGrid;
     }
+    compensator.model().place(state);
     const Correction c = compensator.apply(state, work);
     if (!c.valid) reason = c.reason;
     if (!c.valid || !c.displacement.allFinite()) continue;
