@@ -3,239 +3,23 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <type_traits>
 
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/format.h"
-#include "base/number_text.h"
 #include "base/utc_now.h"
 #include "base/version.h"
 #include "base/yaml_mapping.h"
 #include "calibration_file/atomic_file.h"
-#include "effects/effect_yaml.h"
+#include "calibration_file/yaml_archive.h"
 
 namespace mm {
 namespace {
 
-using YAML::BeginMap, YAML::BeginSeq, YAML::EndMap, YAML::EndSeq, YAML::Flow, YAML::Key, YAML::Value;
+using YAML::BeginMap, YAML::EndMap, YAML::Key, YAML::Value;
 
-enum class Style { kBlock, kOneLine };  // of each mapping of a list
-
-// The layout of the file is told once, by the functions `…Layout` below, to one of two: the Writer writes
-// what it is shown, the Reader fills it with what the file has. Both have the same members; how a value is
-// written follows from its type.
-
-class Writer {
- public:
-  static constexpr bool kReads = false;
-  explicit Writer(YAML::Emitter& out) : out_(out) {}
-
-  template <typename T>
-  void operator()(const std::string& key, const T& value) {
-    out_ << Key << key << Value;
-    add(value);
-  }
-  /// A text, or a list of texts a line each, in quotes.
-  void quoted(const char* key, const std::string& text) {
-    out_ << Key << key << Value << YAML::DoubleQuoted << text;
-  }
-  void quoted(const char* key, const std::vector<std::string>& texts) {
-    out_ << Key << key << Value << BeginSeq;
-    for (const std::string& text : texts) out_ << YAML::DoubleQuoted << text;
-    out_ << EndSeq;
-  }
-  /// A text of many lines, as it is where YAML can hold it so.
-  void document(const char* key, const std::string& text) {
-    const bool literal = text.size() > 1 && text.front() == '<' && text.back() == '\n' &&
-                         text[text.size() - 2] != '\n' && text.find_first_of("\r\t") == std::string::npos;
-    if (literal)
-      out_ << Key << key << Value << YAML::Literal << text.substr(0, text.size() - 1);
-    else
-      quoted(key, text);
-  }
-  /// Behind the mapping of a list that is shown now.
-  void comment(const std::string& text) { comment_ = text; }
-
-  /// Whether a key that may be missing is there. @param here whether it is to be written.
-  bool told(const char* /*key*/, bool here) const { return here; }
-  /// Whether a key has a word and no mapping. @param here whether it is to be written so.
-  bool isWord(const char* /*key*/, bool here) const { return here; }
-  template <typename Show>
-  void map(const char* key, Show show) {
-    out_ << Key << key << Value << BeginMap;
-    show(*this);
-    out_ << EndMap;
-  }
-  /// Shows each of so many mappings: show(io, index).
-  template <typename Show>
-  void list(const char* key, std::size_t size, Style style, Show show) {
-    out_ << Key << key << Value << BeginSeq;
-    for (std::size_t i = 0; i < size; ++i) {
-      if (style == Style::kOneLine) out_ << Flow;
-      out_ << BeginMap;
-      show(*this, i);
-      out_ << EndMap;
-      if (!comment_.empty()) out_ << YAML::Comment(comment_);
-      comment_.clear();
-    }
-    out_ << EndSeq;
-  }
-
- private:
-  void add(double value) { out_ << numberText(value); }
-  void add(bool value) { out_ << value; }
-  template <typename Integer, std::enable_if_t<std::is_integral_v<Integer>, int> = 0>
-  void add(Integer value) {
-    out_ << std::to_string(value);
-  }
-  void add(const std::string& text) { out_ << text; }
-  template <typename T>
-  void add(const std::vector<T>& row) {
-    out_ << Flow << BeginSeq;
-    for (const T& item : row) add(item);
-    out_ << EndSeq;
-  }
-  void add(const Eigen::Vector3d& v) { add(std::vector<double>(v.data(), v.data() + v.size())); }
-  void add(const EffectSpec& spec) {
-    out_ << Flow << BeginMap << Key << "type" << Value << spec.type;
-    for (const auto& [key, value] : spec.keys) {
-      out_ << Key << key << Value;
-      if (value.list)
-        add(value.items);
-      else
-        add(value.items.empty() ? std::string() : value.items.front());
-    }
-    out_ << EndMap;
-  }
-  void add(const std::vector<EffectSpec>& specs) {
-    out_ << BeginSeq;
-    for (const EffectSpec& spec : specs) add(spec);
-    out_ << EndSeq;
-  }
-  /// A covariance; a symmetric one is written as its lower triangle.
-  void add(const Eigen::MatrixXd& matrix) {
-    const bool symmetric = matrix == matrix.transpose();
-    out_ << BeginSeq;
-    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-      const Eigen::VectorXd row = matrix.row(i).head(symmetric ? i + 1 : matrix.cols());
-      add(std::vector<double>(row.data(), row.data() + row.size()));
-    }
-    out_ << EndSeq;
-  }
-
-  YAML::Emitter& out_;
-  std::string comment_;
-};
-
-class Reader {
- public:
-  static constexpr bool kReads = true;
-  /// @param path of this mapping, with a dot behind it; empty: the file's own.
-  explicit Reader(YamlMapping keys, std::string path = {}) : keys_(std::move(keys)), path_(std::move(path)) {}
-
-  void operator()(const std::string& key, double& value) { value = keys_.stored(key); }
-  void operator()(const std::string& key, bool& value) { value = keys_.flag(key); }
-  void operator()(const std::string& key, std::string& value) { value = keys_.storedText(key); }
-  template <typename Integer, std::enable_if_t<std::is_integral_v<Integer>, int> = 0>
-  void operator()(const std::string& key, Integer& value) {
-    const std::string text = keys_.storedText(key);
-    const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (read.ec != std::errc() || read.ptr != text.data() + text.size())
-      throw InputError("'" + key + "' is '" + text + "', which is not a whole number in its range");
-  }
-  void operator()(const std::string& key, std::vector<double>& values) { values = keys_.storedList(key); }
-  void operator()(const std::string& key, Eigen::Vector3d& value) {
-    const std::vector<double> v = keys_.storedList(key);
-    if (v.size() != 3) keys_.refuse(keys_.node(key), "'" + key + "' needs three numbers");
-    value = {v[0], v[1], v[2]};
-  }
-  void operator()(const std::string& key, std::vector<std::string>& names) {
-    for (const YAML::Node& name : keys_.list(key)) names.push_back(name.Scalar());
-  }
-  void operator()(const std::string& key, EffectSpec& spec) {
-    spec = effectSpecOf(keys_.node(key), keys_.source());
-  }
-  void operator()(const std::string& key, std::vector<EffectSpec>& specs) {
-    for (const YAML::Node& node : keys_.list(key)) specs.push_back(effectSpecOf(node, keys_.source()));
-  }
-  /// @param matrix has its size already.
-  void operator()(const std::string& key, Eigen::MatrixXd& matrix) {
-    const std::vector<YAML::Node> rows = keys_.list(key);
-    const Eigen::Index n = matrix.rows();
-    if (static_cast<Eigen::Index>(rows.size()) != n)
-      keys_.refuse(keys_.node(key), "'" + key + "' needs one row a parameter");
-    bool triangle = false;  // as the first row
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const YAML::Node& node = rows[static_cast<std::size_t>(i)];
-      const std::vector<double> row = keys_.storedList(node, key);
-      const auto length = static_cast<Eigen::Index>(row.size());
-      if (i == 0) triangle = length == 1;
-      if (length != (triangle ? i + 1 : n)) keys_.refuse(node, "a row of '" + key + "' has the wrong length");
-      for (Eigen::Index j = 0; j < length; ++j) {
-        matrix(i, j) = row[static_cast<std::size_t>(j)];
-        if (triangle) matrix(j, i) = matrix(i, j);
-      }
-    }
-  }
-  template <typename T>
-  void quoted(const char* key, T& value) {
-    (*this)(key, value);
-  }
-  void document(const char* key, std::string& text) { (*this)(key, text); }
-  void comment(const std::string&) {}
-
-  bool told(const char* key, bool) const { return keys_.has(key); }
-  bool isWord(const char* key, bool) const { return keys_.node(key).IsScalar(); }
-  template <typename Show>
-  void map(const char* key, Show show) {
-    Reader in(keys_.map(key), path_ + key + ".");
-    show(in);
-    in.keys_.finish();
-  }
-  template <typename Show>
-  void list(const char* key, std::size_t, Style, Show show) {
-    const std::vector<YAML::Node> items = keys_.list(key);
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      Reader in(keys_.item(items[i], path_ + key, i));
-      show(in, i);
-      in.keys_.finish();
-    }
-  }
-  const YamlMapping& keys() const { return keys_; }
-
- private:
-  YamlMapping keys_;
-  std::string path_;
-};
-
-/// Keys and their values, one after the other.
-template <typename Io, typename T, typename... More>
-void fields(Io& io, const std::string& key, T& value, More&&... more) {
-  io(key, value);
-  if constexpr (sizeof...(more) > 0) fields(io, more...);
-}
-
-/// A key that may be missing. @param here whether it is to be written.
-template <typename Io, typename T>
-void field(Io& io, const char* key, T& value, bool here) {
-  if (io.told(key, here)) io(key, value);
-}
-
-/// Item `i` of a list that grows while it is read.
-template <typename T>
-T& at(std::vector<T>& list, std::size_t i) {
-  if (i >= list.size()) list.resize(i + 1);
-  return list[i];
-}
-
-/// A list of mappings: show(io, item).
-template <typename Io, typename T, typename Show>
-void items(Io& io, const char* key, std::vector<T>& all, Show show, Style style = Style::kBlock) {
-  io.list(key, all.size(), style, [&](Io& in, std::size_t i) { show(in, at(all, i)); });
-}
+// The layout of the file is told once, by the functions `…Layout` below, to a YamlWriter or a YamlReader.
 
 /// Value and standard deviation in the unit of people, for a comment.
 std::string forPeople(const Calibration::Value& v) {
@@ -398,7 +182,7 @@ void layout(Io& io, Calibration& c) {
 }
 
 Calibration readAll(const YAML::Node& node, const std::string& source) {
-  Reader root(
+  YamlReader root(
       YamlMapping::written(node, source, "calibration", "; calibrate again or take an undamaged copy"));
   root.keys().node("checksum");
   int schema = 0;
@@ -460,7 +244,7 @@ void check(const Calibration& c) {
 std::string content(Calibration c) {
   YAML::Emitter out;
   out << BeginMap << Key << "schema" << Value << kCalibrationSchema;
-  Writer writer(out);
+  YamlWriter writer(out);
   layout(writer, c);
   out << EndMap;
   if (!out.good())

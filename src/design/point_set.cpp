@@ -53,7 +53,7 @@ std::vector<FeatureCoverage> coverFeatures(const Problem& problem) {
     for (std::size_t o = 0; o < session.observations.size(); ++o) {
       const Observation& at = session.observations[o];
       if (at.feature != static_cast<int>(f)) continue;
-      ++cover.contacts;
+      ++(at.kind == ObservationKind::kContact ? cover.contacts : cover.lengths);
       if (at.kind != ObservationKind::kContact) continue;
       const Eigen::Vector3d from = session.machine.nominal(at.position.data(), at.laserReading).position;
       Eigen::Vector3d approach = problem.state(static_cast<int>(o)).approach;

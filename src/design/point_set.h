@@ -17,7 +17,7 @@ namespace mm {
 struct FeatureCoverage {
   std::string name;
   bool ball = true;
-  int contacts = 0;
+  int contacts = 0, lengths = 0;  // with it, from it
   double coneHalfAngle = 0.0;  // rad: largest angle between the mean approach and an approach; NaN: unknown
   double centrePerNoise =
       kNotMeasured;  // largest std of a centre of its own over the noise; NaN: undetermined

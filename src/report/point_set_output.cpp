@@ -23,6 +23,7 @@ std::string featuresText(const PointSet& set) {
     text += !f.ball                           ? "-"
             : std::isfinite(f.centrePerNoise) ? format("%.2g x the noise", f.centrePerNoise)
                                               : std::string("not determined: touch it from more sides");
+    if (f.lengths > 0) text += format("; %d lengths from it", f.lengths);
     text += "\n";
   }
   return text;
@@ -171,6 +172,7 @@ std::string pointSetJson(const PointSet& set) {
     one["name"] = f.name;
     one["kind"] = f.ball ? "ball" : "point";
     one["contacts"] = f.contacts;
+    if (f.lengths > 0) one["lengths"] = f.lengths;
     one["cone_half_angle_deg"] = number(f.coneHalfAngle / kDegree);
     one["centre_std_per_noise"] = number(f.centrePerNoise);
     object["features"].push_back(std::move(one));

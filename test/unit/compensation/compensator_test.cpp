@@ -132,6 +132,22 @@ TEST(Compensator, needsTheTemperatureThatItsModelUsesAndNoOther) {
   EXPECT_NE(other.note.find("air"), std::string::npos);
 }
 
+/// What acts on a touch alone says nothing of where the probe is: its temperature may be anything.
+TEST(Compensator, needsNoInputOfWhatIsTouched) {
+  Calibration c = calibrationOf(threeAxis(), {EffectSpec("artifact_expansion").set("sensor", "air"),
+                                              EffectSpec("probe_lobing").set("order", 2)});
+  c.domain.features = {"b0"};
+  c.domain.featureRadius = {0.004};
+  const Compensator compensator(c);
+  State state = stateAt(compensator, {0, 0, 0});
+  state.temperature = {20.0, 50.0};
+  const Correction hot = compensator.apply(state);
+  EXPECT_TRUE(hot.valid) << hot.reason;
+  EXPECT_NE(hot.note.find("air"), std::string::npos) << hot.note;
+  state.temperature[1] = kUnknown;
+  EXPECT_TRUE(compensator.apply(state).valid);
+}
+
 TEST(Compensator, doesNotGuessTheDirectionOfTravel) {
   Calibration c = calibrationOf(threeAxis(), {EffectSpec("backlash").set("axis", "y")});
   c.values[0].value = 4e-6;

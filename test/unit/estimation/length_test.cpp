@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <sstream>
 
 #include "base/error.h"
 #include "diagnosis/diagnose.h"
@@ -109,6 +110,38 @@ TEST_F(Lengths, TellTheMachineAndWhereTheStationsAre) {
       EXPECT_EQ(r.problem->find(UnknownKind::kSetup, s) >= 0, fromZero);
     }
   }
+}
+
+/// A length touches nothing: a stylus that has lobes leaves it as it is.
+TEST_F(Lengths, AreNoTouches) {
+  const Session session = read(Stations().csv());
+  const Problem problem(
+      session, Model(session.machine, observedDomain(session),
+                     {EffectSpec("scale").set("axis", "x"), EffectSpec("probe_lobing").set("order", 2)}));
+  EXPECT_TRUE(problem.leftOut().empty());
+}
+
+/// One station, of which the instrument was switched off between: two zeros, and the first tells the start.
+TEST_F(Lengths, CountFromAZeroOfTheirSetup) {
+  Stations truth;
+  truth.fromZero = true;
+  truth.stations[1] = truth.stations[0];
+  std::string csv = truth.csv();
+  for (std::size_t at = 0; (at = csv.find(",T2,S1,", at)) != std::string::npos;)
+    csv.replace(at, 7, ",T1,S9,");
+  // the second zero 0.3 m away
+  std::string moved;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    if (const auto at = line.find(",S9,"); at != std::string::npos)
+      line = line.substr(0, at + 4) + std::to_string(std::stod(line.substr(at + 4)) + 300.0);
+    moved += line + "\n";
+  }
+  const CalibrationResult r = fitted(read(moved));
+  EXPECT_NEAR(r.figures.rms, 1e-3 * truth.noise, 1e-8);
+  const Eigen::Vector3d found = 1e3 * r.problem->featureInArtifact(0, r.x);
+  const int at = r.problem->find(UnknownKind::kFeature, 0);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], truth.stations[0][k], 4e3 * r.std(at + k)) << k;
 }
 
 TEST_F(Lengths, AHiddenPlayIsNamed) {
