@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 
 namespace mm {
@@ -47,7 +48,10 @@ std::string readWholeFile(const std::filesystem::path& file, const std::string& 
   std::array<char, 1 << 16> block;
   for (;;) {
     const ssize_t got = ::read(in.number(), block.data(), block.size());
-    if (got < 0 && errno == EINTR) continue;
+    if (got < 0 && errno == EINTR) {
+      CancelScope::check();  // a pipe may never give anything
+      continue;
+    }
     if (got < 0) refuse(file, errno, remedy);
     if (got == 0) return text;
     text.append(block.data(), static_cast<std::size_t>(got));

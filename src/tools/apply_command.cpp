@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "calibration_file/calibration_store.h"
 #include "calibration_file/calibration_yaml.h"
@@ -12,6 +13,7 @@
 #include "compensation/compensation_table.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
+#include "tools/interrupt.h"
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 
@@ -72,6 +74,7 @@ void runApply(ApplyOptions& options) {
   AppliedStates applied;
   {
     ProgressBar bar("correcting");
+    const CancelScope cancel(Interrupt::asked);
     applied = applyStates(options.csv, calibration, compensator, text, bar.callback());
   }
   if (toStandardOutput) {

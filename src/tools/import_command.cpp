@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/cancel_scope.h"
 #include "base/units.h"
 #include "import/import_file.h"
 #include "import/import_format.h"
@@ -14,6 +15,7 @@
 #include "session/sense_checks.h"
 #include "session/session_summary.h"
 #include "tools/commands.h"
+#include "tools/interrupt.h"
 #include "tools/json_output.h"
 #include "tools/one_line.h"
 #include "tools/output_files.h"
@@ -86,6 +88,7 @@ void readFile(const ImportOptions& options, const Machine& machine, const Artifa
               Imported& imported) {
   try {
     ProgressBar bar("reading");
+    const CancelScope cancel(Interrupt::asked);
     importFile(options.request, machine, artifact, imported, bar.callback());
     return;
   } catch (const InputFaults& e) {

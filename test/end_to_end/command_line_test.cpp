@@ -84,12 +84,14 @@ TEST_F(CommandLine, CtrlCEndsAReadThatWaits) {
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
   const int writer = ::open(fifo.c_str(), O_RDWR | O_CLOEXEC);  // that never writes
   // of some, Ctrl-C comes between opening the pipe and waiting for it
-  for (int turn = 0; turn < 6 && !HasFailure(); ++turn) {
-    const Answer waiting =
-        stoppedWhen(opened(fifo), *folder_, "apply fifo --calibration c.yaml -o waiting.csv");
-    EXPECT_EQ(waiting.status, 130) << waiting.error;
-  }
-  EXPECT_FALSE(std::filesystem::exists(*folder_ / "waiting.csv"));
+  for (int turn = 0; turn < 6 && !HasFailure(); ++turn)
+    for (const char* reader : {"apply fifo --calibration c.yaml -o waiting.csv",
+                               "import fifo --machine three_axis -o waiting.bag"}) {
+      const Answer waiting = stoppedWhen(opened(fifo), *folder_, reader);
+      EXPECT_EQ(waiting.status, 130) << waiting.error;
+    }
+  for (const char* file : {"waiting.csv", "waiting.bag"})
+    EXPECT_FALSE(std::filesystem::exists(*folder_ / file));
   ::close(writer);
   std::filesystem::remove(fifo);
 }
