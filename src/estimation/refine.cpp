@@ -1,136 +1,18 @@
 #include "estimation/refine.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 
 #include "base/dense.h"
-#include "estimation/whitened.h"
+#include "estimation/refine_costs.h"
 
 namespace mm {
 namespace {
 
-/// Which unknowns make one parameter block of Ceres.
-struct Block {
-  std::vector<int> unknowns;
-  std::vector<double> scales;
-  double* values = nullptr;  // divided by the scales
-};
-
-/// The whitened residuals of the observations that share one local block (a free feature), or of a slice of
-/// the rest.
-class GroupCost final : public ceres::CostFunction {
- public:
-  GroupCost(const Problem& problem, const Eigen::VectorXd& base, const Eigen::VectorXd& inverseSigma,
-            std::vector<int> observations, const std::vector<const Block*>& blocks)
-      : problem_(problem),
-        base_(base),
-        inverseSigma_(inverseSigma),
-        observations_(std::move(observations)),
-        blocks_(blocks) {
-    int rows = 0;
-    for (int o : observations_) rows += problem.firstRow(o + 1) - problem.firstRow(o);
-    set_num_residuals(rows);
-    for (const Block* b : blocks_)
-      mutable_parameter_block_sizes()->push_back(static_cast<int>(b->unknowns.size()));
-  }
-
-  bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
-    Eigen::VectorXd x = base_;
-    for (std::size_t b = 0; b < blocks_.size(); ++b)
-      for (std::size_t i = 0; i < blocks_[b]->unknowns.size(); ++i)
-        x[blocks_[b]->unknowns[i]] = values[b][i] * blocks_[b]->scales[i];
-    Model::Workspace work;
-    Problem::Derivative d;
-    Eigen::MatrixXd rows;
-    double r[Problem::kMaxRows];
-    int at = 0;
-    for (int o : observations_) {
-      const int n = problem_.residualsOf(o, x, r, jacobians != nullptr ? &d : nullptr, work);
-      for (int i = 0; i < n; ++i) {
-        const double s = inverseSigma_[problem_.firstRow(o) + i];
-        residuals[at + i] = s == 0.0 ? 0.0 : s * r[i];
-        if (!std::isfinite(residuals[at + i])) return false;
-      }
-      if (jacobians != nullptr) {
-        problem_.scatter(o, d, rows);
-        for (std::size_t b = 0; b < blocks_.size(); ++b) {
-          if (jacobians[b] == nullptr) continue;
-          const std::size_t width = blocks_[b]->unknowns.size();
-          for (int i = 0; i < n; ++i) {
-            const double s = inverseSigma_[problem_.firstRow(o) + i];
-            for (std::size_t k = 0; k < width; ++k) {
-              const double v = s == 0.0 ? 0.0 : s * rows(i, blocks_[b]->unknowns[k]) * blocks_[b]->scales[k];
-              if (!std::isfinite(v)) return false;
-              jacobians[b][(at + i) * width + k] = v;
-            }
-          }
-        }
-      }
-      at += n;
-    }
-    return true;
-  }
-
- private:
-  const Problem& problem_;
-  const Eigen::VectorXd& base_;
-  const Eigen::VectorXd& inverseSigma_;
-  std::vector<int> observations_;
-  std::vector<const Block*> blocks_;
-};
-
-/// A prior on one unknown: its value over its standard deviation.
-class PriorCost final : public ceres::CostFunction {
- public:
-  PriorCost(int index, int width, double factor) : index_(index), width_(width), factor_(factor) {
-    set_num_residuals(1);
-    mutable_parameter_block_sizes()->push_back(width);
-  }
-  bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
-    residuals[0] = factor_ * values[0][index_];
-    if (jacobians != nullptr && jacobians[0] != nullptr)
-      for (int i = 0; i < width_; ++i) jacobians[0][i] = i == index_ ? factor_ : 0.0;
-    return true;
-  }
-
- private:
-  int index_, width_;
-  double factor_;
-};
-
-/// The norm of a unit vector, LASER (11).
-class UnitVectorCost final : public ceres::CostFunction {
- public:
-  /// @param scales of the block. @param places of l, m, n in the block, -1: held at the value.
-  UnitVectorCost(const UnitVector& vector, double weight, const std::vector<double>& scales,
-                 std::array<int, 3> places, Eigen::Vector3d held)
-      : vector_(vector), weight_(weight), scales_(scales), places_(places), held_(std::move(held)) {
-    set_num_residuals(1);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(scales.size()));
-  }
-  bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
-    Eigen::Vector3d lmn = held_;
-    for (int k = 0; k < 3; ++k)
-      if (places_[k] >= 0) lmn[k] = values[0][places_[k]] * scales_[places_[k]];
-    residuals[0] = weight_ * vector_.excess(lmn.data());
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    std::fill(jacobians[0], jacobians[0] + scales_.size(), 0.0);
-    for (int k = 0; k < 3; ++k)
-      if (places_[k] >= 0) jacobians[0][places_[k]] = 2.0 * weight_ * lmn[k] * scales_[places_[k]];
-    return true;
-  }
-
- private:
-  UnitVector vector_;
-  double weight_;
-  std::vector<double> scales_;
-  std::array<int, 3> places_;
-  Eigen::Vector3d held_;
-};
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 class Watcher final : public ceres::IterationCallback {
  public:
@@ -165,46 +47,45 @@ bool withinLimits(const Problem& problem, const Eigen::VectorXd& x) {
   return true;
 }
 
-/// Gauss-Newton steps by QR, halved until they shorten the residual: the last digits, for small problems.
-/// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the
-/// relative offset), or when no step shortens it any more.
-bool lastDigits(const Problem& problem, const Eigen::VectorXd& inverseSigma, const std::vector<char>& fixed,
-                Eigen::VectorXd& x) {
-  constexpr int kSteps = 100, kHalvings = 12;
-  // of the residual's length: below the first nothing is left to gain, above the second a step that shortens
-  // nothing means that the linear model does not hold there
-  constexpr double kOffset = 1e-9, kFlat = 1e-4;
-  WhitenedSystem system(problem, x, inverseSigma, fixed);
-  for (int step = 0; step < kSteps; ++step) {
-    const double cost = system.residuals.squaredNorm();
-    const Eigen::VectorXd full = leastSquares(system.jacobian, -system.residuals);
-    if (!full.allFinite()) return false;
-    const double offset = (system.jacobian * full).norm() / std::sqrt(cost);
-    bool shorter = false;
-    double factor = 1.0;
-    for (int half = 0; half < kHalvings && !shorter; ++half, factor *= 0.5) {
-      Eigen::VectorXd next = x;
-      for (std::size_t i = 0; i < system.free.size(); ++i)
-        next[system.free[i]] += factor * full[static_cast<int>(i)] * system.scale[static_cast<int>(i)];
-      if (!withinLimits(problem, next)) continue;
-      normalise(problem, fixed, next);
-      WhitenedSystem trial(problem, next, inverseSigma, fixed);
-      shorter = trial.residuals.squaredNorm() < cost;
-      if (!shorter) continue;
-      x = next;
-      system = std::move(trial);
-    }
-    if (!shorter) return !(offset > kFlat);
-    if (offset < kOffset) return true;
-  }
-  return false;
-}
+/// The rows that see one local block, or none: linearised, and the local unknowns eliminated by a Householder
+/// QR of these rows alone.
+struct ReducedRows {
+  Eigen::MatrixXd local, crossed;  // triangle of the local unknowns; by the shared ones beside it
+  Eigen::VectorXd localRest;
+  Eigen::MatrixXd shared;  // what is left by the shared unknowns, a few rows
+  Eigen::VectorXd sharedRest;
+  double cost = 0.0;  // squared length of the residuals
 
-/// The problem as Ceres sees it: one block of the unknowns that all share, and a block for each feature whose
-/// position is wholly free.
-class CeresFit {
+  /// @param rows by the local and the shared unknowns, and the residuals as the last column.
+  ReducedRows(Eigen::MatrixXd rows, Eigen::Index locals) {
+    const Eigen::Index columns = rows.cols() - 1, shares = columns - locals;
+    cost = rows.col(columns).squaredNorm();
+    const Eigen::Index kept = std::min(rows.rows(), columns + 1);
+    const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(std::move(rows))
+                                  .matrixQR()
+                                  .topRows(kept)
+                                  .triangularView<Eigen::Upper>();
+    const Eigen::Index first = std::min(kept, locals);
+    local = r.topLeftCorner(first, locals);
+    crossed = r.block(0, locals, first, shares);
+    localRest = r.col(columns).head(first);
+    shared = r.block(first, locals, kept - first, shares);
+    sharedRest = r.col(columns).tail(kept - first);
+  }
+};
+
+/// A problem linearised: the rows of each local block, reduced. None where a residual cannot be evaluated.
+struct Linear {
+  std::vector<std::pair<const Block*, ReducedRows>> groups;
+  double cost = 0.0;
+  bool finite() const { return !groups.empty(); }
+};
+
+/// The problem in blocks: one of the unknowns that all rows share, and one for each feature whose position is
+/// wholly free. Ceres sees it so, and so do the Gauss-Newton steps.
+class BlockFit {
  public:
-  CeresFit(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
+  BlockFit(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
            const Eigen::VectorXd& inverseSigma)
       : problem_(problem), start_(start), fixed_(fixed), inverseSigma_(inverseSigma) {
     makeBlocks();
@@ -215,10 +96,49 @@ class CeresFit {
     addUnitVectors();
     addLimits();
   }
-  CeresFit(const CeresFit&) = delete;
-  CeresFit& operator=(const CeresFit&) = delete;
+  BlockFit(const BlockFit&) = delete;
+  BlockFit& operator=(const BlockFit&) = delete;
 
   bool empty() const { return global_.unknowns.empty() && local_.empty(); }
+
+  /// Gauss-Newton steps, halved until they shorten the residual: the whole way where the model is nearly
+  /// linear, else the last digits.
+  /// @return true when what a further step promises is nothing beside the residual (Bates and Watts: the
+  /// relative offset), or when no step shortens it any more; false also where the progress asked to stop.
+  bool gaussNewton(const RefineOptions& options, RefineResult& result) {
+    constexpr int kSteps = 100, kHalvings = 12;
+    // of the residual's length: below the first nothing is left to gain, above the second a step that
+    // shortens nothing means that the linear model does not hold there
+    constexpr double kOffset = 1e-9, kFlat = 1e-4;
+    Linear now = linear();
+    if (!now.finite()) return false;
+    for (int step = 0; step < kSteps; ++step) {
+      double promised = 0.0;
+      const std::vector<double> from = values_, full = stepOf(now, promised);
+      if (!std::isfinite(promised)) return false;
+      const double offset = promised / std::sqrt(now.cost);
+      bool shorter = false;
+      double factor = 1.0;
+      for (int half = 0; half < kHalvings && !shorter; ++half, factor *= 0.5) {
+        for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = from[i] + factor * full[i];
+        if (!settle()) continue;
+        if (offset < kOffset) return true;
+        Linear next = linear();
+        shorter = next.finite() && next.cost < now.cost;
+        if (shorter) now = std::move(next);
+      }
+      if (!shorter) {
+        values_ = from;
+        return !(offset > kFlat);
+      }
+      ++result.iterations;
+      if (options.progress && !options.progress(result.iterations, 0.5 * now.cost)) {
+        result.cancelled = true;
+        return false;
+      }
+    }
+    return false;
+  }
 
   ceres::Solver::Summary solve(const RefineOptions& options) {
     ceres::Solver::Options solver = solverOptions(options);
@@ -232,16 +152,18 @@ class CeresFit {
   /// All unknowns, SI, as they are now.
   Eigen::VectorXd x() const {
     Eigen::VectorXd x = start_;
-    const auto read = [&](const Block& block) {
-      for (std::size_t i = 0; i < block.unknowns.size(); ++i)
-        x[block.unknowns[i]] = block.values[i] * block.scales[i];
-    };
-    read(global_);
-    for (const auto& [feature, block] : local_) read(block);
+    for (const auto& [unknown, place] : placeOf_)
+      x[unknown] = place.first->values[place.second] * place.first->scales[place.second];
+    normalise(problem_, fixed_, x);
     return x;
   }
 
  private:
+  struct Cost {
+    const ceres::CostFunction* function;  // Ceres' own
+    std::vector<Block*> blocks;
+  };
+
   void makeBlocks() {
     const auto& unknowns = problem_.unknowns();
     for (int u = 0; u < problem_.unknownCount(); ++u) {
@@ -250,6 +172,7 @@ class CeresFit {
       const bool isLocal = unknowns[u].kind == UnknownKind::kFeature && !fixed_[first] &&
                            !fixed_[first + 1] && !fixed_[first + 2];
       Block& block = isLocal ? local_[unknowns[u].owner] : global_;
+      if (isLocal) block.feature = unknowns[u].owner;
       block.unknowns.push_back(u);
       block.scales.push_back(unknowns[u].scale);
     }
@@ -279,13 +202,18 @@ class CeresFit {
         groups[has ? observations[o].feature : -1 - o / kSlice].push_back(o);
     }
     for (auto& [key, members] : groups) {
-      std::vector<const Block*> blocks;
-      std::vector<double*> values;
-      if (!global_.unknowns.empty()) blocks.push_back(&global_), values.push_back(global_.values);
-      if (key >= 0) blocks.push_back(&local_[key]), values.push_back(local_[key].values);
-      ceres_.AddResidualBlock(new GroupCost(problem_, start_, inverseSigma_, members, blocks), nullptr,
-                              values);
+      std::vector<Block*> blocks;
+      if (!global_.unknowns.empty()) blocks.push_back(&global_);
+      if (key >= 0) blocks.push_back(&local_[key]);
+      add(new GroupCost(problem_, start_, inverseSigma_, members, {blocks.begin(), blocks.end()}), blocks);
     }
+  }
+
+  void add(ceres::CostFunction* cost, const std::vector<Block*>& blocks) {
+    std::vector<double*> values;
+    for (const Block* b : blocks) values.push_back(b->values);
+    ceres_.AddResidualBlock(cost, nullptr, values);
+    groups_[blocks.back()->feature].push_back({cost, blocks});
   }
 
   void addPriors() {
@@ -293,9 +221,8 @@ class CeresFit {
       if (fixed_[u]) continue;
       const auto [block, index] = placeOf_[u];
       const Unknown& unknown = problem_.unknowns()[u];
-      ceres_.AddResidualBlock(
-          new PriorCost(index, static_cast<int>(block->unknowns.size()), unknown.scale / unknown.priorStd),
-          nullptr, block->values);
+      add(new PriorCost(index, static_cast<int>(block->unknowns.size()), unknown.scale / unknown.priorStd),
+          {block});
     }
   }
 
@@ -305,9 +232,9 @@ class CeresFit {
       for (int k = 0; k < 3; ++k)
         if (placeOf_.count(v.first + k) > 0) places[k] = placeOf_[v.first + k].second;
       if (places[0] < 0 && places[1] < 0 && places[2] < 0) continue;
-      ceres_.AddResidualBlock(new UnitVectorCost(v, v.penalty > 0.0 ? v.weight(inverseSigma_) : kSoft,
-                                                 global_.scales, places, start_.segment<3>(v.first)),
-                              nullptr, global_.values);
+      add(new UnitVectorCost(v, v.penalty > 0.0 ? v.weight(inverseSigma_) : kSoft, global_.scales, places,
+                             start_.segment<3>(v.first)),
+          {&global_});
     }
   }
 
@@ -323,18 +250,91 @@ class CeresFit {
     }
   }
 
+  /// The residuals and the Jacobian of one block or of none beside the shared one, reduced. Empty where a
+  /// residual cannot be evaluated.
+  std::optional<ReducedRows> reduced(const Block* local, const std::vector<Cost>& costs) const {
+    const auto locals = static_cast<Eigen::Index>(local == nullptr ? 0 : local->unknowns.size());
+    const auto columns = locals + static_cast<Eigen::Index>(global_.unknowns.size());
+    Eigen::Index count = 0;
+    for (const Cost& c : costs) count += c.function->num_residuals();
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count, columns + 1);
+    Eigen::Index at = 0;
+    for (const Cost& c : costs) {
+      const int n = c.function->num_residuals();
+      std::vector<RowMajor> jacobians;
+      std::vector<double*> values, into;
+      for (const Block* b : c.blocks) {
+        jacobians.emplace_back(n, static_cast<Eigen::Index>(b->unknowns.size()));
+        values.push_back(b->values);
+        into.push_back(jacobians.back().data());
+      }
+      if (!c.function->Evaluate(values.data(), rows.col(columns).data() + at, into.data()))
+        return std::nullopt;
+      for (std::size_t k = 0; k < c.blocks.size(); ++k)
+        rows.block(at, c.blocks[k] == local ? 0 : locals, n, jacobians[k].cols()) = jacobians[k];
+      at += n;
+    }
+    return ReducedRows(std::move(rows), locals);
+  }
+
+  /// At the present values; no groups where a residual cannot be evaluated.
+  Linear linear() const {
+    Linear linear;
+    for (const auto& [feature, costs] : groups_) {
+      const Block* local = feature < 0 ? nullptr : &local_.at(feature);
+      std::optional<ReducedRows> rows = reduced(local, costs);
+      if (!rows) return {};
+      linear.cost += rows->cost;
+      linear.groups.emplace_back(local, std::move(*rows));
+    }
+    return linear;
+  }
+
+  /// The Gauss-Newton step of all values. @param promised length by which it changes the residuals.
+  std::vector<double> stepOf(const Linear& linear, double& promised) const {
+    const auto shares = static_cast<Eigen::Index>(global_.unknowns.size());
+    Eigen::Index count = 0, at = 0;
+    for (const auto& [local, rows] : linear.groups) count += rows.sharedRest.size();
+    Eigen::MatrixXd a(count, shares);
+    Eigen::VectorXd b(count);
+    for (const auto& [local, rows] : linear.groups) {
+      a.middleRows(at, rows.shared.rows()) = rows.shared;
+      b.segment(at, rows.shared.rows()) = rows.sharedRest;
+      at += rows.shared.rows();
+    }
+    Eigen::VectorXd shared(shares);
+    if (shares > 0) shared = leastSquares(a, -b);
+    double length = (a * shared).squaredNorm();
+    std::vector<double> step(values_.size(), 0.0);
+    std::copy(shared.data(), shared.data() + shares, step.begin());
+    for (const auto& [local, rows] : linear.groups) {
+      if (local == nullptr) continue;
+      const Eigen::VectorXd own =
+          rows.local.triangularView<Eigen::Upper>().solve(-rows.localRest - rows.crossed * shared);
+      length += rows.localRest.squaredNorm();
+      std::copy(own.data(), own.data() + own.size(), step.begin() + (local->values - values_.data()));
+    }
+    promised = std::sqrt(length);
+    return step;
+  }
+
+  /// Brings unit vectors back to their length. @return whether the values are within the limits.
+  bool settle() {
+    const Eigen::VectorXd now = x();
+    for (const auto& [unknown, place] : placeOf_)
+      place.first->values[place.second] = now[unknown] / place.first->scales[place.second];
+    return withinLimits(problem_, now);
+  }
+
   ceres::Solver::Options solverOptions(const RefineOptions& options) {
-    // rounding is what ends the iterations: what is left is for lastDigits()
+    // rounding is what ends the iterations: what is left is for Gauss-Newton
     constexpr double kFunction = 1e-15, kParameter = 1e-13, kGradient = 1e-16;
-    // damping only holds back the weak directions of a problem that is linear but for the geometry
-    constexpr double kNoDamping = 1e9;
     ceres::Solver::Options solver;
     solver.num_threads = 1;
     solver.max_num_iterations = options.maxIterations;
     solver.function_tolerance = kFunction;
     solver.parameter_tolerance = kParameter;
     solver.gradient_tolerance = kGradient;
-    if (nearlyLinear(problem_)) solver.initial_trust_region_radius = kNoDamping;
     solver.logging_type = ceres::SILENT;
     solver.max_num_consecutive_invalid_steps = 20;
     if (local_.empty() || global_.unknowns.empty()) {
@@ -357,6 +357,7 @@ class CeresFit {
   std::map<int, Block> local_;                     // a feature
   std::vector<double> values_;                     // of all blocks
   std::map<int, std::pair<Block*, int>> placeOf_;  // an unknown: its block, its index in it
+  std::map<int, std::vector<Cost>> groups_;        // by the feature of the local block, -1: none
   ceres::Problem ceres_;
 };
 
@@ -365,32 +366,32 @@ class CeresFit {
 RefineResult refine(const Problem& problem, const Eigen::VectorXd& start, const std::vector<char>& fixed,
                     const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,
                     const RefineOptions& options) {
-  constexpr double kSmall = 5e7;  // rows times unknowns squared: a dense QR of it takes less than a second
   RefineResult result;
   result.x = start;
   const Eigen::VectorXd inverseSigma = weight.cwiseSqrt().cwiseQuotient(sigma);
-  CeresFit fit(problem, start, fixed, inverseSigma);
+  BlockFit fit(problem, start, fixed, inverseSigma);
   if (fit.empty()) {
     result.converged = true;
     result.stop = "nothing to estimate";
     return result;
   }
-  const ceres::Solver::Summary summary = fit.solve(options);
-  result.x = fit.x();
-  normalise(problem, fixed, result.x);
-  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
-  result.cancelled = summary.termination_type == ceres::USER_SUCCESS;
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.stop = result.cancelled                                    ? "cancelled"
-                : result.converged                                  ? "converged"
-                : summary.termination_type == ceres::NO_CONVERGENCE ? "iterations"
-                                                                    : "the residual cannot be evaluated";
-  const double size =
-      static_cast<double>(problem.rowCount()) * problem.unknownCount() * problem.unknownCount();
-  if (!result.cancelled && summary.termination_type != ceres::FAILURE && size < kSmall) {
-    result.converged |= lastDigits(problem, inverseSigma, fixed, result.x);
-    if (result.converged) result.stop = "converged";
+  result.converged = nearlyLinear(problem) && fit.gaussNewton(options, result);
+  result.stop = result.cancelled ? "cancelled" : "converged";
+  if (!result.converged && !result.cancelled) {
+    const ceres::Solver::Summary summary = fit.solve(options);
+    result.iterations += static_cast<int>(summary.iterations.size()) - 1;
+    result.cancelled = summary.termination_type == ceres::USER_SUCCESS;
+    result.converged = summary.termination_type == ceres::CONVERGENCE;
+    result.stop = result.cancelled                                    ? "cancelled"
+                  : result.converged                                  ? "converged"
+                  : summary.termination_type == ceres::NO_CONVERGENCE ? "iterations"
+                                                                      : "the residual cannot be evaluated";
+    if (!result.cancelled && summary.termination_type != ceres::FAILURE) {
+      result.converged |= fit.gaussNewton(options, result);
+      if (result.converged) result.stop = "converged";
+    }
   }
+  result.x = fit.x();
   return result;
 }
 

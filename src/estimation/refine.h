@@ -22,8 +22,9 @@ struct RefineResult {
   std::string stop;  // in words
 };
 
-/// Levenberg-Marquardt (Ceres) from `x` over the unknowns that are not fixed. Runs on one thread, so that
-/// bits do not depend on threads. Free positions of features are eliminated first (Schur).
+/// The least squares from `x` over the unknowns that are not fixed: Gauss-Newton, where the model is not
+/// nearly linear or that does not converge after Levenberg-Marquardt (Ceres). Free positions of features are
+/// eliminated first. Runs on one thread, so that bits do not depend on threads.
 /// @param sigma standard deviation a data row (m, rad). @param weight a data row: 1, or 0 to leave it out.
 RefineResult refine(const Problem& problem, const Eigen::VectorXd& x, const std::vector<char>& fixed,
                     const Eigen::VectorXd& sigma, const Eigen::VectorXd& weight,

@@ -114,30 +114,21 @@ ProbePose Model::correctedWithCovariance(const State& state, const double* param
                                          const Eigen::MatrixXd& covariance, Workspace& work,
                                          Eigen::Matrix3d& ofPosition) const {
   const ProbePose result = pose(state, parameters, work, true);
-  work.moved.clear();
-  work.placeOf.assign(work.errors.size(), -1);
-  for (const Derivative& d : work.derivatives) {
-    int& place = work.placeOf[static_cast<std::size_t>(d.slot)];
-    if (place >= 0) continue;
-    place = static_cast<int>(work.moved.size());
-    work.moved.push_back(d.slot);
-  }
-  work.withErrors.setZero(parameterCount_, static_cast<Eigen::Index>(work.moved.size()));
+  work.byParameter.setZero(parameterCount_, 3);
   for (const Derivative& d : work.derivatives)
-    work.withErrors.col(work.placeOf[static_cast<std::size_t>(d.slot)]) +=
-        d.value * covariance.col(d.parameter);
-  ofPosition.setZero();
-  for (std::size_t k = 0; k < work.moved.size(); ++k) {
-    const auto withThis = work.withErrors.col(static_cast<Eigen::Index>(k));
-    work.betweenErrors.assign(work.moved.size(), 0.0);  // covariances of error k with each
-    for (const Derivative& d : work.derivatives)
-      work.betweenErrors[static_cast<std::size_t>(work.placeOf[static_cast<std::size_t>(d.slot)])] +=
-          d.value * withThis[d.parameter];
-    Eigen::Vector3d withPosition = Eigen::Vector3d::Zero();
-    for (std::size_t l = 0; l < work.moved.size(); ++l)
-      withPosition += work.betweenErrors[l] * work.bySlot.col(work.moved[l]).head<3>();
-    ofPosition += withPosition * work.bySlot.col(work.moved[k]).head<3>().transpose();
+    work.byParameter.row(d.parameter) += d.value * work.bySlot.col(d.slot).head<3>().transpose();
+  work.halfWithPosition.setZero(parameterCount_, 3);
+  for (int p = 0; p < parameterCount_; ++p) {
+    const int others = parameterCount_ - 1 - p;
+    for (int k = 0; k < 3; ++k) {
+      const double by = work.byParameter(p, k);
+      if (by == 0.0) continue;  // most parameters move the tip along one axis
+      work.halfWithPosition(p, k) += 0.5 * by * covariance(p, p);
+      work.halfWithPosition.col(k).tail(others) += by * covariance.col(p).tail(others);
+    }
   }
+  const Eigen::Matrix3d half = work.byParameter.transpose().lazyProduct(work.halfWithPosition);
+  ofPosition = half + half.transpose();
   return result;
 }
 

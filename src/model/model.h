@@ -26,11 +26,9 @@ class Model {
     std::vector<double> errors;
     Eigen::Matrix<double, 6, Eigen::Dynamic> bySlot;
     std::vector<Derivative> derivatives;
-    // Of correctedWithCovariance: the slots that parameters move, the place of a slot among them or -1, and
-    // the covariance of the parameters with these errors.
-    std::vector<int> moved, placeOf;
-    Eigen::MatrixXd withErrors;
-    std::vector<double> betweenErrors;
+    // Of correctedWithCovariance: the position by parameter, a row each, and the product with the lower half
+    // of the parameters' covariance.
+    Eigen::Matrix<double, Eigen::Dynamic, 3> byParameter, halfWithPosition;
   };
 
   Model(Machine machine, Domain domain, std::vector<EffectPtr> effects);
@@ -67,8 +65,8 @@ class Model {
   ProbePose differentiated(const State& state, const double* parameters, Workspace& work) const {
     return pose(state, parameters, work, true);
   }
-  /// The same, with the covariance of the position (m^2) that the parameters' leaves: from the parameters to
-  /// the few errors that they move, from these to the tip. @param covariance parameterCount() squared, SI.
+  /// The same, with the covariance of the position (m^2) that the parameters' leaves. @param covariance
+  /// parameterCount() squared, SI.
   ProbePose correctedWithCovariance(const State& state, const double* parameters,
                                     const Eigen::MatrixXd& covariance, Workspace& work,
                                     Eigen::Matrix3d& ofPosition) const;
