@@ -56,7 +56,7 @@ TEST_F(CommandLine, CtrlCKeepsTheBestOfACalibration) {
 TEST_F(CommandLine, CtrlCEndsABenchmarkWithWhatItCounted) {
   const Answer answer =
       stoppedWhen(workedFor(2.0 * std::thread::hardware_concurrency()), *folder_,
-                  "benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 40 --json");
+                  "mm-benchmark --plan plan.yaml --trials 100000 --only backlash --contacts 40 --json");
   EXPECT_EQ(answer.status, 130) << answer.error;
   EXPECT_EQ(linesOf(answer.error).size(), 1u) << answer.error;
   ASSERT_FALSE(answer.out.empty());

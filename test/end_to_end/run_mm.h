@@ -81,11 +81,18 @@ inline ProcessState opened(const std::string& file) {
   };
 }
 
+/// What a shell runs: the built `mm`, or `mm-benchmark` where the line begins with it.
+inline std::string programAnd(const std::string& arguments) {
+  const std::string benchmark = "mm-benchmark ";
+  return arguments.rfind(benchmark, 0) == 0 ? "'" BENCHMARK_PROGRAM "' " + arguments.substr(benchmark.size())
+                                            : "'" MM_PROGRAM "' " + arguments;
+}
+
 /// Runs the built `mm` in a folder and types Ctrl-C when it is somewhere; it is killed where it does not end.
 inline Answer stoppedWhen(const ProcessState& there, const TestFolder& folder, const std::string& arguments) {
   const std::string out = folder / "stdout.txt", error = folder / "stderr.txt";
   const std::string command =
-      "cd '" + folder / "." + "' && exec '" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'";
+      "cd '" + folder / "." + "' && exec " + programAnd(arguments) + " >'" + out + "' 2>'" + error + "'";
   const pid_t process = ::fork();
   if (process == 0) {
     std::signal(SIGINT, SIG_DFL);  // ignored in what a script runs in the background
@@ -115,8 +122,7 @@ inline Answer stoppedWhen(const ProcessState& there, const TestFolder& folder, c
 /// Runs the built `mm`. @param arguments as typed in a shell.
 inline Answer mmRun(const TestFolder& folder, const std::string& arguments) {
   const std::string out = folder / "stdout.txt", error = folder / "stderr.txt";
-  const int status =
-      std::system(("'" MM_PROGRAM "' " + arguments + " >'" + out + "' 2>'" + error + "'").c_str());
+  const int status = std::system((programAnd(arguments) + " >'" + out + "' 2>'" + error + "'").c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(out), textOf(error)};
 }
 

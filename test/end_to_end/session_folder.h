@@ -53,8 +53,8 @@ class SessionFolder : public ::testing::Test {
   /// Typed inside the folder.
   static Answer typed(const std::string& arguments) {
     const std::string out = *folder_ / "stdout.txt", error = *folder_ / "stderr.txt";
-    const int status = std::system(("cd '" + *folder_ / "." + "' && '" MM_PROGRAM "' " + arguments + " >'" +
-                                    out + "' 2>'" + error + "' </dev/null")
+    const int status = std::system(("cd '" + *folder_ / "." + "' && " + programAnd(arguments) + " >'" + out +
+                                    "' 2>'" + error + "' </dev/null")
                                        .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(out), textOf(error)};
   }
@@ -81,7 +81,8 @@ class SessionFolder : public ::testing::Test {
     const Answer answer = typed(arguments);
     EXPECT_EQ(answer.status, 2) << answer.error << answer.out;
     EXPECT_EQ(std::count(answer.error.begin(), answer.error.end(), '\n'), 1) << answer.error;
-    EXPECT_EQ(answer.error.rfind("mm: error: ", 0), 0u) << answer.error;
+    const std::string name = arguments.rfind("mm-benchmark", 0) == 0 ? "mm-benchmark" : "mm";
+    EXPECT_EQ(answer.error.rfind(name + ": error: ", 0), 0u) << answer.error;
     // of a file that it refuses an import shows what it understood
     if (arguments.rfind("import ", 0) != 0) {
       EXPECT_EQ(answer.out, "");

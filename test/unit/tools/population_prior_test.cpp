@@ -12,7 +12,7 @@
 #include "fleet/fleet_database.h"
 #include "session/plan.h"
 #include "simulation/simulate.h"
-#include "tools/benchmark_session.h"
+#include "benchmark_session.h"
 
 namespace mm {
 namespace {

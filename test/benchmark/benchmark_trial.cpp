@@ -1,4 +1,4 @@
-#include "tools/benchmark_trial.h"
+#include "benchmark_trial.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,12 +7,12 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "benchmark_session.h"
 #include "effects/linearity.h"
 #include "effects/registry.h"
 #include "estimation/residual_space.h"
 #include "model/observed_domain.h"
 #include "simulation/simulate.h"
-#include "tools/benchmark_session.h"
 
 namespace mm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/benchmark_oracle.h"
+#include "benchmark_oracle.h"
 
 #include <Eigen/SVD>
 #include <algorithm>

@@ -6,11 +6,11 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "benchmark_session.h"
+#include "benchmark_trial.h"
+#include "formula_judge.h"
 #include "session/plan.h"
 #include "simulation/simulate.h"
-#include "tools/benchmark_session.h"
-#include "tools/benchmark_trial.h"
-#include "tools/formula_judge.h"
 
 namespace mm {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/formula_judge.h"
+#include "formula_judge.h"
 
 #include <algorithm>
 #include <cctype>

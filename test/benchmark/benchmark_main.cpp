@@ -1,22 +1,22 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/error.h"
 #include "base/read_file.h"
+#include "base/version.h"
+#include "benchmark_counts.h"
+#include "benchmark_session.h"
+#include "benchmark_trial.h"
 #include "model/model_spec.h"
 #include "simulation/roughness.h"
-#include "tools/benchmark_counts.h"
-#include "tools/benchmark_session.h"
-#include "tools/benchmark_trial.h"
 #include "tools/bounds.h"
-#include "tools/commands.h"
 #include "tools/exit_status.h"
 #include "tools/interrupt.h"
 #include "tools/json_output.h"
+#include "tools/program.h"
 #include "tools/progress_bar.h"
 
 namespace mm {
@@ -85,7 +85,8 @@ int run(const Options& o) {
   int status = kDone;
   for (int t = 0; t < o.trials; ++t) {
     if (t > 0 && Interrupt::asked()) {
-      std::cerr << "mm: stopped by Ctrl-C after " << t << " of " << o.trials << " sessions" << std::endl;
+      std::cerr << "mm-benchmark: stopped by Ctrl-C after " << t << " of " << o.trials << " sessions"
+                << std::endl;
       status = kStopped;  // what was counted so far is the answer
       break;
     }
@@ -96,7 +97,7 @@ int run(const Options& o) {
     if (!r.notShown && !o.json && (o.verbose || !counts.good(r))) printSession(r, o);
   }
   if (!o.json) {
-    std::cout << counts.text();
+    std::cout << counts.text() << std::endl;
     return status;
   }
   nlohmann::ordered_json out = {
@@ -107,53 +108,63 @@ int run(const Options& o) {
   return status;
 }
 
-}  // namespace
-
-void addBenchmarkCommand(CLI::App& app, int& exitStatus) {
-  auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand(
-      "benchmark", "hides effects at random in simulated sessions and counts what the diagnosis finds");
-  c->add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")
+void declare(CLI::App& app, Options* o) {
+  app.set_version_flag("--version", std::string("mm-benchmark ") + kVersion);
+  app.get_formatter()->column_width(34);
+  app.add_option("--machine", o->machine, "three_axis, five_axis or the path of a URDF")
       ->capture_default_str();
-  c->add_option("--plan", o->plan, "measurement plan (YAML)")->required();
-  c->add_option("--model", o->model, "model file: what the diagnosis starts from; nothing if left out");
-  c->add_option("--trials", o->trials, "simulated sessions")
+  app.add_option("--plan", o->plan, "measurement plan (YAML)")->required();
+  app.add_option("--model", o->model, "model file: what the diagnosis starts from; nothing if left out");
+  app.add_option("--trials", o->trials, "simulated sessions")
       ->capture_default_str()
       ->check(wholeNumberWithin(1, 1'000'000));
-  c->add_option("--effects", o->effects, "effects hidden in each; 0: none")
+  app.add_option("--effects", o->effects, "effects hidden in each; 0: none")
       ->capture_default_str()
       ->check(wholeNumberWithin(0, 100));
-  c->add_option("--size", o->size, "RMS of what refit leaves of each, over the noise")
+  app.add_option("--size", o->size, "RMS of what refit leaves of each, over the noise")
       ->capture_default_str()
       ->check(numberWithin(1e-6, 1e6));
-  c->add_option("--only", o->only, "kinds to draw from (see mm simulate --help)");
-  c->add_flag(
+  app.add_option("--only", o->only, "kinds to draw from (see mm simulate --help)");
+  app.add_flag(
       "--uncatalogued", o->uncatalogued,
       "hide effects outside the catalogue: unknown_effect and a profile over the right variables are wanted");
-  c->add_option("--contacts", o->variant.contacts,
-                "contacts of a session, e.g. 160 or 5000; as in the plan if left out")
+  app.add_option("--contacts", o->variant.contacts,
+                 "contacts of a session, e.g. 160 or 5000; as in the plan if left out")
       ->check(wholeNumberWithin(1, 1'000'000));
-  c->add_flag("--one-sided", o->variant.oneSided, "every contact from one side of x, of y and of z");
-  c->add_flag("--free-centres", o->variant.freeCentres, "the balls' centres are not known");
-  c->add_flag("--outliers", o->variant.outliers, "3 % of the contacts are wrong by 20 um");
-  c->add_flag("--heavy-tails", o->variant.heavyTails, "noise of Student's t with three degrees of freedom");
-  c->add_flag("--time-temperature", o->variant.timeTemperature,
-              "the room only warms up: temperatures go with time");
-  c->add_option("--stated-noise", o->variant.statedNoise,
-                "the artifact states the noise times this factor, e.g. 0.5 or 2; none: it states nothing");
-  c->add_option("--rough", o->rough,
-                "sessions rougher than white noise: drift, correlated, form, sensors, tails, quantised, all, "
-                "separated by commas (see mm simulate --help)");
-  c->add_option("--oracle", o->oracle,
-                "also what somebody could tell who knows noise and roughness and asks about the hidden cause "
-                "alone; learned from this many sessions, e.g. 200, or 2000 where balls have form errors")
+  app.add_flag("--one-sided", o->variant.oneSided, "every contact from one side of x, of y and of z");
+  app.add_flag("--free-centres", o->variant.freeCentres, "the balls' centres are not known");
+  app.add_flag("--outliers", o->variant.outliers, "3 % of the contacts are wrong by 20 um");
+  app.add_flag("--heavy-tails", o->variant.heavyTails, "noise of Student's t with three degrees of freedom");
+  app.add_flag("--time-temperature", o->variant.timeTemperature,
+               "the room only warms up: temperatures go with time");
+  app.add_option("--stated-noise", o->variant.statedNoise,
+                 "the artifact states the noise times this factor, e.g. 0.5 or 2; none: it states nothing");
+  app.add_option(
+      "--rough", o->rough,
+      "sessions rougher than white noise: drift, correlated, form, sensors, tails, quantised, all, "
+      "separated by commas (see mm simulate --help)");
+  app.add_option(
+         "--oracle", o->oracle,
+         "also what somebody could tell who knows noise and roughness and asks about the hidden cause "
+         "alone; learned from this many sessions, e.g. 200, or 2000 where balls have form errors")
       ->check(wholeNumberWithin(8, 100000));
-  c->add_flag("--json", o->json, "figures and sessions as JSON on standard output");
-  c->add_option("--seed", o->seed, "first seed")->capture_default_str()->check(anySeed());
-  c->add_flag("--verbose", o->verbose, "a line for each session, not only for those that went wrong");
-  c->footer(
-      "Example: mm benchmark --plan config/plans/nine_ball_plate.yaml --trials 100 --effects 2 --size 1");
-  c->callback([o, &exitStatus] { exitStatus = run(*o); });
+  app.add_flag("--json", o->json, "figures and sessions as JSON on standard output");
+  app.add_option("--seed", o->seed, "first seed")->capture_default_str()->check(anySeed());
+  app.add_flag("--verbose", o->verbose, "a line for each session, not only for those that went wrong");
+  app.footer(
+      "Example: mm-benchmark --plan config/plans/nine_ball_plate.yaml --trials 100 --effects 2 --size 1\n" +
+      std::string(kExitStatusHelp));
 }
 
+}  // namespace
 }  // namespace mm
+
+int main(int argc, char** argv) {
+  CLI::App app{"Hides effects at random in simulated sessions and counts what the diagnosis finds.",
+               "mm-benchmark"};
+  mm::Options options;
+  int exitStatus = mm::kDone;
+  mm::declare(app, &options);
+  app.callback([&] { exitStatus = mm::run(options); });
+  return mm::runProgram(app, exitStatus, argc, argv);
+}

@@ -1,4 +1,4 @@
-#include "tools/benchmark_session.h"
+#include "benchmark_session.h"
 
 #include <yaml-cpp/yaml.h>
 

@@ -1,4 +1,4 @@
-#include "tools/benchmark_counts.h"
+#include "benchmark_counts.h"
 
 #include <algorithm>
 #include <cmath>

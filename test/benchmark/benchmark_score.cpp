@@ -1,4 +1,4 @@
-#include "tools/benchmark_score.h"
+#include "benchmark_score.h"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tools/benchmark_trial.h"
+#include "benchmark_trial.h"
 
 namespace mm {
 

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "benchmark_oracle.h"
+#include "benchmark_score.h"
 #include "diagnosis/diagnose.h"
+#include "formula_judge.h"
 #include "machine/machine.h"
 #include "session/progress.h"
-#include "tools/benchmark_oracle.h"
-#include "tools/benchmark_score.h"
-#include "tools/formula_judge.h"
 
 namespace mm {
 

@@ -1,10 +1,10 @@
-#include "tools/benchmark_score.h"
+#include "benchmark_score.h"
 
 #include <gtest/gtest.h>
 
 #include "base/random.h"
-#include "tools/benchmark_counts.h"
-#include "tools/benchmark_oracle.h"
+#include "benchmark_counts.h"
+#include "benchmark_oracle.h"
 
 namespace mm {
 namespace {

@@ -1,0 +1,1 @@
+set(tools_test_dependencies benchmark)
