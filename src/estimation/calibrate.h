@@ -30,7 +30,6 @@ struct CalibrateOptions {
   Eigen::VectorXd weights;  // a data row, with rejectOutliers false: 0 leaves it out; empty: all count
   bool holdEffects =
       false;  // the effects' parameters stay at `start`; only what belongs to the session is fitted
-  std::vector<StatedPrior> priors;        // of parameters, as of sister machines
   StagedMutationSettings stagedMutation;  // seed and threads are those above
   NichingSettings niching;                // likewise
   /// Called with a stage ("networks", "genetic", "refine", "uncertainty") and its share done in 0 … 1.

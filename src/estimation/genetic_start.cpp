@@ -40,8 +40,7 @@ double halfRange(const Problem& problem, const Unknown& unknown) {
   double half = effect.nature().unitVectors.empty() ? unknown.bound : near;
   if (effect.nature().ofUnknownSize)
     half = 10.0 * std::max(std::abs(unknown.start), kOfScale * unknown.scale);
-  if (unknown.priorStd > 0.0)
-    half = std::min(half, 5.0 * unknown.priorStd + std::abs(unknown.start - unknown.priorMean));
+  if (unknown.priorStd > 0.0) half = std::min(half, 5.0 * unknown.priorStd);
   return half;
 }
 

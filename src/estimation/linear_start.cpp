@@ -17,7 +17,7 @@ double costOf(const Problem& problem, const Eigen::VectorXd& x, const Eigen::Vec
   for (int i = 0; i < r.size(); ++i)
     if (inverseSigma[i] != 0.0) cost += r[i] * r[i] * inverseSigma[i] * inverseSigma[i];
   for (int u : problem.priors()) {
-    const double prior = problem.unknowns()[static_cast<std::size_t>(u)].fromPrior(x[u]);
+    const double prior = x[u] / problem.unknowns()[static_cast<std::size_t>(u)].priorStd;
     cost += prior * prior;
   }
   for (const UnitVector& v : problem.unitVectors()) {

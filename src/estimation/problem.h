@@ -24,20 +24,9 @@ struct Unknown {
   double scale = 1.0;
   double bound = 1.0;
   double start = 0.0;
-  double priorStd = 0.0;                                      // before any data; 0: no prior
+  double priorStd = 0.0;                                      // about zero; 0: no prior
   double minimum = -std::numeric_limits<double>::infinity();  // limits of meaning: a period is positive
   double maximum = std::numeric_limits<double>::infinity();
-  double priorMean = 0.0;
-
-  /// How far a value is from what was known before any data, in standard deviations of that.
-  double fromPrior(double value) const { return (value - priorMean) / priorStd; }
-};
-
-/// What is known of a parameter of an effect before any data, SI.
-struct StatedPrior {
-  EffectSpec effect;
-  std::string parameter;
-  double mean = 0.0, std = 0.0;
 };
 
 /// Unknowns of one kind and owner, neighbours in x.
@@ -92,11 +81,9 @@ class Problem {
     void clear(int rows, int parameters, int slotCount);  ///< all zero, of this size
   };
 
-  /// @param session must outlive the problem. @param priors of the model's parameters, in place of the
-  /// effects' own. @throw InputError when a session cannot be used with the model (no observations, unknown
-  /// feature, missing input of an effect).
-  Problem(const Session& session, Model model, Datum datum = Datum::kFree,
-          const std::vector<StatedPrior>& priors = {});
+  /// @param session must outlive the problem. @throw InputError when a session cannot be used with the model
+  /// (no observations, unknown feature, missing input of an effect).
+  Problem(const Session& session, Model model, Datum datum = Datum::kFree);
 
   const Session& session() const { return *session_; }                         ///< measured
   const Model& model() const { return model_; }                                ///< machine and effects
@@ -148,7 +135,7 @@ class Problem {
   static constexpr int kMaxRows = 16;
 
  private:
-  void addUnknowns(const std::vector<StatedPrior>& priors);
+  void addUnknowns();
   void addRows();
   void addPoses();
   void addStyli();

@@ -40,7 +40,7 @@ constexpr int kMostUnused = 5;  // one observation in so many may lack an input 
 
 }  // namespace
 
-Problem::Problem(const Session& session, Model model, Datum datum, const std::vector<StatedPrior>& priors)
+Problem::Problem(const Session& session, Model model, Datum datum)
     : session_(&session), model_(std::move(model)), datum_(datum) {
   if (session.observations.empty())
     throw InputError(session.source +
@@ -49,7 +49,8 @@ Problem::Problem(const Session& session, Model model, Datum datum, const std::ve
   states_ = std::make_shared<SessionStates>(session, model_.domain(), Temperatures::kSmoothed);
   states_->aim(start_);
   addRows();
-  addUnknowns(priors);
+  addUnknowns();
+
   findUsable();
 }
 
@@ -185,18 +186,13 @@ void Problem::addStyli() {
   }
 }
 
-void Problem::addUnknowns(const std::vector<StatedPrior>& priors) {
+void Problem::addUnknowns() {
   for (int e = 0; e < static_cast<int>(model_.effects().size()); ++e) {
     const Effect& effect = *model_.effects()[e];
     for (int k = 0; k < effect.parameterCount(); ++k) {
       const Parameter& p = effect.parameters()[k];
-      Unknown unknown{
-          UnknownKind::kEffect, e,         k,        p.name, p.unit, p.toUnit, p.scale, p.bound, p.start,
-          p.priorStd,           p.minimum, p.maximum};
-      for (const StatedPrior& prior : priors)
-        if (prior.effect == effect.spec() && prior.parameter == p.name)
-          unknown.priorMean = prior.mean, unknown.priorStd = prior.std;
-      add(std::move(unknown));
+      add({UnknownKind::kEffect, e, k, p.name, p.unit, p.toUnit, p.scale, p.bound, p.start, p.priorStd,
+           p.minimum, p.maximum});
     }
     for (const int k : effect.nature().unitVectors)
       unitVectors_.push_back({model_.offset(e) + k, effect.nature().unitVectorPenalty});

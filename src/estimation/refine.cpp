@@ -221,7 +221,8 @@ class BlockFit {
       if (fixed_[u]) continue;
       const auto [block, index] = placeOf_[u];
       const Unknown& unknown = problem_.unknowns()[u];
-      add(new PriorCost(unknown, index, static_cast<int>(block->unknowns.size())), {block});
+      add(new PriorCost(index, static_cast<int>(block->unknowns.size()), unknown.scale / unknown.priorStd),
+          {block});
     }
   }
 

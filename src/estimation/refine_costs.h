@@ -85,24 +85,23 @@ class GroupCost final : public ceres::CostFunction {
   std::vector<const Block*> blocks_;
 };
 
-/// A prior on one unknown: how far its value is from what was known before.
+/// A prior on one unknown: its value over its standard deviation.
 class PriorCost final : public ceres::CostFunction {
  public:
-  PriorCost(const Unknown& unknown, int index, int width) : unknown_(unknown), index_(index), width_(width) {
+  PriorCost(int index, int width, double factor) : index_(index), width_(width), factor_(factor) {
     set_num_residuals(1);
     mutable_parameter_block_sizes()->push_back(width);
   }
   bool Evaluate(double const* const* values, double* residuals, double** jacobians) const override {
-    residuals[0] = unknown_.fromPrior(values[0][index_] * unknown_.scale);
+    residuals[0] = factor_ * values[0][index_];
     if (jacobians != nullptr && jacobians[0] != nullptr)
-      for (int i = 0; i < width_; ++i)
-        jacobians[0][i] = i == index_ ? unknown_.scale / unknown_.priorStd : 0.0;
+      for (int i = 0; i < width_; ++i) jacobians[0][i] = i == index_ ? factor_ : 0.0;
     return true;
   }
 
  private:
-  const Unknown& unknown_;
   int index_, width_;
+  double factor_;
 };
 
 /// The norm of a unit vector, LASER (11).

@@ -83,8 +83,8 @@ double ResidualFitness::cost(const Eigen::VectorXd& x) const {
     sum += (v.penalty > 0.0 ? v.penalty : kPenalty) * h * h;
   }
   for (const int u : genes_) {
-    const Unknown& unknown = problem_.unknowns()[static_cast<std::size_t>(u)];
-    if (unknown.priorStd > 0.0) sum += std::pow(unknown.fromPrior(x[u]) * unit_ / metre_, 2);
+    const double priorStd = problem_.unknowns()[static_cast<std::size_t>(u)].priorStd;
+    if (priorStd > 0.0) sum += std::pow(x[u] / priorStd * unit_ / metre_, 2);
   }
   return sum / std::max(1, used);
 }

@@ -52,7 +52,7 @@ LearnedModel withNetworks(const Session& session, Model model, const CalibrateOp
 Statement stated(const Session& session, const LearnedModel& learned, const CalibrateOptions& options,
                  Datum datum) {
   Statement s;
-  s.problem = std::make_shared<const Problem>(session, learned.model, datum, options.priors);
+  s.problem = std::make_shared<const Problem>(session, learned.model, datum);
   const Problem& problem = *s.problem;
   const int parameters = problem.model().parameterCount();
   s.noise = noiseToBeginWith(problem, options);

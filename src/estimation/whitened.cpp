@@ -35,7 +35,7 @@ WhitenedSystem::WhitenedSystem(const Linearisation& at, const Eigen::VectorXd& i
   for (std::size_t k = 0; k < priors.size(); ++k) {
     const double factor = 1.0 / problem.unknowns()[priors[k]].priorStd;
     const int row = data + static_cast<int>(k);
-    residuals[row] = problem.unknowns()[priors[k]].fromPrior(x[priors[k]]);
+    residuals[row] = factor * x[priors[k]];
     for (int c = 0; c < columns; ++c)
       if (free[c] == priors[k]) jacobian(row, c) = factor * scale[c];
   }

@@ -9,6 +9,10 @@
 #include "base/dense.h"
 #include "base/error.h"
 #include "base/format.h"
+#include "estimation/fitter.h"
+#include "estimation/folds.h"
+#include "estimation/thin_qr.h"
+#include "estimation/whitened.h"
 #include "fleet/robust_numbers.h"
 #include "model/model_spec.h"
 #include "tools/one_line.h"
@@ -17,6 +21,25 @@ namespace mm {
 namespace {
 
 constexpr double kConflict = 1e-3;  // chance below which a machine is no sister
+
+/// Residual of each data row (m, rad) under the fit to the other folds, of the problem linearised at x, with
+/// further rows: how these change with the unknowns (rows x all unknowns), in units of their uncertainty.
+Eigen::VectorXd heldOutAt(const CalibrationResult& fit, const Eigen::VectorXd& x,
+                          const Eigen::MatrixXd& more) {
+  const Problem& problem = *fit.problem;
+  const WhitenedSystem system(problem, x, inverseOf(fit.sigma, fit.weight), fit.identifiability.fixed);
+  const Eigen::Index rows = system.jacobian.rows(), columns = system.jacobian.cols();
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows + more.rows(), columns);
+  jacobian.topRows(rows) = system.jacobian;
+  for (Eigen::Index k = 0; k < columns; ++k)
+    jacobian.col(k).tail(more.rows()) = more.col(system.free[static_cast<std::size_t>(k)]) * system.scale[k];
+  Eigen::VectorXd residuals = Eigen::VectorXd::Zero(jacobian.rows());
+  residuals.head(rows) = system.residuals;
+  const ThinQr qr = thinQr(jacobian, localBlocks(problem, jacobian, system.free), true);
+  return heldOutResiduals(qr.q, residuals, makeFolds(problem))
+      .head(problem.rowCount())
+      .cwiseProduct(fit.sigma);
+}
 
 }  // namespace
 
@@ -73,6 +96,53 @@ void PriorOfSisters::judge(const CalibrationResult& result) {
   contradicted_ = chance_ < kConflict;
 }
 
+void PriorOfSisters::update(CalibrationResult& result) const {
+  const auto count = static_cast<Eigen::Index>(used_.size());
+  const Eigen::Index all = result.covariance.rows();
+  Eigen::MatrixXd seen(all, count), total(count, count);
+  Eigen::VectorXd away(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Used& u = used_[static_cast<std::size_t>(i)];
+    seen.col(i) = result.covariance.col(u.parameter);
+    away[i] = u.mean - result.x[u.parameter];
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    total.row(i) = seen.row(used_[static_cast<std::size_t>(i)].parameter);
+    total(i, i) += std::pow(used_[static_cast<std::size_t>(i)].std, 2);
+  }
+  const Eigen::MatrixXd gain = solveSymmetric(total, seen.transpose()).transpose();
+  result.x += gain * away;
+  const Eigen::MatrixXd covariance = result.covariance - gain * seen.transpose();
+  result.covariance = 0.5 * (covariance + covariance.transpose());
+}
+
+void PriorOfSisters::judgeAnew(const CalibrationResult& alone, CalibrationResult& joined) const {
+  const auto count = static_cast<Eigen::Index>(used_.size());
+  const double variance = alone.figures.chi2PerDof > 0.0 ? alone.figures.chi2PerDof : 1.0;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count, alone.x.size());
+  double priors = 0.0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Used& u = used_[static_cast<std::size_t>(i)];
+    rows(i, u.parameter) = std::sqrt(variance) / u.std;  // the session's rows count by their own scatter
+    priors += std::pow((joined.x[u.parameter] - u.mean) / u.std, 2);
+  }
+  // networks are judged by training them again, which a prior of other parameters hardly changes
+  joined.heldOut = alone.heldOut + heldOutAt(alone, joined.x, rows) -
+                   heldOutAt(alone, alone.x, Eigen::MatrixXd::Zero(0, alone.x.size()));
+  const Problem& problem = *alone.problem;
+  joined.figures.heldOutRms = rmsOf(problem, joined.heldOut, alone.weight, false);
+  joined.figures.heldOutRmsAngular = rmsOf(problem, joined.heldOut, alone.weight, true);
+  const double dof = alone.figures.degreesOfFreedom;
+  if (!(dof > 0.0)) return;
+  const Eigen::VectorXd inverse = inverseOf(alone.sigma, alone.weight);
+  double grown = 0.0;
+  for (Eigen::Index i = 0; i < inverse.size(); ++i)
+    if (inverse[i] > 0.0)  // the others may not even have a residual
+      grown += std::pow(joined.residuals[i] * inverse[i], 2) - std::pow(alone.residuals[i] * inverse[i], 2);
+  joined.figures.chi2PerDof =
+      (alone.figures.chi2PerDof * dof + grown + priors) / (dof + static_cast<double>(count));
+}
+
 void PriorOfSisters::tell(std::size_t fewest) const {
   if (contradicted_)
     std::cerr << "mm: warning: "
@@ -99,22 +169,20 @@ Recalibration PriorOfSisters::join(Recalibration fitted, const Session& session,
   for (const Used& u : used_) fewest = std::min(fewest, u.sisters.machines);
   tell(fewest);
   if (contradicted_ || used_.empty()) return fitted;
-  const CalibrationResult& alone = fitted.result;
-  const Model& model = alone.problem->model();
-  CalibrateOptions with = options;
-  with.method = Method::kLeastSquares;
-  // the covariance is scaled by the scatter of the session's rows, and the sisters' share shall not be
-  const double scatter = alone.figures.chi2PerDof > 0.0 ? std::sqrt(alone.figures.chi2PerDof) : 1.0;
-  for (const Used& u : used_)
-    with.priors.push_back({model.effects()[static_cast<std::size_t>(model.effectOf(u.parameter))]->spec(),
-                           model.parameter(u.parameter).name, u.mean, u.std / scatter});
-  Recalibration done;
-  done.result = calibrate(session, model, with, alone.x.head(model.parameterCount()));
-  done.result.method = alone.method;
-  done.result.genetic = alone.genetic;
-  done.calibration = toCalibration(done.result, fitted.calibration.machineName);
-  done.calibration.ledger = fitted.calibration.ledger;
-  const ResidualFigures& figures = done.result.figures;
+  const CalibrationResult alone = fitted.result;
+  Recalibration done = std::move(fitted);
+  update(done.result);
+  // the figures of the values that are written, not of those that the session alone has
+  const std::string machine = done.calibration.machineName;
+  const CalibrationResult held = compareCalibration(session, toCalibration(done.result, machine), options);
+  ResidualFigures& figures = done.result.figures;
+  done.result.residuals = held.residuals;
+  figures.rms = held.figures.rms;
+  figures.rmsAngular = held.figures.rmsAngular;
+  judgeAnew(alone, done.result);
+  const std::vector<LedgerEntry> ledger = done.calibration.ledger;
+  done.calibration = toCalibration(done.result, machine);
+  done.calibration.ledger = ledger;
   for (LedgerEntry& entry : done.calibration.ledger) {
     const bool angular = !std::isfinite(figures.rms);
     entry.rmsAfter = angular ? figures.rmsAngular : figures.rms;

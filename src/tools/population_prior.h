@@ -18,8 +18,9 @@ class PriorOfSisters {
   PriorOfSisters(const std::string& folder, const std::string& except);
   bool asked() const { return !folder_.empty(); }  ///< whether there is a prior at all
 
-  /// Fits the session once more with what the sisters say as priors of the parameters. A parameter that the
-  /// session holds at its convention stays there. Says on standard error what it did.
+  /// Joins what the session said with what the sisters say, each by its covariance: the posterior of the
+  /// linear problem, in which the session's other unknowns (pose, centres) have been integrated out. A
+  /// parameter that the session holds at its convention stays there. Says on standard error what it did.
   /// @param fitted by the session alone. @throw InputError: the sisters have no parameter of this model.
   Recalibration join(Recalibration fitted, const Session& session, const CalibrateOptions& options);
   nlohmann::ordered_json json() const;  ///< key "prior" of the result
@@ -33,6 +34,9 @@ class PriorOfSisters {
   };
   void match(const CalibrationResult& result);
   void judge(const CalibrationResult& result);
+  void update(CalibrationResult& result) const;
+  /// Held-out residuals and chi2 of the values with the prior, its rows among the data.
+  void judgeAnew(const CalibrationResult& alone, CalibrationResult& joined) const;
   void tell(std::size_t fewest) const;
   std::string folder_;
   std::vector<PopulationPrior> all_;
