@@ -16,8 +16,10 @@ namespace {
 
 class Descriptor {
  public:
-  explicit Descriptor(const std::filesystem::path& file)
-      : number_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  explicit Descriptor(const std::filesystem::path& file) {
+    while ((number_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC)) < 0 && errno == EINTR)
+      CancelScope::check();  // nobody may ever write to a pipe
+  }
   ~Descriptor() {
     if (number_ >= 0) ::close(number_);
   }

@@ -117,12 +117,12 @@ class BlockFit {
       const std::vector<double> from = values_, full = stepOf(now, promised);
       if (!std::isfinite(promised)) return false;
       const double offset = promised / std::sqrt(now.cost);
+      if (offset < kOffset) return true;
       bool shorter = false;
       double factor = 1.0;
       for (int half = 0; half < kHalvings && !shorter; ++half, factor *= 0.5) {
         for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = from[i] + factor * full[i];
         if (!settle()) continue;
-        if (offset < kOffset) return true;
         Linear next = linear();
         shorter = next.finite() && next.cost < now.cost;
         if (shorter) now = std::move(next);
@@ -309,12 +309,13 @@ class BlockFit {
     std::copy(shared.data(), shared.data() + shares, step.begin());
     for (const auto& [local, rows] : linear.groups) {
       if (local == nullptr) continue;
-      const Eigen::VectorXd own =
-          rows.local.triangularView<Eigen::Upper>().solve(-rows.localRest - rows.crossed * shared);
+      // with pivots: of a feature most of whose rows have no weight a direction may not be determined
+      const Eigen::VectorXd own = leastSquares(rows.local, -rows.localRest - rows.crossed * shared);
       length += rows.localRest.squaredNorm();
       std::copy(own.data(), own.data() + own.size(), step.begin() + (local->values - values_.data()));
     }
-    promised = std::sqrt(length);
+    const bool finite = std::all_of(step.begin(), step.end(), [](double v) { return std::isfinite(v); });
+    promised = finite ? std::sqrt(length) : kNotMeasured;
     return step;
   }
 
@@ -388,7 +389,8 @@ RefineResult refine(const Problem& problem, const Eigen::VectorXd& start, const 
                                                                       : "the residual cannot be evaluated";
     if (!result.cancelled && summary.termination_type != ceres::FAILURE) {
       result.converged |= fit.gaussNewton(options, result);
-      if (result.converged) result.stop = "converged";
+      result.converged &= !result.cancelled;
+      result.stop = result.cancelled ? "cancelled" : result.converged ? "converged" : result.stop;
     }
   }
   result.x = fit.x();

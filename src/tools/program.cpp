@@ -114,11 +114,12 @@ int runProgram(CLI::App& app, const int& exitStatus, int argc, char** argv) {
   const Interrupt interrupt;
   addExitStatus(app);
   // Before the command's own work, and not for --help.
-  app.parse_complete_callback([] {
+  app.parse_complete_callback([&app] {
     static bool loaded = false;  // a step of a batch inherits what the batch has loaded
     if (std::exchange(loaded, true)) return;
-    loadEffectPlugins(
-        [](const std::string& line) { std::cerr << "mm: warning: " << oneLine(line) << std::endl; });
+    loadEffectPlugins([&app](const std::string& line) {
+      std::cerr << app.get_name() << ": warning: " << oneLine(line) << std::endl;
+    });
   });
   try {
     app.parse(argc, argv);
