@@ -9,10 +9,10 @@
 #include <random>
 #include <sstream>
 
+#include "benchmark_session.h"
 #include "fleet/fleet_database.h"
 #include "session/plan.h"
 #include "simulation/simulate.h"
-#include "benchmark_session.h"
 
 namespace mm {
 namespace {
