@@ -1,5 +1,5 @@
 #include <pluginlib/class_list_macros.hpp>
 
-#include "drivers/simulated_controller.h"
+#include "simulated_controller/simulated_controller.h"
 
 PLUGINLIB_EXPORT_CLASS(mm::SimulatedController, mm::AxisController)

@@ -1,4 +1,4 @@
-#include "drivers/simulated_controller.h"
+#include "simulated_controller/simulated_controller.h"
 
 #include <gtest/gtest.h>
 
