@@ -263,13 +263,4 @@ std::string whyNotApart(const Confusable& rival) {
   return "cannot be excluded: " + inputInWords(rival.notRecorded) + " was not recorded";
 }
 
-std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t shown) {
-  const std::size_t count = effects.size() > shown + 1 ? shown : effects.size();
-  std::string text;
-  for (std::size_t i = 0; i < count; ++i)
-    text += (i == 0 ? "" : i + 1 == effects.size() ? " and " : ", ") + inWords(effects[i]);
-  if (count < effects.size()) text += " and " + std::to_string(effects.size() - count) + " more";
-  return text;
-}
-
 }  // namespace mm

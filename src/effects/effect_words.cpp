@@ -88,6 +88,15 @@ std::string inWords(const EffectSpec& effect) {
   return text;
 }
 
+std::string listInWords(const std::vector<EffectSpec>& effects, std::size_t shown) {
+  const std::size_t count = effects.size() > shown + 1 ? shown : effects.size();
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i)
+    text += (i == 0 ? "" : i + 1 == effects.size() ? " and " : ", ") + inWords(effects[i]);
+  if (count < effects.size()) text += " and " + std::to_string(effects.size() - count) + " more";
+  return text;
+}
+
 std::vector<std::string> typesInWords() {
   std::vector<std::string> types;
   for (const auto& entry : words()) types.push_back(entry.first.as<std::string>());

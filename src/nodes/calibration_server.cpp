@@ -20,18 +20,10 @@
 #include "session/joined.h"
 #include "session/session_hash.h"
 #include "session/session_summary.h"
+#include "workflow/learning.h"
 
 namespace mm {
 namespace {
-
-/// What is doubtful about a result although there is one; empty: nothing.
-std::string doubtsOf(const CalibrationResult& result) {
-  if (result.cancelled) return "cancelled; what is kept is the best found so far";
-  if (!result.converged) return "not converged (" + result.stop + "); try another seed, or a simpler model";
-  for (const LostDirection& l : result.identifiability.lost)
-    if (l.lacking()) return "not determined by this session: " + l.inWords + "; " + l.wouldShow;
-  return {};
-}
 
 void add(std::string& message, const std::string& more) {
   if (!more.empty()) message += (message.empty() ? "" : "; ") + more;
@@ -124,14 +116,7 @@ void CalibrationServer::publishProgress(const Job::State& state) {
   diagnoseAction_.tell(state);
 }
 
-CalibrateOptions CalibrationServer::options() {
-  CalibrateOptions options;
-  options.threads = threads_;
-  options.cancelled = [this] { return job_.cancelled(); };
-  // The fit itself looks at `cancelled` and then keeps the best so far; here it is only told.
-  options.progress = [this](const std::string& stage, double share) { job_.tell(stage, share); };
-  return options;
-}
+CalibrateOptions CalibrationServer::options() { return calibratingIn(job_, threads_); }
 
 CalibrationServer::SessionPtr CalibrationServer::openSession(const std::string& bag,
                                                              const Machine& fallback) {
@@ -202,9 +187,12 @@ std::string CalibrationServer::keep(Recalibration& done, const Session& session,
                                     std::string& message) {
   done.calibration.sessionSpace = lastSpace_;
   const std::string id = store_.add(done.calibration);
-  const std::string doubts = doubtsOf(done.result);
-  success = doubts.empty();
-  message = doubts.empty() ? "candidate " + id : doubts + " (candidate " + id + ")";
+  const std::vector<std::string> doubts = doubtsOf(done.result);
+  const std::string doubt = done.result.cancelled ? "cancelled; what is kept is the best found so far"
+                            : doubts.empty()      ? ""
+                                                  : doubts.front();
+  success = doubt.empty();
+  message = doubt.empty() ? "candidate " + id : doubt + " (candidate " + id + ")";
   const std::string misfit = misfitOf(done.calibration, machine_, machineSpace());
   if (!misfit.empty()) add(message, "it cannot be promoted here: " + misfit);
   add(message, lossText(session));
@@ -254,11 +242,7 @@ template <typename Asked, typename Answer>
 void CalibrationServer::diagnoseSession(const Asked& asked, Answer& answer) {
   const Calibration calibration = calibrationFrom(asked.calibration);
   const SessionPtr session = openSession(asked.bag, Machine(calibration.urdf, calibration.machineName));
-  DiagnoseOptions how;
-  how.calibrate = options();
-  how.cancelled = how.calibrate.cancelled;
-  how.progress = how.calibrate.progress;
-  const Diagnosis diagnosis = diagnoseCalibration(*session, calibration, how);
+  const Diagnosis diagnosis = diagnoseCalibration(*session, calibration, diagnosing(options()));
   job_.step("answering", 1.0);  // a search that was cut short is no verdict
   answer.json = diagnoseJson(diagnosis);
   answer.message = diagnosis.sentence;

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "base/number_text.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
-#include "diagnosis/wording.h"
 #include "report/quantiles.h"
 
 namespace mm {

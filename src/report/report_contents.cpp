@@ -6,7 +6,7 @@
 #include "base/utc_now.h"
 #include "diagnosis/wording.h"
 #include "model/model_spec.h"
-#include "workflow/recalibration.h"
+#include "workflow/learning.h"
 
 namespace mm {
 namespace {

@@ -2,8 +2,8 @@
 #include <ctime>
 
 #include "base/error.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
-#include "diagnosis/wording.h"
 #include "report/iso_tests_json.h"
 #include "report/json.h"
 #include "report/json_parts.h"

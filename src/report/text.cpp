@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "design/weak_directions.h"
-#include "diagnosis/wording.h"
 #include "report/found_features.h"
 #include "report/quantiles.h"
 #include "report/text_parts.h"

@@ -6,9 +6,9 @@
 #include <sstream>
 
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "base/utc_now.h"
-#include "diagnosis/wording.h"
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
 #include "report/report_page.h"

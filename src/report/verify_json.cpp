@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
-#include "diagnosis/wording.h"
 #include "effects/effect_words.h"
 #include "report/json_parts.h"
 

@@ -10,7 +10,7 @@
 #include "tools/output_files.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
-#include "workflow/recalibration.h"
+#include "workflow/learning.h"
 
 namespace mm {
 namespace {

@@ -19,7 +19,7 @@
 #include "tools/interrupt.h"
 #include "tools/one_line.h"
 #include "tools/progress_bar.h"
-#include "workflow/recalibration.h"
+#include "workflow/learning.h"
 
 namespace mm {
 
@@ -109,13 +109,7 @@ CalibrateOptions FitOptions::checked() const {
   return options;
 }
 
-DiagnoseOptions FitOptions::checkedForDiagnosis() const {
-  DiagnoseOptions options;
-  options.calibrate = checked();
-  options.seed = calibrate.seed;
-  options.cancelled = options.calibrate.cancelled;
-  return options;
-}
+DiagnoseOptions FitOptions::checkedForDiagnosis() const { return diagnosing(checked()); }
 
 void SessionAndCalibration::declare(CLI::App& command, const std::string& session) {
   bags.declare(command, session);
@@ -124,19 +118,13 @@ void SessionAndCalibration::declare(CLI::App& command, const std::string& sessio
 }
 
 int verdictOf(const CalibrationResult& result) {
-  int status = 0;
-  const auto say = [&](const std::string& text) {
-    std::cerr << "mm: " << oneLine(text) << std::endl;
-    status = 1;
-  };
   if (result.cancelled) {
-    say("stopped by Ctrl-C: what follows is the best found so far");
+    std::cerr << "mm: stopped by Ctrl-C: what follows is the best found so far" << std::endl;
     return kStopped;
   }
-  if (!result.converged) say("not converged (" + result.stop + "); try another --seed, or a simpler model");
-  for (const LostDirection& l : result.identifiability.lost)
-    if (l.lacking()) say("not determined by this session: " + l.inWords + "; " + l.wouldShow);
-  return status;
+  const std::vector<std::string> doubts = doubtsOf(result);
+  for (const std::string& doubt : doubts) std::cerr << "mm: " << oneLine(doubt) << std::endl;
+  return doubts.empty() ? kDone : kAnswerIsNo;
 }
 
 }  // namespace mm

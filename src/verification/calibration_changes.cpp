@@ -6,10 +6,10 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/random.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "diagnosis/wording.h"
 #include "effects/effect_words.h"
 #include "machine/machine_fit.h"
 #include "workflow/recalibration.h"

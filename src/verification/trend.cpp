@@ -6,7 +6,7 @@
 #include <ctime>
 
 #include "base/format.h"
-#include "diagnosis/wording.h"
+#include "base/quantity_words.h"
 #include "effects/effect_words.h"
 #include "estimation/residual_space.h"
 #include "machine/machine_fit.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "diagnosis/wording.h"
 #include "effects/effect_words.h"
 
 namespace mm {

@@ -17,25 +17,15 @@
 #include "workbench/calibration_documents.h"
 #include "workbench/compact_json.h"
 #include "workbench/sent_yaml.h"
-#include "workflow/learning.h"
 
 namespace mm {
 namespace {
 
 constexpr std::size_t kLongestFormula = 500, kMostSteps = 10;
 
-/// What is doubtful about a result although there is one; empty: nothing.
-std::string doubtOf(const CalibrationResult& result) {
-  if (result.cancelled) return "stopped: what is kept is the best found so far";
-  if (!result.converged) return "not converged (" + result.stop + "); try another seed, or a simpler model";
-  for (const LostDirection& l : result.identifiability.lost)
-    if (l.lacking()) return "not determined by this session: " + l.inWords + "; " + l.wouldShow;
-  return {};
-}
-
 std::string withDoubt(const std::string& done, const CalibrationResult& result) {
-  const std::string doubt = doubtOf(result);
-  return doubt.empty() ? done : done + "; " + doubt;
+  const std::vector<std::string> doubts = doubtsOf(result);
+  return doubts.empty() ? done : done + "; " + doubts.front();
 }
 
 /// A formula as an effect; its start values as the text says, comma after comma.
@@ -70,21 +60,7 @@ const Calibration& BenchWork::calibration() const {
   return *calibration_;
 }
 
-CalibrateOptions BenchWork::options() const {
-  CalibrateOptions options;
-  options.threads = options_.threads;
-  options.cancelled = [this] { return job_.cancelled(); };
-  options.progress = [this](const std::string& stage, double share) { job_.tell(stage, share); };
-  return options;
-}
-
-DiagnoseOptions BenchWork::diagnoseOptions() const {
-  DiagnoseOptions options;
-  options.calibrate = this->options();
-  options.cancelled = options.calibrate.cancelled;
-  options.progress = options.calibrate.progress;
-  return options;
-}
+CalibrateOptions BenchWork::options() const { return calibratingIn(job_, options_.threads); }
 
 std::string BenchWork::begin() {
   documents_.put("catalogue", catalogueDocument());
@@ -283,7 +259,7 @@ void BenchWork::showDiagnosis(const Diagnosis& diagnosis) {
 }
 
 std::string BenchWork::diagnose() {
-  const Diagnosis diagnosis = diagnoseCalibration(session(), calibration(), diagnoseOptions());
+  const Diagnosis diagnosis = diagnoseCalibration(session(), calibration(), diagnosing(options()));
   showDiagnosis(diagnosis);
   return diagnosis.sentence;
 }
@@ -302,7 +278,7 @@ std::string BenchWork::remove(const std::string& effect) {
 }
 
 std::string BenchWork::addAll() {
-  const Learned learned = learnAll(session(), calibration(), diagnoseOptions(), kMostSteps,
+  const Learned learned = learnAll(session(), calibration(), diagnosing(options()), kMostSteps,
                                    [this](const Diagnosis&, Recalibration& step) { keep(step); });
   if (learned.stopped)
     throw Cancelled("stopped after " + std::to_string(learned.steps) + " steps, which are kept");

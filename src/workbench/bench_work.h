@@ -17,7 +17,7 @@
 #include "workbench/machine_meshes.h"
 #include "workbench/session_documents.h"
 #include "workflow/job.h"
-#include "workflow/recalibration.h"
+#include "workflow/learning.h"
 
 namespace mm {
 
@@ -101,7 +101,6 @@ class BenchWork {
   const Session& session() const;
   const Calibration& calibration() const;
   CalibrateOptions options() const;
-  DiagnoseOptions diagnoseOptions() const;
 
   BenchOptions options_;
   BenchSources sources_;

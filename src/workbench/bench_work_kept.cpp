@@ -61,7 +61,7 @@ std::string BenchWork::verify() {
 std::string BenchWork::report() {
   const ReportFiles files = loadReportFiles();
   ReportOptions options;
-  options.diagnose = diagnoseOptions();
+  options.diagnose = diagnosing(this->options());
   options.sessionPath = shownAs_;
   options.calibrationPath = calibration().id.empty() ? "calibration.yaml" : calibration().id + ".yaml";
   const ReportContents contents = makeReport(session(), calibration(), options);

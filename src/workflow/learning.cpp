@@ -22,6 +22,31 @@ const EffectSpec* nextToAdd(const Diagnosis& d) {
   return nullptr;
 }
 
+CalibrateOptions calibratingIn(Job& job, unsigned threads) {
+  CalibrateOptions options;
+  options.threads = threads;
+  options.cancelled = [&job] { return job.cancelled(); };
+  options.progress = [&job](const std::string& stage, double share) { job.tell(stage, share); };
+  return options;
+}
+
+DiagnoseOptions diagnosing(CalibrateOptions calibrate) {
+  DiagnoseOptions options;
+  options.seed = calibrate.seed;
+  options.cancelled = calibrate.cancelled;
+  options.progress = calibrate.progress;
+  options.calibrate = std::move(calibrate);
+  return options;
+}
+
+Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibration,
+                              DiagnoseOptions options) {
+  checkMachine(calibration, session);
+  options.calibrate = refitting(options.calibrate, calibration);
+  const Model model = modelFor(session, calibration.effects);
+  return diagnose(session, model, options, startFrom(calibration, model));
+}
+
 Learned learnAll(const Session& session, const Calibration& calibration, const DiagnoseOptions& options,
                  std::size_t most, const std::function<void(const Diagnosis&, Recalibration&)>& kept) {
   Learned learned;

@@ -3,9 +3,21 @@
 #include <optional>
 #include <string>
 
+#include "diagnosis/diagnose.h"
+#include "workflow/job.h"
 #include "workflow/recalibration.h"
 
 namespace mm {
+
+/// A fit that the job tells of and cancels; it keeps the best so far then.
+CalibrateOptions calibratingIn(Job& job, unsigned threads);
+/// A diagnosis whose fits are made like this; told of and cancelled as they are.
+DiagnoseOptions diagnosing(CalibrateOptions calibrate);
+
+/// Which physical effect the calibration's model misses on a session: everything is refitted, from its
+/// values.
+Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibration,
+                              DiagnoseOptions options);
 
 /// How far a search for what is missing has come.
 struct Learned {

@@ -57,21 +57,12 @@ std::size_t findEffect(const Calibration& calibration, const EffectSpec& effect)
   return i;
 }
 
-CalibrateOptions leastSquares(CalibrateOptions options, const Calibration& calibration) {
-  options.method = Method::kLeastSquares;
-  // the noise that was declared for the calibration stays declared, unless it is stated anew
-  if (options.repeatability <= 0.0 && calibration.repeatabilityFrom == "declared" &&
-      calibration.repeatability > 0.0 && std::isfinite(calibration.rms))
-    options.repeatability = calibration.repeatability;
-  return options;
-}
-
 /// The model as it is and the model as it shall be, both fitted to the same session.
 Recalibration refit(const Session& session, const Calibration& calibration,
                     const std::vector<EffectSpec>& effects, const std::string& action,
                     const EffectSpec& effect, const CalibrateOptions& given) {
   checkMachine(calibration, session);
-  const CalibrateOptions options = leastSquares(given, calibration);
+  const CalibrateOptions options = refitting(given, calibration);
   Model before = modelFor(session, calibration.effects);
   Model after = modelFor(session, effects);
   const Eigen::VectorXd beforeStart = startFrom(calibration, before);
@@ -165,6 +156,24 @@ bool sameEffect(const EffectSpec& a, const EffectSpec& b, const Domain& domain) 
   } catch (const InputError&) {
     return false;
   }
+}
+
+std::vector<std::string> doubtsOf(const CalibrationResult& result) {
+  std::vector<std::string> doubts;
+  if (!result.converged)
+    doubts.push_back("not converged (" + result.stop + "); try another seed, or a simpler model");
+  for (const LostDirection& l : result.identifiability.lost)
+    if (l.lacking()) doubts.push_back("not determined by this session: " + l.inWords + "; " + l.wouldShow);
+  return doubts;
+}
+
+CalibrateOptions refitting(CalibrateOptions options, const Calibration& calibration) {
+  options.method = Method::kLeastSquares;
+  // the noise that was declared for the calibration stays declared, unless it is stated anew
+  if (options.repeatability <= 0.0 && calibration.repeatabilityFrom == "declared" &&
+      calibration.repeatability > 0.0 && std::isfinite(calibration.rms))
+    options.repeatability = calibration.repeatability;
+  return options;
 }
 
 Model modelFor(const Session& session, const std::vector<EffectSpec>& effects) {
@@ -308,14 +317,6 @@ CalibrationResult compareCalibration(const Session& session, const Calibration& 
   options.method = Method::kLeastSquares;
   options.holdEffects = true;
   return calibrate(session, modelOf(calibration), options, valuesOf(calibration));
-}
-
-Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibration,
-                              DiagnoseOptions options) {
-  checkMachine(calibration, session);
-  options.calibrate = leastSquares(options.calibrate, calibration);
-  const Model model = modelFor(session, calibration.effects);
-  return diagnose(session, model, options, startFrom(calibration, model));
 }
 
 void checkMachine(const Calibration& calibration, const Session& session) {

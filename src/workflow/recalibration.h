@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "calibration_file/calibration.h"
-#include "diagnosis/diagnose.h"
 #include "estimation/calibrate.h"
 #include "model/model_spec.h"
 #include "session/session.h"
@@ -18,6 +17,10 @@ struct Recalibration {
   CalibrationResult result;
   Calibration calibration;
 };
+
+/// What is doubtful about a result although there is one: it did not converge, or the session does not
+/// determine a parameter; empty: nothing.
+std::vector<std::string> doubtsOf(const CalibrationResult& result);
 
 /// Calibrates a session from nothing but a model. The ledger gets its first line.
 /// @throw InputError: unknown effect, missing input; NumericalError: too few residuals. As `calibrate`.
@@ -45,10 +48,8 @@ Recalibration updateNetworks(const Session& session, const Calibration& calibrat
 CalibrationResult compareCalibration(const Session& session, const Calibration& calibration,
                                      CalibrateOptions options);
 
-/// Which physical effect the calibration's model misses on a session: everything is refitted, from its
-/// values.
-Diagnosis diagnoseCalibration(const Session& session, const Calibration& calibration,
-                              DiagnoseOptions options);
+/// Least squares, with the noise that was declared for the calibration, unless another is stated.
+CalibrateOptions refitting(CalibrateOptions options, const Calibration& calibration);
 
 /// The model that a calibration holds, in the calibration's own domain (as it was calibrated).
 /// @throw InputError when it cannot be made (an effect of a plugin that is not loaded).
