@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "report_sessions.h"
 #include "session_files.h"
-#include "workflow/recalibration.h"
+#include "workflow/learning.h"
 
 namespace mm {
 namespace {
