@@ -37,21 +37,16 @@ struct ChangeOptions {
 int runAll(ChangeOptions& c, const Session& session, const Calibration& before,
            const CalibrateOptions& options) {
   askFirst(session);
-  DiagnoseOptions diagnosing;
-  diagnosing.calibrate = options;
-  diagnosing.seed = options.seed;
-  diagnosing.cancelled = options.cancelled;
   std::optional<ProgressBar> bar("diagnosing");
-  const auto show = [&](const std::string& stage, double share) { bar->show(share, stage); };
-  diagnosing.progress = show;
-  diagnosing.calibrate.progress = show;
+  CalibrateOptions shown = options;
+  shown.progress = [&](const std::string& stage, double share) { bar->show(share, stage); };
   const auto keep = [&](const Diagnosis& diagnosis, Recalibration& step) {
     if (!c.output.empty()) c.files.write(c.output, step.calibration);
     bar.emplace("diagnosing");
     std::cerr << "mm: " << oneLine(diagnosis.sentence + " Added: " + step.calibration.effects.back().yaml())
               << std::endl;
   };
-  const Learned learned = learnAll(session, before, diagnosing, c.most, keep);
+  const Learned learned = learnAll(session, before, diagnosing(shown), c.most, keep);
   bar.reset();
   std::cerr << "mm: " << oneLine(learned.sentence) << std::endl;
   if (!learned.last) {  // the file is written all the same: it is what there is to use

@@ -97,7 +97,7 @@ int run(const Options& o) {
     if (!r.notShown && !o.json && (o.verbose || !counts.good(r))) printSession(r, o);
   }
   if (!o.json) {
-    std::cout << counts.text() << std::endl;
+    std::cout << counts.text();
     return status;
   }
   nlohmann::ordered_json out = {

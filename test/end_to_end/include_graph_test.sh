@@ -33,3 +33,5 @@ refused 'ROS in the core' model/model.cpp '#include <ros/ros.h>' 'src/model/mode
 refused 'a message in the core' session/session.cpp '#include "sensor_msgs/JointState.h"' 'includes ROS'
 refused 'compensation beside estimation' compensation/limits.h '#include "estimation/folds.h"' 'compensation must not include estimation'
 refused 'simulation beside effects' simulation/chain.h '#include "effects/effect.h"' 'simulation must not include effects'
+refused 'drivers beside the simulator' drivers/motion_control.h '#include "simulation/simulate.h"' 'drivers must not include simulation'
+refused 'verification beside diagnosis' verification/verify.cpp '#include "diagnosis/diagnose.h"' 'verification must not include diagnosis'

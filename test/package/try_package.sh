@@ -42,6 +42,10 @@ for program in axis_driver probe measure calibration_server compensation mm; do
   [[ -x /usr/lib/measuring_machine/$program ]] || fail "/usr/lib/measuring_machine/$program is not there"
   ! ldd "/usr/lib/measuring_machine/$program" | grep 'not found' || fail "$program: a library is missing"
 done
+for library in /usr/lib/*/ros/libmeasuring_machine_{controllers,simulated_controller}.so; do
+  [[ -f $library ]] || fail "$library is not there"
+  ! ldd "$library" | grep 'not found' || fail "$library: a library is missing"
+done
 [[ -f /usr/share/measuring_machine/package.xml && -d /usr/share/measuring_machine/launch ]] || fail "ROS cannot find the package"
 
 step "the nodes: roslaunch, and a service"
