@@ -10,30 +10,40 @@ namespace {
 
 constexpr double kNoise = 0.5e-6;  // m
 
-// Two rows of a ball whose three coordinates are free fit whatever they say: they tell nothing, and disturb
-// nothing. Which of their rows have a weight, and whether those stand before or behind the others, is chance.
-TEST(Refine, AFeatureWithTooFewRowsTellsNothingAndDisturbsNothing) {
-  const mm_test::MmtContacts data(17, 40e-6, kNoise);
+/// The contacts of MMT: 70 balls of unknown centre, made by the plain formula of the paper.
+class Refine : public testing::Test {
+ protected:
+  RefineResult refined(const Eigen::VectorXd& weight, const RefineOptions& options = {}) const {
+    return refine(problem, start, fixed, sigma, weight, options);
+  }
+
+  const mm_test::MmtContacts data{17, 40e-6, kNoise};
   const Session session = mm_test::mmtSession(data, kNoise);
-  const Problem problem(session, mm_test::mmtModel(session));
+  const Problem problem{session, mm_test::mmtModel(session)};
   const Eigen::VectorXd start = problem.start(), sigma = problem.sigmas(kNoise, kNoise);
   const std::vector<char> fixed = identify(problem, start, sigma.cwiseInverse(), true).fixed;
+  const Eigen::VectorXd all = Eigen::VectorXd::Ones(problem.rowCount());
+};
+
+// Two rows of a ball whose three coordinates are free fit whatever they say: they tell nothing, and disturb
+// nothing. Which of their rows have a weight, and whether those stand before or behind the others, is chance.
+TEST_F(Refine, AFeatureWithTooFewRowsTellsNothingAndDisturbsNothing) {
   std::vector<int> ofBall;
   for (int i = 0; i < problem.rowCount(); ++i)
     if (session
             .observations[static_cast<std::size_t>(problem.rows()[static_cast<std::size_t>(i)].observation)]
             .feature == 0)
       ofBall.push_back(i);
-  Eigen::VectorXd weight = Eigen::VectorXd::Ones(problem.rowCount());
+  Eigen::VectorXd weight = all;
   for (const int i : ofBall) weight[i] = 0.0;
-  const RefineResult without = refine(problem, start, fixed, sigma, weight, {});
+  const RefineResult without = refined(weight);
   ASSERT_TRUE(without.converged);
   const int ball = problem.find(UnknownKind::kFeature, 0);
   EXPECT_EQ(without.x.segment<3>(ball), start.segment<3>(ball));
   for (const std::size_t first : {std::size_t{0}, ofBall.size() - 2}) {
     Eigen::VectorXd two = weight;
     two[ofBall[first]] = two[ofBall[first + 1]] = 1.0;
-    const RefineResult with = refine(problem, start, fixed, sigma, two, {});
+    const RefineResult with = refined(two);
     EXPECT_TRUE(with.x.allFinite());
     const int count = problem.model().parameterCount();
     for (int p = 0; p < count; ++p) {
@@ -44,16 +54,10 @@ TEST(Refine, AFeatureWithTooFewRowsTellsNothingAndDisturbsNothing) {
   }
 }
 
-TEST(Refine, StopsWhereItIsAsked) {
-  const mm_test::MmtContacts data(17, 40e-6, kNoise);
-  const Session session = mm_test::mmtSession(data, kNoise);
-  const Problem problem(session, mm_test::mmtModel(session));
-  const Eigen::VectorXd start = problem.start(), sigma = problem.sigmas(kNoise, kNoise);
-  const std::vector<char> fixed = identify(problem, start, sigma.cwiseInverse(), true).fixed;
+TEST_F(Refine, StopsWhereItIsAsked) {
   RefineOptions options;
   options.progress = [](int iteration, double) { return iteration < 1; };
-  const RefineResult stopped =
-      refine(problem, start, fixed, sigma, Eigen::VectorXd::Ones(problem.rowCount()), options);
+  const RefineResult stopped = refined(all, options);
   EXPECT_TRUE(stopped.cancelled);
   EXPECT_FALSE(stopped.converged);
   EXPECT_EQ(stopped.stop, "cancelled");
