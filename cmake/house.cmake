@@ -35,7 +35,7 @@ endif()
 # A source alone is compiled sooner after a change of it; -DMM_TOGETHER=OFF is for that, and shows a missing #include.
 option(MM_TOGETHER "Compile the sources of a folder in groups" ON)
 set(CMAKE_UNITY_BUILD ${MM_TOGETHER})
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 12)
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 24)
 
 # mm_library(<folder> [DEPENDS <folders or targets>]): a static library of every .cpp of src/<folder>.
 # Only ros_bridge, nodes and tools may ask for `catkin`.

@@ -14,6 +14,7 @@ configure_and_build() {
   local folder="$1" targets="$2" begun=$SECONDS
   shift 2
   mkdir -p "$folder"
+  export CMAKE_GENERATOR=Ninja  # of a new folder: it begins what is ready, make a library after those that it needs
   cmake -S . -B "$folder" -DMM_STRICT=ON "$@" >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; return 1; }
   # shellcheck disable=SC2086
   nice cmake --build "$folder" -j "$jobs" --target $targets || return 1

@@ -3,6 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <utility>
 
 namespace mm {
 namespace {
@@ -65,5 +68,44 @@ Eigen::MatrixXd spanOf(const Eigen::MatrixXd& a, double threshold) {
 }
 
 Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& a) { return complete(a, 0.0).pseudoInverse(); }
+
+Eigen::MatrixXd triangleOf(Eigen::MatrixXd a) {
+  const Eigen::Index rows = std::min(a.rows(), a.cols());
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(std::move(a))
+      .matrixQR()
+      .topRows(rows)
+      .triangularView<Eigen::Upper>();
+}
+
+RightSingular::RightSingular(const Eigen::MatrixXd& a) {
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeFullV);
+  values = svd.singularValues();
+  vectors = svd.matrixV();
+}
+
+Cholesky::Cholesky(const Eigen::MatrixXd& a) : lower_(a.llt().matrixL()) {}
+
+double Cholesky::logDeterminant() const { return 2.0 * lower_.diagonal().array().log().sum(); }
+
+Eigen::VectorXd Cholesky::solveLower(Eigen::VectorXd b) const {
+  lower_.triangularView<Eigen::Lower>().solveInPlace(b);
+  return b;
+}
+Eigen::VectorXd Cholesky::solveUpper(Eigen::VectorXd b) const {
+  lower_.triangularView<Eigen::Lower>().transpose().solveInPlace(b);
+  return b;
+}
+void Cholesky::solveLowerInPlace(Eigen::MatrixXd& b) const {
+  lower_.triangularView<Eigen::Lower>().solveInPlace(b);
+}
+void Cholesky::solveLowerInPlace(RowMatrix& b) const {
+  lower_.triangularView<Eigen::Lower>().solveInPlace(b);
+}
+Eigen::MatrixXd Cholesky::inverse() const {
+  Eigen::MatrixXd x = Eigen::MatrixXd::Identity(lower_.rows(), lower_.cols());
+  lower_.triangularView<Eigen::Lower>().solveInPlace(x);
+  lower_.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+  return x;
+}
 
 }  // namespace mm

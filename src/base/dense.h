@@ -4,6 +4,9 @@
 
 namespace mm {
 
+/// Rows in one piece of memory: one observation after the other, as they come in time.
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 // Dense decompositions of matrices whose size is known at run time. They are compiled here, once: Eigen's
 // templates cost 3 to 12 s of compile time in every source that uses them.
 
@@ -64,5 +67,33 @@ Eigen::MatrixXd spanOf(const Eigen::MatrixXd& a, double threshold = 0.0);
 
 /// The Moore-Penrose inverse.
 Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& a);
+
+/// r of a = q r with orthonormal columns of q, its first rows only, by QR without pivots.
+Eigen::MatrixXd triangleOf(Eigen::MatrixXd a);
+
+/// Singular values, descending, and all right singular vectors, a column each.
+struct RightSingular {
+  explicit RightSingular(const Eigen::MatrixXd& a);  ///< decomposes it
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+
+/// l with l lᵀ = a, of a symmetric matrix that is positive definite. Its lower triangle counts.
+class Cholesky {
+ public:
+  Cholesky() = default;
+  explicit Cholesky(const Eigen::MatrixXd& a);  ///< decomposes it
+
+  const Eigen::MatrixXd& lower() const { return lower_; }  ///< l; zero above its diagonal
+  double logDeterminant() const;                           ///< of a
+  Eigen::VectorXd solveLower(Eigen::VectorXd b) const;     ///< x with l x = b
+  Eigen::VectorXd solveUpper(Eigen::VectorXd b) const;     ///< x with lᵀ x = b
+  void solveLowerInPlace(Eigen::MatrixXd& b) const;        ///< of each column of b
+  void solveLowerInPlace(RowMatrix& b) const;              ///< of each column of b
+  Eigen::MatrixXd inverse() const;                         ///< of a
+
+ private:
+  Eigen::MatrixXd lower_;
+};
 
 }  // namespace mm

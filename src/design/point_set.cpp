@@ -230,10 +230,9 @@ PointSet checkPointSet(const Session& session, const ModelSpec* spec) {
   const WhitenedSystem system(*problem, x, inverse, set.identifiability.fixed);
   const int columns = static_cast<int>(system.free.size());
   if (set.hasModel && columns > 0 && system.jacobian.rows() >= columns) {
-    const Eigen::MatrixXd r =
-        Eigen::HouseholderQR<Eigen::MatrixXd>(system.jacobian).matrixQR().topRows(columns);
-    const Eigen::MatrixXd inverseR =
-        r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(columns, columns));
+    const Eigen::MatrixXd inverseR = triangleOf(system.jacobian)
+                                         .triangularView<Eigen::Upper>()
+                                         .solve(Eigen::MatrixXd::Identity(columns, columns));
     for (int c = 0; c < columns; ++c) {
       const Unknown& u =
           problem->unknowns()[static_cast<std::size_t>(system.free[static_cast<std::size_t>(c)])];

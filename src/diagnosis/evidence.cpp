@@ -64,11 +64,10 @@ std::shared_ptr<const Evidence::Fixed> Evidence::fixedOf(const NoiseRows& rows, 
   out->target = target.col(0);
   Eigen::MatrixXd m = rowProducts(out->columns);
   for (int k = 0; k < fixed; ++k) m(k, k) += k < base ? kRidge : 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> llt(m);
-  out->factor = llt.matrixL();
-  out->byTarget = out->factor.triangularView<Eigen::Lower>().solve(out->columns.transpose() * out->target);
+  out->factor = Cholesky(m);
+  out->byTarget = out->factor.solveLower(out->columns.transpose() * out->target);
   out->rest = std::max(kTiny, out->target.squaredNorm() - out->byTarget.squaredNorm());
-  out->logDeterminant = out->whitener->logDeterminant() + 2.0 * out->factor.diagonal().array().log().sum();
+  out->logDeterminant = out->whitener->logDeterminant() + out->factor.logDeterminant();
   out->freedoms = std::max(1, rows.length() - base - held);
   return out;
 }
@@ -87,7 +86,7 @@ Evidence::Evidence(const NoiseRows& rows, const Groups& groups, NoiseModel noise
     RowMatrix part = groups.columns.middleCols(first, count);
     fixed_->whitener->whiten(part);
     Eigen::MatrixXd by = rowProducts(fixed_->columns, part);
-    fixed_->factor.triangularView<Eigen::Lower>().solveInPlace(by);
+    fixed_->factor.solveLowerInPlace(by);
     groupTarget_.segment(first, count) =
         part.transpose() * fixed_->target - by.transpose() * fixed_->byTarget;
     byBase_.middleCols(first, count) = by;
@@ -107,8 +106,8 @@ Evidence::Prepared Evidence::prepare(const RowMatrix& columns) const {
   Prepared p;
   p.columns = columns;
   fixed_->whitener->whiten(p.columns);
-  p.byBase = fixed_->factor.triangularView<Eigen::Lower>().solve(
-      Eigen::MatrixXd(rowProducts(fixed_->columns, p.columns)));
+  p.byBase = rowProducts(fixed_->columns, p.columns);
+  fixed_->factor.solveLowerInPlace(p.byBase);
   p.target = p.columns.transpose() * fixed_->target - p.byBase.transpose() * fixed_->byTarget;
   return p;
 }
@@ -174,8 +173,8 @@ Evidence::Joint Evidence::jointOf(const std::vector<Member>& members) const {
     at += n;
   }
   products.diagonal().array() += 1.0;
-  joint.factor.compute(products);
-  joint.explained = joint.factor.matrixL().solve(target);
+  joint.factor = Cholesky(products);
+  joint.explained = joint.factor.solveLower(target);
   return joint;
 }
 
@@ -186,9 +185,7 @@ Evidence::Given Evidence::given(const std::vector<Member>& members) const {
   g.freedoms = fixed_->freedoms;
   for (const Member& m : members) g.members.emplace_back(m.size, &prepared(m));
   g.rest = std::max(kTiny, fixed_->rest - g.joint.explained.squaredNorm());
-  double logDeterminant = fixed_->logDeterminant;
-  for (int i = 0; i < g.joint.columns; ++i)
-    logDeterminant += 2.0 * std::log(g.joint.factor.matrixLLT()(i, i));
+  const double logDeterminant = fixed_->logDeterminant + g.joint.factor.logDeterminant();
   g.logEvidence = -0.5 * logDeterminant - 0.5 * g.freedoms * std::log(g.rest / g.freedoms);
   return g;
 }
@@ -244,7 +241,7 @@ Gain Evidence::gainOf(const Given& given, int group, std::vector<double>* ofShap
         absorbed.middleRows(at, p->cross.rows()) = size * p->cross.middleCols(shape.first, shape.count);
         at += static_cast<int>(p->cross.rows());
       }
-      given.joint.factor.matrixL().solveInPlace(absorbed);
+      given.joint.factor.solveLowerInPlace(absorbed);
       products.noalias() -= absorbed.transpose() * absorbed;
       target.noalias() -= absorbed.transpose() * given.joint.explained;
     }
@@ -271,7 +268,7 @@ Gain Evidence::gainOf(const Given& given, const std::vector<Member>& members,
       absorbed.middleRows(at, m.columns->cols()) = m.size * productsOf(prepared(m), p);
       at += static_cast<int>(m.columns->cols());
     }
-    joint.factor.matrixL().solveInPlace(absorbed);
+    joint.factor.solveLowerInPlace(absorbed);
     products -= absorbed.transpose() * absorbed;
     target -= absorbed.transpose() * joint.explained;
   }
@@ -289,7 +286,7 @@ std::vector<Gain> Evidence::gains(const Given& given) const {
 
 Evidence::Fit Evidence::fit(const std::vector<Member>& members) const {
   const Joint joint = jointOf(members);
-  const Eigen::VectorXd values = joint.factor.matrixU().solve(joint.explained);
+  const Eigen::VectorXd values = joint.factor.solveUpper(joint.explained);
   Eigen::VectorXd byFixed = fixed_->byTarget;
   Fit fit;
   fit.withoutDrift = Eigen::VectorXd::Zero(rows_.length());
@@ -301,12 +298,12 @@ Evidence::Fit Evidence::fit(const std::vector<Member>& members) const {
     fit.withoutDrift += *m.columns * fit.values.back();
     at += k;
   }
-  fit.withoutDrift += fixed_->raw * fixed_->factor.triangularView<Eigen::Lower>().transpose().solve(byFixed);
+  fit.withoutDrift += fixed_->raw * fixed_->factor.solveUpper(byFixed);
   fit.expected = fit.withoutDrift;
   const Eigen::VectorXd left = rows_.target - fit.withoutDrift;
   fit.expected.head(rows_.rows()) += fixed_->whitener->driftIn(left.head(rows_.rows()));
   const double variance = std::max(0.0, fixed_->rest - joint.explained.squaredNorm()) / fixed_->freedoms;
-  const Eigen::MatrixXd inverse = joint.factor.solve(Eigen::MatrixXd::Identity(joint.columns, joint.columns));
+  const Eigen::MatrixXd inverse = joint.factor.inverse();
   at = 0;
   for (const Member& m : members) {
     const int k = static_cast<int>(m.columns->cols());

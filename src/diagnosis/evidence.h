@@ -1,5 +1,4 @@
 #pragma once
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <map>
 #include <memory>
@@ -7,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/dense.h"
 #include "diagnosis/groups.h"
 #include "estimation/noise_fit.h"
 #include "estimation/row_products.h"
@@ -79,7 +79,7 @@ class Evidence {
   /// Members together, beside base and blocks.
   struct Joint {
     int columns = 0;
-    Eigen::LLT<Eigen::MatrixXd> factor;
+    Cholesky factor;
     Eigen::VectorXd explained;
   };
   /// Base, blocks and noise: what does not depend on the questions.
@@ -88,7 +88,7 @@ class Evidence {
     std::unique_ptr<TimeWhitener> whitener;
     RowMatrix raw, columns;  // base and blocks, and the same whitened
     Eigen::VectorXd target;  // whitened
-    Eigen::MatrixXd factor;  // Cholesky factor of the products of base and blocks
+    Cholesky factor;         // of the products of base and blocks
     Eigen::VectorXd byTarget;
     double logDeterminant = 0.0, rest = 0.0, freedoms = 1.0;
   };

@@ -1,7 +1,8 @@
 // Heavy tails of the noise: whether Student's t describes it better than a normal distribution does.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
+#include "base/dense.h"
 #include "base/random.h"
 #include "base/tiny.h"
 #include "diagnosis/answers.h"
@@ -36,10 +37,10 @@ Eigen::VectorXd againstAllOthers(const Search& search, const Explanation& found)
   Eigen::MatrixXd products = rowProducts(all);
   products.diagonal().array() += 1.0;
   products.diagonal().head(base).array() += kRidge - 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> factor(products);
+  const Cholesky factor(products);
   RowMatrix by = rowProducts(all, own);
-  factor.matrixL().solveInPlace(by);
-  const Eigen::VectorXd byTarget = factor.matrixL().solve(all.transpose() * target.col(0));
+  factor.solveLowerInPlace(by);
+  const Eigen::VectorXd byTarget = factor.solveLower(all.transpose() * target.col(0));
   const Eigen::VectorXd left = own.transpose() * target.col(0) - by.transpose() * byTarget;
   const Eigen::VectorXd weight = own.colwise().squaredNorm() - by.colwise().squaredNorm();
   return left.cwiseQuotient(weight.cwiseMax(kTiny).cwiseSqrt());

@@ -2,10 +2,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace mm {
+#include "base/dense.h"
 
-/// Rows in one piece of memory: one observation after the other, as they come in time.
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+namespace mm {
 
 /// A drift along one direction, that forgets with a time constant. Rough: an Ornstein-Uhlenbeck
 /// process (Matern 1/2); sums of these stand for a random walk, for settling and for noise that lasts from

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/dense.h"
 #include "estimation/thin_qr.h"
 #include "estimation/whitened.h"
 
@@ -205,15 +206,15 @@ Identifiability identify(const Problem& problem, const Eigen::VectorXd& x,
   } else {
     r = scaled;
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullV);
+  const RightSingular svd(r);
   std::vector<int> lostColumns;
   for (int i = 0; i < count; ++i) {
-    const double s = i < svd.singularValues().size() ? svd.singularValues()[i] : 0.0;
+    const double s = i < svd.values.size() ? svd.values[i] : 0.0;
     if (!(s >= 1.0)) lostColumns.push_back(i);
   }
   Eigen::MatrixXd null(count, lostColumns.size());
   for (std::size_t k = 0; k < lostColumns.size(); ++k)
-    null.col(static_cast<int>(k)) = svd.matrixV().col(lostColumns[k]);
+    null.col(static_cast<int>(k)) = svd.vectors.col(lostColumns[k]);
 
   const std::vector<int> order = orderOfHolding(problem);
   Eigen::MatrixXd rest = null;

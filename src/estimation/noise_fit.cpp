@@ -1,6 +1,6 @@
 #include "estimation/noise_fit.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/cancel_scope.h"
+#include "base/dense.h"
 #include "base/parallel.h"
 #include "base/tiny.h"
 #include "estimation/row_products.h"
@@ -114,13 +115,12 @@ double NoiseFit::value(const Gram& gram, const std::vector<double>& ratios, doub
     m(i, i) += i < base_ ? kRidge : 1.0;
     to[i] = scale[i] * gram.products(columns, taken[i]);
   }
-  const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> llt(m.selfadjointView<Eigen::Lower>());
-  const Eigen::VectorXd explained = llt.matrixL().solve(to);
+  const Cholesky factor(m);
+  const Eigen::VectorXd explained = factor.solveLower(to);
   const double left = std::max(kTiny, gram.products(columns, columns) - explained.squaredNorm());
   if (rest != nullptr) *rest = left;
   const double freedoms = std::max(1, rows_.length() - base_);
-  double logDeterminant = gram.logDeterminant;
-  for (int i = 0; i < n; ++i) logDeterminant += 2.0 * std::log(llt.matrixLLT()(i, i));
+  const double logDeterminant = gram.logDeterminant + factor.logDeterminant();
   return -0.5 * logDeterminant - 0.5 * freedoms * std::log(left / freedoms);
 }
 
@@ -256,8 +256,9 @@ Eigen::VectorXd NoiseFit::withoutBlocks(const NoiseFitResult& best) const {
   Eigen::MatrixXd m = scale.asDiagonal() * gram.products.topLeftCorner(n, n) * scale.asDiagonal();
   m.diagonal().head(base_).array() += kRidge;
   m.diagonal().tail(n - base_).array() += 1.0;
-  const Eigen::VectorXd values = scale.cwiseProduct(m.selfadjointView<Eigen::Lower>().llt().solve(
-      scale.cwiseProduct(gram.products.row(n).head(n).transpose())));
+  const Cholesky factor(m);
+  const Eigen::VectorXd values = scale.cwiseProduct(
+      factor.solveUpper(factor.solveLower(scale.cwiseProduct(gram.products.row(n).head(n).transpose()))));
   Eigen::VectorXd left = rows_.target;
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     if (gram.first[b] >= 0)

@@ -1,6 +1,6 @@
 #include "estimation/refine.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <map>
@@ -61,10 +61,7 @@ struct ReducedRows {
     const Eigen::Index columns = rows.cols() - 1, shares = columns - locals;
     cost = rows.col(columns).squaredNorm();
     const Eigen::Index kept = std::min(rows.rows(), columns + 1);
-    const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(std::move(rows))
-                                  .matrixQR()
-                                  .topRows(kept)
-                                  .triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd r = triangleOf(std::move(rows));
     const Eigen::Index first = std::min(kept, locals);
     local = r.topLeftCorner(first, locals);
     crossed = r.block(0, locals, first, shares);

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "base/requested_file.h"
 #include "calibration_file/calibration_fit.h"
@@ -226,11 +225,9 @@ bool CalibrationServer::compare(measuring_machine::Compare::Request& request,
     job_.run("compare", [&] {
       const Calibration calibration = calibrationFrom(request.calibration);
       const SessionPtr session = openSession(request.bag, Machine(calibration.urdf, calibration.machineName));
-      const CalibrationResult compared = compareCalibration(*session, calibration, options());
-      job_.step("finding where it fails", 0.0);
-      const CancelScope scope([this] { return job_.cancelled(); });
-      response.json = compareJson(compared, whereItFails(compared));
-      residualsOut_.publish(residualMarkers(compared, residualScale_, prefix_ + "workpiece"));
+      const Comparison compared = compareWith(*session, calibration, options());
+      response.json = compareJson(compared.fit, compared.where);
+      residualsOut_.publish(residualMarkers(compared.fit, residualScale_, prefix_ + "workpiece"));
       response.message = "compared with calibration " + calibration.id;
       add(response.message, lossText(*session));
     });

@@ -1,6 +1,6 @@
 #include "posterior/noise_view.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -45,11 +45,10 @@ NoiseView::NoiseView(const PosteriorProblem& problem, NoiseState state,
   target_ = target.col(0);
   Eigen::MatrixXd m = rowProducts(fixed_);
   for (int k = 0; k < count; ++k) m(k, k) += k < base ? kRidge : 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> llt(m);
-  factor_ = llt.matrixL();
-  byTarget_ = factor_.triangularView<Eigen::Lower>().solve(fixed_.transpose() * target_);
+  factor_ = Cholesky(m);
+  byTarget_ = factor_.solveLower(fixed_.transpose() * target_);
   rest_ = std::max(0.0, target_.squaredNorm() - byTarget_.squaredNorm()) + problem.statedFreedoms;
-  logDeterminant_ = whitener_->logDeterminant() + 2.0 * factor_.diagonal().array().log().sum();
+  logDeterminant_ = whitener_->logDeterminant() + factor_.logDeterminant();
   freedoms_ = std::max(1, rows.length() - base) + problem.statedFreedoms;
 }
 
@@ -78,7 +77,7 @@ void NoiseView::makeAll() const {
     RowMatrix part = problem_.columns.middleCols(first, count);
     whitener_->whiten(part);
     RowMatrix by = rowProducts(fixed_, part);
-    factor_.triangularView<Eigen::Lower>().solveInPlace(by);
+    factor_.solveLowerInPlace(by);
     allTarget_.segment(first, count) = part.transpose() * target_ - by.transpose() * byTarget_;
     for (std::size_t s = parts[p]; s < parts[p + 1]; ++s) {
       const CauseShape& shape = problem_.shapes[s];
@@ -104,7 +103,7 @@ NoiseView::Columns& NoiseView::columnsOf(int shape) const {
     kept->whitened = problem_.columns.middleCols(s.first, s.count);
     whitener_->whiten(kept->whitened);
     kept->byFixed = rowProducts(fixed_, kept->whitened);
-    factor_.triangularView<Eigen::Lower>().solveInPlace(kept->byFixed);
+    factor_.solveLowerInPlace(kept->byFixed);
     kept->target = kept->whitened.transpose() * target_ - kept->byFixed.transpose() * byTarget_;
   });
   return *kept;
@@ -167,10 +166,9 @@ NoiseView::Joint NoiseView::jointOf(const ActingSet& set) const {
   }
   products.diagonal().array() += 1.0;
   Joint joint;
-  joint.factor.compute(products.selfadjointView<Eigen::Lower>());
-  joint.explained = joint.factor.matrixL().solve(target);
+  joint.factor = Cholesky(products);
+  joint.explained = joint.factor.solveLower(target);
   joint.rest = std::max(problem_.statedFreedoms * 1e-12, rest_ - joint.explained.squaredNorm());
-  joint.logDeterminant = 2.0 * joint.factor.matrixLLT().diagonal().array().log().sum();
   return joint;
 }
 
@@ -181,16 +179,16 @@ double NoiseView::logDensity(const ActingSet& set) const {
     const CauseShape& s = problem_.shapes[static_cast<std::size_t>(a.shape)];
     prior += problem_.causes[static_cast<std::size_t>(s.cause)].logPriorOdds + s.logPrior[a.size];
   }
-  return prior - 0.5 * (logDeterminant_ + joint.logDeterminant) - 0.5 * freedoms_ * std::log(joint.rest);
+  return prior - 0.5 * (logDeterminant_ + joint.factor.logDeterminant()) -
+         0.5 * freedoms_ * std::log(joint.rest);
 }
 
 double NoiseView::whiteVariance(const ActingSet& set) const { return jointOf(set).rest / freedoms_; }
 
 NoiseView::Fit NoiseView::fit(const ActingSet& set) const {
   const Joint joint = jointOf(set);
-  const Eigen::VectorXd values = joint.factor.matrixU().solve(joint.explained);
-  const auto n = values.size();
-  const Eigen::MatrixXd inverse = joint.factor.solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::VectorXd values = joint.factor.solveUpper(joint.explained);
+  const Eigen::MatrixXd inverse = joint.factor.inverse();
   const double variance = joint.rest / freedoms_;
   Fit fit;
   int at = 0;
@@ -237,7 +235,7 @@ Conditionals NoiseView::look(const ActingSet& set) const {
       absorbed.middleRows(at, cross.rows()) = sizeGrid()[a.size] * cross.middleCols(first, count);
       at += static_cast<int>(cross.rows());
     }
-    joint.factor.matrixL().solveInPlace(absorbed);
+    joint.factor.solveLowerInPlace(absorbed);
     return absorbed;
   };
   const Joint joint = jointOf(set);

@@ -1,11 +1,11 @@
 #pragma once
-#include <Eigen/Cholesky>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
 
+#include "base/dense.h"
 #include "estimation/row_products.h"
 #include "posterior/problem.h"
 
@@ -51,10 +51,9 @@ class NoiseView {
     std::once_flag once, onceCross;
   };
   struct Joint {  // of a set
-    Eigen::LLT<Eigen::MatrixXd> factor;
+    Cholesky factor;
     Eigen::VectorXd explained;
     double rest = 0.0;  // with what the stated noise is worth
-    double logDeterminant = 0.0;
   };
   Columns& columnsOf(int shape) const;
   const RowMatrix& crossOf(int shape) const;
@@ -71,7 +70,7 @@ class NoiseView {
   std::unique_ptr<TimeWhitener> whitener_;
   RowMatrix fixed_;         // whitened columns of base and scatter
   Eigen::VectorXd target_;  // whitened
-  Eigen::MatrixXd factor_;  // of the products of the fixed columns
+  Cholesky factor_;         // of the products of the fixed columns
   Eigen::VectorXd byTarget_;
   double logDeterminant_ = 0.0, rest_ = 0.0, freedoms_ = 1.0;
   // of all columns of the problem

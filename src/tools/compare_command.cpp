@@ -8,7 +8,7 @@
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/session_input.h"
-#include "workflow/recalibration.h"
+#include "workflow/learning.h"
 
 namespace mm {
 namespace {
@@ -17,17 +17,16 @@ void runCompare(const SessionAndCalibration& c) {
   CalibrateOptions options = c.fit.checked();
   const Calibration calibration = loadCalibration(c.calibration);
   const Session session = loadSession(c.bags.joined(), calibration, c.fit.space);
-  std::optional<CalibrationResult> compared;
+  std::optional<Comparison> compared;
   {
     ProgressBar bar("comparing");
     options.progress = [&](const std::string& stage, double share) { bar.show(share, stage); };
-    compared = compareCalibration(session, calibration, options);
+    compared = compareWith(session, calibration, options);
   }
-  const std::vector<WhereItFails> where = whereItFails(*compared);
   if (c.json)
-    std::cout << compareJson(*compared, where) << '\n';
+    std::cout << compareJson(compared->fit, compared->where) << '\n';
   else
-    std::cout << compareText(*compared, where);
+    std::cout << compareText(compared->fit, compared->where);
 }
 
 }  // namespace

@@ -263,7 +263,7 @@ void VirtualMachine::addRemainder(const Calibration& c, const TaskConditions& co
       correlation(i, j) = correlation(j, i) =
           remainder_.length > 0.0 ? std::exp(-0.5 * apart / (remainder_.length * remainder_.length)) : 0.0;
     }
-  smooth_ = correlation.llt().matrixL();
+  smooth_ = Cholesky(correlation).lower();
 }
 
 double usualRemainderLength(const Domain& domain) {

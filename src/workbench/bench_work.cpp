@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_yaml.h"
@@ -191,18 +190,14 @@ void BenchWork::firstFit() {
 
 void BenchWork::show() {
   job_.step("comparing", 0.0);
-  CalibrateOptions fit = options();
-  CalibrationResult compared = compareCalibration(*session_, *calibration_, fit);
-  if (compared.cancelled) throw Cancelled("stopped while comparing; the calibration is kept");
-  documents_.put("points", pointsDocument(compared, earlier_));
+  const Comparison compared = compareWith(*session_, *calibration_, options());
+  documents_.put("points", pointsDocument(compared.fit, earlier_));
   documents_.put("calibration", calibrationDocument(*calibration_, kept_));
-  job_.step("finding where it fails", 0.0);
-  const CancelScope scope([this] { return job_.cancelled(); });
-  documents_.put("compare", compareJson(compared, whereItFails(compared)));
+  documents_.put("compare", compareJson(compared.fit, compared.where));
   const std::size_t effects = calibration_->effects.size();
   earlier_ = {effects == 0 ? "nominal machine"
                            : "before: " + std::to_string(effects) + (effects == 1 ? " effect" : " effects"),
-              compared.residuals};
+              compared.fit.residuals};
   showStore();
 }
 

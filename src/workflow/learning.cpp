@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/cancel_scope.h"
 #include "base/error.h"
 #include "calibration_file/calibration_yaml.h"
 #include "diagnosis/verdict.h"
@@ -28,6 +29,15 @@ CalibrateOptions calibratingIn(Job& job, unsigned threads) {
   options.cancelled = [&job] { return job.cancelled(); };
   options.progress = [&job](const std::string& stage, double share) { job.tell(stage, share); };
   return options;
+}
+
+Comparison compareWith(const Session& session, const Calibration& calibration, CalibrateOptions options) {
+  Comparison done{compareCalibration(session, calibration, options), {}};
+  if (done.fit.cancelled) throw Cancelled("stopped while comparing; the calibration is kept");
+  if (options.progress) options.progress("finding where it fails", 0.0);
+  const CancelScope scope(options.cancelled);
+  done.where = whereItFails(done.fit);
+  return done;
 }
 
 DiagnoseOptions diagnosing(CalibrateOptions calibrate) {

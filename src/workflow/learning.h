@@ -2,6 +2,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "diagnosis/diagnose.h"
 #include "workflow/job.h"
@@ -13,6 +14,14 @@ namespace mm {
 CalibrateOptions calibratingIn(Job& job, unsigned threads);
 /// A diagnosis whose fits are made like this; told of and cancelled as they are.
 DiagnoseOptions diagnosing(CalibrateOptions calibrate);
+
+/// A session beside a calibration, and where that fails.
+struct Comparison {
+  CalibrationResult fit;  // with the calibration's values held
+  std::vector<WhereItFails> where;
+};
+/// @throw Cancelled; InputError: as compareCalibration.
+Comparison compareWith(const Session& session, const Calibration& calibration, CalibrateOptions options);
 
 /// Which physical effect the calibration's model misses on a session: everything is refitted, from its
 /// values.
