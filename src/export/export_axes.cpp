@@ -22,7 +22,7 @@ std::string lettersFor(const Eigen::Vector3d& along, JointKind kind) {
   along.cwiseAbs().maxCoeff(&most);
   const std::string own = kind == JointKind::kLinear ? "xyz" : "abc";
   const std::string rest = kind == JointKind::kLinear ? "uvw" : "";
-  return std::string(1, own[static_cast<std::size_t>(most)]) + rest + own;
+  return std::string(1, own[most]) + rest + own;
 }
 
 void checkTold(const Machine& machine, const std::map<std::string, std::string>& told) {

@@ -22,7 +22,7 @@ SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, 
   for (const State& state : needed.states(128, 51)) {
     const std::map<std::string, double> adds = tried.loaded().tablesAdd(needed.commandOf(state));
     for (const int joint : needed.linear()) {
-      const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
+      const ExportAxis& axis = needed.axis(joint);
       const double added = adds.at(axis.letter);
       if (std::abs(added) > std::abs(best.added)) best = {&axis, state, added};
     }

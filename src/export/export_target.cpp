@@ -5,16 +5,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/nearest_name.h"
-#include "export/to_beckhoff.h"
-#include "export/to_csv.h"
-#include "export/to_fanuc.h"
-#include "export/to_grblhal.h"
-#include "export/to_heidenhain.h"
-#include "export/to_klipper.h"
-#include "export/to_linuxcnc.h"
-#include "export/to_marlin.h"
-#include "export/to_reprapfirmware.h"
-#include "export/to_siemens.h"
+#include "export/targets.h"
 
 namespace mm {
 

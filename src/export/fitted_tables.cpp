@@ -5,6 +5,7 @@
 
 #include "base/dense.h"
 #include "base/format.h"
+#include "base/grid_values.h"
 #include "base/units.h"
 #include "export/export_target.h"
 #include "export/hat_functions.h"
@@ -37,13 +38,10 @@ double between(const std::vector<double>& at, const std::vector<double>& values,
 /// The mean of the correction over the other states, at one position and direction of an axis.
 Eigen::VectorXd meanAt(const NeededCorrection& needed, CorrectionPart part, std::vector<State>& others,
                        int input, double position, double travel) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(needed.axes().size()));
-  for (State& state : others) {
-    state.position[static_cast<std::size_t>(input)] = position;
-    state.travel[static_cast<std::size_t>(input)] = travel;
-    sum += (needed.*part)(state);
-  }
-  return sum / static_cast<double>(others.size());
+  return meanOver(needed, part, others, [&](State& state) {
+    state.position[input] = position;
+    state.travel[input] = travel;
+  });
 }
 
 /// How coarse a table is.
@@ -55,22 +53,21 @@ struct Stride {
 /// Judged by the displacements of the probe in few states, at places between the finest points where no
 /// period is hidden.
 Stride strideOf(const NeededCorrection& needed, int input, const std::vector<double>& finest, int coarsest) {
-  const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(input)];
+  const ExportAxis& axis = needed.axis(input);
   std::vector<State> probes = needed.states(kTableOthers, kTableSeed);
   probes.resize(kTableProbes);
   const std::vector<double> at = samplesWithin(finest, kProbesAStep);
-  Eigen::MatrixXd curves(static_cast<Eigen::Index>(at.size()), 6 * kTableProbes);
+  Eigen::MatrixXd curves(at.size(), 6 * kTableProbes);
   for (std::size_t n = 0; n < at.size(); ++n)
     for (int p = 0; p < 2 * kTableProbes; ++p) {
-      State& state = probes[static_cast<std::size_t>(p / 2)];
-      state.position[static_cast<std::size_t>(input)] = std::clamp(at[n], axis.lower, axis.upper);
-      state.travel[static_cast<std::size_t>(input)] = p % 2 == 0 ? 1.0 : -1.0;
+      State& state = probes[p / 2];
+      state.position[input] = std::clamp(at[n], axis.lower, axis.upper);
+      state.travel[input] = p % 2 == 0 ? 1.0 : -1.0;
       curves.block<1, 3>(static_cast<Eigen::Index>(n), 3 * p) = needed.displacement(state).transpose();
     }
   const auto left = [&](int stride) {
     std::vector<double> points;
-    for (std::size_t i = 0; i < finest.size(); i += static_cast<std::size_t>(stride))
-      points.push_back(finest[i]);
+    for (std::size_t i = 0; i < finest.size(); i += stride) points.push_back(finest[i]);
     return hatHeldOut(points, at, curves);
   };
   const auto follows = [](const Eigen::MatrixXd& remainder) {
@@ -102,7 +99,7 @@ FinestPoints pointsOfActive(const NeededCorrection& needed, int input, int most)
   const double step = points[1] - points[0];
   for (std::size_t i = 1; i < points.size(); ++i)
     if (std::abs(points[i] - points[0] - static_cast<double>(i) * step) > kOfAStep * step) return finest;
-  const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(input)];
+  const ExportAxis& axis = needed.axis(input);
   const auto beyond = [&](double distance) {
     return std::max(0, static_cast<int>(std::ceil(distance / step - kOfAStep)));
   };
@@ -135,13 +132,13 @@ void addActive(const NeededCorrection& needed, std::vector<State>& others, LineT
     for (auto* values : {&table.positive, &table.negative}) {
       const Eigen::VectorXd here = meanAt(needed, &NeededCorrection::activeAt, others, table.input,
                                           table.at[i], values == &table.positive ? 1.0 : -1.0);
-      for (std::size_t j = 0; j < values->size(); ++j) (*values)[j][i] += here[static_cast<Eigen::Index>(j)];
+      for (std::size_t j = 0; j < values->size(); ++j) (*values)[j][i] += here[j];
     }
 }
 
 void subtractReference(LineTable& table, double reference) {
   for (std::size_t j = 0; j < table.positive.size(); ++j) {
-    const double zero = table.value(static_cast<int>(j), reference, 0.0);
+    const double zero = table.value(j, reference, 0.0);
     for (std::size_t i = 0; i < table.at.size(); ++i) {
       table.positive[j][i] -= zero;
       table.negative[j][i] -= zero;
@@ -155,7 +152,7 @@ std::vector<State> mirrored(const NeededCorrection& needed, int count) {
   const Domain& d = needed.model().domain();
   std::vector<State> states = needed.states(count, kStraightSeed);
   for (int n = 0; n < count; ++n) {
-    State other = states[static_cast<std::size_t>(n)];
+    State other = states[n];
     for (double& travel : other.travel) travel = -travel;
     for (std::size_t k = 0; k < d.sensors.size(); ++k)
       other.temperature[k] = d.sensorLower[k] + d.sensorUpper[k] - other.temperature[k];
@@ -178,16 +175,14 @@ std::vector<double> evenSteps(double from, double to, int intervals) {
 }
 
 double LineTable::value(int output, double position, double travel) const {
-  const auto j = static_cast<std::size_t>(output);
-  const double up = between(at, positive[j], position), down = between(at, negative[j], position);
+  const double up = between(at, positive[output], position), down = between(at, negative[output], position);
   return travel > 0.0 ? up : travel < 0.0 ? down : 0.5 * (up + down);
 }
 
 double LineTable::largest(int output) const {
   double most = 0.0;
-  const auto j = static_cast<std::size_t>(output);
   for (std::size_t i = 0; i < at.size(); ++i)
-    most = std::max({most, std::abs(positive[j][i]), std::abs(negative[j][i])});
+    most = std::max({most, std::abs(positive[output][i]), std::abs(negative[output][i])});
   return most;
 }
 
@@ -197,19 +192,14 @@ LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints, C
   LineTable table;
   table.input = input;
   table.samplesAStep = stride.followed ? kSamplesAStep : kSamplesAStep * stride.steps;
-  for (std::size_t i = 0; i < finest.at.size(); i += static_cast<std::size_t>(stride.steps))
-    table.at.push_back(finest.at[i]);
+  for (std::size_t i = 0; i < finest.at.size(); i += stride.steps) table.at.push_back(finest.at[i]);
   std::vector<State> others = needed.states(kTableOthers, kTableSeed);
   const std::vector<double> at = samplesWithin(table.at, table.samplesAStep);
-  const auto joints = static_cast<Eigen::Index>(needed.axes().size());
-  Eigen::MatrixXd curves(static_cast<Eigen::Index>(at.size()), 2 * joints);  // upwards, downwards
-  for (std::size_t n = 0; n < at.size(); ++n) {
-    const auto row = static_cast<Eigen::Index>(n);
-    curves.row(row).head(joints) =
-        meanAt(needed, &NeededCorrection::adds, others, input, at[n], 1.0).transpose();
-    curves.row(row).tail(joints) =
+  const Eigen::Index joints = needed.axes().size();
+  Eigen::MatrixXd curves(at.size(), 2 * joints);  // upwards, downwards
+  for (std::size_t n = 0; n < at.size(); ++n)
+    curves.row(n) << meanAt(needed, &NeededCorrection::adds, others, input, at[n], 1.0).transpose(),
         meanAt(needed, &NeededCorrection::adds, others, input, at[n], -1.0).transpose();
-  }
   const Eigen::MatrixXd values = hatOrLineFit(table.at, at, curves);
   const Eigen::MatrixXd left = hatRemainder(table.at, values, at, curves).cwiseAbs();
   for (Eigen::Index j = 0; j < joints; ++j) {
@@ -219,7 +209,7 @@ LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints, C
     table.left.push_back(std::max(left.col(j).maxCoeff(), left.col(joints + j).maxCoeff()));
   }
   subtractReference(table, needed.reference(input));
-  for (int j = 0; j < static_cast<int>(joints); ++j) table.added.push_back(table.largest(j));
+  for (int j = 0; j < joints; ++j) table.added.push_back(table.largest(j));
   if (needed.active() != nullptr && part != &NeededCorrection::adds) {
     addActive(needed, others, table);
     subtractReference(table, needed.reference(input));
@@ -237,11 +227,9 @@ Eigen::VectorXd meanCorrection(const NeededCorrection& needed, int input, double
 std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineTable& table,
                                      const std::vector<int>& outputs) {
   std::vector<std::string> told;
-  const auto letter = [&](int joint) {
-    return capital(needed.axes()[static_cast<std::size_t>(joint)].letter);
-  };
+  const auto letter = [&](int joint) { return capital(needed.axis(joint).letter); };
   for (const int output : outputs) {
-    const double left = table.left[static_cast<std::size_t>(output)];
+    const double left = table.left[output];
     if (left < kToldLeft) continue;
     told.push_back(
         format("the correction of %s by the position of %s bends between the points even of the finest table "
@@ -253,11 +241,20 @@ std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineT
 }
 
 double PlaneTable::interpolated(int output, double a, double b) const {
-  const Eigen::MatrixXd& v = value[static_cast<std::size_t>(output)];
+  const Eigen::MatrixXd& v = value[output];
   const auto [i, s] = placeAmong(atFirst, a);
   const auto [k, t] = placeAmong(atSecond, b);
-  const auto r = static_cast<Eigen::Index>(i), c = static_cast<Eigen::Index>(k);
-  return (1 - s) * ((1 - t) * v(r, c) + t * v(r, c + 1)) + s * ((1 - t) * v(r + 1, c) + t * v(r + 1, c + 1));
+  return (1 - s) * ((1 - t) * v(i, k) + t * v(i, k + 1)) + s * ((1 - t) * v(i + 1, k) + t * v(i + 1, k + 1));
+}
+
+Eigen::VectorXd meanOver(const NeededCorrection& needed, CorrectionPart part, std::vector<State>& states,
+                         const std::function<void(State&)>& put) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(needed.axes().size());
+  for (State& state : states) {
+    put(state);
+    sum += (needed.*part)(state);
+  }
+  return sum / states.size();
 }
 
 PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std::vector<double> atFirst,
@@ -267,42 +264,36 @@ PlaneTable planeTable(const NeededCorrection& needed, int first, int second, std
   plane.second = second;
   plane.atFirst = std::move(atFirst);
   plane.atSecond = std::move(atSecond);
-  const auto rows = static_cast<Eigen::Index>(plane.atFirst.size()),
-             columns = static_cast<Eigen::Index>(plane.atSecond.size());
+  const std::size_t rows = plane.atFirst.size(), columns = plane.atSecond.size();
   const std::size_t joints = needed.axes().size();
   plane.value.assign(joints, Eigen::MatrixXd::Zero(rows, columns));
   std::vector<State> others = needed.states(kTableOthers, kPlaneSeed);
-  for (Eigen::Index i = 0; i < rows; ++i)
-    for (Eigen::Index k = 0; k < columns; ++k) {
-      Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(joints));
-      for (State& state : others) {
-        state.position[static_cast<std::size_t>(first)] = plane.atFirst[static_cast<std::size_t>(i)];
-        state.position[static_cast<std::size_t>(second)] = plane.atSecond[static_cast<std::size_t>(k)];
-        sum += (needed.*part)(state);
-      }
-      for (std::size_t j = 0; j < joints; ++j)
-        plane.value[j](i, k) = sum[static_cast<Eigen::Index>(j)] / static_cast<double>(others.size());
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t k = 0; k < columns; ++k) {
+      const Eigen::VectorXd mean = meanOver(needed, part, others, [&](State& state) {
+        state.position[first] = plane.atFirst[i];
+        state.position[second] = plane.atSecond[k];
+      });
+      for (std::size_t j = 0; j < joints; ++j) plane.value[j](i, k) = mean[j];
     }
   for (std::size_t j = 0; j < joints; ++j)
-    plane.value[j].array() -=
-        plane.interpolated(static_cast<int>(j), needed.reference(first), needed.reference(second));
+    plane.value[j].array() -= plane.interpolated(j, needed.reference(first), needed.reference(second));
   return plane;
 }
 
 StraightPart straightPart(const NeededCorrection& needed, CorrectionPart which) {
   const std::vector<State> states = mirrored(needed, kTableStates / 2);
-  const auto joints = static_cast<Eigen::Index>(needed.axes().size());
-  const auto sensors = static_cast<Eigen::Index>(needed.model().domain().sensors.size());
+  const Eigen::Index joints = needed.axes().size(), sensors = needed.model().domain().sensors.size();
   Eigen::MatrixXd inputs(kTableStates, 1 + 2 * joints + sensors), outputs(kTableStates, joints);
   for (int n = 0; n < kTableStates; ++n) {
-    const State& s = states[static_cast<std::size_t>(n)];
+    const State& s = states[n];
     inputs(n, 0) = 1.0;
     for (Eigen::Index j = 0; j < joints; ++j) {
-      inputs(n, 1 + j) = s.position[static_cast<std::size_t>(j)];
-      inputs(n, 1 + joints + j) = s.travel[static_cast<std::size_t>(j)];
+      inputs(n, 1 + j) = s.position[j];
+      inputs(n, 1 + joints + j) = s.travel[j];
     }
     for (Eigen::Index k = 0; k < sensors; ++k) {
-      const double t = s.temperature[static_cast<std::size_t>(k)];
+      const double t = s.temperature[k];
       inputs(n, 1 + 2 * joints + k) = std::isfinite(t) ? t - kReferenceTemperature : 0.0;
     }
     outputs.row(n) = (needed.*which)(s).transpose();

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,12 @@ struct LineTable {
 
   /// Of both directions of travel at a point of a joint that is corrected; m.
   double mean(int output, std::size_t point) const {
-    const auto j = static_cast<std::size_t>(output);
-    return 0.5 * (positive[j][point] + negative[j][point]);
+    return 0.5 * (positive[output][point] + negative[output][point]);
   }
   /// Linear between the points, the ends held. @param travel +1, -1; 0: the mean.
   double value(int output, double position, double travel) const;
   /// The calibration has something for this output; else what was active says it as it is.
-  bool changes(int output) const { return added[static_cast<std::size_t>(output)] > kLeastOfATable; }
+  bool changes(int output) const { return added[output] > kLeastOfATable; }
   double largest(int output) const;               ///< absolute value of an output, m
   static constexpr double kLeastOfATable = 1e-8;  // m
 };
@@ -40,6 +40,10 @@ struct LineTable {
 /// @param part adds() leaves the active one out.
 LineTable lineTable(const NeededCorrection& needed, int input, int mostPoints,
                     CorrectionPart part = &NeededCorrection::at);
+
+/// The mean of the correction over states that are put in their place one after the other.
+Eigen::VectorXd meanOver(const NeededCorrection& needed, CorrectionPart part, std::vector<State>& states,
+                         const std::function<void(State&)>& put);
 
 /// What lineTable's curve is at a position, both directions together: m, a joint each, not less its value at
 /// the reference.

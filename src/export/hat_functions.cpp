@@ -2,9 +2,9 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
-#include <algorithm>
 #include <random>
 
+#include "base/grid_values.h"
 #include "base/unit_random.h"
 
 namespace mm {
@@ -32,20 +32,13 @@ std::pair<std::vector<double>, Eigen::MatrixXd> everySecond(const std::vector<do
                                                             std::size_t first) {
   std::vector<double> some;
   for (std::size_t n = first; n < at.size(); n += 2) some.push_back(at[n]);
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(some.size()), samples.cols());
+  Eigen::MatrixXd rows(some.size(), samples.cols());
   for (Eigen::Index n = 0; n < rows.rows(); ++n)
     rows.row(n) = samples.row(2 * n + static_cast<Eigen::Index>(first));
   return {some, rows};
 }
 
 }  // namespace
-
-std::pair<std::size_t, double> placeAmong(const std::vector<double>& at, double position) {
-  if (at.size() < 2 || position <= at.front()) return {0, 0.0};
-  if (position >= at.back()) return {at.size() - 2, 1.0};
-  const auto i = static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), position) - at.begin()) - 1;
-  return {i, (position - at[i]) / (at[i + 1] - at[i])};
-}
 
 std::vector<double> samplesWithin(const std::vector<double>& points, int aStep) {
   // Not by a rule such as the golden section: a period may agree with that, too, and pass for a slow curve.
@@ -82,7 +75,7 @@ Eigen::MatrixXd hatOrLineFit(const std::vector<double>& points, const std::vecto
   for (Eigen::Index c = 0; c < samples.cols(); ++c)
     if (!(fitLeaves.col(c).norm() < kHardlyLess * lineLeaves.col(c).norm()))
       for (Eigen::Index i = 0; i < values.rows(); ++i) {
-        const double share = placeAmong(ends, points[static_cast<std::size_t>(i)]).second;
+        const double share = placeAmong(ends, points[i]).second;
         values(i, c) = (1.0 - share) * line(0, c) + share * line(1, c);
       }
   return values;

@@ -5,10 +5,6 @@
 
 namespace mm {
 
-/// Where `position` lies among ascending points: the one before it, and the share of the way to the next, 0
-/// to 1; the ends are held.
-std::pair<std::size_t, double> placeAmong(const std::vector<double>& at, double position);
-
 /// Positions inside each step between ascending, equally spaced points, `aStep` of them in parts of equal
 /// size, each anywhere in its part (the same every time), so that no period falls on them.
 std::vector<double> samplesWithin(const std::vector<double>& points, int aStep);

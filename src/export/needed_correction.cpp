@@ -28,7 +28,7 @@ class Settled final : public TemperatureHistory {
   explicit Settled(const std::vector<double>& temperature) : temperature_(temperature) {}
   double lagged(int sensor, double, double, double* byTau) const override {
     if (byTau != nullptr) *byTau = 0.0;
-    return temperature_[static_cast<std::size_t>(sensor)];
+    return temperature_[sensor];
   }
 
  private:
@@ -37,8 +37,8 @@ class Settled final : public TemperatureHistory {
 
 /// One column of a Latin hypercube: numbers in [0, 1), one in each of `count` equal parts, in random order.
 std::vector<double> latin(int count, std::mt19937_64& random) {
-  std::vector<double> column(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) column[static_cast<std::size_t>(i)] = (i + 0.5) / count;
+  std::vector<double> column(count);
+  for (int i = 0; i < count; ++i) column[i] = (i + 0.5) / count;
   for (std::size_t i = column.size() - 1; i > 0; --i) std::swap(column[i], column[random() % (i + 1)]);
   return column;
 }
@@ -56,24 +56,22 @@ NeededCorrection::NeededCorrection(const Calibration& calibration,
     : model_(Machine(calibration.urdf, calibration.machineName), calibration.domain, calibration.effects,
              calibration.networks) {
   const Compensator checks(calibration);  // throws where the file contradicts itself
-  parameters_.resize(static_cast<Eigen::Index>(calibration.values.size()));
-  for (Eigen::Index p = 0; p < parameters_.size(); ++p)
-    parameters_[p] = calibration.values[static_cast<std::size_t>(p)].value;
+  parameters_.resize(calibration.values.size());
+  for (Eigen::Index p = 0; p < parameters_.size(); ++p) parameters_[p] = calibration.values[p].value;
   linear_ = linearJoints(model_.machine().joints());
   axes_ = exportAxes(model_.machine(), letters, calibration.domain.lower, calibration.domain.upper);
   compensation_ = calibration.compensation;
   active_ = loadedCompensation(compensation_);
   if (active_) activePoints_ = active_->points();
   checkActive();
-  std::vector<Eigen::VectorXd> samples;
-  for (const State& state : states(kChangeStates, kChangeSeed)) samples.push_back(adds(state));
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    const auto less = [j](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-      return a[static_cast<Eigen::Index>(j)] < b[static_cast<Eigen::Index>(j)];
-    };
-    const auto [least, most] = std::minmax_element(samples.begin(), samples.end(), less);
-    changes_.push_back(((*most) - (*least))[static_cast<Eigen::Index>(j)] > kLeastChange);
-  }
+  changes_ = varies(kChangeStates, kChangeSeed).array() > kLeastChange;
+}
+
+Eigen::VectorXd NeededCorrection::varies(int count, unsigned seed) const {
+  Eigen::MatrixXd samples(axes_.size(), count);
+  int n = 0;
+  for (const State& state : states(count, seed)) samples.col(n++) = adds(state);
+  return samples.rowwise().maxCoeff() - samples.rowwise().minCoeff();
 }
 
 void NeededCorrection::checkActive() const {
@@ -93,31 +91,31 @@ const ExportAxis* NeededCorrection::findAxis(const std::string& letter) const {
 }
 
 std::vector<double> NeededCorrection::activePoints(int joint) const {
-  const auto found = activePoints_.find(axes_[static_cast<std::size_t>(joint)].letter);
+  const auto found = activePoints_.find(axes_[joint].letter);
   return found == activePoints_.end() ? std::vector<double>{} : found->second;
 }
 
 std::pair<double, double> NeededCorrection::tabulated(int joint) const {
-  const ExportAxis& axis = axes_[static_cast<std::size_t>(joint)];
+  const ExportAxis& axis = axes_[joint];
   const std::vector<double> points = activePoints(joint);
   if (points.empty()) return {axis.lower, axis.upper};
   return {std::min(axis.lower, points.front()), std::max(axis.upper, points.back())};
 }
 
 bool NeededCorrection::moved(int joint) const {
-  const ExportAxis& axis = axes_[static_cast<std::size_t>(joint)];
+  const ExportAxis& axis = axes_[joint];
   return axis.upper - axis.lower > kNoTravel;
 }
 
 double NeededCorrection::reference(int joint) const {
-  const ExportAxis& axis = axes_[static_cast<std::size_t>(joint)];
+  const ExportAxis& axis = axes_[joint];
   return std::clamp(0.0, axis.lower, axis.upper);
 }
 
 std::vector<State> NeededCorrection::states(int count, unsigned seed) const {
   const Domain& d = model_.domain();
   std::mt19937_64 random(seed);
-  std::vector<State> all(static_cast<std::size_t>(count));
+  std::vector<State> all(count);
   for (State& state : all) {
     state.velocity.assign(d.joints.size(), 0.0);
     state.laserReading = d.laser ? 0.0 : std::numeric_limits<double>::quiet_NaN();
@@ -165,8 +163,7 @@ Eigen::Vector3d NeededCorrection::missed(const State& command, const std::vector
   reading.position = motors;
   for (int step = 0; step < kReadingSteps; ++step) {
     const Eigen::VectorXd added = activeAt(reading);
-    for (std::size_t j = 0; j < motors.size(); ++j)
-      reading.position[j] = motors[j] - added[static_cast<Eigen::Index>(j)];
+    for (std::size_t j = 0; j < motors.size(); ++j) reading.position[j] = motors[j] - added[j];
   }
   return besideNominal(command, reading.position);
 }
@@ -183,7 +180,7 @@ Eigen::VectorXd NeededCorrection::adds(const State& given) const {
   State command = given;
   if (active_)  // whose tables may reach beyond what the session observed
     for (const ExportAxis& axis : axes_) {
-      double& position = command.position[static_cast<std::size_t>(axis.joint)];
+      double& position = command.position[axis.joint];
       position = std::clamp(position, axis.lower, axis.upper);
     }
   const double beam = model_.domain().laser ? command.laserReading : std::numeric_limits<double>::quiet_NaN();
@@ -195,13 +192,11 @@ Eigen::VectorXd NeededCorrection::adds(const State& given) const {
           "the calibration has no finite correction inside its own range: an input of its effects was never "
           "recorded; calibrate with it, or remove the effect");
     const LinearMotion motion = linearMotion(model_.machine(), readings.data(), beam, -miss);
-    for (std::size_t j = 0; j < readings.size(); ++j)
-      readings[j] += motion.change[static_cast<Eigen::Index>(j)];
+    for (std::size_t j = 0; j < readings.size(); ++j) readings[j] += motion.change[j];
     if (motion.change.cwiseAbs().maxCoeff() < kNeededReached) break;
   }
-  Eigen::VectorXd delta(static_cast<Eigen::Index>(readings.size()));
-  for (std::size_t j = 0; j < readings.size(); ++j)
-    delta[static_cast<Eigen::Index>(j)] = readings[j] - command.position[j];
+  Eigen::VectorXd delta(readings.size());
+  for (std::size_t j = 0; j < readings.size(); ++j) delta[j] = readings[j] - command.position[j];
   return delta;
 }
 
@@ -209,8 +204,7 @@ Eigen::VectorXd NeededCorrection::at(const State& command) const {
   const Eigen::VectorXd added = adds(command);
   if (!active_) return added;
   State reading = command;
-  for (std::size_t j = 0; j < reading.position.size(); ++j)
-    reading.position[j] += added[static_cast<Eigen::Index>(j)];
+  for (std::size_t j = 0; j < reading.position.size(); ++j) reading.position[j] += added[j];
   return added + activeAt(reading);
 }
 

@@ -25,8 +25,9 @@ class NeededCorrection {
 
   const Model& model() const { return model_; }
   const std::vector<ExportAxis>& axes() const { return axes_; }  ///< in the order of the joints
-  const std::vector<int>& linear() const { return linear_; }     ///< joints that move
-  const ExportAxis* findAxis(const std::string& letter) const;   ///< null: none
+  const ExportAxis& axis(int joint) const { return axes_[joint]; }
+  const std::vector<int>& linear() const { return linear_; }    ///< joints that move
+  const ExportAxis* findAxis(const std::string& letter) const;  ///< null: none
   /// A joint moved during the session, so that there is something to tabulate over it.
   bool moved(int joint) const;
   /// The reading at which tables are zero: 0, or the end of the observed range that is nearest to it.
@@ -43,7 +44,9 @@ class NeededCorrection {
   /// that were active; m or rad.
   std::pair<double, double> tabulated(int joint) const;
   /// The calibration corrects this joint somewhere, by more than any machine repeats.
-  bool changes(int joint) const { return changes_[static_cast<std::size_t>(joint)]; }
+  bool changes(int joint) const { return changes_[joint]; }
+  /// Between any two of so many states: by how much differs what the calibration adds to each joint, m.
+  Eigen::VectorXd varies(int count, unsigned seed) const;
 
   /// Motors minus command, m, one a joint; 0 for rotary ones: adds() and activeAt(). @param command its
   /// `position` are the commanded readings. @throw NumericalError where the model has no finite answer.
@@ -76,7 +79,7 @@ class NeededCorrection {
   ControllerCompensation compensation_;
   std::shared_ptr<const LoadedCompensation> active_;
   JointPoints activePoints_;
-  std::vector<bool> changes_;  // a joint
+  Eigen::Array<bool, Eigen::Dynamic, 1> changes_;  // a joint
 };
 
 /// at(), adds() or activeAt().

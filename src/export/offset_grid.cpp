@@ -29,7 +29,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
   std::vector<std::size_t> strides(joints_.size(), 1);
   std::size_t count = 1;
   for (const int joint : joints_) {
-    letters_.push_back(needed.axes()[static_cast<std::size_t>(joint)].letter);
+    letters_.push_back(needed.axis(joint).letter);
     const auto [lower, upper] = needed.tabulated(joint);
     at_.push_back(evenSteps(lower, upper, kGridPoints - 1));
     count *= kGridPoints;
@@ -45,15 +45,12 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
 
   std::vector<State> others = needed.states(kTemperatureless, kGridSeed);
   const auto mean = [&](std::size_t point, int sensor, double kelvin) {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(needed.axes().size()));
-    for (State& state : others) {
+    return meanOver(needed, part, others, [&](State& state) {
       for (std::size_t a = 0; a < joints_.size(); ++a)
-        state.position[static_cast<std::size_t>(joints_[a])] = at_[a][point / strides[a] % kGridPoints];
+        state.position[joints_[a]] = at_[a][point / strides[a] % kGridPoints];
       state.temperature = middle;
-      if (sensor >= 0) state.temperature[static_cast<std::size_t>(sensor)] += kelvin;
-      sum += (needed.*part)(state);
-    }
-    return Eigen::VectorXd(sum / static_cast<double>(others.size()));
+      if (sensor >= 0) state.temperature[sensor] += kelvin;
+    });
   };
   base_.assign(joints_.size(), std::vector<double>(count));
   for (std::size_t point = 0; point < count; ++point) {
@@ -62,10 +59,9 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
       base_[a][point] = value[joints_[a]] - own[a][point / strides[a] % kGridPoints];
   }
   State reference = others[0];
-  for (const int joint : joints_)
-    reference.position[static_cast<std::size_t>(joint)] = needed.reference(joint);
+  for (const int joint : joints_) reference.position[joint] = needed.reference(joint);
   for (std::vector<double>& values : base_) {
-    const double zero = interpolated(values, reference);
+    const double zero = gridValue(corners(reference), values);
     for (double& v : values) {
       v -= zero;
       largest_ = std::max(largest_, std::abs(v));
@@ -77,9 +73,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
     std::vector<std::vector<double>> perKelvin(joints_.size(), std::vector<double>(count));
     double most = 0.0;
     for (std::size_t point = 0; point < count; ++point) {
-      const Eigen::VectorXd change =
-          (mean(point, static_cast<int>(k), 0.5 * range) - mean(point, static_cast<int>(k), -0.5 * range)) /
-          range;
+      const Eigen::VectorXd change = (mean(point, k, 0.5 * range) - mean(point, k, -0.5 * range)) / range;
       for (std::size_t a = 0; a < joints_.size(); ++a) {
         perKelvin[a][point] = change[joints_[a]];
         most = std::max(most, std::abs(change[joints_[a]]) * range);
@@ -87,44 +81,27 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
     }
     if (most < kGridLeast) continue;
     sensors_.push_back(d.sensors[k]);
-    sensorOf_.push_back(static_cast<int>(k));
+    sensorOf_.push_back(k);
     referenceTemperature_.push_back(middle[k]);
     perKelvin_.push_back(std::move(perKelvin));
     largest_ = std::max(largest_, most);
   }
 }
 
-double OffsetGrid::interpolated(const std::vector<double>& values, const State& state) const {
-  const std::size_t axes = joints_.size();
-  std::vector<std::size_t> first(axes);
-  std::vector<double> share(axes);
-  for (std::size_t a = 0; a < axes; ++a) {
-    const std::vector<double>& at = at_[a];
-    const double x = (state.position[static_cast<std::size_t>(joints_[a])] - at.front()) / (at[1] - at[0]);
-    first[a] = static_cast<std::size_t>(std::clamp(std::floor(x), 0.0, kGridPoints - 2.0));
-    share[a] = std::clamp(x - static_cast<double>(first[a]), 0.0, 1.0);
-  }
-  double sum = 0.0;
-  for (std::size_t corner = 0; corner < (std::size_t{1} << axes); ++corner) {
-    double weight = 1.0;
-    std::size_t point = 0;
-    for (std::size_t a = 0; a < axes; ++a) {
-      const std::size_t upper = corner >> a & 1u;
-      weight *= upper != 0 ? share[a] : 1.0 - share[a];
-      point = point * kGridPoints + first[a] + upper;
-    }
-    sum += weight * values[point];
-  }
-  return sum;
+std::vector<GridCorner> OffsetGrid::corners(const State& state) const {
+  std::vector<double> place;
+  for (const int joint : joints_) place.push_back(state.position[joint]);
+  return gridCorners(at_, place);
 }
 
 std::vector<double> OffsetGrid::at(const State& state) const {
+  const std::vector<GridCorner> around = corners(state);
   std::vector<double> added;
   for (std::size_t a = 0; a < joints_.size(); ++a) {
-    double sum = interpolated(base_[a], state);
+    double sum = gridValue(around, base_[a]);
     for (std::size_t k = 0; k < sensors_.size(); ++k) {
-      const double t = state.temperature[static_cast<std::size_t>(sensorOf_[k])];
-      if (std::isfinite(t)) sum += (t - referenceTemperature_[k]) * interpolated(perKelvin_[k][a], state);
+      const double t = state.temperature[sensorOf_[k]];
+      if (std::isfinite(t)) sum += (t - referenceTemperature_[k]) * gridValue(around, perKelvin_[k][a]);
     }
     added.push_back(sum);
   }

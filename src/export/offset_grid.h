@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "base/grid_values.h"
 #include "export/fitted_tables.h"
 
 namespace mm {
@@ -26,7 +27,7 @@ class OffsetGrid {
   const std::vector<std::string>& sensors() const { return sensors_; }  ///< those that change something
 
  private:
-  double interpolated(const std::vector<double>& values, const State& state) const;
+  std::vector<GridCorner> corners(const State& state) const;
 
   std::vector<int> joints_;
   std::vector<std::string> letters_, sensors_;

@@ -5,6 +5,7 @@
 
 #include "base/dense.h"
 #include "base/format.h"
+#include "base/rotation.h"
 #include "base/units.h"
 #include "effects/inputs.h"
 #include "export/export_folder.h"
@@ -21,15 +22,13 @@ constexpr double kNothing = 1e-10;   // m: rounding of the chain
 constexpr double kBelowAll = 5e-9;   // m: less than any of these machines repeats
 constexpr double kExactShare = 0.02, kNoneShare = 0.95;
 
-double rms(const Eigen::VectorXd& errors) {
-  return std::sqrt(errors.squaredNorm() / static_cast<double>(errors.size()));
-}
+double rms(const Eigen::VectorXd& errors) { return std::sqrt(errors.squaredNorm() / errors.size()); }
 
 /// What is left of displacements (three a place) when one displacement, and where asked one small rotation
 /// about the mean place, is taken out of all.
 double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d>& places, bool rotated) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : places) centre += p / static_cast<double>(places.size());
+  for (const Eigen::Vector3d& p : places) centre += p / places.size();
   Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(errors.size(), rotated ? 6 : 3);
   double size = 1e-9;
   for (const Eigen::Vector3d& p : places) size = std::max(size, (p - centre).norm());
@@ -37,24 +36,25 @@ double leftOver(const Eigen::VectorXd& errors, const std::vector<Eigen::Vector3d
     const auto row = 3 * static_cast<Eigen::Index>(n);
     rigid.block<3, 3>(row, 0).setIdentity();
     if (!rotated) continue;
-    const Eigen::Vector3d a = (places[n] - centre) / size;
-    rigid.block<3, 3>(row, 3) << 0, a.z(), -a.y(), -a.z(), 0, a.x(), a.y(), -a.x(), 0;
+    rigid.block<3, 3>(row, 3) = skew((centre - places[n]) / size);
   }
   return rms(errors - rigid * shortestLeastSquares(rigid, errors, kRank));
 }
 
-ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported,
-                        const LoadedCompensation& loaded) {
+/// Interprets files that nobody has been given yet.
+ExportFigures judged(const std::string& target, const NeededCorrection& needed, const Exported& exported) {
+  const TriedExport tried(target, exported);
+  const LoadedCompensation& loaded = tried.loaded();
   const std::vector<State> states = needed.states(kJudgeStates, kJudgeSeed);
   Eigen::VectorXd before(3 * kJudgeStates), after(3 * kJudgeStates), beside(3 * kJudgeStates);
   std::vector<Eigen::Vector3d> places;
   for (int n = 0; n < kJudgeStates; ++n) {
-    const State& state = states[static_cast<std::size_t>(n)];
+    const State& state = states[n];
     std::vector<double> motors = state.position;
     const auto drive = [&](const std::map<std::string, double>& added) {
       for (const ExportAxis& axis : needed.axes())
         if (const auto found = added.find(axis.letter); found != added.end())
-          motors[static_cast<std::size_t>(axis.joint)] += found->second;
+          motors[axis.joint] += found->second;
     };
     const CommandedState command = needed.commandOf(state);
     drive(loaded.tablesAdd(command));
@@ -73,32 +73,21 @@ ExportFigures figuresOf(const NeededCorrection& needed, const Exported& exported
   return figures;
 }
 
-/// Interprets files that nobody has been given yet.
-ExportFigures judged(const std::string& target, const NeededCorrection& needed, const Exported& exported) {
-  return figuresOf(needed, exported, TriedExport(target, exported).loaded());
-}
-
 Calibration oneEffect(const Calibration& whole, int effect) {
   Calibration one = whole;
-  one.effects = {whole.effects[static_cast<std::size_t>(effect)]};
+  one.effects = {whole.effects[effect]};
   one.values.clear();
   std::vector<Eigen::Index> kept;
   for (std::size_t p = 0; p < whole.values.size(); ++p)
     if (whole.values[p].effect == effect) {
-      kept.push_back(static_cast<Eigen::Index>(p));
+      kept.push_back(p);
       one.values.push_back(whole.values[p]);
       one.values.back().effect = 0;
     }
-  const auto n = static_cast<Eigen::Index>(kept.size());
-  one.covariance.resize(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index k = 0; k < n; ++k)
-      one.covariance(i, k) =
-          whole.covariance(kept[static_cast<std::size_t>(i)], kept[static_cast<std::size_t>(k)]);
-  std::vector<LearnedNetwork> networks;
+  one.covariance = whole.covariance(kept, kept);
+  one.networks.clear();
   for (const LearnedNetwork& network : whole.networks)
-    if (network.effect == one.effects[0].yaml()) networks.push_back(network);
-  one.networks = networks;
+    if (network.effect == one.effects[0].yaml()) one.networks.push_back(network);
   return one;
 }
 
@@ -114,25 +103,17 @@ std::string whatItDoes(const NeededCorrection& needed) {
   const Domain& d = needed.model().domain();
   const Inputs in = inputsOf(*needed.model().effects()[0], d);
   std::vector<std::string> by, moves;
-  const auto name = [&](int joint) { return needed.axes()[static_cast<std::size_t>(joint)].letter; };
+  const auto name = [&](int joint) { return needed.axis(joint).letter; };
   for (const int j : in.positions) by.push_back("the position of " + name(j));
   for (const int j : in.travels) by.push_back("the travel of " + name(j));
   for (const int j : in.reversals)
     by.push_back("the way of " + name(j) + " since its last reversal (taken as far from it)");
-  for (const int k : in.temperatures)
-    by.push_back("the temperature " + d.sensors[static_cast<std::size_t>(k)]);
-  for (const int k : in.covariates) by.push_back(d.covariates[static_cast<std::size_t>(k)]);
+  for (const int k : in.temperatures) by.push_back("the temperature " + d.sensors[k]);
+  for (const int k : in.covariates) by.push_back(d.covariates[k]);
   if (in.time) by.emplace_back("time");
-  std::vector<Eigen::VectorXd> at;
-  for (const State& s : needed.states(64, kJudgeSeed)) at.push_back(needed.adds(s));
-  for (const int joint : needed.linear()) {
-    double least = at[0][joint], most = least;
-    for (const Eigen::VectorXd& a : at) {
-      least = std::min(least, a[joint]);
-      most = std::max(most, a[joint]);
-    }
-    if (most - least > kMoves) moves.push_back(name(joint));
-  }
+  const Eigen::VectorXd varies = needed.varies(64, kJudgeSeed);
+  for (const int joint : needed.linear())
+    if (varies[joint] > kMoves) moves.push_back(name(joint));
   return "corrects " + (moves.empty() ? "no axis" : listed(moves)) + (by.empty() ? "" : " by " + listed(by));
 }
 

@@ -1,5 +1,3 @@
-#include "export/to_beckhoff.h"
-
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -8,6 +6,7 @@
 #include "base/tiny.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {
@@ -24,8 +23,8 @@ constexpr unsigned kPlaneChoiceSeed = 21;
 long units(double metres) { return std::lround(metres / kBeckhoffUnit); }
 
 PlaneTable planeOf(const NeededCorrection& needed, int first, int second) {
-  const ExportAxis& a = needed.axes()[static_cast<std::size_t>(first)];
-  const ExportAxis& b = needed.axes()[static_cast<std::size_t>(second)];
+  const ExportAxis& a = needed.axis(first);
+  const ExportAxis& b = needed.axis(second);
   const auto length = [&](const ExportAxis& axis) {
     const auto [lower, upper] = needed.tabulated(axis.joint);
     return upper - lower;
@@ -48,14 +47,12 @@ PlaneTable planeOf(const NeededCorrection& needed, int first, int second) {
 void leaveToOwn(const NeededCorrection& needed, PlaneTable& plane) {
   const auto own = [&](int joint, const std::vector<double>& at) {
     const double zero = meanCorrection(needed, joint, needed.reference(joint))[joint];
-    Eigen::VectorXd curve(static_cast<Eigen::Index>(at.size()));
-    for (std::size_t i = 0; i < at.size(); ++i)
-      curve[static_cast<Eigen::Index>(i)] = meanCorrection(needed, joint, at[i])[joint] - zero;
+    Eigen::VectorXd curve(at.size());
+    for (std::size_t i = 0; i < at.size(); ++i) curve[i] = meanCorrection(needed, joint, at[i])[joint] - zero;
     return curve;
   };
-  plane.value[static_cast<std::size_t>(plane.first)].colwise() -= own(plane.first, plane.atFirst);
-  plane.value[static_cast<std::size_t>(plane.second)].rowwise() -=
-      own(plane.second, plane.atSecond).transpose();
+  plane.value[plane.first].colwise() -= own(plane.first, plane.atFirst);
+  plane.value[plane.second].rowwise() -= own(plane.second, plane.atSecond).transpose();
 }
 
 /// What the tables of one axis add to it.
@@ -65,9 +62,9 @@ struct AxisTables {
   const LineTable* cross = nullptr;
 
   double at(const State& s, int output) const {
-    const auto read = [&](int joint) { return s.position[static_cast<std::size_t>(joint)]; };
+    const auto read = [&](int joint) { return s.position[joint]; };
     double sum = 0.0;
-    if (own != nullptr) sum += own->value(output, read(output), s.travel[static_cast<std::size_t>(output)]);
+    if (own != nullptr) sum += own->value(output, read(output), s.travel[output]);
     if (plane != nullptr) sum += plane->interpolated(output, read(plane->first), read(plane->second));
     if (cross != nullptr) sum += cross->value(output, read(cross->input), 0.0);
     return sum;
@@ -82,8 +79,7 @@ struct Pool {
   explicit Pool(const NeededCorrection& needed) : lines(needed.axes().size()) {
     const std::vector<int>& linear = needed.linear();
     for (const int joint : linear)
-      if (needed.moved(joint))
-        lines[static_cast<std::size_t>(joint)] = lineTable(needed, joint, kBeckhoffMostPoints);
+      if (needed.moved(joint)) lines[joint] = lineTable(needed, joint, kBeckhoffMostPoints);
     for (std::size_t a = 0; a < linear.size(); ++a)
       for (std::size_t b = a + 1; b < linear.size(); ++b)
         if (needed.moved(linear[a]) && needed.moved(linear[b])) {
@@ -92,7 +88,7 @@ struct Pool {
         }
   }
   const LineTable* line(int joint) const {
-    const auto& found = lines[static_cast<std::size_t>(joint)];
+    const auto& found = lines[joint];
     return found ? &*found : nullptr;
   }
 };
@@ -105,7 +101,7 @@ double left(const NeededCorrection& needed, const std::vector<State>& states, co
     sum += e;
     squares += e * e;
   }
-  const double n = static_cast<double>(states.size());
+  const double n = states.size();
   return squares / n - sum * sum / n / n;
 }
 
@@ -132,7 +128,6 @@ AxisTables chosen(const NeededCorrection& needed, const Pool& pool, int output) 
 }
 
 std::string leadscrew(const LineTable& table, int joint) {
-  const auto j = static_cast<std::size_t>(joint);
   std::string text = format(
       "kw.ssfk.unit %d\nkw.ssfk.interval %ld\nkw.ssfk.kw_startpos %ld\nkw.ssfk.kw_nr_max %zu\n"
       "kw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n",
@@ -140,7 +135,7 @@ std::string leadscrew(const LineTable& table, int joint) {
   // Actual minus command, as the manual's example computes it: the control takes it from the setpoint.
   for (std::size_t i = 0; i < table.at.size(); ++i)
     text += format("kw.ssfk.table[%zu].pos %ld\nkw.ssfk.table[%zu].neg %ld\n", i,
-                   -units(table.positive[j][i]), i, -units(table.negative[j][i]));
+                   -units(table.positive[joint][i]), i, -units(table.negative[joint][i]));
   return text;
 }
 
@@ -165,9 +160,7 @@ std::string planeList(const AxisTables& tables, int joint, int master1, int mast
       units(plane.atFirst.front()), units(plane.atSecond.front()), master1, master2);
   for (std::size_t k = 0; k < plane.atSecond.size(); ++k)
     for (std::size_t i = 0; i < plane.atFirst.size(); ++i)
-      text += format("kw.crosscomp2.table[%zu][%zu].correction %ld\n", k, i,
-                     units(plane.value[static_cast<std::size_t>(joint)](static_cast<Eigen::Index>(i),
-                                                                        static_cast<Eigen::Index>(k))));
+      text += format("kw.crosscomp2.table[%zu][%zu].correction %ld\n", k, i, units(plane.value[joint](i, k)));
   return text;
 }
 
@@ -178,13 +171,13 @@ Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions&) {
   const Pool pool(needed);
   std::vector<int> number(needed.axes().size(), 0);  // logical axis numbers, from 1
   int count = 0;
-  for (const int joint : needed.linear()) number[static_cast<std::size_t>(joint)] = ++count;
+  for (const int joint : needed.linear()) number[joint] = ++count;
   for (const int joint : needed.linear()) {
-    const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
+    const ExportAxis& axis = needed.axis(joint);
     if (!needed.changes(joint)) continue;
     out.axes.insert(axis.letter);
     const AxisTables tables = chosen(needed, pool, joint);
-    const auto of = [&](int j) { return number[static_cast<std::size_t>(j)]; };
+    const auto of = [&](int j) { return number[j]; };
     std::string list =
         format("kopf.log_achs_nr %d\nkopf.log_achs_name %s\n", of(joint), capital(axis.letter).c_str());
     std::string set = needed.active() != nullptr ? "lr_param.anwahl_losekomp 0\n" : "";
@@ -202,9 +195,8 @@ Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions&) {
       list += planeList(tables, joint, of(tables.plane->first), of(tables.plane->second));
       set += "lr_param.crosscomp2 1\n";
       out.notes.push_back("Plane compensation of " + capital(axis.letter) + " by " +
-                          capital(needed.axes()[static_cast<std::size_t>(tables.plane->first)].letter) +
-                          " and " +
-                          capital(needed.axes()[static_cast<std::size_t>(tables.plane->second)].letter) +
+                          capital(needed.axis(tables.plane->first).letter) + " and " +
+                          capital(needed.axis(tables.plane->second).letter) +
                           ": of the planes that there are it leaves least.");
     }
     out.files.push_back(

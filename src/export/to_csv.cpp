@@ -1,13 +1,14 @@
-#include "export/to_csv.h"
-
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <limits>
 
 #include "base/format.h"
+#include "base/grid_values.h"
+#include "base/rotation.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
 #include "export/hat_functions.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {
@@ -49,28 +50,25 @@ struct Chain {
 /// The arm from a joint's fixed side to the tip: what lies upstream does not count.
 Eigen::Vector3d armOf(const NeededCorrection& needed, const Chain& chain, const State& state, int joint) {
   std::vector<double> q = state.position;
-  for (int j = 0; j < joint; ++j) q[static_cast<std::size_t>(j)] = 0.0;
+  for (int j = 0; j < joint; ++j) q[j] = 0.0;
   return needed.model().machine().nominal(q.data(), std::numeric_limits<double>::quiet_NaN()).position -
-         chain.origin[static_cast<std::size_t>(joint)];
+         chain.origin[joint];
 }
 
 /// Rotation and translation that explain how much more the probe is displaced at this place than at the
 /// reference.
 CarriageError explained(const std::vector<Eigen::Vector3d>& more, const std::vector<Eigen::Vector3d>& arms) {
   Eigen::Vector3d meanMore = Eigen::Vector3d::Zero(), meanArm = Eigen::Vector3d::Zero();
-  const double n = static_cast<double>(more.size());
+  const double n = more.size();
   for (std::size_t i = 0; i < more.size(); ++i) {
     meanMore += more[i] / n;
     meanArm += arms[i] / n;
   }
-  Eigen::MatrixXd lever(3 * static_cast<Eigen::Index>(more.size()), 3);
+  Eigen::MatrixXd lever(3 * more.size(), 3);
   Eigen::VectorXd moved(lever.rows());
   for (std::size_t i = 0; i < more.size(); ++i) {
-    const Eigen::Vector3d a = arms[i] - meanArm;
-    Eigen::Matrix3d byRotation;  // r x a
-    byRotation << 0, a.z(), -a.y(), -a.z(), 0, a.x(), a.y(), -a.x(), 0;
-    lever.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = byRotation;
-    moved.segment<3>(3 * static_cast<Eigen::Index>(i)) = more[i] - meanMore;
+    lever.middleRows<3>(3 * i) = skew(meanArm - arms[i]);  // r x arm
+    moved.segment<3>(3 * i) = more[i] - meanMore;
   }
   Eigen::JacobiSVD<Eigen::MatrixXd> svd(lever, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd s = svd.singularValues();
@@ -87,8 +85,7 @@ std::vector<State> statesFor(const NeededCorrection& needed) {
   std::vector<State> states = needed.states(kCsvOthers, kCsvSeed);
   for (State& s : states)
     for (const ExportAxis& axis : needed.axes())
-      if (axis.kind == JointKind::kRotary)
-        s.position[static_cast<std::size_t>(axis.joint)] = needed.reference(axis.joint);
+      if (axis.kind == JointKind::kRotary) s.position[axis.joint] = needed.reference(axis.joint);
   return states;
 }
 
@@ -115,7 +112,7 @@ std::vector<std::array<CarriageError, 2>> errorsOf(const NeededCorrection& neede
         more.push_back(displaced(states[i], position, way == 0 ? 1.0 : -1.0) - reference[i]);
         arms.push_back(armOf(needed, chain, states[i], joint));
       }
-      errors.back()[static_cast<std::size_t>(way)] = explained(more, arms);
+      errors.back()[way] = explained(more, arms);
     }
   }
   return errors;
@@ -129,11 +126,10 @@ std::vector<std::array<CarriageError, 2>> fittedErrors(const NeededCorrection& n
   const int joint = table.input;
   const std::vector<double> at = samplesWithin(points, table.samplesAStep);
   const std::vector<std::array<CarriageError, 2>> sampled = errorsOf(needed, chain, joint, at);
-  Eigen::MatrixXd curves(static_cast<Eigen::Index>(at.size()), 12);
+  Eigen::MatrixXd curves(at.size(), 12);
   for (std::size_t n = 0; n < at.size(); ++n)
-    curves.row(static_cast<Eigen::Index>(n)) << sampled[n][0].translation.transpose(),
-        sampled[n][0].rotation.transpose(), sampled[n][1].translation.transpose(),
-        sampled[n][1].rotation.transpose();
+    curves.row(n) << sampled[n][0].translation.transpose(), sampled[n][0].rotation.transpose(),
+        sampled[n][1].translation.transpose(), sampled[n][1].rotation.transpose();
   Eigen::MatrixXd values = hatOrLineFit(points, at, curves);
   const auto [place, share] = placeAmong(points, needed.reference(joint));
   const auto before = static_cast<Eigen::Index>(place);
@@ -200,8 +196,7 @@ Exported toCsv(const NeededCorrection& needed, const ExportOptions&) {
     if (!needed.moved(joint) && needed.activePoints(joint).empty()) continue;
     const LineTable table = lineTable(needed, joint, kCsvMostPoints);
     addNotFollowed(notFollowed(needed, table, needed.linear()), out);
-    addErrorTables(needed.axes()[static_cast<std::size_t>(joint)], table.at,
-                   fittedErrors(needed, chain, table), out);
+    addErrorTables(needed.axis(joint), table.at, fittedErrors(needed, chain, table), out);
   }
   out.files.push_back({"chain.csv", "the kinematic chain from workpiece to tip, in the axes of the workpiece",
                        chainTable(needed, chain)});

@@ -1,5 +1,3 @@
-#include "export/to_fanuc.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -9,6 +7,7 @@
 #include "base/tiny.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {
@@ -166,15 +165,24 @@ struct Units {
   }
 };
 
-/// Lines of one parameter, an axis each.
-class Parameter1 {
+/// Parameters of the axes, each a line with all that have it.
+class FanucParameterLines {
  public:
-  explicit Parameter1(int number) : text_(format("N%05d", number)) {}
-  void add(int axis, const std::string& value) { words_ += format(" A%d P", axis) + value; }
-  std::string line() const { return words_.empty() ? "" : text_ + words_ + "\n"; }  ///< empty: of no axis
+  void add(int parameter, int axis, const std::string& value) {
+    std::string& line = lines_[parameter];
+    if (line.empty()) line = format("N%05d", parameter);
+    line += format(" A%d P", axis) + value;
+  }
+  /// Those of the parameters that an axis has, in this order.
+  std::string text(const std::vector<int>& parameters) const {
+    std::string text;
+    for (const int parameter : parameters)
+      if (const auto line = lines_.find(parameter); line != lines_.end()) text += line->second + "\n";
+    return text;
+  }
 
  private:
-  std::string text_, words_;
+  std::map<int, std::string> lines_;
 };
 
 /// What the page says whatever the calibration is.
@@ -219,14 +227,13 @@ Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
   const StraightPart adds = straightPart(needed, &NeededCorrection::adds),
                      active = straightPart(needed, &NeededCorrection::activeAt);
   const Units as(unit);
-  Parameter1 units(1013), names(1020), multiplier(1820), backlash(1851), reference(3620), lowest(3621),
-      highest(3622), magnify(3623), interval(3624), both(3605);
+  FanucParameterLines lines;
   std::string data;
   std::vector<std::pair<int, LineTable>> written;  // number of the axis
   std::set<int> taken;                             // numbers of pitch error data
   int n = 0;
   for (const int joint : needed.linear()) {
-    const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
+    const ExportAxis& axis = needed.axis(joint);
     ++n;
     if (!needed.moved(joint) && needed.activePoints(joint).empty()) continue;
     LineTable table = lineTable(needed, joint, 481, &NeededCorrection::adds);
@@ -240,27 +247,27 @@ Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
       if (out.axes.count(letter) == 0) taken.insert(numbers.begin(), numbers.end());
   for (const auto& [number, table] : written) {
     const int joint = table.input;
-    const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(joint)];
+    const ExportAxis& axis = needed.axis(joint);
     addNotFollowed(notFollowed(needed, table, {joint}), out);
-    units.add(number, as.increment);
-    multiplier.add(number, std::to_string(as.multiplier));
-    names.add(number, std::to_string(static_cast<int>(capital(axis.letter)[0])));
-    both.add(number, "00000000");
+    lines.add(1013, number, as.increment);
+    lines.add(1820, number, std::to_string(as.multiplier));
+    lines.add(1020, number, std::to_string(static_cast<int>(capital(axis.letter)[0])));
+    lines.add(3605, number, "00000000");
     const long gap = std::lround(2.0 * (adds.byTravel(joint, joint) + active.byTravel(joint, joint)) / unit);
     if (std::abs(2.0 * adds.byTravel(joint, joint)) > 0.5 * unit || needed.active() != nullptr)
-      backlash.add(number, std::to_string(gap));
+      lines.add(1851, number, std::to_string(gap));
     if (!bends(table, joint) && needed.activePoints(joint).empty()) continue;
-    const double limit = needed.model().machine().joints()[static_cast<std::size_t>(joint)].maxVelocity;
+    const double limit = needed.model().machine().joints()[joint].maxVelocity;
     const double rapid = options.rapidRate > 0.0 ? options.rapidRate : limit;
     const Pitch pitch = pitchOf(needed, axis, table, unit, rapid * kLeastIntervalSeconds);
     const int first = freeNumbers(taken, (number - 1) * kNumbersAnAxis, pitch.last - pitch.first + 1);
     for (int i = 0; i <= pitch.last - pitch.first; ++i) taken.insert(first + i);
     const int zero = first - pitch.first;
-    reference.add(number, std::to_string(zero));
-    lowest.add(number, std::to_string(zero + pitch.first + 1));
-    highest.add(number, std::to_string(zero + pitch.last));
-    magnify.add(number, std::to_string(pitch.magnification));
-    interval.add(number, fixed(pitch.interval / kMillimetre, 4));
+    lines.add(3620, number, std::to_string(zero));
+    lines.add(3621, number, std::to_string(zero + pitch.first + 1));
+    lines.add(3622, number, std::to_string(zero + pitch.last));
+    lines.add(3623, number, std::to_string(pitch.magnification));
+    lines.add(3624, number, fixed(pitch.interval / kMillimetre, 4));
     for (std::size_t i = 0; i < pitch.increments.size(); ++i)
       data +=
           format("N%05d P%ld\n", 10000 + zero + pitch.first + 1 + static_cast<int>(i), pitch.increments[i]);
@@ -279,16 +286,14 @@ Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options) {
           format("%s rises by more than 7 detection units between two points: magnification %ld.",
                  letter.c_str(), pitch.magnification));
   }
-  const std::string parameters =
-      backlash.line() + reference.line() + lowest.line() + highest.line() + magnify.line() + interval.line();
   out.files = {
       {"parameters.txt", "parameters and pitch error data in detection units, as the control punches them",
-       "%\n" + parameters + data + "%\n"},
+       "%\n" + lines.text({1851, 3620, 3621, 3622, 3623, 3624}) + data + "%\n"},
       {"compare.txt",
        "what the control must have already, to be compared and never read in: 1013#1 (increment "
        "system), 1020 (names of the axes), 1820 (detection unit), 3605#0 (one table for both "
        "directions)",
-       "%\n" + units.line() + names.line() + multiplier.line() + both.line() + "%\n"}};
+       "%\n" + lines.text({1013, 1020, 1820, 3605}) + "%\n"}};
   addFanucWords(out);
   return out;
 }

@@ -1,10 +1,9 @@
-#include "export/to_grblhal.h"
-
 #include <string>
 
 #include "base/format.h"
 #include "base/units.h"
 #include "export/printer_terms.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {

@@ -1,10 +1,9 @@
-#include "export/to_heidenhain.h"
-
 #include <algorithm>
 
 #include "base/format.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {
@@ -37,7 +36,7 @@ std::string comTable(const LineTable& table, const std::string& name,
 Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions&) {
   Exported out;
   std::vector<const ExportAxis*> axes;
-  for (const int joint : needed.linear()) axes.push_back(&needed.axes()[static_cast<std::size_t>(joint)]);
+  for (const int joint : needed.linear()) axes.push_back(&needed.axis(joint));
   std::string columns = "NR ACTIVE", line = "0 *";
   bool changes = false;
   for (const ExportAxis* axis : axes) changes = changes || needed.changes(axis->joint);

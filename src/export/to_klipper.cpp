@@ -1,10 +1,9 @@
-#include "export/to_klipper.h"
-
 #include <cmath>
 
 #include "base/format.h"
 #include "base/units.h"
 #include "export/printer_terms.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {
@@ -34,17 +33,16 @@ std::string mesh(const NeededCorrection& needed, const StraightPart& adds, const
       needed.active() == nullptr ? added : planeTable(needed, x.joint, y.joint, along(x), along(y));
   std::string points;
   double largest = 0.0;
-  const Eigen::MatrixXd& value = plane.value[static_cast<std::size_t>(z.joint)];
+  const Eigen::MatrixXd& value = plane.value[z.joint];
   for (int k = 0; k < kMeshPoints; ++k) {
     points += "\n  ";
     for (int i = 0; i < kMeshPoints; ++i) {
-      const double straight = adds.byPosition(z.joint, x.joint) *
-                                  (plane.atFirst[static_cast<std::size_t>(i)] - needed.reference(x.joint)) +
-                              adds.byPosition(z.joint, y.joint) *
-                                  (plane.atSecond[static_cast<std::size_t>(k)] - needed.reference(y.joint));
+      const double straight =
+          adds.byPosition(z.joint, x.joint) * (plane.atFirst[i] - needed.reference(x.joint)) +
+          adds.byPosition(z.joint, y.joint) * (plane.atSecond[k] - needed.reference(y.joint));
       const double height = value(i, k) - straight;
       largest = std::max(largest, std::abs(height));
-      const double change = added.value[static_cast<std::size_t>(z.joint)](i, k) - straight;
+      const double change = added.value[z.joint](i, k) - straight;
       changes = changes || std::abs(change) > kMeshLeast;
       points += (i == 0 ? "" : ", ") + fixed(height / kMillimetre, 6);
     }
@@ -134,7 +132,7 @@ Exported toKlipper(const NeededCorrection& needed, const ExportOptions&) {
           "its least): within a move over a mesh that changes less, z goes straight. Break long moves up in "
           "the G-code.");
     if (sensor >= 0) {
-      const std::string& name = needed.model().domain().sensors[static_cast<std::size_t>(sensor)];
+      const std::string& name = needed.model().domain().sensors[sensor];
       out.sensors["z_thermal_adjust"] = name;
       out.notes.push_back("[z_thermal_adjust] takes the temperature of sensor '" + name +
                           "' of the calibration; sensor_type and sensor_pin are those of your board, and "

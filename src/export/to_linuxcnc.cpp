@@ -1,5 +1,3 @@
-#include "export/to_linuxcnc.h"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -8,6 +6,7 @@
 #include "base/units.h"
 #include "export/fitted_tables.h"
 #include "export/offset_grid.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {
@@ -24,10 +23,9 @@ std::vector<const ExportAxis*> inOrder(const NeededCorrection& needed) {
 
 std::string triplets(const LineTable& table, int joint) {
   std::string text;
-  const auto j = static_cast<std::size_t>(joint);
   for (std::size_t i = 0; i < table.at.size(); ++i)
-    text += fixed(table.at[i] / kMillimetre, 4) + " " + fixed(table.positive[j][i] / kMillimetre, 7) + " " +
-            fixed(table.negative[j][i] / kMillimetre, 7) + "\n";
+    text += fixed(table.at[i] / kMillimetre, 4) + " " + fixed(table.positive[joint][i] / kMillimetre, 7) +
+            " " + fixed(table.negative[joint][i] / kMillimetre, 7) + "\n";
   return text;
 }
 

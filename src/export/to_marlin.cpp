@@ -1,10 +1,9 @@
-#include "export/to_marlin.h"
-
 #include <cmath>
 
 #include "base/error.h"
 #include "base/units.h"
 #include "export/printer_terms.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {

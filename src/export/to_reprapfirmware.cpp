@@ -1,7 +1,6 @@
-#include "export/to_reprapfirmware.h"
-
 #include "base/units.h"
 #include "export/printer_terms.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {

@@ -1,10 +1,9 @@
-#include "export/to_siemens.h"
-
 #include <set>
 
 #include "base/format.h"
 #include "base/units.h"
 #include "export/fitted_tables.h"
+#include "export/targets.h"
 
 namespace mm {
 namespace {
@@ -63,7 +62,7 @@ struct Tables {
 };
 
 void addTables(const LineTable& table, const ExportAxis& in, const ExportAxis& out, Tables& tables) {
-  const auto j = static_cast<std::size_t>(out.joint);
+  const int j = out.joint;
   if (table.largest(out.joint) < kSiemensLeast) return;
   std::vector<double> mean;
   double apart = 0.0;
@@ -86,7 +85,7 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
     by.push_back(lineTable(needed, input, kSiemensMostPoints));
     addNotFollowed(notFollowed(needed, by.back(), needed.linear()), out);
     for (const int output : needed.linear())
-      if (by.back().changes(output)) out.axes.insert(needed.axes()[static_cast<std::size_t>(output)].letter);
+      if (by.back().changes(output)) out.axes.insert(needed.axis(output).letter);
   }
   Tables tables;
   if (needed.active() != nullptr)
@@ -95,9 +94,8 @@ Exported toSiemens(const NeededCorrection& needed, const ExportOptions&) {
   std::string enabled;
   for (const LineTable& table : by)
     for (const int output : needed.linear()) {
-      const ExportAxis& axis = needed.axes()[static_cast<std::size_t>(output)];
-      if (out.axes.count(axis.letter) > 0)
-        addTables(table, needed.axes()[static_cast<std::size_t>(table.input)], axis, tables);
+      const ExportAxis& axis = needed.axis(output);
+      if (out.axes.count(axis.letter) > 0) addTables(table, needed.axis(table.input), axis, tables);
     }
   for (const int old : tables.before) tables.enable += format("$SN_CEC_TABLE_ENABLE[%d]=0\n", old);
   for (const std::string& letter : out.axes) enabled += "$MA_CEC_ENABLE[" + capital(letter) + "1]=1\n";

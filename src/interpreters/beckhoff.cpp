@@ -1,187 +1,213 @@
-// Beckhoff: TF5200 (lists, see compensation_list.cpp); Tc2_MC2 MC_TableBasedPositionCompensation (position,
-// additive value, equidistant and ascending, WorkDirection, Modulo) and TcNc FB_PositionCompensation (another
-// axis as reference). Backlash of TF5200: lr_param.anwahl_losekomp says in which direction the axis moved
+// Beckhoff TF5200 "Axis compensation" and ISG kernel, P-COMP-00001 to 00061: lists of one axis, a key and a
+// value a line, lengths in 0.1 µm. Backlash: lr_param.anwahl_losekomp says in which direction the axis moved
 // last before (1 positive, 2 negative); assumed that nothing is added in that direction.
-#include <algorithm>
 #include <cmath>
+#include <regex>
 
 #include "base/error.h"
 #include "base/text.h"
-#include "base/units.h"
-#include "interpreters/compensation_list.h"
 #include "interpreters/table_sum.h"
 #include "interpreters/targets.h"
 
 namespace mm {
 namespace {
 
+constexpr int kMostLeadscrewPoints = 1499, kMostCrossIndex = 1000, kMostPlanePoints = 10201;
+
+double listUnit(const std::string& joint) {
+  constexpr double kTenthMicrometre = 1e-4;  // of mm; 0.0001 deg
+  return kTenthMicrometre * jointUnit(joint);
+}
+
+/// Of the keys kw.… all that are read.
+bool isReadKey(const std::string& key) {
+  static const std::regex known(
+      R"(kw\.(ssfk\.(unit|interval|kw_startpos|kw_nr_max|bilateral|modulo|table\[\d+\]\.(pos|neg))|)"
+      R"(crosscomp\.(unit|last_index|master_ax_nr|table\[\d+\]\.(setpoint|correction))|)"
+      R"(crosscomp2\.(unit|interval|last_index_master[12]|start_position_master[12]|master[12]_ax_nr|)"
+      R"(table\[\d+\]\[\d+\]\.correction)))");
+  return std::regex_match(key, known);
+}
+
+void readList(const std::filesystem::path& file, KeyedValues& list) {
+  for (const TextLine& line : textLines(file)) {
+    const std::string_view text = trim(std::string_view(line.text).substr(0, line.text.find('#')));
+    if (text.empty()) continue;
+    const std::vector<std::string> words = wordsBetweenBlanks(text);
+    if (words.size() < 2) refuse(line.place, "'" + words[0] + "' has no value");
+    if (startsWith(words[0], "kw.") && !isReadKey(words[0]))
+      refuse(line.place, "'" + words[0] +
+                             "' is not read; docs/interpreters.md names the parameters of which "
+                             "the rules are known");
+    list.set(words[0], words[1], line.place);
+  }
+}
+
+/// A number of the table of a list, `kw.ssfk.table[3].pos`, 0 where it is not given.
+double tableValue(const KeyedValues& list, const std::string& table, int i, const std::string& what) {
+  return list.number(table + ".table[" + std::to_string(i) + "]" + what, 0.0);
+}
+
+/// Leadscrew error compensation: the values are absolute position errors (actual minus programmed, as the
+/// documented example computes them), so they are taken off; the ends hold beyond the table (assumed:
+/// documented of the plane).
+AxisTable leadscrewTable(const KeyedValues& list, const std::string& joint) {
+  list.only("kw.ssfk.unit", 1);
+  list.only("kw.ssfk.modulo", 0);
+  const int count = list.integer("kw.ssfk.kw_nr_max", 1, kMostLeadscrewPoints);
+  const double interval = list.number("kw.ssfk.interval"), start = list.number("kw.ssfk.kw_startpos", 0.0);
+  if (!(interval > 0.0)) refuse(list.place("kw.ssfk.interval"), "kw.ssfk.interval: is not above 0");
+  const std::string downwards = list.flag("kw.ssfk.bilateral", false) ? ".neg" : ".pos";
+  std::vector<double> positions, positive, negative;
+  for (int i = 0; i < count; ++i) {
+    positions.push_back((start + i * interval) * listUnit(joint));
+    positive.push_back(-tableValue(list, "kw.ssfk", i, ".pos") * listUnit(joint));
+    negative.push_back(-tableValue(list, "kw.ssfk", i, downwards) * listUnit(joint));
+  }
+  return {joint, joint, {positions, positive}, {positions, negative}};
+}
+
+/// @param axes logical number of an axis -> joint.
+std::string masterAxis(const KeyedValues& list, const std::string& key,
+                       const std::map<int, std::string>& axes) {
+  const auto found = axes.find(list.integer(key, 1, 1000));
+  if (found == axes.end())
+    refuse(list.place(key),
+           key + ": axis " + list.find(key)->text + " has no list here; give one with its kopf.log_achs_nr");
+  return found->second;
+}
+
+/// Cross compensation: what is added to this axis by the command of another (corrections relative to the
+/// command of the slave: added as they are; the documents give no example with a sign).
+AxisTable crossTable(const KeyedValues& list, const std::string& slave,
+                     const std::map<int, std::string>& axes) {
+  list.only("kw.crosscomp.unit", 1);
+  const std::string master = masterAxis(list, "kw.crosscomp.master_ax_nr", axes);
+  const int last = list.integer("kw.crosscomp.last_index", 0, kMostCrossIndex, 0);
+  std::vector<double> positions, values;
+  for (int i = 0; i <= last; ++i) {
+    const double position = tableValue(list, "kw.crosscomp", i, ".setpoint") * listUnit(master);
+    if (!positions.empty() && position <= positions.back())
+      refuse(list.place("kw.crosscomp.table[" + std::to_string(i) + "].setpoint"),
+             "setpoint " + std::to_string(i) + " is not above the one before");
+    positions.push_back(position);
+    values.push_back(tableValue(list, "kw.crosscomp", i, ".correction") * listUnit(slave));
+  }
+  return {master, slave, {positions, values}, {positions, values}};
+}
+
+/// Plane compensation: linear between the four points of a square, the margin beyond (documented).
+struct PlaneCompensation {
+  std::string slave;
+  std::vector<std::string> masters;
+  std::vector<std::vector<double>> at;  // of each master
+  std::vector<Curve> rows;              // over the first master, one for each position of the second
+
+  double value(const CommandedState& command) const {
+    std::vector<double> column;
+    for (const Curve& row : rows) column.push_back(row.at(commanded(command, masters[0])));
+    return Curve(at[1], column).at(commanded(command, masters[1]));
+  }
+};
+
+PlaneCompensation planeCompensation(const KeyedValues& list, const std::string& slave,
+                                    const std::map<int, std::string>& axes) {
+  const std::string name = "kw.crosscomp2";
+  list.only(name + ".unit", 1);
+  PlaneCompensation plane{slave, {}, {}, {}};
+  const double interval = list.number(name + ".interval");
+  if (!(interval > 0.0)) refuse(list.place(name + ".interval"), name + ".interval: is not above 0");
+  for (const std::string which : {"1", "2"}) {
+    const std::string master = masterAxis(list, name + ".master" + which + "_ax_nr", axes);
+    const int last = list.integer(name + ".last_index_master" + which, 1, kMostPlanePoints);
+    const double start = list.number(name + ".start_position_master" + which, 0.0);
+    plane.masters.push_back(master);
+    plane.at.emplace_back();
+    for (int i = 0; i <= last; ++i) plane.at.back().push_back((start + i * interval) * listUnit(master));
+  }
+  const int columns = static_cast<int>(plane.at[0].size()), rows = static_cast<int>(plane.at[1].size());
+  if (columns * rows > kMostPlanePoints)
+    refuse(list.place(name + ".last_index_master1"), name + ": " + std::to_string(columns) + " x " +
+                                                         std::to_string(rows) + " points are more than " +
+                                                         std::to_string(kMostPlanePoints));
+  for (int k = 0; k < rows; ++k) {
+    std::vector<double> row;
+    for (int i = 0; i < columns; ++i)
+      row.push_back(tableValue(list, name, k, "[" + std::to_string(i) + "].correction") * listUnit(slave));
+    plane.rows.emplace_back(plane.at[0], row);
+  }
+  return plane;
+}
+
 class BeckhoffInterpreter : public Interpreter {
  public:
+  BeckhoffInterpreter(std::vector<AxisTable> tables, std::vector<PlaneCompensation> planes)
+      : tables_(std::move(tables)), planes_(std::move(planes)) {}
+
   std::map<std::string, double> motors(const CommandedState& command) const override {
-    std::map<std::string, double> motors = TableSum(tables).motors(command);
-    for (const auto& [joint, compensations] : lists) {
-      const auto motor = motors.find(joint);
-      if (motor == motors.end()) continue;
-      for (const auto& compensation : compensations) motor->second += compensation->added(command);
+    std::map<std::string, double> motors = tables_.motors(command);
+    for (const PlaneCompensation& plane : planes_) {
+      const auto motor = motors.find(plane.slave);
+      if (motor != motors.end()) motor->second += plane.value(command);
     }
     return motors;
   }
 
   JointPoints points() const override {
-    JointPoints points = TableSum(tables).points();
-    for (const auto& [joint, compensations] : lists)
-      for (const auto& compensation : compensations) {
-        points[joint];
-        compensation->addTo(points);
-      }
+    JointPoints points = tables_.points();
+    for (const PlaneCompensation& plane : planes_) {
+      points[plane.slave];
+      for (std::size_t m : {0, 1}) addPoints(plane.masters[m], plane.at[m], points);
+    }
     return points;
   }
 
-  std::map<std::string, std::vector<std::unique_ptr<ListCompensation>>> lists;
-  std::vector<AxisTable> tables;
+ private:
+  TableSum tables_;
+  std::vector<PlaneCompensation> planes_;
 };
-
-std::vector<std::filesystem::path> filesWithExtension(const std::filesystem::path& folder,
-                                                      const char* extension) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (lower(entry.path().extension().string()) == extension) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-/// `x` of x.lis, x_negative.csv.
-std::string jointOfFile(const std::filesystem::path& file) {
-  const std::string stem = file.filename().string();
-  return jointOfAxis(stem.substr(0, stem.find_first_of("_.")), {file, 0});
-}
-
-/// What one remark above a table of MC_TableBasedPositionCompensation says.
-struct NcTableHead {
-  int direction = 0;
-  bool modulo = false;
-  std::string reference;
-};
-
-void readNcHead(const TextLine& line, NcTableHead& head) {
-  const std::size_t equals = line.text.find('=');
-  if (equals == std::string::npos) return;
-  const std::string key = lower(trim(std::string_view(line.text).substr(1, equals - 1)));
-  const std::string value(trim(std::string_view(line.text).substr(equals + 1)));
-  if (key == "direction") {
-    const std::string word = lower(value);
-    if (word == "workdirectionboth")
-      head.direction = 0;
-    else if (word == "workdirectionpositive")
-      head.direction = 1;
-    else if (word == "workdirectionnegative")
-      head.direction = -1;
-    else
-      refuse(line.place, "Direction: '" + value +
-                             "' is none of WorkDirectionBoth, WorkDirectionPositive, "
-                             "WorkDirectionNegative");
-  } else if (key == "modulo") {
-    if (lower(value) != "true" && lower(value) != "false")
-      refuse(line.place, "Modulo: '" + value + "' is neither TRUE nor FALSE");
-    head.modulo = lower(value) == "true";
-  } else if (key == "referenceaxis") {
-    head.reference = jointOfAxis(value, line.place);
-  }
-}
-
-void needEquidistant(const std::vector<double>& positions, const std::vector<FilePlace>& places) {
-  if (positions.size() < 2) refuse(places[0], "is the only element; a table has at least two");
-  const double step = positions[1] - positions[0];
-  constexpr double kEqual = 1e-6;  // part of a step
-  for (std::size_t i = 1; i < positions.size(); ++i) {
-    const double here = positions[i] - positions[i - 1];
-    if (!(here > 0.0)) refuse(places[i], "Position: is not above that of the line before");
-    if (std::abs(here - step) > kEqual * std::abs(step))
-      refuse(places[i], "Position: " + std::to_string(here) + " after the one before, the first step is " +
-                            std::to_string(step) + "; the table must be equidistant");
-  }
-}
-
-AxisTable readNcTable(const std::filesystem::path& file) {
-  const std::string joint = jointOfFile(file);
-  NcTableHead head;
-  head.reference = joint;
-  std::vector<double> positions, values;
-  std::vector<FilePlace> places;
-  bool named = false;
-  for (const TextLine& line : textLines(file)) {
-    const std::string_view text = trim(line.text);
-    if (text.empty()) continue;
-    if (text[0] == '#') {
-      readNcHead({std::string(text), line.place}, head);
-      continue;
-    }
-    const std::vector<std::string> cells =
-        partsBetween(text, text.find(';') != std::string::npos ? ';' : ',');
-    if (!named) {
-      if (cells.size() != 2 || lower(cells[0]) != "position" || lower(cells[1]) != "compensation")
-        refuse(line.place, "'" + std::string(text) + "' instead of the columns Position,Compensation");
-      named = true;
-      continue;
-    }
-    if (cells.size() != 2) refuse(line.place, std::to_string(cells.size()) + " cells instead of 2");
-    positions.push_back(tableNumber(cells[0], line.place, "Position"));
-    values.push_back(tableNumber(cells[1], line.place, "Compensation") * jointUnit(joint));
-    places.push_back(line.place);
-  }
-  if (places.empty()) refuse({file, 0}, "has no elements");
-  needEquidistant(positions, places);
-  for (double& position : positions) position *= jointUnit(head.reference);
-  const double period = head.modulo ? positions.back() - positions.front() : 0.0;
-  const Curve curve(positions, values, period);
-  return {head.reference, joint, head.direction >= 0 ? curve : Curve(),
-          head.direction <= 0 ? curve : Curve()};
-}
-
-void addListBacklash(const CompensationList& list, const std::string& joint, std::vector<AxisTable>& tables) {
-  const int selected = list.integer("lr_param.anwahl_losekomp", 0, 2, 0);
-  if (selected == 0) return;
-  constexpr double kTenthMicrometre = 1e-4;  // of mm; 0.0001 deg
-  const double size = list.number("getriebe[0].lose") * kTenthMicrometre * jointUnit(joint);
-  tables.push_back({joint, joint, Curve(selected == 1 ? 0.0 : size), Curve(selected == 1 ? -size : 0.0)});
-}
 
 /// Logical numbers of the axes: of the lists, else 1 is x, 2 y, 3 z, 4 a, 5 b, 6 c.
-std::map<int, std::string> logicalAxes(const std::map<std::string, CompensationList>& lists) {
+std::map<int, std::string> logicalAxes(const std::map<std::string, KeyedValues>& lists) {
+  const std::string key = "kopf.log_achs_nr";
   std::map<int, std::string> axes;
   for (const auto& [joint, list] : lists) {
-    for (const char* key : {"kopf.log_achs_nr", "kopf.achs_nr"}) {
-      if (!list.has(key)) continue;
-      const int number = list.integer(key, 1, 1000, 0);
-      const auto [entry, added] = axes.emplace(number, joint);
-      if (!added && entry->second != joint)
-        refuse(list.place(key), std::string(key) + ": " + std::to_string(number) + " is that of axis " +
-                                    entry->second + ", too");
-    }
+    if (!list.has(key)) continue;
+    const auto [entry, added] = axes.emplace(list.integer(key, 1, 1000), joint);
+    if (!added)
+      refuse(list.place(key),
+             key + ": " + list.find(key)->text + " is that of axis " + entry->second + ", too");
   }
-  constexpr std::string_view kOrder = "xyzabc";
-  for (std::size_t i = 0; i < kOrder.size(); ++i)
-    axes.emplace(static_cast<int>(i) + 1, std::string(1, kOrder[i]));
+  for (int i = 0; i < 6; ++i) axes.emplace(i + 1, std::string(1, "xyzabc"[i]));
   return axes;
 }
 
 }  // namespace
 
 std::unique_ptr<Interpreter> interpretBeckhoff(const std::filesystem::path& folder) {
-  auto interpreter = std::make_unique<BeckhoffInterpreter>();
-  std::map<std::string, CompensationList> lists;
-  for (const auto& file : filesWithExtension(folder, ".lis")) lists[jointOfFile(file)].read(file);
-  const std::map<int, std::string> axes = logicalAxes(lists);
-  for (const auto& [joint, list] : lists) {
-    for (auto& compensation : listCompensations(list, joint, axes))
-      interpreter->lists[joint].push_back(std::move(compensation));
-    addListBacklash(list, joint, interpreter->tables);
+  std::map<std::string, KeyedValues> lists;
+  for (const auto& file : filesEndingIn({".lis"}, folder)) {
+    const std::string name = file.filename().string();  // x.lis, x.axis.lis
+    const std::string joint = jointOfAxis(name.substr(0, name.find_first_of("_.")), {file, 0});
+    readList(file, lists.emplace(joint, KeyedValues({file, 0})).first->second);
   }
-  const auto tables = filesWithExtension(folder, ".csv");
-  for (const auto& file : tables) interpreter->tables.push_back(readNcTable(file));
-  if (lists.empty() && tables.empty())
-    throw InputError(folder.string() + ": has neither <axis>.lis nor <axis>.csv, which beckhoff reads");
-  return interpreter;
+  if (lists.empty()) throw InputError(folder.string() + ": has no <axis>.lis, which beckhoff reads");
+  const std::map<int, std::string> axes = logicalAxes(lists);
+  std::vector<AxisTable> tables;
+  std::vector<PlaneCompensation> planes;
+  for (const auto& [joint, list] : lists) {
+    const auto on = [&](const std::string& name) {
+      return list.hasAny("kw." + name + ".") && list.flag("lr_param." + name, true);
+    };
+    if (const int first = list.integer("lr_param.anwahl_losekomp", 0, 2, 0); first != 0) {
+      const double gap = list.number("getriebe[0].lose", 0.0) * listUnit(joint);
+      tables.push_back(reversal(joint, first == 1 ? 0.0 : gap, first == 1 ? -gap : 0.0));
+    }
+    if (on("ssfk")) tables.push_back(leadscrewTable(list, joint));
+    if (on("crosscomp")) tables.push_back(crossTable(list, joint, axes));
+    if (on("crosscomp2")) planes.push_back(planeCompensation(list, joint, axes));
+  }
+  return std::make_unique<BeckhoffInterpreter>(std::move(tables), std::move(planes));
 }
 
 }  // namespace mm

@@ -25,16 +25,11 @@ class ExternalOffsets {
   std::map<std::string, double> at(const CommandedState& command) const;
 
  private:
-  struct Corner {
-    std::size_t point = 0;
-    double weight = 0.0;
-  };
   struct Sensor {
     std::string name;
     double reference = 0.0;                      // degC
     std::vector<std::vector<double>> perKelvin;  // an axis, a grid point: m/K
   };
-  std::vector<Corner> cornersAround(const CommandedState& command) const;
 
   std::vector<std::string> letters_;
   std::vector<std::vector<double>> positions_;  // an axis: ascending, m

@@ -2,12 +2,9 @@
 // (compute_screw_comp), src/emc/ini/inijoint.cc. Where a joint was homed its motor offset takes up what the
 // table adds there; that constant is the joint's zero, and not counted here.
 #include <algorithm>
-#include <cstdio>
-#include <limits>
 #include <optional>
 
 #include "base/error.h"
-#include "base/nearest_name.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "interpreters/table_sum.h"
@@ -18,134 +15,97 @@ namespace {
 
 constexpr std::size_t kMostCompEntries = 256;  // EMCMOT_COMP_SIZE
 constexpr int kMostLinuxcncJoints = 16;        // EMCMOT_MAX_JOINTS
-constexpr double kMillimetresInInch = 25.4;
-
-struct CompTable {
-  std::vector<double> nominal, forward, reverse;  // machine units; what is added in each direction
-};
 
 /// A line that is no triplet ends the table, as sscanf ends LinuxCNC's loop.
-CompTable readCompFile(const std::filesystem::path& file, int type) {
-  CompTable table;
+TextTable compTriplets(const std::filesystem::path& file) {
+  TextTable table;
+  table.add({"nominal", "forward", "reverse"}, {file, 0});
   std::optional<FilePlace> end;
   for (const TextLine& line : textLines(file)) {
-    double nominal = 0.0, forward = 0.0, reverse = 0.0;
-    if (std::sscanf(line.text.c_str(), "%lf %lf %lf", &nominal, &forward, &reverse) != 3) {
-      if (!end) end = line.place;
-      continue;
-    }
+    std::vector<std::string> words = wordsBetweenBlanks(line.text);
+    const bool triplet =
+        words.size() >= 3 && words[0].find_first_not_of("+-.0123456789eE") == std::string::npos;
+    if (!triplet && !end) end = line.place;
+    if (!triplet) continue;
     if (end)
       refuse(*end, "is no triplet of numbers, and LinuxCNC reads no further, but line " +
                        std::to_string(line.place.line) + " is one; take the line out");
-    if (table.nominal.size() == kMostCompEntries)
-      refuse(line.place, "entry " + std::to_string(kMostCompEntries + 1) + " of at most " +
-                             std::to_string(kMostCompEntries) + " (too many compensation entries)");
-    if (!table.nominal.empty() && nominal <= table.nominal.back())
-      refuse(line.place, "nominal: " + wordsBetweenBlanks(line.text)[0] +
-                             " is not above that of the line before (compensation values must increase)");
-    table.nominal.push_back(nominal);
-    table.forward.push_back(type == 0 ? nominal - forward : forward);
-    table.reverse.push_back(type == 0 ? nominal - reverse : reverse);
+    words.resize(3);
+    table.add(words, line.place);
   }
   return table;
 }
 
-double linearUnits(const ConfigSection* traj) {
-  const ConfigEntry* entry = traj == nullptr ? nullptr : traj->find("LINEAR_UNITS");
-  if (entry == nullptr) return kMillimetre;
-  const std::string word = lower(entry->value);
-  if (word == "mm" || word == "metric") return kMillimetre;
-  if (word == "in" || word == "inch" || word == "imperial") return kMillimetresInInch * kMillimetre;
-  return kMillimetre / tableNumber(entry->value, entry->place, "LINEAR_UNITS", 1e-6, 1e6);
-}
-
-double angularUnits(const ConfigSection* traj) {
-  const ConfigEntry* entry = traj == nullptr ? nullptr : traj->find("ANGULAR_UNITS");
-  if (entry == nullptr) return kDegree;
-  const std::string word = lower(entry->value);
-  if (word == "deg" || word == "degree") return kDegree;
-  if (word == "grad" || word == "gon") return 0.9 * kDegree;
-  if (word == "rad" || word == "radian") return 1.0;
-  return kDegree / tableNumber(entry->value, entry->place, "ANGULAR_UNITS", 1e-6, 1e6);
+/// The unit of a key of [TRAJ], mm or degree where it is not given. @param units words with what they are in
+/// SI.
+double trajUnit(const ConfigSection& traj, const std::string& key,
+                const std::vector<std::pair<std::string, double>>& units) {
+  const TextLine* said = traj.values.find(key);
+  if (said == nullptr) return units.front().second;
+  for (const auto& [word, unit] : units)
+    if (lower(said->text) == word) return unit;
+  refuse(said->place, key + ": '" + said->text + "' is not read, only " + units.front().first +
+                          "; give the tables in that unit");
 }
 
 /// The letters of the joints, in their order; a letter that is there twice is of the first joint.
-std::vector<std::string> jointLetters(const std::vector<ConfigSection>& sections,
-                                      const std::filesystem::path& ini) {
-  const ConfigSection* traj = findSection(sections, "TRAJ");
-  const ConfigSection* kins = findSection(sections, "KINS");
-  std::string text;
-  FilePlace place{ini, 0};
-  if (const ConfigEntry* entry = traj == nullptr ? nullptr : traj->find("COORDINATES")) {
-    text = entry->value;
-    place = entry->place;
-  } else if (const ConfigEntry* kinematics = kins == nullptr ? nullptr : kins->find("KINEMATICS")) {
-    place = kinematics->place;
-    const std::string value = lower(kinematics->value);
-    const std::size_t at = value.find("coordinates=");
-    if (at != std::string::npos) text = value.substr(at + 12, value.find_first_of(" \t", at) - at - 12);
-  }
+std::vector<std::string> jointLetters(const ConfigSection& traj) {
+  const TextLine& coordinates = traj.values.need("COORDINATES");
   std::vector<std::string> letters;
-  for (const char c : lower(text))
-    if (kBlanks.find(c) == std::string_view::npos) letters.push_back(jointOfAxis(std::string(1, c), place));
-  if (letters.empty())
-    refuse(
-        place,
-        "[TRAJ] COORDINATES is missing: which joint moves which axis is not known; e.g. COORDINATES = XYZ");
+  for (const char c : capitalsWithoutBlanks(coordinates.text))
+    letters.push_back(jointOfAxis(std::string(1, c), coordinates.place));
   return letters;
 }
 
-bool isAngular(const ConfigSection& joint) {
-  const ConfigEntry* type = joint.find("TYPE");
-  if (type == nullptr || type->value == "LINEAR") return false;
-  if (type->value != "ANGULAR")
-    refuse(type->place, "TYPE: '" + type->value + "' is neither LINEAR nor ANGULAR");
-  return true;
-}
-
 /// With a table BACKLASH is not looked at, without one half of it is added in each direction (control.c).
-AxisTable jointTable(const ConfigSection& section, const std::string& letter, double unit,
+AxisTable jointTable(const KeyedValues& joint, const std::string& letter, double unit,
                      const std::filesystem::path& folder) {
-  if (const ConfigEntry* file = section.find("COMP_FILE")) {
-    int type = 0;
-    if (const ConfigEntry* entry = section.find("COMP_FILE_TYPE"))
-      type = tableInteger(entry->value, entry->place, "COMP_FILE_TYPE", std::numeric_limits<int>::min(),
-                          std::numeric_limits<int>::max());
-    const std::filesystem::path path = folder / file->value;
+  if (const TextLine* file = joint.find("COMP_FILE")) {
+    const std::filesystem::path path = folder / file->text;
     if (!std::filesystem::exists(path))
       refuse(file->place, "COMP_FILE: there is no file '" + path.string() + "'");
-    CompTable table = readCompFile(path, type);
-    if (!table.nominal.empty()) {
-      for (std::vector<double>* values : {&table.nominal, &table.forward, &table.reverse})
-        for (double& value : *values) value *= unit;
-      return {letter, letter, {table.nominal, table.forward}, {table.nominal, table.reverse}};
+    const bool nominalLess = joint.number("COMP_FILE_TYPE", 0.0) == 0.0;
+    const TextTable table = compTriplets(path);
+    if (!table.rows.empty()) {
+      const std::vector<double> nominal = table.rising("nominal", kMostCompEntries);
+      const auto curve = [&](const char* column) {
+        std::vector<double> added = table.numbers(column);
+        for (std::size_t i = 0; i < added.size() && nominalLess; ++i) added[i] = nominal[i] - added[i];
+        return Curve(inUnit(nominal, unit), inUnit(added, unit));
+      };
+      return {letter, letter, curve("forward"), curve("reverse")};
     }
   }
-  double backlash = 0.0;
-  if (const ConfigEntry* entry = section.find("BACKLASH"))
-    backlash = unit * tableNumber(entry->value, entry->place, "BACKLASH");
-  return {letter, letter, Curve(0.5 * backlash), Curve(-0.5 * backlash)};
+  const double backlash = unit * joint.number("BACKLASH", 0.0);
+  return reversal(letter, 0.5 * backlash, -0.5 * backlash);
 }
 
 }  // namespace
 
 std::unique_ptr<Interpreter> interpretLinuxcnc(const std::filesystem::path& folder) {
   const std::filesystem::path ini = folder / "machine.ini";
-  const std::vector<ConfigSection> sections = configSections(ini, ConfigStyle::kIni);
-  const std::vector<std::string> letters = jointLetters(sections, ini);
+  const std::vector<ConfigSection> sections = configSections(ini);
   const ConfigSection* traj = findSection(sections, "TRAJ");
+  if (traj == nullptr || !traj->values.has("COORDINATES"))
+    refuse(
+        {ini, 0},
+        "[TRAJ] COORDINATES is missing: which joint moves which axis is not known; e.g. COORDINATES = XYZ");
+  const std::vector<std::string> letters = jointLetters(*traj);
+  const double linear = trajUnit(*traj, "LINEAR_UNITS", {{"mm", kMillimetre}, {"metric", kMillimetre}}),
+               angular = trajUnit(*traj, "ANGULAR_UNITS", {{"degree", kDegree}, {"deg", kDegree}});
   std::vector<AxisTable> tables;
   for (const ConfigSection& section : sections) {
     if (!startsWith(section.name, "JOINT_")) continue;
-    const int joint = tableInteger(section.name.substr(6), section.place, "number of the joint", 0,
+    const int joint = tableInteger(section.name.substr(6), section.values.whole(), "number of the joint", 0,
                                    kMostLinuxcncJoints - 1);
     if (joint >= static_cast<int>(letters.size()))
-      refuse(section.place, "[" + section.name + "]: COORDINATES names " + std::to_string(letters.size()) +
-                                " joints, numbered from 0");
+      refuse(section.values.whole(), "[" + section.name + "]: COORDINATES names " +
+                                         std::to_string(letters.size()) + " joints, numbered from 0");
     const std::string& letter = letters[joint];
     if (std::find(letters.begin(), letters.begin() + joint, letter) != letters.begin() + joint) continue;
-    const double unit = isAngular(section) ? angularUnits(traj) : linearUnits(traj);
-    tables.push_back(jointTable(section, letter, unit, folder));
+    const TextLine* type = section.values.find("TYPE");
+    const double unit = type != nullptr && type->text == "ANGULAR" ? angular : linear;
+    tables.push_back(jointTable(section.values, letter, unit, folder));
   }
   return std::make_unique<TableSum>(std::move(tables));
 }

@@ -1,136 +1,140 @@
 // SINUMERIK: Function Manual Extended Functions, K3 (6FC5397-1BP40-3BA1, pages 237 to 249; 808D Function
 // Manual 01/2017, page 106): a positive value of the leadscrew error compensation moves the axis in the
 // negative direction. What is open there, and assumed: that this is so of the sag compensation, too, which K3
-// describes as the same interpolatory compensation; that backlash adds nothing in the direction of the search
-// for the reference.
+// describes as the same interpolatory compensation; that backlash adds nothing in the direction plus.
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
-#include "base/units.h"
-#include "interpreters/siemens_tables.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
+#include "base/text.h"
+#include "interpreters/table_sum.h"
 #include "interpreters/targets.h"
 
 namespace mm {
 namespace {
 
-/// A table that counts, with its curve in the unit of its axes (SI).
-struct SiemensCurve {
-  std::string input, output;
-  int direction = 0;
-  double weight = 1.0;
-  Curve curve;
-  int multipliedBy = -1;  // index of the other table; -1: none
+constexpr int kMostTables = 62, kMostPoints = 5000;
 
-  double at(const CommandedState& command) const {
-    const double value = weight * curve.at(commanded(command, input));
-    return byDirection(command, input, direction >= 0 ? value : 0.0, direction <= 0 ? value : 0.0);
-  }
-};
+/// The variables that count.
+const std::vector<std::string> kVariables = {"$AN_CEC",
+                                             "$AN_CEC_INPUT_AXIS",
+                                             "$AN_CEC_OUTPUT_AXIS",
+                                             "$AN_CEC_STEP",
+                                             "$AN_CEC_MIN",
+                                             "$AN_CEC_MAX",
+                                             "$AN_CEC_DIRECTION",
+                                             "$AN_CEC_IS_MODULO",
+                                             "$AN_CEC_MULT_BY_TABLE",
+                                             "$SN_CEC_TABLE_ENABLE",
+                                             "$SN_CEC_TABLE_WEIGHT",
+                                             "$MN_MM_CEC_MAX_POINTS",
+                                             "$MA_CEC_ENABLE",
+                                             "$AA_ENC_COMP",
+                                             "$AA_ENC_COMP_STEP",
+                                             "$AA_ENC_COMP_MIN",
+                                             "$AA_ENC_COMP_MAX",
+                                             "$AA_ENC_COMP_IS_MODULO",
+                                             "$MA_ENC_COMP_ENABLE",
+                                             "$MA_BACKLASH"};
 
-SiemensCurve siemensCurve(const SiemensTable& table, const std::string& name) {
-  const auto missing = [&](const char* what) { refuse(table.place, name + what + " is missing"); };
-  if (table.input.empty()) missing("_INPUT_AXIS");
-  if (table.output.empty()) missing("_OUTPUT_AXIS");
-  if (!table.step) missing("_STEP");
-  if (!table.min) missing("_MIN");
-  if (!table.max) missing("_MAX");
-  if (!(*table.step > 0.0))
-    refuse(table.place, name + "_STEP: " + std::to_string(*table.step) + " is not above 0");
-  if (!(*table.max > *table.min))
-    refuse(table.place, name + "_MAX: " + std::to_string(*table.max) + " is not above _MIN, " +
-                            std::to_string(*table.min));
-  constexpr double kWhole = 1e-6;  // part of a step: rounding of the numbers in the file
-  const int last = static_cast<int>(std::ceil((*table.max - *table.min) / *table.step - kWhole));
-  if (table.mostPoints && last + 1 > *table.mostPoints)
-    refuse(table.place, name + ": (_MAX - _MIN) / _STEP asks for " + std::to_string(last + 1) +
-                            " points of at most " + std::to_string(*table.mostPoints));
-  if (table.mostPoints && !table.values.empty() && table.values.rbegin()->first >= *table.mostPoints)
-    refuse(table.place, name + ": point " + std::to_string(table.values.rbegin()->first) + " of at most " +
-                            std::to_string(*table.mostPoints - 1));
-  std::vector<double> positions, values;
-  const double in = jointUnit(table.input), out = jointUnit(table.output);
-  for (int n = 0; n <= last; ++n) {
-    const auto value = table.values.find(n);
-    positions.push_back((*table.min + n * *table.step) * in);
-    values.push_back(value == table.values.end() ? 0.0 : value->second * out);
+/// Takes over what a line assigns to one of them: `$NAME[0,X1]=value`, the axis as its joint.
+void readSiemensLine(const TextLine& line, KeyedValues& said) {
+  std::string text = capitalsWithoutBlanks(std::string_view(line.text).substr(0, line.text.find(';')));
+  if (text.size() > 1 && text[0] == 'N' && std::isdigit(static_cast<unsigned char>(text[1])) != 0)
+    text.erase(0, text.find_first_not_of("0123456789", 1));
+  if (text.empty() || text[0] != '$') return;
+  const std::size_t open = text.find('['), equals = text.find("]=");
+  const std::string name = text.substr(0, std::min(open, text.find('=')));
+  if (std::find(kVariables.begin(), kVariables.end(), name) == kVariables.end()) {
+    if (startsWith(name, "$AN_CEC") || startsWith(name, "$AA_ENC_COMP"))
+      refuse(line.place, "variable '" + name + "' is not read" + didYouMean(name, kVariables));
+    return;
   }
-  const Curve curve(positions, values);
-  // the end of the table is _MAX, also where it is no whole number of steps away
-  if (const double end = *table.max * in; positions.back() > end) {
-    values.back() = curve.at(end);
-    positions.back() = end;
-  }
-  const double period = table.modulo ? positions.back() - positions.front() : 0.0;
-  return {table.input,           table.output, table.direction, table.weight, {positions, values, period},
-          table.multipliedBy - 1};
+  if (open > equals || equals == std::string::npos || equals + 2 == text.size())
+    refuse(line.place, "'" + std::string(trim(line.text)) + "' is no [index]=value");
+  std::vector<std::string> indices = partsBetween(text.substr(open + 1, equals - open - 1), ',');
+  for (std::string& index : indices)
+    if (index.find_first_not_of("0123456789") != std::string::npos) index = jointOfAxis(index, line.place);
+  std::string value = text.substr(equals + 2);
+  for (const char quote : {'(', ')', '"'})
+    value.erase(std::remove(value.begin(), value.end(), quote), value.end());
+  said.set(name + "[" + joined(indices, ",") + "]", value, line.place);
 }
 
-class SiemensInterpreter : public Interpreter {
- public:
-  explicit SiemensInterpreter(const SiemensData& data) {
-    for (const auto& [index, table] : data.cec) {
-      const auto enabled = data.cecEnabled.find(table.output);
-      if (!table.enabled || (enabled != data.cecEnabled.end() && !enabled->second)) continue;
-      const std::string name = "table " + std::to_string(index) + ": $AN_CEC";
-      curves_[index] = siemensCurve(table, name);
-      if (table.multipliedBy > 0 && data.cec.count(table.multipliedBy - 1) == 0)
-        refuse(table.place, name + "_MULT_BY_TABLE: there is no table number " +
-                                std::to_string(table.multipliedBy) + " (index " +
-                                std::to_string(table.multipliedBy - 1) + ")");
-    }
-    for (const auto& [joint, table] : data.encoder)
-      if (table.enabled) encoder_.push_back(siemensCurve(table, "axis " + joint + ": $AA_ENC_COMP"));
-    for (const auto& [joint, size] : data.backlash) {
-      const auto toMinus = data.referencedToMinus.find(joint);
-      const bool minus = toMinus != data.referencedToMinus.end() && toMinus->second;
-      const double added = size * jointUnit(joint);
-      backlash_.push_back({joint, joint, Curve(minus ? added : 0.0), Curve(minus ? 0.0 : -added)});
-    }
+/// What the values of a table take off the motor. @param prefix of its variables: $AN_CEC. @param index in
+/// brackets. @param value the variable of a point.
+Curve siemensCurve(const KeyedValues& said, const std::string& prefix, const std::string& index,
+                   const std::string& input, const std::string& output,
+                   const std::function<std::string(int point)>& value) {
+  const auto name = [&](const char* what) { return prefix + what + index; };
+  const double step = said.number(name("_STEP")), least = said.number(name("_MIN")),
+               most = said.number(name("_MAX"));
+  said.only(name("_IS_MODULO"), 0);
+  if (!(step > 0.0)) refuse(said.place(name("_STEP")), name("_STEP") + ": is not above 0");
+  const int steps = static_cast<int>(std::lround((most - least) / step));
+  constexpr double kWhole = 1e-6;  // of a step: rounding of the numbers in the file
+  if (steps < 1 || steps >= kMostPoints || std::abs((most - least) / step - steps) > kWhole)
+    refuse(said.place(name("_MAX")),
+           name("_MAX") + ": is not one or more whole steps above _MIN; give the end of a step");
+  std::vector<double> positions, values;
+  for (int n = 0; n <= steps; ++n) {
+    positions.push_back((least + n * step) * jointUnit(input));
+    values.push_back(-said.number(value(n), 0.0) * jointUnit(output));
   }
-
-  std::map<std::string, double> motors(const CommandedState& command) const override {
-    std::map<std::string, double> motors = TableSum(backlash_).motors(command);
-    const auto move = [&](const std::string& joint, double correction) {
-      const auto motor = motors.find(joint);
-      if (motor != motors.end()) motor->second -= correction;
-    };
-    for (const auto& [index, curve] : curves_) {
-      const double value = curve.at(command);
-      move(curve.output, value);
-      const auto other = curves_.find(curve.multipliedBy);
-      // mm x mm counts as mm: the numbers of the tables are multiplied
-      if (other != curves_.end())
-        move(curve.output, value * other->second.at(command) / jointUnit(other->second.output));
-    }
-    for (const SiemensCurve& curve : encoder_) move(curve.output, curve.at(command));
-    return motors;
-  }
-
-  JointPoints points() const override {
-    JointPoints points = TableSum(backlash_).points();
-    const auto add = [&](const SiemensCurve& curve) {
-      points[curve.output];
-      addPoints(curve.input, curve.curve, points);
-    };
-    for (const auto& [index, curve] : curves_) add(curve);
-    for (const SiemensCurve& curve : encoder_) add(curve);
-    return points;
-  }
-  std::map<std::string, std::set<int>> numbers() const override {
-    std::map<std::string, std::set<int>> numbers;
-    for (const auto& [index, curve] : curves_) numbers[curve.output].insert(index);
-    return numbers;
-  }
-
- private:
-  std::map<int, SiemensCurve> curves_;
-  std::vector<SiemensCurve> encoder_;
-  std::vector<AxisTable> backlash_;
-};
+  return {positions, values};
+}
 
 }  // namespace
 
 std::unique_ptr<Interpreter> interpretSiemens(const std::filesystem::path& folder) {
-  return std::make_unique<SiemensInterpreter>(readSiemensFiles(folder));
+  const std::vector<std::filesystem::path> files = filesEndingIn({".mpf", ".spf", ".ini"}, folder);
+  if (files.empty())
+    throw InputError(folder.string() +
+                     ": has no file *.mpf, *.spf or *.ini, e.g. cec.mpf, which siemens reads");
+  KeyedValues said({folder, 0});
+  for (const auto& file : files)
+    for (const TextLine& line : textLines(file)) readSiemensLine(line, said);
+  std::vector<AxisTable> tables;
+  std::map<std::string, std::set<int>> numbers;
+  for (const char letter : std::string("xyzabcuvw")) {
+    const std::string joint(1, letter);
+    if (const double gap = said.number("$MA_BACKLASH[0," + joint + "]", 0.0); gap != 0.0)
+      tables.push_back(reversal(joint, 0.0, -gap * jointUnit(joint)));
+  }
+  for (int table = 0; table < kMostTables; ++table) {
+    const std::string number = std::to_string(table), index = "[" + number + "]";
+    if (!said.hasAny("$AN_CEC[" + number + ",") || !said.flag("$SN_CEC_TABLE_ENABLE" + index, true)) continue;
+    const auto axis = [&](const std::string& name) {
+      const TextLine& named = said.need(name + index);
+      return jointOfAxis(named.text, named.place);
+    };
+    const std::string input = axis("$AN_CEC_INPUT_AXIS"), output = axis("$AN_CEC_OUTPUT_AXIS");
+    if (!said.flag("$MA_CEC_ENABLE[" + output + "]", true)) continue;
+    said.only("$AN_CEC_MULT_BY_TABLE" + index, 0);
+    said.only("$SN_CEC_TABLE_WEIGHT" + index, 1);
+    const Curve curve = siemensCurve(said, "$AN_CEC", index, input, output, [&](int point) {
+      return "$AN_CEC[" + number + "," + std::to_string(point) + "]";
+    });
+    const int points = static_cast<int>(curve.positions().size());
+    if (said.integer("$MN_MM_CEC_MAX_POINTS" + index, 0, kMostPoints, points) < points)
+      refuse(said.place("$MN_MM_CEC_MAX_POINTS" + index),
+             "table " + number + ": (_MAX - _MIN) / _STEP asks for " + std::to_string(points) +
+                 " points, more than $MN_MM_CEC_MAX_POINTS");
+    const int direction = said.integer("$AN_CEC_DIRECTION" + index, -1, 1, 0);
+    tables.push_back({input, output, direction < 0 ? Curve() : curve, direction > 0 ? Curve() : curve});
+    numbers[output].insert(table);
+  }
+  for (const char letter : std::string("xyzabcuvw")) {
+    const std::string joint(1, letter), index = "[0," + joint + "]";
+    if (!said.has("$AA_ENC_COMP_STEP" + index) || !said.flag("$MA_ENC_COMP_ENABLE" + index, true)) continue;
+    const Curve curve = siemensCurve(said, "$AA_ENC_COMP", index, joint, joint, [&](int point) {
+      return "$AA_ENC_COMP[0," + std::to_string(point) + "," + joint + "]";
+    });
+    tables.push_back({joint, joint, curve, curve});
+  }
+  return std::make_unique<TableSum>(std::move(tables), std::move(numbers));
 }
 
 }  // namespace mm

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/grid_values.h"
 #include "base/text.h"
 #include "base/units.h"
 
@@ -20,23 +21,24 @@ bool Curve::addsNothing() const {
 }
 
 double Curve::at(double position) const {
-  if (values_.empty()) return 0.0;
-  if (period_ > 0.0) {
-    const double first = positions_.front();
-    position = first + std::fmod(position - first, period_);
-    if (position < first) position += period_;
-  }
-  if (position <= positions_.front()) return values_.front();
-  if (position >= positions_.back()) return values_.back();
-  const auto above = std::upper_bound(positions_.begin(), positions_.end(), position);
-  const auto i = static_cast<std::size_t>(above - positions_.begin());
-  const double part = (position - positions_[i - 1]) / (positions_[i] - positions_[i - 1]);
-  if (steps_) return part < 0.5 ? values_[i - 1] : values_[i];
-  return values_[i - 1] + part * (values_[i] - values_[i - 1]);
+  if (values_.size() < 2) return values_.empty() ? 0.0 : values_[0];
+  const auto [i, share] = placeAmong(positions_, position);
+  if (share == 1.0 || (steps_ && share >= 0.5)) return values_[i + 1];
+  if (steps_) return values_[i];
+  return values_[i] + share * (values_[i + 1] - values_[i]);
+}
+
+AxisTable reversal(const std::string& joint, double positive, double negative) {
+  return {joint, joint, Curve(positive), Curve(negative)};
 }
 
 std::map<std::string, double> TableSum::motors(const CommandedState& command) const {
   std::map<std::string, double> motors = command.position;
+  add(command, motors);
+  return motors;
+}
+
+void TableSum::add(const CommandedState& command, std::map<std::string, double>& motors) const {
   for (const AxisTable& table : tables_) {
     const auto motor = motors.find(table.output);
     if (motor == motors.end()) continue;
@@ -44,7 +46,6 @@ std::map<std::string, double> TableSum::motors(const CommandedState& command) co
     motor->second +=
         byDirection(command, table.input, table.positive.at(position), table.negative.at(position));
   }
-  return motors;
 }
 
 JointPoints TableSum::points() const {
@@ -52,8 +53,8 @@ JointPoints TableSum::points() const {
   for (const AxisTable& table : tables_) {
     if (table.positive.addsNothing() && table.negative.addsNothing()) continue;
     points[table.output];
-    addPoints(table.input, table.positive, points);
-    addPoints(table.input, table.negative, points);
+    addPoints(table.input, table.positive.positions(), points);
+    addPoints(table.input, table.negative.positions(), points);
   }
   return points;
 }
@@ -67,10 +68,6 @@ void addPoints(const std::string& joint, const std::vector<double>& positions, J
   known.erase(
       std::unique(known.begin(), known.end(), [](double a, double b) { return std::abs(b - a) < kSame; }),
       known.end());
-}
-
-void addPoints(const std::string& joint, const Curve& curve, JointPoints& points) {
-  addPoints(joint, curve.positions(), points);
 }
 
 double commanded(const CommandedState& command, const std::string& joint) {
@@ -93,6 +90,11 @@ double byDirection(const CommandedState& command, const std::string& joint, doub
 double jointUnit(const std::string& joint) {
   const bool rotary = joint == "a" || joint == "b" || joint == "c";
   return rotary ? kDegree : kMillimetre;
+}
+
+std::vector<double> inUnit(std::vector<double> numbers, double unit) {
+  for (double& number : numbers) number *= unit;
+  return numbers;
 }
 
 std::string jointOfAxis(const std::string& axis, const FilePlace& place) {

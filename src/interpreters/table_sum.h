@@ -15,10 +15,8 @@ class Curve {
   Curve() = default;
   /// The same everywhere.
   explicit Curve(double value) : positions_{0.0}, values_{value} {}
-  /// @param period of an axis that goes round, 0: none; positions are then reduced into [first, first +
-  /// period).
-  Curve(std::vector<double> positions, std::vector<double> values, double period = 0.0)
-      : positions_(std::move(positions)), values_(std::move(values)), period_(period) {}
+  Curve(std::vector<double> positions, std::vector<double> values)
+      : positions_(std::move(positions)), values_(std::move(values)) {}
   /// The same points with steps in the middle between them instead of straight lines.
   Curve stepped() const;
   /// 0 of a curve without points.
@@ -28,7 +26,6 @@ class Curve {
 
  private:
   std::vector<double> positions_, values_;
-  double period_ = 0.0;
   bool steps_ = false;
 };
 
@@ -37,6 +34,8 @@ struct AxisTable {
   std::string input, output;  // joints
   Curve positive, negative;   // by the direction of `input`
 };
+/// A reversal: what is added to a joint after a motion in either direction.
+AxisTable reversal(const std::string& joint, double positive, double negative);
 
 /// Motor = command + every table's value at the command: how most controllers compensate.
 class TableSum : public Interpreter {
@@ -47,14 +46,15 @@ class TableSum : public Interpreter {
   std::map<std::string, double> motors(const CommandedState& command) const override;
   JointPoints points() const override;
   std::map<std::string, std::set<int>> numbers() const override { return numbers_; }
+  /// Adds the tables' values to motors that are there.
+  void add(const CommandedState& command, std::map<std::string, double>& motors) const;
 
  private:
   std::vector<AxisTable> tables_;
   std::map<std::string, std::set<int>> numbers_;
 };
 
-/// Puts the points of a curve over `joint` among those that are known of it.
-void addPoints(const std::string& joint, const Curve& curve, JointPoints& points);
+/// Puts positions of tables over `joint` among those that are known of it.
 void addPoints(const std::string& joint, const std::vector<double>& positions, JointPoints& points);
 
 /// Position of a joint. @throw InputError when the command does not have it.
@@ -63,6 +63,8 @@ double commanded(const CommandedState& command, const std::string& joint);
 double byDirection(const CommandedState& command, const std::string& joint, double positive, double negative);
 /// A number of a joint in the unit of its table to SI: mm, or degrees of joints called a, b, c.
 double jointUnit(const std::string& joint);
+/// Each number times a unit.
+std::vector<double> inUnit(std::vector<double> numbers, double unit);
 /// `x` of X, X1, X_2. @throw InputError when that is no axis letter (X Y Z A B C U V W).
 std::string jointOfAxis(const std::string& axis, const FilePlace& place);
 

@@ -13,85 +13,15 @@ namespace mm {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr std::string_view kSaveConfig = "#*#";
-
-std::string rangeText(double lower, double upper) { return numberText(lower) + " to " + numberText(upper); }
 
 bool isBlank(char c) { return kBlanks.find(c) != std::string_view::npos; }
 
+/// A # or ; in the middle of a word begins no remark.
 std::string_view withoutRemark(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i)
     if ((text[i] == '#' || text[i] == ';') && (i == 0 || isBlank(text[i - 1]))) return text.substr(0, i);
   return text;
 }
-
-/// Reads the lines of a configuration file one after the other.
-class SectionReader {
- public:
-  explicit SectionReader(ConfigStyle style) : style_(style) {}
-
-  void read(const TextLine& line) {
-    std::string_view text = line.text;
-    const bool klipper = style_ == ConfigStyle::kKlipper;
-    if (klipper && startsWith(text, kSaveConfig)) {
-      text.remove_prefix(kSaveConfig.size());
-      if (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-      if (startsWith(text, "<---") || startsWith(trim(text), "DO NOT EDIT")) return;
-    }
-    const bool indented = !text.empty() && isBlank(text.front());
-    text = klipper ? trim(withoutRemark(text)) : remarkLine(trim(text)) ? std::string_view() : trim(text);
-    if (klipper && entry_ && (indented || text.empty())) {
-      sections_[section_].entries.back().value += "\n" + std::string(text);
-      return;
-    }
-    if (text.empty()) return;
-    if (text.front() == '[')
-      begin(text, line.place);
-    else
-      add(text, line.place);
-  }
-
-  std::vector<ConfigSection> take() {
-    for (ConfigSection& section : sections_)
-      for (ConfigEntry& entry : section.entries)
-        while (!entry.value.empty() && entry.value.back() == '\n') entry.value.pop_back();
-    return std::move(sections_);
-  }
-
- private:
-  static bool remarkLine(std::string_view text) {
-    return !text.empty() && (text[0] == '#' || text[0] == ';');
-  }
-
-  void begin(std::string_view text, const FilePlace& place) {
-    const std::size_t end = text.find(']');
-    if (end == std::string_view::npos) refuse(place, "section '" + std::string(text) + "' has no ]");
-    const std::string name(trim(text.substr(1, end - 1)));
-    const auto found = std::find_if(sections_.begin(), sections_.end(),
-                                    [&](const ConfigSection& section) { return section.name == name; });
-    section_ = static_cast<std::size_t>(found - sections_.begin());
-    if (found == sections_.end()) sections_.push_back({name, place, {}});
-    entry_ = false;
-    inSection_ = true;
-  }
-
-  void add(std::string_view text, const FilePlace& place) {
-    const std::size_t at = text.find_first_of(style_ == ConfigStyle::kKlipper ? ":=" : "=");
-    if (at == std::string_view::npos || at == 0)
-      refuse(place, "'" + std::string(text) + "' is neither a section nor a key with its value");
-    if (!inSection_)
-      refuse(place, "key '" + std::string(trim(text.substr(0, at))) + "' stands before any section");
-    std::string key(trim(text.substr(0, at)));
-    if (style_ == ConfigStyle::kKlipper) key = lower(key);
-    sections_[section_].entries.push_back({key, std::string(trim(text.substr(at + 1))), place});
-    entry_ = true;
-  }
-
-  ConfigStyle style_;
-  std::vector<ConfigSection> sections_;
-  std::size_t section_ = 0;
-  bool inSection_ = false, entry_ = false;
-};
 
 }  // namespace
 
@@ -107,25 +37,30 @@ std::vector<TextLine> textLines(const std::filesystem::path& file) {
   return lines;
 }
 
+std::vector<std::filesystem::path> filesEndingIn(const std::vector<std::string>& extensions,
+                                                 const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (std::find(extensions.begin(), extensions.end(), lower(entry.path().extension().string())) !=
+        extensions.end())
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 void refuse(const FilePlace& place, const std::string& what) {
   const std::string line = place.line == 0 ? "" : ":" + std::to_string(place.line);
   throw InputError(place.file.string() + line + ": " + what);
 }
 
-double tableNumber(std::string_view text, const FilePlace& place, const std::string& field) {
-  std::string_view digits = trim(text);
-  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
-  double value = 0.0;
-  if (digits.empty() || !parseNumber(std::string(digits), value) || !std::isfinite(value))
-    refuse(place, field + ": '" + std::string(trim(text)) + "' is not a number");
-  return value;
-}
-
 double tableNumber(std::string_view text, const FilePlace& place, const std::string& field, double lower,
                    double upper) {
-  const double value = tableNumber(text, place, field);
+  const std::string shown(trim(text));
+  double value = 0.0;
+  if (!parseNumber(shown.substr(shown[0] == '+' ? 1 : 0), value) || !std::isfinite(value))
+    refuse(place, field + ": '" + shown + "' is not a number");
   if (value < lower || value > upper)
-    refuse(place, field + ": " + std::string(trim(text)) + " is not within " + rangeText(lower, upper));
+    refuse(place, field + ": " + shown + " is not within " + numberText(lower) + " to " + numberText(upper));
   return value;
 }
 
@@ -135,10 +70,6 @@ int tableInteger(std::string_view text, const FilePlace& place, const std::strin
   if (value != std::floor(value))
     refuse(place, field + ": " + std::string(trim(text)) + " is not a whole number");
   return static_cast<int>(value);
-}
-
-bool tableFlag(std::string_view text, const FilePlace& place, const std::string& field) {
-  return tableInteger(text, place, field, 0, 1) == 1;
 }
 
 std::vector<std::string> wordsBetweenBlanks(std::string_view text) {
@@ -168,22 +99,120 @@ std::string capitals(std::string_view text) {
   return result;
 }
 
-const ConfigEntry* ConfigSection::find(std::string_view key) const {
-  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry)
-    if (entry->key == key) return &*entry;
-  return nullptr;
+std::string capitalsWithoutBlanks(std::string_view text) {
+  return capitals(joined(wordsBetweenBlanks(text), ""));
 }
 
-const ConfigEntry& ConfigSection::need(std::string_view key) const {
-  const ConfigEntry* entry = find(key);
-  if (entry == nullptr) refuse(place, "[" + name + "] has no '" + std::string(key) + "'");
-  return *entry;
+void TextTable::add(std::vector<std::string> cells, const FilePlace& place) {
+  if (names.cells.empty()) {
+    names = {std::move(cells), place};
+    return;
+  }
+  if (cells.size() != names.cells.size())
+    refuse(place, "has " + std::to_string(cells.size()) + " cells below " +
+                      std::to_string(names.cells.size()) + " columns; one is expected in each");
+  rows.push_back({std::move(cells), place});
 }
 
-std::vector<ConfigSection> configSections(const std::filesystem::path& file, ConfigStyle style) {
-  SectionReader reader(style);
-  for (const TextLine& line : textLines(file)) reader.read(line);
-  return reader.take();
+bool TextTable::has(const std::string& column) const {
+  return std::find(names.cells.begin(), names.cells.end(), column) != names.cells.end();
+}
+
+std::vector<double> TextTable::numbers(const std::string& column) const {
+  const auto found = std::find(names.cells.begin(), names.cells.end(), column);
+  if (found == names.cells.end()) refuse(names.place, "column " + column + " is missing");
+  const auto at = static_cast<std::size_t>(found - names.cells.begin());
+  std::vector<double> numbers;
+  for (const TableRow& row : rows) numbers.push_back(tableNumber(row.cells[at], row.place, column));
+  return numbers;
+}
+
+std::vector<double> TextTable::rising(const std::string& column, std::size_t most) const {
+  const std::vector<double> positions = numbers(column);
+  if (positions.empty()) refuse({names.place.file, 0}, "has no lines of values");
+  if (positions.size() > most)
+    refuse(rows[most].place, "entry " + std::to_string(most + 1) + " of at most " + std::to_string(most));
+  for (std::size_t i = 1; i < positions.size(); ++i)
+    if (positions[i] <= positions[i - 1])
+      refuse(rows[i].place, column + ": " + numberText(positions[i]) +
+                                " is not above that of the line before; values must increase");
+  return positions;
+}
+
+void KeyedValues::set(const std::string& key, std::string_view text, const FilePlace& place) {
+  values_[key] = {std::string(text), place};
+}
+
+const TextLine* KeyedValues::find(const std::string& key) const {
+  const auto found = values_.find(key);
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+bool KeyedValues::hasAny(const std::string& start) const {
+  const auto found = values_.lower_bound(start);
+  return found != values_.end() && startsWith(found->first, start);
+}
+
+const TextLine& KeyedValues::need(const std::string& key) const {
+  if (!has(key)) refuse(whole_, key + " is missing");
+  return *find(key);
+}
+
+FilePlace KeyedValues::place(const std::string& key) const { return has(key) ? find(key)->place : whole_; }
+
+double KeyedValues::number(const std::string& key, std::optional<double> missing, double lower,
+                           double upper) const {
+  if (missing && !has(key)) return *missing;
+  const TextLine& said = need(key);
+  return tableNumber(said.text, said.place, key, lower, upper);
+}
+
+int KeyedValues::integer(const std::string& key, int lower, int upper, std::optional<int> missing) const {
+  if (missing && !has(key)) return *missing;
+  const TextLine& said = need(key);
+  return tableInteger(said.text, said.place, key, lower, upper);
+}
+
+bool KeyedValues::flag(const std::string& key, bool missing) const {
+  return integer(key, 0, 1, missing) == 1;
+}
+
+void KeyedValues::only(const std::string& key, int only) const {
+  if (number(key, only) != only)
+    refuse(place(key), key + ": " + find(key)->text + " is not read, only " + std::to_string(only) +
+                           "; docs/interpreters.md tells of which tables the rules are known");
+}
+
+std::vector<ConfigSection> configSections(const std::filesystem::path& file) {
+  std::vector<ConfigSection> sections;
+  ConfigSection* section = nullptr;
+  std::string open;  // a key without a value
+  for (const TextLine& line : textLines(file)) {
+    const std::string_view text = trim(withoutRemark(line.text));
+    if (text.empty()) continue;
+    const std::size_t at = text.find_first_of(":="), end = text.find(']');
+    if (text.front() == '[') {
+      if (end == std::string_view::npos) refuse(line.place, "section '" + std::string(text) + "' has no ]");
+      const std::string name(trim(text.substr(1, end - 1)));
+      const auto known = std::find_if(sections.begin(), sections.end(),
+                                      [&](const ConfigSection& s) { return s.name == name; });
+      section = known != sections.end()
+                    ? &*known
+                    : &sections.emplace_back(ConfigSection{name, KeyedValues(line.place), {}});
+      open.clear();
+    } else if (!open.empty() && isBlank(line.text[0])) {
+      section->below[open].push_back({std::string(text), line.place});
+    } else if (at == std::string_view::npos || at == 0) {
+      refuse(line.place, "'" + std::string(text) + "' is neither a section nor a key with its value");
+    } else {
+      const std::string key(trim(text.substr(0, at)));
+      const std::string_view value = trim(text.substr(at + 1));
+      if (section == nullptr) refuse(line.place, "key '" + key + "' stands before any section");
+      section->values.set(key, value, line.place);
+      open = value.empty() ? key : "";
+    }
+  }
+  return sections;
 }
 
 const ConfigSection* findSection(const std::vector<ConfigSection>& sections, std::string_view name) {

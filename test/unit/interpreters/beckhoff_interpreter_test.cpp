@@ -6,15 +6,13 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// P-COMP "Example of a compensation value list": programmed 19866.7 um, 19856.5 um in the positive and
-// 19874.7 um in the negative direction become -102 and 80 (0.1 um)
+// As in P-COMP "Example of a compensation value list": errors of -102 and 80 (0.1 um) in the positive and
+// the negative direction, every 66.7 um
 const char* const kExample =
     "kopf.log_achs_nr                     2\nkopf.log_achs_name                   Y-ACHSE\nkw.ssfk.interval "
-    "0\n"
+    "667\n"
     "kw.ssfk.kw_startpos                 -200000\nkw.ssfk.kw_nr_max 4\nkw.ssfk.unit 1\nkw.ssfk.bilateral 1 # "
     "both ways\n"
-    "kw.ssfk.table[0].setpoint           -200000\nkw.ssfk.table[1].setpoint           -199306\n"
-    "kw.ssfk.table[2].setpoint           -198667\nkw.ssfk.table[3].setpoint           -198001\n"
     "kw.ssfk.table[0].pos 0\nkw.ssfk.table[1].pos 24\nkw.ssfk.table[2].pos -102\n"
     "kw.ssfk.table[0].neg 0\nkw.ssfk.table[1].neg 67\nkw.ssfk.table[2].neg 80\n";
 
@@ -26,9 +24,9 @@ double moved(const TableFolder& folder, const std::string& joint, std::map<std::
 TEST(BeckhoffInterpreter, ErrorsOfTheDocumentedListAreTakenOff) {
   TableFolder folder;
   folder.file("y.lis", kExample);
-  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8667}}, 1), 10.2, kNanometre);
-  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8667}}, -1), -8.0, kNanometre);
-  EXPECT_NEAR(moved(folder, "y", {{"y", (-19.9306 - 19.8667) / 2.0}}, 1), 3.9, kNanometre);
+  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8666}}, 1), 10.2, kNanometre);
+  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8666}}, -1), -8.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "y", {{"y", (-19.9333 - 19.8666) / 2.0}}, 1), 3.9, kNanometre);
   EXPECT_NEAR(moved(folder, "y", {{"y", -25.0}}, 1), 0.0, kNanometre);
 }
 
@@ -36,15 +34,15 @@ TEST(BeckhoffInterpreter, AListThatIsSwitchedOffDoesNothing) {
   TableFolder folder;
   folder.file("y.lis", kExample)
       .file("y.axis.lis", "lr_param.ssfk 0\ngetriebe[0].lose 50\nlr_param.anwahl_losekomp 1\n");
-  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8667}}, 1), 0.0, kNanometre);
-  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8667}}, -1), -5.0, kNanometre);  // backlash
+  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8666}}, 1), 0.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "y", {{"y", -19.8666}}, -1), -5.0, kNanometre);  // backlash
 }
 
 TEST(BeckhoffInterpreter, CrossCompensationAddsByTheMaster) {
   TableFolder folder;
   folder.file(
       "z.lis",
-      "kopf.log_achs_nr 3\nkw.crosscomp.unit 1\nkw.crosscomp.slave_ax_nr 1\nkw.crosscomp.last_index 1\n"
+      "kopf.log_achs_nr 3\nkw.crosscomp.unit 1\nkw.crosscomp.master_ax_nr 1\nkw.crosscomp.last_index 1\n"
       "kw.crosscomp.table[0].setpoint 0\nkw.crosscomp.table[0].correction 0\n"
       "kw.crosscomp.table[1].setpoint 1000000\nkw.crosscomp.table[1].correction 200\n");
   EXPECT_NEAR(moved(folder, "z", {{"x", 50.0}, {"z", 0.0}}), 10.0, kNanometre);
@@ -67,30 +65,34 @@ TEST(BeckhoffInterpreter, APlaneIsLinearBetweenFourPointsAndKeepsItsMargin) {
   EXPECT_NEAR(moved(folder, "z", {{"x", 900.0}, {"y", 900.0}, {"z", 0.0}}), 40.0, kNanometre);
 }
 
-TEST(BeckhoffInterpreter, ATableOfThePlcIsAdditive) {
-  TableFolder folder;
-  folder.file("x.csv", "# Direction=WorkDirectionBoth\nPosition,Compensation\n0,0\n10,0.004\n20,-0.002\n")
-      .file("x_up.csv", "# Direction=WorkDirectionPositive\nPosition;Compensation\n0;0.001\n1;0.001\n");
-  EXPECT_NEAR(moved(folder, "x", {{"x", 5.0}}, 1), 3.0, kNanometre);
-  EXPECT_NEAR(moved(folder, "x", {{"x", 5.0}}, -1), 2.0, kNanometre);
-  EXPECT_NEAR(moved(folder, "x", {{"x", 30.0}}, -1), -2.0, kNanometre);
+TEST(BeckhoffInterpreter, WhatTheControllerDoesNotLoadIsRefused) {
+  EXPECT_THAT(
+      refusal("beckhoff", {{"z.lis",
+                            "kw.crosscomp.unit 1\nkw.crosscomp.master_ax_nr 1\nkw.crosscomp.last_index 1\n"
+                            "kw.crosscomp.table[0].setpoint 5\nkw.crosscomp.table[1].setpoint 5\n"}}),
+      AllOf(HasSubstr("z.lis:5"), HasSubstr("setpoint 1 is not above")));
+  EXPECT_THAT(refusal("beckhoff", {{"y.lis", std::string(kExample) + "kw.ssfk.kw_nr_max 1500\n"}}),
+              AllOf(HasSubstr("y.lis:14"), HasSubstr("kw.ssfk.kw_nr_max: 1500"), HasSubstr("1499")));
+  EXPECT_THAT(refusal("beckhoff", {{"y.lis", "kw.ssfk.tabel[0].pos 1\n"}}),
+              AllOf(HasSubstr("y.lis:1"), HasSubstr("kw.ssfk.tabel[0].pos")));
+  EXPECT_THAT(refusal("beckhoff", {{"x.csv", "Position,Compensation\n0,0\n10,0\n"}}),
+              HasSubstr("has no <axis>.lis"));
+  EXPECT_THAT(refusal("beckhoff", {{"z.lis", "kw.crosscomp.unit 1\nkw.crosscomp.master_ax_nr 17\n"}}),
+              AllOf(HasSubstr("z.lis:2"), HasSubstr("axis 17")));
 }
 
-TEST(BeckhoffInterpreter, WhatTheControllerDoesNotLoadIsRefused) {
-  TableFolder falling, many, word, unit, steps, master;
-  falling.file("y.lis", std::string(kExample) + "kw.ssfk.table[3].setpoint -198667\n");
-  EXPECT_THAT(refusal("beckhoff", falling),
-              AllOf(HasSubstr("y.lis:18"), HasSubstr("kw.ssfk.table[3].setpoint")));
-  many.file("y.lis", std::string(kExample) + "kw.ssfk.kw_nr_max 1500\n");
-  EXPECT_THAT(refusal("beckhoff", many), AllOf(HasSubstr("kw.ssfk.kw_nr_max: 1500"), HasSubstr("1499")));
-  word.file("y.lis", "kw.ssfk.tabel[0].pos 1\n");
-  EXPECT_THAT(refusal("beckhoff", word), AllOf(HasSubstr("y.lis:1"), HasSubstr("kw.ssfk.tabel[0].pos")));
-  unit.file("y.lis", std::string(kExample) + "kw.ssfk.unit 0\n");
-  EXPECT_THAT(refusal("beckhoff", unit), AllOf(HasSubstr("kw.ssfk.unit"), HasSubstr("increments")));
-  steps.file("x.csv", "Position,Compensation\n0,0\n10,0\n30,0\n");
-  EXPECT_THAT(refusal("beckhoff", steps), AllOf(HasSubstr("x.csv:4"), HasSubstr("equidistant")));
-  master.file("z.lis", "kw.crosscomp.unit 1\nkw.crosscomp.slave_ax_nr 17\n");
-  EXPECT_THAT(refusal("beckhoff", master), AllOf(HasSubstr("z.lis:2"), HasSubstr("axis 17")));
+TEST(BeckhoffInterpreter, ParametersOfWhichNoRuleIsKnownAreRefused) {
+  const std::pair<const char*, const char*> lines[] = {
+      {"kw.ssfk.unit 0", "kw.ssfk.unit: 0 is not read, only 1"},
+      {"kw.ssfk.modulo 1", "1 is not read, only 0"},
+      {"kw.ssfk.interval 0", "kw.ssfk.interval: is not above 0"},
+      {"kw.ssfk.table[1].setpoint 5", "is not read"},
+      {"kw.ssfk.max_points 9", "is not read"}};
+  for (const auto& [line, why] : lines) {
+    EXPECT_THAT(refusal("beckhoff", {{"y.lis", std::string(kExample) + line + "\n"}}),
+                AllOf(HasSubstr("y.lis:14: "), HasSubstr(why)))
+        << line;
+  }
 }
 
 }  // namespace

@@ -34,64 +34,54 @@ TEST(CsvInterpreter, ADeviationIsTakenOffByDirection) {
   EXPECT_NEAR(moved(folder, "z", 50, 0, 0, 1), 0.0, kSecondOrder);
 }
 
-// A yaw of 10 urad displaces the tip by the rotation times its distance from where it turns: about the fixed
-// side that is the whole (100, 200, 250) mm, about the carriage without the way of x.
-TEST(CsvInterpreter, AnAngleCountsByItsLeverFromTheStatedPoint) {
-  TableFolder fixed, carriage;
-  const std::string yaw = "position_mm,value_urad\n0,10\n1000,10\n";
-  fixed.file("chain.csv", chain("fixed_side")).file("ECX.csv", yaw);
+// A yaw of 10 urad displaces the tip by the rotation times its distance from the fixed side, the whole
+// (100, 200, 250) mm.
+TEST(CsvInterpreter, AnAngleCountsByItsLeverFromTheFixedSide) {
+  TableFolder fixed;
+  fixed.file("chain.csv", chain("fixed_side")).file("ECX.csv", "position_mm,value_urad\n0,10\n1000,10\n");
   EXPECT_NEAR(moved(fixed, "x", 100, 200, 300), 2.0, kSecondOrder);
   EXPECT_NEAR(moved(fixed, "y", 100, 200, 300), -1.0, kSecondOrder);
-  carriage.file("chain.csv", chain("carriage")).file("ECX.csv", yaw);
-  EXPECT_NEAR(moved(carriage, "x", 100, 200, 300), 2.0, kSecondOrder);
-  EXPECT_NEAR(moved(carriage, "y", 100, 200, 300), 0.0, kSecondOrder);
 }
 
 TEST(CsvInterpreter, TheToolIsTheLeverOfTheLastAxis) {
   TableFolder folder;
-  folder.file("chain.csv", chain("carriage")).file("EBZ.csv", "position_mm,value_urad\n0,20\n");
-  // about +y by 20 urad: x of a point 50 mm below moves by -1 um
-  EXPECT_NEAR(moved(folder, "x", 0, 0, 10), 1.0, kSecondOrder);
+  folder.file("chain.csv", chain("fixed_side")).file("EBZ.csv", "position_mm,value_urad\n0,20\n");
+  // about +y by 20 urad: x of a point 40 mm below moves by -0.8 um
+  EXPECT_NEAR(moved(folder, "x", 0, 0, 10), 0.8, kSecondOrder);
 }
 
-TEST(CsvInterpreter, SquarenessIsTheOrientationOfAnAxis) {
-  TableFolder folder;
-  folder.file("chain.csv", chain("fixed_side"))
-      .file("location.csv", "error,value_um,value_urad\nC0Y,,50\nCOY,,50\n");
-  EXPECT_NEAR(moved(folder, "x", 0, 100, 0), 10.0, kSecondOrder);
-  EXPECT_NEAR(moved(folder, "y", 0, 100, 0), 0.0, kSecondOrder);
-}
-
-TEST(CsvInterpreter, ARotaryMotorTakesItsOwnAngle) {
+TEST(CsvInterpreter, ARotaryJointOfTheChainStaysAndTurnsWhatFollows) {
   TableFolder folder;
   folder
       .file("chain.csv",
             "joint,kind,direction_x,direction_y,direction_z,origin_x_mm,origin_y_mm,origin_z_mm,rotation_"
             "about\n"
-            "c,rotary,0,0,-1,0,0,0,fixed_side\nx,linear,1,0,0,0,0,0,fixed_side\ntip,,,,,0,0,0,\n")
-      .file("ECC.csv", "position_deg,value_urad\n0,100\n360,100\n");
-  CommandedState command = atMillimetres({{"x", 100.0}});
+            "c,rotary,0,0,1,0,0,0,fixed_side\nx,linear,1,0,0,0,0,0,fixed_side\ny,linear,0,1,0,0,0,0,fixed_"
+            "side\n"
+            "tip,,,,,0,0,0,\n")
+      .file("EYX.csv", "position_mm,value_um\n0,3\n100,3\n");
+  CommandedState command = atMillimetres({{"x", 50.0}, {"y", 0.0}});
   command.position["c"] = 0.5;
   const auto motors = interpret("csv", folder.path())->motors(command);
-  // the axis points down: its positive turn is a negative one about z
-  EXPECT_NEAR(motors.at("c"), 0.5 + 100e-6, 1e-9);
-  EXPECT_NEAR(motors.at("x"), 0.1, 1e-9);
+  EXPECT_EQ(motors.at("c"), 0.5);
+  EXPECT_NEAR(motors.at("y"), -3e-6, 1e-9);
+  EXPECT_NEAR(motors.at("x"), 0.05, 1e-9);
 }
 
 TEST(CsvInterpreter, WhatIsNotStatedIsRefused) {
-  TableFolder none, joint, falling, unit, side, location;
-  none.file("EXX.csv", "position_mm,value_um\n0,1\n");
-  EXPECT_THAT(refusal("csv", none), HasSubstr("chain.csv"));
-  joint.file("chain.csv", chain("carriage")).file("EXA.csv", "position_deg,value_um\n0,1\n");
-  EXPECT_THAT(refusal("csv", joint), AllOf(HasSubstr("EXA.csv"), HasSubstr("joint 'a'")));
-  falling.file("chain.csv", chain("carriage")).file("EXX.csv", "position_mm,value_um\n5,1\n5,2\n");
-  EXPECT_THAT(refusal("csv", falling), AllOf(HasSubstr("EXX.csv:3"), HasSubstr("position_mm: 5")));
-  unit.file("chain.csv", chain("carriage")).file("EAX.csv", "position_mm,value_um\n0,1\n");
-  EXPECT_THAT(refusal("csv", unit), AllOf(HasSubstr("EAX.csv:1"), HasSubstr("value_urad")));
-  side.file("chain.csv", chain("moving_side"));
-  EXPECT_THAT(refusal("csv", side), AllOf(HasSubstr("chain.csv:3"), HasSubstr("moving_side")));
-  location.file("chain.csv", chain("carriage")).file("location.csv", "error,value_um,value_urad\nC0Y,3,\n");
-  EXPECT_THAT(refusal("csv", location), AllOf(HasSubstr("location.csv:2"), HasSubstr("C0Y is an angle")));
+  TableFolder joint;
+  EXPECT_THAT(refusal("csv", {{"EXX.csv", "position_mm,value_um\n0,1\n"}}), HasSubstr("chain.csv"));
+  EXPECT_THAT(
+      refusal("csv", {{"chain.csv", chain("fixed_side")}, {"EXA.csv", "position_deg,value_um\n0,1\n"}}),
+      AllOf(HasSubstr("EXA.csv"), HasSubstr("joint 'a'")));
+  EXPECT_THAT(
+      refusal("csv", {{"chain.csv", chain("fixed_side")}, {"EXX.csv", "position_mm,value_um\n5,1\n5,2\n"}}),
+      AllOf(HasSubstr("EXX.csv:3"), HasSubstr("position_mm: 5")));
+  EXPECT_THAT(
+      refusal("csv", {{"chain.csv", chain("fixed_side")}, {"EAX.csv", "position_mm,value_um\n0,1\n"}}),
+      AllOf(HasSubstr("EAX.csv:1"), HasSubstr("value_urad")));
+  EXPECT_THAT(refusal("csv", {{"chain.csv", chain("carriage")}}),
+              AllOf(HasSubstr("chain.csv:3"), HasSubstr("'carriage' is not read, only fixed_side")));
 }
 
 }  // namespace

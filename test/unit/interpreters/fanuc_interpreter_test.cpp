@@ -53,59 +53,39 @@ TEST(FanucInterpreter, WhatTheControlHasIsReadBesideWhatItIsGiven) {
   EXPECT_NEAR(moved(folder, 0, -1), -6 * 0.05, kNanometre);
   folder.file("compare.txt", "N01820 A1 P110\n");  // 1 um x 10
   EXPECT_NEAR(moved(folder, 50), 20.0, kNanometre);
-  folder.file("compare.txt", "N01820 A1 P200\n");
-  EXPECT_THAT(refusal("fanuc", folder),
+  EXPECT_THAT(refusal("fanuc", {{"compare.txt", "N01820 A1 P200\n"}}),
               AllOf(HasSubstr("compare.txt:1"), HasSubstr("1820"), HasSubstr("200")));
 }
 
-TEST(FanucInterpreter, TheOtherDirectionHasATableOfItsOwn) {
+TEST(FanucInterpreter, BacklashIsTakenUpBackwards) {
   TableFolder folder;
-  // points 133 … of the negative direction; 3627 is its value at the reference position
-  folder.file("parameters.txt",
-              linearExample("N03605 A1 P00000001\nN03626 A1 P133\nN03627 A1 P-4\nN10141 P5\n"));
-  EXPECT_NEAR(moved(folder, 50, 1), 2.0, kNanometre);
-  EXPECT_NEAR(moved(folder, 0, -1), -4.0, kNanometre);
-  EXPECT_NEAR(moved(folder, 50, -1), 1.0, kNanometre);
-  EXPECT_NEAR(moved(folder, -50, -1), -4.0, kNanometre);
+  folder.file("parameters.txt", "N01851 A1 P12\n");
+  EXPECT_NEAR(moved(folder, 5, 1), 0.0, kNanometre);
+  EXPECT_NEAR(moved(folder, 5, -1), -12.0, kNanometre);
 }
 
-TEST(FanucInterpreter, BacklashIsTakenUpAgainstTheReturnToTheReference) {
-  TableFolder plus, minus;
-  plus.file("parameters.txt", "N01851 A1 P12\n");
-  EXPECT_NEAR(moved(plus, 5, 1), 0.0, kNanometre);
-  EXPECT_NEAR(moved(plus, 5, -1), -12.0, kNanometre);
-  minus.file("parameters.txt", "N01006 A1 P00100000\nN01851 A1 P12\n");
-  EXPECT_NEAR(moved(minus, 5, 1), 12.0, kNanometre);
-  EXPECT_NEAR(moved(minus, 5, -1), 0.0, kNanometre);
-}
-
-// B-63980EN, page 100, example 2: 45 degrees, reference at 60, 68 the last
-TEST(FanucInterpreter, ARotaryAxisRepeatsItsTurn) {
-  const std::string head =
-      "N01020 A1 P67\nN03620 A1 P60\nN03621 A1 P60\nN03622 A1 P68\nN03624 A1 P45000\nN03625 A1 P360000\n";
-  TableFolder folder, growing, points;
-  folder.file("parameters.txt", head + "N10061 P3\nN10068 P-3\nN10060 P-3\n");
-  CommandedState command;
-  command.position["c"] = (360.0 + 90.0) * kDegree;
-  command.direction["c"] = 1;
-  EXPECT_NEAR(interpret("fanuc", folder.path())->motors(command).at("c"), (450.0 + 0.003) * kDegree, 1e-12);
-  growing.file("parameters.txt", head + "N10061 P3\n");
-  EXPECT_THAT(refusal("fanuc", growing), HasSubstr("do not sum to zero"));
-  points.file("parameters.txt", head + "N03622 A1 P67\n");
-  EXPECT_THAT(refusal("fanuc", points), AllOf(HasSubstr("3622"), HasSubstr("67")));
+TEST(FanucInterpreter, RotaryAxesTablesOfEachDirectionAndAnotherReferenceAreRefused) {
+  const std::pair<const char*, const char*> lines[] = {
+      {"N01020 A1 P67\n", "tables of rotary axes"},
+      {"N01006 A1 P00000001\n", "tables of rotary axes"},
+      {"N03605 A1 P00000001\n", "a table for each direction"},
+      {"N01240 A1 P5.0\n", "5.0 is not read, only 0"}};
+  for (const auto& [line, why] : lines) {
+    EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample(line)}}),
+                AllOf(HasSubstr("parameters.txt:"), HasSubstr(why)))
+        << line;
+  }
 }
 
 TEST(FanucInterpreter, WhatIsOutOfRangeIsRefused) {
-  TableFolder increment, number, word, far;
-  increment.file("parameters.txt", linearExample("N10041 P8\n"));
-  EXPECT_THAT(refusal("fanuc", increment),
+  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample("N10041 P8\n")}}),
               AllOf(HasSubstr("parameters.txt:25"), HasSubstr("10041"), HasSubstr("-7 to 7")));
-  number.file("parameters.txt", linearExample("N03622 A1 P1024\n"));
-  EXPECT_THAT(refusal("fanuc", number), AllOf(HasSubstr("3622"), HasSubstr("0 to 1023")));
-  word.file("parameters.txt", "N03620 A1 X40\n");
-  EXPECT_THAT(refusal("fanuc", word), AllOf(HasSubstr("parameters.txt:1"), HasSubstr("X40")));
-  far.file("parameters.txt", linearExample("N03620 A1 P90\n"));
-  EXPECT_THAT(refusal("fanuc", far), AllOf(HasSubstr("3620"), HasSubstr("90")));
+  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample("N03622 A1 P1024\n")}}),
+              AllOf(HasSubstr("3622"), HasSubstr("0 to 1023")));
+  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", "N03620 A1 X40\n"}}),
+              AllOf(HasSubstr("parameters.txt:1"), HasSubstr("X40")));
+  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample("N03620 A1 P90\n")}}),
+              AllOf(HasSubstr("3620"), HasSubstr("90")));
 }
 
 }  // namespace

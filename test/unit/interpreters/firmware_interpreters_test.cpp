@@ -20,16 +20,6 @@ TEST(MarlinInterpreter, SkewFactorsAreTakenOff) {
   EXPECT_NEAR(movedBy("marlin", folder, "y", 10, 20, 30), -900.0, kNanometre);
 }
 
-TEST(MarlinInterpreter, NothingIsSkewedBeyondTheMachine) {
-  TableFolder folder;
-  folder.file("compensation.gcode", "M852 S0.01\n")
-      .file("Configuration.h",
-            "#define X_MIN_POS 0\n#define X_MAX_POS 200 // mm\n#define Y_MIN_POS 0\n#define Y_MAX_POS 200\n");
-  EXPECT_NEAR(movedBy("marlin", folder, "x", 100, 100, 0), -1000.0, kNanometre);
-  EXPECT_NEAR(movedBy("marlin", folder, "x", 0.5, 100, 0), 0.0, kNanometre);  // the first millimetre
-  EXPECT_NEAR(movedBy("marlin", folder, "x", 1.5, 180, 0), 0.0, kNanometre);  // -0.3 mm would be beyond
-}
-
 // feature/backlash.cpp, get_applied_steps: nothing forwards, the whole of it backwards; the fraction is a
 // byte
 TEST(MarlinInterpreter, BacklashIsTakenUpBackwardsByItsFraction) {
@@ -45,25 +35,25 @@ TEST(MarlinInterpreter, BacklashIsTakenUpBackwardsByItsFraction) {
 }
 
 TEST(MarlinInterpreter, WhatMarlinDoesNotTakeIsRefused) {
-  TableFolder large, word, letter;
-  large.file("compensation.gcode", "M852 I1.5\n");
-  EXPECT_THAT(refusal("marlin", large),
+  TableFolder inches;
+  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "M852 I1.5\n"}}),
               AllOf(HasSubstr("compensation.gcode:1"), HasSubstr("M852 I"), HasSubstr("-1 to 1")));
-  word.file("compensation.gcode", "G21\nM852 I0.0.1\n");
-  EXPECT_THAT(refusal("marlin", word), AllOf(HasSubstr(":2"), HasSubstr("'0.0.1' is not a number")));
-  letter.file("compensation.gcode", "M425 Q1\n");
-  EXPECT_THAT(refusal("marlin", letter), HasSubstr("'Q' is no axis"));
+  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "G21\nM852 I0.0.1\n"}}),
+              AllOf(HasSubstr(":2"), HasSubstr("'0.0.1' is not a number")));
+  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "M425 Q1\n"}}),
+              HasSubstr("M425: 'Q1' is none of the letters"));
+  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "G20\nM852 I0.01\n"}}),
+              AllOf(HasSubstr("compensation.gcode:1"), HasSubstr("inches are not read")));
 }
 
 // The example of M556: S100 X0.7 Y-0.2 Z0.6 is reported as XY 0.00700, YZ -0.00200, ZX 0.00600
 TEST(ReprapfirmwareInterpreter, TangentsOfTheDocumentedExampleAreAdded) {
-  TableFolder folder, byY;
+  TableFolder folder;
   folder.file("config-override.g", "M556 S100 X0.7 Y-0.2 Z0.6\n");
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "x", 100, 200, 50), 1400.0 + 300.0, kNanometre);
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "y", 100, 200, 50), -100.0, kNanometre);
-  byY.file("config.g", "M556 S100 X0.7 Y-0.2 Z0.6 P1 ; by y\n");
-  EXPECT_NEAR(movedBy("reprapfirmware", byY, "x", 100, 200, 50), 300.0, kNanometre);
-  EXPECT_NEAR(movedBy("reprapfirmware", byY, "y", 100, 200, 50), 0.7 * 1003.0 - 100.0, kNanometre);
+  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "M556 S100 X0.7 Y-0.2 Z0.6 P1 ; by y\n"}}),
+              AllOf(HasSubstr("config.g:1"), HasSubstr("M556: 'P1' is none of")));
 }
 
 TEST(ReprapfirmwareInterpreter, TheOverrideComesLast) {
@@ -75,13 +65,11 @@ TEST(ReprapfirmwareInterpreter, TheOverrideComesLast) {
 }
 
 TEST(ReprapfirmwareInterpreter, WhatHasNoHeightIsRefused) {
-  TableFolder none, zero, negative;
-  none.file("config.g", "G28\nM556 X0.7\n");
-  EXPECT_THAT(refusal("reprapfirmware", none), AllOf(HasSubstr("config.g:2"), HasSubstr("S")));
-  zero.file("config.g", "M556 S0 X0.7\n");
-  EXPECT_THAT(refusal("reprapfirmware", zero), HasSubstr("M556 S"));
-  negative.file("config.g", "M425 X-0.1\n");
-  EXPECT_THAT(refusal("reprapfirmware", negative), AllOf(HasSubstr("M425 X"), HasSubstr("below 0")));
+  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "G28\nM556 X0.7\n"}}),
+              AllOf(HasSubstr("config.g:2"), HasSubstr("S")));
+  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "M556 S0 X0.7\n"}}), HasSubstr("M556"));
+  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "M425 X-0.1\n"}}),
+              AllOf(HasSubstr("M425 X"), HasSubstr("below 0")));
 }
 
 // motion_control.c: dir_negative begins as the direction of the pull-off, against the search for the switch
@@ -97,12 +85,9 @@ TEST(GrblhalInterpreter, BacklashIsCountedFromThePullOff) {
 }
 
 TEST(GrblhalInterpreter, WhatIsNoBacklashIsRefused) {
-  TableFolder negative, word;
-  negative.file("settings.txt", "$0=10\n$162=-0.1\n");
-  EXPECT_THAT(refusal("grblhal", negative),
+  EXPECT_THAT(refusal("grblhal", {{"settings.txt", "$0=10\n$162=-0.1\n"}}),
               AllOf(HasSubstr("settings.txt:2"), HasSubstr("$162"), HasSubstr("-0.1")));
-  word.file("settings.txt", "$160=five\n");
-  EXPECT_THAT(refusal("grblhal", word), HasSubstr("'five' is not a number"));
+  EXPECT_THAT(refusal("grblhal", {{"settings.txt", "$160=five\n"}}), HasSubstr("'five' is not a number"));
 }
 
 }  // namespace

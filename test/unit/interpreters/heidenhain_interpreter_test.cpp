@@ -8,7 +8,7 @@ using testing::HasSubstr;
 
 // MANUALplus 620, page 716: Y = F(Y) and Z = F(Y) from -90 mm every 5 mm
 const char* const kAssignment =
-    "BEGIN CONFIG.CMA\nNR  ACTIVE X     Y        Z\n0   *            AXISY.COM\n1          OLD.COM\n[END]\n";
+    "BEGIN CONFIG.CMA\nNR  ACTIVE Y\n0   *     AXISY.COM\n1   -     OLD.COM\n[END]\n";
 const char* const kTable =
     "BEGIN AXISY.COM MM\nNR AXISPOS BACKLASH Y Z\n0 -90 +0.002 +0.001 +0.01\n1 -85 +0.004 +0.003 "
     "+0.02\n[END]\n";
@@ -41,22 +41,13 @@ TEST(HeidenhainInterpreter, TheColumnOfBacklashIsTheOtherDirection) {
 
 TEST(HeidenhainInterpreter, OnlyTheActiveLineCounts) {
   TableFolder folder;
-  folder.file("config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE Y\n0        AXISY.COM\n[END]\n")
+  folder.file("config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE Y\n0 - AXISY.COM\n[END]\n")
       .file("AXISY.COM", kTable);
   EXPECT_NEAR(moved(folder, "y", -90, 1), 0.0, kNanometre);
 }
 
-TEST(HeidenhainInterpreter, ARotaryAxisGoesRound) {
-  TableFolder folder;
-  folder.file("config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE C\n0 * C.COM\n[END]\n")
-      .file("C.COM", "BEGIN C.COM MM\nNR AXISPOS C\n0 0 0\n1 180 0.02\n2 360 0\n[END]\n");
-  CommandedState command;
-  command.position["c"] = -90.0 * kDegree;
-  EXPECT_NEAR(interpret("heidenhain", folder.path())->motors(command).at("c"), -90.01 * kDegree, 1e-12);
-}
-
 TEST(HeidenhainInterpreter, WhatTheControlDoesNotTakeIsRefused) {
-  TableFolder many, falling, missing, half, number;
+  TableFolder many, falling, half, number;
   std::string table = "BEGIN AXISY.COM MM\nNR AXISPOS Y\n";
   for (int i = 0; i < 257; ++i) table += std::to_string(i) + " " + std::to_string(i) + " 0\n";
   EXPECT_THAT(refusal("heidenhain", withTable(many, table + "[END]\n")),
@@ -64,12 +55,23 @@ TEST(HeidenhainInterpreter, WhatTheControlDoesNotTakeIsRefused) {
   EXPECT_THAT(
       refusal("heidenhain", withTable(falling, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 0\n1 5 0\n[END]\n")),
       AllOf(HasSubstr("axisy.com:4"), HasSubstr("AXISPOS: 5")));
-  missing.file("config.cma", kAssignment);
-  EXPECT_THAT(refusal("heidenhain", missing), AllOf(HasSubstr("config.cma:3"), HasSubstr("AXISY.COM")));
+  EXPECT_THAT(refusal("heidenhain", {{"config.cma", kAssignment}}),
+              AllOf(HasSubstr("config.cma:3"), HasSubstr("AXISY.COM")));
   EXPECT_THAT(refusal("heidenhain", withTable(half, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 0\n")),
               HasSubstr("[END]"));
   EXPECT_THAT(refusal("heidenhain", withTable(number, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 1,5\n[END]\n")),
               AllOf(HasSubstr("axisy.com:3"), HasSubstr("'1,5' is not a number")));
+}
+
+TEST(HeidenhainInterpreter, OtherUnitsEmptyCellsAndRotaryAxesAreRefused) {
+  TableFolder inch, empty;
+  EXPECT_THAT(refusal("heidenhain", withTable(inch, "BEGIN AXISY.COM INCH\nNR AXISPOS Y\n0 5 0\n[END]\n")),
+              AllOf(HasSubstr("axisy.com:1"), HasSubstr("unit 'INCH' is not read, only MM")));
+  EXPECT_THAT(refusal("heidenhain", withTable(empty, "BEGIN AXISY.COM MM\nNR AXISPOS Y Z\n0 5 0\n[END]\n")),
+              AllOf(HasSubstr("axisy.com:3"), HasSubstr("3 cells below 4 columns")));
+  EXPECT_THAT(refusal("heidenhain", {{"config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE C\n0 * C.COM\n[END]\n"},
+                                     {"C.COM", kTable}}),
+              AllOf(HasSubstr("config.cma:2"), HasSubstr("column C")));
 }
 
 }  // namespace

@@ -2,36 +2,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <map>
 #include <string>
 
 #include "base/error.h"
+#include "base/temporary_folder.h"
 #include "base/units.h"
 #include "interpreters/interpreter.h"
 
 namespace mm {
 
 /// A folder with the files of a controller, gone with the object.
-class TableFolder {
+class TableFolder : public TemporaryFolder {
  public:
-  TableFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mm_tables_XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
+  TableFolder() = default;
+  explicit TableFolder(const std::map<std::string, std::string>& files) {
+    for (const auto& [name, text] : files) write(name, text);
   }
-  ~TableFolder() { std::filesystem::remove_all(path_); }
-  TableFolder(const TableFolder&) = delete;
-  TableFolder& operator=(const TableFolder&) = delete;
-
   TableFolder& file(const std::string& name, const std::string& text) {
-    std::ofstream(path_ / name) << text;
+    write(name, text);
     return *this;
   }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// A state in mm; `direction` of all of its joints.
@@ -58,6 +49,10 @@ inline std::string refusal(const std::string& target, const TableFolder& folder)
     return error.what();
   }
   return "";
+}
+
+inline std::string refusal(const std::string& target, const std::map<std::string, std::string>& files) {
+  return refusal(target, TableFolder(files));
 }
 
 inline constexpr double kNanometre = 1e-3;  // of um: what sums of numbers of tables leave

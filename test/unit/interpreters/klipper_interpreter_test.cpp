@@ -11,22 +11,20 @@ double moved(const TableFolder& folder, const std::string& joint, double x, doub
                           joint);
 }
 
-std::string mesh(const std::string& algorithm, int between, const std::string& points, int columns,
-                 int rows) {
+std::string mesh(const std::string& points, int columns, int rows, const std::string& algorithm = "direct") {
   return "[bed_mesh]\n[bed_mesh first]\nversion: 1\npoints:\n" + points +
          "x_count: " + std::to_string(columns) + "\ny_count: " + std::to_string(rows) +
-         "\nmesh_x_pps: " + std::to_string(between) + "\nmesh_y_pps: " + std::to_string(between) +
-         "\nalgo: " + algorithm + "\ntension: 0.2\nmin_x: 0\nmax_x: 100\nmin_y: 0\nmax_y: 100\n";
+         "\nmesh_x_pps: 0\nmesh_y_pps: 0\nalgo: " + algorithm +
+         "\ntension: 0.2\nmin_x: 0\nmax_x: 100\nmin_y: 0\nmax_y: 100\n";
 }
 
-const char* const kParabola = "  0.0, 0.025, 0.1\n  0.0, 0.025, 0.1\n  0.0, 0.025, 0.1\n";  // x² 1e-5 / mm
+const char* const kLoad = "BED_MESH_PROFILE LOAD=first\n";
 
 TEST(KlipperInterpreter, SkewOfAProfileIsTakenOffAsMarlinDoes) {
   TableFolder folder;
   folder
       .file("printer.cfg",
-            "[skew_correction]\n\n#*# <--- SAVE_CONFIG --->\n#*# DO NOT EDIT THIS BLOCK OR BELOW.\n#*#\n"
-            "#*# [skew_correction plate]\n#*# xy_skew = 0.01\n#*# xz_skew = 0.02\n#*# yz_skew = 0.03\n")
+            "[skew_correction]\n[skew_correction plate]\nxy_skew = 0.01\nxz_skew = 0.02\nyz_skew = 0.03\n")
       .file("start.gcode", "G28\nSKEW_PROFILE LOAD=plate\n");
   // x = 10 - 20 0.01 - 30 (0.02 - 0.01 0.03), y = 20 - 30 0.03
   EXPECT_NEAR(moved(folder, "x", 10, 20, 30), -791.0, kNanometre);
@@ -47,9 +45,7 @@ TEST(KlipperInterpreter, AProfileThatIsNotLoadedDoesNothing) {
 // (AC² - BD²) / (4 AD AB sin of its angle) is the tangent.
 TEST(KlipperInterpreter, LengthsOfAParallelogramAreItsSkew) {
   TableFolder folder;
-  folder.file("printer.cfg",
-              "[skew_correction]\n[delayed_gcode begin]\ninitial_duration: 1\ngcode:\n"
-              "  SET_SKEW XY=140.4,142.8,99.8\n");
+  folder.file("printer.cfg", "[skew_correction]\n").file("start.gcode", "SET_SKEW XY=140.4,142.8,99.8\n");
   const double ac = 140.4, bd = 142.8, ad = 99.8;
   const double ab = std::sqrt((ac * ac + bd * bd) / 2.0 - ad * ad);
   const double cosine = (ac * ac - bd * bd) / (4.0 * ad * ab),
@@ -57,39 +53,20 @@ TEST(KlipperInterpreter, LengthsOfAParallelogramAreItsSkew) {
   EXPECT_NEAR(moved(folder, "x", 0, 100, 0), -100e3 * tangent, kNanometre);
 }
 
-TEST(KlipperInterpreter, LagrangeFollowsAParabolaAndIsStraightBetweenItsPoints) {
+TEST(KlipperInterpreter, AMeshIsStraightBetweenItsPointsAndHoldsItsBorder) {
   TableFolder folder;
-  folder.file("printer.cfg", mesh("lagrange", 1, kParabola, 3, 3))
-      .file("start.gcode", "BED_MESH_PROFILE LOAD=first\n");
-  EXPECT_NEAR(moved(folder, "z", 25, 60, 0), 6.25, kNanometre);
-  EXPECT_NEAR(moved(folder, "z", 12.5, 60, 0), 3.125, kNanometre);
-  EXPECT_NEAR(moved(folder, "z", -40, 0, 0), 0.0, kNanometre);
-  EXPECT_NEAR(moved(folder, "z", 140, 0, 0), 100.0, kNanometre);
-}
-
-TEST(KlipperInterpreter, BicubicIsACardinalSpline) {
-  TableFolder folder;
-  folder.file("printer.cfg", mesh("bicubic", 1, "  0, 0.1, 0.2, 0\n  0, 0.1, 0.2, 0\n", 4, 2))
-      .file("start.gcode", "BED_MESH_PROFILE LOAD=first\n");
-  // halfway between 0.1 and 0.2 with slopes 0.2 (0.2 - 0) and 0.2 (0 - 0.1): 0.15 + (0.04 + 0.02) / 8
-  EXPECT_NEAR(moved(folder, "z", 50, 50, 0), 157.5, kNanometre);
-}
-
-TEST(KlipperInterpreter, AMeshFadesToItsTarget) {
-  TableFolder folder;
-  const std::string fading = "[bed_mesh]\nfade_start: 1\nfade_end: 11\nfade_target: 0.02\n";
-  folder.file("printer.cfg", fading + mesh("direct", 0, "  0, 0.1\n  0, 0.1\n", 2, 2))
-      .file("start.gcode", "BED_MESH_PROFILE LOAD=first\n");
-  EXPECT_NEAR(moved(folder, "z", 100, 0, 0), 100.0, kNanometre);
-  EXPECT_NEAR(moved(folder, "z", 100, 0, 6), 20.0 + 0.5 * 80.0, kNanometre);
-  EXPECT_NEAR(moved(folder, "z", 100, 0, 11), 20.0, kNanometre);
+  folder.file("printer.cfg", mesh("  0, 0.01, 0.1\n  0.02, 0.03, 0.12\n", 3, 2)).file("start.gcode", kLoad);
+  EXPECT_NEAR(moved(folder, "z", 25, 0, 0), 5.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "z", 75, 50, 400), 65.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "z", 140, 200, 0), 120.0, kNanometre);
+  EXPECT_NEAR(moved(folder, "z", -40, -1, 0), 0.0, kNanometre);
 }
 
 TEST(KlipperInterpreter, TheMeshIsReadWhereTheSkewLeads) {
   TableFolder folder;
   folder
       .file("printer.cfg", "[skew_correction]\n[skew_correction s]\nxy_skew: 0.1\nxz_skew: 0\nyz_skew: 0\n" +
-                               mesh("direct", 0, "  0, 0.1\n  0, 0.1\n", 2, 2))
+                               mesh("  0, 0.1\n  0, 0.1\n", 2, 2))
       .file("start.gcode", "BED_MESH_PROFILE LOAD=first\nSKEW_PROFILE LOAD=s\n");
   EXPECT_NEAR(moved(folder, "z", 60, 100, 0), 50.0, kNanometre);
 }
@@ -107,31 +84,36 @@ TEST(KlipperInterpreter, HeatLowersZByTheCoefficient) {
   EXPECT_NEAR(addedMicrometres(*interpreter, command, "z"), 150.0, kNanometre);
 }
 
-TEST(KlipperInterpreter, TwistCorrectsTheProbeAndNotTheMotors) {
-  TableFolder folder;
-  folder.file("printer.cfg",
-              "[axis_twist_compensation]\ncalibrate_start_x: 0\ncalibrate_end_x: 100\nz_compensations: -0.1, "
-              "0, 0.1\n");
-  EXPECT_NEAR(moved(folder, "z", 100, 0, 0), 0.0, kNanometre);
+TEST(KlipperInterpreter, WhatKlipperAnswersWithAnErrorIsRefused) {
+  TableFolder lengths;
+  EXPECT_THAT(refusal("klipper", {{"printer.cfg", "[skew_correction]\n"},
+                                  {"start.gcode", "\nSKEW_PROFILE LOAD=none\n"}}),
+              AllOf(HasSubstr("start.gcode:2"), HasSubstr("none")));
+  EXPECT_THAT(refusal("klipper", {{"printer.cfg", mesh("  0, 0.1\n  0\n", 2, 2)}, {"start.gcode", kLoad}}),
+              AllOf(HasSubstr("printer.cfg:6"), HasSubstr("x_count is 2")));
+  EXPECT_THAT(
+      refusal("klipper", {{"printer.cfg", "[skew_correction]\n"}, {"start.gcode", "SET_SKEW XY=140,142\n"}}),
+      AllOf(HasSubstr("start.gcode:1"), HasSubstr("three lengths")));
+  EXPECT_THAT(refusal("klipper", {{"printer.cfg", ""}, {"start.gcode", "SET_SKEW CLEAR=1\n"}}),
+              HasSubstr("[skew_correction]"));
 }
 
-TEST(KlipperInterpreter, WhatKlipperAnswersWithAnErrorIsRefused) {
-  TableFolder unknown, ragged, wide, algorithm, lengths, section;
-  unknown.file("printer.cfg", "[skew_correction]\n").file("start.gcode", "\nSKEW_PROFILE LOAD=none\n");
-  EXPECT_THAT(refusal("klipper", unknown), AllOf(HasSubstr("start.gcode:2"), HasSubstr("none")));
-  const std::string load = "BED_MESH_PROFILE LOAD=first\n";
-  ragged.file("printer.cfg", mesh("direct", 0, "  0, 0.1\n  0\n", 2, 2)).file("start.gcode", load);
-  EXPECT_THAT(refusal("klipper", ragged), AllOf(HasSubstr("printer.cfg:4"), HasSubstr("x_count is 2")));
-  wide.file("printer.cfg",
-            "[bed_mesh]\nfade_end: 1.05\nfade_target: 0\n" + mesh("direct", 0, "  0, 0.1\n  0, 0.1\n", 2, 2))
-      .file("start.gcode", load);
-  EXPECT_THAT(refusal("klipper", wide), AllOf(HasSubstr("printer.cfg:2"), HasSubstr("fade_end")));
-  algorithm.file("printer.cfg", mesh("spline", 0, "  0, 0.1\n  0, 0.1\n", 2, 2)).file("start.gcode", load);
-  EXPECT_THAT(refusal("klipper", algorithm), AllOf(HasSubstr("algo"), HasSubstr("spline")));
-  lengths.file("printer.cfg", "[skew_correction]\n").file("start.gcode", "SET_SKEW XY=140,142\n");
-  EXPECT_THAT(refusal("klipper", lengths), AllOf(HasSubstr("start.gcode:1"), HasSubstr("three lengths")));
-  section.file("printer.cfg", "").file("start.gcode", "SET_SKEW CLEAR=1\n");
-  EXPECT_THAT(refusal("klipper", section), HasSubstr("[skew_correction]"));
+TEST(KlipperInterpreter, WhatNoRuleIsKnownOfIsRefused) {
+  const std::string two = "  0, 0.1\n  0, 0.1\n", heat = "[z_thermal_adjust]\ntemp_coeff: 0.01\n";
+
+  EXPECT_THAT(refusal("klipper", {{"printer.cfg", mesh(two, 2, 2, "bicubic")}, {"start.gcode", kLoad}}),
+              AllOf(HasSubstr("printer.cfg:11"), HasSubstr("'bicubic' is not read, only")));
+  EXPECT_THAT(refusal("klipper", {{"printer.cfg", "[bed_mesh]\nfade_end: 10\n" + mesh(two, 2, 2)},
+                                  {"start.gcode", kLoad}}),
+              AllOf(HasSubstr("printer.cfg:2"), HasSubstr("fade_end")));
+  EXPECT_THAT(
+      refusal("klipper", {{"printer.cfg", mesh(two, 2, 2) + "[gcode_macro START]\ngcode:\n  " + kLoad}}),
+      AllOf(HasSubstr("printer.cfg:19"), HasSubstr("start.gcode alone")));
+  EXPECT_THAT(refusal("klipper", {{"printer.cfg", heat}}),
+              AllOf(HasSubstr("printer.cfg:1"), HasSubstr("REF_TEMP")));
+  EXPECT_THAT(
+      refusal("klipper", {{"printer.cfg", heat}, {"start.gcode", "SET_Z_THERMAL_ADJUST TEMP_COEFF=0.02\n"}}),
+      AllOf(HasSubstr("start.gcode:1"), HasSubstr("TEMP_COEFF")));
 }
 
 }  // namespace

@@ -58,21 +58,22 @@ TEST(LinuxcncInterpreter, BacklashIsHalvedAndIgnoredWithATable) {
   EXPECT_NEAR(added(*interpret("linuxcnc", with.path()), 3.0, 1), 0.0, kNanometre);
 }
 
-TEST(LinuxcncInterpreter, UnitsAreThoseOfTheIniFile) {
+TEST(LinuxcncInterpreter, AngularJointsAreInDegreesAndOtherUnitsAreRefused) {
   TableFolder folder;
   folder.file("machine.ini",
-              "[TRAJ]\nCOORDINATES = XYA\nLINEAR_UNITS = inch\n[JOINT_0]\nBACKLASH = 0.001\n"
-              "[JOINT_2]\nTYPE = ANGULAR\nBACKLASH = 0.02\n");
-  const auto interpreter = interpret("linuxcnc", folder.path());
-  EXPECT_NEAR(added(*interpreter, 3.0, 1), 12.7, kNanometre);
+              "[TRAJ]\nCOORDINATES = XYA\nANGULAR_UNITS = deg\n[JOINT_2]\nTYPE = ANGULAR\nBACKLASH = 0.02\n");
   CommandedState command;
   command.position["a"] = 1.0;
   command.direction["a"] = -1;
-  EXPECT_NEAR(interpreter->motors(command).at("a"), 1.0 - 0.01 * kDegree, 1e-12);
+  EXPECT_NEAR(interpret("linuxcnc", folder.path())->motors(command).at("a"), 1.0 - 0.01 * kDegree, 1e-12);
+  EXPECT_THAT(
+      refusal("linuxcnc", {{"machine.ini",
+                            "[TRAJ]\nCOORDINATES = X\nLINEAR_UNITS = inch\n[JOINT_0]\nBACKLASH = 0.02\n"}}),
+      AllOf(HasSubstr("machine.ini:3"), HasSubstr("LINEAR_UNITS: 'inch'"), HasSubstr("only mm")));
 }
 
 TEST(LinuxcncInterpreter, WhatLinuxcncReportsIsRefused) {
-  TableFolder falling, many, missing, remark;
+  TableFolder falling, many, remark;
   EXPECT_THAT(refusal("linuxcnc", withCompFile(falling, "0 0 0\n1 1 1\n1 1 1\n")),
               AllOf(HasSubstr("joint0.comp:3"), HasSubstr("nominal"), HasSubstr("must increase")));
   std::string table;
@@ -80,19 +81,17 @@ TEST(LinuxcncInterpreter, WhatLinuxcncReportsIsRefused) {
   EXPECT_EQ(refusal("linuxcnc", withCompFile(many, table)), "");
   EXPECT_THAT(refusal("linuxcnc", withCompFile(many, table + "256 0 0\n")),
               AllOf(HasSubstr("joint0.comp:257"), HasSubstr("256")));
-  missing.file("machine.ini", std::string(kHead) + "[JOINT_1]\nCOMP_FILE = y.comp\n");
-  EXPECT_THAT(refusal("linuxcnc", missing), AllOf(HasSubstr("machine.ini:5"), HasSubstr("y.comp")));
+  EXPECT_THAT(refusal("linuxcnc", {{"machine.ini", std::string(kHead) + "[JOINT_1]\nCOMP_FILE = y.comp\n"}}),
+              AllOf(HasSubstr("machine.ini:5"), HasSubstr("y.comp")));
   // sscanf finds no number in a remark, and the loop of usrmotLoadComp ends there
   EXPECT_THAT(refusal("linuxcnc", withCompFile(remark, "# x axis\n0 0 0\n")),
               AllOf(HasSubstr("joint0.comp:1"), HasSubstr("reads no further")));
 }
 
 TEST(LinuxcncInterpreter, JointsWithoutAxesAreRefused) {
-  TableFolder none, beyond;
-  none.file("machine.ini", "[JOINT_0]\nBACKLASH = 1\n");
-  EXPECT_THAT(refusal("linuxcnc", none), HasSubstr("COORDINATES"));
-  beyond.file("machine.ini", std::string(kHead) + "[JOINT_3]\nBACKLASH = 1\n");
-  EXPECT_THAT(refusal("linuxcnc", beyond), AllOf(HasSubstr("JOINT_3"), HasSubstr("3 joints")));
+  EXPECT_THAT(refusal("linuxcnc", {{"machine.ini", "[JOINT_0]\nBACKLASH = 1\n"}}), HasSubstr("COORDINATES"));
+  EXPECT_THAT(refusal("linuxcnc", {{"machine.ini", std::string(kHead) + "[JOINT_3]\nBACKLASH = 1\n"}}),
+              AllOf(HasSubstr("JOINT_3"), HasSubstr("3 joints")));
 }
 
 }  // namespace
