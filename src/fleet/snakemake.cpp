@@ -99,7 +99,8 @@ std::string Snakemake::complaint() const {
       said = line.substr(at + 6);
       break;
     }
-  return said + " (" + folder_.log().string() + ")";
+  return (options_.profile.empty() ? "" : "--profile " + options_.profile + ": ") + said + " (" +
+         folder_.log().string() + ")";
 }
 
 }  // namespace mm
