@@ -8,12 +8,10 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
 #include <thread>
-#include <utility>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -24,22 +22,13 @@ namespace {
 
 constexpr int kNotStarted = 127;
 
-int statusOf(int wait) { return WIFEXITED(wait) ? WEXITSTATUS(wait) : 128 + WTERMSIG(wait); }
-
-std::vector<char*> argumentsOf(const std::vector<std::string>& words) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  return arguments;
-}
-
 /// What a child does between fork and exec: only what is safe there.
-[[noreturn]] void become(char* const* arguments, int in, int out, int error) {
+[[noreturn]] void become(char* const* arguments, int in, int out) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::setpgid(0, 0);
   ::dup2(in, STDIN_FILENO);
   ::dup2(out, STDOUT_FILENO);
-  ::dup2(error, STDERR_FILENO);
+  ::dup2(out, STDERR_FILENO);
   ::signal(SIGINT, SIG_DFL);
   ::signal(SIGXFSZ, SIG_DFL);
   ::execvp(arguments[0], arguments);
@@ -48,13 +37,14 @@ std::vector<char*> argumentsOf(const std::vector<std::string>& words) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::filesystem::path& log)
-    : log_(log) {
-  const std::vector<char*> arguments = argumentsOf(words);
+ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::filesystem::path& log) {
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
   const int in = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   pid_ = out < 0 ? -1 : ::fork();
-  if (pid_ == 0) become(arguments.data(), in, out, out);
+  if (pid_ == 0) become(arguments.data(), in, out);
   const int cause = errno;
   if (in >= 0) ::close(in);
   if (out >= 0) ::close(out);
@@ -64,64 +54,28 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::fil
 }
 
 ChildProcess::~ChildProcess() {
-  if (pid_ > 0 && status_ < 0) end(SIGKILL);
-}
-
-ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), status_(other.status_), log_(std::move(other.log_)) {}
-
-ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
-  std::swap(pid_, other.pid_);
-  std::swap(status_, other.status_);
-  std::swap(log_, other.log_);
-  return *this;
+  if (!running()) return;
+  if (::kill(-pid_, SIGKILL) != 0) ::kill(pid_, SIGKILL);  // before it has a group of its own
+  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
 }
 
 bool ChildProcess::running() {
-  if (pid_ < 0 || status_ >= 0) return false;
   int wait = 0;
-  const pid_t ended = ::waitpid(pid_, &wait, WNOHANG);
-  if (ended == pid_) status_ = statusOf(wait);
+  if (status_ < 0 && ::waitpid(pid_, &wait, WNOHANG) == pid_)
+    status_ = WIFEXITED(wait) ? WEXITSTATUS(wait) : 128 + WTERMSIG(wait);
   return status_ < 0;
 }
 
-void ChildProcess::end(int signal) {
-  if (!running()) return;
-  if (::kill(-pid_, signal) != 0) ::kill(pid_, signal);  // before it has a group of its own
-  int wait = 0;
-  while (::waitpid(pid_, &wait, 0) < 0 && errno == EINTR) {
-  }
-  status_ = statusOf(wait);
+void ChildProcess::ask(int signal) const {
+  if (status_ < 0) ::kill(pid_, signal);
 }
 
-bool ChildProcess::ask(int signal, double seconds) {
-  if (!running()) return true;
-  ::kill(pid_, signal);
+bool ChildProcess::endsWithin(double seconds) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (running() && std::chrono::steady_clock::now() < until)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return status_ >= 0;
-}
-
-std::string outputOf(const std::vector<std::string>& words, int& status) {
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) throw InputError(words.front() + ": cannot be started: no pipe is left");
-  const std::vector<char*> arguments = argumentsOf(words);
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const pid_t pid = ::fork();
-  if (pid == 0) become(arguments.data(), null, ends[1], null);
-  ::close(ends[1]);
-  ::close(null);
-  std::string text;
-  char buffer[4096];
-  for (ssize_t n = 0; (n = ::read(ends[0], buffer, sizeof buffer)) > 0 || (n < 0 && errno == EINTR);)
-    if (n > 0) text.append(buffer, static_cast<std::size_t>(n));
-  ::close(ends[0]);
-  int wait = 0;
-  while (pid > 0 && ::waitpid(pid, &wait, 0) < 0 && errno == EINTR) {
-  }
-  status = pid > 0 ? statusOf(wait) : kNotStarted;
-  return text;
 }
 
 bool onPath(const std::string& program) {

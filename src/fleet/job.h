@@ -64,9 +64,10 @@ BatchJob jobOf(const nlohmann::json& json);  ///< @throw nlohmann::json::excepti
 ///     fleet.db            the tables (fleet_database.h)
 ///     jobs/ab/ab12…/      one finished job: result.json, calibration.yaml, what the steps printed
 ///     work/               of jobs that run: removed by a later run where they were killed
+///     batch.log           what Snakemake says
 ///
-/// A job's folder is made in `work` and renamed when it is complete, so that whoever is killed at any moment
-/// leaves a whole folder or none.
+/// A job's folder is filled in `work` and renamed when it is complete, so that whoever is killed at any
+/// moment leaves a whole folder or none.
 class ResultsFolder {
  public:
   explicit ResultsFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -74,21 +75,20 @@ class ResultsFolder {
   const std::filesystem::path& path() const { return folder_; }            ///< as it was named
   std::filesystem::path database() const { return folder_ / "fleet.db"; }  ///< the tables
   std::filesystem::path work() const { return folder_ / "work"; }          ///< of what runs
+  std::filesystem::path log() const { return folder_ / "batch.log"; }      ///< of Snakemake
   std::filesystem::path jobFolder(const std::string& key) const;           ///< of a finished job
   bool finished(const std::string& key) const;                             ///< done or failed
   std::optional<std::string> result(const std::string& key) const;         ///< text of result.json
-  /// Makes the folders. @throw InputError: no permission, a file is in the way, or the path is not UTF-8.
+  /// Makes the folder. @throw InputError: no permission, a file is in the way, or the path is not UTF-8.
   void prepare() const;
-  /// A new, empty folder for the work on a job by this process.
-  std::filesystem::path begin(const std::string& key) const;
-  /// Makes it the job's folder. One that is there without a result is put aside. @return false: another
-  /// process was first, and ours is removed. @throw InputError.
-  bool finish(const std::filesystem::path& begun, const std::string& key) const;
-  /// Puts a finished job aside, so that it is done again.
+  /// Removes what an earlier run left in `work`; where it still runs, its files have no name any more.
+  void clearWork() const;
+  /// A folder for the work on a job, with what is to do as job.json; what lies in the job's place goes.
+  void begin(const BatchJob& job) const;
+  /// Makes a folder of `begin`, with the result in it, the job's. @throw InputError.
+  void finish(const std::string& key) const;
+  /// Removes a finished job, so that it is done again.
   void forget(const std::string& key) const;
-  /// Removes what processes left in `work`: those of this host that do not live any more, and those of
-  /// others that wrote nothing for `patience` s. @return how many jobs.
-  int removeLeftovers(double patience) const;
 
  private:
   std::filesystem::path folder_;

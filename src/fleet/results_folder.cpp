@@ -1,13 +1,10 @@
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <chrono>
-#include <cstdlib>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "calibration_file/atomic_file.h"
@@ -16,20 +13,6 @@
 
 namespace mm {
 namespace {
-
-std::string hostName() {
-  char name[256] = "localhost";
-  ::gethostname(name, sizeof name - 1);
-  std::string text = name;
-  for (char& c : text)
-    if (c == '.' || c == '/') c = '_';
-  return text;
-}
-
-/// Of a job's folder while this process works on it.
-std::string ownName(const std::string& key) {
-  return key + "." + hostName() + "." + std::to_string(static_cast<long>(::getpid()));
-}
 
 void makeFolder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -67,81 +50,35 @@ void ResultsFolder::prepare() const {
     throw InputError("-o: the path of the results " + readable(folder_.string()) +
                      " is not UTF-8, and the tables hold nothing else; rename the folder, or name another");
   makeFolder(folder_ / "jobs");
-  makeFolder(work());
 }
 
-std::filesystem::path ResultsFolder::begin(const std::string& key) const {
-  const std::filesystem::path begun = work() / ownName(key);
-  std::filesystem::remove_all(begun);
-  makeFolder(begun);
-  return begun;
+void ResultsFolder::clearWork() const {
+  std::error_code ignored;
+  std::filesystem::remove_all(work(), ignored);
 }
 
-bool ResultsFolder::finish(const std::filesystem::path& begun, const std::string& key) const {
-  const std::filesystem::path place = jobFolder(key);
+void ResultsFolder::begin(const BatchJob& job) const {
+  forget(job.key);
+  makeFolder(work() / job.key);
+  writeFileAtomically(work() / job.key / "job.json", jobJson(job).dump(1) + "\n");
+}
+
+void ResultsFolder::finish(const std::string& key) const {
+  const std::filesystem::path place = jobFolder(key), begun = work() / key;
   makeFolder(place.parent_path());
-  syncPath(begun / "result.json");
   syncPath(begun);
-  bool moved = ::rename(begun.c_str(), place.c_str()) == 0;
-  if (!moved && !finished(key)) {  // what is there is no result: a folder that somebody emptied, a file
-    forget(key);
-    moved = ::rename(begun.c_str(), place.c_str()) == 0;
-  }
-  if (moved) {
-    syncPath(place.parent_path());
-    return true;
-  }
-  const int cause = errno;
-  if (finished(key)) {  // another process did the same job
-    std::filesystem::remove_all(begun);
-    return false;
-  }
-  throw InputError(place.string() + ": cannot be made: " + std::strerror(cause) +
-                   "; make room on the disk, or remove what is in the way, and run again");
+  if (::rename(begun.c_str(), place.c_str()) != 0)
+    throw InputError(place.string() + ": cannot be made: " + std::strerror(errno) +
+                     "; make room on the disk, or remove what is in the way, and run again");
+  syncPath(place.parent_path());
 }
 
 void ResultsFolder::forget(const std::string& key) const {
-  const std::filesystem::path aside = work() / (ownName(key) + ".aside");
+  const std::filesystem::path aside = work() / (key + ".aside");
   std::error_code ignored;
-  std::filesystem::remove_all(aside, ignored);
+  std::filesystem::create_directories(work(), ignored);
   ::rename(jobFolder(key).c_str(), aside.c_str());  // at once, so that no half of it is ever seen
   std::filesystem::remove_all(aside, ignored);
-}
-
-namespace {
-
-/// Seconds since anything was last made in a folder, at any depth.
-double quietFor(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  auto last = std::filesystem::last_write_time(folder, ignored);
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored))
-    last = std::max(last, entry.last_write_time(ignored));
-  return std::chrono::duration<double>(std::filesystem::file_time_type::clock::now() - last).count();
-}
-
-/// `<32 digits>.<host>.<process>`: of a job that ran.
-bool isOfJob(const std::string& name) {
-  return name.size() > 33 && name[32] == '.' && name.find_first_not_of("0123456789abcdef") == 32;
-}
-
-}  // namespace
-
-int ResultsFolder::removeLeftovers(double patience) const {
-  int removed = 0;
-  const std::string host = "." + hostName() + ".";
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(work(), ignored)) {
-    const std::string name = entry.path().filename().string();
-    const std::size_t at = name.find(host);
-    if (!isOfJob(name)) continue;
-    const long pid = at == 32 ? std::atol(name.c_str() + at + host.size()) : 0;
-    const bool ended = pid > 0 ? ::kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH
-                               : quietFor(entry.path()) > patience;
-    if (!ended) continue;
-    std::filesystem::remove_all(entry.path(), ignored);
-    ++removed;
-  }
-  return removed;
 }
 
 ResultsLock::ResultsLock(const ResultsFolder& folder) {

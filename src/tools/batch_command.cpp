@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "tools/batch_job.h"
+#include "tools/batch_result.h"
 #include "tools/batch_run.h"
 #include "tools/bounds.h"
 #include "tools/commands.h"
@@ -18,24 +18,12 @@ namespace mm {
 namespace {
 
 struct BatchCommand {
-  std::string manifest, output, chunk;
+  std::string manifest, output;
   EngineOptions engine;
-  bool again = false, json = false;
+  bool again = false, json = false, result = false;
 };
 
 constexpr std::size_t kWhysPrinted = 20;
-
-/// A step that this mm does not have is said before the first job.
-void checkSteps(const CLI::App& app, const Manifest& manifest) {
-  for (const BatchJob& job : manifest.jobs)
-    for (const std::string& step : job.steps) {
-      const std::string command = step == "add_all" ? "add" : step;
-      const auto all = app.get_subcommands(nullptr);
-      if (std::none_of(all.begin(), all.end(), [&](const CLI::App* c) { return c->get_name() == command; }))
-        throw InputError(job.source + ": steps: this version of mm has no command '" + command +
-                         "'; leave the step out, or install a version that has it");
-    }
-}
 
 void print(const BatchSummary& s, const BatchCommand& c) {
   for (std::size_t i = 0; i < std::min(s.whys.size(), kWhysPrinted); ++i)
@@ -43,10 +31,10 @@ void print(const BatchSummary& s, const BatchCommand& c) {
   if (s.whys.size() > kWhysPrinted)
     std::cerr << "mm: failed: " << s.whys.size() - kWhysPrinted << " more; mm fleet " << c.output
               << " lists them" << std::endl;
-  if (!s.complaint.empty()) std::cerr << "mm: warning: the engine: " << oneLine(s.complaint) << std::endl;
+  if (!s.complaint.empty()) std::cerr << "mm: warning: snakemake: " << oneLine(s.complaint) << std::endl;
   if (s.left > 0 && !s.stopped)
-    std::cerr << "mm: " << s.left << " jobs were not done: what ran them ended early; run the same line again"
-              << std::endl;
+    std::cerr << "mm: " << s.left << " jobs were not done; " << c.output
+              << "/batch.log says why; run the same line again" << std::endl;
   if (c.json) {
     printJson(std::cout, {{"folder", c.output},
                           {"jobs", s.jobs},
@@ -66,14 +54,13 @@ void print(const BatchSummary& s, const BatchCommand& c) {
             << c.output << " tells what they say together\n";
 }
 
-int run(const CLI::App& app, const BatchCommand& c, MmProgram program) {
-  if (!c.chunk.empty()) return doChunk(c.chunk, program, c.engine.limit);
+int run(const BatchCommand& c) {
+  if (c.result) return writeBatchResult();
   if (c.manifest.empty() || c.output.empty())
     throw InputError("a manifest and -o are required; see mm batch --help");
   const Manifest manifest = loadManifest(c.manifest);
   for (const std::string& remark : manifest.remarks)
     std::cerr << "mm: warning: " << oneLine(remark) << std::endl;
-  checkSteps(app, manifest);
   const BatchSummary s = runBatch(manifest, ResultsFolder(c.output), c.engine, c.again);
   print(s, c);
   if (s.stopped) {
@@ -86,43 +73,34 @@ int run(const CLI::App& app, const BatchCommand& c, MmProgram program) {
 
 }  // namespace
 
-void addBatchCommand(CLI::App& app, int& exitStatus, int (*program)(int, char**)) {
+void addBatchCommand(CLI::App& app, int& exitStatus) {
   auto c = std::make_shared<BatchCommand>();
   CLI::App* command = app.add_subcommand("batch", "Many sessions: the jobs of a manifest, each done once");
   command->add_option("manifest", c->manifest, "YAML: sessions, models, steps");
   command->add_option("-o,--output", c->output, "the folder of results; what is finished in it stays");
-  command->add_option("--engine", c->engine.engine, "who runs them: local, ssh (GNU parallel) or slurm")
+  command->add_option("--engine", c->engine.engine, "where they run: local (this computer) or slurm")
       ->capture_default_str()
-      ->check(CLI::IsMember({"local", "ssh", "slurm"}));
+      ->check(CLI::IsMember({"local", "slurm"}));
+  command->add_option("--profile", c->engine.profile, "of Snakemake, for another cluster or other options")
+      ->excludes(command->get_option("--engine"));
   command
       ->add_option("--jobs", c->engine.jobs,
-                   "at a time; with ssh on each host; 0: one a core of this computer")
+                   "at a time; 0: one a core of this computer, 100 of Slurm, as the profile says")
       ->capture_default_str()
       ->check(wholeNumberWithin(0, 100'000));
-  command->add_option("--hosts", c->engine.hosts, "of --engine ssh: pc1,user@pc2; : is this computer")
-      ->delimiter(',');
-  command
-      ->add_option("--sbatch", c->engine.sbatchOptions,
-                   "an option for sbatch, again for more: --sbatch=--partition=short")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--chunk", c->engine.chunk, "jobs that one process does in turn; 0: by their number")
-      ->capture_default_str()
-      ->check(wholeNumberWithin(0, 1'000'000));
   command->add_option("--limit", c->engine.limit, "s that one step may take")
       ->capture_default_str()
       ->check(wholeNumberWithin(1, 10'000'000));
   command->add_flag("--again", c->again, "does failed jobs again");
   command->add_flag("--json", c->json, "the counts as JSON on standard output");
-  command->add_option("--job", c->chunk, "a list of jobs: for the engines, which start mm with it")
-      ->group("Engine");
+  command->add_flag("--result", c->result, "ends a job in the current folder: for Snakemake")->group("");
   command->footer(
       "A job that is finished is never done again, whoever was killed in between; one that failed does not "
       "stop the\n"
       "others, and says why. Exit status 1: a job failed.\n"
       "Examples:\n  mm batch manifest.yaml -o results\n  mm batch manifest.yaml -o results --engine slurm "
       "--jobs 64");
-  command->callback([c, &app, &exitStatus, program] { exitStatus = run(app, *c, program); });
+  command->callback([c, &exitStatus] { exitStatus = run(*c); });
 }
 
 }  // namespace mm

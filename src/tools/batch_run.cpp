@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
+#include <map>
 #include <set>
 #include <thread>
 
 #include "base/error.h"
 #include "base/format.h"
+#include "fleet/fleet_database.h"
 #include "tools/interrupt.h"
 #include "tools/progress_bar.h"
 
@@ -16,21 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-
-/// Seconds without a new file after which a job of another host is taken for dead: a day, or two steps.
-double patienceOf(int limit) { return std::max(86'400.0, 2.0 * limit); }
-
-/// What an earlier run left in `work`; only under the lock, with no engine running.
-void tidy(const ResultsFolder& results, int limit) {
-  results.removeLeftovers(patienceOf(limit));
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(results.work(), ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind("chunk", 0) == 0 || name.rfind("slurm-", 0) == 0 || name == "engine.log" ||
-        name == "slurm.sh")
-      fs::remove(entry.path(), ignored);
-  }
-}
 
 /// The manifest's jobs that wait, and the tables that take those that end.
 class Bookkeeping {
@@ -63,45 +49,17 @@ class Bookkeeping {
   }
 
   const std::vector<BatchJob>& toDo() const { return toDo_; }
-  std::size_t waiting() const { return waiting_.size(); }
   BatchSummary& summary() { return summary_; }
 
-  /// Enters what the chunks say has ended since they were asked last.
-  void collect(const std::vector<Chunk>& chunks) {
+  /// Enters what has ended since it was asked last.
+  void collect() {
     std::vector<JobResult> ended;
-    for (const Chunk& chunk : chunks) {
-      Read& read = read_[chunk.ended.string()];
-      if (read.jobs >= chunk.jobs.size()) continue;  // all of it has ended
-      std::ifstream in(chunk.ended);
-      if (!in.seekg(read.bytes)) continue;
-      for (std::string key; std::getline(in, key) && !in.eof(); read.bytes = in.tellg()) {
-        ++read.jobs;
-        take(key, ended);
-      }
+    for (auto at = waiting_.begin(); at != waiting_.end();) {
+      const auto text = results_.result(*at);
+      if (text) ended.push_back(parseResult(*text, place(*at)));
+      at = text ? waiting_.erase(at) : std::next(at);
     }
-    enter(ended);
-  }
-  /// Looks for every job that is still waiting: at the end.
-  void collectAll() {
-    std::vector<JobResult> ended;
-    const std::set<std::string> open = waiting_;
-    for (const std::string& key : open) take(key, ended);
-    enter(ended);
     summary_.left = waiting_.size();
-  }
-
- private:
-  std::string place(const std::string& key) const {
-    return (results_.jobFolder(key) / "result.json").string();
-  }
-  void take(const std::string& key, std::vector<JobResult>& ended) {
-    if (waiting_.count(key) == 0) return;
-    const auto text = results_.result(key);
-    if (!text) return;
-    waiting_.erase(key);
-    ended.push_back(parseResult(*text, place(key)));
-  }
-  void enter(const std::vector<JobResult>& ended) {
     if (ended.empty()) return;
     tables_.enter(ended, results_);
     for (const JobResult& r : ended) {
@@ -109,16 +67,16 @@ class Bookkeeping {
       if (r.status != "done") note(r);
     }
   }
+
+ private:
+  std::string place(const std::string& key) const {
+    return (results_.jobFolder(key) / "result.json").string();
+  }
   void note(const JobResult& r) { summary_.whys.push_back(sources_[r.key] + ": " + r.failed + ": " + r.why); }
 
   const ResultsFolder& results_;
   FleetDatabase tables_;
   std::map<std::string, std::string> sources_;
-  struct Read {
-    std::streamoff bytes = 0;
-    std::size_t jobs = 0;
-  };
-  std::map<std::string, Read> read_;  // of each chunk's file of ended jobs
   std::set<std::string> waiting_;
   std::vector<BatchJob> toDo_;
   BatchSummary summary_;
@@ -137,42 +95,39 @@ BatchSummary runBatch(const Manifest& manifest, const ResultsFolder& results, co
                       bool again) {
   results.prepare();
   const ResultsLock lock(results);
-  const std::unique_ptr<Engine> engine = engineOf(options, results);
-  tidy(results, options.limit);
+  Snakemake snakemake(options, results);
+  results.clearWork();
   Bookkeeping books(manifest, results, again);
+  BatchSummary& summary = books.summary();
   const auto begun = Clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
   if (!books.toDo().empty()) {
-    const std::vector<Chunk> chunks = writeChunks(results, books.toDo(), options, engine->mostChunks());
     std::error_code failed;
     const fs::path self = fs::read_symlink("/proc/self/exe", failed);
     if (failed) throw InputError("/proc/self/exe: cannot be read; is /proc mounted?");
-    engine->start(chunks, self.string());
+    snakemake.start(books.toDo(), self.string());
     ProgressBar bar("batch");
-    while (books.waiting() > 0 && engine->running()) {
-      if (Interrupt::asked()) {
-        books.summary().stopped = true;
-        engine->stop();
-        break;
-      }
+    while (snakemake.running() && !Interrupt::asked()) {
       const auto asked = Clock::now();
-      books.collect(chunks);
-      const auto all = static_cast<double>(books.summary().jobs);
-      bar.show(1.0 - static_cast<double>(books.waiting()) / all, note(books.summary(), seconds()));
-      // of thousands of chunks on a slow disk at most half of the time is for looking
+      books.collect();
+      bar.show(1.0 - static_cast<double>(summary.left) / static_cast<double>(summary.jobs),
+               note(summary, seconds()));
+      // of thousands of jobs on a slow disk at most half of the time is for looking
       std::this_thread::sleep_for(
           std::max<Clock::duration>(std::chrono::milliseconds(50), Clock::now() - asked));
     }
-    while (!books.summary().stopped && engine->running()) {  // its last words
-      if (Interrupt::asked()) engine->stop();
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    summary.stopped = snakemake.running();
+    summary.complaint = snakemake.complaint();
+    try {
+      if (summary.stopped) snakemake.stop();
+    } catch (const InputError& e) {
+      summary.complaint = e.what();
     }
-    books.summary().complaint = engine->complaint();
+    books.collect();
+    results.clearWork();
   }
-  books.collectAll();
-  results.removeLeftovers(patienceOf(options.limit));
-  books.summary().seconds = seconds();
-  return books.summary();
+  summary.seconds = seconds();
+  return summary;
 }
 
 }  // namespace mm

@@ -1,11 +1,9 @@
 #pragma once
-#include <map>
 #include <string>
 #include <vector>
 
-#include "fleet/engine.h"
-#include "fleet/fleet_database.h"
 #include "fleet/manifest.h"
+#include "fleet/snakemake.h"
 
 namespace mm {
 
@@ -14,7 +12,7 @@ struct BatchSummary {
   std::size_t jobs = 0, before = 0, done = 0, failed = 0, left = 0;  // before: finished by an earlier run
   bool stopped = false;                                              // by Ctrl-C
   double seconds = 0.0;
-  std::string complaint;          // of the engine
+  std::string complaint;          // of Snakemake
   std::vector<std::string> whys;  // a line a failed job
 };
 

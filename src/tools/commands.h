@@ -37,8 +37,7 @@ void addCompletionCommand(CLI::App& app, int& exitStatus);
 void addManualCommand(CLI::App& app, int& exitStatus);
 void addEffectsCommand(CLI::App& app, int& exitStatus);
 void addWorkbenchCommand(CLI::App& app, int& exitStatus);
-/// @param program mm itself, for the steps of jobs.
-void addBatchCommand(CLI::App& app, int& exitStatus, int (*program)(int argc, char** argv));
+void addBatchCommand(CLI::App& app, int& exitStatus);
 void addFleetCommand(CLI::App& app, int& exitStatus);
 
 }  // namespace mm

@@ -14,12 +14,8 @@ volatile std::sig_atomic_t askedToStop = 0;
 timespec askedAt{};
 
 /// Who was about to wait when Ctrl-C came would not hear of it: from then on everybody is woken once a
-/// second, but in a process that uses the alarm for its own limit.
-void wakeAgain(int /*signal*/) {
-  constexpr unsigned kSeconds = 1;
-  struct sigaction now {};
-  if (sigaction(SIGALRM, nullptr, &now) == 0 && now.sa_handler == wakeAgain) ::alarm(kSeconds);
-}
+/// second.
+void wakeAgain(int /*signal*/) { ::alarm(1); }
 
 /// `timeout -s INT` and some shells send the signal to the program and to its group: twice at once is once.
 void onInterrupt(int signal) {

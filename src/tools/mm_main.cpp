@@ -6,10 +6,7 @@
 #include "tools/exit_status.h"
 #include "tools/program.h"
 
-namespace {
-
-/// mm as it is typed; the steps of a batch are typed by the program itself.
-int run(int argc, char** argv) {
+int main(int argc, char** argv) {
   CLI::App app{"Calibrates a measuring machine and finds the physical effect that its model misses.", "mm"};
   app.set_version_flag("--version", std::string("mm ") + mm::kVersion);
   app.require_subcommand(1);
@@ -43,13 +40,9 @@ int run(int argc, char** argv) {
   mm::addMachineCommand(app, exitStatus);
   mm::addPlanCommand(app, exitStatus);
   mm::addWorkbenchCommand(app, exitStatus);
-  mm::addBatchCommand(app, exitStatus, run);
+  mm::addBatchCommand(app, exitStatus);
   mm::addFleetCommand(app, exitStatus);
   mm::addCompletionCommand(app, exitStatus);
   mm::addManualCommand(app, exitStatus);
   return mm::runProgram(app, exitStatus, argc, argv);
 }
-
-}  // namespace
-
-int main(int argc, char** argv) { return run(argc, argv); }

@@ -62,9 +62,8 @@ def whole(folder, count):
         wrong.append("the tables and the folders differ")
     if any(number != 9 for _, number in parameters):
         wrong.append("parameters are missing or twice")
-    left = [name for name in os.listdir(os.path.join(folder, "work")) if ".json" not in name and len(name) > 32 and name[32] == "."]
-    if left:
-        wrong.append("left in work: " + ", ".join(left[:3]))
+    if os.path.exists(os.path.join(folder, "work")):
+        wrong.append("left in work: " + ", ".join(os.listdir(os.path.join(folder, "work"))[:3]))
     return "; ".join(wrong)
 
 
@@ -89,15 +88,15 @@ def try_local(fleet, work):
 
 
 def try_one_process(fleet, work, first):
-    """The same sessions by one process, and typed one command after the other."""
+    """The same sessions one after the other, and typed one command after the other."""
     folder = os.path.join(work, "one")
-    _, answer, seconds = batch(fleet + "/manifest.yaml", folder, "--jobs", "1", "--chunk", str(MACHINES * SESSIONS))
-    say(results(folder) == results(first), "one process and several give the same bits")
+    _, answer, seconds = batch(fleet + "/manifest.yaml", folder, "--jobs", "1")
+    say(results(folder) == results(first), "one process at a time and several give the same bits")
     FIGURES["one_process_s"] = seconds
     inside = 0.0
-    for path in glob.glob(os.path.join(folder, "jobs", "*", "*", "run.json")):
+    for path in glob.glob(os.path.join(folder, "jobs", "*", "*", "steps.txt")):
         with open(path, encoding="utf-8") as file:
-            inside += sum(json.load(file)["seconds"].values())
+            inside += sum(float(line.split()[2]) / 1000.0 for line in file)
     FIGURES["overhead_ms_a_job"] = 1000.0 * (seconds - inside) / (MACHINES * SESSIONS)
     bags = sorted(glob.glob(fleet + "/m*/*.bag"))[:12]
     begun, wrong = time.monotonic(), []
@@ -113,64 +112,77 @@ def try_one_process(fleet, work, first):
     FIGURES["typed_s_a_session"] = (time.monotonic() - begun) / len(bags)
 
 
-def workers(folder):
-    """Processes that do a chunk of this folder, without the steps that they forked."""
-    found = {}
-    for path in glob.glob("/proc/[0-9]*/cmdline"):
+def workers(folder, program=""):
+    """Processes that work for this folder: Snakemake and all that it started, or those of one program alone."""
+    found = []
+    for path in glob.glob("/proc/[0-9]*"):
         try:
-            with open(path, "rb") as file:
-                words = file.read().split(b"\0")
-            with open(os.path.join(os.path.dirname(path), "stat"), "rb") as file:
-                parent = int(file.read().rsplit(b")", 1)[1].split()[1])
-        except (OSError, IndexError):
+            place, name = os.readlink(path + "/cwd"), os.path.basename(os.readlink(path + "/exe"))
+            with open(path + "/cmdline", "rb") as file:
+                words = file.read()
+        except OSError:
             continue  # it has ended
-        if b"--job" in words and any(word.startswith(os.path.join(folder, "work").encode()) for word in words):
-            found[int(path.split("/")[2])] = parent
-    return [pid for pid, parent in found.items() if parent not in found]
+        work = os.path.join(folder, "work")
+        if (place == work or place.startswith(work + "/") or b"snakemake" in words and work.encode() in words) and program in (name, ""):
+            found.append(int(path.split("/")[2]))
+    return found
 
 
-def kill_worker(process, folder):
-    """One process of the engine alone; the batch goes on without it. Returns whether there was one."""
+def survivors(folder):
+    """Processes that are there still, a second after those that started them were killed."""
+    until = time.monotonic() + 1.0
+    while workers(folder) and time.monotonic() < until:
+        time.sleep(0.02)
+    return workers(folder)
+
+
+def kill_one(process, folder, moments, program=""):
+    """One of the processes alone; the batch goes on without it. Returns whether there was one."""
     while process.poll() is None:
-        for pid in workers(folder):
+        found = workers(folder, program)
+        if found:
             try:
-                os.kill(pid, signal.SIGKILL)
+                os.kill(moments.choice(found), signal.SIGKILL)
+                return True
             except ProcessLookupError:
                 continue
-            process.wait()
-            return True
     return False
 
 
 def try_kills(fleet, work, first):
-    """Killed at random moments: the batch that was typed by either signal, its process group, or one worker alone."""
+    """Killed at random moments: the batch that was typed by either signal, Snakemake, or any one process below it."""
     folder = os.path.join(work, "killed")
-    moments = random.Random(3)
+    moments = random.Random(int(os.environ.get("SEED", "3")))
     reach = 0.1 + FIGURES["local_s"] / KILLS
-    killed, alone = 0, 0
+    killed, alone, left, lost = 0, 0, [], ""
+    before = {}
     for number in range(KILLS):
         process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--json"], stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL, start_new_session=True)
+                                   stderr=subprocess.DEVNULL)
         try:
             process.wait(moments.uniform(0.02, reach))
         except subprocess.TimeoutExpired:
-            if number == KILLS - 1:  # the batch ends the rest
-                alone += kill_worker(process, folder)
-            elif number % 3 == 0:
-                os.killpg(process.pid, signal.SIGKILL)
+            if number % 2 == 1:  # the batch ends the rest
+                alone += kill_one(process, folder, moments, "" if number % 4 == 1 else "mm")
             else:
-                process.send_signal(signal.SIGTERM if number % 3 == 1 else signal.SIGKILL)
+                process.send_signal(signal.SIGTERM if number % 4 == 0 else signal.SIGKILL)
             process.wait()
             killed += 1
-            for text in results(folder).values():  # whole, whenever one looks
+            left += survivors(folder)
+            now = results(folder)
+            for key, text in now.items():  # whole, whenever one looks
                 json.loads(text)
+            lost = lost or [key for key, text in before.items() if now.get(key) != text and json.loads(text)["status"] == "done"]
+            before = now
     done, answer, _ = batch(fleet + "/manifest.yaml", folder)
     count = MACHINES * SESSIONS
     wrong = whole(folder, count)
     say(done.returncode == 0 and wrong == "", f"killed {killed} times, nothing is lost and nothing is there twice", wrong + done.stderr)
+    say(not left, "whoever was killed took with it what it had started", left)
+    say(not lost, "and what was done stayed as it was", lost)
     say(results(folder) == results(first), "and the results are the same bits")
-    say(killed > 0 and alone > 0, f"killed {killed} times, {alone} of them one worker alone")
-    FIGURES["killed"] = killed
+    say(killed > 0 and alone > 0, f"killed {killed} times, {alone} of them one process alone")
+    FIGURES.update(killed=killed, one_alone=alone)
 
 
 def try_interrupt(fleet, work, first):
@@ -186,49 +198,35 @@ def try_interrupt(fleet, work, first):
     say(done.returncode == 0 and answer.get("done_before", 0) >= kept and results(folder) == results(first), "the same line goes on from there")
 
 
-def try_ssh(fleet, work, first):
-    """GNU parallel's own ssh, replaced by a program that runs the line here."""
-    ssh = os.path.join(work, "ssh_here")
-    with open(ssh, "w", encoding="utf-8") as file:
-        file.write('#!/bin/sh\necho "$*" >>"' + work + '/ssh.log"\nwhile [ $# -gt 1 ]; do case "$1" in -l|-o|-p) shift 2;; -*) shift;; *) break;; esac; done\n'
-                   "shift\n[ \"$1\" = -- ] && shift\nexec sh -c \"$*\"\n")
-    os.chmod(ssh, 0o755)
-    folder = os.path.join(work, "ssh")
-    done, answer, _ = batch(fleet + "/manifest.yaml", folder, "--engine", "ssh", "--hosts", "pc1,pc2", "--jobs", "1",
-                            env=dict(os.environ, PARALLEL_SSH=ssh))
-    log = open(work + "/ssh.log", encoding="utf-8").read() if os.path.exists(work + "/ssh.log") else ""
-    say(done.returncode == 0 and results(folder) == results(first), "ssh: the same bits", done.stderr)
-    say("pc1" in log and "pc2" in log, "ssh: both hosts were used", log[:200])
-
-
-def alive(pid):
-    try:
-        with open(f"/proc/{pid}/stat", "rb") as file:
-            return file.read().rsplit(b")", 1)[1].split()[0] not in (b"Z", b"X")
-    except OSError:
-        return False
-
-
-def try_interrupt_of_ssh(fleet, work):
-    """Ctrl-C while hosts do not answer: no client of ssh is left."""
-    ssh, log = os.path.join(work, "ssh_hangs"), os.path.join(work, "ssh_clients")
-    with open(ssh, "w", encoding="utf-8") as file:
-        file.write(f'#!/bin/sh\necho $$ >>"{log}"\nexec sleep 600\n')
-    os.chmod(ssh, 0o755)
-    process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", os.path.join(work, "ssh_interrupted"), "--engine", "ssh", "--hosts", "pc1,pc2",
-                                "--jobs", "1"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ, PARALLEL_SSH=ssh))
-    clients = []
-    while process.poll() is None and len(clients) < 2:
-        if os.path.exists(log):
-            with open(log, encoding="utf-8") as file:
-                clients = [int(line) for line in file.read().splitlines()]
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
+def try_limit(fleet, work):
+    """A step that stands still ends at its limit, its job fails, and the next run does it again."""
+    folder = os.path.join(work, "limited")
+    manifest = os.path.join(fleet, "one.yaml")
+    with open(manifest, "w", encoding="utf-8") as file:
+        file.write("model: model.yaml\nsteps: [calibrate]\nsessions:\n  - {bags: m01/000.bag, machine: m01}\n")
+    process = subprocess.Popen([MM, "batch", manifest, "-o", folder, "--limit", "2"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    stopped = []
+    while process.poll() is None and not stopped:
+        stopped = workers(folder, "mm")
+        for pid in stopped:
+            os.kill(pid, signal.SIGSTOP)
     _, said = process.communicate()
-    left = [pid for pid in clients if alive(pid)]
-    say(process.returncode == 130 and len(clients) == 2 and not left, "ssh: Ctrl-C leaves no client behind", f"{left} of {clients}; {said}")
-    for pid in left:
-        os.kill(pid, signal.SIGKILL)
+    say(process.returncode == 1 and "calibrate: took longer than 2 s (--limit)" in said and said.count("\n") == 1, "a step that takes too long is ended and named", said)
+    done, answer, _ = batch(manifest, folder)
+    say(done.returncode == 0 and answer["done"] == 1, "and tried again by the next run", done.stderr)
+
+
+def try_profile(fleet, work, first):
+    """A profile of Snakemake in which every job of a cluster is a shell of this computer."""
+    profile, folder = os.path.join(work, "profile"), os.path.join(work, "profiled")
+    os.makedirs(profile)
+    with open(profile + "/config.yaml", "w", encoding="utf-8") as file:
+        file.write("cluster: sh\njobs: 2\ngroup-components: sessions=2\n")
+    done, _, _ = batch(fleet + "/manifest.yaml", folder, "--profile", profile)
+    say(done.returncode == 0 and results(folder) == results(first), "a profile of Snakemake: the same bits", done.stderr)
+    done, answer, _ = batch(fleet + "/manifest.yaml", os.path.join(work, "no_profile"), "--profile", work + "/nowhere")
+    say(done.returncode == 1 and answer["left"] == MACHINES * SESSIONS and "nowhere" in done.stderr and "batch.log" in done.stderr,
+        "one that is not there is said", done.stderr)
 
 
 def try_slurm(fleet, work, first):
@@ -250,18 +248,32 @@ def try_slurm(fleet, work, first):
 
 
 def in_slurm(fleet, folder):
-    """Inside the cluster of this computer: killed once, resumed; the array that the killed one left is ended."""
-    process = subprocess.Popen([MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--engine", "slurm"], stdout=subprocess.DEVNULL)
-    while process.poll() is None and not results(folder):
-        time.sleep(0.05)
+    """Inside the cluster of this computer: killed, stopped, resumed; what the killed srun left is ended."""
+    line = [MM, "batch", fleet + "/manifest.yaml", "-o", folder, "--engine", "slurm"]
+
+    def queue():
+        return subprocess.run(["squeue", "--noheader"], capture_output=True, text=True).stdout.strip()
+
+    def begun():
+        process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        before = len(results(folder))
+        while process.poll() is None and (len(results(folder)) == before or not queue()):
+            time.sleep(0.05)
+        return process
+
+    process = begun()
+    for pid in workers(folder, "srun"):  # it cannot end its job then
+        os.kill(pid, signal.SIGKILL)
     process.kill()
     process.wait()
     before = len(results(folder))
+    process = begun()
+    process.send_signal(signal.SIGINT)
+    say(process.wait() == 130 and queue() == "", "slurm: Ctrl-C leaves nothing in the queue", queue())
     done, answer, seconds = batch(fleet + "/manifest.yaml", folder, "--engine", "slurm")
     count = MACHINES * SESSIONS
     say(done.returncode == 0 and whole(folder, count) == "", f"slurm: killed after {before}, resumed, whole", done.stderr + whole(folder, count))
-    queue = subprocess.run(["squeue", "--noheader"], capture_output=True, text=True).stdout.strip()
-    say(queue == "", "slurm: nothing is left in the queue", queue)
+    say(queue() == "", "slurm: nothing is left in the queue", queue())
     shutil.rmtree(folder)
     done, answer, seconds = batch(fleet + "/manifest.yaml", folder, "--engine", "slurm")
     with open(folder + ".json", "w", encoding="utf-8") as file:
@@ -294,7 +306,7 @@ def try_refusals(fleet, work):
     say(done.returncode == 2 and "wrong.yaml:4" in done.stderr and done.stderr.count("\n") == 1, "a bad entry is named by file and line", done.stderr)
     say(not os.path.exists(os.path.join(work, "refused")), "and nothing is begun")
     done = mm("batch", fleet + "/manifest.yaml", "-o", os.path.join(work, "refused"), env=dict(os.environ, PATH="/nonexistent"))
-    say(done.returncode == 2 and "install it (Debian: parallel)" in done.stderr, "an engine that is not installed is named with its package", done.stderr)
+    say(done.returncode == 2 and "install it (Debian: snakemake)" in done.stderr, "Snakemake that is not installed is named with its package", done.stderr)
     empty = os.path.join(work, "empty")
     os.makedirs(empty)
     done = mm("fleet", empty)
@@ -397,8 +409,8 @@ def main():
         try_one_process(fleet, work, first)
         try_kills(fleet, work, first)
         try_interrupt(fleet, work, first)
-        try_ssh(fleet, work, first)
-        try_interrupt_of_ssh(fleet, work)
+        try_limit(fleet, work)
+        try_profile(fleet, work, first)
         if THOROUGH:
             try_slurm(fleet, work, first)
         try_failures(fleet, work)
