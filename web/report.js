@@ -198,14 +198,13 @@ function positioning() {
   section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) found by an independent instrument, by target and direction of approach; figures as ISO 230-2:2014 defines them, with its coverage factor of 2 on s. Every run counts. ± is their expanded uncertainty (k = 2) from the scatter of the runs alone, without that of the instrument, its alignment and the temperatures. What the model leaves is the deviation that a corrected machine would still have."),
     data.positioning.map((a) => {
       const m = a.measured, unit = unitText(a.unit), counts = m.runs.flat().filter((n) => n > 0);
-      const before = positioningStd(m), after = positioningStd(a.calibrated);
       const most = Math.max(...counts), least = Math.min(...counts);
       const remarks = (least < 5 || m.at.length < 5 ? ". The standard asks for at least five targets and five runs in each direction" : "") + (a.travel_assumed ? ". The direction of approach was not recorded: it was assumed " + a.travel_assumed : "");
       const place = (x) => minus(x.toFixed(4)), micro = a.unit === "um" ? 1e-3 : 1 / 3600;
       const cell = (x) => (known(x) ? minus(x.toFixed(2)) : "–");
       return [el("h3", {}, "Axis " + a.name), el("div", { class: "pair" }, positioningFigure(a, "measured", "As measured").node, positioningFigure(a, "calibrated", "What the model leaves").node),
         table("Axis " + a.name + ", " + m.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + remarks,
-          [["Figure"], ["as measured, " + unit, "n"], ["left by the model, " + unit, "n"]], names.map(([key, name]) => [name, bare(m.figures[key], before[key]), bare(a.calibrated.figures[key], after[key])])),
+          [["Figure"], ["as measured, " + unit, "n"], ["left by the model, " + unit, "n"]], names.map(([key, name]) => [name, bare(m.figures[key], m.std[key]), bare(a.calibrated.figures[key], a.calibrated.std[key])])),
         el("details", {}, el("summary", {}, "Each target: nominal and actual position"), table("Mean actual position, mean deviation x̄, standard deviation s of the runs, reversal error B, as measured",
           [["Target, " + unitText(a.position_unit), "n"], ["actual ↑", "n"], ["actual ↓", "n"], ["x̄↑, " + unit, "n"], ["x̄↓, " + unit, "n"], ["s↑, " + unit, "n"], ["s↓, " + unit, "n"], ["B, " + unit, "n"], ["runs ↑ / ↓", "n"]],
           m.at.map((x, i) => [place(x), known(m.forward[i]) ? place(x + micro * m.forward[i]) : "–", known(m.backward[i]) ? place(x + micro * m.backward[i]) : "–", cell(m.forward[i]), cell(m.backward[i]),

@@ -1,5 +1,7 @@
 #include "report/iso_tests_json.h"
 
+#include <array>
+
 #include "base/quantity_words.h"
 #include "base/units.h"
 
@@ -8,10 +10,18 @@ namespace {
 
 constexpr double kAngleStep = 1e-3;  // deg: a thousand points of a circle are apart by 0.36
 
+Json positioningFigures(PositioningFigures figures) {
+  constexpr std::array<const char*, 12> kNames = {"A",          "A_forward",  "A_backward", "R",
+                                                  "R_forward",  "R_backward", "E",          "E_forward",
+                                                  "E_backward", "M",          "B",          "B_mean"};
+  const std::array<double*, 12> values = eachFigure(figures);
+  Json json;
+  for (std::size_t k = 0; k < kNames.size(); ++k) json[kNames[k]] = rounded(*values[k], kFigureStep);
+  return json;
+}
+
 Json positioningTestJson(const PositioningTest& test) {
   using Target = PositioningTarget;
-  const PositioningFigures& f = test.figures;
-  const auto figure = [](double value) { return rounded(value, kFigureStep); };
   const auto runs = [](const Target& t) { return Json::array({t.forward, t.backward}); };
   return {{"at", roundedList(test.targets, kPlaceStep, &Target::at)},
           {"forward", roundedList(test.targets, kDeviationStep, &Target::meanForward)},
@@ -19,19 +29,8 @@ Json positioningTestJson(const PositioningTest& test) {
           {"s_forward", roundedList(test.targets, kDeviationStep, &Target::sForward)},
           {"s_backward", roundedList(test.targets, kDeviationStep, &Target::sBackward)},
           {"runs", jsonList(test.targets, runs)},
-          {"figures",
-           {{"A", figure(f.accuracy)},
-            {"A_forward", figure(f.forward.accuracy)},
-            {"A_backward", figure(f.backward.accuracy)},
-            {"R", figure(f.repeatability)},
-            {"R_forward", figure(f.forward.repeatability)},
-            {"R_backward", figure(f.backward.repeatability)},
-            {"E", figure(f.systematic)},
-            {"E_forward", figure(f.forward.systematic)},
-            {"E_backward", figure(f.backward.systematic)},
-            {"M", figure(f.meanRange)},
-            {"B", figure(f.reversal)},
-            {"B_mean", figure(f.meanReversal)}}}};
+          {"figures", positioningFigures(test.figures)},
+          {"std", positioningFigures(test.std)}};
 }
 
 Json circlePathJson(const CirclePath& path) {
