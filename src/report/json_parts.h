@@ -58,7 +58,7 @@ Json beforeAndAfter(bool angular, const std::string& name, double before, double
 /// RMS of the residuals. @param heldOut with that of the blocks that a fit did not see.
 Json figuresJson(const ResidualFigures& figures, bool heldOut);
 
-Json whereJson(const std::vector<WhereItFails>& where);
+Json whereJson(const std::vector<WhereItFails>& where);  ///< each variable with its shares
 /// @param x values of the unknowns, SI.
 Json identifiabilityJson(const Problem& problem, const Identifiability& found, const Eigen::VectorXd& x);
 /// Unknowns by name, each with its part in a direction.
