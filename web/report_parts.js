@@ -7,10 +7,10 @@ const kSuffix = data.unit === "arcsec" ? "_arcsec" : "_um";
 
 const length = (value, digits = 3) => withUnit(num(value, digits), data.unit);
 
-/** Uncertainty of an RMS of n independent normal residuals. */
-const rmsStd = (rms, n = data.residuals) => (known(rms) && n > 0 ? rms / Math.sqrt(2 * n) : null);
-/** An RMS ± its uncertainty, in the unit of the page. */
-const rmsText = (rms, n) => plusMinus(rms, rmsStd(rms, n), data.unit);
+// An RMS of all residuals: its uncertainty, and it ± this without and with the unit of the page.
+const stdOfAll = (rms) => rmsStd(rms, data.residuals);
+const bareRms = (rms) => bare(rms, stdOfAll(rms));
+const rmsText = (rms) => plusMinus(rms, stdOfAll(rms), data.unit);
 
 /** A table that scrolls by itself where the window is narrow. Columns: [heading, class]; rows of cells. */
 function table(caption, columns, rows) {
@@ -23,7 +23,7 @@ function table(caption, columns, rows) {
 }
 
 function meter(share) {
-  return el("span", { class: "meter", "aria-hidden": "true" }, el("i", { style: "width:" + (100 * Math.min(1, Math.max(0, share || 0))).toFixed(1) + "%" }));
+  return el("span", { class: "meter", "aria-hidden": "true" }, el("i", { style: "width:" + meterWidth(share) }));
 }
 
 /** The first rows, and the others behind a line that opens. */
