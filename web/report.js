@@ -1,9 +1,5 @@
 // The page, section by section.
 
-const kVerdicts = {
-  question: "A question first", insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet",
-  missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained",
-};
 const kNoise = { declared: "declared", repeated: "from repeated measurements", estimated: "estimated from the residuals" };
 const main = document.getElementById("report");
 const contents = el("ul", {});
@@ -69,9 +65,9 @@ function advice() {
 }
 
 function header() {
-  const facts = [["Machine", fileName(data.machine)], ["Serial number", data.serial], ["Operator", data.operator], ["Measured", data.measured ? data.measured.replace("T", " ").replace("Z", " UTC") : null], ["Measurements", diagnosis.observations],
+  const facts = [["Machine", fileName(data.machine)], ["Serial number", data.serial], ["Operator", data.operator], ["Measured", data.measured ? clock(data.measured) : null], ["Measurements", diagnosis.observations],
     ["Calibration", fileName(data.calibration) + (data.calibration_id ? " (" + data.calibration_id + ")" : "") + (data.method ? ", found by " + data.method.replace(/_/g, " ") + ", seed " + data.seed : "")],
-    ["Report of", data.created.replace("T", " ").replace("Z", " UTC")]].filter(([, value]) => value);
+    ["Report of", clock(data.created)]].filter(([, value]) => value);
   const [first, ...rest] = sentences(said(diagnosis.sentence));
   const next = present([commands()]);
   const todo = next.length ? "" : advice();
@@ -111,7 +107,9 @@ function errors() {
 function entry(term, ...content) {
   return content.flat().some((x) => x) ? [el("dt", {}, term), el("dd", {}, ...content)] : [];
 }
-const arrow = (pair) => bare(pair[0], rmsStd(pair[0])) + " → " + rmsText(pair[1]);
+/** An error before and after. */
+const fall = (pair) => (pair ? bareRms(pair[0]) + " → " + bareRms(pair[1]) : "–");
+const arrow = (pair) => bareRms(pair[0]) + " → " + rmsText(pair[1]);
 /** Size of an effect, RMS over the measurements: it can only be known to the noise of so many. */
 const sizeStd = (heldOut) => (heldOut && known(heldOut[1]) && data.residuals ? heldOut[1] / Math.sqrt(data.residuals) : null);
 
@@ -121,8 +119,7 @@ const heldOut = (found) => found["held_out_rms" + kSuffix];
 
 /** Other explanations of what was found, each with its odds and with what would tell. */
 function rivals(m) {
-  const lines = m.confusable_with.map((c) => [el("b", {}, c.in_words), c.same ? ": the same error expressed in another frame; no measurement on this machine separates them" :
-    c.not_recorded ? ": cannot be excluded, " + c.not_recorded.replace(/^(the )?/, "the ") + " was not recorded" : ", odds " + c.odds_in_words,
+  const lines = m.confusable_with.map((c) => [el("b", {}, c.in_words), rivalText(c),
     c.moves ? el("div", { class: "note" }, "To tell: " + said(c.moves)) : null]);
   return lines.length ? [el("dt", {}, "Or instead"), el("dd", {}, el("ul", { class: "plain" }, lines.map((line) => el("li", {}, line))))] : [];
 }
@@ -198,14 +195,13 @@ function positioning() {
   section("positioning", "Positioning by ISO 230-2", lead("Deviations (actual minus target position) found by an independent instrument, by target and direction of approach; figures as ISO 230-2:2014 defines them, with its coverage factor of 2 on s. Every run counts. ± is their expanded uncertainty (k = 2) from the scatter of the runs alone, without that of the instrument, its alignment and the temperatures. What the model leaves is the deviation that a corrected machine would still have."),
     data.positioning.map((a) => {
       const m = a.measured, unit = unitText(a.unit), counts = m.runs.flat().filter((n) => n > 0);
-      const before = positioningStd(m), after = positioningStd(a.calibrated);
       const most = Math.max(...counts), least = Math.min(...counts);
       const remarks = (least < 5 || m.at.length < 5 ? ". The standard asks for at least five targets and five runs in each direction" : "") + (a.travel_assumed ? ". The direction of approach was not recorded: it was assumed " + a.travel_assumed : "");
       const place = (x) => minus(x.toFixed(4)), micro = a.unit === "um" ? 1e-3 : 1 / 3600;
       const cell = (x) => (known(x) ? minus(x.toFixed(2)) : "–");
       return [el("h3", {}, "Axis " + a.name), el("div", { class: "pair" }, positioningFigure(a, "measured", "As measured").node, positioningFigure(a, "calibrated", "What the model leaves").node),
         table("Axis " + a.name + ", " + m.at.length + " targets, " + (least === most ? least : least + " to " + most) + " runs in each direction" + remarks,
-          [["Figure"], ["as measured, " + unit, "n"], ["left by the model, " + unit, "n"]], names.map(([key, name]) => [name, bare(m.figures[key], before[key]), bare(a.calibrated.figures[key], after[key])])),
+          [["Figure"], ["as measured, " + unit, "n"], ["left by the model, " + unit, "n"]], names.map(([key, name]) => [name, bare(m.figures[key], m.std[key]), bare(a.calibrated.figures[key], a.calibrated.std[key])])),
         el("details", {}, el("summary", {}, "Each target: nominal and actual position"), table("Mean actual position, mean deviation x̄, standard deviation s of the runs, reversal error B, as measured",
           [["Target, " + unitText(a.position_unit), "n"], ["actual ↑", "n"], ["actual ↓", "n"], ["x̄↑, " + unit, "n"], ["x̄↓, " + unit, "n"], ["s↑, " + unit, "n"], ["s↓, " + unit, "n"], ["B, " + unit, "n"], ["runs ↑ / ↓", "n"]],
           m.at.map((x, i) => [place(x), known(m.forward[i]) ? place(x + micro * m.forward[i]) : "–", known(m.backward[i]) ? place(x + micro * m.backward[i]) : "–", cell(m.forward[i]), cell(m.backward[i]),
@@ -257,7 +253,7 @@ function candidates() {
     const taken = diagnosis.missing.find((m) => sameEffect(m.effect, c.effect));
     const gain = c[key] && known(c[key][0]) && known(c[key][1]) && c[key][0] > 0 ? 1 - c[key][1] / c[key][0] : 0;
     const rivalNames = taken ? taken.confusable_with.map((o) => o.in_words) : [];
-    return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bare(c[key][1], rmsStd(c[key][1])) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
+    return Object.assign([c.in_words, c.odds_in_words, [meter(gain), c[key] ? bareRms(c[key][1]) : "–"], c["size" + kSuffix] > 0 ? bare(c["size" + kSuffix], sizeStd(c[key])) : "–", rivalNames.join("; ") || "–"], { chosen: !!taken });
   });
   sectionIf(diagnosis.missing.length > 0, "candidates", "Candidates, best first", "none is named", lead("Each cause of the catalogue. The odds are those beside what was found: what only imitates it has none. Size and held-out RMS are those of each alone, everything refitted with it; the bar is the share of the held-out RMS that it removes, worked out for the best. Bold: named as missing."),
     longTable(diagnosis.candidates.length + (diagnosis.candidates.length === 1 ? " cause asked" : " causes asked"), [["Cause"], ["odds", "nowrap"], ["held-out RMS after, " + kUnit, "nowrap"], ["size, " + kUnit, "n"], ["confusable with", "text"]], rows, 12));
@@ -277,10 +273,9 @@ function ledgerSteps() {
 
 function ledger() {
   if (!data.ledger.length) return;
-  const fall = (pair) => (pair ? bare(pair[0], rmsStd(pair[0])) + " → " + bare(pair[1], rmsStd(pair[1])) : "–");
   sectionIf(data.ledger.length > 1, "ledger", "Ledger: the error as it fell", "nothing was added since the calibration",
     table("Every step, and what it did to the error", [["Step"], ["RMS, " + kUnit, "n"], ["held-out RMS, " + kUnit, "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
-      data.ledger.map((e) => [stepName(e), fall(e["rms" + kSuffix]), fall(e["held_out_rms" + kSuffix]), e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"])),
+      data.ledger.map((e) => [stepName(e), fall(e["rms" + kSuffix]), fall(e["held_out_rms" + kSuffix]), clock(e.time, ""), e.calibration || "–"])),
     el("p", { class: "note" }, "Any step can be taken back: mm remove."));
 }
 

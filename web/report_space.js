@@ -2,17 +2,10 @@
 
 const kScale = [["0", "#2166ac"], ["0.5", "#b8b8b8"], ["1", "#b2182b"]], kSize = [["0", "#8fb8de"], ["0.5", "#7a62a8"], ["1", "#b2182b"]];
 
-function roundDown(value) {
-  const decade = 10 ** Math.floor(Math.log10(value));
-  return [5, 2, 1].map((f) => f * decade).find((f) => f <= value * 1.0001);
-}
-const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, " ");
-
 /** So large that 95 % of the vectors are at most a tenth of the measured volume. */
 function exaggerationFor(v, state) {
-  const spans = [0, 1, 2].map((k) => Math.max(...v.at_mm.map((p) => p[k])) - Math.min(...v.at_mm.map((p) => p[k])));
   const size = quantile(state.vector_um.map((d) => Math.hypot(...d)), 0.95) / 1000;
-  return size > 0 ? Math.max(1, roundDown((0.1 * Math.max(...spans)) / size)) : 1000;
+  return size > 0 ? Math.max(1, roundDown((0.1 * longestSide(v.at_mm)) / size)) : 1000;
 }
 
 function spaceSection(v) {

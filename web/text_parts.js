@@ -72,7 +72,8 @@ function pValue(p) {
 }
 
 const bare = (value, std) => plusMinus(value, std, "1");
-
+/** Uncertainty of an RMS of n independent normal residuals. */
+const rmsStd = (rms, n) => (known(rms) && n > 0 ? rms / Math.sqrt(2 * n) : null);
 
 const fixed = (value) => (known(value) ? minus(value.toFixed(2)) : "–");
 const percent = (share, digits = 0) => (known(share) ? (100 * share).toFixed(digits) + " %" : "–");
@@ -83,7 +84,30 @@ const said = (text) => text.replace(/(?<![\w-])um\b/g, "µm").replace(/\bdegC\b/
 const duration = (s) => (s < 90 ? num(s, 2) + " s" : s < 5400 ? num(s / 60, 2) + " min" : s < 172800 ? num(s / 3600, 2) + " h" : num(s / 86400, 2) + " days");
 /** A variable as formulas call it, for people. */
 const variableName = (name, unit) => (name === "t" ? "time" : unit === "degC" ? "temperature " + name : name.replace(/^(.*)_velocity$/, "velocity of $1"));
+/** A time of a file (UTC) as it is read. */
+const clock = (time, zone = " UTC") => time.replace("T", " ").replace("Z", zone);
 const sameEffect = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+const kVerdicts = {
+  question: "A question first", insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet",
+  missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained",
+};
+/** What is said of another explanation, behind its name. */
+const rivalText = (c) => (c.same ? ": the same error expressed in another frame; no measurement on this machine separates them" :
+  c.not_recorded ? ": cannot be excluded, " + c.not_recorded.replace(/^(the )?/, "the ") + " was not recorded" : ", odds " + c.odds_in_words);
+
+/** The share of a meter that is full, as a width. */
+const meterWidth = (share) => (100 * Math.min(1, Math.max(0, share || 0))).toFixed(1) + "%";
+
+/** The largest of 1, 2, 5, 10 … that a value reaches. */
+function roundDown(value) {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return [5, 2, 1].map((f) => f * decade).find((f) => f <= value * 1.0001);
+}
+/** A whole number with a narrow space before each three digits. */
+const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+/** Length of the longest side of the box around points. */
+const longestSide = (points) => Math.max(...[0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k]))));
 
 /** Plotly reads a little markup in its texts. */
 const plain = (text) => String(text).replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");

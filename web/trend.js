@@ -1,7 +1,6 @@
 // The page of mm history --trend: how each parameter went through the calibrations of a machine.
 
 const main = document.getElementById("report");
-const clock = (time) => time.replace("T", " ").replace("Z", " UTC");
 const kDay = 86400e3;
 
 /** Least squares, as the answer tells it, through the weighted middle of the comparable points. */

@@ -1,42 +1,39 @@
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "base/format.h"
-#include "base/json_number.h"
+#include "base/json_text.h"
 #include "base/number_text.h"
 #include "fleet/fleet.h"
 
 namespace mm {
 namespace {
 
-using OrderedJson = nlohmann::ordered_json;
-
 const char* kindOf(const Trend& trend) {
   return trend.kind == Trend::Kind::kDrift ? "drift" : trend.kind == Trend::Kind::kSteps ? "steps" : "quiet";
 }
 
-OrderedJson seriesJson(const FleetSeries& s, bool everything) {
-  OrderedJson segments = OrderedJson::array(), points = OrderedJson::array();
-  for (const TrendSegment& part : s.trend.segments)
-    segments.push_back({{"from", s.dates[part.first]},
-                        {"to", s.dates[part.end - 1]},
-                        {"level", number(part.level)},
-                        {"std", number(part.std)}});
-  OrderedJson json = {{"machine", s.machine},
-                      {"quantity", s.quantity},
-                      {"unit", s.unit},
-                      {"sessions", s.points.size()},
-                      {"trend", kindOf(s.trend)},
-                      {"p_value", number(s.trend.p)},
-                      {"scatter", number(s.trend.scatter)},
-                      {"slope_a_year", number(365.25 * s.trend.slope)},
-                      {"slope_std_a_year", number(365.25 * s.trend.slopeStd)},
-                      {"segments", segments}};
+Json seriesJson(const FleetSeries& s, bool everything) {
+  const auto segment = [&](const TrendSegment& part) -> Json {
+    return {{"from", s.dates[part.first]},
+            {"to", s.dates[part.end - 1]},
+            {"level", part.level},
+            {"std", part.std}};
+  };
+  Json json = {{"machine", s.machine},
+               {"quantity", s.quantity},
+               {"unit", s.unit},
+               {"sessions", s.points.size()},
+               {"trend", kindOf(s.trend)},
+               {"p_value", s.trend.p},
+               {"scatter", s.trend.scatter},
+               {"slope_a_year", 365.25 * s.trend.slope},
+               {"slope_std_a_year", 365.25 * s.trend.slopeStd},
+               {"segments", jsonList(s.trend.segments, segment)}};
   if (!everything) return json;
+  json["points"] = Json::array();
   for (std::size_t i = 0; i < s.points.size(); ++i)
-    points.push_back({s.dates[i], number(s.points[i].value), number(s.points[i].std)});
-  json["points"] = points;
+    json["points"].push_back({s.dates[i], s.points[i].value, s.points[i].std});
   return json;
 }
 
@@ -75,29 +72,28 @@ std::string fleetText(const Fleet& fleet) {
 }
 
 std::string fleetJson(const Fleet& fleet, bool everything) {
-  OrderedJson json = {
-      {"folder", fleet.source},      {"model", fleet.model},       {"other_models", fleet.otherModels},
-      {"done", fleet.done},          {"failed", fleet.failed},     {"waiting", fleet.waiting},
-      {"not_converged", fleet.open}, {"machines", fleet.machines}, {"questions", fleet.questions},
-      {"alarm", fleet.alarm}};
-  json["findings"] = OrderedJson::array();
-  for (const Finding& f : fleet.findings)
-    json["findings"].push_back({{"kind", f.kind},
-                                {"machine", f.machine},
-                                {"quantity", f.quantity},
-                                {"unit", f.unit},
-                                {"date", f.date},
-                                {"before", number(f.before)},
-                                {"after", number(f.after)},
-                                {"p_value", number(f.p)},
-                                {"in_words", f.inWords}});
-  json["failures"] = OrderedJson::array();
-  for (const FleetRecord& r : fleet.failures)
-    json["failures"].push_back(
-        {{"machine", r.machine}, {"session", r.session}, {"step", r.result.failed}, {"why", r.result.why}});
-  json["series"] = OrderedJson::array();
-  for (const FleetSeries& s : fleet.series) json["series"].push_back(seriesJson(s, everything));
-  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
+  const auto finding = [](const Finding& f) -> Json {
+    return {{"kind", f.kind},   {"machine", f.machine}, {"quantity", f.quantity},
+            {"unit", f.unit},   {"date", f.date},       {"before", f.before},
+            {"after", f.after}, {"p_value", f.p},       {"in_words", f.inWords}};
+  };
+  const auto failure = [](const FleetRecord& r) -> Json {
+    return {{"machine", r.machine}, {"session", r.session}, {"step", r.result.failed}, {"why", r.result.why}};
+  };
+  const auto series = [&](const FleetSeries& s) { return seriesJson(s, everything); };
+  return jsonText({{"folder", fleet.source},
+                   {"model", fleet.model},
+                   {"other_models", fleet.otherModels},
+                   {"done", fleet.done},
+                   {"failed", fleet.failed},
+                   {"waiting", fleet.waiting},
+                   {"not_converged", fleet.open},
+                   {"machines", fleet.machines},
+                   {"questions", fleet.questions},
+                   {"alarm", fleet.alarm},
+                   {"findings", jsonList(fleet.findings, finding)},
+                   {"failures", jsonList(fleet.failures, failure)},
+                   {"series", jsonList(fleet.series, series)}});
 }
 
 std::string fleetCsv(const Fleet& fleet) {

@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "base/error.h"
-#include "base/json_number.h"
+#include "base/json_text.h"
 #include "calibration_file/atomic_file.h"
 #include "calibration_file/calibration_yaml.h"
 #include "fleet/fields.h"
@@ -15,8 +15,6 @@ namespace mm {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 double numberOrNone(const nlohmann::json& json, const char* key) {
   const auto at = json.find(key);
   return at != json.end() && at->is_number() ? at->get<double>() : JobResult::kNone;
@@ -74,23 +72,12 @@ void takeFigures(const Calibration& c, JobResult& result) {
 
 namespace {
 
-/// The fields of a thing, or of each thing of a list, as an object or a list of them.
+/// The fields of a thing as an object.
 template <class Thing>
 Json fieldsJson(const Thing& thing) {
   Json json;
-  eachField(thing, [&](const char* name, const auto& field) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(field)>, double>)
-      json[name] = number(field);
-    else
-      json[name] = field;
-  });
+  eachField(thing, [&](const char* name, const auto& field) { json[name] = field; });
   return json;
-}
-template <class Thing>
-Json listJson(const std::vector<Thing>& things) {
-  Json list = Json::array();
-  for (const Thing& thing : things) list.push_back(fieldsJson(thing));
-  return list;
 }
 
 /// A number or flag that an older version did not write stays as it is.
@@ -116,9 +103,9 @@ void readList(const nlohmann::json& list, std::vector<Thing>& things) {
 std::string resultText(const JobResult& r) {
   Json json = fieldsJson(r);
   json["found"] = r.found;
-  json["parameters"] = listJson(r.parameters);
-  json["sensors"] = listJson(r.sensors);
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  json["parameters"] = jsonList(r.parameters, fieldsJson<FleetParameter>);
+  json["sensors"] = jsonList(r.sensors, fieldsJson<SensorHealth>);
+  return jsonText(json, 1) + "\n";
 }
 
 JobResult parseResult(const std::string& text, const std::string& source) {

@@ -47,8 +47,7 @@ tr, figure, .task, .together { break-inside: avoid; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
 figcaption { font-size: 9pt; color: #444c56; }
-svg { width: 100%; max-width: 150mm; height: auto; display: block; font: 11px "DejaVu Sans", "Liberation Sans", Arial, sans-serif; }
-svg text { fill: #333b44; } svg .grid { stroke: #e1e5ea; } svg .zero { stroke: #7d8894; }
+svg { width: 100%; max-width: 150mm; height: auto; display: block; }
 .result { font-size: 11.5pt; margin: 1mm 0; } .result b { white-space: nowrap; }
 .bar { display: inline-block; height: 2.6mm; background: #1f5fa8; vertical-align: middle; min-width: .3mm; }
 td.share { width: 52mm; white-space: nowrap; }
@@ -56,7 +55,7 @@ td.share { width: 52mm; white-space: nowrap; }
 .conforms { border-color: #2d7d46; } .fails { border-color: #b3261e; } .open { border-color: #b07d00; }
 .task { margin-bottom: 5mm; } .task h3 { font-size: 10.5pt; margin: 4mm 0 1mm; }
 p { margin: 1.5mm 0; } .small { font-size: 9pt; color: #444c56; }
-.sign { display: flex; gap: 12mm; margin-top: 14mm; break-inside: avoid; } .sign div { flex: 1; border-top: .3mm solid #444c56; padding-top: 1mm; font-size: 9pt; }
+.sign { display: flex; margin-top: 14mm; break-inside: avoid; } .sign div + div { margin-left: 12mm; } .sign div { flex: 1; border-top: .3mm solid #444c56; padding-top: 1mm; font-size: 9pt; }
 @media print { body { background: #fff; } main { margin: 0; padding: 0; max-width: none; box-shadow: none; } * { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
 @media (max-width: 720px) { main { margin: 0; padding: 6mm 4mm; } .wide { overflow-x: auto; } table.facts th { width: 30%; } }
 )";

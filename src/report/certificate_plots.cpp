@@ -15,6 +15,11 @@ constexpr double kPlotWidth = 520.0, kPlotHeight = 210.0, kPlotLeft = 58.0, kPlo
                  kPlotTop = 24.0, kPlotBottom = 38.0;
 constexpr const char* kColours[] = {"#1f5fa8", "#c1571a", "#2d7d46", "#7a3f98"};
 
+// Stands within each plot: a printer may take no other style for it than its own.
+constexpr const char* kPlotStyle =
+    "<style>text { font-family: \"DejaVu Sans\", \"Liberation Sans\", Arial, sans-serif; font-size: 11px; "
+    "fill: #333b44; } .grid { stroke: #e1e5ea; } .zero { stroke: #7d8894; }</style>";
+
 /// A range with ends on round numbers, and the step between its marks.
 struct PlotScale {
   double low = 0.0, high = 1.0, step = 0.5;
@@ -106,7 +111,8 @@ std::string svgPlot(const std::string& x, const std::string& y, const std::vecto
   if (fromZero) lowX = std::min(lowX, 0.0), lowY = std::min(lowY, 0.0);
   if (!(highX >= lowX) || !std::isfinite(lowY) || !std::isfinite(highY)) return {};
   const PlotFrame f{scaleOf(lowX, highX, counted ? 1.0 : 0.0), scaleOf(lowY, highY)};
-  std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\">", kPlotWidth, kPlotHeight) + grid(f);
+  std::string svg =
+      format("<svg viewBox=\"0 0 %.0f %.0f\" role=\"img\">", kPlotWidth, kPlotHeight) + kPlotStyle + grid(f);
   double at = kPlotLeft;
   for (const PlotSeries& s : series) {
     svg += curveOf(f, s);

@@ -1,3 +1,4 @@
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "diagnosis/noise_words.h"
 #include "diagnosis/wording.h"
@@ -7,194 +8,140 @@
 namespace mm {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-void setEffect(Json& object, const EffectSpec& effect) {
-  object["effect"] = effectJson(effect);
-  object["in_words"] = inWords(effect);
-}
-
-void setOdds(Json& object, double probability) {
-  object["odds"] = number(probability);
-  object["odds_in_words"] = oddsInWords(probability);
+Json confusableJson(const Confusable& c, const Diagnosis& d) {
+  return jsonObject({effectInWords(c.effect),
+                     {{"owner", ownerOf(c.effect, d)}, {"delta", c.delta}},
+                     oddsJson(c.odds),
+                     {{"same", c.same}, {"not_recorded", c.notRecorded}, {"moves", c.moves}}});
 }
 
 Json candidateJson(const CandidateResult& c, const Diagnosis& d) {
-  const bool angular = d.angular;
-  Json one;
-  setEffect(one, c.effect);
-  one["owner"] = ownerOf(c.effect, d);
-  one["parameters"] = Json::array();
-  for (const NamedValue& v : c.parameters) {
-    Json p;
-    p["name"] = v.name;
-    p["value"] = number(v.value);
-    p["std"] = number(v.std);
-    p["unit"] = v.unit;
-    one["parameters"].push_back(std::move(p));
-  }
-  setEither(one, "size", c.size, angular);
-  one["p_value"] = number(c.pValue);
-  one["gain"] = number(c.gain);
-  setOdds(one, c.odds);
-  setPair(one, "held_out_rms", c.heldOutBefore, c.heldOutAfter, angular);
-  one["confusable_with"] = Json::array();
-  for (const Confusable& other : c.confusableWith) {
-    Json o;
-    setEffect(o, other.effect);
-    o["owner"] = ownerOf(other.effect, d);
-    o["delta"] = number(other.delta);
-    setOdds(o, other.odds);
-    o["same"] = other.same;
-    o["not_recorded"] = other.notRecorded;
-    o["moves"] = other.moves;
-    one["confusable_with"].push_back(std::move(o));
-  }
-  if (!c.looksTheSame.empty()) one["looks_the_same"] = c.looksTheSame;
-  one["cause"] = c.cause;
-  one["remedy"] = c.remedy;
-  return one;
+  const auto parameter = [](const NamedValue& v) { return parameterJson(v.name, v.value, v.std, v.unit); };
+  const auto confusable = [&](const Confusable& other) { return confusableJson(other, d); };
+  return jsonObject({effectInWords(c.effect),
+                     {{"owner", ownerOf(c.effect, d)}, {"parameters", jsonList(c.parameters, parameter)}},
+                     figureOf(d.angular, "size", c.size),
+                     {{"p_value", c.pValue}, {"gain", c.gain}},
+                     oddsJson(c.odds),
+                     beforeAndAfter(d.angular, "held_out_rms", c.heldOutBefore, c.heldOutAfter),
+                     {{"confusable_with", jsonList(c.confusableWith, confusable)}},
+                     entryIf(!c.looksTheSame.empty(), "looks_the_same", c.looksTheSame),
+                     {{"cause", c.cause}, {"remedy", c.remedy}}});
 }
 
 Json profileJson(const ProfileResult& p, const Diagnosis& d) {
-  Json one;
-  setEffect(one, p.effect);
-  one["direction"] = p.direction;
-  one["variables"] = p.variables;
-  one["units"] = p.units;
-  one["unit"] = isAngular(d, p.direction) ? "arcsec" : "um";
-  one["gain"] = number(p.gain);
-  setOdds(one, p.odds);
-  setPair(one, "held_out_rms", p.heldOutBefore, p.heldOutAfter, d.angular);
-  one["curve"] = Json::array();
-  for (const std::vector<double>& point : p.curve) {
-    Json values = Json::array();
-    for (const double v : point) values.push_back(number(v));
-    one["curve"].push_back(std::move(values));
-  }
-  return one;
+  return jsonObject({effectInWords(p.effect),
+                     {{"direction", p.direction},
+                      {"variables", p.variables},
+                      {"units", p.units},
+                      {"unit", nameOfUnit(isAngular(d, p.direction))},
+                      {"gain", p.gain}},
+                     oddsJson(p.odds),
+                     beforeAndAfter(d.angular, "held_out_rms", p.heldOutBefore, p.heldOutAfter),
+                     {{"curve", p.curve}}});
+}
+
+/// Its keys, without the type that all of them have.
+Json formulaJson(const FormulaResult& f, const Diagnosis& d) {
+  Json keys = effectJson(f.effect);
+  keys.erase("type");
+  return jsonObject({keys,
+                     {{"in_words", inWords(f.effect)}},
+                     beforeAndAfter(d.angular, "held_out_rms", f.heldOutBefore, f.heldOutAfter)});
 }
 
 Json driftJson(const DriftResult& drift, const Diagnosis& d) {
-  Json one;
-  one["direction"] = drift.direction;
-  setEither(one, "std", drift.std, isAngular(d, drift.direction));
-  one["time_constant_s"] = number(drift.timeConstant);
-  one["perhaps"] = Json::array();
-  for (const DriftResult::Perhaps& other : drift.perhaps) {
-    Json o;
-    setEffect(o, other.effect);
-    setOdds(o, other.odds);
-    o["share"] = number(other.share);
-    one["perhaps"].push_back(std::move(o));
-  }
-  one["in_words"] = driftInWords(d, drift);
-  one["to_do"] = drift.inWords.empty() ? driftAdvice(drift) : drift.inWords;
-  return one;
+  const auto perhaps = [](const DriftResult::Perhaps& other) {
+    return jsonObject({effectInWords(other.effect), oddsJson(other.odds), {{"share", other.share}}});
+  };
+  return jsonObject({{{"direction", drift.direction}},
+                     figureOf(isAngular(d, drift.direction), "std", drift.std),
+                     {{"time_constant_s", drift.timeConstant},
+                      {"perhaps", jsonList(drift.perhaps, perhaps)},
+                      {"in_words", driftInWords(d, drift)},
+                      {"to_do", drift.inWords.empty() ? driftAdvice(drift) : drift.inWords}}});
+}
+
+Json scatterJson(const ArtifactScatter& a) {
+  return {{"what", a.what}, {"std_um", a.std / kMicrometre}, {"in_words", a.inWords}};
+}
+
+Json variationJson(const Variation& v, const Diagnosis& d) {
+  const auto instead = [](const Alternative& a) {
+    return jsonObject(
+        {{{"effect", a.effect.yaml()}, {"in_words", inWords(a.effect)}}, oddsJson(a.probability)});
+  };
+  const bool formula = !v.formula.type.empty();
+  return jsonObject({effectInWords(v.effect),
+                     {{"along", v.along}},
+                     figureOf(d.angular, "rms", v.rms),
+                     figureOf(d.angular, "rms_std", v.std),
+                     {{"formula", formula ? Json(v.formula.yaml()) : Json()},
+                      {"or_instead", jsonList(v.instead, instead)}}});
 }
 
 Json inputJson(const MissingInput& input) {
-  Json one;
-  one["input"] = input.input;
-  one["assumed"] = input.assumed;
-  one["effects"] = Json::array();
-  for (const EffectSpec& effect : input.effects) one["effects"].push_back(effectJson(effect));
-  one["in_words"] = listInWords(input.effects);
-  return one;
+  return {{"input", input.input},
+          {"assumed", input.assumed},
+          {"effects", jsonList(input.effects, effectJson)},
+          {"in_words", listInWords(input.effects)}};
+}
+
+Json hiddenJson(const CannotShow& c) {
+  return jsonObject({effectInWords(c.effect), {{"why", c.why}, {"moves", c.moves}}});
 }
 
 Json moveJson(const Move& move) {
   Json one = Json::object();
-  for (const auto& [name, value] : move.values) one[name] = number(value);
+  for (const auto& [name, value] : move.values) one[name] = value;
   for (const auto& [name, word] : move.words) one[name] = word;
-  if (!move.from.empty()) {
-    one["from"] = Json::object();
-    for (const auto& [joint, side] : move.from) one["from"][joint] = number(side);
-  }
-  if (!move.approach.empty()) {
-    one["approach"] = Json::array();
-    for (double a : move.approach) one["approach"].push_back(number(a));
-  }
+  for (const auto& [joint, side] : move.from) one["from"][joint] = side;
+  if (!move.approach.empty()) one["approach"] = move.approach;
   return one;
 }
 
+Json notJudgedJson(const NotJudged& n) { return {{"joint", n.joint}, {"observations", n.observations}}; }
+
 }  // namespace
 
-std::string diagnoseJson(const Diagnosis& d) {
+Json diagnosisJson(const Diagnosis& d) {
   const bool fitted = d.base.problem != nullptr;
-  Json object;
-  object["observations"] = fitted ? Json(d.base.problem->session().observations.size()) : Json(nullptr);
   const double repeatability = fitted ? d.base.repeatability : kNotMeasured;
-  object["repeatability_um"] = d.angular ? Json(nullptr) : number(repeatability / kMicrometre);
-  if (d.angular) object["repeatability_arcsec"] = number(repeatability / kArcsecond);
-  object["repeatability_from"] = d.base.repeatabilityFrom;
-  setFigures(object, d.base.figures, true);
   const auto found = [](double value) { return value > 0.0 ? value : kNotMeasured; };
-  setEither(object, "held_out_rms_without_found", found(d.heldOutBefore), d.angular);
-  setEither(object, "held_out_rms_with_found", found(d.heldOut), d.angular);
-  setEither(object, "noise", found(d.noise), d.angular);
-  setEither(object, "noise_std", found(d.noiseStd), d.angular);
-  if (d.resolution > 0.0) setEither(object, "resolution", d.resolution, d.angular);
-  for (const NotJudged& n : d.notJudged)
-    object["not_judged"].push_back({{"joint", n.joint}, {"observations", n.observations}});
-  if (d.asked < d.residuals) object["residuals_asked"] = d.asked;
-  object["chains_differ"] = number(d.chainsDiffer);
-  object["tail_dof"] = number(found(d.tailDof));
-  object["chi2_per_dof"] = fitted ? number(d.base.figures.chi2PerDof) : Json(nullptr);
-  object["verdict"] = nameOf(d.verdict);
-  object["sentence"] = d.sentence;
-  object["where"] = whereJson(d.where);
-  object["missing"] = Json::array();
-  for (const CandidateResult& c : d.missing) object["missing"].push_back(candidateJson(c, d));
-  object["candidates"] = Json::array();
-  for (const CandidateResult& c : d.candidates) object["candidates"].push_back(candidateJson(c, d));
-  object["profiles"] = Json::array();
-  for (const ProfileResult& p : d.profiles) object["profiles"].push_back(profileJson(p, d));
-  object["formulas"] = Json::array();
-  for (const FormulaResult& f : d.formulas) {
-    Json one = effectJson(f.effect);
-    one.erase("type");
-    one["in_words"] = inWords(f.effect);
-    setPair(one, "held_out_rms", f.heldOutBefore, f.heldOutAfter, d.angular);
-    object["formulas"].push_back(std::move(one));
-  }
-  object["drift"] = Json::array();
-  for (const DriftResult& drift : d.drift) object["drift"].push_back(driftJson(drift, d));
-  object["artifact_scatter"] = Json::array();
-  for (const ArtifactScatter& a : d.artifactScatter)
-    object["artifact_scatter"].push_back(
-        Json{{"what", a.what}, {"std_um", number(a.std / kMicrometre)}, {"in_words", a.inWords}});
-  object["variations"] = Json::array();
-  for (const Variation& v : d.variations) {
-    Json one;
-    setEffect(one, v.effect);
-    one["in_words"] = inWords(v.effect);
-    one["along"] = v.along;
-    setEither(one, "rms", v.rms, d.angular);
-    setEither(one, "rms_std", v.std, d.angular);
-    one["formula"] = v.formula.type.empty() ? Json(nullptr) : Json(v.formula.yaml());
-    one["or_instead"] = Json::array();
-    for (const Alternative& a : v.instead)
-      one["or_instead"].push_back(Json{{"effect", a.effect.yaml()},
-                                       {"in_words", inWords(a.effect)},
-                                       {"odds", number(a.probability)},
-                                       {"odds_in_words", oddsInWords(a.probability)}});
-    object["variations"].push_back(std::move(one));
-  }
-  object["missing_inputs"] = Json::array();
-  for (const MissingInput& input : d.missingInputs) object["missing_inputs"].push_back(inputJson(input));
-  object["cannot_show"] = Json::array();
-  for (const CannotShow& c : d.cannotShow) {
-    Json one;
-    setEffect(one, c.effect);
-    one["why"] = c.why;
-    one["moves"] = c.moves;
-    object["cannot_show"].push_back(std::move(one));
-  }
-  object["next_measurement"] = Json::array();
-  for (const Move& m : d.nextMeasurement) object["next_measurement"].push_back(moveJson(m));
-  if (!d.moveChange.empty()) object["next_measurement_change"] = d.moveChange;
-  return dump(object);
+  const auto each = [&d](const auto& list, auto entry) {
+    return jsonList(list, [&](const auto& one) { return entry(one, d); });
+  };
+  return jsonObject(
+      {{{"observations", fitted ? Json(d.base.problem->session().observations.size()) : Json()}},
+       underUnit(d.angular, "repeatability", repeatability / unitOf(d.angular)),
+       {{"repeatability_from", d.base.repeatabilityFrom}},
+       figuresJson(d.base.figures, true),
+       figureOf(d.angular, "held_out_rms_without_found", found(d.heldOutBefore)),
+       figureOf(d.angular, "held_out_rms_with_found", found(d.heldOut)),
+       figureOf(d.angular, "noise", found(d.noise)),
+       figureOf(d.angular, "noise_std", found(d.noiseStd)),
+       d.resolution > 0.0 ? figureOf(d.angular, "resolution", d.resolution) : Json(),
+       entryIf(!d.notJudged.empty(), "not_judged", jsonList(d.notJudged, notJudgedJson)),
+       entryIf(d.asked < d.residuals, "residuals_asked", d.asked),
+       {{"chains_differ", d.chainsDiffer},
+        {"tail_dof", found(d.tailDof)},
+        {"chi2_per_dof", orNull(fitted, d.base.figures.chi2PerDof)},
+        {"verdict", nameOf(d.verdict)},
+        {"sentence", d.sentence},
+        {"where", whereJson(d.where)},
+        {"missing", each(d.missing, candidateJson)},
+        {"candidates", each(d.candidates, candidateJson)},
+        {"profiles", each(d.profiles, profileJson)},
+        {"formulas", each(d.formulas, formulaJson)},
+        {"drift", each(d.drift, driftJson)},
+        {"artifact_scatter", jsonList(d.artifactScatter, scatterJson)},
+        {"variations", each(d.variations, variationJson)},
+        {"missing_inputs", jsonList(d.missingInputs, inputJson)},
+        {"cannot_show", jsonList(d.cannotShow, hiddenJson)},
+        {"next_measurement", jsonList(d.nextMeasurement, moveJson)}},
+       entryIf(!d.moveChange.empty(), "next_measurement_change", d.moveChange)});
 }
+
+std::string diagnoseJson(const Diagnosis& d) { return jsonText(diagnosisJson(d)); }
 
 }  // namespace mm

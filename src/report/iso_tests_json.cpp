@@ -1,107 +1,83 @@
 #include "report/iso_tests_json.h"
 
+#include <array>
+
+#include "base/quantity_words.h"
 #include "base/units.h"
 
 namespace mm {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kAngleStep = 1e-3;  // deg: a thousand points of a circle are apart by 0.36
 
+Json positioningFigures(PositioningFigures figures) {
+  constexpr std::array<const char*, 12> kNames = {"A",          "A_forward",  "A_backward", "R",
+                                                  "R_forward",  "R_backward", "E",          "E_forward",
+                                                  "E_backward", "M",          "B",          "B_mean"};
+  const std::array<double*, 12> values = eachFigure(figures);
+  Json json;
+  for (std::size_t k = 0; k < kNames.size(); ++k) json[kNames[k]] = rounded(*values[k], kFigureStep);
+  return json;
+}
+
 Json positioningTestJson(const PositioningTest& test) {
-  Json out;
-  std::vector<double> at, up, down, sUp, sDown;
-  Json runs = Json::array();
-  for (const PositioningTarget& t : test.targets) {
-    at.push_back(t.at);
-    up.push_back(t.meanForward);
-    down.push_back(t.meanBackward);
-    sUp.push_back(t.sForward);
-    sDown.push_back(t.sBackward);
-    runs.push_back(Json::array({t.forward, t.backward}));
-  }
-  out["at"] = roundedList(at, kPlaceStep);
-  out["forward"] = roundedList(up, kDeviationStep);
-  out["backward"] = roundedList(down, kDeviationStep);
-  out["s_forward"] = roundedList(sUp, kDeviationStep);
-  out["s_backward"] = roundedList(sDown, kDeviationStep);
-  out["runs"] = std::move(runs);
-  const PositioningFigures& f = test.figures;
-  const auto figure = [](double value) { return rounded(value, kFigureStep); };
-  out["figures"] = Json{{"A", figure(f.accuracy)},
-                        {"A_forward", figure(f.forward.accuracy)},
-                        {"A_backward", figure(f.backward.accuracy)},
-                        {"R", figure(f.repeatability)},
-                        {"R_forward", figure(f.forward.repeatability)},
-                        {"R_backward", figure(f.backward.repeatability)},
-                        {"E", figure(f.systematic)},
-                        {"E_forward", figure(f.forward.systematic)},
-                        {"E_backward", figure(f.backward.systematic)},
-                        {"M", figure(f.meanRange)},
-                        {"B", figure(f.reversal)},
-                        {"B_mean", figure(f.meanReversal)}};
-  return out;
+  using Target = PositioningTarget;
+  const auto runs = [](const Target& t) { return Json::array({t.forward, t.backward}); };
+  return {{"at", roundedList(test.targets, kPlaceStep, &Target::at)},
+          {"forward", roundedList(test.targets, kDeviationStep, &Target::meanForward)},
+          {"backward", roundedList(test.targets, kDeviationStep, &Target::meanBackward)},
+          {"s_forward", roundedList(test.targets, kDeviationStep, &Target::sForward)},
+          {"s_backward", roundedList(test.targets, kDeviationStep, &Target::sBackward)},
+          {"runs", jsonList(test.targets, runs)},
+          {"figures", positioningFigures(test.figures)},
+          {"std", positioningFigures(test.std)}};
 }
 
 Json circlePathJson(const CirclePath& path) {
   if (path.angle.empty()) return nullptr;
-  std::vector<double> degrees;
-  for (const double angle : path.angle) degrees.push_back(angle / kDegree);
-  return Json{{"angle_deg", roundedList(degrees, kAngleStep)},
-              {"F_um", roundedList(path.radial, kDeviationStep)},
-              {"G", rounded(path.circular, kFigureStep)},
-              {"F_max", rounded(path.largest, kFigureStep)},
-              {"F_min", rounded(path.smallest, kFigureStep)}};
+  return {{"angle_deg", roundedList(path.angle, kAngleStep, [](double angle) { return angle / kDegree; })},
+          {"F_um", roundedList(path.radial, kDeviationStep)},
+          {"G", rounded(path.circular, kFigureStep)},
+          {"F_max", rounded(path.largest, kFigureStep)},
+          {"F_min", rounded(path.smallest, kFigureStep)}};
 }
 
 Json circleFiguresJson(const CircleFigures& f) {
-  return Json{{"counter_clockwise", circlePathJson(f.counterClockwise)},
-              {"clockwise", circlePathJson(f.clockwise)},
-              {"G_both", rounded(f.bidirectional, kFigureStep)},
-              {"D", rounded(f.meanRadial, kFigureStep)},
-              {"H", rounded(f.hysteresis, kFigureStep)}};
+  return {{"counter_clockwise", circlePathJson(f.counterClockwise)},
+          {"clockwise", circlePathJson(f.clockwise)},
+          {"G_both", rounded(f.bidirectional, kFigureStep)},
+          {"D", rounded(f.meanRadial, kFigureStep)},
+          {"H", rounded(f.hysteresis, kFigureStep)}};
 }
 
 }  // namespace
 
 Json positioningJson(const std::vector<AxisPositioning>& axes) {
-  Json out = Json::array();
-  for (const AxisPositioning& a : axes) {
-    Json one;
-    one["axis"] = a.axis;
-    one["name"] = a.name;
-    one["travel_assumed"] = a.travelAssumed;
-    one["unit"] = a.rotary ? "arcsec" : "um";
-    one["position_unit"] = a.rotary ? "deg" : "mm";
-    one["measured"] = positioningTestJson(a.measured);
-    one["calibrated"] = positioningTestJson(a.calibrated);
-    Json x = Json::array(), y = Json::array(), left = Json::array(), up = Json::array();
-    for (std::size_t i = 0; i < a.runs.size(); ++i) {
-      x.push_back(rounded(a.runs[i].at, kPlaceStep));
-      y.push_back(rounded(a.runs[i].deviation, kDeviationStep));
-      left.push_back(rounded(a.left[i].deviation, kDeviationStep));
-      up.push_back(a.runs[i].forward ? 1 : 0);
-    }
-    one["x"] = std::move(x);
-    one["y"] = std::move(y);
-    one["left"] = std::move(left);
-    one["up"] = std::move(up);
-    out.push_back(std::move(one));
-  }
-  return out;
+  using Run = PositioningRun;
+  return jsonList(axes, [](const AxisPositioning& a) -> Json {
+    return {{"axis", a.axis},
+            {"name", a.name},
+            {"travel_assumed", a.travelAssumed},
+            {"unit", nameOfUnit(a.rotary)},
+            {"position_unit", a.rotary ? "deg" : "mm"},
+            {"measured", positioningTestJson(a.measured)},
+            {"calibrated", positioningTestJson(a.calibrated)},
+            {"x", roundedList(a.runs, kPlaceStep, &Run::at)},
+            {"y", roundedList(a.runs, kDeviationStep, &Run::deviation)},
+            {"left", roundedList(a.left, kDeviationStep, &Run::deviation)},
+            {"up", jsonList(a.runs, [](const Run& run) { return run.forward ? 1 : 0; })}};
+  });
 }
 
 Json circlesJson(const std::vector<CircleTest>& tests) {
-  Json out = Json::array();
-  for (const CircleTest& t : tests)
-    out.push_back(Json{{"first", t.first},
-                       {"second", t.second},
-                       {"setup", t.setup},
-                       {"radius_mm", rounded(t.radius, kPlaceStep)},
-                       {"measured", circleFiguresJson(t.measured)},
-                       {"calibrated", circleFiguresJson(t.calibrated)}});
-  return out;
+  return jsonList(tests, [](const CircleTest& t) -> Json {
+    return {{"first", t.first},
+            {"second", t.second},
+            {"setup", t.setup},
+            {"radius_mm", rounded(t.radius, kPlaceStep)},
+            {"measured", circleFiguresJson(t.measured)},
+            {"calibrated", circleFiguresJson(t.calibrated)}};
+  });
 }
 
 }  // namespace mm

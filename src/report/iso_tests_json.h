@@ -8,8 +8,8 @@
 namespace mm {
 
 /// ISO 230-2 of each axis, as the page reads it: positions in mm or deg, deviations in um or arcsec.
-nlohmann::ordered_json positioningJson(const std::vector<AxisPositioning>& axes);
+Json positioningJson(const std::vector<AxisPositioning>& axes);
 /// ISO 230-4 of each circle: angles in deg, deviations in um.
-nlohmann::ordered_json circlesJson(const std::vector<CircleTest>& tests);
+Json circlesJson(const std::vector<CircleTest>& tests);
 
 }  // namespace mm

@@ -5,12 +5,12 @@
 #include "base/number_text.h"
 #include "base/quantity_words.h"
 #include "base/units.h"
+#include "effects/effect_words.h"
+#include "machine/joint_units.h"
 #include "report/quantiles.h"
 
 namespace mm {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json scalar(const std::string& text) {
   if (text == "true" || text == "false") return text == "true";
@@ -23,143 +23,145 @@ Json scalar(const std::string& text) {
 }  // namespace
 
 Json rounded(double value, double step) {
+  if (!std::isfinite(value)) return nullptr;
   // by division where the step is one over a whole number: 0.3, not 0.30000000000000004
   const double inverse = std::round(1.0 / step);
-  return number(step < 1.0 ? std::round(value * inverse) / inverse : std::round(value / step) * step);
+  return step < 1.0 ? std::round(value * inverse) / inverse : std::round(value / step) * step;
 }
 
 Json effectJson(const EffectSpec& effect) {
-  Json object;
-  object["type"] = effect.type;
-  for (const auto& [key, value] : effect.keys) {
-    if (!value.list) {
-      object[key] = value.items.empty() ? Json("") : scalar(value.items.front());
-      continue;
-    }
-    Json list = Json::array();
-    for (const std::string& item : value.items) list.push_back(scalar(item));
-    object[key] = std::move(list);
-  }
+  Json object{{"type", effect.type}};
+  for (const auto& [key, value] : effect.keys)
+    object[key] = value.list            ? jsonList(value.items, scalar)
+                  : value.items.empty() ? Json("")
+                                        : scalar(value.items.front());
   return object;
 }
 
-void setRms(Json& object, const std::string& name, double linear, double angular) {
-  object[name + "_um"] = number(linear / kMicrometre);
-  if (std::isfinite(angular)) object[name + "_arcsec"] = number(angular / kArcsecond);
+Json effectInWords(const EffectSpec& effect) {
+  return {{"effect", effectJson(effect)}, {"in_words", inWords(effect)}};
+}
+
+Json oddsJson(double probability) {
+  return {{"odds", probability}, {"odds_in_words", oddsInWords(probability)}};
+}
+
+Json parameterJson(const std::string& name, double value, double std, const std::string& unit) {
+  return {{"name", name}, {"value", value}, {"std", std}, {"unit", unit}};
+}
+
+Json rangeJson(const std::string& name, const std::string& unit, const Json& lower, const Json& upper) {
+  return {{"name", name}, {"unit", unit}, {"lower", lower}, {"upper", upper}};
+}
+
+Json ballJson(const std::string& name, const Eigen::Vector3d& centre, double radius) {
+  return {{"name", name},
+          {"centre_mm", roundedList(centre, kPlaceStep)},
+          {"radius_mm", rounded(radius, kPlaceStep)}};
+}
+
+Json figureJson(const std::string& name, double linear, double angular) {
+  Json object{{name + "_um", linear / kMicrometre}};
+  if (std::isfinite(angular)) object[name + "_arcsec"] = angular / kArcsecond;
+  return object;
+}
+
+Json figureOf(bool angular, const std::string& name, double value) {
+  return figureJson(name, angular ? kNotMeasured : value, angular ? value : kNotMeasured);
+}
+
+Json underUnit(bool angular, const std::string& name, const Json& value) {
+  if (!angular) return {{name + "_um", value}};
+  return {{name + "_um", nullptr}, {name + "_arcsec", value}};
+}
+
+Json beforeAndAfter(bool angular, const std::string& name, double before, double after) {
+  return underUnit(angular, name, {before / unitOf(angular), after / unitOf(angular)});
+}
+
+Json figuresJson(const ResidualFigures& f, bool heldOut) {
+  return jsonObject({figureJson("rms", f.rms, f.rmsAngular),
+                     heldOut ? figureJson("held_out_rms", f.heldOutRms, f.heldOutRmsAngular) : Json()});
+}
+
+Json whereJson(const std::vector<WhereItFails>& where) {
+  return jsonList(where, [](const WhereItFails& w) -> Json {
+    return {{"variable", w.variable},
+            {"share", w.share},
+            {"p_value", w.pValue},
+            {"share_beside", w.shareBeside},
+            {"p_value_beside", w.pBeside}};
+  });
 }
 
 Json identifiabilityJson(const Problem& problem, const Identifiability& found, const Eigen::VectorXd& x) {
-  Json object;
-  object["rank"] = found.rank;
-  object["parameters"] = found.parameters;
-  object["lost"] = Json::array();
+  Json lost = Json::array();
   for (const LostDirection& l : found.lost) {
     if (!l.ofTheModel) continue;  // of the artifact alone: no parameter is concerned
-    Json one;
-    one["direction"] = Json::object();
-    for (const auto& [unknown, component] : l.direction)
-      one["direction"][displayName(problem, unknown)] = number(component);
     const Unknown& fixed = problem.unknowns()[static_cast<std::size_t>(l.fixedUnknown)];
-    one["fixed_by"] =
-        displayName(problem, l.fixedUnknown) + " = " + sixDigits(x[l.fixedUnknown] * fixed.toUnit);
-    one["by_convention"] = l.byConvention;
-    one["no_influence"] = l.noInfluence;
-    one["in_words"] = l.inWords;
-    one["would_show"] = l.wouldShow;
-    object["lost"].push_back(std::move(one));
+    const std::string value = sixDigits(x[l.fixedUnknown] * fixed.toUnit);
+    lost.push_back({{"direction", directionJson(problem, l.direction)},
+                    {"fixed_by", displayName(problem, l.fixedUnknown) + " = " + value},
+                    {"by_convention", l.byConvention},
+                    {"no_influence", l.noInfluence},
+                    {"in_words", l.inWords},
+                    {"would_show", l.wouldShow}});
   }
+  return {{"rank", found.rank}, {"parameters", found.parameters}, {"lost", lost}};
+}
+
+Json directionJson(const Problem& problem, const std::vector<std::pair<int, double>>& direction) {
+  Json object = Json::object();
+  for (const auto& [unknown, part] : direction) object[displayName(problem, unknown)] = part;
   return object;
 }
 
 Json outliersJson(const CalibrationResult& result) {
-  Json list = Json::array();
-  for (const Outlier& o : result.outliers) {
+  return jsonList(result.outliers, [&](const Outlier& o) {
     const ResidualRow& row = result.problem->rows()[static_cast<std::size_t>(o.row)];
-    Json one;
     const Session& session = result.problem->session();
     const Observation& at = session.observations[static_cast<std::size_t>(row.observation)];
-    one["row"] = at.row;
-    one["where"] = session.rowText(at.row, at.recording);
-    one["residual_um"] = row.angular ? Json(nullptr) : number(o.residual / kMicrometre);
-    if (row.angular) one["residual_arcsec"] = number(o.residual / kArcsecond);
-    list.push_back(std::move(one));
-  }
-  return list;
+    return jsonObject({{{"row", at.row}, {"where", session.rowText(at.row, at.recording)}},
+                       underUnit(row.angular, "residual", o.residual / unitOf(row.angular))});
+  });
 }
 
-void setSessionNotes(Json& object, const Session& session, const std::vector<Doubt>& questions) {
-  object["assumed"] = Json::array();
-  for (const AssumedInput& a : session.assumed)
-    object["assumed"].push_back(Json{{"input", "direction of travel of " + a.joint},
-                                     {"joint", a.joint},
-                                     {"how", a.how},
-                                     {"share", number(a.share)}});
-  object["set_aside"] = Json::array();
-  for (const SetAside& a : session.setAside)
-    object["set_aside"].push_back(
-        Json{{"row", a.row > 0 ? Json(a.row) : Json(nullptr)},
-             {"where", a.row > 0 ? Json(session.rowText(a.row, a.recording)) : Json(nullptr)},
-             {"field", a.field},
-             {"value", a.value},
-             {"why", a.why}});
-  object["questions"] = Json::array();
-  for (const Doubt& d : questions)
-    object["questions"].push_back(Json{{"question", d.question},
-                                       {"before_um", number(d.before / kMicrometre)},
-                                       {"after_um", number(d.after / kMicrometre)}});
-}
-
-/// A figure that is in m, or in rad where the session is angular.
-void setEither(Json& object, const std::string& name, double value, bool angular) {
-  setRms(object, name, angular ? kNotMeasured : value, angular ? value : kNotMeasured);
-}
-
-void setFigures(Json& object, const ResidualFigures& f, bool heldOut) {
-  setRms(object, "rms", f.rms, f.rmsAngular);
-  if (heldOut) setRms(object, "held_out_rms", f.heldOutRms, f.heldOutRmsAngular);
-}
-
-void setPair(Json& object, const std::string& name, double before, double after, bool angular) {
-  const double unit = angular ? kArcsecond : kMicrometre;
-  const Json pair = Json::array({number(before / unit), number(after / unit)});
-  object[name + "_um"] = angular ? Json(nullptr) : pair;
-  if (angular) object[name + "_arcsec"] = pair;
-}
-
-Json whereJson(const std::vector<WhereItFails>& where) {
-  Json list = Json::array();
-  for (const WhereItFails& w : where) {
-    Json one;
-    one["variable"] = w.variable;
-    one["share"] = number(w.share);
-    one["p_value"] = number(w.pValue);
-    one["share_beside"] = number(w.shareBeside);
-    one["p_value_beside"] = number(w.pBeside);
-    list.push_back(std::move(one));
-  }
-  return list;
+Json sessionNotes(const Session& session, const std::vector<Doubt>& questions) {
+  const auto assumed = [](const AssumedInput& a) -> Json {
+    return {{"input", "direction of travel of " + a.joint},
+            {"joint", a.joint},
+            {"how", a.how},
+            {"share", a.share}};
+  };
+  const auto setAside = [&](const SetAside& a) -> Json {
+    const bool known = a.row > 0;
+    return {{"row", orNull(known, a.row)},
+            {"where", known ? Json(session.rowText(a.row, a.recording)) : Json()},
+            {"field", a.field},
+            {"value", a.value},
+            {"why", a.why}};
+  };
+  const auto question = [](const Doubt& d) -> Json {
+    return {
+        {"question", d.question}, {"before_um", d.before / kMicrometre}, {"after_um", d.after / kMicrometre}};
+  };
+  return {{"assumed", jsonList(session.assumed, assumed)},
+          {"set_aside", jsonList(session.setAside, setAside)},
+          {"questions", jsonList(questions, question)}};
 }
 
 Json ledgerJson(const std::vector<LedgerEntry>& ledger, bool angular) {
-  Json out = Json::array();
-  for (const LedgerEntry& e : ledger) {
-    Json one;
-    one["action"] = e.action;
-    one["effect"] = e.effect.type.empty() ? Json(nullptr) : effectJson(e.effect);
-    one["in_words"] = e.effect.type.empty() ? "" : inWords(e.effect);
-    one["time"] = e.time;
-    setPair(one, "rms", e.rmsBefore, e.rmsAfter, angular);
-    setPair(one, "held_out_rms", e.heldOutBefore, e.heldOutAfter, angular);
-    one["calibration"] = e.calibration;
-    if (!e.sessions.empty()) one["sessions"] = e.sessions;
-    out.push_back(std::move(one));
-  }
-  return out;
-}
-
-std::string dump(const Json& object) {
-  // text that is not UTF-8 (a name from a foreign file) is replaced, never thrown over
-  return object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  return jsonList(ledger, [&](const LedgerEntry& e) {
+    const bool ofEffect = !e.effect.type.empty();
+    return jsonObject({{{"action", e.action},
+                        {"effect", orNull(ofEffect, effectJson(e.effect))},
+                        {"in_words", ofEffect ? inWords(e.effect) : ""},
+                        {"time", e.time}},
+                       beforeAndAfter(angular, "rms", e.rmsBefore, e.rmsAfter),
+                       beforeAndAfter(angular, "held_out_rms", e.heldOutBefore, e.heldOutAfter),
+                       {{"calibration", e.calibration}},
+                       entryIf(!e.sessions.empty(), "sessions", e.sessions)});
+  });
 }
 
 }  // namespace mm

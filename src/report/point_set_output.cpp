@@ -3,6 +3,7 @@
 
 #include "base/units.h"
 #include "design/point_set.h"
+#include "machine/joint_units.h"
 #include "report/json_parts.h"
 #include "report/quantiles.h"
 #include "report/text_parts.h"
@@ -10,8 +11,6 @@
 
 namespace mm {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string featuresText(const PointSet& set) {
   if (set.features.empty()) return {};
@@ -140,6 +139,69 @@ std::string separationsText(const PointSet& set) {
   return (told.empty() ? "" : "\nTold apart\n" + told) + (open.empty() ? "" : "\nNot told apart\n" + open);
 }
 
+Json coverageJson(const FeatureCoverage& f) {
+  return jsonObject(
+      {{{"name", f.name}, {"kind", f.ball ? "ball" : "point"}, {"contacts", f.contacts}},
+       entryIf(f.lengths > 0, "lengths", f.lengths),
+       {{"cone_half_angle_deg", f.coneHalfAngle / kDegree}, {"centre_std_per_noise", f.centrePerNoise}}});
+}
+
+Json jointCoverageJson(const JointCoverage& j) {
+  const std::string unit = j.rotary ? "deg" : "mm";
+  const double factor = j.rotary ? kDegree : kMillimetre;
+  return {{"name", j.name},
+          {"lower_" + unit, j.lower / factor},
+          {"upper_" + unit, j.upper / factor},
+          {"positions", orNull(j.positions > 0, j.positions)},
+          {"travel", {{"up", j.up}, {"down", j.down}, {"unknown", j.unknown}}},
+          {"slowest_" + unit + "_s", j.slowest / factor},
+          {"fastest_" + unit + "_s", j.fastest / factor},
+          {"correlation_with_time", j.withTime}};
+}
+
+Json inputCoverageJson(const InputCoverage& i) {
+  return {{"name", i.name},   {"unit", i.unit},       {"lower", i.lower},
+          {"upper", i.upper}, {"missing", i.missing}, {"correlation_with_time", i.withTime}};
+}
+
+/// What the model's parameters are determined to.
+Json determinedJson(const PointSet& set) {
+  const auto weak = [](const WeakParameter& w) -> Json {
+    return {{"name", w.name}, {"std", w.std}, {"unit", w.unit}};
+  };
+  return {{"identifiability", identifiabilityJson(*set.problem, set.identifiability, set.problem->start())},
+          {"weak", jsonList(set.weak, weak)}};
+}
+
+Json postureJson(const ProposedPosture& p, const std::vector<Joint>& joints) {
+  Json one{{"feature", p.feature}};
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const JointUnit unit = readingUnit(joints[j]);
+    one[joints[j].name + "_" + unit.symbol] = p.position[j] / unit.factor;
+  }
+  if (std::isfinite(p.laserReading)) one["reading_mm"] = p.laserReading / kMillimetre;
+  return one;
+}
+
+/// The postures that would help, and what the parameters would be determined to with them.
+Json adviceJson(const PointSet& set) {
+  const std::vector<Joint>& joints = set.problem->session().machine.joints();
+  const auto posture = [&](const ProposedPosture& p) { return postureJson(p, joints); };
+  const auto gain = [](const PostureAdvice::Gain& g) -> Json {
+    return {{"name", g.parameter}, {"std_before", g.before}, {"std_after", g.after}, {"unit", g.unit}};
+  };
+  return {{"proposed_postures", jsonList(set.advice.postures, posture)},
+          {"with_them", jsonList(set.advice.gains, gain)}};
+}
+
+Json separationJson(const Separation& s) {
+  return {{"what", s.what}, {"told", s.told}, {"needs", s.told ? "" : s.needs}};
+}
+
+Json cannotBeShownJson(const CannotBeShown& c) {
+  return {{"effect", effectJson(c.effect)}, {"why", c.why}, {"moves", c.moves}};
+}
+
 }  // namespace
 
 std::string pointSetText(const PointSet& set) {
@@ -158,92 +220,24 @@ std::string pointSetText(const PointSet& set) {
          doubtsText(set) + modelText(set) + adviceText(set) + hiddenText(set);
 }
 
-std::string pointSetJson(const PointSet& set) {
-  Json object;
-  object["observations"] = set.contacts + set.references;
-  object["contacts"] = set.contacts;
-  object["references"] = set.references;
-  object["duration_s"] = number(set.duration);
-  object["noise_um"] = number(set.noise / kMicrometre);
-  object["noise_from"] = set.noiseDeclared ? "declared" : "assumed";
-  object["features"] = Json::array();
-  for (const FeatureCoverage& f : set.features) {
-    Json one;
-    one["name"] = f.name;
-    one["kind"] = f.ball ? "ball" : "point";
-    one["contacts"] = f.contacts;
-    if (f.lengths > 0) one["lengths"] = f.lengths;
-    one["cone_half_angle_deg"] = number(f.coneHalfAngle / kDegree);
-    one["centre_std_per_noise"] = number(f.centrePerNoise);
-    object["features"].push_back(std::move(one));
-  }
-  object["joints"] = Json::array();
-  for (const JointCoverage& j : set.joints) {
-    const std::string unit = j.rotary ? "deg" : "mm";
-    const double factor = j.rotary ? kDegree : kMillimetre;
-    Json one;
-    one["name"] = j.name;
-    one["lower_" + unit] = number(j.lower / factor);
-    one["upper_" + unit] = number(j.upper / factor);
-    one["positions"] = j.positions > 0 ? Json(j.positions) : Json(nullptr);
-    one["travel"] = Json{{"up", j.up}, {"down", j.down}, {"unknown", j.unknown}};
-    one["slowest_" + unit + "_s"] = number(j.slowest / factor);
-    one["fastest_" + unit + "_s"] = number(j.fastest / factor);
-    one["correlation_with_time"] = number(j.withTime);
-    object["joints"].push_back(std::move(one));
-  }
-  object["logged"] = Json::array();
-  for (const InputCoverage& i : set.inputs) {
-    Json one;
-    one["name"] = i.name;
-    one["unit"] = i.unit;
-    one["lower"] = number(i.lower);
-    one["upper"] = number(i.upper);
-    one["missing"] = i.missing;
-    one["correlation_with_time"] = number(i.withTime);
-    object["logged"].push_back(std::move(one));
-  }
-  if (set.hasModel) {
-    object["identifiability"] = identifiabilityJson(*set.problem, set.identifiability, set.problem->start());
-    object["weak"] = Json::array();
-    for (const WeakParameter& w : set.weak)
-      object["weak"].push_back(Json{{"name", w.name}, {"std", number(w.std)}, {"unit", w.unit}});
-  }
-  object["doubts"] = set.doubts;
-  setSessionNotes(object, set.problem->session(), set.questions);
-  if (set.hasModel) {
-    object["proposed_postures"] = Json::array();
-    const auto& joints = set.problem->session().machine.joints();
-    for (const ProposedPosture& p : set.advice.postures) {
-      Json one;
-      one["feature"] = p.feature;
-      for (std::size_t j = 0; j < joints.size(); ++j) {
-        const bool rotary = joints[j].kind == JointKind::kRotary;
-        one[joints[j].name + (rotary ? "_deg" : "_mm")] =
-            number(p.position[j] / (rotary ? kDegree : kMillimetre));
-      }
-      if (std::isfinite(p.laserReading)) one["reading_mm"] = number(p.laserReading / kMillimetre);
-      object["proposed_postures"].push_back(std::move(one));
-    }
-    object["with_them"] = Json::array();
-    for (const PostureAdvice::Gain& g : set.advice.gains)
-      object["with_them"].push_back(Json{{"name", g.parameter},
-                                         {"std_before", number(g.before)},
-                                         {"std_after", number(g.after)},
-                                         {"unit", g.unit}});
-  }
-  object["separates"] = Json::array();
-  for (const Separation& s : set.separations)
-    object["separates"].push_back(Json{{"what", s.what}, {"told", s.told}, {"needs", s.told ? "" : s.needs}});
-  object["cannot_show"] = Json::array();
-  for (const CannotBeShown& c : set.cannotShow) {
-    Json one;
-    one["effect"] = effectJson(c.effect);
-    one["why"] = c.why;
-    one["moves"] = c.moves;
-    object["cannot_show"].push_back(std::move(one));
-  }
-  return dump(object);
+Json pointSetObject(const PointSet& set) {
+  return jsonObject({{{"observations", set.contacts + set.references},
+                      {"contacts", set.contacts},
+                      {"references", set.references},
+                      {"duration_s", set.duration},
+                      {"noise_um", set.noise / kMicrometre},
+                      {"noise_from", set.noiseDeclared ? "declared" : "assumed"},
+                      {"features", jsonList(set.features, coverageJson)},
+                      {"joints", jsonList(set.joints, jointCoverageJson)},
+                      {"logged", jsonList(set.inputs, inputCoverageJson)}},
+                     set.hasModel ? determinedJson(set) : Json(),
+                     {{"doubts", set.doubts}},
+                     sessionNotes(set.problem->session(), set.questions),
+                     set.hasModel ? adviceJson(set) : Json(),
+                     {{"separates", jsonList(set.separations, separationJson)},
+                      {"cannot_show", jsonList(set.cannotShow, cannotBeShownJson)}}});
 }
+
+std::string pointSetJson(const PointSet& set) { return jsonText(pointSetObject(set)); }
 
 }  // namespace mm

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/format.h"
@@ -17,42 +16,33 @@
 namespace mm {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kMonth = 30.0;  // days
 
 Json trendObject(const ParameterTrend& t) {
-  Json points = Json::array();
-  for (const ParameterPoint& p : t.points)
-    points.push_back({{"id", p.id},
-                      {"created", p.created},
-                      {"measured", p.measured},
-                      {"value", number(p.value)},
-                      {"k2", number(2.0 * p.std)},
-                      {"comparable", p.comparable}});
+  const auto point = [](const ParameterPoint& p) -> Json {
+    return {{"id", p.id},       {"created", p.created}, {"measured", p.measured},
+            {"value", p.value}, {"k2", 2.0 * p.std},    {"comparable", p.comparable}};
+  };
   return {{"effect", effectJson(t.effect)},
           {"effect_in_words", inWords(t.effect)},
           {"name", t.name},
           {"unit", t.unit},
-          {"points", points},
-          {"change", number(t.change)},
-          {"change_k2", number(2.0 * t.changeStd)},
-          {"per_30_days", number(kMonth * t.slope)},
-          {"per_30_days_k2", number(2.0 * kMonth * t.slopeStd)},
-          {"p_value", number(t.pValue)},
+          {"points", jsonList(t.points, point)},
+          {"change", t.change},
+          {"change_k2", 2.0 * t.changeStd},
+          {"per_30_days", kMonth * t.slope},
+          {"per_30_days_k2", 2.0 * kMonth * t.slopeStd},
+          {"p_value", t.pValue},
           {"significant", t.significant},
           {"in_words", t.inWords}};
 }
 
 Json trendObjects(const std::vector<ParameterTrend>& trends, const std::string& store,
                   const std::vector<std::string>& left) {
-  Json object;
-  object["store"] = store;
-  object["in_words"] = trendSentence(trends);
-  object["trends"] = Json::array();
-  for (const ParameterTrend& t : trends) object["trends"].push_back(trendObject(t));
-  object["left_out"] = left;
-  return object;
+  return {{"store", store},
+          {"in_words", trendSentence(trends)},
+          {"trends", jsonList(trends, trendObject)},
+          {"left_out", left}};
 }
 
 /// Significant ones first, the most certain at the top.
@@ -95,7 +85,7 @@ std::string trendSentence(const std::vector<ParameterTrend>& trends) {
 
 std::string trendJson(const std::vector<ParameterTrend>& trends, const std::string& store,
                       const std::vector<std::string>& left) {
-  return dump(trendObjects(trends, store, left));
+  return jsonText(trendObjects(trends, store, left));
 }
 
 std::string trendText(const std::vector<ParameterTrend>& trends) {
@@ -124,43 +114,38 @@ std::string trendPage(const std::vector<ParameterTrend>& trends, const std::stri
                                  {"{{style}}", files.css},
                                  {"{{sentence}}", escapedHtml(trendSentence(trends))},
                                  {"{{command}}", "mm history --trend"},
-                                 {"{{data}}", escapedForScript(dump(data))},
+                                 {"{{data}}", escapedForScript(jsonText(data))},
                                  {"{{plotly}}", files.plotly},
                                  {"{{script}}", webFile("text_parts.js") + webFile("report_parts.js") +
                                                     webFile("report_plots.js") + webFile("trend.js")}});
 }
 
 std::string changesJson(const CalibrationChanges& c) {
-  Json object;
-  object["before"] = c.before;
-  object["after"] = c.after;
-  object["in_words"] = c.inWords;
-  object["same_session"] = c.sameSession;
-  object["tip"] = {{"rms_um", number(c.rms / kMicrometre)},
-                   {"largest_um", number(c.largest / kMicrometre)},
-                   {"by_chance_um", number(c.byChance / kMicrometre)}};
-  object["parameters"] = Json::array();
-  for (const ParameterChange& p : c.parameters)
-    object["parameters"].push_back({{"effect", effectJson(p.effect)},
-                                    {"name", p.name},
-                                    {"unit", p.unit},
-                                    {"before", number(p.before)},
-                                    {"before_k2", number(2.0 * p.beforeStd)},
-                                    {"after", number(p.after)},
-                                    {"after_k2", number(2.0 * p.afterStd)},
-                                    {"change", number(p.change)},
-                                    {"k2", number(2.0 * p.std)},
-                                    {"p_value", number(p.pValue)},
-                                    {"significant", p.significant},
-                                    {"comparable", p.comparable}});
-  const auto effects = [](const std::vector<EffectSpec>& list) {
-    Json out = Json::array();
-    for (const EffectSpec& effect : list) out.push_back(effectJson(effect));
-    return out;
+  const auto parameter = [](const ParameterChange& p) -> Json {
+    return {{"effect", effectJson(p.effect)},
+            {"name", p.name},
+            {"unit", p.unit},
+            {"before", p.before},
+            {"before_k2", 2.0 * p.beforeStd},
+            {"after", p.after},
+            {"after_k2", 2.0 * p.afterStd},
+            {"change", p.change},
+            {"k2", 2.0 * p.std},
+            {"p_value", p.pValue},
+            {"significant", p.significant},
+            {"comparable", p.comparable}};
   };
-  object["only_before"] = effects(c.onlyBefore);
-  object["only_after"] = effects(c.onlyAfter);
-  return dump(object);
+  return jsonText({{"before", c.before},
+                   {"after", c.after},
+                   {"in_words", c.inWords},
+                   {"same_session", c.sameSession},
+                   {"tip",
+                    {{"rms_um", c.rms / kMicrometre},
+                     {"largest_um", c.largest / kMicrometre},
+                     {"by_chance_um", c.byChance / kMicrometre}}},
+                   {"parameters", jsonList(c.parameters, parameter)},
+                   {"only_before", jsonList(c.onlyBefore, effectJson)},
+                   {"only_after", jsonList(c.onlyAfter, effectJson)}});
 }
 
 std::string changesText(const CalibrationChanges& c) {

@@ -10,42 +10,33 @@
 namespace mm {
 namespace {
 
-using ResultJson = nlohmann::ordered_json;
+Json intervalJson(double lower, double upper) { return {lower / kMillimetre, upper / kMillimetre}; }
 
-ResultJson pairJson(double lower, double upper) {
-  return ResultJson::array({number(lower / kMillimetre), number(upper / kMillimetre)});
+Json quantityFigures(const QuantityUncertainty& q) {
+  const auto share = [](const UncertaintyShare& s) -> Json {
+    return {{"source", s.source}, {"share", s.share}, {"std_um", s.std / kMicrometre}};
+  };
+  return {{"nominal_mm", q.quantity.nominal / kMillimetre},
+          {"mean_mm", q.mean / kMillimetre},
+          {"std_um", q.std / kMicrometre},
+          {"k2_um", 2.0 * q.std / kMicrometre},
+          {"interval_mm", intervalJson(q.lower, q.upper)},
+          {"budget", jsonList(q.budget, share)}};
 }
 
-ResultJson budgetJson(const std::vector<UncertaintyShare>& budget) {
-  ResultJson out = ResultJson::array();
-  for (const UncertaintyShare& s : budget)
-    out.push_back(
-        {{"source", s.source}, {"share", number(s.share)}, {"std_um", number(s.std / kMicrometre)}});
-  return out;
-}
-
-void addFigures(const QuantityUncertainty& q, ResultJson& out) {
-  out["nominal_mm"] = number(q.quantity.nominal / kMillimetre);
-  out["mean_mm"] = number(q.mean / kMillimetre);
-  out["std_um"] = number(q.std / kMicrometre);
-  out["k2_um"] = number(2.0 * q.std / kMicrometre);
-  out["interval_mm"] = pairJson(q.lower, q.upper);
-  out["budget"] = budgetJson(q.budget);
-}
-
-ResultJson verdictJson(const TaskVerdict& v) {
+Json verdictJson(const TaskVerdict& v) {
   std::string word = nameOf(v.conformity);
   std::replace(word.begin(), word.end(), ' ', '_');
-  return {{"of", v.of},
-          {"verdict", word},
-          {"value_mm", number(v.value / kMillimetre)},
-          {"std_um", number(v.std / kMicrometre)},
-          {"limits_mm", pairJson(v.limits.lower, v.limits.upper)},
-          {"acceptance_mm",
-           v.acceptance.exists ? pairJson(v.acceptance.lower, v.acceptance.upper) : ResultJson()},
-          {"probability", number(v.probability)},
-          {"rule", "ISO 14253-1:2017, 95 %"},
-          {"in_words", v.inWords}};
+  return {
+      {"of", v.of},
+      {"verdict", word},
+      {"value_mm", v.value / kMillimetre},
+      {"std_um", v.std / kMicrometre},
+      {"limits_mm", intervalJson(v.limits.lower, v.limits.upper)},
+      {"acceptance_mm", orNull(v.acceptance.exists, intervalJson(v.acceptance.lower, v.acceptance.upper))},
+      {"probability", v.probability},
+      {"rule", "ISO 14253-1:2017, 95 %"},
+      {"in_words", v.inWords}};
 }
 
 std::string figureLine(const QuantityUncertainty& q) {
@@ -83,33 +74,29 @@ std::string figureOf(const QuantityUncertainty& q) {
 
 std::string uncertaintyJson(const TaskUncertainty& result, const std::vector<TaskVerdict>& verdicts,
                             const Calibration& calibration) {
-  ResultJson out;
   const QuantityUncertainty& headline = result.quantities[result.headline];
-  out["task"] = result.task;
-  out["quantity"] = headline.quantity.name;
-  addFigures(headline, out);
-  out["calibration_id"] = calibration.id;
-  out["seed"] = result.seed;
-  out["trials"] = result.trials;
-  out["digits"] = result.digits > 0 ? ResultJson(result.digits) : ResultJson();
-  out["stable"] = result.stable;
-  out["valid"] = result.outside.empty();
-  out["reasons"] = result.outside;
-  out["notes"] = result.notes;
-  out["quantities"] = ResultJson::array();
-  for (const QuantityUncertainty& q : result.quantities) {
-    ResultJson one;
-    one["name"] = q.quantity.name;
-    addFigures(q, one);
-    out["quantities"].push_back(std::move(one));
-  }
-  if (const std::vector<TestLength> lengths = testLengthsOf(result); lengths.size() > 1) {
+  const auto quantity = [](const QuantityUncertainty& q) {
+    return jsonObject({{{"name", q.quantity.name}}, quantityFigures(q)});
+  };
+  const std::vector<TestLength> lengths = testLengthsOf(result);
+  Json permissible;
+  if (lengths.size() > 1) {
     const PermissibleError least = permissibleFor(lengths);
-    out["permissible"] = {{"a_um", number(least.a)}, {"k", number(least.k)}, {"in_words", least.inWords()}};
+    permissible = {{"permissible", {{"a_um", least.a}, {"k", least.k}, {"in_words", least.inWords()}}}};
   }
-  out["decisions"] = ResultJson::array();
-  for (const TaskVerdict& v : verdicts) out["decisions"].push_back(verdictJson(v));
-  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  return jsonText(jsonObject({{{"task", result.task}, {"quantity", headline.quantity.name}},
+                              quantityFigures(headline),
+                              {{"calibration_id", calibration.id},
+                               {"seed", result.seed},
+                               {"trials", result.trials},
+                               {"digits", orNull(result.digits > 0, result.digits)},
+                               {"stable", result.stable},
+                               {"valid", result.outside.empty()},
+                               {"reasons", result.outside},
+                               {"notes", result.notes},
+                               {"quantities", jsonList(result.quantities, quantity)}},
+                              permissible,
+                              {{"decisions", jsonList(verdicts, verdictJson)}}}));
 }
 
 std::string uncertaintyText(const TaskUncertainty& result, const std::vector<TaskVerdict>& verdicts) {

@@ -1,6 +1,5 @@
 #include "report/verify_json.h"
 
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/format.h"
@@ -12,16 +11,20 @@
 namespace mm {
 namespace {
 
-using Json = nlohmann::ordered_json;
+double perUnit(const Verification& v) { return 1.0 / unitOf(v.angular); }
 
-double perUnit(const Verification& v) { return 1.0 / (v.angular ? kArcsecond : kMicrometre); }
+/// `<name>_um`, or `<name>_arcsec`.
+std::string inUnit(const std::string& name, const Verification& v) {
+  return name + "_" + nameOfUnit(v.angular);
+}
 
-Json shareJson(Json object, const RemainingShare& share, const Verification& v) {
-  object[v.angular ? "size_arcsec" : "size_um"] = number(share.size * perUnit(v));
-  object["remaining"] = number(share.remaining);
-  object["k2"] = number(2.0 * share.std);
-  object["in_words"] = share.inWords;
-  return object;
+/// @param of an object that says of what it is.
+Json shareJson(const Json& of, const RemainingShare& share, const Verification& v) {
+  return jsonObject({of,
+                     {{inUnit("size", v), share.size * perUnit(v)},
+                      {"remaining", share.remaining},
+                      {"k2", 2.0 * share.std},
+                      {"in_words", share.inWords}}});
 }
 
 /// How the external offsets of an export are loaded; null where it has none.
@@ -46,19 +49,18 @@ Json offsetsJson(const Verification& v) {
 }
 
 Json changedJson(const ChangedEffect& changed) {
-  Json parameters = Json::array();
-  for (const ChangedEffect::Parameter& p : changed.parameters)
-    parameters.push_back(
-        {{"name", p.name}, {"change", number(p.change)}, {"k2", number(2.0 * p.std)}, {"unit", p.unit}});
+  const auto parameter = [](const ChangedEffect::Parameter& p) -> Json {
+    return {{"name", p.name}, {"change", p.change}, {"k2", 2.0 * p.std}, {"unit", p.unit}};
+  };
   return {{"effect", effectJson(changed.effect)},
-          {"parameters", parameters},
-          {"p_value", number(changed.pValue)}};
+          {"parameters", jsonList(changed.parameters, parameter)},
+          {"p_value", changed.pValue}};
 }
 
 std::string shareLine(const std::string& name, const RemainingShare& share, const Verification& v) {
   return format(
       "  %-44s %10s %-7s %s\n", name.c_str(), shortNumber(share.size * perUnit(v)).c_str(),
-      v.angular ? "arcsec" : "um",
+      nameOfUnit(v.angular).c_str(),
       (share.std < 0.25 ? expanded(100.0 * share.remaining, 100.0 * share.std, "%") + ", " + share.inWords
                         : share.inWords)
           .c_str());
@@ -67,50 +69,42 @@ std::string shareLine(const std::string& name, const RemainingShare& share, cons
 }  // namespace
 
 std::string verifyJson(const Verification& v) {
-  Json object;
-  object["verdict"] = nameOf(v.verdict);
   const double unit = perUnit(v);
-  const Json figures = {number(v.before.rms * unit), number(v.after.rms * unit)};
-  object["rms_um"] = v.angular ? Json(nullptr) : figures;
-  if (v.angular) object["rms_arcsec"] = figures;
-  object["in_words"] = v.inWords;
-  object[v.angular ? "k2_arcsec" : "k2_um"] = {number(2.0 * v.before.std * unit),
-                                               number(2.0 * v.after.std * unit)};
-  object["finding"] = v.finding;
-  object["drifted"] = v.drifted;
-  object["loaded"] = v.loaded;
-  object["export"] = v.target.empty() ? Json(nullptr) : Json(v.target);
-  object[v.angular ? "not_carried_arcsec" : "not_carried_um"] =
-      v.target.empty() ? Json(nullptr) : number(v.notCarried * unit);
-  object[v.angular ? "unforeseen_arcsec" : "unforeseen_um"] = number(v.unforeseen * unit);
-  object[v.angular ? "calibrated_arcsec" : "calibrated_um"] =
-      v.calibratedRms > 0.0 ? number(v.calibratedRms * unit) : Json(nullptr);
-  object["more_left_p_value"] = number(v.moreLeftPValue);
-  object["points"] = v.observations;
-  object[v.angular ? "noise_arcsec" : "noise_um"] = number(v.noise * unit);
-  object["axes"] = Json::array();
-  for (const RemainingOfAxis& axis : v.axes)
-    object["axes"].push_back(shareJson({{"axis", axis.axis}}, axis, v));
-  object["external_offsets"] = offsetsJson(v);
-  object["crossed"] = Json::array();
-  for (const CrossedShare& c : v.crossed)
-    object["crossed"].push_back(
-        {{"of", c.of}, {"on", c.on}, {"share", number(c.share)}, {"k2", number(2.0 * c.std)}});
-  object["effects"] = Json::array();
-  for (const RemainingOfEffect& e : v.effects)
-    object["effects"].push_back(
-        shareJson({{"effect", effectJson(e.effect)}, {"not_carried", number(e.notCarried)}}, e, v));
-  object["changed"] = Json::array();
-  for (const ChangedEffect& c : v.changed) object["changed"].push_back(changedJson(c));
-  object["unexplained_p_value"] = number(v.unexplainedPValue);
-  object["not_excluded"] = Json::array();
-  for (const VerifyRival& rival : v.rivals)
-    object["not_excluded"].push_back({{"in_words", rival.inWords}, {"odds", number(rival.odds)}});
-  object["outliers"] = Json::array();
-  for (const Outlier& o : v.outliers)
-    object["outliers"].push_back(
-        {{"row", o.row}, {v.angular ? "residual_arcsec" : "residual_um", number(o.residual * unit)}});
-  return dump(object);
+  const bool exported = !v.target.empty();
+  const auto axis = [&](const RemainingOfAxis& a) { return shareJson({{"axis", a.axis}}, a, v); };
+  const auto crossed = [](const CrossedShare& c) -> Json {
+    return {{"of", c.of}, {"on", c.on}, {"share", c.share}, {"k2", 2.0 * c.std}};
+  };
+  const auto effect = [&](const RemainingOfEffect& e) {
+    return shareJson({{"effect", effectJson(e.effect)}, {"not_carried", e.notCarried}}, e, v);
+  };
+  const auto rival = [](const VerifyRival& r) -> Json { return {{"in_words", r.inWords}, {"odds", r.odds}}; };
+  const auto outlier = [&](const Outlier& o) -> Json {
+    return {{"row", o.row}, {inUnit("residual", v), o.residual * unit}};
+  };
+  return jsonText(
+      jsonObject({{{"verdict", nameOf(v.verdict)}},
+                  underUnit(v.angular, "rms", {v.before.rms * unit, v.after.rms * unit}),
+                  {{"in_words", v.inWords},
+                   {inUnit("k2", v), {2.0 * v.before.std * unit, 2.0 * v.after.std * unit}},
+                   {"finding", v.finding},
+                   {"drifted", v.drifted},
+                   {"loaded", v.loaded},
+                   {"export", orNull(exported, v.target)},
+                   {inUnit("not_carried", v), orNull(exported, v.notCarried * unit)},
+                   {inUnit("unforeseen", v), v.unforeseen * unit},
+                   {inUnit("calibrated", v), orNull(v.calibratedRms > 0.0, v.calibratedRms * unit)},
+                   {"more_left_p_value", v.moreLeftPValue},
+                   {"points", v.observations},
+                   {inUnit("noise", v), v.noise * unit},
+                   {"axes", jsonList(v.axes, axis)},
+                   {"external_offsets", offsetsJson(v)},
+                   {"crossed", jsonList(v.crossed, crossed)},
+                   {"effects", jsonList(v.effects, effect)},
+                   {"changed", jsonList(v.changed, changedJson)},
+                   {"unexplained_p_value", v.unexplainedPValue},
+                   {"not_excluded", jsonList(v.rivals, rival)},
+                   {"outliers", jsonList(v.outliers, outlier)}}}));
 }
 
 std::string verifyText(const Verification& v) {

@@ -179,11 +179,7 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   const bool pdf = endsWith(lower(c.output), ".pdf"), html = endsWith(lower(c.output), ".html");
   if (!pdf && !html)
     throw InputError("-o " + c.output + ": a certificate is .pdf or .html; name a file that ends so");
-  const std::string browser = pdf ? findBrowser() : std::string();
-  if (pdf && browser.empty())
-    throw InputError("-o " + c.output +
-                     ": no chromium on the path prints a PDF; install it (apt install chromium), or "
-                     "write a page (-o certificate.html) and print it from any browser");
+  if (pdf) requirePdfPrinter();
   Certificate certificate;
   certificate.calibration = loadCalibration(c.calibration);
   const Calibration& calibration = certificate.calibration;
@@ -196,7 +192,7 @@ void runCertificate(CertificateCommand& c, int& exitStatus) {
   certificate.tasks = certifiedTasks(c, calibration);
   certificate.curves = correctionCurves(calibration);
   std::string content = certificatePage(certificate);
-  if (pdf) content = printedPdf(browser, content);
+  if (pdf) content = printedPdf(content);
   content = sealedCertificate(content, {calibration.id, certificate.checksum, calibration.sessionHash, {}});
   c.files.write(c.output, content);
   std::cout << "written to " << c.output << "\nSHA-256 " << checkCertificate(content, c.output).sha256

@@ -17,28 +17,32 @@ struct EffectsOptions {
   bool json = false;
 };
 
-using nlohmann::ordered_json;
+Json keyJson(const CatalogueKey& k) {
+  const bool number = k.use.kind == KeyUse::Kind::kNumber || k.use.kind == KeyUse::Kind::kInteger;
+  const bool standard = k.use.absent && !k.use.absent->empty();
+  return jsonObject({{{"key", k.use.key}, {"required", k.required}},
+                     entryIf(k.known, "takes", takesInWords(k.use)),
+                     number ? Json{{"lower", k.use.lower}, {"upper", k.use.upper}} : Json(),
+                     entryIf(!k.use.words.empty(), "words", k.use.words),
+                     entryIf(standard, "default", k.use.absent.value_or("")),
+                     entryIf(!k.onlyAt.empty(), "only_at", k.onlyAt)});
+}
 
-ordered_json toJson(const CatalogueEntry& e) {
-  ordered_json keys = ordered_json::array(), parameters = ordered_json::array();
-  for (const CatalogueKey& k : e.keys) {
-    ordered_json key{{"key", k.use.key}, {"required", k.required}};
-    if (k.known) key["takes"] = takesInWords(k.use);
-    if (k.use.kind == KeyUse::Kind::kNumber || k.use.kind == KeyUse::Kind::kInteger)
-      key.update({{"lower", k.use.lower}, {"upper", k.use.upper}});
-    if (!k.use.words.empty()) key["words"] = k.use.words;
-    if (k.use.absent && !k.use.absent->empty()) key["default"] = *k.use.absent;
-    if (!k.onlyAt.empty()) key["only_at"] = k.onlyAt;
-    keys.push_back(key);
-  }
-  for (const CatalogueParameter& p : e.parameters) {
-    ordered_json parameter{{"name", p.name}, {"unit", p.unit.empty() ? p.rotaryUnit : p.unit}};
-    if (!p.rotaryUnit.empty()) parameter["unit_rotary"] = p.rotaryUnit;
-    parameters.push_back(parameter);
-  }
-  return {{"type", e.type},        {"composite", e.composite}, {"example", e.example},
-          {"keys", keys},          {"parameters", parameters}, {"needs", e.needs},
-          {"shown_by", e.shownBy}, {"cause", e.cause},         {"remedy", e.remedy}};
+Json parameterJson(const CatalogueParameter& p) {
+  return jsonObject({{{"name", p.name}, {"unit", p.unit.empty() ? p.rotaryUnit : p.unit}},
+                     entryIf(!p.rotaryUnit.empty(), "unit_rotary", p.rotaryUnit)});
+}
+
+Json entryJson(const CatalogueEntry& e) {
+  return {{"type", e.type},
+          {"composite", e.composite},
+          {"example", e.example},
+          {"keys", jsonList(e.keys, keyJson)},
+          {"parameters", jsonList(e.parameters, parameterJson)},
+          {"needs", e.needs},
+          {"shown_by", e.shownBy},
+          {"cause", e.cause},
+          {"remedy", e.remedy}};
 }
 
 std::string unitOf(const CatalogueParameter& p) {
@@ -83,11 +87,7 @@ void runEffects(const EffectsOptions& options) {
       throw InputError("'" + options.type + "' is no effect of the catalogue" +
                        didYouMean(options.type, known) + " (mm effects lists them)");
   }
-  if (options.json) {
-    ordered_json list = ordered_json::array();
-    for (const CatalogueEntry& e : entries) list.push_back(toJson(e));
-    return printJson(std::cout, {{"effects", list}});
-  }
+  if (options.json) return printJson(std::cout, {{"effects", jsonList(entries, entryJson)}});
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (i > 0) std::cout << '\n';
     print(entries[i]);

@@ -63,20 +63,20 @@ void printHistory(const HistoryOptions& options) {
   const CalibrationStore store = options.store();
   const auto entries = store.history();
   if (!options.json) return printTable(store, entries);
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const auto& e : entries)
-    list.push_back({{"id", e.id},
-                    {"created", e.created},
-                    {"active", e.active},
-                    {"candidate", e.candidate},
-                    {"promotions", e.promotions},
-                    {"machine", e.machine},
-                    {"effects", e.effects},
-                    {"rms_um", e.rms * 1e6},
-                    {"held_out_rms_um", e.heldOutRms * 1e6},
-                    {"session", e.session},
-                    {"damaged", e.damaged}});
-  printJson(std::cout, {{"store", store.folder().string()}, {"calibrations", list}});
+  const auto entry = [](const CalibrationStore::Entry& e) -> Json {
+    return {{"id", e.id},
+            {"created", e.created},
+            {"active", e.active},
+            {"candidate", e.candidate},
+            {"promotions", e.promotions},
+            {"machine", e.machine},
+            {"effects", e.effects},
+            {"rms_um", e.rms * 1e6},
+            {"held_out_rms_um", e.heldOutRms * 1e6},
+            {"session", e.session},
+            {"damaged", e.damaged}};
+  };
+  printJson(std::cout, {{"store", store.folder().string()}, {"calibrations", jsonList(entries, entry)}});
 }
 
 /// An id of the store, "active" or "candidate", or a file.

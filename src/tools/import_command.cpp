@@ -31,43 +31,46 @@ struct ImportOptions {
   OutputFiles files;
 };
 
+Json told(const std::string& text) { return orNull(!text.empty(), text); }
+
+Json columnJson(const UnderstoodColumn& c) {
+  return {{"name", c.name},
+          {"meaning", told(c.meaning)},
+          {"unit", told(c.unit)},
+          {"unit_from", told(c.unit.empty() ? "" : c.from)},
+          {"range", orNull(!std::isnan(c.lower), std::vector<double>{c.lower, c.upper})},
+          {"first", told(c.first)}};
+}
+
+Json questionJson(const Doubt& d) {
+  return {{"question", d.question}, {"before_um", d.before * 1e6}, {"after_um", d.after * 1e6}};
+}
+
+Json sessionJson(const Session& session) {
+  const auto setAside = [&](const SetAside& a) { return setAsideText(session, a); };
+  return {{"observations", session.observations.size()},
+          {"assumed", told(assumedText(session))},
+          {"set_aside", jsonList(session.setAside, setAside)},
+          {"compensation", session.compensation.inWords()}};
+}
+
 /// What was understood as an object: the same that is printed for people, with the faults of a file that is
 /// refused.
-nlohmann::ordered_json importJson(const ImportOptions& options, const Imported& imported,
-                                  const std::vector<std::string>& faults,
-                                  const std::vector<Doubt>& questions) {
-  using Json = nlohmann::ordered_json;
-  const auto orNull = [](const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); };
-  Json object;
-  object["file"] = options.request.file.string();
-  object["format"] = orNull(imported.format);
-  object["how"] = imported.how;
-  object["columns"] = Json::array();
-  for (const UnderstoodColumn& c : imported.columns) {
-    const bool numbers = !std::isnan(c.lower);
-    object["columns"].push_back(Json{{"name", c.name},
-                                     {"meaning", orNull(c.meaning)},
-                                     {"unit", orNull(c.unit)},
-                                     {"unit_from", orNull(c.unit.empty() ? "" : c.from)},
-                                     {"range", numbers ? Json{c.lower, c.upper} : Json(nullptr)},
-                                     {"first", orNull(c.first)}});
-  }
-  object["remarks"] = imported.notes;
-  object["faults"] = faults;
-  object["questions"] = Json::array();
-  for (const Doubt& d : questions)
-    object["questions"].push_back(Json{{"question", d.question},
-                                       {"before_um", jsonMicrometres(d.before)},
-                                       {"after_um", jsonMicrometres(d.after)}});
-  object["observations"] = imported.session ? Json(imported.session->observations.size()) : Json(nullptr);
-  object["assumed"] = imported.session ? orNull(assumedText(*imported.session)) : Json(nullptr);
-  object["set_aside"] = Json::array();
-  if (imported.session)
-    for (const SetAside& a : imported.session->setAside)
-      object["set_aside"].push_back(setAsideText(*imported.session, a));
-  object["compensation"] = imported.session ? Json(imported.session->compensation.inWords()) : Json(nullptr);
-  object["written"] = faults.empty() ? Json(options.output) : Json(nullptr);
-  return object;
+Json importJson(const ImportOptions& options, const Imported& imported,
+                const std::vector<std::string>& faults, const std::vector<Doubt>& questions) {
+  const Json noSession{{"observations", nullptr},
+                       {"assumed", nullptr},
+                       {"set_aside", Json::array()},
+                       {"compensation", nullptr}};
+  return jsonObject({{{"file", options.request.file.string()},
+                      {"format", told(imported.format)},
+                      {"how", imported.how},
+                      {"columns", jsonList(imported.columns, columnJson)},
+                      {"remarks", imported.notes},
+                      {"faults", faults},
+                      {"questions", jsonList(questions, questionJson)}},
+                     imported.session ? sessionJson(*imported.session) : noSession,
+                     {{"written", orNull(faults.empty(), options.output)}}});
 }
 
 /// What was understood of a file that is refused, and each of its faults on a line. @throw InputError: the

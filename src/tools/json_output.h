@@ -1,15 +1,11 @@
 #pragma once
-#include <nlohmann/json.hpp>
 #include <ostream>
+
+#include "base/json_text.h"
 
 namespace mm {
 
-/// A number, or null where it is NaN or infinite. @param toUnit value for people = SI value * toUnit.
-nlohmann::json jsonNumber(double si, double toUnit = 1.0);
-inline nlohmann::json jsonMicrometres(double metres) { return jsonNumber(metres, 1e6); }
-
-/// Prints `value` and a line break; NaN and infinite numbers anywhere inside become null, and numbers read
-/// back to the bit.
-void printJson(std::ostream& out, const nlohmann::ordered_json& value);
+/// Prints an answer and a line break; numbers read back to the bit.
+inline void printJson(std::ostream& out, const Json& answer) { out << jsonText(answer) << '\n'; }
 
 }  // namespace mm

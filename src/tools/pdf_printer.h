@@ -3,13 +3,11 @@
 
 namespace mm {
 
-/// The first of chromium, chromium-browser, google-chrome and google-chrome-stable on the path, or what
-/// $MM_CHROMIUM names; empty: none.
-std::string findBrowser();
+/// @throw InputError: WeasyPrint, which prints a page on paper, is not on the path.
+void requirePdfPrinter();
 
-/// Prints a page on paper by a browser without a window. @param browser as findBrowser. @param html the page,
-/// one file. @return the bytes of the PDF. @throw InputError: it cannot be started, or printed nothing within
-/// two minutes; the message says what to do. Cancelled.
-std::string printedPdf(const std::string& browser, const std::string& html);
+/// Prints a page on paper. @param html the page, one file. @return the bytes of the PDF. @throw InputError:
+/// it cannot be printed; the message says what to do.
+std::string printedPdf(const std::string& html);
 
 }  // namespace mm

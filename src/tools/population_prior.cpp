@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "base/dense.h"
 #include "base/error.h"
@@ -192,19 +191,19 @@ Recalibration PriorOfSisters::join(Recalibration fitted, const Session& session,
   return done;
 }
 
-nlohmann::ordered_json PriorOfSisters::json() const {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Used& u : used_)
-    list.push_back({{"parameter", u.sisters.name + " of " + u.sisters.effect},
-                    {"mean", u.sisters.mean},
-                    {"std", u.sisters.std},
-                    {"unit", u.sisters.unit},
-                    {"machines", u.sisters.machines}});
+Json PriorOfSisters::json() const {
+  const auto used = [](const Used& u) -> Json {
+    return {{"parameter", u.sisters.name + " of " + u.sisters.effect},
+            {"mean", u.sisters.mean},
+            {"std", u.sisters.std},
+            {"unit", u.sisters.unit},
+            {"machines", u.sisters.machines}};
+  };
   return {{"folder", folder_},
           {"used", !contradicted_ && !used_.empty()},
           {"contradicted", contradicted_},
           {"chance", chance_},
-          {"parameters", list}};
+          {"parameters", jsonList(used_, used)}};
 }
 
 }  // namespace mm

@@ -1,8 +1,8 @@
 #pragma once
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "base/json_text.h"
 #include "fleet/prior.h"
 #include "workflow/recalibration.h"
 
@@ -23,7 +23,7 @@ class PriorOfSisters {
   /// parameter that the session holds at its convention stays there. Says on standard error what it did.
   /// @param fitted by the session alone. @throw InputError: the sisters have no parameter of this model.
   Recalibration join(Recalibration fitted, const Session& session, const CalibrateOptions& options);
-  nlohmann::ordered_json json() const;  ///< key "prior" of the result
+  Json json() const;  ///< key "prior" of the result
 
  private:
   struct Used {

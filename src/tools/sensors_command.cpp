@@ -22,8 +22,6 @@
 namespace mm {
 namespace {
 
-using nlohmann::ordered_json;
-
 struct SensorsOptions {
   std::string csv, target, picture, positions, space;
   int largest = 3, blocks = 10, gap = 0;
@@ -97,34 +95,31 @@ SelectionSettings settingsOf(const SensorsOptions& options, double micrometres) 
   return settings;
 }
 
-ordered_json toJson(const SensorSelection& selection, const SensorCandidates& candidates) {
-  const auto names = [&](const std::vector<int>& sensors) {
-    ordered_json list = ordered_json::array();
-    for (int s : sensors) list.push_back(candidates.names[static_cast<std::size_t>(s)]);
-    return list;
+Json selectionJson(const SensorSelection& selection, const SensorCandidates& candidates) {
+  const auto name = [&](int sensor) { return candidates.names[static_cast<std::size_t>(sensor)]; };
+  const auto names = [&](const std::vector<int>& sensors) { return jsonList(sensors, name); };
+  const auto single = [&](const SensorScore& s) -> Json {
+    return {{"sensor", name(s.sensor)},
+            {"mutual_information_nat", s.information},
+            {"correlation", s.correlation}};
   };
-  const auto setJson = [&](const SensorSet& set) {
-    return ordered_json{{"sensors", names(set.sensors)},
-                        {"mutual_information_nat", jsonNumber(set.information)},
-                        {"cv_rms_um", jsonNumber(set.heldOutRms, candidates.micrometres)},
-                        {"other_duties_rms_um", jsonNumber(set.dutyRms, candidates.micrometres)}};
+  const auto set = [&](const SensorSet& s) -> Json {
+    return {{"sensors", names(s.sensors)},
+            {"mutual_information_nat", s.information},
+            {"cv_rms_um", s.heldOutRms * candidates.micrometres},
+            {"other_duties_rms_um", s.dutyRms * candidates.micrometres}};
   };
-  ordered_json json{{"single", ordered_json::array()}, {"sets", ordered_json::array()}};
-  for (const SensorScore& s : selection.singles)
-    json["single"].push_back({{"sensor", candidates.names[static_cast<std::size_t>(s.sensor)]},
-                              {"mutual_information_nat", jsonNumber(s.information)},
-                              {"correlation", jsonNumber(s.correlation)}});
+  const auto together = [&](const auto& equivalent) -> Json {
+    return {{"sensor", name(equivalent.first)}, {"drift_together", names(equivalent.second)}};
+  };
   std::vector<SensorSet> sets = selection.sets;
   std::stable_sort(sets.begin(), sets.end(),
                    [](const SensorSet& a, const SensorSet& b) { return a.heldOutRms < b.heldOutRms; });
-  for (const SensorSet& set : sets) json["sets"].push_back(setJson(set));
-  json["recommended"] = names(selection.sets[selection.recommended].sensors);
-  json["equivalent"] = ordered_json::array();
-  for (const auto& [sensor, others] : selection.equivalent)
-    json["equivalent"].push_back(
-        {{"sensor", candidates.names[static_cast<std::size_t>(sensor)]}, {"drift_together", names(others)}});
-  json["left_out"] = names(selection.constant);
-  return json;
+  return {{"single", jsonList(selection.singles, single)},
+          {"sets", jsonList(sets, set)},
+          {"recommended", names(selection.sets[selection.recommended].sensors)},
+          {"equivalent", jsonList(selection.equivalent, together)},
+          {"left_out", names(selection.constant)}};
 }
 
 std::string joined(const std::vector<int>& sensors, const SensorCandidates& candidates,
@@ -196,7 +191,7 @@ void runSensors(SensorsOptions& options) {
     options.files.write(options.picture, sensorsPicture(selection, candidates.names, positions,
                                                         options.target, candidates.micrometres));
   if (options.json)
-    printJson(std::cout, toJson(selection, candidates));
+    printJson(std::cout, selectionJson(selection, candidates));
   else
     printText(selection, candidates, options.target);
 }

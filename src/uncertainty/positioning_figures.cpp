@@ -80,7 +80,52 @@ PositioningFigures figuresOf(const std::vector<PositioningTarget>& targets) {
   return f;
 }
 
+/// By the slope of each figure along each mean and each standard deviation: a largest value
+/// follows one of them, or each by half where some are as large.
+PositioningFigures stdOf(std::vector<PositioningTarget> targets) {
+  PositioningFigures figures = figuresOf(targets), variances;
+  for (double* variance : eachFigure(variances)) *variance = 0.0;
+  const auto vary = [&](double& value, double variance) {
+    const double here = value, step = 1e-6 * std::max(1.0, std::abs(here));
+    value = here + step;
+    PositioningFigures above = figuresOf(targets);
+    value = here - step;
+    PositioningFigures below = figuresOf(targets);
+    value = here;
+    const auto at = eachFigure(figures), up = eachFigure(above), down = eachFigure(below),
+               of = eachFigure(variances);
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const double slope = (std::abs(*up[k] - *at[k]) + std::abs(*down[k] - *at[k])) / (2.0 * step);
+      if (std::isfinite(slope) && slope != 0.0) *of[k] += slope * slope * variance;
+    }
+  };
+  for (PositioningTarget& t : targets)
+    for (const bool forward : {true, false}) {
+      const int runs = forward ? t.forward : t.backward;
+      double& s = forward ? t.sForward : t.sBackward;
+      if (runs > 0) vary(forward ? t.meanForward : t.meanBackward, s * s / runs);
+      if (runs > 1) vary(s, s * s / (2.0 * (runs - 1)));
+    }
+  for (double* variance : eachFigure(variances)) *variance = std::sqrt(*variance);
+  return variances;
+}
+
 }  // namespace
+
+std::array<double*, 12> eachFigure(PositioningFigures& f) {
+  return {&f.accuracy,
+          &f.forward.accuracy,
+          &f.backward.accuracy,
+          &f.repeatability,
+          &f.forward.repeatability,
+          &f.backward.repeatability,
+          &f.systematic,
+          &f.forward.systematic,
+          &f.backward.systematic,
+          &f.meanRange,
+          &f.reversal,
+          &f.meanReversal};
+}
 
 PositioningTest positioningTest(std::vector<PositioningRun> runs) {
   PositioningTest test;
@@ -100,6 +145,7 @@ PositioningTest positioningTest(std::vector<PositioningRun> runs) {
     first = i;
   }
   test.figures = figuresOf(test.targets);
+  test.std = stdOf(test.targets);
   return test;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <vector>
 
 #include "session/session.h"
@@ -36,6 +37,9 @@ struct PositioningFigures {
   double meanReversal = kNotMeasured;  // mean of the reversal errors, with sign: forward minus backward
 };
 
+/// Each figure, in one order.
+std::array<double*, 12> eachFigure(PositioningFigures& figures);
+
 struct PositioningRun {
   double at = 0.0, deviation = 0.0;
   bool forward = true;
@@ -44,6 +48,9 @@ struct PositioningRun {
 struct PositioningTest {
   std::vector<PositioningTarget> targets;  // ascending
   PositioningFigures figures;
+  /// Standard uncertainties of the figures from the scatter of the runs alone, as of independent normal ones;
+  /// NaN where a single run decides.
+  PositioningFigures std;
 };
 
 /// @param runs deviations of one axis: actual minus target position.

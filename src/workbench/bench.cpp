@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "report/json_parts.h"
 #include "workbench/access.h"
-#include "workbench/compact_json.h"
 #include "workbench/temporary_file.h"
 
 namespace mm {
@@ -17,7 +16,6 @@ namespace {
 
 constexpr double kShown = 1e-5;  // mm or deg: last digit of a position on the page
 
-using Json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
 constexpr auto kMoving = 33ms, kWorking = 100ms, kAtRest = 500ms;  // between two states: 30, 10 and 2 Hz
@@ -29,14 +27,13 @@ const char* const kReportPolicy =
     "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
 
 Json placeJson(const Eigen::Vector3d& at) {
-  return at.allFinite() ? roundedList(at / kMillimetre, kShown) : Json(nullptr);
+  return orNull(at.allFinite(), roundedList(at / kMillimetre, kShown));
 }
 
 Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s) {
   Json readings = Json::array();
   for (std::size_t j = 0; j < joints.size() && j < s.readings.size(); ++j)
-    readings.push_back(
-        rounded(s.readings[j] / (joints[j].kind == JointKind::kRotary ? kDegree : kMillimetre), kShown));
+    readings.push_back(rounded(s.readings[j] / readingUnit(joints[j]).factor, kShown));
   return {{"readings", std::move(readings)},
           {"moving", s.moving},
           {"nominal_mm", placeJson(s.nominal)},
@@ -47,7 +44,7 @@ Json machineJson(const std::vector<Joint>& joints, const LiveMachine::State& s) 
           {"status", s.status},
           {"observations", s.observations},
           {"measuring", s.measuring},
-          {"share", number(s.share)}};
+          {"share", s.share}};
 }
 
 bool isMotion(const std::string& name) {
@@ -188,7 +185,7 @@ WebAnswer Bench::enqueue(std::deque<Task>& tasks, const std::string& name, const
   }
   changed_.notify_all();
   WebAnswer answer =
-      WebAnswer::text(compact({{"number", number}, {"message", name + " begins"}}), "application/json");
+      WebAnswer::text(jsonLine({{"number", number}, {"message", name + " begins"}}), "application/json");
   answer.status = 202;
   return answer;
 }
@@ -300,29 +297,30 @@ WebAnswer Bench::upload(const std::string& query, std::string body, const std::s
 
 std::string Bench::live() {
   const Job::State running = job_.state();
-  Json out;
-  out["documents"] = documents_.numbers();
-  out["machine"] = nullptr;
+  Json documents = documents_.numbers(), machine;
   if (live_ != nullptr) {
     const LiveMachine::State state = live_->state();
-    if (state.observations > 0) out["documents"]["contacts"] = state.observations;
-    out["machine"] = machineJson(live_->machine().joints(), state);
+    if (state.observations > 0) documents["contacts"] = state.observations;
+    machine = machineJson(live_->machine().joints(), state);
   }
+  const auto ended = [](const Ended& e) -> Json {
+    return {{"number", e.number}, {"name", e.name}, {"ok", e.ok}, {"message", e.message}};
+  };
   const std::lock_guard<std::mutex> lock(mutex_);
-  out["task"] = running.task.empty() ? Json(nullptr)
-                                     : Json{{"name", running.task},
-                                            {"stage", running.stage},
-                                            {"share", number(running.share)},
-                                            {"seconds", rounded(running.seconds, 0.1)},
-                                            {"who", running_}};
-  out["waiting"] = tasks_.size();
-  out["asked"] = numbers_;
-  out["pending"] = pending_;
-  out["ended"] = Json::array();
-  for (const Ended& e : ended_)
-    out["ended"].push_back({{"number", e.number}, {"name", e.name}, {"ok", e.ok}, {"message", e.message}});
-  out["armed"] = armed_ ? Json{{"client", armed_->client}, {"who", armed_->who}} : Json(nullptr);
-  const std::string object = compact(out);
+  const Json task{{"name", running.task},
+                  {"stage", running.stage},
+                  {"share", running.share},
+                  {"seconds", rounded(running.seconds, 0.1)},
+                  {"who", running_}};
+  const std::string object =
+      jsonLine({{"documents", documents},
+                {"machine", machine},
+                {"task", orNull(!running.task.empty(), task)},
+                {"waiting", tasks_.size()},
+                {"asked", numbers_},
+                {"pending", pending_},
+                {"ended", jsonList(ended_, ended)},
+                {"armed", armed_ ? Json{{"client", armed_->client}, {"who", armed_->who}} : Json()}});
   return object.substr(1, object.size() - 2);
 }
 

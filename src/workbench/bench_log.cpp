@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/utc_now.h"
 
 namespace mm {
@@ -102,11 +102,10 @@ void BenchLog::markUnwritten(const Waiting& lost) {
 
 std::string BenchLog::json() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Line& line : lines_)
-    list.push_back({{"time", line.time}, {"who", line.who}, {"what", line.what}});
-  return nlohmann::ordered_json{{"lines", std::move(list)}, {"file", file_.string()}}.dump(
-      -1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const auto entry = [](const Line& line) -> Json {
+    return {{"time", line.time}, {"who", line.who}, {"what", line.what}};
+  };
+  return jsonLine({{"lines", jsonList(lines_, entry)}, {"file", file_.string()}});
 }
 
 }  // namespace mm

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "calibration_file/calibration_fit.h"
 #include "calibration_file/calibration_yaml.h"
 #include "design/moves.h"
@@ -14,7 +15,6 @@
 #include "session/joined.h"
 #include "session/session_summary.h"
 #include "workbench/calibration_documents.h"
-#include "workbench/compact_json.h"
 #include "workbench/sent_yaml.h"
 
 namespace mm {
@@ -288,7 +288,7 @@ std::string BenchWork::judgeFormula(const std::string& direction, const std::str
     const std::lock_guard<std::mutex> lock(mutex_);
     domain = domain_;
   }
-  nlohmann::ordered_json out;
+  Json out;
   try {
     if (!domain) throw InputError("no session is open");
     if (formula.size() + start.size() > kLongestFormula)
@@ -306,7 +306,7 @@ std::string BenchWork::judgeFormula(const std::string& direction, const std::str
     out["ok"] = false;
     out["message"] = e.what();
   }
-  return compact(out);
+  return jsonLine(out);
 }
 
 }  // namespace mm

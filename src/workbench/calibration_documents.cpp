@@ -4,48 +4,41 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
 #include "compensation/middle_state.h"
 #include "effects/catalogue.h"
 #include "effects/effect_words.h"
 #include "export/export_target.h"
+#include "machine/joint_units.h"
 #include "report/json_parts.h"
-#include "workbench/compact_json.h"
+#include "report/text_parts.h"
 
 namespace mm {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int kGrid = 5;                  // places along each linear joint
 constexpr double kCorrectionStep = 1e-4;  // um
 
-bool angularOnly(const Calibration& c) { return !std::isfinite(c.rms) && std::isfinite(c.rmsAngular); }
-
-void setCalibratedFigures(Json& out, const Calibration& c) {
+Json calibratedFigures(const Calibration& c) {
   const bool angular = angularOnly(c);
-  setEither(out, "rms", angular ? c.rmsAngular : c.rms, angular);
-  setEither(out, "held_out_rms", angular ? c.heldOutRmsAngular : c.heldOutRms, angular);
-  setEither(out, "repeatability", c.repeatability, angular);
-  out["repeatability_from"] = c.repeatabilityFrom;
-  out["chi2_per_dof"] = number(c.chi2PerDof);
+  return jsonObject({figureOf(angular, "rms", angular ? c.rmsAngular : c.rms),
+                     figureOf(angular, "held_out_rms", angular ? c.heldOutRmsAngular : c.heldOutRms),
+                     figureOf(angular, "repeatability", c.repeatability),
+                     {{"repeatability_from", c.repeatabilityFrom}, {"chi2_per_dof", c.chi2PerDof}}});
 }
 
 Json rangesJson(const Domain& domain) {
   Json out = Json::array();
   for (std::size_t j = 0; j < domain.joints.size(); ++j) {
-    const bool rotary = domain.joints[j].kind == JointKind::kRotary;
-    const double unit = rotary ? kDegree : kMillimetre;
-    out.push_back({{"name", domain.joints[j].name},
-                   {"unit", rotary ? "deg" : "mm"},
-                   {"lower", rounded(domain.lower[j] / unit, kPlaceStep)},
-                   {"upper", rounded(domain.upper[j] / unit, kPlaceStep)}});
+    const JointUnit unit = readingUnit(domain.joints[j]);
+    out.push_back(rangeJson(domain.joints[j].name, unit.symbol,
+                            rounded(domain.lower[j] / unit.factor, kPlaceStep),
+                            rounded(domain.upper[j] / unit.factor, kPlaceStep)));
   }
   for (std::size_t s = 0; s < domain.sensors.size(); ++s)
-    out.push_back({{"name", "temperature " + domain.sensors[s]},
-                   {"unit", "degC"},
-                   {"lower", number(domain.sensorLower[s])},
-                   {"upper", number(domain.sensorUpper[s])}});
+    out.push_back(
+        rangeJson("temperature " + domain.sensors[s], "degC", domain.sensorLower[s], domain.sensorUpper[s]));
   return out;
 }
 
@@ -102,29 +95,26 @@ Json fieldOrReason(const Calibration* calibration) {
 }  // namespace
 
 std::string calibrationDocument(const Calibration& c, bool kept) {
-  Json out;
-  out["id"] = c.id;
-  out["kept"] = kept;
-  out["created"] = c.created;
-  out["machine"] = c.machineName;
-  out["session"] = c.sessionSource;
-  out["method"] = c.method;
-  out["seed"] = c.seed;
-  out["observations"] = c.observations;
-  out["unit"] = angularOnly(c) ? "arcsec" : "um";
-  setCalibratedFigures(out, c);
-  out["effects"] = parametersJson(c);
-  for (std::size_t e = 0; e < c.effects.size(); ++e) out["effects"][e]["yaml"] = c.effects[e].yaml();
-  out["ledger"] = ledgerJson(c.ledger, angularOnly(c));
+  const bool angular = angularOnly(c);
+  Json effects = parametersJson(c), ledger = ledgerJson(c.ledger, angular);
+  for (std::size_t e = 0; e < c.effects.size(); ++e) effects[e]["yaml"] = c.effects[e].yaml();
   for (std::size_t i = 0; i < c.ledger.size(); ++i)
-    out["ledger"][i]["yaml"] = c.ledger[i].effect.type.empty() ? "" : c.ledger[i].effect.yaml();
-  out["ranges"] = rangesJson(c.domain);
-  return compact(out);
+    ledger[i]["yaml"] = c.ledger[i].effect.type.empty() ? "" : c.ledger[i].effect.yaml();
+  return jsonLine(jsonObject({{{"id", c.id},
+                               {"kept", kept},
+                               {"created", c.created},
+                               {"machine", c.machineName},
+                               {"session", c.sessionSource},
+                               {"method", c.method},
+                               {"seed", c.seed},
+                               {"observations", c.observations},
+                               {"unit", nameOfUnit(angular)}},
+                              calibratedFigures(c),
+                              {{"effects", effects}, {"ledger", ledger}, {"ranges", rangesJson(c.domain)}}}));
 }
 
 std::string historyDocument(const CalibrationStore& store) {
-  Json list = Json::array();
-  for (const CalibrationStore::Entry& e : store.history()) {
+  const auto entry = [&](const CalibrationStore::Entry& e) {
     Json one{{"id", e.id},
              {"created", e.created},
              {"active", e.active},
@@ -132,37 +122,37 @@ std::string historyDocument(const CalibrationStore& store) {
              {"promotions", e.promotions},
              {"machine", e.machine},
              {"method", e.method},
-             {"rms_um", number(e.rms / kMicrometre)},
-             {"held_out_rms_um", number(e.heldOutRms / kMicrometre)},
+             {"rms_um", e.rms / kMicrometre},
+             {"held_out_rms_um", e.heldOutRms / kMicrometre},
              {"session", e.session},
-             {"damaged", e.damaged}};
-    one["effects"] = Json::array();
-    if (e.damaged.empty()) {
-      const Calibration c = store.load(e.id);
-      one["effects"] = parametersJson(c);
-      one["observations"] = c.observations;
-    }
-    list.push_back(std::move(one));
-  }
-  return compact({{"store", store.folder().string()}, {"calibrations", std::move(list)}});
+             {"damaged", e.damaged},
+             {"effects", Json::array()}};
+    if (!e.damaged.empty()) return one;
+    const Calibration c = store.load(e.id);
+    one["effects"] = parametersJson(c);
+    one["observations"] = c.observations;
+    return one;
+  };
+  return jsonLine({{"store", store.folder().string()}, {"calibrations", jsonList(store.history(), entry)}});
 }
 
 std::string correctionDocument(const Calibration* active, const Calibration* candidate) {
-  return compact({{"active", fieldOrReason(active)}, {"candidate", fieldOrReason(candidate)}});
+  return jsonLine({{"active", fieldOrReason(active)}, {"candidate", fieldOrReason(candidate)}});
 }
 
 std::string catalogueDocument() {
-  Json list = Json::array();
-  for (const CatalogueEntry& e : effectCatalogue())
-    list.push_back({{"type", e.type},
-                    {"example", e.example},
-                    {"shown_by", e.shownBy},
-                    {"cause", e.cause},
-                    {"composite", e.composite}});
-  Json controllers = Json::array();
-  for (const ExportTarget& target : exportTargets())
-    controllers.push_back({{"name", target.name}, {"title", target.title}});
-  return compact({{"effects", std::move(list)}, {"controllers", std::move(controllers)}});
+  const auto effect = [](const CatalogueEntry& e) -> Json {
+    return {{"type", e.type},
+            {"example", e.example},
+            {"shown_by", e.shownBy},
+            {"cause", e.cause},
+            {"composite", e.composite}};
+  };
+  const auto controller = [](const ExportTarget& target) -> Json {
+    return {{"name", target.name}, {"title", target.title}};
+  };
+  return jsonLine({{"effects", jsonList(effectCatalogue(), effect)},
+                   {"controllers", jsonList(exportTargets(), controller)}});
 }
 
 }  // namespace mm

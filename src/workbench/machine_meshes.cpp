@@ -10,12 +10,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "base/read_file.h"
 #include "base/text.h"
-#include "workbench/compact_json.h"
 
 namespace mm {
 namespace {
@@ -133,7 +132,7 @@ std::vector<float> meshTriangles(const std::filesystem::path& file) {
 std::string meshesDocument(const std::string& urdf, UrdfOrigin origin, const PackageFolder& packages) {
   const std::vector<std::string> names = meshNames(urdf);
   if (names.empty()) return {};
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   std::vector<float> values;
   for (const std::string& name : names) {
     try {
@@ -149,7 +148,7 @@ std::string meshesDocument(const std::string& urdf, UrdfOrigin origin, const Pac
       list.push_back({{"name", name}, {"why", e.what()}});
     }
   }
-  std::string head = compact({{"meshes", std::move(list)}});
+  std::string head = jsonLine({{"meshes", std::move(list)}});
   head.resize((head.size() + 3) / 4 * 4, ' ');  // the numbers begin where numbers may
   std::string document;
   for (int byte = 0; byte < 4; ++byte) document += static_cast<char>(head.size() >> (8 * byte) & 0xff);

@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "base/units.h"
+#include "machine/joint_units.h"
 #include "report/json_parts.h"
 #include "session/plan.h"
-#include "workbench/compact_json.h"
 #include "workbench/sent_yaml.h"
 
 namespace mm {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostDrawn = 5000, kMostWay = 30000;
 
@@ -67,19 +64,14 @@ class Steps {
            move.kind == MoveKind::kTouch ? meets(plan_, move, from, tipAt(machine_, move.target)) : from);
     feature_.push_back(move.feature);
     line_.push_back(move.line);
-    for (std::size_t j = 0; j < move.position.size(); ++j) {
-      const bool rotary = machine_.joints()[j].kind == JointKind::kRotary;
-      readings_.push_back(rounded(move.position[j] / (rotary ? kDegree : kMillimetre), kPlaceStep));
-    }
+    for (std::size_t j = 0; j < move.position.size(); ++j)
+      readings_.push_back(rounded(move.position[j] / readingUnit(machine_.joints()[j]).factor, kPlaceStep));
   }
-  void putInto(Json& out) {
-    out["from_mm"] = std::move(from_);
-    out["to_mm"] = std::move(to_);
-    out["feature"] = std::move(feature_);
-    out["line"] = std::move(line_);
-    out["readings"] = std::move(readings_);
-    out["way_mm"] = std::move(way_);
-    out["left_off"] = leftOff_;
+  Json take() {
+    return {
+        {"from_mm", std::move(from_)}, {"to_mm", std::move(to_)},          {"feature", std::move(feature_)},
+        {"line", std::move(line_)},    {"readings", std::move(readings_)}, {"way_mm", std::move(way_)},
+        {"left_off", leftOff_}};
   }
 
  private:
@@ -97,17 +89,6 @@ class Steps {
 
 std::string planDocument(const std::string& yaml, const Machine& machine) {
   const Plan plan = Plan::parse(sentPlan(yaml), "plan", {}, machine);
-  Json out;
-  out["text"] = yaml;
-  out["name"] = plan.name;
-  out["moves"] = plan.moves.size();
-  out["measurements"] = plan.measurements();
-  out["features"] = Json::array();
-  for (const Feature& f : plan.artifact.features)
-    out["features"].push_back({{"name", f.name},
-                               {"ball", f.kind == FeatureKind::kBall},
-                               {"centre_mm", roundedList(f.position / kMillimetre, kPlaceStep)},
-                               {"radius_mm", rounded(f.radius / kMillimetre, kPlaceStep)}});
   Steps steps(plan, machine);
   double time = 0.0;
   for (std::size_t i = 0; i < plan.moves.size(); ++i) {
@@ -119,9 +100,19 @@ std::string planDocument(const std::string& yaml, const Machine& machine) {
     time += move.wait;
     steps.add(move);
   }
-  out["time_s"] = rounded(time, 1.0);
-  steps.putInto(out);
-  return compact(out);
+  const auto feature = [](const Feature& f) -> Json {
+    return {{"name", f.name},
+            {"ball", f.kind == FeatureKind::kBall},
+            {"centre_mm", roundedList(f.position / kMillimetre, kPlaceStep)},
+            {"radius_mm", rounded(f.radius / kMillimetre, kPlaceStep)}};
+  };
+  return jsonLine(jsonObject({{{"text", yaml},
+                               {"name", plan.name},
+                               {"moves", plan.moves.size()},
+                               {"measurements", plan.measurements()},
+                               {"features", jsonList(plan.artifact.features, feature)},
+                               {"time_s", rounded(time, 1.0)}},
+                              steps.take()}));
 }
 
 }  // namespace mm

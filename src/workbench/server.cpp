@@ -1,9 +1,9 @@
 #include "workbench/server.h"
 
 #include <boost/asio/post.hpp>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json_text.h"
 #include "workbench/access.h"
 #include "workbench/http_connection.h"
 #include "workbench/live_socket.h"
@@ -23,9 +23,7 @@ constexpr std::chrono::milliseconds kAfterFailure{500};    // until a state is t
 }  // namespace
 
 WebAnswer WebAnswer::say(unsigned status, const std::string& message) {
-  WebAnswer answer = text(
-      nlohmann::json{{"message", message}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-      "application/json");
+  WebAnswer answer = text(jsonLine({{"message", message}}), "application/json");
   answer.status = status;
   return answer;
 }

@@ -5,14 +5,12 @@
 
 #include "base/units.h"
 #include "design/point_set.h"
+#include "machine/joint_units.h"
 #include "report/json_parts.h"
 #include "session/session_summary.h"
-#include "workbench/compact_json.h"
 
 namespace mm {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kSpeedStep = 1e-3;        // mm/s or deg/s
 constexpr double kTimeStep = 1e-2;         // s
@@ -21,28 +19,17 @@ constexpr double kTemperatureStep = 1e-3;  // degC
 constexpr double kLoggedStep = 1e-6;       // of a covariate's own unit
 constexpr std::size_t kCurvePoints = 1500;
 
-Json jointsJson(const Machine& machine) {
-  Json out = Json::array();
-  for (const Joint& j : machine.joints()) {
-    const bool rotary = j.kind == JointKind::kRotary;
-    const double unit = rotary ? kDegree : kMillimetre;
-    out.push_back({{"name", j.name},
-                   {"unit", rotary ? "deg" : "mm"},
-                   {"lower", number(j.lower / unit)},
-                   {"upper", number(j.upper / unit)}});
-  }
-  return out;
+Json jointJson(const Joint& j) {
+  const JointUnit unit = readingUnit(j);
+  return rangeJson(j.name, unit.symbol, j.lower / unit.factor, j.upper / unit.factor);
 }
 
-Json featuresJson(const Session& session) {
-  Json out = Json::array();
-  for (const Feature& f : session.artifact.features)
-    out.push_back({{"name", f.name},
-                   {"ball", f.kind == FeatureKind::kBall},
-                   {"position_mm", roundedList(f.position / kMillimetre, kPlaceStep)},
-                   {"radius_mm", rounded(f.radius / kMillimetre, kPlaceStep)},
-                   {"known", f.known}});
-  return out;
+Json featureJson(const Feature& f) {
+  return {{"name", f.name},
+          {"ball", f.kind == FeatureKind::kBall},
+          {"position_mm", roundedList(f.position / kMillimetre, kPlaceStep)},
+          {"radius_mm", rounded(f.radius / kMillimetre, kPlaceStep)},
+          {"known", f.known}};
 }
 
 /// The columns of a table, row after row.
@@ -100,10 +87,9 @@ struct Rows {
 void addJoints(Columns& columns, const Rows& rows) {
   const std::vector<Joint>& joints = rows.session().machine.joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const bool rotary = joints[j].kind == JointKind::kRotary;
-    const double unit = rotary ? kDegree : kMillimetre;
-    columns.add(joints[j].name, rotary ? "deg" : "mm", kPlaceStep,
-                [&](std::size_t r) { return rows.observation[r]->position[j] / unit; });
+    const JointUnit unit = readingUnit(joints[j]);
+    columns.add(joints[j].name, unit.symbol, kPlaceStep,
+                [&](std::size_t r) { return rows.observation[r]->position[j] / unit.factor; });
   }
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto travel = [&](std::size_t r) {
@@ -115,11 +101,10 @@ void addJoints(Columns& columns, const Rows& rows) {
     if (known) columns.addWords(joints[j].name + " travel direction", {"\u2212", "+"}, travel);
   }
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const bool rotary = joints[j].kind == JointKind::kRotary;
-    const double unit = rotary ? kDegree : kMillimetre;
-    columns.add(joints[j].name + " speed", rotary ? "deg/s" : "mm/s", kSpeedStep, [&](std::size_t r) {
+    const JointUnit unit = readingUnit(joints[j]);
+    columns.add(joints[j].name + " speed", std::string(unit.symbol) + "/s", kSpeedStep, [&](std::size_t r) {
       const std::vector<double>& v = rows.observation[r]->velocity;
-      return j < v.size() ? v[j] / unit : kNotMeasured;
+      return j < v.size() ? v[j] / unit.factor : kNotMeasured;
     });
   }
 }
@@ -165,52 +150,45 @@ void addLogged(Columns& columns, const Rows& rows) {
 }
 
 Json seriesJson(const std::vector<Series>& list, const std::string& unit) {
-  Json out = Json::array();
-  for (const Series& s : list) {
+  return jsonList(list, [&](const Series& s) -> Json {
     const std::size_t shown = std::min(kCurvePoints, s.time.size());
-    std::vector<double> time, value;
-    for (std::size_t n = 0; n < shown; ++n) {
-      const std::size_t i = n * s.time.size() / shown;
-      time.push_back(s.time[i]);
-      value.push_back(s.value[i]);
-    }
-    out.push_back({{"name", s.name},
-                   {"unit", unit.empty() ? s.unit : unit},
-                   {"samples", s.time.size()},
-                   {"time_s", roundedList(time, kTimeStep)},
-                   {"value", roundedList(value, unit.empty() ? kLoggedStep : kTemperatureStep)}});
-  }
-  return out;
+    std::vector<std::size_t> samples;
+    for (std::size_t n = 0; n < shown; ++n) samples.push_back(n * s.time.size() / shown);
+    const double step = unit.empty() ? kLoggedStep : kTemperatureStep;
+    return {{"name", s.name},
+            {"unit", unit.empty() ? s.unit : unit},
+            {"samples", s.time.size()},
+            {"time_s", roundedList(samples, kTimeStep, [&](std::size_t i) { return s.time[i]; })},
+            {"value", roundedList(samples, step, [&](std::size_t i) { return s.value[i]; })}};
+  });
 }
 
 }  // namespace
 
 std::string sessionDocument(const Session& session, const std::string& shownAs) {
-  Json out;
-  out["name"] = shownAs;
-  out["machine"] = session.machine.name();
-  out["urdf"] = session.machine.urdf();
-  out["joints"] = jointsJson(session.machine);
-  out["artifact"] = {{"name", session.artifact.name},
-                     {"pose_known", session.artifact.poseKnown},
-                     {"tip_radius_mm", number(session.artifact.tipRadius / kMillimetre)},
-                     {"features", featuresJson(session)}};
-  out["observations"] = session.observations.size();
-  out["warning"] = session.warning;
-  out["loss"] = lossText(session);
-  out["assumed"] = assumedText(session);
-  out["set_aside"] = Json::array();
-  for (const SetAside& a : session.setAside) out["set_aside"].push_back(setAsideText(session, a));
-  out["point_set"] = Json::parse(pointSetJson(checkPointSet(session, nullptr)));
-  return compact(out);
+  const Artifact& artifact = session.artifact;
+  const auto setAside = [&](const SetAside& a) { return setAsideText(session, a); };
+  return jsonLine({{"name", shownAs},
+                   {"machine", session.machine.name()},
+                   {"urdf", session.machine.urdf()},
+                   {"joints", jsonList(session.machine.joints(), jointJson)},
+                   {"artifact",
+                    {{"name", artifact.name},
+                     {"pose_known", artifact.poseKnown},
+                     {"tip_radius_mm", artifact.tipRadius / kMillimetre},
+                     {"features", jsonList(artifact.features, featureJson)}}},
+                   {"observations", session.observations.size()},
+                   {"warning", session.warning},
+                   {"loss", lossText(session)},
+                   {"assumed", assumedText(session)},
+                   {"set_aside", jsonList(session.setAside, setAside)},
+                   {"point_set", pointSetObject(checkPointSet(session, nullptr))}});
 }
 
 std::string machineDocument(const Machine& machine) {
-  Json out;
-  out["name"] = machine.name();
-  out["urdf"] = machine.urdf();
-  out["joints"] = jointsJson(machine);
-  return compact(out);
+  return jsonLine({{"name", machine.name()},
+                   {"urdf", machine.urdf()},
+                   {"joints", jsonList(machine.joints(), jointJson)}});
 }
 
 std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals& earlier) {
@@ -228,12 +206,9 @@ std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals&
   addJoints(columns, rows);
   addTouch(columns, rows);
   addLogged(columns, rows);
-  Json out;
-  out["unit"] = unit;
-  out["rows"] = rows.size();
-  out["columns"] = columns.take();
-  std::vector<double> sigma, before, places[3];
-  Json row = Json::array(), outlier = Json::array();
+  std::vector<double> sigma, before;
+  std::vector<Eigen::Vector3d> places;
+  Json row = Json::array(), outlier = Json::array(), balls = Json::array();
   const bool paired = earlier.values.size() == fit.residuals.size();
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Observation& o = *rows.observation[r];
@@ -242,39 +217,35 @@ std::string pointsDocument(const CalibrationResult& fit, const EarlierResiduals&
     row.push_back(o.row);
     outlier.push_back(rows.used(r) && !(at(fit.weight, r) > 0.0) ? 1 : 0);
     const double reading = std::isfinite(o.laserReading) ? o.laserReading : 0.0;
-    const Eigen::Vector3d tip =
-        rows.session().machine.nominal(o.position.data(), reading).position / kMillimetre;
-    for (int k = 0; k < 3; ++k) places[k].push_back(tip[k]);
+    places.push_back(rows.session().machine.nominal(o.position.data(), reading).position / kMillimetre);
   }
-  out["x_mm"] = roundedList(places[0], kPlaceStep);
-  out["y_mm"] = roundedList(places[1], kPlaceStep);
-  out["z_mm"] = roundedList(places[2], kPlaceStep);
-  out["sigma"] = roundedList(sigma, kFigureStep);
-  out["row"] = std::move(row);
-  out["outlier"] = std::move(outlier);
-  out["before"] = paired ? roundedList(before, kDeviationStep) : Json(nullptr);
-  out["before_name"] = earlier.name;
-  Json balls = Json::array();
+  const auto along = [&](int k) {
+    return roundedList(places, kPlaceStep, [k](const Eigen::Vector3d& place) { return place[k]; });
+  };
   for (std::size_t f = 0; f < rows.session().artifact.features.size(); ++f) {
     const Feature& feature = rows.session().artifact.features[f];
-    const Eigen::Vector3d centre =
-        fit.problem->featureInWorkpiece(static_cast<int>(f), rows.session().placementOf(static_cast<int>(f)),
-                                        fit.x) /
-        kMillimetre;
+    const int index = static_cast<int>(f), placement = rows.session().placementOf(index);
+    const Eigen::Vector3d centre = fit.problem->featureInWorkpiece(index, placement, fit.x) / kMillimetre;
     if (feature.kind == FeatureKind::kBall && centre.allFinite())
-      balls.push_back({{"name", feature.name},
-                       {"centre_mm", roundedList(centre, kPlaceStep)},
-                       {"radius_mm", rounded(feature.radius / kMillimetre, kPlaceStep)}});
+      balls.push_back(ballJson(feature.name, centre, feature.radius / kMillimetre));
   }
-  out["balls"] = std::move(balls);
-  return compact(out);
+  return jsonLine({{"unit", unit},
+                   {"rows", rows.size()},
+                   {"columns", columns.take()},
+                   {"x_mm", along(0)},
+                   {"y_mm", along(1)},
+                   {"z_mm", along(2)},
+                   {"sigma", roundedList(sigma, kFigureStep)},
+                   {"row", std::move(row)},
+                   {"outlier", std::move(outlier)},
+                   {"before", orNull(paired, roundedList(before, kDeviationStep))},
+                   {"before_name", earlier.name},
+                   {"balls", std::move(balls)}});
 }
 
 std::string heatDocument(const Session& session) {
-  Json out;
-  out["temperatures"] = seriesJson(session.temperatures, "degC");
-  out["covariates"] = seriesJson(session.covariates, "");
-  return compact(out);
+  return jsonLine({{"temperatures", seriesJson(session.temperatures, "degC")},
+                   {"covariates", seriesJson(session.covariates, "")}});
 }
 
 }  // namespace mm

@@ -41,13 +41,13 @@ nlohmann::ordered_json jsonOf(const Trial& r, bool uncatalogued) {
   json["wrong"] = r.score.wrong;
   json["first_right"] = r.score.firstRight;
   json["said"] = r.said;
-  json["held_out_rms"] = jsonNumber(r.heldOutEnd);
+  json["held_out_rms"] = r.heldOutEnd;
   json["seconds"] = r.seconds;
   if (r.oracleGain) json["oracle_gain"] = *r.oracleGain;
   if (uncatalogued) {
     json["variables_right"] = r.unknown.justTheVariables;
     json["direction_right"] = r.unknown.rightDirection;
-    json["profile_held_out_rms"] = r.unknown.profile ? jsonNumber(r.unknown.heldOut) : nlohmann::json();
+    json["profile_held_out_rms"] = orNull(r.unknown.profile, r.unknown.heldOut);
     json["formula"] = r.unknown.formula;
     json["formula_right"] = r.unknown.formulaRight;
   }

@@ -61,24 +61,22 @@ class FailingDiskTest : public FailingDisk, public ::testing::WithParamInterface
                                     std::string(200000, '#') + "\n  - {type: backlash, axis: x}\n");
     folder_->write("short.yaml", textOf("test/ros/short_plan.yaml"));
     folder_->write("plotly.js", "// plotly\n" + std::string(150000, ' '));
-    // A browser that prints a page by copying it.
-    const std::string browser =
-        folder_->write("browser",
-                       "#!/bin/sh\nfor w; do case $w in --print-to-pdf=*) to=${w#*=};; "
-                       "file://*) from=${w#file://};; esac; done\n"
-                       "cp \"$from\" \"$to\"\n");
-    fs::permissions(browser, fs::perms::owner_all);
-    ::setenv("MM_CHROMIUM", browser.c_str(), 1);
+    // A printer that prints a page by copying it.
+    const std::string printer = folder_->write("weasyprint", "#!/bin/sh\nexec cat \"$2\"\n");
+    fs::permissions(printer, fs::perms::owner_all);
+    path_ = std::getenv("PATH");
+    ::setenv("PATH", (fs::path(printer).parent_path().string() + ":" + path_).c_str(), 1);
     run("promote t.yaml --store history");
     run("promote c.yaml --store history");
     untouched_ = files();
   }
   static void TearDownTestSuite() {
-    ::unsetenv("MM_CHROMIUM");
+    ::setenv("PATH", path_.c_str(), 1);
     FailingDisk::TearDownTestSuite();
   }
 
   static inline std::map<std::string, std::string> untouched_;  // before any command
+  static inline std::string path_;                              // without the printer
 };
 
 TEST_P(FailingDiskTest, NothingIsLostWhateverFailsAndWhenever) {

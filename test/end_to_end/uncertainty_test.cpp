@@ -111,7 +111,7 @@ TEST_F(Certificates, ArePagesThatACheckAcceptsAndARefusalProtects) {
   std::filesystem::remove(*folder_ / "tampered.html");
 }
 
-TEST_F(Certificates, WithoutABrowserThereIsNoPdfAndAClearWord) {
+TEST_F(Certificates, WithoutAPrinterThereIsNoPdfAndAClearWord) {
   const std::string empty = *folder_ / "no_programs";
   std::filesystem::create_directory(empty);
   const std::string out = *folder_ / "stderr.txt";
@@ -120,36 +120,42 @@ TEST_F(Certificates, WithoutABrowserThereIsNoPdfAndAClearWord) {
        "' '" MM_PROGRAM "' certificate c.yaml -o cert.pdf --trials 100 >/dev/null 2>'" + out + "'")
           .c_str());
   EXPECT_EQ(WEXITSTATUS(status), 2);
-  EXPECT_NE(textOf(out).find("chromium"), std::string::npos) << textOf(out);
+  EXPECT_NE(textOf(out).find("apt install weasyprint"), std::string::npos) << textOf(out);
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "cert.pdf"));
   std::filesystem::remove(empty);
 }
 
-// A stand-in for the browser: what it prints is sealed as a PDF, and one that prints nothing is refused.
+// A stand-in for WeasyPrint: what it prints is sealed as a PDF, and one that prints nothing is refused.
 TEST_F(Certificates, AreSealedAsPdf) {
-  const std::string browser = folder_->write("browser",
-                                             "#!/bin/sh\nfor a in \"$@\"; do case $a in --print-to-pdf=*) "
-                                             "printf '%%PDF-1.4\\n%%%%EOF\\n' > \"${a#*=}\";; esac; done\n");
-  std::filesystem::permissions(browser, std::filesystem::perms::owner_all);
+  const auto printer = [&](const std::string& script) {
+    const std::string file = folder_->write("weasyprint", "#!/bin/sh\n" + script + "\n");
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  };
   const std::string task = "certificate c.yaml -o cert.pdf --task position:0,0,0 --trials 200";
-  const auto with = [&](const std::string& program, const std::string& command) {
+  const auto printed = [&](const std::string& command) {
     const std::string error = *folder_ / "stderr.txt";
-    const int status = std::system(("cd '" + *folder_ / "." + "' && MM_CHROMIUM='" + program +
-                                    "' '" MM_PROGRAM "' " + command + " >/dev/null 2>'" + error + "'")
+    const int status = std::system(("cd '" + *folder_ / "." + "' && PATH=.:$PATH '" MM_PROGRAM "' " +
+                                    command + " >/dev/null 2>'" + error + "'")
                                        .c_str());
     return Answer{WEXITSTATUS(status), {}, textOf(error)};
   };
-  const Answer made = with(browser, task);
+  printer("grep -q '<h1>Calibration certificate' \"$2\" && echo '%PDF-1.4' && echo '%%EOF'");
+  const Answer made = printed(task);
   EXPECT_EQ(made.status, 0) << made.error;
   EXPECT_EQ(textOf(*folder_ / "cert.pdf").substr(0, 5), "%PDF-");
   EXPECT_EQ(typed("certificate --check cert.pdf").status, 0);
-  EXPECT_EQ(with(browser, task).status, 0) << "a certificate may replace a certificate";
-  const Answer nothing =
-      with("/bin/true", "certificate c.yaml -o other.pdf --task position:0,0,0 --trials 200");
+  EXPECT_EQ(printed(task).status, 0) << "a certificate may replace a certificate";
+  printer("true");
+  const std::string other = "certificate c.yaml -o other.pdf --task position:0,0,0 --trials 200";
+  const Answer nothing = printed(other);
   EXPECT_EQ(nothing.status, 2);
   EXPECT_NE(nothing.error.find("printed nothing"), std::string::npos) << nothing.error;
+  printer("echo '%PDF-1.4'; exit 3");
+  const Answer half = printed(other);
+  EXPECT_EQ(half.status, 2);
+  EXPECT_NE(half.error.find("failed to print"), std::string::npos) << half.error;
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "other.pdf"));
-  for (const char* file : {"cert.pdf", "browser"}) std::filesystem::remove(*folder_ / file);
+  for (const char* file : {"cert.pdf", "weasyprint"}) std::filesystem::remove(*folder_ / file);
 }
 
 }  // namespace

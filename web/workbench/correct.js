@@ -10,13 +10,8 @@ import { measured, text, unitOf, value } from "./units.js";
 const kCandidate = "#e69f00";
 
 function exaggerate(fields) {
-  const sizes = fields.flatMap((f) => f.move_um.map((m) => Math.hypot(...m))), at = fields.flatMap((f) => f.at_mm);
-  if (!sizes.length) return 1;
-  const span = Math.max(...[0, 1, 2].map((k) => Math.max(...at.map((p) => p[k])) - Math.min(...at.map((p) => p[k]))));
-  const most = Math.max(...sizes) / 1000;
-  if (!(most > 0)) return 1;
-  const wanted = (0.15 * span) / most, decade = 10 ** Math.floor(Math.log10(wanted));
-  return [5, 2, 1].map((k) => k * decade).find((k) => k <= wanted) || 1;
+  const most = Math.max(0, ...fields.flatMap((f) => f.move_um.map((m) => Math.hypot(...m)))) / 1000;
+  return most > 0 ? Math.max(1, roundDown((0.15 * longestSide(fields.flatMap((f) => f.at_mm))) / most)) : 1;
 }
 
 const rmsOf = (list) => (list.length ? Math.sqrt(list.reduce((s, v) => s + v * v, 0) / list.length) : null);
@@ -69,7 +64,7 @@ export function CorrectView() {
     verified ? h("div", { class: "card", role: "status" }, h("h3", null, { helped: "It helped", no_change: "No change", worse: "It is worse", mixed: "Mixed" }[verified.verdict] || verified.verdict), h("p", null, said(verified.in_words))) : null,
     !c.kept ? h("p", { class: "note" }, "What is in hand was fitted on opening and is not kept; add an effect, or calibrate, and it can be promoted.") : same ? h("p", { class: "note" }, "What is in hand is active.") : null,
     h(Section, { title: "The correction in the volume" }, fields.length ? h(Space, { urdf: session && session.urdf, joints: session ? session.joints : [], readings: live ? live.readings : null, points: drawn.points, lines: drawn.lines, label: "Correction vectors on a grid over the calibrated volume",
-      note: (same ? "Blue: active, and in hand." : "Blue: active. Orange: in hand.") + " Vectors are drawn " + String(drawn.times).replace(/\B(?=(\d{3})+$)/g, "\u202f") + " times longer than they are." }) : h(Empty, null, "The correction is zero, or cannot be told without a state: ", (field.candidate && said(field.candidate.reason)) || "a model without effects corrects nothing.")),
+      note: (same ? "Blue: active, and in hand." : "Blue: active. Orange: in hand.") + " Vectors are drawn " + grouped(drawn.times) + " times longer than they are." }) : h(Empty, null, "The correction is zero, or cannot be told without a state: ", (field.candidate && said(field.candidate.reason)) || "a model without effects corrects nothing.")),
     h(Export),
     h(Section, { title: "Where it holds" }, h(Table, { caption: "Readings and temperatures that the calibration in hand has seen", columns: [["Input"], ["from", "n"], ["to", "n"]], rows: c.ranges.map((r) => [r.name, text(r.lower, r.unit, 5), text(r.upper, r.unit, 5)]) })));
 }

@@ -7,8 +7,6 @@ import { Action, Choice, Empty, Meter, Section, Table } from "./parts.js";
 import { Chart, curveWithBand } from "./chart.js";
 import { measured, rms, shown, text, unitOf } from "./units.js";
 
-export const kVerdicts = { question: "A question first", insufficient_data: "Insufficient data", unknown_effect: "Unknown effect", confusable: "Not separated yet", missing_effect: "Missing effect", scatter: "Scatter", explained: "Explained" };
-
 const scalar = (v) => (typeof v === "string" && !/^[A-Za-z_][\w-]*$/.test(v) ? '"' + v.replace(/(["\\])/g, "\\$1") + '"' : String(v));
 /** An effect of the server's JSON as the YAML that adds it. */
 export const yamlOf = (effect) => "{" + Object.entries(effect).map(([k, v]) => k + ": " + (Array.isArray(v) ? "[" + v.map(scalar).join(", ") + "]" : scalar(v))).join(", ") + "}";
@@ -30,7 +28,7 @@ function Figure({ label, make, inputs, caption }) {
 function Rivals({ list, variableNote }) {
   if (!list.length) return h("dd", null, variableNote || "none that explains the data nearly as well");
   return h("dd", null, h("ul", { class: "plain" }, list.map((c) => h("li", { key: yamlOf(c.effect) }, h("b", null, c.in_words),
-    c.same ? ": the same error expressed in another frame; no measurement on this machine separates them" : c.not_recorded ? ": cannot be excluded, " + c.not_recorded.replace(/^(the )?/, "the ") + " was not recorded" : ", odds " + c.odds_in_words,
+    rivalText(c),
     c.moves ? h("div", { class: "note" }, "To tell: " + said(c.moves)) : null))));
 }
 

@@ -49,7 +49,7 @@ export function HistoryView() {
   const list = history.calibrations;
   return h("div", null,
     h(Section, { title: "Calibrations", lead: "Kept in " + history.store }, list.length ? h(Table, { caption: list.length + (list.length === 1 ? " calibration" : " calibrations, latest first"), columns: [["Id", "nowrap"], ["state", "nowrap"], ["created (UTC)", "nowrap"], ["effects", "text"], ["held-out RMS (k\u00a0=\u00a02)", "n"], ["", "n"]],
-      rows: [...list].reverse().map((c) => Object.assign([c.id, c.damaged ? "damaged" : c.active ? "active" : c.candidate ? "candidate" : "", (c.created || "").replace("T", " ").replace("Z", ""), c.damaged ? said(c.damaged) : c.effects.map((e) => said(e.in_words)).join("; ") || "none", rms(c.held_out_rms_um, c.observations, "um"),
+      rows: [...list].reverse().map((c) => Object.assign([c.id, c.damaged ? "damaged" : c.active ? "active" : c.candidate ? "candidate" : "", clock(c.created || "", ""), c.damaged ? said(c.damaged) : c.effects.map((e) => said(e.in_words)).join("; ") || "none", rms(c.held_out_rms_um, c.observations, "um"),
         c.damaged ? "" : h("span", { class: "pair-of-buttons" }, h(Action, { label: "Use", title: "takes it in hand on this session", run: () => act("use", { id: c.id }) }), c.active ? null : h(Action, { label: "Promote", confirm: "Make it active", run: () => act("promote", { id: c.id }) }))], { chosen: c.active })) }) : h(Empty, null, "None yet: what is added, or calibrated, is kept here.")),
     h(Section, { title: "Two beside each other" }, h(Beside, { list })),
     h(Trend, { list }),
@@ -61,5 +61,5 @@ export function HistoryView() {
 function Log() {
   const [lines, setLines] = useState(null);
   const ask = async () => { const answer = await fetch(documentAddress("log")); if (answer.ok) setLines((await answer.json()).lines); };
-  return h("div", null, h("p", { class: "controls" }, h("button", { onClick: ask }, lines ? "Read again" : "Show the log")), lines ? h(Table, { caption: "Latest first", columns: [["When (UTC)", "nowrap"], ["who", "nowrap"], ["what", "text"]], rows: lines.map((l) => [l.time.replace("T", " ").replace("Z", ""), l.who, said(l.what)]), most: 30 }) : null);
+  return h("div", null, h("p", { class: "controls" }, h("button", { onClick: ask }, lines ? "Read again" : "Show the log")), lines ? h(Table, { caption: "Latest first", columns: [["When (UTC)", "nowrap"], ["who", "nowrap"], ["what", "text"]], rows: lines.map((l) => [clock(l.time, ""), l.who, said(l.what)]), most: 30 }) : null);
 }

@@ -38,7 +38,7 @@ export function LedgerView() {
         h("datalist", { id: "catalogue" }, (catalogue ? catalogue.effects : []).filter((e) => e.example).map((e) => h("option", { key: e.type, value: e.example }, e.shown_by))),
         h(Action, { label: "Add", disabled: !typed.trim(), run: () => act("add", { effect: typed }) }))),
     h(Section, { title: "Every step" }, h(Table, { caption: "What each did to the error (± expanded uncertainty, k\u00a0=\u00a02)", columns: [["Step"], ["RMS", "n"], ["held-out RMS", "n"], ["when (UTC)", "nowrap"], ["taken from", "nowrap"]],
-      rows: c.ledger.map((e) => [e.action === "calibrate" ? "calibrate" : e.action + " " + said(e.in_words), ...[plainKey, key].map((k) => (e[k] ? rms(e[k][0], c.observations, unit) + " → " + rms(e[k][1], c.observations, unit) : "–")), e.time.replace("T", " ").replace("Z", ""), e.calibration || "–"]) })),
+      rows: c.ledger.map((e) => [e.action === "calibrate" ? "calibrate" : e.action + " " + said(e.in_words), ...[plainKey, key].map((k) => (e[k] ? rms(e[k][0], c.observations, unit) + " → " + rms(e[k][1], c.observations, unit) : "–")), clock(e.time, ""), e.calibration || "–"]) })),
     h(Section, { title: "Calibrate anew", lead: "The same effects from the beginning, by a search of the whole range. The steps so far stay in the history." },
       h("p", { class: "controls" }, h(Action, { label: "Least squares", run: () => act("calibrate", { method: "least_squares" }) }), " ", h(Action, { label: "Genetic search, then least squares", run: () => act("calibrate", { method: "staged_mutation" }) }))));
 }

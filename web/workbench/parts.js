@@ -76,7 +76,7 @@ export function Action({ label, run, kind, disabled, title, confirm }) {
     said ? h("span", { class: said.ok ? "said" : "said bad", role: said.ok ? "status" : "alert" }, said.message) : null);
 }
 
-export const Meter = ({ share }) => h("span", { class: "meter", "aria-hidden": "true" }, h("i", { style: { width: (100 * Math.min(1, Math.max(0, share || 0))).toFixed(1) + "%" } }));
+export const Meter = ({ share }) => h("span", { class: "meter", "aria-hidden": "true" }, h("i", { style: { width: meterWidth(share) } }));
 
 /** A choice of one word. */
 export const Choice = ({ label, value, options, onChange, id }) => h("label", { class: "choice", for: id }, h("span", null, label),

@@ -38,4 +38,4 @@ export const text = (x, unit, digits = 3) => (known(x) ? withUnit(num(value(x, u
 /** "2.98 ± 0.09 µm": the expanded uncertainty, k = 2. */
 export const measured = (x, std, unit) => (known(x) ? plusMinus(value(x, unit), known(std) ? std * Math.abs(shown(unit)[0]) : null, unitOf(unit)) : "–");
 /** An RMS of n residuals with its expanded uncertainty, as of independent normal ones. */
-export const rms = (x, n, unit) => measured(x, known(x) && n > 0 ? x / Math.sqrt(2 * n) : null, unit);
+export const rms = (x, n, unit) => measured(x, rmsStd(x, n), unit);

@@ -51,6 +51,19 @@ TEST(ReportPositioning, FiguresOfTheStandardWorkedByHand) {
   EXPECT_DOUBLE_EQ(f.reversal, 5.0);
   EXPECT_DOUBLE_EQ(f.meanReversal, 2.0);
   EXPECT_DOUBLE_EQ(f.meanRange, 5.5);
+  // variances: s^2 / 3 of a mean, s^2 / 4 of a standard deviation
+  const auto expectVariance = [](double std, double variance) { EXPECT_NEAR(std * std, variance, 1e-6); };
+  expectVariance(test.std.forward.accuracy, (4.0 / 3.0 + 4.0) + (1.0 / 3.0 + 1.0));
+  expectVariance(test.std.backward.accuracy, (3.0 + 9.0) + (1.0 / 3.0 + 1.0));
+  expectVariance(test.std.accuracy, (3.0 + 9.0) + (1.0 / 3.0 + 1.0));
+  expectVariance(test.std.forward.systematic, 4.0 / 3.0 + 1.0 / 3.0);
+  expectVariance(test.std.backward.systematic, 3.0 + 1.0 / 3.0);
+  expectVariance(test.std.forward.repeatability, 16.0);
+  expectVariance(test.std.backward.repeatability, 36.0);
+  expectVariance(test.std.repeatability, 36.0);
+  expectVariance(test.std.reversal, 4.0 / 3.0 + 1.0 / 3.0);
+  expectVariance(test.std.meanReversal, (17.0 / 3.0) / 9.0);
+  expectVariance(test.std.meanRange, 0.25 * (1.0 / 3.0 + 3.0) + 0.25 * (2.0 / 3.0));
 }
 
 TEST(ReportPositioning, TheReversalErrorIsAnAmountItsMeanHasASign) {
@@ -67,6 +80,7 @@ TEST(ReportPositioning, ASingleRunHasNoRepeatability) {
   EXPECT_TRUE(std::isnan(test.figures.repeatability));
   EXPECT_TRUE(std::isnan(test.figures.forward.accuracy));
   EXPECT_DOUBLE_EQ(test.figures.forward.systematic, 1.0);
+  EXPECT_TRUE(std::isnan(test.std.systematic));
 }
 
 TEST(ReportPositioning, ATargetIsReachedUpToItsDeviation) {

@@ -12,7 +12,7 @@ namespace {
 
 TEST(JsonOutput, NeverHoldsNaNOrInfinity) {
   nlohmann::ordered_json value;
-  value["rms_um"] = jsonMicrometres(NAN);
+  value["rms_um"] = NAN;
   value["nested"] = {{"plain", INFINITY}, {"list", {1.0, -INFINITY}}};
   std::ostringstream out;
   printJson(out, value);
@@ -28,7 +28,6 @@ TEST(JsonOutput, NumbersReadBackToTheBit) {
   std::ostringstream out;
   printJson(out, {{"value", 0.1 + 0.2}});
   EXPECT_EQ(nlohmann::json::parse(out.str())["value"].get<double>(), 0.1 + 0.2);
-  EXPECT_DOUBLE_EQ(jsonMicrometres(2.5e-6).get<double>(), 2.5);
 }
 
 TEST(JsonOutput, ForeignTextIsPrinted) {
