@@ -67,10 +67,24 @@ void Snakemake::start(const std::vector<BatchJob>& jobs, const std::string& prog
         (folder_.jobFolder(job.key) / "result.json").lexically_relative(folder_.work()).string());
   }
   writeFileAtomically(folder_.work() / "batch.json", todo.dump());
-  std::vector<std::string> words{
-      "snakemake",       "--snakefile",       rules().string(), "--directory",      folder_.work().string(),
-      "--keep-going",    "--keep-incomplete", "--nolock",       "--rerun-triggers", "mtime",
-      "--drop-metadata", "--scheduler",       "greedy",         "--quiet",          "rules"};
+  const std::string work = folder_.work().string();
+  std::vector<std::string> words{"env",
+                                 "XDG_CACHE_HOME=" + work,  // a user may have no home that can be written
+                                 "snakemake",
+                                 "--snakefile",
+                                 rules().string(),
+                                 "--directory",
+                                 work,
+                                 "--keep-going",
+                                 "--keep-incomplete",
+                                 "--nolock",
+                                 "--rerun-triggers",
+                                 "mtime",
+                                 "--drop-metadata",
+                                 "--scheduler",
+                                 "greedy",
+                                 "--quiet",
+                                 "rules"};
   if (!options_.profile.empty()) words.insert(words.end(), {"--profile", options_.profile});
   int atATime = options_.jobs;
   if (atATime == 0 && options_.profile.empty())

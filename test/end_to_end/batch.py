@@ -113,11 +113,11 @@ def try_one_process(fleet, work, first):
 
 
 def workers(folder, program=""):
-    """Processes that work for this folder: Snakemake and all that it started, or those of one program alone."""
+    """Processes that work for this folder: Snakemake and all that it started, or those of one program alone (python: Snakemake)."""
     found = []
     for path in glob.glob("/proc/[0-9]*"):
         try:
-            place, name = os.readlink(path + "/cwd"), os.path.basename(os.readlink(path + "/exe"))
+            place, name = os.readlink(path + "/cwd"), os.path.basename(os.readlink(path + "/exe")).rstrip("0123456789.")
             with open(path + "/cmdline", "rb") as file:
                 words = file.read()
         except OSError:
@@ -178,11 +178,55 @@ def try_kills(fleet, work, first):
     count = MACHINES * SESSIONS
     wrong = whole(folder, count)
     say(done.returncode == 0 and wrong == "", f"killed {killed} times, nothing is lost and nothing is there twice", wrong + done.stderr)
-    say(not left, "whoever was killed took with it what it had started", left)
+    say(not left, "and nothing of them runs on", left)
     say(not lost, "and what was done stayed as it was", lost)
     say(results(folder) == results(first), "and the results are the same bits")
     say(killed > 0 and alone > 0, f"killed {killed} times, {alone} of them one process alone")
     FIGURES.update(killed=killed, one_alone=alone)
+
+
+def standing_still(fleet, folder, *words):
+    """A batch of one session whose step waits for ever: its model has become a pipe. Returns it, its manifest, and the step."""
+    manifest, model = folder + ".yaml", folder + "_model.yaml"
+    shutil.copy(fleet + "/model.yaml", model)
+    with open(manifest, "w", encoding="utf-8") as file:
+        file.write(f"model: {model}\nsteps: [calibrate]\nsessions:\n  - {{bags: {fleet}/m01/000.bag, machine: m01}}\n")
+    process = subprocess.Popen([MM, "batch", manifest, "-o", folder, *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not glob.glob(folder + "/work/*/job.json"):
+        time.sleep(0.005)
+    os.rename(model, model + ".kept")
+    os.mkfifo(model)
+    step = []
+    while process.poll() is None and not step:
+        step = workers(folder, "mm")
+    return process, manifest, step
+
+
+def try_orphans(fleet, work):
+    """A step that waits ends with whoever is killed above it, each of them alone."""
+    for name in ("mm batch", "python", "bash", "timeout"):
+        folder = os.path.join(work, "orphan_of_" + name.split()[0])
+        process, _, step = standing_still(fleet, folder)
+        above = [process.pid] if name == "mm batch" else workers(folder, name)
+        for pid in above:
+            os.kill(pid, signal.SIGKILL)
+        until = time.monotonic() + 2.0
+        while any(alive(pid) for pid in step) and time.monotonic() < until:
+            time.sleep(0.01)
+        left = [pid for pid in step if alive(pid)]
+        say(step and len(above) == 1 and not left, f"a step ends with {name} above it", f"{step} {above} {left}")
+        process.kill()
+        process.communicate()
+        for pid in left:
+            os.kill(pid, signal.SIGKILL)
+
+
+def alive(pid):
+    try:
+        with open(f"/proc/{pid}/stat", "rb") as file:
+            return file.read().rsplit(b")", 1)[1].split()[0] not in (b"Z", b"X")
+    except OSError:
+        return False
 
 
 def try_interrupt(fleet, work, first):
@@ -201,15 +245,10 @@ def try_interrupt(fleet, work, first):
 def try_limit(fleet, work):
     """A step that stands still ends at its limit, its job fails, and the next run does it again."""
     folder = os.path.join(work, "limited")
-    manifest = os.path.join(fleet, "one.yaml")
-    with open(manifest, "w", encoding="utf-8") as file:
-        file.write("model: model.yaml\nsteps: [calibrate]\nsessions:\n  - {bags: m01/000.bag, machine: m01}\n")
-    process = subprocess.Popen([MM, "batch", manifest, "-o", folder, "--limit", "2"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    stopped = []
-    while process.poll() is None and not stopped:
-        stopped = workers(folder, "mm")
-        for pid in stopped:
-            os.kill(pid, signal.SIGSTOP)
+    process, manifest, step = standing_still(fleet, folder, "--limit", "2")
+    while process.poll() is None and any(alive(pid) for pid in step):
+        time.sleep(0.05)
+    os.replace(folder + "_model.yaml.kept", folder + "_model.yaml")
     _, said = process.communicate()
     say(process.returncode == 1 and "calibrate: took longer than 2 s (--limit)" in said and said.count("\n") == 1, "a step that takes too long is ended and named", said)
     done, answer, _ = batch(manifest, folder)
@@ -408,6 +447,7 @@ def main():
         first = try_local(fleet, work)
         try_one_process(fleet, work, first)
         try_kills(fleet, work, first)
+        try_orphans(fleet, work)
         try_interrupt(fleet, work, first)
         try_limit(fleet, work)
         try_profile(fleet, work, first)
