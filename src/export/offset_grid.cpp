@@ -61,7 +61,7 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
   State reference = others[0];
   for (const int joint : joints_) reference.position[joint] = needed.reference(joint);
   for (std::vector<double>& values : base_) {
-    const double zero = gridValue(corners(reference), values);
+    const double zero = interpolated(values, reference);
     for (double& v : values) {
       v -= zero;
       largest_ = std::max(largest_, std::abs(v));
@@ -88,20 +88,35 @@ OffsetGrid::OffsetGrid(const NeededCorrection& needed, CorrectionPart part) : jo
   }
 }
 
-std::vector<GridCorner> OffsetGrid::corners(const State& state) const {
-  std::vector<double> place;
-  for (const int joint : joints_) place.push_back(state.position[joint]);
-  return gridCorners(at_, place);
+double OffsetGrid::interpolated(const std::vector<double>& values, const State& state) const {
+  std::vector<int> first;
+  std::vector<double> share;
+  for (std::size_t a = 0; a < joints_.size(); ++a) {
+    const double x = (state.position[joints_[a]] - at_[a].front()) / (at_[a][1] - at_[a][0]);
+    first.push_back(static_cast<int>(std::clamp(std::floor(x), 0.0, kGridPoints - 2.0)));
+    share.push_back(std::clamp(x - first[a], 0.0, 1.0));
+  }
+  double sum = 0.0;
+  for (std::size_t corner = 0; corner < (std::size_t{1} << joints_.size()); ++corner) {
+    double weight = 1.0;
+    std::size_t point = 0;
+    for (std::size_t a = 0; a < joints_.size(); ++a) {
+      const int upper = corner >> a & 1u;
+      weight *= upper != 0 ? share[a] : 1.0 - share[a];
+      point = point * kGridPoints + first[a] + upper;
+    }
+    sum += weight * values[point];
+  }
+  return sum;
 }
 
 std::vector<double> OffsetGrid::at(const State& state) const {
-  const std::vector<GridCorner> around = corners(state);
   std::vector<double> added;
   for (std::size_t a = 0; a < joints_.size(); ++a) {
-    double sum = gridValue(around, base_[a]);
+    double sum = interpolated(base_[a], state);
     for (std::size_t k = 0; k < sensors_.size(); ++k) {
       const double t = state.temperature[sensorOf_[k]];
-      if (std::isfinite(t)) sum += (t - referenceTemperature_[k]) * gridValue(around, perKelvin_[k][a]);
+      if (std::isfinite(t)) sum += (t - referenceTemperature_[k]) * interpolated(perKelvin_[k][a], state);
     }
     added.push_back(sum);
   }

@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include "base/grid_values.h"
 #include "export/fitted_tables.h"
 
 namespace mm {
@@ -27,7 +26,7 @@ class OffsetGrid {
   const std::vector<std::string>& sensors() const { return sensors_; }  ///< those that change something
 
  private:
-  std::vector<GridCorner> corners(const State& state) const;
+  double interpolated(const std::vector<double>& values, const State& state) const;
 
   std::vector<int> joints_;
   std::vector<std::string> letters_, sensors_;

@@ -64,7 +64,7 @@ AxisTable leadscrewTable(const KeyedValues& list, const std::string& joint) {
     positive.push_back(-tableValue(list, "kw.ssfk", i, ".pos") * listUnit(joint));
     negative.push_back(-tableValue(list, "kw.ssfk", i, downwards) * listUnit(joint));
   }
-  return {joint, joint, {positions, positive}, {positions, negative}};
+  return {joint, joint, {positions, positive}, {positions, negative}, true};
 }
 
 /// @param axes logical number of an axis -> joint.
@@ -93,7 +93,7 @@ AxisTable crossTable(const KeyedValues& list, const std::string& slave,
     positions.push_back(position);
     values.push_back(tableValue(list, "kw.crosscomp", i, ".correction") * listUnit(slave));
   }
-  return {master, slave, {positions, values}, {positions, values}};
+  return {master, slave, {positions, values}, {positions, values}, true};
 }
 
 /// Plane compensation: linear between the four points of a square, the margin beyond (documented).

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/grid_values.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "interpreters/table_sum.h"
@@ -24,14 +23,31 @@ double skewFactor(double ac, double bd, double ad) {
   return std::tan(std::asin((ac * ac - side * side - ad * ad) / (2.0 * side * ad)));
 }
 
+/// Equal steps along one axis of a mesh, mm.
+struct MeshAxis {
+  double first = 0.0, step = 0.0;
+  int count = 0;
+
+  std::vector<double> positions() const {
+    std::vector<double> positions;
+    for (int i = 0; i < count; ++i) positions.push_back(first + i * step);
+    return positions;
+  }
+  /// The point before a place, and the share of the way to the next; the ends are held.
+  std::pair<int, double> place(double at) const {
+    const int i = std::clamp(static_cast<int>(std::floor((at - first) / step)), 0, count - 2);
+    return {i, std::clamp((at - (first + step * i)) / step, 0.0, 1.0)};
+  }
+};
+
 /// Heights of a bed mesh, mm: straight lines between its points, the border beyond.
 struct KlipperMesh {
-  std::vector<double> alongX, alongY;
+  MeshAxis alongX, alongY;
   std::vector<std::vector<double>> rows;  // of y
 
   double at(double x, double y) const {
-    const auto [i, tx] = placeAmong(alongX, x);
-    const auto [k, ty] = placeAmong(alongY, y);
+    const auto [i, tx] = alongX.place(x);
+    const auto [k, ty] = alongY.place(y);
     const auto along = [i = i, tx = tx](const std::vector<double>& row) {
       return (1.0 - tx) * row[i] + tx * row[i + 1];
     };
@@ -75,8 +91,8 @@ class KlipperInterpreter : public Interpreter {
     if (state_.yz != 0.0) points["y"];
     if (state_.adjusts || state_.mesh) points["z"];
     if (!state_.mesh) return points;
-    addPoints("x", inUnit(state_.mesh->alongX, kMillimetre), points);
-    addPoints("y", inUnit(state_.mesh->alongY, kMillimetre), points);
+    addPoints("x", inUnit(state_.mesh->alongX.positions(), kMillimetre), points);
+    addPoints("y", inUnit(state_.mesh->alongY.positions(), kMillimetre), points);
     return points;
   }
 
@@ -94,15 +110,12 @@ class KlipperInterpreter : public Interpreter {
   KlipperState state_;
 };
 
-/// Positions of one axis of a mesh.
-std::vector<double> meshPositions(const KeyedValues& profile, const std::string& axis) {
+MeshAxis meshAxis(const KeyedValues& profile, const std::string& axis) {
   const int count = profile.integer(axis + "_count", 2, 1000);
   const double least = profile.number("min_" + axis, {}, -kHuge, kHuge),
                most = profile.number("max_" + axis, {}, -kHuge, kHuge);
   if (!(most > least)) refuse(profile.place("max_" + axis), "max_" + axis + " is not above min_" + axis);
-  std::vector<double> at;
-  for (int i = 0; i < count; ++i) at.push_back(least + i * ((most - least) / (count - 1)));
-  return at;
+  return {least, (most - least) / (count - 1), count};
 }
 
 /// A profile as SAVE_CONFIG writes it where nothing is filled in between the points that were probed.
@@ -113,21 +126,21 @@ KlipperMesh meshOf(const ConfigSection& profile, const KeyedValues& settings) {
   if (settings.number("fade_end", 0.0) > 0.0)
     refuse(settings.place("fade_end"), "fade_end: a mesh that fades is not read; take fade_end out");
   KlipperMesh mesh;
-  mesh.alongX = meshPositions(profile.values, "x");
-  mesh.alongY = meshPositions(profile.values, "y");
+  mesh.alongX = meshAxis(profile.values, "x");
+  mesh.alongY = meshAxis(profile.values, "y");
   const FilePlace& place = profile.values.need("points").place;
   const auto points = profile.below.find("points");
   for (const TextLine& line : points == profile.below.end() ? std::vector<TextLine>{} : points->second) {
     mesh.rows.emplace_back();
     for (const std::string& cell : partsBetween(line.text, ','))
       mesh.rows.back().push_back(tableNumber(cell, line.place, "points"));
-    if (mesh.rows.back().size() != mesh.alongX.size())
+    if (static_cast<int>(mesh.rows.back().size()) != mesh.alongX.count)
       refuse(line.place, "points: a row of " + std::to_string(mesh.rows.back().size()) +
-                             " heights, x_count is " + std::to_string(mesh.alongX.size()));
+                             " heights, x_count is " + std::to_string(mesh.alongX.count));
   }
-  if (mesh.rows.size() != mesh.alongY.size())
+  if (static_cast<int>(mesh.rows.size()) != mesh.alongY.count)
     refuse(place, "points: " + std::to_string(mesh.rows.size()) + " rows, y_count is " +
-                      std::to_string(mesh.alongY.size()));
+                      std::to_string(mesh.alongY.count));
   return mesh;
 }
 

@@ -51,7 +51,7 @@ void TableSum::add(const CommandedState& command, std::map<std::string, double>&
 JointPoints TableSum::points() const {
   JointPoints points;
   for (const AxisTable& table : tables_) {
-    if (table.positive.addsNothing() && table.negative.addsNothing()) continue;
+    if (!table.alwaysTold && table.positive.addsNothing() && table.negative.addsNothing()) continue;
     points[table.output];
     addPoints(table.input, table.positive.positions(), points);
     addPoints(table.input, table.negative.positions(), points);

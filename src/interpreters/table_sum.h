@@ -33,6 +33,7 @@ class Curve {
 struct AxisTable {
   std::string input, output;  // joints
   Curve positive, negative;   // by the direction of `input`
+  bool alwaysTold = false;    // of points(): also where it adds nothing
 };
 /// A reversal: what is added to a joint after a motion in either direction.
 AxisTable reversal(const std::string& joint, double positive, double negative);

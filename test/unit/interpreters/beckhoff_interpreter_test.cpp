@@ -67,17 +67,17 @@ TEST(BeckhoffInterpreter, APlaneIsLinearBetweenFourPointsAndKeepsItsMargin) {
 
 TEST(BeckhoffInterpreter, WhatTheControllerDoesNotLoadIsRefused) {
   EXPECT_THAT(
-      refusal("beckhoff", {{"z.lis",
-                            "kw.crosscomp.unit 1\nkw.crosscomp.master_ax_nr 1\nkw.crosscomp.last_index 1\n"
-                            "kw.crosscomp.table[0].setpoint 5\nkw.crosscomp.table[1].setpoint 5\n"}}),
+      refusalOf("beckhoff", {{"z.lis",
+                              "kw.crosscomp.unit 1\nkw.crosscomp.master_ax_nr 1\nkw.crosscomp.last_index 1\n"
+                              "kw.crosscomp.table[0].setpoint 5\nkw.crosscomp.table[1].setpoint 5\n"}}),
       AllOf(HasSubstr("z.lis:5"), HasSubstr("setpoint 1 is not above")));
-  EXPECT_THAT(refusal("beckhoff", {{"y.lis", std::string(kExample) + "kw.ssfk.kw_nr_max 1500\n"}}),
+  EXPECT_THAT(refusalOf("beckhoff", {{"y.lis", std::string(kExample) + "kw.ssfk.kw_nr_max 1500\n"}}),
               AllOf(HasSubstr("y.lis:14"), HasSubstr("kw.ssfk.kw_nr_max: 1500"), HasSubstr("1499")));
-  EXPECT_THAT(refusal("beckhoff", {{"y.lis", "kw.ssfk.tabel[0].pos 1\n"}}),
+  EXPECT_THAT(refusalOf("beckhoff", {{"y.lis", "kw.ssfk.tabel[0].pos 1\n"}}),
               AllOf(HasSubstr("y.lis:1"), HasSubstr("kw.ssfk.tabel[0].pos")));
-  EXPECT_THAT(refusal("beckhoff", {{"x.csv", "Position,Compensation\n0,0\n10,0\n"}}),
+  EXPECT_THAT(refusalOf("beckhoff", {{"x.csv", "Position,Compensation\n0,0\n10,0\n"}}),
               HasSubstr("has no <axis>.lis"));
-  EXPECT_THAT(refusal("beckhoff", {{"z.lis", "kw.crosscomp.unit 1\nkw.crosscomp.master_ax_nr 17\n"}}),
+  EXPECT_THAT(refusalOf("beckhoff", {{"z.lis", "kw.crosscomp.unit 1\nkw.crosscomp.master_ax_nr 17\n"}}),
               AllOf(HasSubstr("z.lis:2"), HasSubstr("axis 17")));
 }
 
@@ -89,7 +89,7 @@ TEST(BeckhoffInterpreter, ParametersOfWhichNoRuleIsKnownAreRefused) {
       {"kw.ssfk.table[1].setpoint 5", "is not read"},
       {"kw.ssfk.max_points 9", "is not read"}};
   for (const auto& [line, why] : lines) {
-    EXPECT_THAT(refusal("beckhoff", {{"y.lis", std::string(kExample) + line + "\n"}}),
+    EXPECT_THAT(refusalOf("beckhoff", {{"y.lis", std::string(kExample) + line + "\n"}}),
                 AllOf(HasSubstr("y.lis:14: "), HasSubstr(why)))
         << line;
   }

@@ -70,17 +70,17 @@ TEST(CsvInterpreter, ARotaryJointOfTheChainStaysAndTurnsWhatFollows) {
 
 TEST(CsvInterpreter, WhatIsNotStatedIsRefused) {
   TableFolder joint;
-  EXPECT_THAT(refusal("csv", {{"EXX.csv", "position_mm,value_um\n0,1\n"}}), HasSubstr("chain.csv"));
+  EXPECT_THAT(refusalOf("csv", {{"EXX.csv", "position_mm,value_um\n0,1\n"}}), HasSubstr("chain.csv"));
   EXPECT_THAT(
-      refusal("csv", {{"chain.csv", chain("fixed_side")}, {"EXA.csv", "position_deg,value_um\n0,1\n"}}),
+      refusalOf("csv", {{"chain.csv", chain("fixed_side")}, {"EXA.csv", "position_deg,value_um\n0,1\n"}}),
       AllOf(HasSubstr("EXA.csv"), HasSubstr("joint 'a'")));
   EXPECT_THAT(
-      refusal("csv", {{"chain.csv", chain("fixed_side")}, {"EXX.csv", "position_mm,value_um\n5,1\n5,2\n"}}),
+      refusalOf("csv", {{"chain.csv", chain("fixed_side")}, {"EXX.csv", "position_mm,value_um\n5,1\n5,2\n"}}),
       AllOf(HasSubstr("EXX.csv:3"), HasSubstr("position_mm: 5")));
   EXPECT_THAT(
-      refusal("csv", {{"chain.csv", chain("fixed_side")}, {"EAX.csv", "position_mm,value_um\n0,1\n"}}),
+      refusalOf("csv", {{"chain.csv", chain("fixed_side")}, {"EAX.csv", "position_mm,value_um\n0,1\n"}}),
       AllOf(HasSubstr("EAX.csv:1"), HasSubstr("value_urad")));
-  EXPECT_THAT(refusal("csv", {{"chain.csv", chain("carriage")}}),
+  EXPECT_THAT(refusalOf("csv", {{"chain.csv", chain("carriage")}}),
               AllOf(HasSubstr("chain.csv:3"), HasSubstr("'carriage' is not read, only fixed_side")));
 }
 

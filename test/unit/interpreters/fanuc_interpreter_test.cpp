@@ -53,7 +53,8 @@ TEST(FanucInterpreter, WhatTheControlHasIsReadBesideWhatItIsGiven) {
   EXPECT_NEAR(moved(folder, 0, -1), -6 * 0.05, kNanometre);
   folder.file("compare.txt", "N01820 A1 P110\n");  // 1 um x 10
   EXPECT_NEAR(moved(folder, 50), 20.0, kNanometre);
-  EXPECT_THAT(refusal("fanuc", {{"compare.txt", "N01820 A1 P200\n"}}),
+  folder.file("compare.txt", "N01820 A1 P200\n");
+  EXPECT_THAT(refusal("fanuc", folder),
               AllOf(HasSubstr("compare.txt:1"), HasSubstr("1820"), HasSubstr("200")));
 }
 
@@ -71,20 +72,20 @@ TEST(FanucInterpreter, RotaryAxesTablesOfEachDirectionAndAnotherReferenceAreRefu
       {"N03605 A1 P00000001\n", "a table for each direction"},
       {"N01240 A1 P5.0\n", "5.0 is not read, only 0"}};
   for (const auto& [line, why] : lines) {
-    EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample(line)}}),
+    EXPECT_THAT(refusalOf("fanuc", {{"parameters.txt", linearExample(line)}}),
                 AllOf(HasSubstr("parameters.txt:"), HasSubstr(why)))
         << line;
   }
 }
 
 TEST(FanucInterpreter, WhatIsOutOfRangeIsRefused) {
-  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample("N10041 P8\n")}}),
+  EXPECT_THAT(refusalOf("fanuc", {{"parameters.txt", linearExample("N10041 P8\n")}}),
               AllOf(HasSubstr("parameters.txt:25"), HasSubstr("10041"), HasSubstr("-7 to 7")));
-  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample("N03622 A1 P1024\n")}}),
+  EXPECT_THAT(refusalOf("fanuc", {{"parameters.txt", linearExample("N03622 A1 P1024\n")}}),
               AllOf(HasSubstr("3622"), HasSubstr("0 to 1023")));
-  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", "N03620 A1 X40\n"}}),
+  EXPECT_THAT(refusalOf("fanuc", {{"parameters.txt", "N03620 A1 X40\n"}}),
               AllOf(HasSubstr("parameters.txt:1"), HasSubstr("X40")));
-  EXPECT_THAT(refusal("fanuc", {{"parameters.txt", linearExample("N03620 A1 P90\n")}}),
+  EXPECT_THAT(refusalOf("fanuc", {{"parameters.txt", linearExample("N03620 A1 P90\n")}}),
               AllOf(HasSubstr("3620"), HasSubstr("90")));
 }
 

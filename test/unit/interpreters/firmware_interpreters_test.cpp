@@ -36,13 +36,13 @@ TEST(MarlinInterpreter, BacklashIsTakenUpBackwardsByItsFraction) {
 
 TEST(MarlinInterpreter, WhatMarlinDoesNotTakeIsRefused) {
   TableFolder inches;
-  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "M852 I1.5\n"}}),
+  EXPECT_THAT(refusalOf("marlin", {{"compensation.gcode", "M852 I1.5\n"}}),
               AllOf(HasSubstr("compensation.gcode:1"), HasSubstr("M852 I"), HasSubstr("-1 to 1")));
-  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "G21\nM852 I0.0.1\n"}}),
+  EXPECT_THAT(refusalOf("marlin", {{"compensation.gcode", "G21\nM852 I0.0.1\n"}}),
               AllOf(HasSubstr(":2"), HasSubstr("'0.0.1' is not a number")));
-  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "M425 Q1\n"}}),
+  EXPECT_THAT(refusalOf("marlin", {{"compensation.gcode", "M425 Q1\n"}}),
               HasSubstr("M425: 'Q1' is none of the letters"));
-  EXPECT_THAT(refusal("marlin", {{"compensation.gcode", "G20\nM852 I0.01\n"}}),
+  EXPECT_THAT(refusalOf("marlin", {{"compensation.gcode", "G20\nM852 I0.01\n"}}),
               AllOf(HasSubstr("compensation.gcode:1"), HasSubstr("inches are not read")));
 }
 
@@ -52,7 +52,7 @@ TEST(ReprapfirmwareInterpreter, TangentsOfTheDocumentedExampleAreAdded) {
   folder.file("config-override.g", "M556 S100 X0.7 Y-0.2 Z0.6\n");
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "x", 100, 200, 50), 1400.0 + 300.0, kNanometre);
   EXPECT_NEAR(movedBy("reprapfirmware", folder, "y", 100, 200, 50), -100.0, kNanometre);
-  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "M556 S100 X0.7 Y-0.2 Z0.6 P1 ; by y\n"}}),
+  EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", "M556 S100 X0.7 Y-0.2 Z0.6 P1 ; by y\n"}}),
               AllOf(HasSubstr("config.g:1"), HasSubstr("M556: 'P1' is none of")));
 }
 
@@ -65,10 +65,10 @@ TEST(ReprapfirmwareInterpreter, TheOverrideComesLast) {
 }
 
 TEST(ReprapfirmwareInterpreter, WhatHasNoHeightIsRefused) {
-  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "G28\nM556 X0.7\n"}}),
+  EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", "G28\nM556 X0.7\n"}}),
               AllOf(HasSubstr("config.g:2"), HasSubstr("S")));
-  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "M556 S0 X0.7\n"}}), HasSubstr("M556"));
-  EXPECT_THAT(refusal("reprapfirmware", {{"config.g", "M425 X-0.1\n"}}),
+  EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", "M556 S0 X0.7\n"}}), HasSubstr("M556"));
+  EXPECT_THAT(refusalOf("reprapfirmware", {{"config.g", "M425 X-0.1\n"}}),
               AllOf(HasSubstr("M425 X"), HasSubstr("below 0")));
 }
 
@@ -85,9 +85,9 @@ TEST(GrblhalInterpreter, BacklashIsCountedFromThePullOff) {
 }
 
 TEST(GrblhalInterpreter, WhatIsNoBacklashIsRefused) {
-  EXPECT_THAT(refusal("grblhal", {{"settings.txt", "$0=10\n$162=-0.1\n"}}),
+  EXPECT_THAT(refusalOf("grblhal", {{"settings.txt", "$0=10\n$162=-0.1\n"}}),
               AllOf(HasSubstr("settings.txt:2"), HasSubstr("$162"), HasSubstr("-0.1")));
-  EXPECT_THAT(refusal("grblhal", {{"settings.txt", "$160=five\n"}}), HasSubstr("'five' is not a number"));
+  EXPECT_THAT(refusalOf("grblhal", {{"settings.txt", "$160=five\n"}}), HasSubstr("'five' is not a number"));
 }
 
 }  // namespace

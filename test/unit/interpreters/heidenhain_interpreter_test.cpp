@@ -55,7 +55,7 @@ TEST(HeidenhainInterpreter, WhatTheControlDoesNotTakeIsRefused) {
   EXPECT_THAT(
       refusal("heidenhain", withTable(falling, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 0\n1 5 0\n[END]\n")),
       AllOf(HasSubstr("axisy.com:4"), HasSubstr("AXISPOS: 5")));
-  EXPECT_THAT(refusal("heidenhain", {{"config.cma", kAssignment}}),
+  EXPECT_THAT(refusalOf("heidenhain", {{"config.cma", kAssignment}}),
               AllOf(HasSubstr("config.cma:3"), HasSubstr("AXISY.COM")));
   EXPECT_THAT(refusal("heidenhain", withTable(half, "BEGIN AXISY.COM MM\nNR AXISPOS Y\n0 5 0\n")),
               HasSubstr("[END]"));
@@ -69,8 +69,8 @@ TEST(HeidenhainInterpreter, OtherUnitsEmptyCellsAndRotaryAxesAreRefused) {
               AllOf(HasSubstr("axisy.com:1"), HasSubstr("unit 'INCH' is not read, only MM")));
   EXPECT_THAT(refusal("heidenhain", withTable(empty, "BEGIN AXISY.COM MM\nNR AXISPOS Y Z\n0 5 0\n[END]\n")),
               AllOf(HasSubstr("axisy.com:3"), HasSubstr("3 cells below 4 columns")));
-  EXPECT_THAT(refusal("heidenhain", {{"config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE C\n0 * C.COM\n[END]\n"},
-                                     {"C.COM", kTable}}),
+  EXPECT_THAT(refusalOf("heidenhain", {{"config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE C\n0 * C.COM\n[END]\n"},
+                                       {"C.COM", kTable}}),
               AllOf(HasSubstr("config.cma:2"), HasSubstr("column C")));
 }
 

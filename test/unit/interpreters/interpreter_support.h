@@ -51,7 +51,8 @@ inline std::string refusal(const std::string& target, const TableFolder& folder)
   return "";
 }
 
-inline std::string refusal(const std::string& target, const std::map<std::string, std::string>& files) {
+/// The same of files by their names.
+inline std::string refusalOf(const std::string& target, const std::map<std::string, std::string>& files) {
   return refusal(target, TableFolder(files));
 }
 

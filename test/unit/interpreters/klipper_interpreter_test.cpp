@@ -86,34 +86,34 @@ TEST(KlipperInterpreter, HeatLowersZByTheCoefficient) {
 
 TEST(KlipperInterpreter, WhatKlipperAnswersWithAnErrorIsRefused) {
   TableFolder lengths;
-  EXPECT_THAT(refusal("klipper", {{"printer.cfg", "[skew_correction]\n"},
-                                  {"start.gcode", "\nSKEW_PROFILE LOAD=none\n"}}),
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", "[skew_correction]\n"},
+                                    {"start.gcode", "\nSKEW_PROFILE LOAD=none\n"}}),
               AllOf(HasSubstr("start.gcode:2"), HasSubstr("none")));
-  EXPECT_THAT(refusal("klipper", {{"printer.cfg", mesh("  0, 0.1\n  0\n", 2, 2)}, {"start.gcode", kLoad}}),
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", mesh("  0, 0.1\n  0\n", 2, 2)}, {"start.gcode", kLoad}}),
               AllOf(HasSubstr("printer.cfg:6"), HasSubstr("x_count is 2")));
-  EXPECT_THAT(
-      refusal("klipper", {{"printer.cfg", "[skew_correction]\n"}, {"start.gcode", "SET_SKEW XY=140,142\n"}}),
-      AllOf(HasSubstr("start.gcode:1"), HasSubstr("three lengths")));
-  EXPECT_THAT(refusal("klipper", {{"printer.cfg", ""}, {"start.gcode", "SET_SKEW CLEAR=1\n"}}),
+  EXPECT_THAT(refusalOf("klipper",
+                        {{"printer.cfg", "[skew_correction]\n"}, {"start.gcode", "SET_SKEW XY=140,142\n"}}),
+              AllOf(HasSubstr("start.gcode:1"), HasSubstr("three lengths")));
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", ""}, {"start.gcode", "SET_SKEW CLEAR=1\n"}}),
               HasSubstr("[skew_correction]"));
 }
 
 TEST(KlipperInterpreter, WhatNoRuleIsKnownOfIsRefused) {
   const std::string two = "  0, 0.1\n  0, 0.1\n", heat = "[z_thermal_adjust]\ntemp_coeff: 0.01\n";
 
-  EXPECT_THAT(refusal("klipper", {{"printer.cfg", mesh(two, 2, 2, "bicubic")}, {"start.gcode", kLoad}}),
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", mesh(two, 2, 2, "bicubic")}, {"start.gcode", kLoad}}),
               AllOf(HasSubstr("printer.cfg:11"), HasSubstr("'bicubic' is not read, only")));
-  EXPECT_THAT(refusal("klipper", {{"printer.cfg", "[bed_mesh]\nfade_end: 10\n" + mesh(two, 2, 2)},
-                                  {"start.gcode", kLoad}}),
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", "[bed_mesh]\nfade_end: 10\n" + mesh(two, 2, 2)},
+                                    {"start.gcode", kLoad}}),
               AllOf(HasSubstr("printer.cfg:2"), HasSubstr("fade_end")));
   EXPECT_THAT(
-      refusal("klipper", {{"printer.cfg", mesh(two, 2, 2) + "[gcode_macro START]\ngcode:\n  " + kLoad}}),
+      refusalOf("klipper", {{"printer.cfg", mesh(two, 2, 2) + "[gcode_macro START]\ngcode:\n  " + kLoad}}),
       AllOf(HasSubstr("printer.cfg:19"), HasSubstr("start.gcode alone")));
-  EXPECT_THAT(refusal("klipper", {{"printer.cfg", heat}}),
+  EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", heat}}),
               AllOf(HasSubstr("printer.cfg:1"), HasSubstr("REF_TEMP")));
-  EXPECT_THAT(
-      refusal("klipper", {{"printer.cfg", heat}, {"start.gcode", "SET_Z_THERMAL_ADJUST TEMP_COEFF=0.02\n"}}),
-      AllOf(HasSubstr("start.gcode:1"), HasSubstr("TEMP_COEFF")));
+  EXPECT_THAT(refusalOf("klipper",
+                        {{"printer.cfg", heat}, {"start.gcode", "SET_Z_THERMAL_ADJUST TEMP_COEFF=0.02\n"}}),
+              AllOf(HasSubstr("start.gcode:1"), HasSubstr("TEMP_COEFF")));
 }
 
 }  // namespace

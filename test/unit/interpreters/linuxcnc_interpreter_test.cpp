@@ -67,8 +67,8 @@ TEST(LinuxcncInterpreter, AngularJointsAreInDegreesAndOtherUnitsAreRefused) {
   command.direction["a"] = -1;
   EXPECT_NEAR(interpret("linuxcnc", folder.path())->motors(command).at("a"), 1.0 - 0.01 * kDegree, 1e-12);
   EXPECT_THAT(
-      refusal("linuxcnc", {{"machine.ini",
-                            "[TRAJ]\nCOORDINATES = X\nLINEAR_UNITS = inch\n[JOINT_0]\nBACKLASH = 0.02\n"}}),
+      refusalOf("linuxcnc", {{"machine.ini",
+                              "[TRAJ]\nCOORDINATES = X\nLINEAR_UNITS = inch\n[JOINT_0]\nBACKLASH = 0.02\n"}}),
       AllOf(HasSubstr("machine.ini:3"), HasSubstr("LINEAR_UNITS: 'inch'"), HasSubstr("only mm")));
 }
 
@@ -81,16 +81,18 @@ TEST(LinuxcncInterpreter, WhatLinuxcncReportsIsRefused) {
   EXPECT_EQ(refusal("linuxcnc", withCompFile(many, table)), "");
   EXPECT_THAT(refusal("linuxcnc", withCompFile(many, table + "256 0 0\n")),
               AllOf(HasSubstr("joint0.comp:257"), HasSubstr("256")));
-  EXPECT_THAT(refusal("linuxcnc", {{"machine.ini", std::string(kHead) + "[JOINT_1]\nCOMP_FILE = y.comp\n"}}),
-              AllOf(HasSubstr("machine.ini:5"), HasSubstr("y.comp")));
+  EXPECT_THAT(
+      refusalOf("linuxcnc", {{"machine.ini", std::string(kHead) + "[JOINT_1]\nCOMP_FILE = y.comp\n"}}),
+      AllOf(HasSubstr("machine.ini:5"), HasSubstr("y.comp")));
   // sscanf finds no number in a remark, and the loop of usrmotLoadComp ends there
   EXPECT_THAT(refusal("linuxcnc", withCompFile(remark, "# x axis\n0 0 0\n")),
               AllOf(HasSubstr("joint0.comp:1"), HasSubstr("reads no further")));
 }
 
 TEST(LinuxcncInterpreter, JointsWithoutAxesAreRefused) {
-  EXPECT_THAT(refusal("linuxcnc", {{"machine.ini", "[JOINT_0]\nBACKLASH = 1\n"}}), HasSubstr("COORDINATES"));
-  EXPECT_THAT(refusal("linuxcnc", {{"machine.ini", std::string(kHead) + "[JOINT_3]\nBACKLASH = 1\n"}}),
+  EXPECT_THAT(refusalOf("linuxcnc", {{"machine.ini", "[JOINT_0]\nBACKLASH = 1\n"}}),
+              HasSubstr("COORDINATES"));
+  EXPECT_THAT(refusalOf("linuxcnc", {{"machine.ini", std::string(kHead) + "[JOINT_3]\nBACKLASH = 1\n"}}),
               AllOf(HasSubstr("JOINT_3"), HasSubstr("3 joints")));
 }
 

@@ -76,7 +76,7 @@ TEST(SiemensInterpreter, VariablesOfWhichNoRuleIsKnownAreRefused) {
       {"$AN_CEC_MAX[0]=-250", "whole steps"},
       {"$MA_BACKLASH[0,AX1]=0.02", "'AX1' is no axis"}};
   for (const auto& [line, why] : lines) {
-    EXPECT_THAT(refusal("siemens", {{"cec.mpf", cecTable(line)}}),
+    EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable(line)}}),
                 AllOf(HasSubstr("cec.mpf:9: "), HasSubstr(why)))
         << line;
   }
@@ -84,17 +84,17 @@ TEST(SiemensInterpreter, VariablesOfWhichNoRuleIsKnownAreRefused) {
 
 TEST(SiemensInterpreter, WhatTheControlWouldNotLoadIsRefused) {
   TableFolder points, axis;
-  EXPECT_THAT(refusal("siemens", {{"cec.mpf", cecTable("$MN_MM_CEC_MAX_POINTS[0]=2\n")}}),
+  EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$MN_MM_CEC_MAX_POINTS[0]=2\n")}}),
               AllOf(HasSubstr("cec.mpf:9"), HasSubstr("asks for 3 points")));
-  EXPECT_THAT(refusal("siemens", {{"cec.mpf", "$AN_CEC[3,0]=0\n$AN_CEC_INPUT_AXIS[3]=(X1)\n"}}),
+  EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", "$AN_CEC[3,0]=0\n$AN_CEC_INPUT_AXIS[3]=(X1)\n"}}),
               HasSubstr("$AN_CEC_OUTPUT_AXIS[3] is missing"));
-  EXPECT_THAT(refusal("siemens", {{"cec.mpf", cecTable("$AN_CEC_STP[0]=1\n")}}),
+  EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$AN_CEC_STP[0]=1\n")}}),
               AllOf(HasSubstr("cec.mpf:9"), HasSubstr("$AN_CEC_STEP")));
-  EXPECT_THAT(refusal("siemens", {{"cec.mpf", cecTable("$AN_CEC_STEP[0]=0\n")}}),
+  EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$AN_CEC_STEP[0]=0\n")}}),
               AllOf(HasSubstr("_STEP"), HasSubstr("not above 0")));
-  EXPECT_THAT(refusal("siemens", {{"cec.mpf", cecTable("$AN_CEC_INPUT_AXIS[0]=(Q1)\n")}}),
+  EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$AN_CEC_INPUT_AXIS[0]=(Q1)\n")}}),
               HasSubstr("'Q1' is no axis"));
-  EXPECT_THAT(refusal("siemens", {{"cec.mpf", cecTable("$AN_CEC_DIRECTION[0]=2\n")}}),
+  EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable("$AN_CEC_DIRECTION[0]=2\n")}}),
               AllOf(HasSubstr("$AN_CEC_DIRECTION"), HasSubstr("2 is not within -1 to 1")));
 }
 
