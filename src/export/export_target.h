@@ -59,7 +59,7 @@ std::string activeWords(const ExportTarget& target, const NeededCorrection& need
 /// Takes over what notFollowed() tells of a table.
 void addNotFollowed(const std::vector<std::string>& told, Exported& out);
 
-/// All of them, in the order of the documents. A new one is a file pair and a line here.
+/// All of them, in the order of the documents. A new one is a file, and a line here and in targets.h.
 const std::vector<ExportTarget>& exportTargets();
 /// @throw InputError naming the targets that there are.
 const ExportTarget& exportTarget(const std::string& name);
