@@ -1,11 +1,14 @@
 #include "base/grid_values.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mm {
 
 std::pair<std::size_t, double> placeAmong(const std::vector<double>& at, double position) {
-  if (at.size() < 2 || position <= at.front()) return {0, 0.0};
+  if (at.size() < 2) return {0, 0.0};
+  if (std::isnan(position)) return {0, position};
+  if (position <= at.front()) return {0, 0.0};
   if (position >= at.back()) return {at.size() - 2, 1.0};
   const auto i = static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), position) - at.begin()) - 1;
   return {i, (position - at[i]) / (at[i + 1] - at[i])};

@@ -55,7 +55,7 @@ struct BatchJob {
 /// read, or grows or shrinks meanwhile.
 std::string keyOf(const BatchJob& job);
 
-/// For the files that tell a process of an engine what to do.
+/// What job.json in its folder says.
 nlohmann::json jobJson(const BatchJob& job);
 BatchJob jobOf(const nlohmann::json& json);  ///< @throw nlohmann::json::exception: not as jobJson wrote it
 

@@ -10,14 +10,15 @@
 
 #include "base/error.h"
 #include "calibration_file/atomic_file.h"
+#include "fleet/utf8.h"
 
 namespace mm {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPatience = 30.0;  // s, for a cluster to end jobs
-constexpr int kJobsInSlurm = 100;   // an srun here for each
+constexpr double kClusterPatience = 30.0;  // s, for a cluster to end jobs
+constexpr int kJobsInSlurm = 100;          // an srun here for each
 
 void require(const std::string& program, const std::string& package) {
   if (!onPath(program))
@@ -51,7 +52,7 @@ void Snakemake::endInSlurm() const {
        "&& squeue --noheader --name=$0",
        name_},
       folder_.log());
-  if (end.endsWithin(kPatience) && end.status() == 0) return;
+  if (end.endsWithin(kClusterPatience) && end.status() == 0) return;
   throw InputError("--engine slurm: Slurm does not end the jobs " + name_ +
                    " of this folder, or does not answer (" + lastWordsOf(folder_.log()) +
                    "); wait until squeue --name=" + name_ + " lists none, and run again");
@@ -68,8 +69,12 @@ void Snakemake::start(const std::vector<BatchJob>& jobs, const std::string& prog
   }
   writeFileAtomically(folder_.work() / "batch.json", todo.dump());
   const std::string work = folder_.work().string();
+  if (!isUtf8(program))
+    throw InputError("the path of mm, " + readable(program) + ", is not UTF-8; install it elsewhere");
   std::vector<std::string> words{"env",
-                                 "XDG_CACHE_HOME=" + work,  // a user may have no home that can be written
+                                 "--unset=SNAKEMAKE_PROFILE",  // a user's own, that nobody asked for here
+                                 "PYTHONUTF8=1",               // paths, whatever the locale
+                                 "XDG_CACHE_HOME=" + work,     // a user may have no home that can be written
                                  "snakemake",
                                  "--snakefile",
                                  rules().string(),
@@ -98,7 +103,7 @@ void Snakemake::stop() {
   if (!child_) return;
   if (!options_.profile.empty()) {
     child_->ask(SIGINT);  // it cancels what it gave to a cluster
-    child_->endsWithin(kPatience);
+    child_->endsWithin(kClusterPatience);
   }
   child_.reset();
   if (!name_.empty()) endInSlurm();

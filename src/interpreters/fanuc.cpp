@@ -47,8 +47,10 @@ class FanucAxis {
  public:
   FanucAxis(const KeyedValues& parameters, int axis, std::string joint)
       : p_(parameters), axis_(axis), joint_(std::move(joint)) {
-    if (jointUnit(joint_) != kMillimetre || bit(1006, 0))
-      refuse(p_.place(name(3620)), name(3620) + ": tables of rotary axes are not read; take the axis out");
+    if (jointUnit(joint_) != kMillimetre || bit(1006, 0)) {
+      const std::string given = name(p_.has(name(3620)) ? 3620 : 1851);
+      refuse(p_.place(given), given + ": rotary axes are not read; take the axis out");
+    }
     if (bit(3605, 0))
       refuse(p_.place(name(3605)), name(3605) + ": a table for each direction (#0) is not read");
     increment_ = bit(1013, 1) ? 1e-4 : 1e-3;  // IS-C, IS-B

@@ -79,6 +79,8 @@ std::filesystem::path tncFile(const std::filesystem::path& folder, const std::st
 std::unique_ptr<Interpreter> interpretHeidenhain(const std::filesystem::path& folder) {
   const TextTable assignment = readTncTable(tncFile(folder, "config.cma", {folder, 0}));
   const TableRow& names = assignment.names;
+  if (names.cells.size() < 2 || names.cells[0] != "NR" || names.cells[1] != "ACTIVE")
+    refuse(names.place, "columns: NR and ACTIVE are expected first");
   const TableRow* active = nullptr;
   for (const TableRow& row : assignment.rows) {
     if (row.cells.size() < 2 || row.cells[1] != "*") continue;
@@ -87,8 +89,9 @@ std::unique_ptr<Interpreter> interpretHeidenhain(const std::filesystem::path& fo
   }
   std::vector<AxisTable> tables;
   for (std::size_t i = 2; active != nullptr && i < names.cells.size(); ++i)
-    addComTables(tncFile(folder, active->cells[i], active->place), linearJoint(names.cells[i], names.place),
-                 tables);
+    if (names.cells[i] != "DOC")
+      addComTables(tncFile(folder, active->cells[i], active->place), linearJoint(names.cells[i], names.place),
+                   tables);
   return std::make_unique<TableSum>(std::move(tables));
 }
 

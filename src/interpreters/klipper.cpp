@@ -150,10 +150,13 @@ class KlipperReader {
   explicit KlipperReader(const std::filesystem::path& folder)
       : file_(folder / "printer.cfg"), sections_(configSections(file_)) {
     for (const TextLine& line : textLines(file_))
-      if (const std::string name = commandName(line.text); isKnown(name))
+      for (const std::string& name :
+           wordsBetweenBlanks(capitals(line.text.substr(0, line.text.find_first_of("#;"))))) {
+        if (!isKnown(name)) continue;
         refuse(line.place, name +
                                ": commands of compensation count in start.gcode alone; write there what runs "
                                "at the start, and take it out here");
+      }
     const ConfigSection* heat = findSection(sections_, "z_thermal_adjust");
     if (heat != nullptr) {
       state_.coefficient = heat->values.number("temp_coeff", 0.0, -1.0, 1.0);
@@ -175,6 +178,10 @@ class KlipperReader {
     const std::vector<std::string> words = wordsBetweenBlanks(capitals(text));
     return words.empty() ? "" : words[0];
   }
+  static std::string unquoted(std::string value) {
+    value.erase(std::remove(value.begin(), value.end(), '"'), value.end());
+    return value;
+  }
   static bool isKnown(const std::string& name) {
     return name == "SET_SKEW" || name == "SKEW_PROFILE" || name == "BED_MESH_PROFILE" ||
            name == "BED_MESH_CLEAR" || name == "SET_Z_THERMAL_ADJUST";
@@ -186,7 +193,7 @@ class KlipperReader {
     KeyedValues said(line.place);
     for (const std::string& word : wordsBetweenBlanks(line.text.substr(0, line.text.find(';'))))
       if (const std::size_t equals = word.find('='); equals != std::string::npos)
-        said.set(capitals(word.substr(0, equals)), word.substr(equals + 1), line.place);
+        said.set(capitals(word.substr(0, equals)), unquoted(word.substr(equals + 1)), line.place);
     if (name == "SET_SKEW") setSkew(said);
     if (name == "SKEW_PROFILE") loadSkew(said);
     if (name == "BED_MESH_PROFILE")
@@ -209,7 +216,10 @@ class KlipperReader {
 
   void setSkew(const KeyedValues& said) {
     sectionFor("skew_correction", said);
-    if (said.integer("CLEAR", -1000000, 1000000, 0) != 0) state_.xy = state_.xz = state_.yz = 0.0;
+    if (said.integer("CLEAR", -1000000, 1000000, 0) != 0) {
+      state_.xy = state_.xz = state_.yz = 0.0;
+      return;  // whatever stands beside it
+    }
     const std::pair<const char*, double*> planes[] = {
         {"XY", &state_.xy}, {"XZ", &state_.xz}, {"YZ", &state_.yz}};
     for (const auto& [plane, factor] : planes) {

@@ -17,27 +17,27 @@ namespace {
 
 constexpr int kMostTables = 62, kMostPoints = 5000;
 
-/// The variables that count.
-const std::vector<std::string> kVariables = {"$AN_CEC",
-                                             "$AN_CEC_INPUT_AXIS",
-                                             "$AN_CEC_OUTPUT_AXIS",
-                                             "$AN_CEC_STEP",
-                                             "$AN_CEC_MIN",
-                                             "$AN_CEC_MAX",
-                                             "$AN_CEC_DIRECTION",
-                                             "$AN_CEC_IS_MODULO",
-                                             "$AN_CEC_MULT_BY_TABLE",
-                                             "$SN_CEC_TABLE_ENABLE",
-                                             "$SN_CEC_TABLE_WEIGHT",
-                                             "$MN_MM_CEC_MAX_POINTS",
-                                             "$MA_CEC_ENABLE",
-                                             "$AA_ENC_COMP",
-                                             "$AA_ENC_COMP_STEP",
-                                             "$AA_ENC_COMP_MIN",
-                                             "$AA_ENC_COMP_MAX",
-                                             "$AA_ENC_COMP_IS_MODULO",
-                                             "$MA_ENC_COMP_ENABLE",
-                                             "$MA_BACKLASH"};
+/// The variables that count, and how many indices each has.
+const std::map<std::string, std::size_t> kVariables = {{"$AN_CEC", 2},
+                                                       {"$AN_CEC_INPUT_AXIS", 1},
+                                                       {"$AN_CEC_OUTPUT_AXIS", 1},
+                                                       {"$AN_CEC_STEP", 1},
+                                                       {"$AN_CEC_MIN", 1},
+                                                       {"$AN_CEC_MAX", 1},
+                                                       {"$AN_CEC_DIRECTION", 1},
+                                                       {"$AN_CEC_IS_MODULO", 1},
+                                                       {"$AN_CEC_MULT_BY_TABLE", 1},
+                                                       {"$SN_CEC_TABLE_ENABLE", 1},
+                                                       {"$SN_CEC_TABLE_WEIGHT", 1},
+                                                       {"$MN_MM_CEC_MAX_POINTS", 1},
+                                                       {"$MA_CEC_ENABLE", 1},
+                                                       {"$AA_ENC_COMP", 3},
+                                                       {"$AA_ENC_COMP_STEP", 2},
+                                                       {"$AA_ENC_COMP_MIN", 2},
+                                                       {"$AA_ENC_COMP_MAX", 2},
+                                                       {"$AA_ENC_COMP_IS_MODULO", 2},
+                                                       {"$MA_ENC_COMP_ENABLE", 2},
+                                                       {"$MA_BACKLASH", 2}};
 
 /// Takes over what a line assigns to one of them: `$NAME[0,X1]=value`, the axis as its joint.
 void readSiemensLine(const TextLine& line, KeyedValues& said) {
@@ -47,16 +47,26 @@ void readSiemensLine(const TextLine& line, KeyedValues& said) {
   if (text.empty() || text[0] != '$') return;
   const std::size_t open = text.find('['), equals = text.find("]=");
   const std::string name = text.substr(0, std::min(open, text.find('=')));
-  if (std::find(kVariables.begin(), kVariables.end(), name) == kVariables.end()) {
-    if (startsWith(name, "$AN_CEC") || startsWith(name, "$AA_ENC_COMP"))
-      refuse(line.place, "variable '" + name + "' is not read" + didYouMean(name, kVariables));
-    return;
+  const auto known = kVariables.find(name);
+  if (known == kVariables.end()) {
+    if (!startsWith(name, "$AN_CEC") && !startsWith(name, "$AA_ENC_COMP")) return;
+    std::vector<std::string> names;
+    for (const auto& [variable, count] : kVariables) names.push_back(variable);
+    refuse(line.place, "variable '" + name + "' is not read" + didYouMean(name, names));
   }
   if (open > equals || equals == std::string::npos || equals + 2 == text.size())
     refuse(line.place, "'" + std::string(trim(line.text)) + "' is no [index]=value");
   std::vector<std::string> indices = partsBetween(text.substr(open + 1, equals - open - 1), ',');
-  for (std::string& index : indices)
-    if (index.find_first_not_of("0123456789") != std::string::npos) index = jointOfAxis(index, line.place);
+  if (indices.size() != known->second)
+    refuse(line.place, name + ": has " + std::to_string(known->second) + " indices in brackets, not " +
+                           std::to_string(indices.size()));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    std::string& index = indices[i];
+    const int most = i == 0 ? kMostTables - 1 : kMostPoints;  // of a table or an encoder, of a point
+    index = index.find_first_not_of("0123456789") != std::string::npos
+                ? jointOfAxis(index, line.place)
+                : std::to_string(tableInteger(index, line.place, name, 0, most));
+  }
   std::string value = text.substr(equals + 2);
   for (const char quote : {'(', ')', '"'})
     value.erase(std::remove(value.begin(), value.end(), quote), value.end());
@@ -83,6 +93,8 @@ Curve siemensCurve(const KeyedValues& said, const std::string& prefix, const std
     positions.push_back((least + n * step) * jointUnit(input));
     values.push_back(-said.number(value(n), 0.0) * jointUnit(output));
   }
+  if (const std::string beyond = value(steps + 1); said.has(beyond))
+    refuse(said.place(beyond), beyond + ": lies beyond " + name("_MAX"));
   return {positions, values};
 }
 

@@ -186,7 +186,8 @@ void KeyedValues::only(const std::string& key, int only) const {
 std::vector<ConfigSection> configSections(const std::filesystem::path& file) {
   std::vector<ConfigSection> sections;
   ConfigSection* section = nullptr;
-  std::string open;  // a key without a value
+  std::string last;   // key; indented lines below it belong to its value
+  bool open = false;  // it has none on its own line
   for (const TextLine& line : textLines(file)) {
     const std::string_view text = trim(withoutRemark(line.text));
     if (text.empty()) continue;
@@ -199,9 +200,9 @@ std::vector<ConfigSection> configSections(const std::filesystem::path& file) {
       section = known != sections.end()
                     ? &*known
                     : &sections.emplace_back(ConfigSection{name, KeyedValues(line.place), {}});
-      open.clear();
-    } else if (!open.empty() && isBlank(line.text[0])) {
-      section->below[open].push_back({std::string(text), line.place});
+      last.clear();
+    } else if (!last.empty() && isBlank(line.text[0]) && (open || at == std::string_view::npos || at == 0)) {
+      section->below[last].push_back({std::string(text), line.place});
     } else if (at == std::string_view::npos || at == 0) {
       refuse(line.place, "'" + std::string(text) + "' is neither a section nor a key with its value");
     } else {
@@ -209,7 +210,8 @@ std::vector<ConfigSection> configSections(const std::filesystem::path& file) {
       const std::string_view value = trim(text.substr(at + 1));
       if (section == nullptr) refuse(line.place, "key '" + key + "' stands before any section");
       section->values.set(key, value, line.place);
-      open = value.empty() ? key : "";
+      last = key;
+      open = value.empty();
     }
   }
   return sections;

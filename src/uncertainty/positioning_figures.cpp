@@ -106,7 +106,9 @@ PositioningFigures stdOf(std::vector<PositioningTarget> targets) {
       if (runs > 0) vary(forward ? t.meanForward : t.meanBackward, s * s / runs);
       if (runs > 1) vary(s, s * s / (2.0 * (runs - 1)));
     }
-  for (double* variance : eachFigure(variances)) *variance = std::sqrt(*variance);
+  const auto of = eachFigure(variances), figure = eachFigure(figures);
+  for (std::size_t k = 0; k < of.size(); ++k)
+    *of[k] = std::isfinite(*figure[k]) ? std::sqrt(*of[k]) : *figure[k];
   return variances;
 }
 

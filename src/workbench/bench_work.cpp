@@ -190,9 +190,11 @@ void BenchWork::firstFit() {
 
 void BenchWork::show() {
   job_.step("comparing", 0.0);
-  const Comparison compared = compareWith(*session_, *calibration_, options());
-  documents_.put("points", pointsDocument(compared.fit, earlier_));
-  documents_.put("calibration", calibrationDocument(*calibration_, kept_));
+  const Comparison compared =
+      compareWith(*session_, *calibration_, options(), [this](const CalibrationResult& fit) {
+        documents_.put("points", pointsDocument(fit, earlier_));
+        documents_.put("calibration", calibrationDocument(*calibration_, kept_));
+      });
   documents_.put("compare", compareJson(compared.fit, compared.where));
   const std::size_t effects = calibration_->effects.size();
   earlier_ = {effects == 0 ? "nominal machine"

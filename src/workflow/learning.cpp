@@ -31,9 +31,12 @@ CalibrateOptions calibratingIn(Job& job, unsigned threads) {
   return options;
 }
 
-Comparison compareWith(const Session& session, const Calibration& calibration, CalibrateOptions options) {
+Comparison compareWith(const Session& session, const Calibration& calibration,
+                       const CalibrateOptions& options,
+                       const std::function<void(const CalibrationResult&)>& fitted) {
   Comparison done{compareCalibration(session, calibration, options), {}};
   if (done.fit.cancelled) throw Cancelled("stopped while comparing; the calibration is kept");
+  if (fitted) fitted(done.fit);
   if (options.progress) options.progress("finding where it fails", 0.0);
   const CancelScope scope(options.cancelled);
   done.where = whereItFails(done.fit);

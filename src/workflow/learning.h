@@ -20,8 +20,11 @@ struct Comparison {
   CalibrationResult fit;  // with the calibration's values held
   std::vector<WhereItFails> where;
 };
-/// @throw Cancelled; InputError: as compareCalibration.
-Comparison compareWith(const Session& session, const Calibration& calibration, CalibrateOptions options);
+/// @param fitted is told before it is asked where the calibration fails; may be empty. @throw Cancelled;
+/// InputError: as compareCalibration.
+Comparison compareWith(const Session& session, const Calibration& calibration,
+                       const CalibrateOptions& options,
+                       const std::function<void(const CalibrationResult&)>& fitted = {});
 
 /// Which physical effect the calibration's model misses on a session: everything is refitted, from its
 /// values.

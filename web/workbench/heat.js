@@ -4,7 +4,7 @@ import { h } from "preact";
 import { useMemo } from "preact/hooks";
 import { useDocument } from "./server.js";
 import { Empty, Section, Table } from "./parts.js";
-import { Chart, axis } from "./chart.js";
+import { Chart, axis, curveWithBand } from "./chart.js";
 import { wordColours } from "./scatter.js";
 import { shown, text, unitOf } from "./units.js";
 
@@ -22,7 +22,7 @@ function Courses({ series, label, unit }) {
     legend: { show: true, live: false },
     scales: { x: { time: false } },
     axes: [axis(c, "time, h"), axis(c, unit, { size: 60 })],
-    series: [{ label: "time" }, ...series.map((s, i) => ({ label: s.name, stroke: words[i % words.length], width: 1.5, dash: [[], [6, 3], [2, 3]][Math.floor(i / words.length) % 3], spanGaps: true, points: { show: s.time_s.length < 30 } }))],
+    series: [{ label: "time" }, ...series.map((s, i) => ({ label: s.name, named: s.name, stroke: words[i % words.length], width: 1.5, dash: [[], [6, 3], [2, 3]][Math.floor(i / words.length) % 3], spanGaps: true, points: { show: s.time_s.length < 30 } }))],
   }, data]; };
   return h("figure", null, h(Chart, { make, inputs: [series], label, tall: true }));
 }
@@ -43,10 +43,8 @@ function Drift({ points }) {
     return out;
   }, [points]);
   if (classes.length < 3) return h(Empty, null, "Too few measurements to see a drift.");
-  const make = (c) => [{
-    scales: { x: { time: false } }, axes: [axis(c, "time, h"), axis(c, "mean residual, " + unitOf(points.unit), { size: 60 })],
-    series: [{}, { stroke: "transparent", points: { show: false } }, { stroke: "transparent", points: { show: false } }, { stroke: c.accent, width: 2, points: { show: true, size: 5, fill: c.accent } }], bands: [{ series: [1, 2], fill: c.accent + "40" }],
-  }, [classes.map((b) => b.at), classes.map((b) => (b.mean + b.half) * factor), classes.map((b) => (b.mean - b.half) * factor), classes.map((b) => b.mean * factor)]];
+  const of = (f) => classes.map((b) => f(b) * factor);
+  const make = (c) => curveWithBand(c, { x: classes.map((b) => b.at), y: of((b) => b.mean), half: of((b) => b.half), xLabel: "time, h", yLabel: "mean residual, " + unitOf(points.unit) });
   return h("figure", null, h(Chart, { make, inputs: [classes, factor], label: "Mean residual of " + classes.length + " classes of time with their bands" }), h("figcaption", null, "Mean of each class ± 2 standard errors: a mean away from zero that stays away is a drift that the model does not know."));
 }
 

@@ -82,7 +82,7 @@ function Page() {
         h("label", { class: "choice", for: "who" }, h("span", null, "Your name, for the log"), h("input", { id: "who", value: who, maxlength: 40, autocomplete: "name", onInput: (e) => { setWho(e.target.value); name.set(e.target.value); } })),
         h("button", { onClick: () => setHelp(true) }, "Keys")))),
     h(Running), h(Said),
-    help ? h("div", { class: "card help", role: "dialog", "aria-label": "Keys" }, h("p", null, "1 to 8: the views. ?: this. Tab and Enter reach everything; arrow keys turn a picture of the machine that has the focus. Escape twice: stop the machine."), h("button", { onClick: () => setHelp(false) }, "Close")) : null,
+    help ? h("div", { class: "card help", role: "dialog", "aria-label": "Keys" }, h("p", null, "1 to 8: the views. ?: this. Tab and Enter reach everything; arrow keys turn a picture of the machine that has the focus, and go from point to point of one of residuals. Escape twice: stop the machine."), h("button", { onClick: () => setHelp(false) }, "Close")) : null,
     h("main", { id: "view", tabindex: -1, "aria-label": kViews.find(([id]) => id === view)[1] }, h(View, { key: view })),
     dropping ? h("div", { class: "dropping" }, "Drop a bag, or a CSV of the same machine and artifact") : null);
 }

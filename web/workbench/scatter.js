@@ -1,7 +1,7 @@
 // Any column against any other, coloured by a third: sixteen thousand points, drawn by hand on uPlot's canvas.
 
 import { h } from "preact";
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import { Chart, axis } from "./chart.js";
 import { shown, unitOf } from "./units.js";
@@ -95,6 +95,21 @@ export function Scatter({ x, y, colour, rows, label, onPick }) {
     return { order: list, xs, ys, bins: classes(plain, ys, x.words) };
   }, [x, y, rows, xf, yf]);
 
+  const here = useRef(-1), plot = useRef(null); // the point that was picked, of those that are drawn
+  useEffect(() => { here.current = -1; }, [drawn]);
+  const take = (i) => {
+    here.current = i;
+    if (plot.current) plot.current.redraw();
+    if (onPick) onPick(i < 0 ? -1 : drawn.order[i]);
+  };
+  const key = (event) => {
+    const count = drawn.xs.length, far = Math.max(1, Math.round(count / 20)), last = here.current;
+    const to = { ArrowRight: last + 1, ArrowLeft: last - 1, PageDown: last + far, PageUp: last - far, Home: 0, End: count - 1 }[event.key];
+    if (to === undefined || !count) return;
+    event.preventDefault();
+    take(Math.max(0, Math.min(count - 1, to)));
+  };
+
   const make = (c) => {
     const tint = colouring(colour, c);
     const numbers = drawn.order.map((r) => tint.of(r));
@@ -127,18 +142,23 @@ export function Scatter({ x, y, colour, rows, label, onPick }) {
         ctx.arc(px, py, 3.2 * devicePixelRatio, 0, 7);
         ctx.fill();
       }
+      if (here.current >= 0) {
+        ctx.beginPath();
+        ctx.arc(left + (drawn.xs[here.current] - sx.min) * kx, top + (sy.max - drawn.ys[here.current]) * ky, 7 * devicePixelRatio, 0, 7);
+        ctx.stroke();
+      }
       ctx.restore();
       u.root.parentNode.dataset.pointsMs = (performance.now() - began).toFixed(1);
     };
     const pick = (u) => {
       u.over.addEventListener("click", (event) => {
         const px = event.offsetX, py = event.offsetY;
-        let best = 144, row = -1;
+        let best = 144, nearest = -1;
         for (let i = 0; i < drawn.xs.length; ++i) {
           const d = (u.valToPos(drawn.xs[i], "x") - px) ** 2 + (u.valToPos(drawn.ys[i], "y") - py) ** 2;
-          if (d < best) { best = d; row = drawn.order[i]; }
+          if (d < best) { best = d; nearest = i; }
         }
-        if (onPick) onPick(row);
+        take(nearest);
       });
     };
     const pad = (u, low, high) => { const span = high - low || 1; return [low - 0.04 * span, high + 0.04 * span]; };
@@ -147,9 +167,9 @@ export function Scatter({ x, y, colour, rows, label, onPick }) {
       axes: [axis(c, x.name + (x.unit && !x.words ? ", " + unitOf(x.unit) : ""), x.words ? { splits: () => x.words.map((w, i) => i), values: () => x.words } : {}), axis(c, y.name + ", " + unitOf(y.unit), { size: 62 })],
       series: [{}, { paths: () => null, points: { show: false } }],
       hooks: { draw: [points], ready: [pick] },
-    }, [drawn.xs, drawn.ys]];
+    }, [drawn.xs, drawn.ys], drawn.xs.map((v, i) => ({ x: v, y: drawn.ys[i], colour: tint.palette[numbers[i]] }))];
   };
-  return h(Chart, { make, inputs: [drawn, colour, xf, yf], label, tall: true });
+  return h(Chart, { make, inputs: [drawn, colour, xf, yf], label, tall: true, onReady: (u) => { plot.current = u; }, onKey: key });
 }
 
 /** What the colours mean. */
