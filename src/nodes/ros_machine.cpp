@@ -17,9 +17,9 @@ namespace {
 constexpr double kStanding = 1e-6;     // m/s, rad/s: slower is standing
 constexpr double kStillMoving = 0.3;   // s after the last state that moved
 constexpr double kFrameKept = 1.0;     // s: an older frame is no longer told
-constexpr double kLease = 0.5;         // s: a plan that is not renewed for so long ends
+constexpr double kPlanLease = 0.5;     // s: a plan that is not renewed for so long ends
 constexpr double kStopAnswers = 10.0;  // s for the axes to rest
-const ros::WallDuration kRenewal(0.1);
+const ros::WallDuration kPlanRenewal(0.1);
 constexpr std::chrono::milliseconds kConnect(500);  // between looks at the connection to stop
 constexpr std::size_t kMostContacts = 100000;
 
@@ -167,8 +167,8 @@ std::string RosMachine::home() {
                      " is not there; is the node axis_driver running?");
   measuring_machine::TakeMotion ticket;
   ticket.request.owner = ros::this_node::getName() + " (homing)";
-  ticket.request.seconds = kLease;
-  if (!take_.callAnew(ticket, kLease) || !ticket.response.success)
+  ticket.request.seconds = kPlanLease;
+  if (!take_.callAnew(ticket, kPlanLease) || !ticket.response.success)
     throw InputError(ticket.response.message.empty() ? node_.resolveName("axis_driver/take") + " is not there"
                                                      : ticket.response.message);
   measuring_machine::HomeGoal goal;
@@ -176,10 +176,10 @@ std::string RosMachine::home() {
   home_.send(goal);
   bool gone = false;
   while (ros::ok() && !gone && !home_.ended()) {
-    kRenewal.sleep();
+    kPlanRenewal.sleep();
     measuring_machine::TakeMotion again;
     again.request = ticket.request;
-    lease(again, kLease);  // where it is refused the homing ends, and says why
+    lease(again, kPlanLease);  // where it is refused the homing ends, and says why
     gone = !home_.isServerConnected() || home_.unheard(kUnheard);
   }
   lease(ticket, 0.0);
@@ -194,7 +194,7 @@ std::string RosMachine::home() {
 
 bool RosMachine::lease(measuring_machine::TakeMotion& ticket, double seconds) {
   ticket.request.seconds = seconds;
-  return take_.call(ticket, kLease) && ticket.response.success;
+  return take_.call(ticket, kPlanLease) && ticket.response.success;
 }
 
 std::string RosMachine::pause(bool yes) {
@@ -207,11 +207,11 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
   if (!awaitWall(3.0, [&] { return measure_.isServerConnected(); }))
     throw InputError(node_.resolveName("measure/run") + " is not there; is the node measure running?");
   std_srvs::Trigger renewal;
-  if (!renew_.callAnew(renewal, kLease))
+  if (!renew_.callAnew(renewal, kPlanLease))
     throw InputError(node_.resolveName("measure/renew") + " is not there");
   measuring_machine::MeasureGoal goal;
   goal.plan = yaml;
-  goal.lease = kLease;
+  goal.lease = kPlanLease;
   measure_.send(goal, [this](const measuring_machine::MeasureFeedback& feedback) {
     const std::lock_guard<std::mutex> lock(mutex_);
     measuring_ = "move " + std::to_string(feedback.move + 1) + " of " + std::to_string(feedback.moves) +
@@ -224,8 +224,8 @@ std::string RosMachine::run(const std::string& yaml, const std::function<bool()>
   });
   bool asked = false, gone = false;
   while (ros::ok() && !gone && !measure_.ended()) {
-    kRenewal.sleep();
-    gone = !renew_.call(renewal, kLease) || !measure_.isServerConnected() || measure_.unheard(kUnheard);
+    kPlanRenewal.sleep();
+    gone = !renew_.call(renewal, kPlanLease) || !measure_.isServerConnected() || measure_.unheard(kUnheard);
     if (asked || !cancelled()) continue;
     measure_.cancel();
     asked = true;

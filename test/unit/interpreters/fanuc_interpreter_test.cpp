@@ -67,8 +67,8 @@ TEST(FanucInterpreter, BacklashIsTakenUpBackwards) {
 
 TEST(FanucInterpreter, RotaryAxesTablesOfEachDirectionAndAnotherReferenceAreRefused) {
   const std::pair<const char*, const char*> lines[] = {
-      {"N01020 A1 P67\n", "tables of rotary axes"},
-      {"N01006 A1 P00000001\n", "tables of rotary axes"},
+      {"N01020 A1 P67\n", "rotary axes are not read"},
+      {"N01006 A1 P00000001\n", "rotary axes are not read"},
       {"N03605 A1 P00000001\n", "a table for each direction"},
       {"N01240 A1 P5.0\n", "5.0 is not read, only 0"}};
   for (const auto& [line, why] : lines) {

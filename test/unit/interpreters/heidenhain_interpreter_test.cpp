@@ -72,6 +72,8 @@ TEST(HeidenhainInterpreter, OtherUnitsEmptyCellsAndRotaryAxesAreRefused) {
   EXPECT_THAT(refusalOf("heidenhain", {{"config.cma", "BEGIN CONFIG.CMA\nNR ACTIVE C\n0 * C.COM\n[END]\n"},
                                        {"C.COM", kTable}}),
               AllOf(HasSubstr("config.cma:2"), HasSubstr("column C")));
+  EXPECT_THAT(refusalOf("heidenhain", {{"config.cma", "BEGIN CONFIG.CMA\nNR X ACTIVE\n0 X.COM *\n[END]\n"}}),
+              AllOf(HasSubstr("config.cma:2"), HasSubstr("NR and ACTIVE")));
 }
 
 }  // namespace

@@ -84,6 +84,13 @@ TEST(KlipperInterpreter, HeatLowersZByTheCoefficient) {
   EXPECT_NEAR(addedMicrometres(*interpreter, command, "z"), 150.0, kNanometre);
 }
 
+TEST(KlipperInterpreter, ClearTakesNothingFromBesideIt) {
+  TableFolder folder;
+  folder.file("printer.cfg", "[skew_correction]\n[gcode_macro GO]\ngcode: M117 go\n  G28\n")
+      .file("start.gcode", "SET_SKEW CLEAR=1 XY=140,142,100\n");
+  EXPECT_NEAR(moved(folder, "x", 60, 100, 0), 0.0, kNanometre);
+}
+
 TEST(KlipperInterpreter, WhatKlipperAnswersWithAnErrorIsRefused) {
   TableFolder lengths;
   EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", "[skew_correction]\n"},
@@ -109,6 +116,9 @@ TEST(KlipperInterpreter, WhatNoRuleIsKnownOfIsRefused) {
   EXPECT_THAT(
       refusalOf("klipper", {{"printer.cfg", mesh(two, 2, 2) + "[gcode_macro START]\ngcode:\n  " + kLoad}}),
       AllOf(HasSubstr("printer.cfg:19"), HasSubstr("start.gcode alone")));
+  EXPECT_THAT(
+      refusalOf("klipper", {{"printer.cfg", mesh(two, 2, 2) + "[gcode_macro START]\ngcode: " + kLoad}}),
+      HasSubstr("start.gcode alone"));
   EXPECT_THAT(refusalOf("klipper", {{"printer.cfg", heat}}),
               AllOf(HasSubstr("printer.cfg:1"), HasSubstr("REF_TEMP")));
   EXPECT_THAT(refusalOf("klipper",

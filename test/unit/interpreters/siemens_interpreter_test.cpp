@@ -74,7 +74,10 @@ TEST(SiemensInterpreter, VariablesOfWhichNoRuleIsKnownAreRefused) {
       {"$AN_CEC_IS_MODULO[0]=1", "1 is not read, only 0"},
       {"$SN_CEC_TABLE_WEIGHT[0]=0.5", "0.5 is not read, only 1"},
       {"$AN_CEC_MAX[0]=-250", "whole steps"},
-      {"$MA_BACKLASH[0,AX1]=0.02", "'AX1' is no axis"}};
+      {"$MA_BACKLASH[0,AX1]=0.02", "'AX1' is no axis"},
+      {"$MA_BACKLASH[X1]=0.02", "has 2 indices in brackets, not 1"},
+      {"$AN_CEC[62,0]=0.01", "62"},
+      {"$AN_CEC[0,003]=0.01", "$AN_CEC[0,3]: lies beyond $AN_CEC_MAX[0]"}};
   for (const auto& [line, why] : lines) {
     EXPECT_THAT(refusalOf("siemens", {{"cec.mpf", cecTable(line)}}),
                 AllOf(HasSubstr("cec.mpf:9: "), HasSubstr(why)))
