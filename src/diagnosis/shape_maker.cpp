@@ -13,6 +13,9 @@ namespace {
 /// Less than this share of a column is left by the model's unknowns: it is rounding, or would have to be
 /// enormous.
 constexpr double kSeen = 1e-3;
+/// Of the largest column of an effect, less is rounding: both phases of a cycle whose period divides the time
+/// between two readings, of which one is nothing and the other constant.
+constexpr double kOfLargest = 1e-9;
 /// Of a wave, either phase: where less is left, its nodes are at the places of the session, or the other
 /// unknowns absorb it there (places at equal distances, and a period that divides them), and it would have to
 /// be large to be seen at all.
@@ -194,7 +197,8 @@ double ShapeMaker::scaleOf(const Eigen::Ref<const RowMatrix, 0, Eigen::OuterStri
   }
   double largest = 0.0;
   for (int k = 0; k < norms.size(); ++k)
-    if (left[k] > kSeen * norms[k]) largest = std::max(largest, left[k]);
+    if (left[k] > std::max(kSeen * norms[k], kOfLargest * norms.maxCoeff()))
+      largest = std::max(largest, left[k]);
   if (!(largest > 0.0)) {
     why = "the model's other unknowns absorb it completely";
     return 0.0;

@@ -46,7 +46,7 @@ ExternalOffsets::ExternalOffsets(const std::filesystem::path& file) {
   try {
     const auto json = nlohmann::json::parse(readWholeFile(file, "export the calibration again"));
     if (json.at("format") != kOffsetFormat || json.at("version") != 1)
-      refuseOffsets(file, "is not of version 1, the one that is read here");
+      refuseOffsets(file, "is no file of external offsets of version 1, the one that is read here");
     letters_ = json.at("axes").get<std::vector<std::string>>();
     positions_ = byAxis(json.at("positions_mm"), "positions_mm", 0, kFarthestPosition);
     for (const std::vector<double>& at : positions_) {

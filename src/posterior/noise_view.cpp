@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/cancel_scope.h"
+#include "base/error.h"
 
 namespace mm {
 namespace {
@@ -257,6 +258,8 @@ Conditionals NoiseView::look(const ActingSet& set) const {
     const auto part = out.logWeights.middleRows(c.first, c.end - c.first);
     const double most = part.maxCoeff();
     out.logOdds.push_back(most + std::log((part - most).exp().sum()));
+    if (std::isnan(out.logOdds.back()))
+      throw NumericalError("the evidence of a cause is no number; columns of it are no finite numbers");
   }
   return out;
 }

@@ -62,7 +62,7 @@ class FailingDiskTest : public FailingDisk, public ::testing::WithParamInterface
     folder_->write("short.yaml", textOf("test/ros/short_plan.yaml"));
     folder_->write("plotly.js", "// plotly\n" + std::string(150000, ' '));
     // A printer that prints a page by copying it.
-    const std::string printer = folder_->write("weasyprint", "#!/bin/sh\nexec cat \"$2\"\n");
+    const std::string printer = folder_->write("weasyprint", "#!/bin/sh\nexec cat \"$2\" >\"$3\"\n");
     fs::permissions(printer, fs::perms::owner_all);
     path_ = std::getenv("PATH");
     ::setenv("PATH", (fs::path(printer).parent_path().string() + ":" + path_).c_str(), 1);

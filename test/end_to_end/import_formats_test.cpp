@@ -30,6 +30,19 @@ TEST_F(ImportedFormats, PlayAndScaleOfAPositioningTest) {
   EXPECT_NEAR(p[1]["value"].get<double>(), 4.0, 0.15) << p;  // um: the directions survive the bag
 }
 
+// One reading a second, and a cycle of one second has the same value at each: it is no cause, and no
+// obstacle.
+TEST_F(ImportedFormats, WhatAPositioningTestMissesIsNamed) {
+  parameter("iso230_2_x.csv", "");
+  const nlohmann::json found =
+      mmRun(folder_, "diagnose " + folder_ / "s.bag" + " --calibration " + folder_ / "c.yaml" + " --json")
+          .json();
+  EXPECT_EQ(found["verdict"], "missing_effect") << found["sentence"];
+  ASSERT_FALSE(found["missing"].empty()) << found["sentence"];
+  EXPECT_LT(found["held_out_rms_with_found_um"].get<double>(), 0.12) << found["sentence"];
+  for (const auto& cause : found["candidates"]) EXPECT_TRUE(cause["odds"].is_number()) << cause["in_words"];
+}
+
 TEST_F(ImportedFormats, SquarenessOfABallBar) {
   const auto p = parameter("ball_bar_xy.csv", "{type: squareness, axis: x, of: y}");
   EXPECT_NEAR(p[0]["value"].get<double>(), 100.0, 2.0) << p;  // urad

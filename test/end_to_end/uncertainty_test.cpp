@@ -139,7 +139,7 @@ TEST_F(Certificates, AreSealedAsPdf) {
                                        .c_str());
     return Answer{WEXITSTATUS(status), {}, textOf(error)};
   };
-  printer("grep -q '<h1>Calibration certificate' \"$2\" && echo '%PDF-1.4' && echo '%%EOF'");
+  printer("grep -q '<h1>Calibration certificate' \"$2\" && printf '%%PDF-1.4\\n%%%%EOF\\n' >\"$3\"");
   const Answer made = printed(task);
   EXPECT_EQ(made.status, 0) << made.error;
   EXPECT_EQ(textOf(*folder_ / "cert.pdf").substr(0, 5), "%PDF-");
