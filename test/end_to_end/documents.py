@@ -156,7 +156,7 @@ def try_settings():
         return helps[command]
 
     wrong = []
-    for document in ["README.md", "CONTRIBUTING.md", "docs/troubleshooting.md", "docs/services.md", "docs/formats.md"]:
+    for document in ["README.md", "CONTRIBUTING.md", "docs/commands.md", "docs/find_a_missing_effect.md", "docs/troubleshooting.md", "docs/services.md", "docs/formats.md"]:
         for typed in re.findall(r"`(mm \w[^`]*)`", text_of(document)):
             words = shlex.split(typed.replace("…", "").replace("'", ""))
             if words[1:2] and words[1].startswith("<"):
@@ -188,6 +188,9 @@ def main():
         for name in ("config", "examples"):
             os.symlink(os.path.join(ROOT, name), os.path.join(work, name))
         try_typed("README.md", folder)
+        folder = os.path.join(work, "build", "find")
+        os.makedirs(folder)
+        try_typed("docs/find_a_missing_effect.md", folder)
         try_links()
         try_messages()
         try_settings()
