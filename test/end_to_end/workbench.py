@@ -96,6 +96,24 @@ def loop(browser, bench, folder):
     check("in the folder of calibrations", "active" in links, links)
 
 
+def pictures(browser):
+    """A chart is kept as files, and its points are picked by keys."""
+    go(browser, "compare")
+    browser.wait("document.querySelector('.chart canvas')")
+    browser.evaluate("document.querySelector('.chart').dispatchEvent(new KeyboardEvent('keydown', { key: 'End', bubbles: true })), true")
+    row = browser.wait("document.querySelector('.card[role=status] b') && document.querySelector('.card[role=status] b').innerText")
+    check("a point is picked by a key", row.startswith("Row "), row)
+    browser.evaluate("""(() => { const real = URL.createObjectURL; window.kept = [];
+        URL.createObjectURL = (file) => { file.text().then((text) => window.kept.push(text)); return real(file); }; return true; })()""")
+    browser.click("Keep the picture (SVG)")
+    svg = browser.wait("window.kept.length === 1 && window.kept[0]")
+    browser.click("Keep its numbers (CSV)")
+    csv = browser.wait("window.kept.length === 2 && window.kept[1]")
+    drawn = int(re.search(r"Drawn: (\d+) of", browser.text("main")).group(1))
+    check("the picture has every point", svg.count('r="2"') == drawn and ">" + browser.evaluate("document.querySelector('#x').value") in svg, (svg.count('r="2"'), drawn))
+    check("the numbers have names and every row", csv.startswith('"') and csv.count("\r\n") == drawn + 1, csv[:80])
+
+
 def export(browser):
     go(browser, "correct")
     browser.click("Export", "document.querySelector('#controller').closest('section')")
@@ -279,6 +297,7 @@ def main():
         try:
             with Browser() as browser:
                 loop(browser, bench, folder)
+                pictures(browser)
                 export(browser)
                 hiccups(browser, bench)
                 formula(browser)

@@ -72,8 +72,8 @@ function Page() {
   useEffect(() => { const here = document.querySelector("nav a[aria-current]"); if (here) here.scrollIntoView({ block: "nearest", inline: "nearest" }); }, [view]);
   useEffect(() => { document.title = kViews.find(([id]) => id === view)[1] + " – workbench"; }, [view]);
   const View = kViews.find(([id]) => id === view)[2];
-  return h("div", null, h("a", { class: "skip", href: "#" + view, onClick: (e) => { e.preventDefault(); document.getElementById("view").focus(); } }, "Skip to the view"),
-    h("header", { class: "top" }, h("div", { class: "brand" }, h("h1", null, "Workbench"), h(StopButton)),
+  return h("div", null,
+    h("header", { class: "top" }, h("a", { class: "skip", href: "#view", onClick: (e) => { e.preventDefault(); document.getElementById("view").focus(); } }, "Skip to the view"), h("div", { class: "brand" }, h("h1", null, "Workbench"), h(StopButton)),
       h("nav", { "aria-label": "Views" }, h("ul", null, kViews.map(([id, title], i) => h("li", { key: id }, h("a", { href: "#" + id, "aria-current": id === view ? "page" : null, title: "Key " + (i + 1) }, title))))),
       h("details", { class: "settings" }, h("summary", null, "Settings"), h("div", { class: "controls" },
         h(Choice, { id: "deviation", label: "Deviations", value: units.deviation, options: [["um", "µm (lengths in mm)"], ["mm", "mm"], ["in", "mil (lengths in inch)"]], onChange: (v) => units.choose("deviation", v) }),

@@ -1,7 +1,6 @@
 // A chart as a file: its picture as SVG, its numbers as CSV.
 
-const quoted = (value) => (known(value) ? String(value) : "");
-const cellOf = (value) => (/[",\n]/.test(quoted(value)) ? '"' + quoted(value).replace(/"/g, '""') + '"' : quoted(value));
+const cellOf = (value) => (typeof value === "string" ? '"' + value.replace(/"/g, '""') + '"' : known(value) ? String(value) : "");
 const escaped = (value) => String(value).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
 
 /** @param columns of [heading, values]. */
@@ -19,7 +18,7 @@ export function svgOf(plot, points, c) {
     '<rect width="100%" height="100%" fill="' + c.card + '"/><clipPath id="inside"><rect x="' + box.x + '" y="' + box.y + '" width="' + box.w + '" height="' + box.h + '"/></clipPath>'];
   const word = (x, y, anchor, text, more) => out.push('<text x="' + x + '" y="' + y + '" fill="' + c.soft + '" text-anchor="' + anchor + '"' + (more || "") + ">" + escaped(text) + "</text>");
   const line = (x1, y1, x2, y2) => out.push('<line x1="' + x1 + '" y1="' + y1 + '" x2="' + x2 + '" y2="' + y2 + '" stroke="' + c.line + '"/>');
-  const ticks = (axis, place) => (axis._splits || []).forEach((v, i) => known(v) && known((axis._values || [])[i]) && place(v, axis._values[i]));
+  const ticks = (axis, place) => (axis._splits || []).forEach((v, i) => known(v) && axis._values && axis._values[i] != null && place(v, axis._values[i]));
   ticks(plot.axes[0], (v, text) => { line(px(v), box.y, px(v), box.y + box.h); word(px(v), box.y + box.h + 16, "middle", text); });
   ticks(plot.axes[1], (v, text) => { line(box.x, py(v), box.x + box.w, py(v)); word(box.x - 6, Number(py(v)) + 4, "end", text); });
   word(box.x + box.w / 2, plot.height - 4, "middle", plot.axes[0].label);
@@ -33,7 +32,7 @@ export function svgOf(plot, points, c) {
     if (stroke && stroke !== "transparent") out.push('<polyline points="' + way(y).join(" ") + '" fill="none" stroke="' + stroke + '" stroke-width="' + s.width + '"/>');
   });
   for (const p of points || []) if (p.half) out.push('<line x1="' + px(p.x) + '" y1="' + py(p.y - p.half) + '" x2="' + px(p.x) + '" y2="' + py(p.y + p.half) + '" stroke="' + p.colour + '"/>');
-  for (const p of points || []) out.push('<circle cx="' + px(p.x) + '" cy="' + py(p.y) + '" r="2" fill="' + p.colour + '" fill-opacity="0.8"/>');
+  for (const p of points || []) out.push('<circle cx="' + px(p.x) + '" cy="' + py(p.y) + '" r="' + (p.half ? 3.2 : 2) + '" fill="' + p.colour + '" fill-opacity="0.8"/>');
   out.push("</g></svg>");
   return out.join("\n");
 }

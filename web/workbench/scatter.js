@@ -167,7 +167,7 @@ export function Scatter({ x, y, colour, rows, label, onPick }) {
       axes: [axis(c, x.name + (x.unit && !x.words ? ", " + unitOf(x.unit) : ""), x.words ? { splits: () => x.words.map((w, i) => i), values: () => x.words } : {}), axis(c, y.name + ", " + unitOf(y.unit), { size: 62 })],
       series: [{}, { paths: () => null, points: { show: false } }],
       hooks: { draw: [points], ready: [pick] },
-    }, [drawn.xs, drawn.ys], drawn.xs.map((v, i) => ({ x: v, y: drawn.ys[i], colour: tint.palette[numbers[i]] }))];
+    }, [drawn.xs, drawn.ys], drawn.xs.map((v, i) => ({ x: v, y: drawn.ys[i], colour: tint.palette[numbers[i]] })).concat(drawn.bins.map((b) => ({ x: b.at, y: b.mean, half: b.half, colour: c.ink })))];
   };
   return h(Chart, { make, inputs: [drawn, colour, xf, yf], label, tall: true, onReady: (u) => { plot.current = u; }, onKey: key });
 }
