@@ -259,7 +259,10 @@ Conditionals NoiseView::look(const ActingSet& set) const {
     const double most = part.maxCoeff();
     out.logOdds.push_back(most + std::log((part - most).exp().sum()));
     if (std::isnan(out.logOdds.back()))
-      throw NumericalError("the evidence of a cause is no number; columns of it are no finite numbers");
+      throw NumericalError(
+          "the evidence of a cause is no number, so that none could be judged; leave rows of extreme values "
+          "out of "
+          "the session, or send it with this line to the maintainers");
   }
   return out;
 }

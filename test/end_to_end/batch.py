@@ -192,7 +192,7 @@ def standing_still(fleet, folder, *words):
     with open(manifest, "w", encoding="utf-8") as file:
         file.write(f"model: {model}\nsteps: [calibrate]\nsessions:\n  - {{bags: {fleet}/m01/000.bag, machine: m01}}\n")
     process = subprocess.Popen([MM, "batch", manifest, "-o", folder, *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    while process.poll() is None and not glob.glob(folder + "/work/*/job.json"):
+    while process.poll() is None and not glob.glob(os.path.join(folder, "work", "*", "job.json")):
         time.sleep(0.005)
     os.rename(model, model + ".kept")
     os.mkfifo(model)

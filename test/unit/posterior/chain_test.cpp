@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 
+#include "base/error.h"
 #include "posterior_support.h"
 
 using namespace mm;
@@ -83,6 +85,15 @@ TEST(NoiseView, ConditionalsSumShapesAndSizesGivenTheOthers) {
       }
     EXPECT_NEAR(look.logOdds[c], std::log(sum), 1e-8);
   }
+}
+
+// One cause that is no number would make every probability of the sample none, and nothing be named.
+TEST(NoiseView, ACauseWhoseEvidenceIsNoNumberEndsTheSample) {
+  const SmallProblem small(5);
+  PosteriorProblem broken = small.problem;
+  broken.columns(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NO_THROW(NoiseView(small.problem, small.plain()).look({}));
+  EXPECT_THROW(NoiseView(broken, small.plain()).look({}), NumericalError);
 }
 
 TEST(PosteriorChain, ItsSamplesAreThoseOfThePosterior) {
