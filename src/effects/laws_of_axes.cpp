@@ -136,7 +136,7 @@ Law backlash(SpecReader& read) {
 }
 
 Law lostMotion(SpecReader& read) {
-  constexpr int kShortest = -5, kLongest = -1;  // powers of two, of the range
+  constexpr int kShortest = -5, kLongest = -2;  // powers of two, of the range
   constexpr double kOther = 0.4;                // share of what is lost over another distance
   const int axis = read.joint("axis"), slot = read.layout().axis(axis);
   const Joint& joint = read.jointAt(axis);
@@ -146,7 +146,7 @@ Law lostMotion(SpecReader& read) {
   Parameter distance =
       parameter("distance", linear ? kUnitMillimetre : kUnitDegree, 0.1 * range, 10.0 * range, 0.1 * range);
   distance.minimum = 0.0;
-  distance.maximum = 100.0 * range;
+  distance.maximum = range;  // what is lost evenly over more is a play and a scale
   Law law;
   law.parameters = {errorParameter("gap", joint.kind), errorParameter("at_once", joint.kind), distance};
   law.add = [axis, slot](const State& s, const double* p, ErrorSink& sink) {
@@ -160,7 +160,7 @@ Law lostMotion(SpecReader& read) {
     sink.derivative(slot, 2, changes ? side * (p[1] - p[0]) * left * way / (over * over) : 0.0 * side);
   };
   for (int k = kShortest; k <= kLongest; ++k) law.starts.push_back(std::ldexp(range, k));
-  // over less the session saw a play, over more a play and a scale
+  // over less the session saw a play, over more hardly a bend: a play and a scale
   law.shortest = std::ldexp(range, kShortest - 1);
   law.longest = std::ldexp(range, kLongest + 1);
   law.beside = {{0.5, kOther}, {2.0, kOther}};  // no drive winds up by one exponential
