@@ -50,7 +50,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::fil
   if (out >= 0) ::close(out);
   if (pid_ < 0)
     throw InputError(words.front() + ": cannot be started: " + std::strerror(cause) +
-                     "; end other programs, or make room on the disk");
+                     "; close other programs, or free disk space");
 }
 
 ChildProcess::~ChildProcess() {

@@ -59,8 +59,8 @@ void Database::fail(const std::string& what) const {
   const int status = handle_ ? sqlite3_errcode(handle_.get()) & 0xff : SQLITE_NOMEM;
   const bool damaged = status == SQLITE_CORRUPT || status == SQLITE_NOTADB;
   throw InputError(file_.string() + ": " + what + ": " + cause +
-                   (damaged ? "; remove it and run mm batch with the manifests again: it enters what is "
-                              "finished in the folder 'jobs' beside it, and does no job twice"
+                   (damaged ? "; remove it and run mm batch with the manifests again: it is rebuilt from the "
+                              "finished jobs in the folder 'jobs' beside it, and no job is run twice"
                             : "; check the path, its permissions and the disk"));
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/format.h"
 #include "base/median.h"
+#include "base/quantity_words.h"
 #include "fleet/fleet.h"
 #include "fleet/recurrence.h"
 #include "fleet/robust_numbers.h"
@@ -40,10 +41,38 @@ Finding findingOf(const std::string& kind, const FleetSeries& s, double before, 
   return f;
 }
 
+/// By how much, with its expanded uncertainty; of a ratio of noise nothing.
+std::string byHowMuch(const Finding& f) {
+  return std::isfinite(f.std) ? " by " + withFactor(expanded(f.after - f.before, f.std, f.unit)) + "," : "";
+}
+
+std::string chanceOf(const Finding& f) {
+  constexpr double kSmallest = 1e-99;
+  return f.p < kSmallest ? " (p < 1e-99)" : format(" (p = %.1g)", f.p);
+}
+
 std::string fromTo(const Finding& f) { return measure(f.before, f.unit) + " to " + measure(f.after, f.unit); }
 
 /// Whether a sensor could tell this change at all: less than its resolution is rounding.
 bool resolved(const FleetSeries& s, double change) { return !(std::abs(change) <= s.resolution); }
+
+/// Of each quantity the variance of residuals in units of the stated one: the median over its machines, or
+/// over everything where that is larger.
+std::map<std::string, double> usualVariances(const Fleet& fleet) {
+  std::map<std::string, std::vector<double>> known;
+  std::vector<double> all;
+  for (const FleetSeries& s : fleet.series) {
+    std::vector<double>& ofQuantity = known[s.quantity];
+    const double variance = s.points.size() >= kFewestForTrend ? residualVariance(s.points) : std::nan("");
+    if (!std::isfinite(variance)) continue;
+    ofQuantity.push_back(variance);
+    all.push_back(variance);
+  }
+  std::map<std::string, double> usual;
+  for (const auto& [quantity, variances] : known)
+    usual[quantity] = variances.empty() ? 1.0 : std::max(median(variances), median(all));
+  return usual;
+}
 
 /// Two steps of which the second takes the first back, by half of it at least.
 bool backAgain(const TrendSegment& first, const TrendSegment& between, const TrendSegment& last) {
@@ -57,14 +86,16 @@ void addSteps(const FleetSeries& s, std::vector<Finding>& findings) {
     if (!resolved(s, parts[i + 1].level - parts[i].level)) continue;
     Finding f = findingOf("changed", s, parts[i].level, parts[i + 1].level, s.trend.stepP[i]);
     f.change = true;
+    if (s.unit != "ln K") f.std = std::hypot(parts[i].std, parts[i + 1].std);
     f.date = s.dates[parts[i + 1].first];
-    f.inWords = "Machine " + s.machine + ": " + s.quantity + " changed from " + fromTo(f) + " between " +
-                dayText(s.dates[parts[i].end - 1]) + " and " + dayText(f.date) + ".";
+    f.inWords = "Machine " + s.machine + ": " + s.quantity + " changed" + byHowMuch(f) + " from " +
+                fromTo(f) + " between " + dayText(s.dates[parts[i].end - 1]) + " and " + dayText(f.date) +
+                chanceOf(f) + ".";
     if (i > 0 && s.kind == SeriesKind::kParameter && backAgain(parts[i - 1], parts[i], parts[i + 1])) {
       f.kind = "came_back";
       f.inWords = "Machine " + s.machine + ": " + s.quantity +
                   " came back: " + measure(parts[i - 1].level, s.unit) + ", then " + fromTo(f) +
-                  " again from " + dayText(f.date) + ".";
+                  " again from " + dayText(f.date) + chanceOf(f) + ".";
     }
     findings.push_back(f);
   }
@@ -247,14 +278,17 @@ void condense(Fleet& fleet) {
 }
 
 void findTrends(Fleet& fleet, double alpha) {
+  const std::map<std::string, double> usual = usualVariances(fleet);
   for (FleetSeries& s : fleet.series) {
-    s.trend = trendOf(s.points, s.points.size() >= kFewestForTrend ? alpha : 0.0);
+    s.trend = trendOf(s.points, s.points.size() >= kFewestForTrend ? alpha : 0.0, usual.at(s.quantity));
     if (s.trend.kind == Trend::Kind::kSteps) addSteps(s, fleet.findings);
     if (s.trend.kind != Trend::Kind::kDrift || !resolved(s, s.trend.end - s.trend.start)) continue;
     Finding f = findingOf("drifts", s, s.trend.start, s.trend.end, s.trend.p);
     f.date = s.dates.back();
-    f.inWords = "Machine " + s.machine + ": " + s.quantity + " drifts, from " + fromTo(f) + " between " +
-                dayText(s.dates.front()) + " and " + dayText(s.dates.back()) + ".";
+    if (s.unit != "ln K") f.std = (s.points.back().day - s.points.front().day) * s.trend.slopeStd;
+    f.inWords = "Machine " + s.machine + ": " + s.quantity + " drifts" +
+                (std::isfinite(f.std) ? byHowMuch(f) : ",") + " from " + fromTo(f) + " between " +
+                dayText(s.dates.front()) + " and " + dayText(s.dates.back()) + chanceOf(f) + ".";
     fleet.findings.push_back(f);
   }
 }
@@ -289,9 +323,9 @@ void findRecurrences(Fleet& fleet, double alpha) {
     f.quantity = s.effect;
     f.date = s.dates[r.back];
     f.p = std::exp(-r.logOdds);
-    f.inWords = "Machine " + s.machine + ": " + s.effect + " came back: found until " +
+    f.inWords = "Machine " + s.machine + ": " + s.effect + " came back: present until " +
                 dayText(s.dates[r.gone - 1]) + ", gone from " + dayText(s.dates[r.gone]) +
-                ", found again from " + dayText(f.date) + ".";
+                ", present again from " + dayText(f.date) + ".";
     fleet.findings.push_back(f);
   }
 }
@@ -326,7 +360,7 @@ void findBadSensors(Fleet& fleet) {
         add(h.sensor, "gave " + std::to_string(h.setAside) + " of " + std::to_string(h.setAside + h.values) +
                           " values that cannot be right");
     }
-    for (const auto& [sensor, history] : lost) add(sensor, "is not there any more");
+    for (const auto& [sensor, history] : lost) add(sensor, "has disappeared");
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <map>
 #include <set>
@@ -11,6 +10,7 @@
 #include "base/error.h"
 #include "base/nearest_name.h"
 #include "fleet/sensor_health.h"
+#include "verification/trend.h"
 
 namespace mm {
 namespace {
@@ -68,24 +68,6 @@ void keepWanted(Fleet& fleet, const FleetOptions& options) {
                      listOf({quantities.begin(), quantities.end()}));
 }
 
-}  // namespace
-
-double dayOf(const std::string& date) {
-  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
-  if (std::sscanf(date.c_str(), "%d-%d-%dT%d:%d:%d", &year, &month, &day, &hour, &minute, &second) < 3)
-    return std::nan("");
-  // days from the civil date (Hinnant, chrono-compatible low-level date algorithms)
-  const int y = month <= 2 ? year - 1 : year;
-  const int era = (y >= 0 ? y : y - 399) / 400;
-  const int yearOfEra = y - era * 400;
-  const int dayOfYear = (153 * (month > 2 ? month - 3 : month + 9) + 2) / 5 + day - 1;
-  const int dayOfEra = yearOfEra * 365 + yearOfEra / 4 - yearOfEra / 100 + dayOfYear;
-  const double days = era * 146097.0 + dayOfEra - 719468.0;
-  return days + (hour + (minute + second / 60.0) / 60.0) / 24.0;
-}
-
-namespace {
-
 /// Of each machine the coarsest resolution of its temperature sensors, K: of one sensor the smallest step
 /// between two readings of a session, or between two sessions in which it did not move.
 std::map<std::string, double> resolutions(const std::vector<FleetRecord>& records) {
@@ -115,7 +97,7 @@ std::vector<FleetSeries> seriesOf(const std::vector<FleetRecord>& records) {
   std::map<std::string, double> resolution = resolutions(records);
   std::map<std::string, double> ordinal;  // of records without a date
   for (const FleetRecord& record : records) {
-    double day = dayOf(record.date);
+    double day = daysOf(record.date);
     if (!std::isfinite(day)) day = ordinal[record.machine]++;
     const auto add = [&](SeriesKind kind, const std::string& quantity, const std::string& unit, double value,
                          double std) {

@@ -1,10 +1,11 @@
 #pragma once
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "fleet/fleet_database.h"
 #include "fleet/sisters.h"
-#include "fleet/trend.h"
+#include "verification/trend_of_series.h"
 
 namespace mm {
 
@@ -32,7 +33,9 @@ struct Finding {
   std::string date;     // of the change, as far as it has one
   double before = 0.0,
          after = 0.0;  // levels (in a drift: first and last value; apart: the sisters', its own)
-  double p = 1.0;      // of it by chance, for this question alone
+  /// Standard uncertainty of after - before, of `changed` and `drifts`; NaN: not told.
+  double std = std::numeric_limits<double>::quiet_NaN();
+  double p = 1.0;  // of it by chance, for this question alone
 };
 
 struct FleetOptions {
@@ -69,9 +72,6 @@ Fleet fleetOf(std::vector<FleetRecord> records, const FleetOptions& options);
 /// name, else the serial, else the machine's name; model is the list of effects. @throw InputError: there is
 /// none.
 std::vector<FleetRecord> storeRecords(const std::string& folder);
-
-/// Days from 1970 of an ISO 8601 date in UTC; NaN: none.
-double dayOf(const std::string& date);
 
 /// What a machine has now: the level of its last segment, of a drift the end of its line, with its standard
 /// uncertainty.

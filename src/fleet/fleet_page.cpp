@@ -139,7 +139,7 @@ std::string multiples(const std::vector<const FleetSeries*>& group, const std::s
 
 std::string kindInWords(const std::string& kind) {
   static const std::map<std::string, std::string> words{
-      {"changed", "changed"},           {"drifts", "drifts"},       {"apart", "apart from its sisters"},
+      {"changed", "changed"},           {"drifts", "drifts"},       {"apart", "differs from other machines"},
       {"drifts_apart", "drifts apart"}, {"came_back", "came back"}, {"sensor", "sensor"}};
   const auto at = words.find(kind);
   return at == words.end() ? kind : at->second;
@@ -148,18 +148,15 @@ std::string kindInWords(const std::string& kind) {
 std::string findingsHtml(const Fleet& fleet) {
   const std::string chance = format("%.3g", fleet.alarm);
   if (fleet.findings.empty())
-    return "<p class=\"quiet\">Nothing stands out: no machine changed, drifts or differs from its sisters by "
-           "more than "
-           "chance gives in one fleet of " +
+    return "<p class=\"quiet\">No findings: no machine changed, drifts or differs from the others by more "
+           "than chance would produce in one fleet of " +
            format("%.0f", 1.0 / fleet.alarm) + ".</p>";
   std::string html = "<ul class=\"findings\">";
   for (const Finding& f : fleet.findings)
     html +=
         "<li><span class=\"kind\">" + escaped(kindInWords(f.kind)) + "</span>" + escaped(f.inWords) + "</li>";
   return html + "</ul><p class=\"soft\">" + format("%.0f", fleet.questions) +
-         " questions were asked; a fleet in which nothing happens would give any answer at all with a chance "
-         "of " +
-         chance + ".</p>";
+         " tests were made; the false alarm probability of the whole fleet is " + chance + ".</p>";
 }
 
 std::string failuresHtml(const Fleet& fleet) {
@@ -196,13 +193,11 @@ std::string fleetPage(const Fleet& fleet) {
           (fleet.failed > 0 ? format("; %ld jobs failed", fleet.failed) : "") +
           (fleet.open > 0 ? format("; %ld fits did not converge and are not used", fleet.open) : "") +
           (fleet.waiting > 0 ? format("; %ld jobs wait", fleet.waiting) : "") + "</p>\n";
-  html += "<h2>What stands out</h2>" + findingsHtml(fleet) +
-          "\n<h2>Every machine over time</h2>"
-          "<p class=\"soft\">One scale a quantity. Points with their standard uncertainty; the line is the "
-          "level, a step "
-          "or a drift that was found; the band is what the sisters have now, two standard deviations between "
-          "machines."
-          "</p>\n";
+  html += "<h2>Findings</h2>" + findingsHtml(fleet) +
+          "\n"
+          "<h2>Every machine over time</h2><p class=\"soft\">One scale per quantity. Points are shown with "
+          "their standard uncertainty; the line is the level, step or drift that was found; the band is the "
+          "present range of the other machines, two standard deviations wide on either side.</p>\n";
   for (const std::string& quantity : order) {
     const std::vector<const FleetSeries*>& group = groups[quantity];
     html += "<h3>" + escaped(quantity) + " <span class=\"soft\">/ " + escaped(group.front()->unit) +

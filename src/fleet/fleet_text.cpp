@@ -63,19 +63,19 @@ std::string fleetText(const Fleet& fleet) {
   text += "\n";
   if (fleet.findings.empty())
     text +=
-        "Nothing stands out: no machine changed, drifts or differs from its sisters by more than chance "
-        "gives.\n";
+        "No findings: no machine changed, drifts or differs from the others by more than chance would "
+        "produce.\n";
   for (const Finding& f : fleet.findings) text += f.inWords + "\n";
-  text += format("\n%.0f questions were asked; the chance that a quiet fleet gives any finding is %.3g.\n",
+  text += format("\n%.0f tests were made; the false alarm probability of the whole fleet is %.3g.\n",
                  fleet.questions, fleet.alarm);
   return text;
 }
 
 std::string fleetJson(const Fleet& fleet, bool everything) {
   const auto finding = [](const Finding& f) -> Json {
-    return {{"kind", f.kind},   {"machine", f.machine}, {"quantity", f.quantity},
-            {"unit", f.unit},   {"date", f.date},       {"before", f.before},
-            {"after", f.after}, {"p_value", f.p},       {"in_words", f.inWords}};
+    return {{"kind", f.kind}, {"machine", f.machine}, {"quantity", f.quantity}, {"unit", f.unit},
+            {"date", f.date}, {"before", f.before},   {"after", f.after},       {"k2", 2.0 * f.std},
+            {"p_value", f.p}, {"in_words", f.inWords}};
   };
   const auto failure = [](const FleetRecord& r) -> Json {
     return {{"machine", r.machine}, {"session", r.session}, {"step", r.result.failed}, {"why", r.result.why}};

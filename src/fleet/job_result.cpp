@@ -24,7 +24,7 @@ nlohmann::json jsonFile(const fs::path& file) {
   try {
     return nlohmann::json::parse(readFile(file));
   } catch (const nlohmann::json::exception& e) {
-    throw InputError(file.string() + ": is no JSON (" + e.what() + ")");
+    throw InputError(file.string() + ": is not JSON (" + e.what() + ")");
   }
 }
 

@@ -60,7 +60,7 @@ void readSteps(const YamlMapping& entry, Choices& c) {
   c.steps.clear();
   for (const std::string& step : batchSteps())  // in the order in which they are done
     if (std::find(given.begin(), given.end(), step) != given.end()) c.steps.push_back(step);
-  if (c.steps.empty()) entry.fail("steps", "no step is named; name some of " + listOf(batchSteps()));
+  if (c.steps.empty()) entry.fail("steps", "no step is given; give some of " + listOf(batchSteps()));
 }
 
 void readChoices(const YamlMapping& entry, const fs::path& folder, Choices& c) {
@@ -146,7 +146,7 @@ void checkNeeds(const YamlMapping& entry, const Choices& c) {
   if (job.does("calibrate") && c.models.empty())
     entry.fail("", "step calibrate needs a model; give model, here or for all sessions");
   if (job.does("verify") && c.calibration.empty())
-    entry.fail("", "step verify needs the calibration that is to be verified; give calibration");
+    entry.fail("", "step verify needs the calibration to verify; give calibration");
   for (const char* step : {"diagnose", "add_all", "report"})
     if (job.does(step) && !job.does("calibrate") && c.calibration.empty())
       entry.fail(
@@ -189,8 +189,8 @@ void takeOnce(std::vector<BatchJob>& all, Manifest& manifest) {
       throw InputError(job.source + ": bags: " + job.bag.string() + " of machine '" + job.machine +
                        "' has the same content as " + first.bag.string() + " of machine '" + first.machine +
                        "' (" + first.source + "); one session is of one machine: correct one of the entries");
-    manifest.remarks.push_back(job.source + ": " + job.bag.string() + " is the same session and model as " +
-                               first.bag.string() + " (" + first.source + "); it is done once");
+    manifest.remarks.push_back(job.source + ": " + job.bag.string() + " has the same session and model as " +
+                               first.bag.string() + " (" + first.source + "); it is run once");
   }
 }
 

@@ -98,8 +98,8 @@ std::vector<PopulationPrior> populationPriors(const Fleet& fleet, const std::str
     if (prior.std > 0.0) priors.push_back(prior);
   }
   if (priors.empty())
-    throw InputError(fleet.source + ": no parameter is known of " + std::to_string(kFewestForPrior) +
-                     " machines or more; a population prior needs as many sisters");
+    throw InputError(fleet.source + ": no parameter is known for " + std::to_string(kFewestForPrior) +
+                     " or more machines; a population prior needs that many");
   return priors;
 }
 

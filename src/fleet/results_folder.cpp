@@ -48,7 +48,7 @@ std::optional<std::string> ResultsFolder::result(const std::string& key) const {
 void ResultsFolder::prepare() const {
   if (!isUtf8(std::filesystem::absolute(folder_).string()))
     throw InputError("-o: the path of the results " + readable(folder_.string()) +
-                     " is not UTF-8, and the tables hold nothing else; rename the folder, or name another");
+                     " is not UTF-8, as the tables require; rename the folder, or name another");
   makeFolder(folder_ / "jobs");
 }
 

@@ -8,8 +8,14 @@
 #include <limits>
 
 #include "base/median.h"
+#include "base/tiny.h"
 
 namespace mm {
+namespace {
+
+constexpr double kNormalMedian = 0.6744897501960817;  // of the size of a normal number
+
+}  // namespace
 
 double robustSpread(const std::vector<double>& values) {
   const double middle = median(values);
@@ -34,6 +40,25 @@ double pairSpread(const std::vector<double>& values) {
   const auto count = static_cast<double>(n);
   const double factor = n <= 9 ? kSmall[n - 2] : count / (count + (n % 2 == 1 ? 1.4 : 3.8));
   return kOfNormal * factor * *at;
+}
+
+double excessScatter(const std::vector<double>& value, const std::vector<double>& variance) {
+  if (value.empty()) return 0.0;
+  const auto tooLarge = [&](double scatter) {
+    std::vector<double> size;
+    for (std::size_t i = 0; i < value.size(); ++i)
+      size.push_back(std::abs(value[i]) / std::sqrt(variance[i] + scatter * scatter + kTiny));
+    return median(std::move(size)) > kNormalMedian;
+  };
+  if (!tooLarge(0.0)) return 0.0;
+  double low = 0.0, high = 0.0;
+  for (const double v : value) high = std::max(high, 2.0 * std::abs(v));
+  constexpr int kHalvings = 60;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (tooLarge(middle) ? low : high) = middle;
+  }
+  return high;
 }
 
 double twoSidedT(double t, double dof) {

@@ -14,6 +14,10 @@ double robustSpread(const std::vector<double>& values);
 /// below two.
 double pairSpread(const std::vector<double>& values);
 
+/// Scatter beyond the stated uncertainties that makes the median of |value| / sqrt(std^2 + scatter^2) that of
+/// normal numbers; 0 where they scatter less than stated.
+double excessScatter(const std::vector<double>& value, const std::vector<double>& variance);
+
 /// Probability that Student's t with `dof` degrees of freedom is farther from 0 than `t`, on either side;
 /// accurate far out (1e-300). @param dof may be infinite: the normal distribution.
 double twoSidedT(double t, double dof);

@@ -6,7 +6,6 @@
 #include "base/median.h"
 #include "base/tiny.h"
 #include "fleet/robust_numbers.h"
-#include "fleet/trend.h"
 
 namespace mm {
 

@@ -7,6 +7,7 @@
 #include "fleet/fleet.h"
 #include "machine/machine.h"
 #include "machine/machine_fit.h"
+#include "verification/trend.h"
 
 namespace mm {
 namespace {
@@ -44,7 +45,7 @@ Stored storedOf(const CalibrationStore& store, const CalibrationStore::Entry& en
   stored.session = c.sessionHash;
   stored.lastPromotion = entry.lastPromotion;
   record.machine = !name.empty() ? name : !serial.empty() ? serial : c.machineName;
-  record.date = c.created;
+  record.date = measuredAt(c);
   record.model = effectsOf(c);
   record.result.status = "done";
   record.result.serial = serial;

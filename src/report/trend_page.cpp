@@ -65,13 +65,16 @@ std::string trendSentence(const std::vector<ParameterTrend>& trends) {
     points = std::max(points, t.points.size());
     if (t.significant) said.push_back(t.inWords);
   }
-  if (trends.empty()) return "No calibration is kept: there is nothing to follow.";
-  if (points < 2) return "One calibration is kept: a trend needs two.";
+  if (trends.empty()) return "No calibration is stored, so there is no trend.";
+  constexpr std::size_t kFewest = 3;
+  if (points < kFewest)
+    return points == 1 ? "One calibration is stored: a trend needs three."
+                       : "Two calibrations are stored: a trend needs three; compare these with --compare.";
   if (std::none_of(trends.begin(), trends.end(),
                    [](const ParameterTrend& t) { return std::isfinite(t.slope); }))
     return format(
-        "No trend can be told: the %zu calibrations are of one time, or of ranges that do not compare; "
-        "compare two with --compare.",
+        "No trend can be determined: the %zu calibrations are of the same time, or their ranges are not "
+        "comparable; compare two with --compare.",
         points);
   if (said.empty())
     return format("None of %zu parameters has a significant trend over %zu calibrations.", trends.size(),
@@ -99,7 +102,7 @@ std::string trendText(const std::vector<ParameterTrend>& trends) {
                   figure(last.value, last.std, t.unit).c_str(),
                   figure(kMonth * t.slope, kMonth * t.slopeStd, t.unit).c_str());
   }
-  out << "  * significant: below 1 % by chance among all parameters asked\n";
+  out << "  * significant: p < 1 % for all parameters together\n";
   return out.str();
 }
 
@@ -163,7 +166,7 @@ std::string changesText(const CalibrationChanges& c) {
                   : std::isfinite(p.std) ? expanded(p.change, p.std, p.unit).c_str()
                                          : (shortNumber(p.change) + " " + p.unit).c_str(),
                   p.comparable && std::isfinite(p.pValue) ? shortNumber(p.pValue).c_str() : "-");
-  if (!c.sameSession) out << "  * significant: below 1 % by chance among all parameters asked\n";
+  if (!c.sameSession) out << "  * significant: p < 1 % for all parameters together\n";
   return out.str();
 }
 

@@ -6,9 +6,10 @@
 #include <ctime>
 
 #include "base/format.h"
+#include "base/median.h"
 #include "base/quantity_words.h"
+#include "base/text.h"
 #include "effects/effect_words.h"
-#include "estimation/residual_space.h"
 #include "machine/machine_fit.h"
 #include "verification/calibration_changes.h"
 #include "workflow/recalibration.h"
@@ -56,40 +57,30 @@ std::vector<const Calibration*> oneASession(const std::vector<const Calibration*
   return kept;
 }
 
-/// The weighted line, by least squares about the weighted middle.
-void fitLine(ParameterTrend& t) {
-  double weights = 0.0, day = 0.0, value = 0.0;
-  int count = 0;
-  for (const ParameterPoint& p : t.points) {
-    if (!p.comparable || !(p.std > 0.0)) continue;
-    const double w = 1.0 / (p.std * p.std);
-    weights += w, day += w * p.day, value += w * p.value;
-    ++count;
-  }
-  if (count < 2) return;
-  t.middleDay = day / weights;
-  t.atMiddle = value / weights;
-  double square = 0.0, product = 0.0;
-  for (const ParameterPoint& p : t.points) {
-    if (!p.comparable || !(p.std > 0.0)) continue;
-    const double w = 1.0 / (p.std * p.std), d = p.day - t.middleDay;
-    square += w * d * d;
-    product += w * d * (p.value - t.atMiddle);
-  }
-  if (!(square > 0.0)) return;
-  t.slope = product / square;
-  double chi2 = 0.0;
+/// The points that a trend is sought in.
+std::vector<const ParameterPoint*> comparablePoints(const ParameterTrend& t) {
+  std::vector<const ParameterPoint*> points;
   for (const ParameterPoint& p : t.points)
-    if (p.comparable && p.std > 0.0)
-      chi2 += std::pow((p.value - t.atMiddle - t.slope * (p.day - t.middleDay)) / p.std, 2);
-  const double freedoms = count - 2, birge = count > 2 ? chi2 / freedoms : 0.0;
-  t.slopeStd = std::sqrt(std::max(1.0, birge) / square);
-  const double z = std::abs(t.slope) / t.slopeStd;
-  // A scale that the points themselves gave is as uncertain as they are few: Student's t, squared it is F.
-  t.pValue = birge > 1.0 ? std::exp(logPValueF(z * z, 1.0, freedoms)) : std::erfc(z / std::sqrt(2.0));
+    if (p.comparable && p.std > 0.0) points.push_back(&p);
+  return points;
 }
 
-void say(ParameterTrend& t) {
+std::vector<TrendPoint> seriesOf(const ParameterTrend& t) {
+  std::vector<TrendPoint> points;
+  for (const ParameterPoint* p : comparablePoints(t)) points.push_back({p->day, p->value, p->std});
+  return points;
+}
+
+/// Variance of residuals in units of the stated one: the median over the parameters; 1 where none tells.
+double usualVariance(const std::vector<ParameterTrend>& trends) {
+  std::vector<double> variances;
+  for (const ParameterTrend& t : trends)
+    if (const double variance = residualVariance(seriesOf(t)); std::isfinite(variance))
+      variances.push_back(variance);
+  return variances.empty() ? 1.0 : median(std::move(variances));
+}
+
+void say(ParameterTrend& t, const Trend& course) {
   const std::string what = inWords(t.effect) + ", " + t.name;
   if (!std::isfinite(t.slope)) {
     t.inWords = what + ": no trend can be told from " + std::to_string(t.points.size()) +
@@ -97,7 +88,20 @@ void say(ParameterTrend& t) {
     return;
   }
   const std::string rate = expanded(kMonth * t.slope, kMonth * t.slopeStd, t.unit) + " in 30 days";
-  t.inWords = what + ": " + (t.significant ? rate : "no significant trend, " + rate);
+  if (!t.significant || course.kind != Trend::Kind::kSteps) {
+    t.inWords = what + ": " + (t.significant ? rate : "no significant trend, " + rate);
+    return;
+  }
+  constexpr std::size_t kDate = 10;  // characters of a day
+  const std::vector<const ParameterPoint*> points = comparablePoints(t);
+  std::vector<std::string> steps;
+  for (std::size_t i = 0; i + 1 < course.segments.size(); ++i) {
+    const TrendSegment &before = course.segments[i], &after = course.segments[i + 1];
+    steps.push_back(expanded(after.level - before.level, std::hypot(before.std, after.std), t.unit) +
+                    " between " + points[before.end - 1]->measured.substr(0, kDate) + " and " +
+                    points[after.first]->measured.substr(0, kDate));
+  }
+  t.inWords = what + ": changed by " + joined(steps, ", by ");
 }
 
 }  // namespace
@@ -105,8 +109,9 @@ void say(ParameterTrend& t) {
 double daysOf(const std::string& time) {
   std::tm utc = {};
   double seconds = 0.0;
+  constexpr int kDateAlone = 3;
   if (std::sscanf(time.c_str(), "%d-%d-%dT%d:%d:%lf", &utc.tm_year, &utc.tm_mon, &utc.tm_mday, &utc.tm_hour,
-                  &utc.tm_min, &seconds) != 6)
+                  &utc.tm_min, &seconds) < kDateAlone)
     return std::nan("");
   utc.tm_year -= 1900;
   utc.tm_mon -= 1;
@@ -118,6 +123,8 @@ bool hasDate(const Calibration& c) {
   constexpr double kEarliest = 1.2e9;  // s; stamps from before 2008 have the made-up date of an import
   return c.sessionEpoch > kEarliest;
 }
+
+std::string measuredAt(const Calibration& c) { return hasDate(c) ? utcOf(c.sessionEpoch) : c.created; }
 
 std::vector<std::string> refitted(const std::vector<Calibration>& calibrations) {
   const std::vector<const Calibration*> same = ofOneMachine(calibrations), kept = oneASession(same);
@@ -158,15 +165,21 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
       ParameterPoint point;
       point.id = (*c)->id;
       point.created = (*c)->created;
-      point.measured = hasDate(**c) ? utcOf((*c)->sessionEpoch) : point.created;
+      point.measured = measuredAt(**c);
       point.day = dayOf(**c) - first;
       point.value = v.value * v.toUnit;
       point.std = v.std * v.toUnit;
       point.comparable = *c == &last || found->points.empty() || meansTheSame(effect, **c, last);
       found->points.insert(found->points.begin(), point);
     }
+  const double alpha = kSignificant / static_cast<double>(std::max<std::size_t>(1, trends.size()));
+  const double usual = usualVariance(trends);
+  std::vector<Trend> courses;
   for (ParameterTrend& t : trends) {
-    fitLine(t);
+    const Trend course = courses.emplace_back(trendOf(seriesOf(t), alpha, usual));
+    t.slope = course.slope;
+    t.slopeStd = course.slopeStd;
+    t.pValue = course.p;
     const auto comparable = [](const ParameterPoint& p) { return p.comparable; };
     const auto begin = std::find_if(t.points.begin(), t.points.end(), comparable);
     if (begin == t.points.end()) continue;
@@ -177,7 +190,11 @@ std::vector<ParameterTrend> trendsOf(const std::vector<Calibration>& calibration
   for (ParameterTrend& t : trends)
     if (std::isfinite(t.slope)) asked.push_back(&t);
   correctForMany(asked);
-  for (ParameterTrend& t : trends) say(t);
+  for (std::size_t i = 0; i < trends.size(); ++i) {
+    // Holm accepts more than Bonferroni: what stood out is told then, too
+    const double accepted = std::max(alpha, std::nextafter(courses[i].p, 1.0));
+    say(trends[i], trends[i].significant ? trendOf(seriesOf(trends[i]), accepted, usual) : courses[i]);
+  }
   return trends;
 }
 

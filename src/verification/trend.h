@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "calibration_file/calibration.h"
+#include "verification/trend_of_series.h"
 
 namespace mm {
 
@@ -21,14 +22,13 @@ struct ParameterTrend {
   EffectSpec effect;
   std::string name, unit;
   std::vector<ParameterPoint> points;  // as time goes
-  /// Weighted straight line through the comparable points, unit/day; where they scatter more than their
-  /// uncertainties say, these are taken larger (Birge 1932), and their chance is that of Student's t. NaN:
-  /// fewer than two, or all of one time.
+  /// Straight line through the comparable points, unit/day, with their scatter about it (trendOf). NaN: fewer
+  /// than two, or all of one time.
   double slope = std::numeric_limits<double>::quiet_NaN(), slopeStd = slope;
-  double atMiddle = 0.0, middleDay = 0.0;  // the line goes through here
-  double change = 0.0, changeStd = 0.0;    // of the last against the first comparable point
-  double pValue = 1.0;                     // of the slope, corrected for all parameters asked (Holm 1979)
-  bool significant = false;                // below 0.01
+  double change = 0.0, changeStd = 0.0;  // of the last against the first comparable point
+  double pValue = 1.0;  // of a drift or step by chance (trendOf), corrected for all parameters asked (Holm
+                        // 1979); of fewer than three comparable points 1
+  bool significant = false;  // below 0.01
   std::string inWords;
 };
 
@@ -45,7 +45,9 @@ bool hasDate(const Calibration& calibration);
 /// Ids of the calibrations that are not of the machine of the last one.
 std::vector<std::string> ofOtherMachines(const std::vector<Calibration>& calibrations);
 
-/// Days since 1970 of an ISO 8601 time in UTC (2026-03-01T09:30:00Z); NaN: it is none.
+/// Start of the calibration's session where that has a date, else when it was made; ISO 8601, UTC.
+std::string measuredAt(const Calibration& calibration);
+/// Days since 1970 of an ISO 8601 time in UTC (2026-03-01T09:30:00Z), or of a date alone; NaN: it is none.
 double daysOf(const std::string& time);
 
 }  // namespace mm

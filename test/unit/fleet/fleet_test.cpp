@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "fleet_support.h"
+#include "long_tests.h"
 
 namespace mm {
 namespace {
@@ -173,6 +175,82 @@ TEST(Fleet, oneCauseIsToldOnce) {
   EXPECT_TRUE(says(fleet, "sensor", "m002", "offset of sensor s0"));
 }
 
+/// Six monthly sessions of eight machines with three gaps, stated to 0.075 um; sessions scatter by `scatter`
+/// beyond that, um.
+MadeUpFleet smallFleet(std::uint64_t seed, double scatter) {
+  MadeUpFleet made(seed, 8, 6, 3);
+  std::mt19937_64 random(seed + 1000);
+  std::normal_distribution<double> normal;
+  for (int m = 0; m < 8; ++m)
+    for (int p = 0; p < 3; ++p) {
+      const double own = 2.0 + 0.5 * normal(random);
+      for (int k = 0; k < 6; ++k) {
+        FleetParameter& gap = made.at(m, k).result.parameters[static_cast<std::size_t>(p)];
+        gap.std = 0.075;
+        gap.value = own + std::hypot(gap.std, scatter) * normal(random);
+      }
+    }
+  return made;
+}
+
+// The gap of one machine is worn by 5 um in half a year, that of another was adjusted by as much.
+TEST(Fleet, driftsAndStepsOfSixSessionsAreFoundAndNothingElse) {
+  const int fleets = mm_test::thoroughTests() ? 500 : 60;
+  for (const double scatter : {0.0, 0.075}) {
+    int worn = 0, adjusted = 0, apart = 0, alarms = 0, others = 0;
+    for (int f = 1; f <= fleets; ++f) {
+      const auto seed = static_cast<std::uint64_t>(f);
+      alarms += !fleetOf(smallFleet(seed, scatter).records, {}).findings.empty();
+      MadeUpFleet made = smallFleet(seed, scatter);
+      for (int k = 0; k < 6; ++k) {
+        made.at(2, k).result.parameters[0].value += 1.01 * k;
+        made.at(4, k).result.parameters[1].value += k < 3 ? 0.0 : 5.05;
+        made.at(6, k).result.parameters[2].value += 30.0;
+      }
+      const Fleet fleet = fleetOf(made.records, {});
+      worn += says(fleet, "drifts", "m003", "axis: a0");
+      adjusted += says(fleet, "changed", "m005", "axis: a1");
+      apart += says(fleet, "apart", "m007", "axis: a2");
+      for (const Finding& finding : fleet.findings)
+        others += finding.machine != "m003" && finding.machine != "m005" && finding.machine != "m007";
+    }
+    const double expected = 0.01 * fleets, bound = expected + 3.0 * std::sqrt(expected) + 1.0;
+    EXPECT_LE(alarms, bound) << "scatter " << scatter;
+    EXPECT_LE(others, bound) << "scatter " << scatter;
+    EXPECT_GE(worn, 0.95 * fleets) << "scatter " << scatter;
+    EXPECT_GE(adjusted, 0.8 * fleets) << "scatter " << scatter;
+    EXPECT_GE(apart, 0.95 * fleets) << "scatter " << scatter;
+  }
+}
+
+// Stated uncertainties that are ten times too small are no reason to call machines worn.
+TEST(Fleet, uncertaintiesThatAreTooSmallRaiseNoAlarm) {
+  const int fleets = mm_test::thoroughTests() ? 500 : 60;
+  int alarms = 0;
+  for (int f = 1; f <= fleets; ++f)
+    alarms += !fleetOf(smallFleet(static_cast<std::uint64_t>(f), 0.75).records, {}).findings.empty();
+  const double expected = 0.01 * fleets;
+  EXPECT_LE(alarms, expected + 3.0 * std::sqrt(expected) + 1.0);
+}
+
+TEST(Fleet, aDriftIsToldWithItsUncertaintyAndChance) {
+  MadeUpFleet made(1, 1, 6, 1);
+  const double gap[] = {0.94, 2.03, 2.87, 4.02, 4.91, 5.99};
+  for (int k = 0; k < 6; ++k) {
+    made.at(0, k).result.parameters[0].value = gap[k];
+    made.at(0, k).result.parameters[0].std = 0.075;
+  }
+  const Fleet fleet = fleetOf(made.records, {});
+  ASSERT_EQ(fleet.findings.size(), 1u) << fleetText(fleet);
+  const Finding& drift = fleet.findings[0];
+  EXPECT_EQ(drift.kind, "drifts");
+  EXPECT_LT(drift.p, 1e-6);
+  EXPECT_NEAR(drift.after - drift.before, 5.02, 0.06);
+  EXPECT_NEAR(drift.std, 5.0 * 0.075 / std::sqrt(17.5), 2e-3);  // months are of 28 to 31 days
+  EXPECT_NE(drift.inWords.find(" \u00b1 0.18 um (k = 2), from "), std::string::npos) << drift.inWords;
+  EXPECT_NE(drift.inWords.find("(p = "), std::string::npos) << drift.inWords;
+}
+
 TEST(Fleet, oneMachineAndOneParameterCanBeAskedFor) {
   const MadeUpFleet made(5, 6, 8);
   FleetOptions options;
@@ -227,12 +305,6 @@ TEST(FleetCsv, hasALineAParameterOfASession) {
   const std::string csv = fleetCsv(fleetOf(MadeUpFleet(8, 4, 3, 2).records, {}));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 4 * 3 * 2);
   EXPECT_NE(csv.find("\"{type: backlash, axis: a1}\""), std::string::npos);
-}
-
-TEST(DayOf, countsFrom1970) {
-  EXPECT_DOUBLE_EQ(dayOf("1970-01-01T00:00:00Z"), 0.0);
-  EXPECT_DOUBLE_EQ(dayOf("2024-02-29T12:00:00Z"), 19782.5);
-  EXPECT_TRUE(std::isnan(dayOf("")));
 }
 
 }  // namespace

@@ -58,6 +58,17 @@ TEST_F(StoreRecords, whatWasMadeActiveLastCounts) {
   EXPECT_EQ(records[1].result.key, other);
 }
 
+TEST_F(StoreRecords, aSessionWithAClockCountsFromWhenItWasMeasured) {
+  Calibration c = test::exampleCalibration();
+  c.id.clear();
+  c.created = "2026-05-20T00:00:00Z";
+  c.sessionEpoch = 1767225600.0;
+  CalibrationStore(folder_ / "mill").add(c);
+  const std::vector<FleetRecord> records = storeRecords(folder_.string());
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].date, "2026-01-01T00:00:00Z");
+}
+
 TEST_F(StoreRecords, parametersOfOtherModelsAreNotCompared) {
   for (int session = 0; session < 6; ++session) keep("mill", session, 10.0 + 0.1 * session);
   for (int session = 6; session < 10; ++session) keep("mill", session, 90.0, 1);

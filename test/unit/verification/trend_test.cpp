@@ -29,7 +29,43 @@ TEST(Trend, isTheWeightedLine) {
   EXPECT_NEAR(trends[0].slope, 1.0, 1e-9);
   EXPECT_NEAR(trends[0].slopeStd, 1.0 / std::sqrt(50.0), 1e-9);
   EXPECT_NEAR(trends[0].change, 10.0, 1e-9);
+  // t = 7 with one degree of freedom: three sessions do not tell how much sessions scatter
+  EXPECT_NEAR(trends[0].pValue, 1.0 - 2.0 / M_PI * std::atan(std::sqrt(50.0)), 1e-9);
+  EXPECT_FALSE(trends[0].significant);
+}
+
+TEST(Trend, ofTwoSessionsIsNotJudged) {
+  const std::vector<ParameterTrend> trends = trendsOf({calibrated(1, 50.0), calibrated(11, 90.0)});
+  EXPECT_NEAR(trends[0].slope, 4.0, 1e-9);
+  EXPECT_NEAR(trends[0].slopeStd, std::sqrt(2.0) / 10.0, 1e-9);
+  EXPECT_EQ(trends[0].pValue, 1.0);
+  EXPECT_FALSE(trends[0].significant);
+}
+
+TEST(Trend, ofSixSessionsThatGoOneWayIsSignificant) {
+  std::vector<Calibration> calibrations;
+  for (int k = 0; k < 6; ++k) calibrations.push_back(calibrated(1 + 4 * k, 50.0 + 12.0 * k));
+  const std::vector<ParameterTrend> trends = trendsOf(calibrations);
   EXPECT_TRUE(trends[0].significant);
+  EXPECT_LT(trends[0].pValue, 1e-6);
+  EXPECT_NE(trends[0].inWords.find("in 30 days"), std::string::npos) << trends[0].inWords;
+}
+
+TEST(Trend, ofAStepSaysWhenAndByHowMuch) {
+  std::vector<Calibration> calibrations;
+  for (int k = 0; k < 8; ++k) calibrations.push_back(calibrated(1 + 3 * k, (k < 4 ? 50.0 : 90.0) + k % 2));
+  const std::vector<ParameterTrend> trends = trendsOf(calibrations);
+  EXPECT_TRUE(trends[0].significant);
+  EXPECT_NE(trends[0].inWords.find("changed by 40.0 ± 1.4 um/m between 2026-03-10 and 2026-03-13"),
+            std::string::npos)
+      << trends[0].inWords;
+}
+
+TEST(DaysOf, countsFrom1970) {
+  EXPECT_DOUBLE_EQ(daysOf("1970-01-01T00:00:00Z"), 0.0);
+  EXPECT_DOUBLE_EQ(daysOf("2024-02-29T12:00:00Z"), 19782.5);
+  EXPECT_DOUBLE_EQ(daysOf("2024-02-29"), 19782.0);
+  EXPECT_TRUE(std::isnan(daysOf("")));
 }
 
 TEST(Trend, ofPointsThatScatterMoreThanTheySayIsLessCertain) {
@@ -87,7 +123,7 @@ TEST(CalibrationChanges, ofOneSessionAreNotJudged) {
   ASSERT_EQ(changes.parameters.size(), 1u);
   EXPECT_TRUE(std::isnan(changes.parameters[0].pValue));
   EXPECT_FALSE(changes.parameters[0].significant);
-  EXPECT_EQ(changes.inWords.find("both are of the same session"), 0u) << changes.inWords;
+  EXPECT_EQ(changes.inWords.find("both are from the same session"), 0u) << changes.inWords;
 }
 
 TEST(CalibrationChanges, areJudgedByBothUncertainties) {

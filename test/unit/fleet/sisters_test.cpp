@@ -1,4 +1,4 @@
-#include "fleet/trend.h"
+#include "fleet/sisters.h"
 
 #include <gtest/gtest.h>
 
@@ -8,20 +8,9 @@
 #include "base/median.h"
 #include "fleet/recurrence.h"
 #include "fleet/robust_numbers.h"
-#include "fleet/sisters.h"
 
 namespace mm {
 namespace {
-
-/// A series with stated noise and a scatter from session to session.
-std::vector<TrendPoint> series(std::mt19937_64& random, std::size_t count, double stated, double scatter) {
-  std::normal_distribution<double> normal;
-  std::vector<TrendPoint> points;
-  for (std::size_t i = 0; i < count; ++i)
-    points.push_back(
-        {18.0 * static_cast<double>(i), 5.0 + std::hypot(stated, scatter) * normal(random), stated});
-  return points;
-}
 
 TEST(RobustNumbers, tailsAreThoseOfTheTables) {
   EXPECT_NEAR(twoSidedT(2.228, 10), 0.05, 1e-4);
@@ -29,83 +18,6 @@ TEST(RobustNumbers, tailsAreThoseOfTheTables) {
   EXPECT_NEAR(chiSquaredTail(18.307, 10), 0.05, 1e-5);
   EXPECT_GT(twoSidedT(30.0, 1e9), 0.0);
   EXPECT_DOUBLE_EQ(median({3.0, 1.0, 2.0, 10.0}), 2.5);
-}
-
-TEST(Trend, quietSeriesRaiseNoMoreAlarmsThanIsAccepted) {
-  std::mt19937_64 random(7);
-  constexpr int kSeries = 4000;
-  for (const double scatter : {0.0, 0.2}) {
-    for (const std::size_t count : {6u, 12u, 40u}) {
-      int alarms = 0;
-      for (int i = 0; i < kSeries; ++i)
-        alarms += trendOf(series(random, count, scatter > 0.0 ? 0.05 : 0.1, scatter), 0.05).kind !=
-                  Trend::Kind::kQuiet;
-      // binomial: 0.05 of 4000 is 200 +- 14
-      EXPECT_LE(alarms, 242) << count << " points, scatter " << scatter;
-    }
-  }
-}
-
-TEST(Trend, valuesWithoutStatedUncertaintyRaiseNoMoreEither) {
-  std::mt19937_64 random(8);
-  int alarms = 0;
-  for (int i = 0; i < 4000; ++i) {
-    std::vector<TrendPoint> points = series(random, 12, 0.0, 0.3);
-    alarms += trendOf(points, 0.05).kind != Trend::Kind::kQuiet;
-  }
-  EXPECT_LE(alarms, 242);
-}
-
-TEST(Trend, aStepIsFoundWhereItIsWithItsLevels) {
-  std::mt19937_64 random(9);
-  std::vector<TrendPoint> points = series(random, 30, 0.1, 0.05);
-  for (std::size_t i = 18; i < points.size(); ++i) points[i].value += 1.0;
-  const Trend trend = trendOf(points, 1e-5);
-  ASSERT_EQ(trend.kind, Trend::Kind::kSteps);
-  ASSERT_EQ(trend.segments.size(), 2u);
-  EXPECT_EQ(trend.segments[1].first, 18u);
-  EXPECT_NEAR(trend.segments[1].level - trend.segments[0].level, 1.0,
-              4 * 0.112 * std::sqrt(1.0 / 18 + 1.0 / 12));
-  EXPECT_LT(trend.stepP[0], 1e-5);
-}
-
-TEST(Trend, wearThatGrowsIsADriftAndNoStep) {
-  std::mt19937_64 random(10);
-  std::vector<TrendPoint> points = series(random, 30, 0.1, 0.05);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].value += 1.5 * static_cast<double>(i) / 29.0;
-  const Trend trend = trendOf(points, 1e-5);
-  ASSERT_EQ(trend.kind, Trend::Kind::kDrift);
-  EXPECT_NEAR(trend.end - trend.start, 1.5, 0.2);
-  EXPECT_NEAR(trend.slope * (points.back().day - points.front().day), trend.end - trend.start, 1e-12);
-}
-
-TEST(Trend, whatIsRepairedAndReturnsIsThreeLevels) {
-  std::mt19937_64 random(11);
-  std::vector<TrendPoint> points = series(random, 36, 0.1, 0.0);
-  for (std::size_t i = 12; i < 24; ++i) points[i].value -= 2.0;
-  const Trend trend = trendOf(points, 1e-5);
-  ASSERT_EQ(trend.segments.size(), 3u);
-  EXPECT_EQ(trend.segments[1].first, 12u);
-  EXPECT_EQ(trend.segments[2].first, 24u);
-}
-
-TEST(Trend, oneBadSessionIsNoChange) {
-  std::mt19937_64 random(12);
-  for (const std::size_t bad : {0u, 1u, 15u, 28u, 29u}) {
-    std::vector<TrendPoint> points = series(random, 30, 0.1, 0.0);
-    points[bad].value += 3.0;
-    EXPECT_EQ(trendOf(points, 1e-5).kind, Trend::Kind::kQuiet) << bad;
-  }
-}
-
-TEST(Trend, shortAndConstantSeriesAreQuiet) {
-  EXPECT_EQ(trendOf({}, 0.05).kind, Trend::Kind::kQuiet);
-  EXPECT_EQ(trendOf({{0, 1, 0.1}}, 0.05).segments.size(), 1u);
-  std::vector<TrendPoint> same(20, {0.0, 3.0, 0.0});
-  for (std::size_t i = 0; i < same.size(); ++i) same[i].day = static_cast<double>(i);
-  const Trend trend = trendOf(same, 0.05);
-  EXPECT_EQ(trend.kind, Trend::Kind::kQuiet);
-  EXPECT_DOUBLE_EQ(trend.segments[0].level, 3.0);
 }
 
 TEST(Sisters, quietMachinesAreNotAccused) {
