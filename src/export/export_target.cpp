@@ -22,6 +22,8 @@ const std::vector<ExportTarget>& exportTargets() {
       {"fanuc", "Fanuc Series 0i, 16i, 30i", "", "1851, 1852, 3620 to 3627, 5700 and following", toFanuc},
       {"beckhoff", "Beckhoff TwinCAT CNC, ISG kernel", "# ", "lr_param.anwahl_losekomp, other lists",
        toBeckhoff},
+      {"isg", "ISG volumetric compensation (Beckhoff TF5280)", "// ",
+       "backlash, compensation value lists kw.*, another vol_comp", toIsg},
       {"csv", "component errors of ISO 230-1 as CSV", "", "any", toCsv},
   };
   return targets;
@@ -36,8 +38,8 @@ std::vector<std::string> exportTargetNames() {
 const ExportTarget& exportTarget(const std::string& name) {
   for (const ExportTarget& target : exportTargets())
     if (target.name == name) return target;
-  throw InputError("--to " + name + ": is no target" + didYouMean(name, exportTargetNames()) +
-                   "; take one of " + listOf(exportTargetNames()));
+  throw InputError("--to " + name + ": is not a target" + didYouMean(name, exportTargetNames()) +
+                   "; use one of " + listOf(exportTargetNames()));
 }
 
 std::string activeWords(const ExportTarget& target, const NeededCorrection& needed,
@@ -49,16 +51,19 @@ std::string activeWords(const ExportTarget& target, const NeededCorrection& need
     if (tables || !exported.alsoAdds || !needed.changes(axis.joint))  // else offsets alone are for it
       (tables ? written : left).push_back(capital(axis.letter));
   }
-  const std::string rest =
-      left.empty() ? "" : " Nothing here is for " + listOf(left) + ": what the control has for it stays.";
+  const std::string rest = left.empty() ? ""
+                                        : " No table is written for " + listOf(left) +
+                                              "; existing compensation of it in the controller stays "
+                                              "unchanged.";
   switch (needed.compensation().stated) {
     case Stated::kNot:
-      return "ASSUMED, as nobody stated it: no compensation was active while measuring (" + target.beside +
+      return "ASSUMED, because it was not stated: no compensation was active while measuring (" +
+             target.beside +
              "). If one was, these tables undo it: state it (mm import --compensation FOLDER) and export "
              "again." +
              rest;
     case Stated::kNone:
-      return "No compensation was active while measuring, as was stated: none may be active beside these "
+      return "As stated, no compensation was active while measuring: none may be active in addition to these "
              "tables (" +
              target.beside + ")." + rest;
     case Stated::kFiles:
@@ -68,8 +73,8 @@ std::string activeWords(const ExportTarget& target, const NeededCorrection& need
          (written.empty()
               ? std::string("They stay as they are.")
               : "The tables here, for " + listOf(written) +
-                    ", are those and what the calibration adds: they take their place, and nothing "
-                    "else of these axes may be active beside them (" +
+                    ", contain those plus the correction of the calibration: they replace them, and no other "
+                    "compensation of these axes may be active (" +
                     target.beside + ").") +
          rest;
 }

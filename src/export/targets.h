@@ -27,6 +27,8 @@ Exported toHeidenhain(const NeededCorrection& needed, const ExportOptions& optio
 Exported toFanuc(const NeededCorrection& needed, const ExportOptions& options);
 /// Compensation value lists: leadscrew (bilateral), cross and plane compensation. TF5200 Axis compensation.
 Exported toBeckhoff(const NeededCorrection& needed, const ExportOptions& options);
+/// An ISG_CSV table of volumetric compensation with its configuration. TF5280; ISG kernel, FCT-C26.
+Exported toIsg(const NeededCorrection& needed, const ExportOptions& options);
 /// The eighteen component errors of three linear axes as tables, with the kinematic chain. ISO 230-1, 3.4.
 Exported toCsv(const NeededCorrection& needed, const ExportOptions& options);
 

@@ -12,12 +12,17 @@ struct Target {
   std::unique_ptr<Interpreter> (*interpret)(const std::filesystem::path& folder);
 };
 
-constexpr Target kTargets[] = {
-    {"linuxcnc", interpretLinuxcnc},     {"klipper", interpretKlipper},
-    {"marlin", interpretMarlin},         {"reprapfirmware", interpretReprapfirmware},
-    {"grblhal", interpretGrblhal},       {"siemens", interpretSiemens},
-    {"heidenhain", interpretHeidenhain}, {"fanuc", interpretFanuc},
-    {"beckhoff", interpretBeckhoff},     {"csv", interpretCsv}};
+constexpr Target kTargets[] = {{"linuxcnc", interpretLinuxcnc},
+                               {"klipper", interpretKlipper},
+                               {"marlin", interpretMarlin},
+                               {"reprapfirmware", interpretReprapfirmware},
+                               {"grblhal", interpretGrblhal},
+                               {"siemens", interpretSiemens},
+                               {"heidenhain", interpretHeidenhain},
+                               {"fanuc", interpretFanuc},
+                               {"beckhoff", interpretBeckhoff},
+                               {"isg", interpretIsg},
+                               {"csv", interpretCsv}};
 
 }  // namespace
 

@@ -44,7 +44,7 @@ class Interpreter {
 /// folder without any file of that target; a target that is not one of `interpretedTargets`.
 std::unique_ptr<Interpreter> interpret(const std::string& target, const std::filesystem::path& folder);
 
-/// linuxcnc, klipper, marlin, reprapfirmware, grblhal, siemens, heidenhain, fanuc, beckhoff, csv.
+/// linuxcnc, klipper, marlin, reprapfirmware, grblhal, siemens, heidenhain, fanuc, beckhoff, isg, csv.
 std::vector<std::string> interpretedTargets();
 
 }  // namespace mm

@@ -17,6 +17,7 @@ std::unique_ptr<Interpreter> interpretSiemens(const std::filesystem::path& folde
 std::unique_ptr<Interpreter> interpretHeidenhain(const std::filesystem::path& folder);
 std::unique_ptr<Interpreter> interpretFanuc(const std::filesystem::path& folder);
 std::unique_ptr<Interpreter> interpretBeckhoff(const std::filesystem::path& folder);
+std::unique_ptr<Interpreter> interpretIsg(const std::filesystem::path& folder);
 std::unique_ptr<Interpreter> interpretCsv(const std::filesystem::path& folder);
 
 }  // namespace mm

@@ -126,11 +126,13 @@ std::vector<Target> targets() {
   const Truth angle{0.0, 4e-6, 2e-4, 3e-6}, halfAngle{0.0, 3e-6, 1.5e-4, 3e-6};
   const Truth gap{0.0, 4e-6, 0.0, 3e-6}, halfGap{0.0, 3e-6, 0.0, 3e-6};
   const Truth skew{0.0, 0.0, 2e-4, 0.0}, halfSkew{0.0, 0.0, 1.5e-4, 0.0};
+  const Truth plain{2e-4, 0.0, 2e-4, 0.0}, halfPlain{1.5e-4, 0.0, 1.5e-4, 0.0};
   return {{"linuxcnc", pitch, halfPitch},
           {"siemens", pitch, halfPitch},
           {"heidenhain", pitch, halfPitch, 2e-9, false},
           {"fanuc", pitch, halfPitch, 2e-7},
           {"beckhoff", pitch, halfPitch, 2e-7},
+          {"isg", plain, halfPlain, 2e-9, false},
           {"csv", pitch, halfPitch, 2e-9, false},
           {"marlin", angle, halfAngle, 2e-9, false},
           {"reprapfirmware", angle, halfAngle},
@@ -351,7 +353,7 @@ TEST(StatedCompensation, IsTheSameOnceReadBack) {
   EXPECT_THAT(refused([&] { parseCompensation("{\"stated\": \"some\"}", "topic"); }), HasSubstr("'some'"));
   ControllerCompensation outside = stated;
   outside.files[0].path = "../outside";
-  EXPECT_THAT(refused([&] { loadedCompensation(outside); }), HasSubstr("'../outside' is no name of a file"));
+  EXPECT_THAT(refused([&] { loadedCompensation(outside); }), HasSubstr("'../outside' is not a file name"));
 }
 
 TEST(StatedCompensation, IsSaidInTheFilesAndOnThePage) {
@@ -359,9 +361,9 @@ TEST(StatedCompensation, IsSaidInTheFilesAndOnThePage) {
   const auto ini = [&] {
     return fileOf(exportedFor(exportTarget("linuxcnc"), NeededCorrection(c, {}), {}), "machine.ini");
   };
-  EXPECT_THAT(ini(), HasSubstr("# ASSUMED, as nobody stated it: no compensation was active"));
+  EXPECT_THAT(ini(), HasSubstr("# ASSUMED, because it was not stated: no compensation was active"));
   c.compensation.stated = ControllerCompensation::Stated::kNone;
-  EXPECT_THAT(ini(), AllOf(HasSubstr("# No compensation was active while measuring, as was stated"),
+  EXPECT_THAT(ini(), AllOf(HasSubstr("# As stated, no compensation was active while measuring"),
                            Not(HasSubstr("ASSUMED"))));
 }
 

@@ -71,7 +71,8 @@ const std::map<std::string, std::string>& documented() {
       {"marlin", "neeennn"},     {"reprapfirmware", "neeennn"},
       {"grblhal", "nennnnn"},    {"siemens", "eeeeenn"},
       {"heidenhain", "eeeeenn"}, {"fanuc", "aennnnn"},
-      {"beckhoff", "eeeeeen"},   {"csv", "eeeeeen"}};
+      {"beckhoff", "eeeeeen"},   {"isg", "eneeeen"},
+      {"csv", "eeeeeen"}};
   return answers;
 }
 

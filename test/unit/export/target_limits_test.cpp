@@ -2,10 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
+#include <sstream>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "compensation_support.h"
 #include "export/export_target.h"
 #include "export/representability.h"
@@ -76,7 +79,7 @@ TEST(TargetLimits, WhatNoTableFollowsIsTold) {
                          coarse = judged("heidenhain", screw(300, 5));
   ASSERT_EQ(fine.notFollowed.size(), 1u);
   EXPECT_THAT(fine.notFollowed[0],
-              AllOf(HasSubstr("of X by the position of X"), HasSubstr("um of it are left")));
+              AllOf(HasSubstr("of X by the position of X"), HasSubstr("um of it remain")));
   EXPECT_THAT(fine.effects.at(0).why, HasSubstr(fine.notFollowed[0]));
   EXPECT_EQ(fine.effects.at(0).carried, "none");
   EXPECT_THAT(representabilityText(fine), HasSubstr("Not followed: " + fine.notFollowed[0]));
@@ -163,6 +166,44 @@ TEST(TargetLimits, SiemensTablesFitThe828D) {
   EXPECT_THAT(text, AllOf(HasSubstr("$AN_CEC[0,192]="), Not(HasSubstr("$AN_CEC[0,193]="))));
   EXPECT_THAT(text, HasSubstr("; table 0: X by X, 193 points"));
   EXPECT_THAT(all(exported.notes), HasSubstr("0: X by X, 193 points"));
+}
+
+TEST(TargetLimits, IsgIsToldErrorsByThePositionThatTheyDependOn) {
+  const Exported exported =
+      written("isg", with(EffectSpec("squareness").set("axis", "x").set("of", "y"), "slope", 3e-4));
+  const std::string text = fileOf(exported, "volcomp.csv");
+  EXPECT_THAT(text, HasSubstr("\nY EXY\n"));
+  std::istringstream last(text.substr(text.rfind('\n', text.size() - 2)));
+  double y = 0.0, error = 0.0;
+  last >> y >> error;  // mm; corrected = nominal + slope * y
+  EXPECT_GT(y, 19.9);
+  EXPECT_NEAR(error, 3e-4 * y, 2e-6);
+  EXPECT_EQ(exported.axes, std::set<std::string>{"x"});
+  const auto records = std::count(text.begin(), text.end(), '\n') - 3;  // two remarks, a header
+  EXPECT_THAT(fileOf(exported, "startup.lis"),
+              HasSubstr(format("max_records %d\n", static_cast<int>(records))));
+}
+
+TEST(TargetLimits, IsgHasAGridWherePositionsActTogether) {
+  const Exported exported =
+      written("isg", with(EffectSpec("angular_motion").set("axis", "x").set("about", "x").set("degree", "2"),
+                          "angle", 3e-4));
+  const std::string text = fileOf(exported, "volcomp.csv");
+  ASSERT_THAT(text, HasSubstr("\nX Y Z E"));
+  const std::string grid = text.substr(text.find("\nX Y Z E") + 1);
+  EXPECT_EQ(std::count(grid.begin(), grid.end(), '\n'), 1 + 16 * 16 * 16);
+  EXPECT_EQ(exported.axes, (std::set<std::string>{"y", "z"}));
+}
+
+TEST(TargetLimits, IsgNeedsThreeLinearAxes) {
+  const Calibration c = with(EffectSpec("scale").set("axis", "x"), "scale", 1e-4);
+  try {
+    exportTarget("isg").write(NeededCorrection(c, {{"x", "u"}}), {});
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(),
+                AllOf(HasSubstr("U, Y, Z"), HasSubstr("exactly three, X, Y and Z"), HasSubstr("--axis")));
+  }
 }
 
 TEST(TargetLimits, KlipperSplitsMovesAsFinelyAsItCan) {
