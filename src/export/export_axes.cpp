@@ -51,7 +51,7 @@ std::vector<ExportAxis> exportAxes(const Machine& machine, const std::map<std::s
   const auto give = [&](std::size_t j, const std::string& letter, const std::string& why) {
     if (taken.find(letter) != std::string::npos)
       throw InputError("joint '" + joints[j].name + "' " + why + " axis " + letter +
-                       ", which another joint has already; name them apart with --axis " + joints[j].name +
+                       ", which another joint already has; assign letters with --axis " + joints[j].name +
                        "=LETTER");
     axes[j].letter = letter;
     taken += letter;
@@ -65,7 +65,7 @@ std::vector<ExportAxis> exportAxes(const Machine& machine, const std::map<std::s
     axes[j].upper = upper[j];
     linear = linear || joints[j].kind == JointKind::kLinear;
     const auto found = told.find(joints[j].name);
-    if (found != told.end()) give(j, found->second, "is told to be");
+    if (found != told.end()) give(j, found->second, "is assigned to");
   }
   if (!linear)
     throw InputError("machine '" + machine.name() +
@@ -82,9 +82,8 @@ std::vector<ExportAxis> exportAxes(const Machine& machine, const std::map<std::s
       if (axes[j].letter.empty() && taken.find(letter) == std::string::npos)
         give(j, std::string(1, letter), "becomes");
     if (axes[j].letter.empty())
-      throw InputError("joint '" + joints[j].name +
-                       "' finds no letter of an axis free; tell it with --axis " + joints[j].name +
-                       "=LETTER");
+      throw InputError("joint '" + joints[j].name + "' has no free axis letter; assign one with --axis " +
+                       joints[j].name + "=LETTER");
   }
   return axes;
 }

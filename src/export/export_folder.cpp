@@ -22,7 +22,7 @@ constexpr const char* kReport = ExportDescription::kFile;
 
 [[noreturn]] void refuse(const fs::path& folder, int cause) {
   throw InputError(folder.string() + ": cannot be written: " + std::strerror(cause) +
-                   "; make room or choose another folder");
+                   "; free disk space or choose another folder");
 }
 
 /// A new folder with a name of its own. @param pattern ends in XXXXXX.
@@ -93,7 +93,7 @@ void checkExportFolder(const fs::path& folder, const std::string& target, bool f
     if (earlier.target.empty() ||
         std::find(earlier.files.begin(), earlier.files.end(), file) == earlier.files.end())
       throw InputError("-o " + name + ": holds '" + file +
-                       "', which no export has written there; name a new folder, or move it away");
+                       "', which is not from an export; name a new folder, or move it away");
   }
   if (!earlier.target.empty() && earlier.target != target && !force)
     throw InputError("-o " + name + ": holds an export for " + earlier.target + ", not for " + target +

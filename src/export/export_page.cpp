@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "base/format.h"
+#include "base/quantity_words.h"
 #include "base/units.h"
+#include "export/compensation_statement.h"
 #include "export/export_folder.h"
 
 namespace mm {
@@ -32,8 +34,8 @@ SignCheck signCheck(const NeededCorrection& needed, const ExportTarget& target, 
 
 std::string signText(const NeededCorrection& needed, const ExportTarget& target, const Exported& exported) {
   const SignCheck check = signCheck(needed, target, exported);
-  if (check.axis == nullptr) return "The tables add nothing anywhere: there is no sign to check.\n";
-  std::string text = "With the tables loaded command, arriving in the directions told,\n\n";
+  if (check.axis == nullptr) return "The tables are zero everywhere, so there is no sign to check.\n";
+  std::string text = "With the tables loaded, command this position, arriving in the stated directions:\n\n";
   for (const ExportAxis& axis : needed.axes()) {
     const auto j = static_cast<std::size_t>(axis.joint);
     const bool linear = axis.kind == JointKind::kLinear;
@@ -47,9 +49,11 @@ std::string signText(const NeededCorrection& needed, const ExportTarget& target,
       text += format("    %s at %.2f degC\n", d.sensors[k].c_str(), check.state.temperature[k]);
   return text +
          format(
-             "\nThe motor of %s (or a dial gauge against the same move without the tables) must then stand "
-             "%.2f um %s of where it stands without them. If it stands on the other side, every value has "
-             "to change its sign: do not use the tables as they are.\n",
+             "\n"
+             "The motor of %s (or a dial gauge against the same move without the tables) must then stand "
+             "%.2f "
+             "um %s of where it stands without them. If it stands on the other side, all signs are reversed: "
+             "do not use the tables as they are.\n",
              capital(check.axis->letter).c_str(), std::abs(check.added) / kMicrometre,
              check.added > 0.0 ? "on the positive side" : "on the negative side");
 }
@@ -82,6 +86,37 @@ std::string range(const NeededCorrection& needed) {
   return text;
 }
 
+/// How large the errors are with and without the tables: what the model predicts, to be validated by
+/// measuring.
+std::string beforeAndAfterText(const Representability& judged) {
+  const double before = judged.expected(judged.figures.uncorrected),
+               after = judged.expected(judged.figures.exported);
+  if (!std::isfinite(before) || !std::isfinite(after)) return "not known: the session has no lengths";
+  return "RMS of a coordinate at the probe, predicted: " + errorInWords(before, false) + " before, " +
+         errorInWords(after, false) + " after" +
+         (std::isfinite(judged.figures.withOffsets)
+              ? ", " + errorInWords(judged.expected(judged.figures.withOffsets), false) +
+                    " with the external offsets"
+              : "") +
+         ". Validate it with the tables loaded: measure fresh points, then `mm verify`";
+}
+
+/// What ISO/TR 16907 asks to be told.
+std::string compensationText(const Calibration& calibration, const ExportTarget& target,
+                             const Exported& exported, const Representability& judged) {
+  std::vector<EffectSpec> carried;
+  for (const CarriedEffect& e : judged.effects)
+    if (e.carried != "none") carried.push_back(e.effect);
+  std::vector<std::string> lines = {"Compensation: tables of " + target.title + ", " + exported.holds};
+  if (exported.alsoAdds)
+    lines.front() +=
+        "; external offsets add what the tables leave of the model; the next lines are of the tables";
+  for (const CompensationFact& fact : compensationFacts(calibration, carried))
+    lines.push_back(fact.name + ": " + fact.text);
+  lines.push_back("Before and after: " + beforeAndAfterText(judged));
+  return bulleted(lines);
+}
+
 }  // namespace
 
 std::string exportPage(const Calibration& calibration, const ExportTarget& target,
@@ -96,14 +131,19 @@ std::string exportPage(const Calibration& calibration, const ExportTarget& targe
   text += "## Files\n\n| file | what |\n|---|---|\n";
   for (const ExportedFile& file : exported.files) text += "| `" + file.path + "` | " + file.what + " |\n";
   text += "\n## Load\n\n" + numbered(exported.load) + "\n## Reference point\n\n" + exported.reference +
-          "\n\nIt holds over what the session covered; beyond that the tables say nothing that was "
-          "measured.\n\n" +
+          "\n"
+          "\n"
+          "It is valid over the range that the session covered; beyond it the tables are not based on "
+          "measurements.\n"
+          "\n" +
           range(needed) + "\n## Check the sign with one move\n\n" + signText(needed, target, exported);
   text += "\n## What is carried\n\n" + target.title + " holds " + exported.holds + ".\n\n```\n" +
           representabilityText(judged) + "```\n";
+  text += "\n## Numerical compensation, by ISO/TR 16907\n\n" +
+          compensationText(calibration, target, exported, judged);
   if (!exported.notes.empty()) text += "\n## Notes\n\n" + bulleted(exported.notes);
   text += "\n## Not verified\n\n" + (exported.unverified.empty()
-                                         ? "Nothing beyond the sources cited in the documentation (export).\n"
+                                         ? "See the sources cited in the documentation (export).\n"
                                          : bulleted(exported.unverified));
   return text;
 }

@@ -231,11 +231,11 @@ std::vector<std::string> notFollowed(const NeededCorrection& needed, const LineT
   for (const int output : outputs) {
     const double left = table.left[output];
     if (left < kToldLeft) continue;
-    told.push_back(
-        format("the correction of %s by the position of %s bends between the points even of the finest table "
-               "(%zu are written, every %.4g mm): up to %.3g um of it are left",
-               letter(output).c_str(), letter(table.input).c_str(), table.at.size(),
-               (table.at[1] - table.at[0]) / kMillimetre, left / kMicrometre));
+    told.push_back(format(
+        "the correction of %s by the position of %s varies between the points even of the finest table (%zu "
+        "points, every %.4g mm): up to %.3g um of it remain",
+        letter(output).c_str(), letter(table.input).c_str(), table.at.size(),
+        (table.at[1] - table.at[0]) / kMillimetre, left / kMicrometre));
   }
   return told;
 }

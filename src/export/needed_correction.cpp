@@ -81,7 +81,7 @@ void NeededCorrection::checkActive() const {
     if (findAxis(letter) == nullptr)
       throw InputError("the compensation that was active while measuring (" + compensation_.inWords() +
                        ") is for axis " + letter + ", and the machine's axes are " + listOf(here) +
-                       "; tell which joint it is with --axis JOINT=" + letter);
+                       "; assign its joint with --axis JOINT=" + letter);
 }
 
 const ExportAxis* NeededCorrection::findAxis(const std::string& letter) const {

@@ -8,6 +8,7 @@
 #include "base/rotation.h"
 #include "base/units.h"
 #include "effects/inputs.h"
+#include "effects/iso230_symbol.h"
 #include "export/export_folder.h"
 
 namespace mm {
@@ -129,6 +130,7 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
   const NeededCorrection needed(one, options.letters);
   CarriedEffect result;
   result.effect = one.effects[0];
+  result.iso230 = ErrorSymbols(needed.model().machine()).of(result.effect);
   const Exported exported = exportedFor(target, needed, options);
   result.figures = judged(target.name, needed, exported);
   const ExportFigures& f = result.figures;
@@ -136,21 +138,21 @@ CarriedEffect carriedEffect(const Calibration& calibration, int index, const Exp
     const bool any = hasValue(one);
     result.carried = any ? "none" : "exact";
     result.why =
-        any ? "it moves no axis that stands still: it acts at a contact, on a reading or at speed, and stays "
-              "in the correction of readings (mm apply)"
+        any ? "it does not change the position of a resting axis: it acts at a contact, on a reading or "
+              "during motion, and can only be corrected in the readings (mm apply)"
             : "its parameters are zero";
     return result;
   }
   if (f.uncorrected < kExactShare * f.unalignedUncorrected) {
     result.carried = "exact";
-    result.why = "it turns or shifts the whole workpiece, which its alignment takes up";
+    result.why = "it rotates or shifts the whole workpiece, which the workpiece alignment compensates";
     return result;
   }
   const double share = f.exported / f.uncorrected;
   const bool exact = share <= kExactShare || (share < 0.5 && f.exported < kBelowAll);
   result.carried = exact ? "exact" : share < kNoneShare ? "approximate" : "none";
   result.why = whatItDoes(needed) + "; " + target.title + " holds " + exported.holds +
-               format(": %.3g of %.3g um are left", f.exported / kMicrometre, f.uncorrected / kMicrometre);
+               format(": %.3g of %.3g um remain", f.exported / kMicrometre, f.uncorrected / kMicrometre);
   for (const std::string& told : exported.notFollowed) result.why += "; " + told;
   return result;
 }

@@ -26,6 +26,7 @@ struct ExportFigures {
 /// One effect of the model, exported alone.
 struct CarriedEffect {
   EffectSpec effect;
+  std::string iso230;   // its symbol (ErrorSymbols); empty: it has none
   std::string carried;  // exact, approximate or none
   std::string why;
   ExportFigures figures;

@@ -32,7 +32,7 @@ std::string um(double metres) {
 
 std::string expectedWords(const Representability& judged) {
   if (!std::isfinite(judged.heldOut))
-    return "What the model does not explain of the session is not known: it has no lengths.\n";
+    return "The part of the session that the model does not explain is unknown: it has no lengths.\n";
   return "Expected: together with the " + um(judged.unexplained()) +
          " that the model does not explain of its session, the root of the difference of squares of\n"
          "what was left there (" +
@@ -66,13 +66,15 @@ ordered_json representabilityJson(const Representability& judged) {
   }
   json["not_followed"] = judged.notFollowed;
   json["effects"] = ordered_json::array();
-  for (const CarriedEffect& e : judged.effects)
+  for (const CarriedEffect& e : judged.effects) {
     json["effects"].push_back({{"effect", effectJson(e.effect)},
                                {"carried", e.carried},
                                {"why", e.why},
                                {"rms_um",
                                 {{"uncorrected", micrometres(e.figures.uncorrected)},
                                  {"exported", micrometres(e.figures.exported)}}}});
+    if (!e.iso230.empty()) json["effects"].back()["iso230"] = e.iso230;
+  }
   json["calibration"] = judged.calibration;
   json["axes"] = judged.letters;
   json["sensors"] = judged.sensors;
@@ -100,8 +102,9 @@ std::string representabilityText(const Representability& judged) {
   for (const std::string& told : judged.notFollowed) text += "Not followed: " + told + ".\n";
   text += "\n";
   for (const CarriedEffect& e : judged.effects)
-    text += format("%-12s ", e.carried.c_str()) + e.effect.yaml() + "\n             " + e.why + "\n";
-  if (judged.effects.empty()) text += "The calibration has no effects: there is nothing to carry.\n";
+    text += format("%-12s ", e.carried.c_str()) + e.effect.yaml() +
+            (e.iso230.empty() ? "" : " (" + e.iso230 + ")") + "\n             " + e.why + "\n";
+  if (judged.effects.empty()) text += "The calibration has no effects, so there is nothing to export.\n";
   return text;
 }
 

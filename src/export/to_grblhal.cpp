@@ -23,7 +23,7 @@ Exported toGrblhal(const NeededCorrection& needed, const ExportOptions&) {
   out.holds = "one reversal a joint";
   out.load = {"Use a build with ENABLE_BACKLASH_COMPENSATION; without it the settings do not exist.",
               "Send the lines of settings.txt; they stay in the controller's memory.",
-              "Home: which side of the play the axis is on is taken from the direction of homing ($23)."};
+              "Home: the direction of homing ($23) defines on which side of the backlash the axis is."};
   out.reference = "A reversal has no position; the zero of each axis is that of homing.";
   out.unverified = {
       "That the numbers of the settings are 160 and following is read from the sources; boards whose "

@@ -16,8 +16,8 @@ std::string skewFactor(char letter, double factor, const char* axes) {
   if (!(std::abs(factor) <= kMostSkew))
     throw InputError("--to marlin: M852 " + std::string(1, letter) + ", the skew of " + axes + ", is " +
                      fixed(factor, 6) +
-                     ", not within -1 to 1 (SKEW_FACTOR_MIN, SKEW_FACTOR_MAX): square these axes "
-                     "first, and measure again");
+                     ", outside -1 to 1 (SKEW_FACTOR_MIN, SKEW_FACTOR_MAX): square these axes first, and "
+                     "measure again");
   return " " + std::string(1, letter) + fixed(factor, 9);
 }
 

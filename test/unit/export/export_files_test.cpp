@@ -146,13 +146,16 @@ TEST(ExportPages, SayWhatToLoadAndHowToCheckTheSign) {
       if (file.path == "README.md") page = file.text;
       if (file.path == "representability.json") json = file.text;
     }
-    for (const char* part : {"## Load", "ASSUMED, as nobody stated it", "## Reference point",
-                             "## Check the sign", "## What is carried", "## Not verified", "1. "})
+    for (const char* part :
+         {"## Load", "ASSUMED, because it was not stated", "## Reference point", "## Check the sign",
+          "## What is carried", "## Numerical compensation, by ISO/TR 16907", "Kinematic chain: w-b-X-Y-Z-t",
+          "Before and after: RMS", "## Not verified", "1. "})
       EXPECT_THAT(page, HasSubstr(part)) << target.name;
     const auto read = nlohmann::json::parse(json);
     EXPECT_EQ(read.at("target"), target.name);
     EXPECT_EQ(read.at("files").size(), files.size());
     EXPECT_EQ(read.at("effects").at(0).at("effect").at("type"), "scale");
+    EXPECT_EQ(read.at("effects").at(0).at("iso230"), "EXX");
     EXPECT_TRUE(read.at("rms_um").contains("uncorrected"));
   }
 }
