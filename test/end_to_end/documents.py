@@ -39,15 +39,41 @@ def typed_lines(text):
 
 
 def examples(text, folder):
+    """The examples of a page, beside those of examples/formats."""
+    shutil.copytree(os.path.join(ROOT, "examples", "formats"), folder, dirs_exist_ok=True)
     for name, body in re.findall(r"```\w+ file=(\S+)\n(.*?)```", text, re.S):
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
             file.write(body)
 
 
 def try_typed(document, folder):
-    for line in dict.fromkeys(typed_lines(text_of(document))):  # each once
+    """Types the lines of a page, each once; what they print."""
+    printed = []
+    for line in dict.fromkeys(typed_lines(text_of(document))):
         done = run(line, folder)
         say(done.returncode == 0, f"{document}: {line[:70]}", done.stderr.strip()[-300:])
+        printed += (done.stdout + done.stderr).split("\n")
+    return printed
+
+
+def try_quoted(document, printed):
+    """Every line of a text block is one that the page's commands printed; … stands for anything."""
+    blocks = re.findall(r"^```text\n(.*?)^```", text_of(document), re.M | re.S)
+    quoted = [line for line in "".join(blocks).split("\n") if line.strip()]
+    wrong = []
+    for line in quoted:
+        form = re.compile(r" ?.*?".join(re.escape(part.strip()) for part in " ".join(line.split()).split("…")))
+        if not any(form.fullmatch(" ".join(said.split())) for said in printed):
+            wrong.append(line.strip())
+    say(bool(quoted) and not wrong, f"{document}: what it quotes is printed", "; ".join(wrong))
+
+
+def try_pages(documents, work):
+    """Pages whose lines are typed in a folder of their own, two below the package's."""
+    for document in documents:
+        folder = os.path.join(work, "build", os.path.basename(document)[:-len(".md")])
+        os.makedirs(folder)
+        try_quoted(document, try_typed(document, folder))
 
 
 def ranges(text):
@@ -107,7 +133,8 @@ def try_ranges(text, folder):
 
 def try_links():
     documents = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "src/README.md", "src/effects/README.md"]
-    documents += ["docs/" + name for name in sorted(os.listdir(os.path.join(ROOT, "docs"))) if name.endswith(".md")]
+    for folder in ("docs/", "docs/tutorials/"):
+        documents += [folder + name for name in sorted(os.listdir(os.path.join(ROOT, folder))) if name.endswith(".md")]
     for document in documents:
         text = text_of(document)
         wrong = []
@@ -156,7 +183,7 @@ def try_settings():
         return helps[command]
 
     wrong = []
-    for document in ["README.md", "CONTRIBUTING.md", "docs/commands.md", "docs/find_a_missing_effect.md", "docs/troubleshooting.md", "docs/services.md", "docs/formats.md"]:
+    for document in ["README.md", "CONTRIBUTING.md", "docs/commands.md", "docs/monday.md", "docs/find_a_missing_effect.md", "docs/troubleshooting.md", "docs/services.md", "docs/formats.md"]:
         for typed in re.findall(r"`(mm \w[^`]*)`", text_of(document)):
             words = shlex.split(typed.replace("…", "").replace("'", ""))
             if words[1:2] and words[1].startswith("<"):
@@ -191,6 +218,8 @@ def main():
         folder = os.path.join(work, "build", "find")
         os.makedirs(folder)
         try_typed("docs/find_a_missing_effect.md", folder)
+        tutorials = sorted(os.listdir(os.path.join(ROOT, "docs", "tutorials")))
+        try_pages(["docs/monday.md"] + ["docs/tutorials/" + name for name in tutorials], work)
         try_links()
         try_messages()
         try_settings()
