@@ -37,16 +37,20 @@ option(MM_TOGETHER "Compile the sources of a folder in groups" ON)
 set(CMAKE_UNITY_BUILD ${MM_TOGETHER})
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 24)
 
-# mm_library(<folder> [DEPENDS <folders or targets>]): a static library of every .cpp of src/<folder>.
+# mm_library(<folder> [EDGE] [DEPENDS <folders or targets>]): a static library of every .cpp of src/<folder>.
+# EDGE: text, files and wires, where the compiler's second level of optimisation buys nothing but its time.
 # Only ros_bridge, nodes and tools may ask for `catkin`.
 function(mm_library name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "EDGE" "" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "_main\\.cpp$")
   add_library(mm_${name} STATIC ${sources})
   set_target_properties(mm_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_include_directories(mm_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   mm_link(mm_${name} PUBLIC ${ARG_DEPENDS})
+  if(ARG_EDGE)
+    target_compile_options(mm_${name} PRIVATE -O1)
+  endif()
 endfunction()
 
 # mm_link(<target> <PUBLIC|PRIVATE> <folders or targets>): `catkin` brings ROS and the generated messages.

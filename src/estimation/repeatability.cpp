@@ -11,7 +11,8 @@
 namespace mm {
 namespace {
 
-constexpr double kOutlying = 4.0;  // times the bulk: 1 in 16,000 of normal noise is lost
+constexpr double kOutlying = 4.0;        // times the bulk: 1 in 16,000 of normal noise is lost
+constexpr double kRoundingOfAll = 1e-9;  // of the largest residual: 1 pm of 1 mm
 
 /// Differences that should be noise alone, each over its own standard deviation in units of the noise.
 /// @return standard deviation of the noise, without what stands apart. @param kept which counted.
@@ -98,7 +99,7 @@ class Repeats {
     std::map<int, int> targets;
     for (const Pair& p : pairs) last = std::max(last, p.group.first), ++targets[p.target];
     found.inWords = std::to_string(last + 2) + " runs over " + std::to_string(targets.size()) +
-                    " targets, without what shifts a whole run";
+                    " targets, excluding shifts of a whole run";
     return found;
   }
 
@@ -315,7 +316,8 @@ Repeatability repeatedMeasurements(const Problem& problem, const Eigen::VectorXd
   const Repeats repeats(problem, residuals, angular);
   Repeatability found = repeats.consecutive();
   if (!(found.dof > 0.0)) found = repeats.runs();
-  if (!(found.dof > 0.0) || !(found.value > 0.0)) return {};
+  // repeats that are alike but for the rounding of their numbers were computed, or read on a coarse scale
+  if (!(found.dof > 0.0) || !(found.value > kRoundingOfAll * residuals.cwiseAbs().maxCoeff())) return {};
   char uncertain[64];
   std::snprintf(uncertain, sizeof uncertain, ": %.3g degrees of freedom, ± %.2g %% (k = 2)", found.dof,
                 200.0 * found.relativeStd());
